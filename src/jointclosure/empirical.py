@@ -1,0 +1,63 @@
+"""The Barton-Bandis law for mated joints: a benchmark law, never measured data."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class BartonBandis(NamedTuple):
+    """Aperture a_j and largest closure V_m [m], initial stiffness K_ni [Pa/m]."""
+
+    aperture: float
+    largest_closure: float
+    initial_stiffness: float
+
+    def closure(self, normal_stress):
+        """Closure [m] at a normal stress [Pa], dV = sigma V_m / (K_ni V_m + sigma)."""
+        stress = np.asarray(normal_stress, dtype=float)
+        return (
+            stress
+            * self.largest_closure
+            / (self.initial_stiffness * self.largest_closure + stress)
+        )
+
+
+# A, B, C, D of V_m = A + B JRC + C (JCS/a_j)^D [mm, MPa]; those of cycle 2 quoted from memory
+_CONSTANTS = {
+    1: (-0.2960, -0.0056, 2.2410, -0.2450),
+    2: (-0.1005, -0.0073, 1.0082, -0.2301),
+}
+
+
+def barton_bandis(
+    jrc: float, compressive_strength: float, strength_ratio: float, cycle: int
+) -> BartonBandis:
+    """The law's constants for a joint.
+
+    Parameters
+    ----------
+    jrc : float
+        Joint roughness coefficient; the law holds from 5 to 15.
+    compressive_strength : float
+        sigma_c of the rock [Pa].
+    strength_ratio : float
+        sigma_c / JCS, over the strength of the joint's walls.
+    cycle : int
+        1 or 2.
+
+    Returns
+    -------
+    BartonBandis
+
+    Notes
+    -----
+    Bandis, Lumsden & Barton 1983 and Barton, Bandis & Bakhtar 1985: a_j =
+    (JRC/5)(0.2 sigma_c/JCS - 0.1) mm, K_ni = -7.15 + 1.75 JRC + 0.02 JCS/a_j
+    MPa/mm, V_m as above.
+    """
+    a, b, c, d = _CONSTANTS[cycle]
+    wall_strength = compressive_strength / strength_ratio * 1e-6
+    aperture = jrc / 5.0 * (0.2 * strength_ratio - 0.1)
+    largest = a + b * jrc + c * (wall_strength / aperture) ** d
+    stiffness = -7.15 + 1.75 * jrc + 0.02 * wall_strength / aperture
+    return BartonBandis(aperture * 1e-3, largest * 1e-3, stiffness * 1e9)

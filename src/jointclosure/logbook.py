@@ -1,0 +1,30 @@
+"""Logs of the workflow's scripts."""
+
+import contextlib
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+
+class Logbook:
+    """Writes lines with the time since its start, flushed one by one."""
+
+    def __init__(self, stream):
+        self._stream, self._start = stream, time.monotonic()
+
+    def __call__(self, line: str) -> None:
+        print(f"{time.monotonic() - self._start:8.2f} s  {line}", file=self._stream, flush=True)
+
+
+@contextlib.contextmanager
+def logging_to(path: str | Path) -> Iterator[Logbook]:
+    """A logbook in a file, which receives standard output and errors too."""
+    with open(path, "w", encoding="utf-8", buffering=1) as stream:
+        with contextlib.redirect_stdout(stream), contextlib.redirect_stderr(stream):
+            try:
+                yield Logbook(stream)
+            except BaseException as error:
+                print(f"failed: {error}", file=stream, flush=True)
+                print(f"{path}: {error}", file=sys.__stderr__, flush=True)
+                raise

@@ -1,0 +1,1 @@
+"""Physics of one pair of asperities: scalar kernels, one equation each."""

@@ -1,0 +1,56 @@
+"""What a loaded asperity does to its neighbours, Eqs. (17) to (20)."""
+
+import math
+
+from jointclosure.compilation import kernel
+
+
+@kernel
+def far_field_factor(ratio):
+    """Displacement by a Hertz pressure over that by a point force.
+
+    Parameters
+    ----------
+    ratio : float
+        r/zeta, base radius over distance, between 0 and 1.
+
+    Returns
+    -------
+    float
+        E* pi zeta u / F: 1 far away, 3 pi/8 at the rim.
+
+    Notes
+    -----
+    Eqs. (17) and (18) (Johnson 1985, Eq. 3.42b) with Eqs. (19) and (20) are
+    the hypergeometric series 2F1(1/2, 1/2; 5/2; (r/zeta)^2). The printed form
+    subtracts equal numbers far away; the series has positive terms only, so
+    it serves up to r/zeta = 0.9 and the printed form beyond.
+    """
+    square = ratio * ratio
+    if ratio > 0.9:
+        bracket = (2.0 * square - 1.0) * math.asin(ratio) + ratio * math.sqrt(1.0 - square)
+        return 0.75 * bracket / (square * ratio)
+    term = 1.0
+    total = 1.0
+    n = 0.0
+    while term > 1e-17 * total:
+        term *= (n + 0.5) ** 2 / ((n + 2.5) * (n + 1.0)) * square
+        total += term
+        n += 1.0
+    return total
+
+
+@kernel
+def interaction_displacement(distance, base_radius, equivalent_modulus):
+    """Approach of both half-spaces per unit force [m/N], Eqs. (17) to (20).
+
+    Parameters
+    ----------
+    distance : float
+        zeta >= base_radius [m].
+    base_radius : float
+        r [m].
+    equivalent_modulus : float
+        1 / (1/E_t* + 1/E_b*) of the rock [Pa].
+    """
+    return far_field_factor(base_radius / distance) / (math.pi * equivalent_modulus * distance)

@@ -1,0 +1,72 @@
+"""Strength of one pair of asperities, Eqs. (21) to (23)."""
+
+import math
+
+from jointclosure.compilation import kernel
+
+
+@kernel
+def von_mises_on_axis(depth, poisson_ratio):
+    """Equivalent stress over p0 on the axis of a Hertz pressure, Eq. (21).
+
+    Parameters
+    ----------
+    depth : float
+        z/a >= 0, depth over the radius of contact.
+    poisson_ratio : float
+        Poisson's ratio.
+    """
+    angle = math.atan2(1.0, depth)
+    return 1.5 / (1.0 + depth**2) - (1.0 + poisson_ratio) * (1.0 - depth * angle)
+
+
+@kernel
+def strength_factor(poisson_ratio):
+    """c(nu) = sigma_V,max / p0, the paper's fit Eq. (23) to Eq. (21)."""
+    return 0.1251 * poisson_ratio**2 - 0.536 * poisson_ratio + 0.7695
+
+
+@kernel
+def peak_pressure(deformation, curvature, asperity_modulus):
+    """p0_a [Pa] of a deformation delta_a [m] at curvature 1/R_a [1/m], Eq. (22)."""
+    return 2.0 / math.pi * asperity_modulus * math.sqrt(deformation * curvature)
+
+
+@kernel
+def breaking_bend(pressure_limit, asperity_modulus):
+    """q = delta_break / R_a at which p0_a reaches its limit, from Eq. (22).
+
+    Parameters
+    ----------
+    pressure_limit : float
+        The smaller sigma_c / c(nu) of the two walls [Pa].
+    asperity_modulus : float
+        E_a* [Pa].
+    """
+    return (0.5 * math.pi * pressure_limit / asperity_modulus) ** 2
+
+
+@kernel
+def is_overstressed(overlap, curvature, bend, breaking_force, substrate):
+    """Whether a pair at this overlap is beyond its strength, Eqs. (5), (10), (22).
+
+    Parameters
+    ----------
+    overlap : float
+        delta_S [m].
+    curvature : float
+        kappa_a [1/m].
+    bend : float
+        q of `breaking_bend`.
+    breaking_force : float
+        4/3 E_a* q^(3/2) [Pa]: the breaking force times kappa_a^2.
+    substrate : float
+        A [m/N].
+
+    Notes
+    -----
+    delta_break = q/kappa and F_break = 4/3 E_a* q^(3/2)/kappa^2 give the
+    overlap at breakage; multiplied by kappa^2 it needs neither root nor
+    division, and a flat contact (kappa = 0) never breaks.
+    """
+    return overlap * curvature * curvature > bend * curvature + substrate * breaking_force

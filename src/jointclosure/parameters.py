@@ -1,0 +1,244 @@
+"""What a simulation is told: rocks, effects, choices and numerics, all in SI.
+
+`SI_FACTORS` is the one place where the units of a configuration (the suffix
+of a key's name) become SI.
+"""
+
+import math
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from jointclosure.mechanics.contact import (
+    equivalent_modulus,
+    plane_strain_modulus,
+    substrate_compliance,
+)
+from jointclosure.mechanics.strength import breaking_bend, strength_factor
+
+SI_FACTORS = {"GPa": 1e9, "MPa": 1e6, "mm": 1e-3, "um": 1e-6, "m": 1.0, "Pa": 1.0}
+
+
+def to_si(settings: dict) -> dict:
+    """Settings with unit suffixes in their keys, as SI under the bare names.
+
+    ``{"youngs_modulus_GPa": 78}`` becomes ``{"youngs_modulus": 78e9}``; a key
+    without a known unit is kept, lists and nested settings are converted too.
+    """
+    converted = {}
+    for key, value in settings.items():
+        name, _, unit = key.rpartition("_")
+        factor = SI_FACTORS.get(unit) if name else None
+        if isinstance(value, dict):
+            converted[key] = to_si(value)
+        elif factor is None:
+            converted[key] = value
+        elif value is None:
+            converted[name] = None
+        elif isinstance(value, list | tuple):
+            converted[name] = [_scaled(item, unit) for item in value]
+        else:
+            converted[name] = _scaled(value, unit)
+    return converted
+
+
+def _scaled(value: float, unit: str) -> float:
+    """Value times its unit, rounded as the decimal number that was written."""
+    return float(f"{float(value):.15g}e{round(math.log10(SI_FACTORS[unit]))}")
+
+
+class Rock(NamedTuple):
+    """Intact rock of a wall: Young's modulus [Pa], nu [-], sigma_c [Pa]."""
+
+    youngs_modulus: float
+    poisson_ratio: float
+    compressive_strength: float
+
+
+class Effects(NamedTuple):
+    """Which effects a scene has; see `check_scene` for the 18 well-posed ones."""
+
+    substrate: bool = True
+    interaction: bool = True
+    breakage: bool = True
+    gouge: bool = True
+    soft_peaks: bool = True
+
+
+class Choices(NamedTuple):
+    """What the paper leaves open.
+
+    ``base_radius_in_cells`` is r/h in (0, 1]; ``peak_modulus_ratio`` the
+    modulus of a peak over the rock's; ``concave`` how valleys and saddles
+    count ("magnitude"); ``peaks`` whether peaks are those of the "pristine"
+    or of the "current" walls; ``largest_radius`` [m] bounds each wall's
+    Gaussian radius from above (None: unbounded, as in the paper);
+    ``tie_tolerance`` is the difference in height that counts as lower, over
+    the roughness (rms of both walls; about 1e-12 m for the paper's walls).
+    """
+
+    base_radius_in_cells: float = 0.5
+    peak_modulus_ratio: float = 0.05
+    concave: Literal["magnitude"] = "magnitude"
+    peaks: Literal["pristine", "current"] = "pristine"
+    largest_radius: float | None = None
+    tie_tolerance: float = 2e-9
+
+
+class Numerics(NamedTuple):
+    """Steps [m] and tolerances; ``later_``: every branch after the first loading.
+
+    ``force_tolerance`` is the relative residual of equilibrium of the fast
+    solver and, where it is not given, the paper's 1 % change between sweeps
+    of the reference. ``stress_tolerance`` is the relative distance to the
+    target stress that ends a loading when ``target`` is "equilibrate";
+    "interpolate" is the paper's linear interpolation.
+    """
+
+    displacement_step: float = 12.5e-6
+    breakage_step: float = 5e-6
+    later_displacement_step: float = 6.25e-6
+    later_breakage_step: float = 2.5e-6
+    target: Literal["equilibrate", "interpolate"] = "equilibrate"
+    stress_tolerance: float = 1e-3
+    force_tolerance: float | None = None
+    solver: str = "fast"
+
+
+class ContactLaw(NamedTuple):
+    """Constants of every pair of cells, derived from rock, choices and grid.
+
+    The arrays have four entries, by the pair's state: 2 x (upper cell is a
+    soft peak) + (lower cell is one).
+    """
+
+    spacing: float
+    base_radius: float
+    least_curvature: float
+    substrate_modulus: float  # 1/(1/E_t* + 1/E_b*) [Pa]
+    substrate: float  # compliance A [m/N], 0 without substrate
+    asperity_modulus: np.ndarray  # E_a* [Pa], Eq. (4)
+    bend: np.ndarray  # q = delta_break/R_a, Eq. (22)
+    breaking_force: np.ndarray  # 4/3 E_a* q^(3/2) [Pa]
+
+
+class InputError(ValueError):
+    """A value that the model cannot take; the message names it."""
+
+
+def both_walls(rock) -> tuple[Rock, Rock]:
+    """(upper, lower) rocks, from one rock or a pair of rocks.
+
+    Raises
+    ------
+    InputError
+        Not a rock, or a property out of its range.
+    """
+    pair = (rock, rock) if isinstance(rock, Rock) else tuple(rock)
+    if len(pair) != 2 or not all(isinstance(wall, Rock) for wall in pair):
+        raise InputError(f"rock: {rock!r} is neither a Rock nor a pair (upper, lower) of them")
+    for wall in pair:
+        check_rock(wall)
+    return pair
+
+
+def check_rock(rock: Rock) -> None:
+    """Raise `InputError` where a property of the rock is out of its range."""
+    _positive("youngs_modulus", rock.youngs_modulus, "Pa")
+    _positive("compressive_strength", rock.compressive_strength, "Pa", may_be_infinite=True)
+    if not 0.0 <= rock.poisson_ratio <= 0.5:
+        raise InputError(f"poisson_ratio = {rock.poisson_ratio!r}: must lie in [0, 0.5]")
+
+
+def check_scene(effects: Effects) -> None:
+    """Refuse the combinations of effects that have no answer.
+
+    Raises
+    ------
+    InputError
+        Interaction without substrate: the operator is indefinite, so that
+        equilibrium need not exist nor be unique. Gouge without breakage:
+        nothing makes it.
+    """
+    if effects.interaction and not effects.substrate:
+        raise InputError(
+            "effects: interaction = True needs substrate = True; without the substrate's own "
+            "compliance the interaction operator is indefinite and equilibrium is not unique"
+        )
+    if effects.gouge and not effects.breakage:
+        raise InputError("effects: gouge = True needs breakage = True, which makes the gouge")
+
+
+def check_choices(choices: Choices) -> None:
+    """Raise `InputError` where a choice is not among those allowed."""
+    if not 0.0 < choices.base_radius_in_cells <= 1.0:
+        raise InputError(
+            f"base_radius_in_cells = {choices.base_radius_in_cells!r}: must lie in (0, 1]; beyond "
+            "a cell the neighbour lies under the base, where Eqs. (17) and (18) do not hold"
+        )
+    if not 0.0 < choices.peak_modulus_ratio <= 1.0:
+        raise InputError(f"peak_modulus_ratio = {choices.peak_modulus_ratio!r}: must be in (0, 1]")
+    _one_of("concave", choices.concave, ("magnitude",))
+    _one_of("peaks", choices.peaks, ("pristine", "current"))
+    if choices.largest_radius is not None:
+        _positive("largest_radius", choices.largest_radius, "m")
+    if not 0.0 < choices.tie_tolerance < 1e-3:
+        raise InputError(f"tie_tolerance = {choices.tie_tolerance!r}: must lie in (0, 0.001)")
+
+
+def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
+    """Raise `InputError` where a step or tolerance is out of its range."""
+    for prefix in ("", "later_"):
+        step = getattr(numerics, f"{prefix}displacement_step")
+        loss = getattr(numerics, f"{prefix}breakage_step")
+        _positive(f"{prefix}displacement_step", step, "m")
+        _positive(f"{prefix}breakage_step", loss, "m")
+        if loss >= step:
+            raise InputError(
+                f"{prefix}breakage_step = {loss!r} m: must be smaller than "
+                f"{prefix}displacement_step = {step!r} m"
+            )
+    _one_of("target", numerics.target, ("equilibrate", "interpolate"))
+    _one_of("solver", numerics.solver, solvers)
+    if not 0.0 < numerics.stress_tolerance < 1.0:
+        raise InputError(f"stress_tolerance = {numerics.stress_tolerance!r}: must lie in (0, 1)")
+    if numerics.force_tolerance is not None and not 0.0 < numerics.force_tolerance < 1.0:
+        raise InputError(f"force_tolerance = {numerics.force_tolerance!r}: must lie in (0, 1)")
+
+
+def contact_law(
+    spacing: float, rock: tuple[Rock, Rock], effects: Effects, choices: Choices
+) -> ContactLaw:
+    """Constants of the contact law of both walls on a grid of this spacing [m]."""
+    moduli = [plane_strain_modulus(wall.youngs_modulus, wall.poisson_ratio) for wall in rock]
+    ratio = choices.peak_modulus_ratio if effects.soft_peaks else 1.0
+    softness = [(1.0, 1.0), (1.0, ratio), (ratio, 1.0), (ratio, ratio)]
+    asperity_modulus = np.array(
+        [equivalent_modulus(moduli[0] * upper, moduli[1] * lower) for upper, lower in softness]
+    )
+    limit = min(wall.compressive_strength / strength_factor(wall.poisson_ratio) for wall in rock)
+    bend = np.array([breaking_bend(limit, modulus) for modulus in asperity_modulus])
+    substrate_modulus = equivalent_modulus(*moduli)
+    base_radius = choices.base_radius_in_cells * spacing
+    return ContactLaw(
+        spacing=float(spacing),
+        base_radius=float(base_radius),
+        least_curvature=1.0 / choices.largest_radius if choices.largest_radius else 0.0,
+        substrate_modulus=float(substrate_modulus),
+        substrate=float(substrate_compliance(base_radius, substrate_modulus))
+        if effects.substrate
+        else 0.0,
+        asperity_modulus=asperity_modulus,
+        bend=bend,
+        breaking_force=4.0 / 3.0 * asperity_modulus * bend * np.sqrt(bend),
+    )
+
+
+def _positive(name: str, value: float, unit: str, may_be_infinite: bool = False) -> None:
+    if not value > 0.0 or (math.isinf(value) and not may_be_infinite):
+        raise InputError(f"{name} = {value!r} {unit}: must be positive and finite")
+
+
+def _one_of(name: str, value: str, allowed: tuple[str, ...]) -> None:
+    if value not in allowed:
+        raise InputError(f"{name} = {value!r}: must be one of {', '.join(allowed)}")

@@ -1,0 +1,278 @@
+"""Figures of a study: datasets and tables in, figures out; no files.
+
+The functions draw what they are given; what a study means is computed in
+`jointclosure.study`.
+"""
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import seaborn as sns
+import xarray as xr
+from matplotlib.figure import Figure
+
+from jointclosure.empirical import barton_bandis
+from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
+from jointclosure.readings import first_crossing
+from jointclosure.study.ensemble import succeeded
+from jointclosure.tables import PARAMETER_TITLES
+
+sns.set_theme(context="paper", style="ticks", palette="colorblind", font_scale=1.1)
+matplotlib.rcParams.update({"figure.dpi": 150, "savefig.dpi": 150, "axes.grid": False})
+
+_CYCLE_COLOURS = dict(enumerate(sns.color_palette("colorblind", 8), start=1))
+_UNITS = {"1": "", "GPa": " (GPa)", "MPa": " (MPa)"}
+
+
+def equivalent_stress() -> Figure:
+    """The maximum of Eq. (21) against Poisson's ratio, with Eq. (23) on it."""
+    ratios = np.linspace(0.0, 0.5, 101)
+    depths = np.linspace(0.2, 0.8, 6001)
+    along = np.array([[von_mises_on_axis(z, nu) for z in depths] for nu in ratios[::5]])
+    figure, axes = plt.subplots(figsize=(5.2, 3.8), layout="constrained")
+    axes.plot(ratios[::5], along.max(axis=1), "o", label="maximum of Eq. (21)", zorder=3)
+    axes.plot(ratios, strength_factor(ratios), "-", color="0.3", label="Eq. (23), the paper's fit")
+    axes.set(
+        xlabel="Poisson's ratio ν", ylabel="maximum equivalent stress / $p_0$", xlim=(-0.01, 0.51)
+    )
+    axes.legend(frameon=False)
+    sns.despine(figure)
+    return figure
+
+
+def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title: str) -> Figure:
+    """Both walls (y, x) [m], and their summed height: where they touch first."""
+    ny, nx = upper.shape
+    extent = (0.0, 1e3 * nx * spacing, 0.0, 1e3 * ny * spacing)
+    figure, panels = plt.subplots(1, 3, figsize=(10.5, 3.6), layout="constrained", sharey=True)
+    summed = 1e3 * (upper + lower)
+    reach = 1e3 * max(np.abs(upper).max(), np.abs(lower).max())
+    for axes, field, name in zip(
+        panels[:2], (upper, lower), ("upper wall", "lower wall"), strict=True
+    ):
+        image = axes.imshow(
+            1e3 * field, origin="lower", extent=extent, cmap="vlag", vmin=-reach, vmax=reach
+        )
+        axes.set(title=name, xlabel="x (mm)")
+    figure.colorbar(image, ax=panels[:2], label="height towards the other wall (mm)", shrink=0.9)
+    image = panels[2].imshow(summed.max() - summed, origin="lower", extent=extent, cmap="mako")
+    y, x = np.unravel_index(np.argmax(summed), summed.shape)
+    panels[2].plot(
+        1e3 * (x + 0.5) * spacing, 1e3 * (y + 0.5) * spacing, "o", mfc="none", mec="red", ms=9
+    )
+    panels[2].set(title="opening at first touch (circle)", xlabel="x (mm)")
+    figure.colorbar(image, ax=panels[2], label="opening (mm)", shrink=0.9)
+    panels[0].set_ylabel("y (mm)")
+    figure.suptitle(title)
+    return figure
+
+
+def closest_to_mean(study: xr.Dataset, case: str) -> int:
+    """Realisation of least RMS distance to the mean curve of the first cycle."""
+    curves = study.closure.sel(case=case).isel(cycle=0)
+    curves = curves.where(succeeded(study).sel(case=case))
+    distance = np.square(curves - curves.mean("realization")).mean(("branch", "stress"))
+    return int(study.realization.values[int(distance.argmin("realization"))])
+
+
+def closure_figure(
+    study: xr.Dataset, rocks: dict[str, dict], seating_stress: float, strength_ratio: float
+) -> Figure:
+    """Closure curves of each rock's base case, as in the paper's Fig. 5.
+
+    Parameters
+    ----------
+    study : Dataset
+        As from `jointclosure.study.ensemble.join_cases`.
+    rocks : dict
+        Settings of the rocks by name, in order.
+    seating_stress : float
+        From which each cycle's loading counts [Pa].
+    strength_ratio : float
+        sigma_c/JCS of the Barton-Bandis law.
+    """
+    columns = min(2, len(rocks))
+    rows = -(-len(rocks) // columns)
+    cycles = [int(c) for c in study.cycle.values[:2]]
+    figure, panels = plt.subplots(
+        rows, columns, figsize=(5.6 * columns, 4.2 * rows), layout="constrained", squeeze=False
+    )
+    for axes in panels.flat[len(rocks) :]:
+        axes.set_visible(False)
+    for axes, (name, rock) in zip(panels.flat, rocks.items(), strict=False):
+        case = study.case[(study.rock == name) & (study.parameter == "base")].item()
+        chosen = closest_to_mean(study, case)
+        base = study.sel(case=case).where(succeeded(study).sel(case=case))
+        stress = 1e-6 * study.stress.values
+        for cycle in cycles:
+            curves = _seated(base.closure.sel(cycle=cycle), seating_stress)
+            colour = _CYCLE_COLOURS[cycle]
+            for branch in ("loading", "unloading"):
+                every = 1e3 * curves.sel(branch=branch)
+                shown = stress >= 1e-6 * seating_stress if branch == "loading" else stress >= 0.0
+                x = every.values[:, shown]
+                axes.plot(x.T, stress[shown], color=colour, lw=0.4, alpha=0.25)
+                mean, spread = np.nanmean(x, axis=0), np.nanstd(x, axis=0, ddof=1)
+                if branch == "loading":
+                    axes.fill_betweenx(
+                        stress[shown], mean - spread, mean + spread, color=colour, alpha=0.18, lw=0
+                    )
+                line = every.sel(realization=chosen).values[shown]
+                axes.plot(
+                    line, stress[shown], color=colour, lw=2.0, ls="-" if branch == "loading" else "--"
+                )
+        for cycle in cycles:
+            law = barton_bandis(
+                rock["jrc"], 1e6 * rock["compressive_strength_MPa"], strength_ratio, cycle
+            )
+            axes.plot(1e3 * law.closure(1e6 * stress), stress, color="0.2", lw=1.2, ls=(0, (1, 1.5)))
+        axes.set(
+            title=f"{rock['title']}, JRC {rock['jrc']:g}",
+            ylim=(0.0, 1.02 * float(rock["max_normal_stress_MPa"])),
+            xlabel=f"closure since {1e-6 * seating_stress:g} MPa of the cycle's loading (mm)",
+            ylabel="normal stress (MPa)",
+        )
+    handles = [
+        plt.Line2D([], [], color=_CYCLE_COLOURS[c], lw=2, label=f"cycle {c}") for c in cycles
+    ]
+    handles += [
+        plt.Line2D([], [], color="0.5", lw=2, label="surface closest to the mean, loading"),
+        plt.Line2D([], [], color="0.5", lw=2, ls="--", label="the same, unloading"),
+        plt.Line2D([], [], color="0.5", lw=0.6, alpha=0.6, label="every surface"),
+        plt.Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="mean ± 1 standard deviation"),
+        plt.Line2D(
+            [],
+            [],
+            color="0.2",
+            lw=1.2,
+            ls=(0, (1, 1.5)),
+            label="Barton-Bandis law, cycles 1 and 2 (empirical, for mated joints)",
+        ),
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
+    sns.despine(figure)
+    return figure
+
+
+def _seated(closure: xr.DataArray, seating_stress: float) -> xr.DataArray:
+    """One cycle's closures (realization, branch, stress) since its seating."""
+    stress = closure.stress.values
+    loading = closure.sel(branch="loading").values
+    start = [first_crossing(stress, curve, seating_stress) for curve in loading]
+    return closure - xr.DataArray(start, dims="realization", coords={"realization": closure.realization})
+
+
+def interval_figure(table: pd.DataFrame, rocks: dict[str, dict]) -> Figure:
+    """Indifference intervals, ours against the paper's, by parameter and cycle."""
+    parameters = list(dict.fromkeys(table.parameter))
+    cycles = sorted(table.cycle.unique())
+    figure, panels = plt.subplots(
+        len(cycles),
+        len(parameters),
+        figsize=(3.1 * len(parameters), 2.9 * len(cycles)),
+        layout="constrained",
+        squeeze=False,
+        sharex=True,
+    )
+    names = list(rocks)
+    for row, cycle in zip(panels, cycles, strict=True):
+        for axes, parameter in zip(row, parameters, strict=True):
+            part = table[(table.parameter == parameter) & (table.cycle == cycle)].set_index("rock")
+            part = part.reindex(names)
+            _draw_intervals(axes, part)
+            axes.set_xticks(range(len(names)), [rocks[n]["title"] for n in names], rotation=35)
+            axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=9)
+            unit = part.unit.dropna()
+            axes.set_ylabel(f"length{_UNITS[unit.iloc[0]] if unit.size else ''}")
+    handles = [
+        plt.Line2D([], [], marker="o", ls="", color="C0", label="this study, with 95 % bootstrap"),
+        plt.Line2D(
+            [], [], marker="o", ls="", mfc="none", color="C0", label="the same, extrapolated root"
+        ),
+        plt.Line2D([], [], marker="^", ls="", color="C2", ms=5, label="net of bulk indentation"),
+        plt.Line2D([], [], marker="D", ls="", color="C1", label="the paper"),
+        plt.Line2D([], [], marker="x", ls="", color="0.4", label="no real root"),
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=5, frameon=False)
+    sns.despine(figure)
+    return figure
+
+
+def _draw_intervals(axes, part: pd.DataFrame) -> None:
+    highest = np.nanmax(
+        part[["length", "length_net", "paper_length"]].to_numpy(dtype=float), initial=0.0
+    )
+    top = 1.35 * highest if highest > 0.0 else 1.0
+    for i, row in enumerate(part.itertuples()):
+        if pd.notna(getattr(row, "paper_length", np.nan)):
+            axes.plot(i + 0.22, row.paper_length, "D", color="C1", ms=5)
+        if pd.isna(row.length):
+            axes.plot(i - 0.12, 0.97 * top, "x", color="0.4")
+        else:
+            high = min(row.length_high, 1.2 * top)
+            axes.plot([i - 0.12] * 2, [row.length_low, high], color="C0", lw=1.0)
+            fill = "none" if row.extrapolated else "C0"
+            axes.plot(i - 0.12, row.length, "o", color="C0", mfc=fill, ms=6)
+        if pd.notna(row.length_net):
+            axes.plot(i + 0.05, row.length_net, "^", color="C2", ms=5)
+    axes.set_ylim(0.0, top)
+    axes.set_xlim(-0.6, len(part) - 0.4)
+
+
+def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, dict]) -> Figure:
+    """Mean maximum closure against each parameter, relative to the base case.
+
+    Parameters
+    ----------
+    closures : DataFrame
+        As from `jointclosure.study.sensitivity.max_closure_table`.
+    study : Dataset
+        Gives the parameters of the cases.
+    rocks : dict
+        Settings of the rocks by name, in order.
+    """
+    parameters = [p for p in PARAMETER_TITLES if (closures.parameter == p).any()]
+    cycles = sorted(closures.cycle.unique())
+    figure, panels = plt.subplots(
+        len(cycles),
+        len(parameters),
+        figsize=(3.1 * len(parameters), 2.8 * len(cycles)),
+        layout="constrained",
+        squeeze=False,
+        sharex="col",
+        sharey="row",
+    )
+    values = {p: dict(zip(study.case.values, study[p].values, strict=True)) for p in parameters}
+    for row, cycle in zip(panels, cycles, strict=True):
+        for axes, parameter in zip(row, parameters, strict=True):
+            for i, (name, rock) in enumerate(rocks.items()):
+                part = closures[
+                    (closures.rock == name)
+                    & (closures.cycle == cycle)
+                    & closures.parameter.isin([parameter, "base"])
+                ]
+                if len(part) < 2:
+                    continue
+                at = part.case.map(values[parameter]).to_numpy()
+                order = np.argsort(at)
+                base = at[(part.parameter == "base").to_numpy()][0]
+                mean = part.max_closure_mean_mm.to_numpy()[order]
+                net = part.max_closure_net_mean_mm.to_numpy()[order]
+                axes.plot(
+                    at[order] / base, mean, "o-", color=f"C{i}", ms=4, label=rock["title"]
+                )
+                axes.plot(at[order] / base, net, "--", color=f"C{i}", lw=1.0)
+            axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=9)
+            if cycle == cycles[-1]:
+                axes.set_xlabel("value / the rock's own")
+        row[0].set_ylabel("mean maximum closure (mm)")
+    handles, labels = panels[0][0].get_legend_handles_labels()
+    handles.append(plt.Line2D([], [], color="0.4", ls="--", lw=1.0))
+    labels.append("net of bulk indentation")
+    figure.legend(handles, labels, loc="outside lower center", ncols=5, frameon=False)
+    sns.despine(figure)
+    return figure

@@ -1,0 +1,251 @@
+"""The history of a joint: load cycles under displacement control.
+
+Works with any solver of the registry. See docs/decisions/0005-protocol.md.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from jointclosure.parameters import Numerics
+from jointclosure.solvers.joint import (
+    CONVERGED,
+    NOT_AT_REST,
+    NOT_CONVERGED,
+    RIGID_CONTACT,
+    Joint,
+    Settled,
+    Solver,
+)
+
+TARGET_JUMPED = 1
+OUTSIDE_MODEL_RANGE = 2
+FAILURE = 16
+FLAGS = {
+    TARGET_JUMPED: "target_jumped",
+    OUTSIDE_MODEL_RANGE: "outside_model_range",
+    FAILURE: "not_converged",
+    2 * FAILURE: "breakage_not_at_rest",
+    4 * FAILURE: "rigid_contact",
+    8 * FAILURE: "stress_not_reached",
+}
+"""Bits of a simulation's status: below `FAILURE` remarks on a success, above it failures."""
+
+FLAG_OF_OUTCOME = {
+    NOT_CONVERGED: FAILURE,
+    NOT_AT_REST: 2 * FAILURE,
+    RIGID_CONTACT: 4 * FAILURE,
+}
+LARGEST_UNBREAKABLE_SHARE = 0.1
+"""Beyond this share of force on contacts that cannot break the model is out of its range."""
+
+LOADING, UNLOADING = "loading", "unloading"
+_SMALLEST_STEP = 1e-6
+"""Fraction of a displacement step below which a jump of the stress is accepted as one."""
+
+
+class Step(NamedTuple):
+    """One accepted point of the history: what was settled, and where in it."""
+
+    cycle: int
+    branch: str
+    settled: Settled
+
+
+class History(NamedTuple):
+    """All accepted steps in order, the status bits, and the total effort."""
+
+    steps: list[Step]
+    status: int
+    breakage_steps: int
+    iterations: int
+
+
+class _Run:
+    """Mutable bookkeeping of `run_cycles`."""
+
+    def __init__(self, joint: Joint, solver: Solver, numerics: Numerics, target_force: float):
+        self.joint, self.solver, self.numerics = joint, solver, numerics
+        self.target_force = target_force
+        self.closure, self.total_force = 0.0, 0.0
+        self.steps: list[Step] = []
+        self.status = 0
+        self.breakage_steps = self.iterations = 0
+        self.closure_limit = _closure_limit(joint, target_force)
+
+    @property
+    def failed(self) -> bool:
+        return self.status >= FAILURE
+
+    def settle(self, closure: float, breakage_step: float) -> Settled:
+        settled = self.solver.settle(self.joint, closure, breakage_step)
+        self.breakage_steps += settled.breakage_steps
+        self.iterations += settled.iterations
+        if settled.outcome != CONVERGED:
+            self.status |= FLAG_OF_OUTCOME[settled.outcome]
+        return settled
+
+    def accept(self, cycle: int, branch: str, settled: Settled) -> None:
+        self.closure, self.total_force = settled.closure, settled.total_force
+        self.steps.append(Step(cycle, branch, settled))
+
+
+def run_cycles(
+    joint: Joint, solver: Solver, numerics: Numerics, target_force: float, cycles: int
+) -> History:
+    """Load to a force and unload to last contact, repeatedly.
+
+    Parameters
+    ----------
+    joint : Joint
+        Unloaded at first touch; left as the history leaves it.
+    solver : Solver
+    numerics : Numerics
+        Steps of the first loading and of the branches after it.
+    target_force : float
+        Nominal stress times nominal area [N].
+    cycles : int
+        Load cycles, at least 1.
+
+    Returns
+    -------
+    History
+        Starts with first touch at closure 0. Ends early with a failure's bit
+        in the status.
+    """
+    run = _Run(joint, solver, numerics, target_force)
+    run.accept(1, LOADING, _untouched(joint))
+    for cycle in range(1, cycles + 1):
+        first = cycle == 1
+        _load(
+            run,
+            cycle,
+            numerics.displacement_step if first else numerics.later_displacement_step,
+            numerics.breakage_step if first else numerics.later_breakage_step,
+        )
+        if run.failed:
+            break
+        _judge_range(run)
+        _unload(run, cycle)
+        if run.failed:
+            break
+    return History(run.steps, run.status, run.breakage_steps, run.iterations)
+
+
+def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float) -> None:
+    """Close by steps until the force passes the target, then land on it."""
+    while True:
+        if run.closure > run.closure_limit:
+            run.status |= 8 * FAILURE
+            return
+        before = run.joint.snapshot()
+        settled = run.settle(run.closure + displacement_step, breakage_step)
+        if run.failed:
+            return
+        if settled.total_force >= run.target_force:
+            break
+        run.accept(cycle, LOADING, settled)
+    if run.numerics.target == "interpolate":
+        _interpolate(run, cycle, before, settled)
+    else:
+        _land(run, cycle, before, settled, displacement_step, breakage_step)
+
+
+def _land(run, cycle, before, passed, displacement_step, breakage_step) -> None:
+    """Repeat the step that passed the target, smaller, until the force is within tolerance.
+
+    Secant steps between the last state below and the last one above, drawn
+    towards the other side, twice as far for each in a row that ends on the
+    same: with breakage the force hardly depends on the step. Where it jumps
+    over the target, the last state below it.
+    """
+    near = run.numerics.stress_tolerance * run.target_force
+    above, passed_again, short_again = passed, 0, 0
+    while True:
+        if above.total_force - run.target_force <= near:
+            run.accept(cycle, LOADING, above)
+            return
+        if run.target_force - run.total_force <= near:
+            run.joint.restore(before)
+            return
+        room = above.closure - run.closure
+        if room < _SMALLEST_STEP * displacement_step:
+            break
+        run.joint.restore(before)
+        slope = (above.total_force - run.total_force) / room
+        part = (run.target_force - run.total_force) / (slope * room)
+        part = min(max(part, 0.02), 0.98) * 0.5**passed_again
+        part = 1.0 - (1.0 - part) * 0.5**short_again
+        trial = run.settle(run.closure + part * room, breakage_step)
+        if run.failed:
+            return
+        if trial.total_force > run.target_force:
+            above, passed_again, short_again = trial, passed_again + 1, 0
+        else:
+            passed_again, short_again = 0, short_again + 1
+            run.accept(cycle, LOADING, trial)
+            before = run.joint.snapshot()
+    run.joint.restore(before)
+    run.status |= TARGET_JUMPED
+
+
+def _interpolate(run: _Run, cycle: int, before: tuple, passed: Settled) -> None:
+    """The paper's last step: walls, closure and forces between the last two states."""
+    part = (run.target_force - run.total_force) / (passed.total_force - run.total_force)
+    joint = run.joint
+    upper, lower, peaks, force, interaction = before
+    for field, earlier in (
+        (joint.upper, upper),
+        (joint.lower, lower),
+        (joint.force, force),
+        (joint.interaction, interaction),
+    ):
+        field[:] = earlier + part * (field - earlier)
+    last = run.steps[-1].settled
+    values = {
+        name: getattr(last, name) + part * (getattr(passed, name) - getattr(last, name))
+        for name in ("closure", "mean_interaction", "confined_share", "flat_share")
+    }
+    run.accept(cycle, LOADING, passed._replace(total_force=run.target_force, **values))
+
+
+def _unload(run: _Run, cycle: int) -> None:
+    """Open by steps; the last one is shortened to land on last contact."""
+    step = run.numerics.later_displacement_step
+    while True:
+        end = run.joint.last_touch
+        settled = run.settle(max(run.closure - step, end), run.numerics.later_breakage_step)
+        if run.failed:
+            return
+        run.accept(cycle, UNLOADING, settled)
+        if settled.total_force == 0.0 or settled.closure <= run.joint.last_touch:
+            return
+
+
+def _judge_range(run: _Run) -> None:
+    at_maximum = run.steps[-1].settled
+    if not run.joint.effects.breakage:
+        return
+    if at_maximum.confined_share + at_maximum.flat_share > LARGEST_UNBREAKABLE_SHARE:
+        run.status |= OUTSIDE_MODEL_RANGE
+
+
+def _untouched(joint: Joint) -> Settled:
+    nowhere = np.zeros(joint.upper.shape, dtype=bool)
+    return joint.describe(0.0, CONVERGED, 0, nowhere, 0)
+
+
+def _closure_limit(joint: Joint, target_force: float) -> float:
+    """A closure that no joint needs [m]: beyond it the target is out of reach.
+
+    Twice the depth of all voids and the elastic approach of a full contact.
+    """
+    summed = joint.upper + joint.lower
+    per_cell = target_force / summed.size
+    cells, _, _, compliance = joint.overlapping(float(np.ptp(summed)) + joint.first_touch)
+    elastic = joint.law.substrate * per_cell
+    if cells.size:
+        elastic += float(compliance.max()) * float(np.cbrt(per_cell)) ** 2
+    if joint.influence is not None:
+        elastic += 4.0 * per_cell * float(joint.influence.table.sum())
+    return 2.0 * (float(np.ptp(summed)) + elastic)

@@ -1,0 +1,116 @@
+"""What is read off a history: closures per cycle, and at given stresses.
+
+Seating never changes the history; it is a way of reading it.
+"""
+
+import numpy as np
+
+from jointclosure.protocol import LOADING, UNLOADING
+
+
+def branch_of(cycle: np.ndarray, branch: np.ndarray, number: int, name: str) -> np.ndarray:
+    """Indices of the steps (n,) on one branch of one cycle, its start included.
+
+    The start is the last step before the branch, where there is one.
+    """
+    here = np.flatnonzero((cycle == number) & (branch == name))
+    if here.size and here[0] > 0:
+        here = np.concatenate([[here[0] - 1], here])
+    return here
+
+
+def first_crossing(stress: np.ndarray, closure: np.ndarray, level: float) -> float:
+    """Closure [m] where the stress (n,) [Pa] first reaches a level; NaN if never."""
+    reached = np.flatnonzero(stress >= level)
+    if reached.size == 0:
+        return float("nan")
+    after = int(reached[0])
+    if after == 0:
+        return float(closure[0])
+    return _between(stress, closure, after - 1, after, level)
+
+
+def last_crossing(stress: np.ndarray, closure: np.ndarray, level: float) -> float:
+    """Closure [m] where the stress (n,) [Pa] was at a level for the last time; NaN if never."""
+    reached = np.flatnonzero(stress >= level)
+    if reached.size == 0:
+        return float("nan")
+    before = int(reached[-1])
+    if before == stress.size - 1:
+        return float(closure[-1])
+    return _between(stress, closure, before, before + 1, level)
+
+
+def _between(stress, closure, before: int, after: int, level: float) -> float:
+    rise = stress[after] - stress[before]
+    part = (level - stress[before]) / rise
+    return float(closure[before] + part * (closure[after] - closure[before]))
+
+
+def cycle_readings(
+    closure: np.ndarray,
+    stress: np.ndarray,
+    cycle: np.ndarray,
+    branch: np.ndarray,
+    cycles: int,
+    seating_stress: float,
+) -> dict[str, np.ndarray]:
+    """Closures per cycle (cycles,) [m]; NaN for cycles that were not completed.
+
+    Parameters
+    ----------
+    closure, stress, cycle, branch : array (steps,)
+        The history, closure [m] from first touch and stress [Pa].
+    cycles : int
+        Cycles asked for.
+    seating_stress : float
+        The ``_seated`` closures count from the first point of that cycle's
+        loading that reaches it [Pa].
+
+    Returns
+    -------
+    dict
+        ``max_closure``, ``residual_closure`` and the same ``_seated``. A
+        cycle's ``max_closure`` counts from its own start (Bandis), its
+        ``residual_closure`` from first touch.
+    """
+    names = ("max_closure", "residual_closure", "max_closure_seated", "residual_closure_seated")
+    readings = {name: np.full(cycles, np.nan) for name in names}
+    for index in range(cycles):
+        loading = branch_of(cycle, branch, index + 1, LOADING)
+        unloading = branch_of(cycle, branch, index + 1, UNLOADING)
+        if loading.size < 2 or unloading.size < 2:
+            continue
+        seat = first_crossing(stress[loading], closure[loading], seating_stress)
+        maximum, end = closure[loading[-1]], closure[unloading[-1]]
+        readings["max_closure"][index] = maximum - closure[loading[0]]
+        readings["residual_closure"][index] = end
+        readings["max_closure_seated"][index] = maximum - seat
+        readings["residual_closure_seated"][index] = end - seat
+    return readings
+
+
+def closure_at_stresses(
+    closure: np.ndarray,
+    stress: np.ndarray,
+    cycle: np.ndarray,
+    branch: np.ndarray,
+    cycles: int,
+    levels: np.ndarray,
+) -> np.ndarray:
+    """Closure (cycles, 2, levels) [m] on loading and unloading at given stresses.
+
+    The first crossing on loading, the last on unloading, interpolated between
+    steps; NaN where a level was not reached.
+    """
+    answer = np.full((cycles, 2, levels.size), np.nan)
+    for index in range(cycles):
+        for side, (name, crossing) in enumerate(
+            ((LOADING, first_crossing), (UNLOADING, last_crossing))
+        ):
+            here = branch_of(cycle, branch, index + 1, name)
+            if here.size < 2:
+                continue
+            for k, level in enumerate(levels):
+                answer[index, side, k] = crossing(stress[here], closure[here], level)
+    return answer

@@ -1,0 +1,301 @@
+"""Close one joint: the public functions `simulate` and `equilibrium`."""
+
+import math
+
+import numpy as np
+import xarray as xr
+
+from jointclosure.parameters import (
+    Choices,
+    Effects,
+    InputError,
+    Numerics,
+    both_walls,
+    check_choices,
+    check_numerics,
+    check_scene,
+)
+from jointclosure.protocol import FLAG_OF_OUTCOME, FLAGS, UNLOADING, History, run_cycles
+from jointclosure.readings import cycle_readings
+from jointclosure.solvers.interaction_operator import interaction_field
+from jointclosure.solvers.joint import Joint
+from jointclosure.solvers.registry import SOLVERS, solver_named
+
+ATTRIBUTES: dict[str, dict] = {
+    name: {"long_name": text, "units": unit}
+    for name, unit, text in (
+        ("closure", "m", "closure from first touch"),
+        ("normal_stress", "Pa", "nominal normal stress"),
+        ("contact_fraction", "1", "fraction of the cells in contact"),
+        ("bulk_indentation", "m", "mean displacement by the interaction"),
+        ("equilibrium_residual", "1", "recomputed residual of the forces over their sum"),
+        ("max_closure", "m", "closure at the cycle's maximum from the cycle's start"),
+        ("residual_closure", "m", "closure at the cycle's end from first touch"),
+        ("max_closure_seated", "m", "closure at the cycle's maximum from seating"),
+        ("residual_closure_seated", "m", "closure at the cycle's end from seating"),
+        ("max_bulk_indentation", "m", "bulk indentation at the cycle's maximum"),
+        ("least_force", "N", "least force on any cell at any step"),
+        ("confined_share", "1", "share of the force on confined contacts at the maximum"),
+        ("flat_share", "1", "share of the force on flat contacts at the maximum"),
+        ("upper_final", "m", "upper wall at the end, towards the lower"),
+        ("lower_final", "m", "lower wall at the end, towards the upper"),
+        ("breakage_steps", "1", "breakage steps taken"),
+        ("confined_contacts", "1", "largest number of confined contacts at a step"),
+        ("solver_iterations", "1", "products with the interaction, or sweeps (reference)"),
+        ("force", "N", "normal force of each contact"),
+        ("overlap", "m", "overlap delta_S, negative where the walls are apart"),
+        ("interaction_displacement", "m", "displacement by all other contacts"),
+    )
+}
+ATTRIBUTES["status"] = {
+    "long_name": "status of the simulation: 0 success, below 16 success with a remark",
+    "flag_masks": np.array(list(FLAGS), dtype=np.int16),
+    "flag_meanings": " ".join(FLAGS.values()),
+}
+
+
+def simulate(
+    upper,
+    lower,
+    *,
+    spacing: float,
+    rock,
+    max_normal_stress: float,
+    cycles: int = 2,
+    seating_stress: float = 0.0,
+    effects: Effects = Effects(),
+    choices: Choices = Choices(),
+    numerics: Numerics = Numerics(),
+) -> xr.Dataset:
+    """Press two walls together to a normal stress and release them, repeatedly.
+
+    Parameters
+    ----------
+    upper, lower : array (ny, nx)
+        Heights towards the other wall [m]; not changed.
+    spacing : float
+        Grid spacing h [m].
+    rock : Rock or (Rock, Rock)
+        Of both walls, or of the upper and the lower one.
+    max_normal_stress : float
+        Target of every cycle [Pa].
+    cycles : int
+        Load cycles, at least 1.
+    seating_stress : float
+        Where the ``_seated`` closures start to count [Pa], from 0 to below
+        the maximum. It changes what is read, never what happens.
+    effects : Effects
+    choices : Choices
+    numerics : Numerics
+
+    Returns
+    -------
+    xarray.Dataset
+        Along ``step``, starting with (0, 0): ``closure`` [m] from first
+        touch, ``normal_stress`` [Pa], ``contact_fraction``,
+        ``bulk_indentation`` [m], ``equilibrium_residual``, with coordinates
+        ``cycle`` and ``branch``. Along ``cycle``: ``max_closure``,
+        ``residual_closure`` [m], both ``_seated`` too, ``confined_share`` and
+        ``flat_share`` of the force at the maximum. The walls as they ended,
+        ``status`` (bits, below 16 a success; see its attributes), and counts.
+
+    Raises
+    ------
+    InputError
+        An argument out of its range, before any computing.
+
+    Notes
+    -----
+    The model is that of Rezaei Niya & Selvadurai as read in docs/model.md;
+    a cycle's ``max_closure`` is the closure at its maximum less that at its
+    start, and its ``residual_closure`` the closure at its end.
+    """
+    upper, lower = _checked_walls(upper, lower)
+    rock = both_walls(rock)
+    check_scene(effects)
+    check_choices(choices)
+    check_numerics(numerics, tuple(SOLVERS))
+    _check_load(spacing, max_normal_stress, cycles, seating_stress)
+    joint = Joint(upper, lower, float(spacing), rock, effects, choices, numerics)
+    area = upper.size * float(spacing) ** 2
+    history = run_cycles(
+        joint, solver_named(numerics.solver), numerics, max_normal_stress * area, int(cycles)
+    )
+    return _history_dataset(joint, history, area, int(cycles), float(seating_stress))
+
+
+def equilibrium(
+    upper,
+    lower,
+    *,
+    spacing: float,
+    rock,
+    closure: float,
+    effects: Effects = Effects(breakage=False, gouge=False),
+    choices: Choices = Choices(),
+    numerics: Numerics = Numerics(),
+) -> xr.Dataset:
+    """Forces between two walls at a closure, without breakage.
+
+    Parameters
+    ----------
+    upper, lower, spacing, rock, choices, numerics
+        As for `simulate`.
+    closure : float
+        Approach from first touch [m].
+    effects : Effects
+        Breakage and gouge are left out, whatever is given.
+
+    Returns
+    -------
+    xarray.Dataset
+        On (y, x): ``force`` [N], ``overlap`` [m] (delta_S, negative where
+        the walls are apart), ``interaction_displacement`` [m]. And
+        ``normal_stress`` [Pa], ``equilibrium_residual``, ``status``.
+
+    Raises
+    ------
+    InputError
+        An argument out of its range, before any computing.
+    """
+    upper, lower = _checked_walls(upper, lower)
+    rock = both_walls(rock)
+    effects = effects._replace(breakage=False, gouge=False)
+    check_scene(effects)
+    check_choices(choices)
+    check_numerics(numerics, tuple(SOLVERS))
+    _check_positive("spacing", spacing, "m")
+    if not math.isfinite(closure):
+        raise InputError(f"closure = {closure!r} m: must be finite")
+    joint = Joint(upper, lower, float(spacing), rock, effects, choices, numerics)
+    run = solver_named(numerics.solver).settle(joint, float(closure), numerics.breakage_step)
+    if joint.influence is None:
+        displacement = np.zeros(upper.shape)
+    else:
+        displacement = interaction_field(joint.influence, joint.force)
+    status = np.int16(FLAG_OF_OUTCOME.get(run.outcome, 0))
+    stress = run.total_force / (upper.size * spacing**2)
+    variables = {
+        "force": (("y", "x"), joint.force),
+        "overlap": (("y", "x"), upper + lower + (closure - joint.first_touch) - displacement),
+        "interaction_displacement": (("y", "x"), displacement),
+        "normal_stress": ((), stress),
+        "equilibrium_residual": ((), run.residual),
+        "status": ((), status),
+    }
+    return xr.Dataset(
+        {name: (*content, ATTRIBUTES[name]) for name, content in variables.items()},
+        coords=_grid(upper.shape, spacing),
+    )
+
+
+def _history_dataset(
+    joint: Joint, history: History, area: float, cycles: int, seating_stress: float
+) -> xr.Dataset:
+    settled = [step.settled for step in history.steps]
+    closure = np.array([point.closure for point in settled])
+    stress = np.array([point.total_force for point in settled]) / area
+    cycle = np.array([step.cycle for step in history.steps], dtype=np.int32)
+    branch = np.array([step.branch for step in history.steps])
+    along_step = {
+        "closure": closure,
+        "normal_stress": stress,
+        "contact_fraction": np.array([p.contacts for p in settled]) / joint.upper.size,
+        "bulk_indentation": np.array([p.mean_interaction for p in settled]),
+        "equilibrium_residual": np.array([p.residual for p in settled]),
+    }
+    along_cycle = cycle_readings(closure, stress, cycle, branch, cycles, seating_stress)
+    at_maximum = _at_maxima(settled, cycle, branch, cycles)
+    along_cycle |= {
+        "max_bulk_indentation": at_maximum("mean_interaction"),
+        "confined_share": at_maximum("confined_share"),
+        "flat_share": at_maximum("flat_share"),
+    }
+    once = {
+        "status": np.int16(history.status),
+        "least_force": min(point.least_force for point in settled),
+        "breakage_steps": history.breakage_steps,
+        "confined_contacts": max(point.confined_contacts for point in settled),
+        "solver_iterations": history.iterations,
+    }
+    walls = {"upper_final": joint.upper, "lower_final": joint.lower}
+    variables = {
+        name: (dimensions, value, ATTRIBUTES[name])
+        for dimensions, values in (
+            (("step",), along_step),
+            (("cycle",), along_cycle),
+            (("y", "x"), walls),
+            ((), once),
+        )
+        for name, value in values.items()
+    }
+    coordinates = {
+        "cycle": ("step", cycle, {"long_name": "load cycle of the step"}),
+        "branch": ("step", branch, {"long_name": "branch of the load cycle"}),
+    }
+    return xr.Dataset(
+        variables,
+        coords=coordinates | _grid(joint.upper.shape, joint.law.spacing),
+        attrs={"title": "closure of a rough joint", "seating_stress_Pa": seating_stress},
+    )
+
+
+def _at_maxima(settled: list, cycle: np.ndarray, branch: np.ndarray, cycles: int):
+    """Reader of a field of `Settled` at the maxima (cycles,), NaN where not reached."""
+    where = []
+    for number in range(1, cycles + 1):
+        unloading = np.flatnonzero((cycle == number) & (branch == UNLOADING))
+        where.append(unloading[0] - 1 if unloading.size else None)
+
+    def read(name: str) -> np.ndarray:
+        return np.array([np.nan if i is None else getattr(settled[i], name) for i in where])
+
+    return read
+
+
+def _grid(shape: tuple[int, int], spacing: float) -> dict:
+    return {
+        name: (name, np.arange(size) * spacing, {"long_name": f"{name} of the cell", "units": "m"})
+        for name, size in zip(("y", "x"), shape, strict=True)
+    }
+
+
+def _checked_walls(upper, lower) -> tuple[np.ndarray, np.ndarray]:
+    walls = []
+    for name, wall in (("upper", upper), ("lower", lower)):
+        given = np.asarray(wall)
+        if given.dtype.kind not in "fiu":
+            raise InputError(f"{name}: heights of type {given.dtype}, must be real numbers")
+        heights = given.astype(np.float64)
+        if heights.ndim != 2 or min(heights.shape) < 1 or max(heights.shape) < 3:
+            raise InputError(
+                f"{name}: shape {heights.shape}, must be (y, x) with at least 3 cells one way"
+            )
+        bad = np.argwhere(~np.isfinite(heights))
+        if bad.size:
+            y, x = bad[0]
+            raise InputError(
+                f"{name}: {len(bad)} heights are not finite, the first at (y, x) = ({y}, {x})"
+            )
+        walls.append(heights)
+    if walls[0].shape != walls[1].shape:
+        raise InputError(
+            f"upper and lower: shapes {walls[0].shape} and {walls[1].shape} must be equal"
+        )
+    return walls[0], walls[1]
+
+
+def _check_positive(name: str, value: float, unit: str) -> None:
+    if not 0.0 < value < math.inf:
+        raise InputError(f"{name} = {value!r} {unit}: must be positive and finite")
+
+
+def _check_load(spacing, max_normal_stress, cycles, seating_stress) -> None:
+    _check_positive("spacing", spacing, "m")
+    _check_positive("max_normal_stress", max_normal_stress, "Pa")
+    if cycles != int(cycles) or cycles < 1:
+        raise InputError(f"cycles = {cycles!r}: must be a whole number from 1 on")
+    if not 0.0 <= seating_stress < max_normal_stress:
+        raise InputError(
+            f"seating_stress = {seating_stress!r} Pa: must be from 0 to below max_normal_stress"
+        )

@@ -1,0 +1,148 @@
+"""Cells of the grid: their neighbours, curvatures, peaks and contacts.
+
+Walls are arrays (y, x) of heights towards the other wall. For curvature a
+neighbour outside the grid is the mirror image of the one inside; for gouge
+and peaks there is none.
+"""
+
+import math
+
+import numpy as np
+
+from jointclosure.compilation import kernel
+from jointclosure.mechanics.contact import asperity_compliance
+from jointclosure.mechanics.curvature import gaussian_curvature
+
+
+@kernel
+def neighbourhood(heights, y, x, out):
+    """Heights of the eight neighbours of a cell, infinite outside the grid.
+
+    In the order of `jointclosure.mechanics.gouge`.
+    """
+    ny, nx = heights.shape
+    if 0 < y < ny - 1 and 0 < x < nx - 1:
+        for i in range(3):
+            out[i] = heights[y - 1, x - 1 + i]
+            out[5 + i] = heights[y + 1, x - 1 + i]
+        out[3] = heights[y, x - 1]
+        out[4] = heights[y, x + 1]
+        return
+    k = 0
+    for dy in range(-1, 2):
+        for dx in range(-1, 2):
+            if dy != 0 or dx != 0:
+                inside = 0 <= y + dy < ny and 0 <= x + dx < nx
+                out[k] = heights[y + dy, x + dx] if inside else math.inf
+                k += 1
+
+
+@kernel
+def wall_curvature(height, neighbours, least_curvature, spacing):
+    """Gaussian curvature of a wall's cell from its neighbours' heights [1/m].
+
+    Parameters
+    ----------
+    height : float
+        Height of the cell [m].
+    neighbours : array (8,)
+        In the order of `jointclosure.mechanics.gouge`, infinite outside the grid [m].
+    least_curvature : float
+        1 / largest radius, or 0 [1/m].
+    spacing : float
+        Grid spacing [m].
+    """
+    west, east, south, north = neighbours[3], neighbours[4], neighbours[1], neighbours[6]
+    if west == math.inf:
+        west = east
+    if east == math.inf:
+        east = west
+    if south == math.inf:
+        south = north
+    if north == math.inf:
+        north = south
+    if west == math.inf or south == math.inf:
+        return least_curvature  # a single cell in this direction is straight
+    return max(gaussian_curvature(west, east, south, north, height, spacing), least_curvature)
+
+
+@kernel
+def is_peak(height, neighbours):
+    """Whether a cell is strictly higher than all its neighbours in the grid."""
+    count = 0
+    for k in range(8):
+        if neighbours[k] != math.inf:
+            count += 1
+            if neighbours[k] >= height:
+                return False
+    return count > 0
+
+
+@kernel
+def peak_map(upper, lower):
+    """State of every pair: 2 x (upper is a peak) + (lower is one), int64 (y, x)."""
+    ny, nx = upper.shape
+    state = np.zeros((ny, nx), np.int64)
+    around = np.empty(8)
+    for y in range(ny):
+        for x in range(nx):
+            neighbourhood(upper, y, x, around)
+            if is_peak(upper[y, x], around):
+                state[y, x] = 2
+            neighbourhood(lower, y, x, around)
+            if is_peak(lower[y, x], around):
+                state[y, x] += 1
+    return state
+
+
+@kernel
+def overlapping_cells(upper, lower, offset, peaks, law):
+    """Cells whose walls overlap before any interaction, and their contacts.
+
+    Parameters
+    ----------
+    upper, lower : array (y, x)
+        Heights [m].
+    offset : float
+        Closure minus the pristine maximum of the summed heights [m].
+    peaks : int64 array (y, x)
+        As from `peak_map`.
+    law : ContactLaw
+
+    Returns
+    -------
+    cells : int64 array (n,)
+        Flat indices, ascending.
+    overlap : array (n,)
+        Overlap without interaction [m], positive.
+    curvature : array (n,)
+        kappa_a of Eq. (3) [1/m].
+    compliance : array (n,)
+        Asperity compliances B [m N^(-2/3)].
+    """
+    ny, nx = upper.shape
+    count = 0
+    for y in range(ny):
+        for x in range(nx):
+            if upper[y, x] + lower[y, x] + offset > 0.0:
+                count += 1
+    cells = np.empty(count, np.int64)
+    overlap = np.empty(count)
+    curvature = np.empty(count)
+    compliance = np.empty(count)
+    around = np.empty(8)
+    k = 0
+    for y in range(ny):
+        for x in range(nx):
+            gap = upper[y, x] + lower[y, x] + offset
+            if gap > 0.0:
+                cells[k] = y * nx + x
+                overlap[k] = gap
+                neighbourhood(upper, y, x, around)
+                bend = wall_curvature(upper[y, x], around, law.least_curvature, law.spacing)
+                neighbourhood(lower, y, x, around)
+                bend += wall_curvature(lower[y, x], around, law.least_curvature, law.spacing)
+                curvature[k] = bend
+                compliance[k] = asperity_compliance(bend, law.asperity_modulus[peaks[y, x]])
+                k += 1
+    return cells, overlap, curvature, compliance

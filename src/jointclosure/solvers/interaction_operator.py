@@ -1,0 +1,106 @@
+"""The interaction of all contacts of a grid: a convolution, Eqs. (17) to (20).
+
+Kernels call `scipy.fft` through rocket-fft, which makes it known to Numba.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.fft
+
+from jointclosure.compilation import kernel
+from jointclosure.mechanics.interaction import interaction_displacement
+from jointclosure.parameters import ContactLaw
+
+DENSE_LIMIT = 400
+"""Up to this many contacts a dense product is cheaper than a convolution."""
+
+
+class Influence(NamedTuple):
+    """Displacements by unit forces [m/N] on a grid of (ny, nx) cells.
+
+    ``table`` (ny, nx) by distance in cells, 0 at itself: a contact does not
+    act on itself here, that is the substrate's term. ``spectrum`` is the
+    transform of the table wrapped around a grid of (rows, columns), large
+    enough that nothing comes in from the other side.
+    """
+
+    table: np.ndarray
+    spectrum: np.ndarray
+    rows: int
+    columns: int
+
+
+@kernel
+def influence_table(ny, nx, base_radius, substrate_modulus, spacing):
+    """Displacement per unit force [m/N] at a distance of (y, x) cells; 0 at itself."""
+    table = np.zeros((ny, nx))
+    for y in range(ny):
+        for x in range(nx):
+            if y > 0 or x > 0:
+                distance = spacing * np.sqrt(float(y * y + x * x))
+                table[y, x] = interaction_displacement(distance, base_radius, substrate_modulus)
+    return table
+
+
+@kernel
+def influence_matrix(table, cells):
+    """Dense influence matrix (n, n) [m/N] between cells given by flat index."""
+    nx = table.shape[1]
+    n = cells.size
+    matrix = np.empty((n, n))
+    for i in range(n):
+        y, x = divmod(cells[i], nx)
+        for j in range(i + 1):
+            v, w = divmod(cells[j], nx)
+            matrix[i, j] = table[abs(y - v), abs(x - w)]
+            matrix[j, i] = matrix[i, j]
+    return matrix
+
+
+@kernel
+def interaction_field(influence, force):
+    """Displacements (y, x) [m] by forces (y, x) [N], Eqs. (17) and (18) summed.
+
+    Axis by axis, as the rows of the padding are known to be zero or not wanted.
+    """
+    ny, nx = force.shape
+    wave = scipy.fft.rfft(force, influence.columns, 1)
+    wave = scipy.fft.fft(wave, influence.rows, 0)
+    wave *= influence.spectrum
+    wave = scipy.fft.ifft(wave, influence.rows, 0)
+    return scipy.fft.irfft(wave[:ny], influence.columns, 1)[:, :nx]
+
+
+@kernel
+def interaction_product(influence, matrix, cells, values, force):
+    """Displacements (n,) [m] at cells by forces (n,) [N] at the same cells.
+
+    By the dense matrix where it is given (its size is not 0), else by the
+    convolution with ``force`` (y, x) as scratch, zero away from the cells.
+    """
+    if matrix.size > 0:
+        return np.dot(matrix, values)
+    flat = force.ravel()
+    for i in range(cells.size):
+        flat[cells[i]] = values[i]
+    field = interaction_field(influence, force)
+    nx = force.shape[1]
+    answer = np.empty(cells.size)
+    for i in range(cells.size):
+        answer[i] = field[cells[i] // nx, cells[i] % nx]
+    return answer
+
+
+def influence_of(shape: tuple[int, int], law: ContactLaw) -> Influence:
+    """The interaction on a grid of this shape, for a law's spacing and substrate."""
+    ny, nx = shape
+    table = influence_table(ny, nx, law.base_radius, law.substrate_modulus, law.spacing)
+    padded = tuple(scipy.fft.next_fast_len(2 * n - 1, real=True) for n in shape)
+    wrapped = np.zeros(padded)
+    wrapped[:ny, :nx] = table
+    if ny > 1:
+        wrapped[1 - ny :, :nx] = table[:0:-1]
+    if nx > 1:
+        wrapped[:, 1 - nx :] = wrapped[:, nx - 1 : 0 : -1]
+    return Influence(table, scipy.fft.rfft2(wrapped, workers=1), *padded)

@@ -1,0 +1,200 @@
+"""The reference solver: Section 3 of the paper, step by step.
+
+Written to be read and compared with the paper, not to be fast: after every
+breakage it goes back to step 2, the detection of contacts. Numbers in the
+comments are the paper's steps (first list) and its breakage steps (second).
+"""
+
+from functools import lru_cache
+
+import numpy as np
+
+from jointclosure.compilation import kernel
+from jointclosure.mechanics.contact import asperity_compliance, force_of_overlap
+from jointclosure.mechanics.gouge import drops, spread, upper_share
+from jointclosure.mechanics.strength import is_overstressed
+from jointclosure.solvers.cells import is_peak, neighbourhood, overlapping_cells, wall_curvature
+from jointclosure.solvers.joint import CONVERGED, NOT_CONVERGED, RIGID_CONTACT, Joint, Settled
+
+DEFAULT_FORCE_TOLERANCE = 0.01
+"""The paper's: largest relative change of any force between two sweeps."""
+MOST_SWEEPS = 100_000
+
+
+@kernel
+def displacement_by_others(table, force, y, x):
+    """Interaction [m] of all other contacts at a cell, Eqs. (17) and (18)."""
+    ny, nx = force.shape
+    total = 0.0
+    for v in range(ny):
+        for w in range(nx):
+            if force[v, w] > 0.0:
+                total += table[abs(y - v), abs(x - w)] * force[v, w]
+    return total
+
+
+@lru_cache(maxsize=None)
+def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_peaks: bool):
+    """Kernel of steps 2 to 5 of the paper at one closure.
+
+    Signature ``(upper, lower, offset, peaks, force, pushed, table, law,
+    breakage_step, tie_tolerance, tolerance, most_sweeps) -> (sweeps, breakage
+    steps, converged, confined)``; walls, forces [N] and interaction ``pushed``
+    [m], all (y, x), are changed in place.
+    """
+
+    @kernel
+    def sweep_to_rest(
+        upper,
+        lower,
+        offset,
+        peaks,
+        force,
+        pushed,
+        table,
+        law,
+        breakage_step,
+        tie_tolerance,
+        tolerance,
+        most_sweeps,
+    ):
+        ny, nx = upper.shape
+        around_upper, around_lower = np.empty(8), np.empty(8)
+        falls_upper, falls_lower = np.empty(8), np.empty(8)
+        confined = np.zeros((ny, nx), np.bool_)
+        broken = 0
+        for sweep in range(most_sweeps):
+            # 2. the contacts, from the tallest overall asperity to the shortest
+            cells = overlapping_cells(upper, lower, offset, peaks, law)[0]
+            heights = np.empty(cells.size)
+            for i in range(cells.size):
+                y, x = divmod(cells[i], nx)
+                heights[i] = -(upper[y, x] + lower[y, x])
+            order = np.argsort(heights, kind="mergesort")
+            change = 0.0
+            again = False
+            for i in order:
+                # 3. deformation, interaction and force of each
+                y, x = divmod(cells[i], nx)
+                if interaction:
+                    pushed[y, x] = displacement_by_others(table, force, y, x)
+                neighbourhood(upper, y, x, around_upper)
+                neighbourhood(lower, y, x, around_lower)
+                steps = 0
+                confined[y, x] = False
+                while True:
+                    overlap = upper[y, x] + lower[y, x] + offset - pushed[y, x]
+                    state = peaks[y, x]
+                    if current_peaks:
+                        state = 2 * is_peak(upper[y, x], around_upper)
+                        state += is_peak(lower[y, x], around_lower)
+                        peaks[y, x] = state
+                    bend_upper = wall_curvature(
+                        upper[y, x], around_upper, law.least_curvature, law.spacing
+                    )
+                    bend_lower = wall_curvature(
+                        lower[y, x], around_lower, law.least_curvature, law.spacing
+                    )
+                    bend = bend_upper + bend_lower
+                    # 4. breakage: 4.3 until the contact holds with its new geometry
+                    if not breakage or not overlap > 0.0:
+                        break
+                    if not is_overstressed(
+                        overlap, bend, law.bend[state], law.breaking_force[state], law.substrate
+                    ):
+                        break
+                    # 4.1 the pair is lowered, the sharper asperity more
+                    share = upper_share(bend_upper, bend_lower)
+                    loss_upper = breakage_step * share
+                    loss_lower = breakage_step * (1.0 - share)
+                    if gouge:
+                        # 4.2 the gouge goes to the valleys around
+                        total_upper, most_upper = drops(
+                            upper[y, x], around_upper, tie_tolerance, falls_upper
+                        )
+                        total_lower, most_lower = drops(
+                            lower[y, x], around_lower, tie_tolerance, falls_lower
+                        )
+                        if total_upper == 0.0 and total_lower == 0.0:
+                            confined[y, x] = True
+                            break
+                        if total_upper == 0.0:
+                            loss_upper, loss_lower = 0.0, breakage_step
+                        elif total_lower == 0.0:
+                            loss_upper, loss_lower = breakage_step, 0.0
+                        loss_upper = min(loss_upper, most_upper)
+                        loss_lower = min(loss_lower, most_lower)
+                        if loss_upper > 0.0:
+                            spread(around_upper, loss_upper, falls_upper, total_upper)
+                        if loss_lower > 0.0:
+                            spread(around_lower, loss_lower, falls_lower, total_lower)
+                        lay_back(upper, y, x, around_upper)
+                        lay_back(lower, y, x, around_lower)
+                    upper[y, x] -= loss_upper
+                    lower[y, x] -= loss_lower
+                    steps += 1
+                compliance = asperity_compliance(bend, law.asperity_modulus[state])
+                answer = force_of_overlap(overlap, law.substrate, compliance)[0]
+                if answer != force[y, x]:
+                    difference = abs(answer - force[y, x])
+                    change = max(change, difference / answer if answer > 0.0 else np.inf)
+                force[y, x] = answer
+                if steps > 0:
+                    broken += steps
+                    again = True
+                    break  # back to step 2
+            # 5. the other contacts' interaction changed: back to step 2 until forces settle
+            if not again and change <= tolerance:
+                return sweep + 1, broken, True, confined
+        return most_sweeps, broken, False, confined
+
+    return sweep_to_rest
+
+
+@kernel
+def lay_back(heights, y, x, neighbours):
+    """Write the eight neighbours of a cell into its wall."""
+    ny, nx = heights.shape
+    k = 0
+    for dy in range(-1, 2):
+        for dx in range(-1, 2):
+            if dy != 0 or dx != 0:
+                if 0 <= y + dy < ny and 0 <= x + dx < nx:
+                    heights[y + dy, x + dx] = neighbours[k]
+                k += 1
+
+
+class ReferenceSolver:
+    """The paper's own loop; see the module's text and `Solver`."""
+
+    def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
+        """Bring the joint to rest at a closure [m]; breakage in steps [m]."""
+        effects, law = joint.effects, joint.law
+        kernel_ = reference_kernel(
+            effects.interaction,
+            effects.breakage,
+            effects.gouge,
+            joint.choices.peaks == "current",
+        )
+        table = joint.influence.table if joint.influence is not None else np.zeros((1, 1))
+        # cells that lost contact since the last step carry nothing
+        summed = joint.upper + joint.lower + (closure - joint.first_touch)
+        joint.force[summed <= 0.0] = 0.0
+        sweeps, broken, converged, confined = kernel_(
+            joint.upper,
+            joint.lower,
+            float(closure - joint.first_touch),
+            joint.peaks,
+            joint.force,
+            joint.interaction,
+            table,
+            law,
+            float(breakage_step),
+            joint.tie_tolerance,
+            float(joint.numerics.force_tolerance or DEFAULT_FORCE_TOLERANCE),
+            MOST_SWEEPS,
+        )
+        outcome = CONVERGED if converged else NOT_CONVERGED
+        if not np.all(np.isfinite(joint.force)):
+            outcome = RIGID_CONTACT
+        return joint.describe(closure, outcome, broken, confined, sweeps)

@@ -1,0 +1,1 @@
+"""A study: cases from a configuration, their ensembles, and what they claim."""

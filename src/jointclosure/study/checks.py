@@ -1,0 +1,77 @@
+"""Checks of a study's results, run as a rule: the results are tested too."""
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.parameters import Effects, Numerics
+from jointclosure.solvers.fast import DEFAULT_FORCE_TOLERANCE
+from jointclosure.solvers.reference import DEFAULT_FORCE_TOLERANCE as REFERENCE_TOLERANCE
+from jointclosure.study.ensemble import succeeded
+
+VOLUME_TOLERANCE = 1e-12
+
+
+def check_results(
+    study: xr.Dataset, effects: Effects, numerics: Numerics, realizations: int
+) -> pd.DataFrame:
+    """What must hold for every successful simulation, and what was found.
+
+    Returns
+    -------
+    DataFrame
+        Columns check, required, found, passed.
+    """
+    good = succeeded(study)
+    rows = []
+
+    def add(check: str, required: str, found, passed: bool) -> None:
+        rows.append({"check": check, "required": required, "found": found, "passed": bool(passed)})
+
+    total = good.size
+    successes = int(good.sum())
+    add("simulations in a status of success", f"{total}", f"{successes}", successes == total)
+    least = int(good.sum("realization").min())
+    add("realisations of every case that statistics use", f"{realizations}", f"{least}", least >= 2)
+    force = float(study.least_force.where(good).min())
+    add("least force on a cell [N]", "not negative", f"{force:.3g}", force >= 0.0)
+    volume = float(study.volume_error.where(good).max())
+    if not effects.breakage or effects.gouge:
+        add(
+            "largest change of a wall's volume, relative",
+            f"at most {VOLUME_TOLERANCE:g}",
+            f"{volume:.3g}",
+            volume <= VOLUME_TOLERANCE,
+        )
+    residual = float(study.largest_residual.where(good).max())
+    if numerics.solver == "fast":
+        limit = 1.01 * (numerics.force_tolerance or DEFAULT_FORCE_TOLERANCE)
+        add(
+            "largest residual of equilibrium, relative",
+            f"at most {limit:.3g}",
+            f"{residual:.3g}",
+            residual <= limit,
+        )
+    else:
+        change = numerics.force_tolerance or REFERENCE_TOLERANCE
+        add(
+            "largest residual of equilibrium, relative",
+            f"reported only: the reference stops at a change of {change:g}",
+            f"{residual:.3g}",
+            np.isfinite(residual),
+        )
+    closures = study.max_closure.where(good)
+    read = int(np.isfinite(closures.values[good.values]).all(axis=-1).sum())
+    add("successful simulations with all closures read", f"{successes}", f"{read}", read == successes)
+    add(
+        "maximum closures",
+        "positive",
+        f"{float(closures.min()):.3g} m at least",
+        float(closures.min()) > 0.0,
+    )
+    for value, meaning in zip(
+        study.status.attrs["flag_masks"], study.status.attrs["flag_meanings"].split(), strict=True
+    ):
+        count = int(((study.status.values & int(value)) > 0).sum())
+        add(f"simulations with the remark {meaning}", "reported only", f"{count} of {total}", True)
+    return pd.DataFrame(rows)

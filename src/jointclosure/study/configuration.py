@@ -1,0 +1,163 @@
+"""Check a merged configuration, before anything is computed from it."""
+
+import difflib
+from collections.abc import Iterator
+from pathlib import Path
+
+import jsonschema
+import yaml
+
+from jointclosure.parameters import (
+    Choices,
+    Effects,
+    InputError,
+    Numerics,
+    check_choices,
+    check_numerics,
+    check_scene,
+    to_si,
+)
+from jointclosure.solvers.registry import SOLVERS
+from jointclosure.study.cases import cases_of
+from jointclosure.surface.roughness import relation_of
+
+
+class ConfigurationError(InputError):
+    """A configuration that cannot be run; the message lists all that is wrong."""
+
+
+def read_schema(path: str | Path) -> dict:
+    """The JSON schema of a configuration, from its YAML file."""
+    return yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+
+
+def checked(configuration: dict, schema: dict) -> dict:
+    """The configuration itself, if it can be run.
+
+    Raises
+    ------
+    ConfigurationError
+        Naming every key that is wrong, its value, what is allowed, and for
+        an unknown key the one that was probably meant.
+    """
+    validator = jsonschema.Draft202012Validator(schema)
+    problems = [
+        line
+        for error in sorted(validator.iter_errors(configuration), key=lambda e: list(e.path))
+        for line in _explained(error)
+    ]
+    if not problems:
+        problems = list(_contradictions(configuration))
+    if problems:
+        raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in problems))
+    return configuration
+
+
+def effects_of(configuration: dict) -> Effects:
+    """Effects of a study's scenes."""
+    return Effects(**configuration["effects"])
+
+
+def choices_of(configuration: dict) -> Choices:
+    """Choices of a study, in SI."""
+    return Choices(**to_si(configuration["choices"]))
+
+
+def numerics_of(configuration: dict) -> Numerics:
+    """Numerics of a study, in SI."""
+    return Numerics(**to_si(configuration["numerics"]))
+
+
+def _explained(error: jsonschema.ValidationError) -> Iterator[str]:
+    """One line for each key that a schema error is about."""
+    where = ".".join(str(part) for part in error.absolute_path)
+    prefix = f"{where}." if where else ""
+    schema = error.schema
+    if error.validator == "additionalProperties" and isinstance(error.instance, dict):
+        known = list(schema.get("properties", {}))
+        for key in error.instance:
+            if key not in known:
+                close = difflib.get_close_matches(str(key), known, n=1)
+                meant = f"; did you mean {close[0]}?" if close else ""
+                yield (
+                    f"{prefix}{key} = {error.instance[key]!r}: unknown key{meant} "
+                    f"(allowed: {', '.join(known)})"
+                )
+    elif error.validator == "required":
+        missing = [key for key in schema["required"] if key not in error.instance]
+        yield f"{where or 'the configuration'}: lacks {', '.join(missing)}"
+    else:
+        yield f"{where or 'the configuration'} = {error.instance!r}: {_allowed(error)}"
+
+
+def _allowed(error: jsonschema.ValidationError) -> str:
+    rule, value = error.validator, error.validator_value
+    close = ""
+    if rule == "enum" and isinstance(error.instance, str):
+        found = difflib.get_close_matches(error.instance, [str(v) for v in value], n=1)
+        close = f"; did you mean {found[0]}?" if found else ""
+    said = {
+        "type": f"must be of type {value if isinstance(value, str) else ' or '.join(map(str, value))}",
+        "enum": f"must be one of {', '.join(map(str, value)) if rule == 'enum' else ''}{close}",
+        "minimum": f"must be at least {value}",
+        "maximum": f"must be at most {value}",
+        "exclusiveMinimum": f"must be above {value}",
+        "exclusiveMaximum": f"must be below {value}",
+        "minItems": f"needs at least {value} values",
+        "pattern": f"must match {value} (lower-case letters, digits and underscores)",
+    }
+    return said.get(rule, error.message)
+
+
+def _contradictions(configuration: dict) -> Iterator[str]:
+    """What no schema can say: keys that contradict each other."""
+    rocks, study = configuration["rocks"], configuration["study"]
+    for name in study["rocks"]:
+        if name not in rocks:
+            close = difflib.get_close_matches(name, rocks, n=1)
+            meant = f"; did you mean {close[0]}?" if close else ""
+            yield f"study.rocks = {name!r}: not among rocks ({', '.join(rocks)}){meant}"
+    for check in (
+        lambda: check_scene(effects_of(configuration)),
+        lambda: check_choices(choices_of(configuration)),
+        lambda: check_numerics(numerics_of(configuration), tuple(SOLVERS)),
+    ):
+        try:
+            check()
+        except InputError as error:
+            yield str(error)
+    relation = relation_of(configuration["surface"]["jrc_relation"])
+    for name in study["rocks"]:
+        rock = rocks.get(name)
+        if rock is None:
+            continue
+        if configuration["seating_stress_MPa"] >= rock["max_normal_stress_MPa"]:
+            yield (
+                f"seating_stress_MPa = {configuration['seating_stress_MPa']!r}: must be below "
+                f"rocks.{name}.max_normal_stress_MPa = {rock['max_normal_stress_MPa']!r}"
+            )
+        for parameter, levels in rock["levels"].items():
+            yield from _level_problems(f"rocks.{name}.levels.{parameter}", levels, rock[parameter])
+        for jrc in [rock["jrc"], *rock["levels"].get("jrc", [])]:
+            if not relation.smallest_jrc <= jrc <= relation.largest_jrc:
+                yield (
+                    f"rocks.{name}: jrc = {jrc!r}: {configuration['surface']['jrc_relation']} holds "
+                    f"from {relation.smallest_jrc:g} to {relation.largest_jrc:g}"
+                )
+        for ratio in rock["levels"].get("poisson_ratio", []):
+            if not 0.0 <= ratio <= 0.5:
+                yield f"rocks.{name}.levels.poisson_ratio = {ratio!r}: must lie in [0, 0.5]"
+    if not all(name in rocks for name in study["rocks"]):
+        return
+    labels = [case.label for case in cases_of(configuration)]
+    for label in {label for label in labels if labels.count(label) > 1}:
+        yield f"two cases would have the name {label!r}"
+
+
+def _level_problems(where: str, levels: list, own: float) -> Iterator[str]:
+    if any(not later > earlier for earlier, later in zip(levels, levels[1:], strict=False)):
+        yield f"{where} = {levels!r}: must be strictly ascending"
+    if own in levels:
+        yield f"{where} = {levels!r}: lists the rock's own value {own!r}, which is a level anyway"
+    if any(not level >= 0 for level in levels):
+        yield f"{where} = {levels!r}: must be positive"

@@ -1,0 +1,225 @@
+"""Ensembles of random surfaces: made, closed, and put together."""
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+
+from jointclosure.parameters import Choices, Effects, Numerics, Rock
+from jointclosure.readings import branch_of, closure_at_stresses, first_crossing
+from jointclosure.protocol import FAILURE, LOADING, UNLOADING
+from jointclosure.simulation import ATTRIBUTES, simulate
+from jointclosure.study.cases import Case
+from jointclosure.surface.synthesis import wall_pair
+
+PER_CYCLE = (
+    "max_closure",
+    "residual_closure",
+    "max_closure_seated",
+    "residual_closure_seated",
+    "max_bulk_indentation",
+    "confined_share",
+    "flat_share",
+)
+PER_REALIZATION = (
+    "status",
+    "least_force",
+    "breakage_steps",
+    "confined_contacts",
+    "solver_iterations",
+)
+
+
+def make_surfaces(
+    seeds: list[int], jrc: float, shape: tuple[int, int], spacing: float, surface: dict
+) -> xr.Dataset:
+    """Surface pairs (realization, y, x) of a case.
+
+    Parameters
+    ----------
+    seeds : list of int
+        One for each realisation, see `jointclosure.study.cases.wall_seed`.
+    jrc, shape, spacing
+        As for `jointclosure.wall_pair`, spacing in [m].
+    surface : dict
+        Its other arguments.
+    """
+    pairs = [wall_pair(jrc, shape, spacing, seed, **surface) for seed in seeds]
+    dimensions = ("realization", "y", "x")
+    about = {"units": "m", "long_name": "height of the {} wall towards the other"}
+    return xr.Dataset(
+        {
+            name: (
+                dimensions,
+                np.stack([pair[side] for pair in pairs]),
+                about | {"long_name": about["long_name"].format(name)},
+            )
+            for side, name in enumerate(("upper", "lower"))
+        },
+        coords={
+            "realization": np.arange(len(seeds)),
+            "seed": ("realization", np.array([f"{seed:032x}" for seed in seeds], dtype=object)),
+        },
+        attrs={"spacing_m": spacing, "jrc": jrc},
+    )
+
+
+def close_surfaces(
+    surfaces: xr.Dataset,
+    case: Case,
+    *,
+    cycles: int,
+    seating_stress: float,
+    effects: Effects,
+    choices: Choices,
+    numerics: Numerics,
+    stresses: np.ndarray,
+    report: Callable[[str], None] = lambda line: None,
+) -> xr.Dataset:
+    """Close all surface pairs of a case.
+
+    Parameters
+    ----------
+    surfaces : Dataset
+        As from `make_surfaces`.
+    case : Case
+        Gives rock and maximum stress.
+    cycles, seating_stress, effects, choices, numerics
+        As for `jointclosure.simulate`.
+    stresses : array (s,)
+        Common stress axis of the closure curves [Pa].
+    report : callable
+        Receives a line for each realisation.
+
+    Returns
+    -------
+    Dataset
+        Over (realization, cycle, branch, stress); a realisation that failed
+        has a status of 16 or more, and NaN where it was not read.
+    """
+    rock = Rock(case.youngs_modulus, case.poisson_ratio, case.compressive_strength)
+    spacing = float(surfaces.attrs["spacing_m"])
+    rows = []
+    for realization in surfaces.realization.values:
+        upper = surfaces.upper.sel(realization=realization).values
+        lower = surfaces.lower.sel(realization=realization).values
+        start = time.perf_counter()
+        closed = simulate(
+            upper,
+            lower,
+            spacing=spacing,
+            rock=rock,
+            max_normal_stress=case.max_normal_stress,
+            cycles=cycles,
+            seating_stress=seating_stress,
+            effects=effects,
+            choices=choices,
+            numerics=numerics,
+        )
+        seconds = time.perf_counter() - start
+        row = _row(closed, stresses, cycles, seating_stress)
+        row["volume_error"] = ((), _volume_error(upper, lower, closed))
+        row["timing_simulation"] = ((), seconds)
+        rows.append(xr.Dataset(row))
+        report(
+            f"realisation {realization}: status {int(closed.status)}, maximum closure "
+            f"{', '.join(f'{1e3 * v:.5f}' for v in closed.max_closure.values)} mm, {seconds:.2f} s"
+        )
+    joined = xr.concat(rows, "realization").assign_coords(
+        realization=surfaces.realization,
+        seed=("realization", surfaces.seed.values),
+        cycle=np.arange(1, cycles + 1),
+        branch=np.array([LOADING, UNLOADING], dtype=object),
+        stress=("stress", stresses, {"long_name": "nominal normal stress", "units": "Pa"}),
+    )
+    for name, variable in joined.data_vars.items():
+        variable.attrs = _attributes(name)
+    return joined
+
+
+def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:
+    """All cases of a study along ``case``, with rock, parameter, level and value."""
+    study = xr.concat(closed, "case", join="exact", coords="minimal", compat="override")
+    columns = {
+        name: np.array([getattr(case, name) for case in cases], dtype=object)
+        for name in ("label", "rock", "parameter", "level")
+    }
+    numbers = {
+        "value": "value of the varied parameter in SI, NaN for base cases",
+        "youngs_modulus": "Young's modulus",
+        "poisson_ratio": "Poisson's ratio",
+        "compressive_strength": "compressive strength",
+        "jrc": "joint roughness coefficient",
+        "max_normal_stress": "maximum nominal normal stress",
+    }
+    units = {"youngs_modulus": "Pa", "compressive_strength": "Pa", "max_normal_stress": "Pa"}
+    coordinates = {"case": ("case", columns["label"], {"long_name": "name of the case"})}
+    for name in ("rock", "parameter", "level"):
+        coordinates[name] = ("case", columns[name], {"long_name": f"{name} of the case"})
+    for name, text in numbers.items():
+        values = np.array([getattr(case, name) for case in cases], dtype=float)
+        about = {"long_name": text}
+        if name != "value":
+            about["units"] = units.get(name, "1")
+        coordinates[name] = ("case", values, about)
+    # seeds differ between cases with independent draws
+    seeds = np.stack([part.seed.values for part in closed])
+    return study.drop_vars("seed").assign_coords(
+        coordinates | {"seed": (("case", "realization"), seeds, {"long_name": "seed of the walls"})}
+    )
+
+
+def succeeded(study: xr.Dataset) -> xr.DataArray:
+    """Whether a simulation's numbers may be used: a status below `FAILURE`."""
+    return study.status < FAILURE
+
+
+def _row(closed: xr.Dataset, stresses: np.ndarray, cycles: int, seating_stress: float) -> dict:
+    history = (closed.normal_stress.values, closed.cycle.values, closed.branch.values)
+    stress, cycle, branch = history
+    row: dict = {name: (("cycle",), closed[name].values) for name in PER_CYCLE}
+    row |= {name: ((), closed[name].values) for name in PER_REALIZATION}
+    for name in ("closure", "bulk_indentation"):
+        curves = closure_at_stresses(closed[name].values, *history, cycles, stresses)
+        row[name] = (("cycle", "branch", "stress"), curves)
+    at_seat = []
+    for number in range(1, cycles + 1):
+        here = branch_of(cycle, branch, number, LOADING)
+        at_seat.append(
+            first_crossing(stress[here], closed.bulk_indentation.values[here], seating_stress)
+        )
+    bulk = closed.max_bulk_indentation.values
+    row["max_closure_net"] = (("cycle",), closed.max_closure.values - bulk)
+    row["max_closure_seated_net"] = (
+        ("cycle",),
+        closed.max_closure_seated.values - (bulk - np.array(at_seat)),
+    )
+    row["largest_residual"] = ((), float(closed.equilibrium_residual.max()))
+    return row
+
+
+def _volume_error(upper: np.ndarray, lower: np.ndarray, closed: xr.Dataset) -> float:
+    """Largest |sum z - sum z0| / sum |z0 - min z0| of both walls."""
+    errors = []
+    for before, after in ((upper, closed.upper_final.values), (lower, closed.lower_final.values)):
+        scale = float(np.sum(before - before.min()))
+        change = abs(float(np.sum(after - before)))
+        errors.append(change / scale if scale > 0.0 else change)
+    return max(errors)
+
+
+_EXTRA_ATTRIBUTES = {
+    "max_closure_net": ("closure at the cycle's maximum less bulk indentation", "m"),
+    "max_closure_seated_net": ("the same, counted from seating", "m"),
+    "largest_residual": ("largest equilibrium residual of all steps", "1"),
+    "volume_error": ("change of a wall's volume over the volume above its lowest point", "1"),
+    "timing_simulation": ("wall-clock time of the simulation", "s"),
+}
+
+
+def _attributes(name: str) -> dict:
+    if name in _EXTRA_ATTRIBUTES:
+        text, unit = _EXTRA_ATTRIBUTES[name]
+        return {"long_name": text, "units": unit}
+    return dict(ATTRIBUTES[name])

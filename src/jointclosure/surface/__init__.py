@@ -1,0 +1,1 @@
+"""Rough walls: JRC relations, synthesis, and what a wall has."""

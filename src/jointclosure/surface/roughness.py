@@ -1,0 +1,121 @@
+"""JRC and the root mean square slope Z2 of profiles, and what a wall has."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from jointclosure.parameters import InputError
+
+
+class Relation(NamedTuple):
+    """A published relation JRC(Z2) at one sampling interval.
+
+    ``form`` is "linear" (JRC = a Z2 + b), "logarithmic" (a log10 Z2 + b) or
+    "power" (a Z2^c + b).
+    """
+
+    form: str
+    a: float
+    b: float
+    c: float
+    interval: float
+    smallest_jrc: float
+    largest_jrc: float
+    source: str
+
+
+RELATIONS: dict[str, Relation] = {
+    "yu_vayssade_linear_0.25mm": Relation(
+        "linear", 60.32, -4.51, 1.0, 0.25e-3, 0.0, 20.0, "Yu & Vayssade 1991"
+    ),
+    "yu_vayssade_log_0.25mm": Relation(
+        "logarithmic", 28.1, 28.43, 1.0, 0.25e-3, 0.0, 20.0, "Yu & Vayssade 1991"
+    ),
+    # the two at coarser intervals are quoted from memory and await a check in print
+    "yu_vayssade_linear_0.5mm": Relation(
+        "linear", 61.79, -3.47, 1.0, 0.5e-3, 0.0, 20.0, "Yu & Vayssade 1991 (unchecked)"
+    ),
+    "yu_vayssade_linear_1mm": Relation(
+        "linear", 64.22, -2.31, 1.0, 1e-3, 0.0, 20.0, "Yu & Vayssade 1991 (unchecked)"
+    ),
+    "tse_cruden": Relation(
+        "logarithmic", 32.47, 32.2, 1.0, 0.5e-3, 0.0, 20.0, "Tse & Cruden 1979 (about 0.5 mm)"
+    ),
+    "yang": Relation("logarithmic", 32.98, 32.69, 1.0, 0.5e-3, 0.0, 20.0, "Yang et al. 2001"),
+    "tatone_grasselli_0.5mm": Relation(
+        "power", 51.85, -10.37, 0.60, 0.5e-3, 0.0, 20.0, "Tatone & Grasselli 2010"
+    ),
+    "tatone_grasselli_1mm": Relation(
+        "power", 55.03, -6.10, 0.74, 1e-3, 0.0, 20.0, "Tatone & Grasselli 2010"
+    ),
+    "jang": Relation("power", 51.16, -11.44, 0.531, 0.5e-3, 0.0, 20.0, "Jang et al. 2014"),
+}
+DEFAULT_RELATION = "yu_vayssade_linear_0.25mm"
+
+
+def z2_of_jrc(jrc: float, spacing: float, hurst: float, relation: str = DEFAULT_RELATION) -> float:
+    """RMS slope at a grid spacing of a wall of given JRC.
+
+    Parameters
+    ----------
+    jrc : float
+        Joint roughness coefficient, within the relation's range.
+    spacing : float
+        Grid spacing h [m].
+    hurst : float
+        Hurst exponent H in (0, 1].
+    relation : str
+        Key of `RELATIONS`.
+
+    Returns
+    -------
+    float
+        Z2(h) = Z2(h0) (h/h0)^(H-1), from the relation's interval h0.
+
+    Raises
+    ------
+    InputError
+        Unknown relation, or a JRC outside its range.
+    """
+    rule = relation_of(relation)
+    if not rule.smallest_jrc <= jrc <= rule.largest_jrc:
+        raise InputError(
+            f"jrc = {jrc!r}: {relation} holds from {rule.smallest_jrc:g} to {rule.largest_jrc:g}"
+        )
+    reduced = (jrc - rule.b) / rule.a
+    z2 = 10.0**reduced if rule.form == "logarithmic" else reduced ** (1.0 / rule.c)
+    return float(z2 * (spacing / rule.interval) ** (hurst - 1.0))
+
+
+def jrc_of_z2(z2: float, spacing: float, hurst: float, relation: str = DEFAULT_RELATION) -> float:
+    """JRC of a wall whose RMS slope at a spacing [m] is Z2; inverse of `z2_of_jrc`.
+
+    The result may lie outside the relation's range; see `RELATIONS`.
+    """
+    rule = relation_of(relation)
+    z2 = z2 * (rule.interval / spacing) ** (hurst - 1.0)
+    reduced = np.log10(z2) if rule.form == "logarithmic" else z2**rule.c
+    return float(rule.a * reduced + rule.b)
+
+
+def relation_of(name: str) -> Relation:
+    """A relation by its key; `InputError` names those there are."""
+    if name not in RELATIONS:
+        raise InputError(f"jrc_relation = {name!r}: must be one of {', '.join(RELATIONS)}")
+    return RELATIONS[name]
+
+
+def rms_slope(heights: np.ndarray, spacing: float) -> float:
+    """Z2 of a wall (y, x) [m]: RMS slope of all x and y profiles pooled."""
+    slopes = [np.diff(heights, axis=axis).ravel() / spacing for axis in (0, 1)]
+    pooled = np.concatenate(slopes)
+    return float(np.sqrt(np.mean(pooled**2)))
+
+
+def detrended(heights: np.ndarray) -> np.ndarray:
+    """A wall (y, x) less its least-squares plane [m]."""
+    ny, nx = heights.shape
+    y, x = np.meshgrid(np.linspace(-1.0, 1.0, ny), np.linspace(-1.0, 1.0, nx), indexing="ij")
+    terms = np.stack([np.ones(heights.size), y.ravel(), x.ravel()], axis=1)
+    coefficients = np.linalg.lstsq(terms, heights.ravel(), rcond=None)[0]
+    return heights - (terms @ coefficients).reshape(ny, nx)

@@ -1,0 +1,175 @@
+"""Tables of a study: frames and texts, no computing and no files."""
+
+import pandas as pd
+
+from jointclosure.study.cases import PARAMETERS, configuration_key, level_names, levels_of
+
+PARAMETER_TITLES = {
+    "poisson_ratio": "Poisson's ratio",
+    "youngs_modulus": "Young's modulus",
+    "compressive_strength": "Compressive strength",
+    "jrc": "JRC",
+}
+_SYMBOLS = {
+    "poisson_ratio": "Poisson's ratio ν",
+    "youngs_modulus": "Young's modulus E (GPa)",
+    "compressive_strength": "Compressive strength σc (MPa)",
+    "jrc": "Joint roughness coefficient (JRC)",
+}
+_LATEX = {
+    "poisson_ratio": r"Poisson's ratio $\nu$",
+    "youngs_modulus": r"Young's modulus $E$ (GPa)",
+    "compressive_strength": r"Compressive strength $\sigma_c$ (MPa)",
+    "jrc": "Joint roughness coefficient (JRC)",
+}
+
+
+def rock_table(configuration: dict) -> pd.DataFrame:
+    """The paper's Table 1: rocks and their properties, with the maximum stress."""
+    rows = []
+    for name in configuration["study"]["rocks"]:
+        rock = configuration["rocks"][name]
+        rows.append({"rock": name} | {key: rock[key] for key in rock if key != "levels"})
+    return pd.DataFrame(rows)
+
+
+def case_table(configuration: dict) -> pd.DataFrame:
+    """The paper's Table 2, one row per rock, parameter and level."""
+    rows = []
+    for name in configuration["study"]["rocks"]:
+        rock = configuration["rocks"][name]
+        for parameter in PARAMETERS:
+            key = configuration_key(parameter, rock["levels"])
+            if key is None:
+                continue
+            levels = levels_of(rock, key)
+            for level, value in zip(level_names(levels, rock[key]), levels, strict=True):
+                rows.append(
+                    {
+                        "rock": name,
+                        "parameter": parameter,
+                        "level": level,
+                        "value": value,
+                        "unit": key.removeprefix(parameter).strip("_") or "1",
+                    }
+                )
+    return pd.DataFrame(rows)
+
+
+def with_paper(intervals: pd.DataFrame, paper: pd.DataFrame) -> pd.DataFrame:
+    """Intervals with the paper's lengths beside them, where it has that rock."""
+    keys = ["rock", "parameter", "cycle"]
+    return intervals.merge(
+        paper[[*keys, "paper_length", "paper_percent"]], on=keys, how="left", validate="1:1"
+    )
+
+
+def interval_text(length: float, percent: float) -> str:
+    """An interval as the paper prints it: three figures and the percentage."""
+    if pd.isna(length):
+        return "–"
+    return f"{significant(length, 3)} ({significant(percent, 2)}%)"
+
+
+def significant(value: float, figures: int) -> str:
+    """A number with so many significant figures, without an exponent."""
+    if value == 0.0:
+        return "0"
+    rounded = float(f"{value:.{figures - 1}e}")
+    exponent = int(f"{abs(rounded):e}".split("e")[1])
+    return f"{rounded:.{max(figures - 1 - exponent, 0)}f}"
+
+
+def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd.DataFrame:
+    """Indifference intervals in the paper's layout: parameters by cycles and rocks.
+
+    Parameters
+    ----------
+    table : DataFrame
+        As from `with_paper`.
+    titles : dict
+        Titles of the rocks, in order.
+    column : str
+        "" for ours, "_net" for ours net of bulk indentation, "paper_" for
+        the paper's.
+    """
+    length, percent = (
+        ("paper_length", "paper_percent")
+        if column == "paper_"
+        else (f"length{column}", f"percent{column}")
+    )
+    rows = {}
+    for parameter in PARAMETERS:
+        part = table[table.parameter == parameter]
+        if part.empty:
+            continue
+        rows[parameter] = {
+            (cycle, titles[rock]): interval_text(
+                *part[(part.cycle == cycle) & (part.rock == rock)][[length, percent]].iloc[0]
+            )
+            if ((part.cycle == cycle) & (part.rock == rock)).any()
+            else ""
+            for cycle in sorted(part.cycle.unique())
+            for rock in titles
+        }
+    return pd.DataFrame.from_dict(rows, orient="index")
+
+
+def table_3_markdown(table: pd.DataFrame, titles: dict[str, str], samples: int) -> str:
+    """Table 3 of ours, ours net of bulk indentation, and the paper's, in Markdown."""
+    parts = [
+        ("This study", ""),
+        ("This study, net of bulk indentation", "_net"),
+        ("The paper", "paper_"),
+    ]
+    lines = []
+    for heading, column in parts:
+        frame = table_3(table, titles, column)
+        names = [f"{title}, cycle {cycle}" for cycle, title in frame.columns]
+        lines += [f"**{heading}**", "", "| Parameter | " + " | ".join(names) + " |"]
+        lines.append("|---" * (len(names) + 1) + "|")
+        for parameter, row in frame.iterrows():
+            lines.append(f"| {_SYMBOLS[parameter]} | " + " | ".join(row) + " |")
+        lines.append("")
+    lines.append(_note(samples, "√"))
+    return "\n".join(lines) + "\n"
+
+
+def table_3_latex(table: pd.DataFrame, titles: dict[str, str], samples: int) -> str:
+    """Table 3 in the paper's layout, as a LaTeX table (booktabs)."""
+    frame = table_3(table, titles)
+    cycles = sorted({cycle for cycle, _ in frame.columns})
+    words = {1: "First", 2: "Second", 3: "Third"}
+    heads = " & ".join(
+        rf"\multicolumn{{{len(titles)}}}{{c}}{{{words.get(c, f'Cycle {c}:')} loading cycle}}"
+        for c in cycles
+    )
+    names = " & ".join(title for _, title in frame.columns)
+    body = []
+    for parameter, row in frame.iterrows():
+        cells = [cell.replace("%", r"\%").replace("–", "--") for cell in row]
+        body.append(f"{_LATEX[parameter]} & " + " & ".join(cells) + r" \\")
+    return "\n".join(
+        [
+            r"\begin{table}",
+            rf"\caption{{Length of indifference intervals. {_note(samples, 'root ')}}}",
+            rf"\begin{{tabular}}{{l{'c' * len(frame.columns)}}}",
+            r"\toprule",
+            rf" & {heads} \\",
+            rf" & {names} \\",
+            r"\midrule",
+            *body,
+            r"\bottomrule",
+            r"\end{tabular}",
+            r"\end{table}",
+            "",
+        ]
+    )
+
+
+def _note(samples: int, root: str) -> str:
+    return (
+        f"A dash: no change is significant (no real root). With n = {samples} realisations a length "
+        f"is close to t S {root}(2/n) / |slope| where the response is nearly linear: it falls as one "
+        "over the root of n and measures the study as much as the rock."
+    )

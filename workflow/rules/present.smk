@@ -1,0 +1,53 @@
+# Tables and figures in the paper's layout.
+
+
+rule write_tables:
+    message:
+        "Write Tables 1 to 3"
+    input:
+        f"{RESULTS}/tables/table_3_indifference.csv",
+    output:
+        rocks=f"{RESULTS}/tables/table_1_rocks.csv",
+        cases=f"{RESULTS}/tables/table_2_cases.csv",
+        latex=f"{RESULTS}/tables/table_3_indifference.tex",
+        markdown=f"{RESULTS}/tables/table_3_indifference.md",
+    params:
+        study=config["study"],
+        rocks=ROCKS,
+        code=ANALYSIS_CODE,
+    log:
+        f"{RESULTS}/logs/write_tables.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/write_tables.tsv"
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/write_tables.py"
+
+
+rule draw_figures:
+    message:
+        "Draw the figures"
+    input:
+        study=f"{RESULTS}/study.nc",
+        intervals=f"{RESULTS}/tables/table_3_indifference.csv",
+        closures=f"{RESULTS}/tables/max_closure.csv",
+        surfaces=f"{RESULTS}/cases/{next(iter(CASES))}.surfaces.nc",
+    output:
+        expand(
+            RESULTS + "/figures/{figure}.{format}", figure=FIGURES, format=["png", "pdf"]
+        ),
+    params:
+        folder=f"{RESULTS}/figures",
+        rocks=ROCKS,
+        seating_stress_MPa=config["seating_stress_MPa"],
+        wall_strength_ratio=config["output"]["wall_strength_ratio"],
+        code=FIGURE_CODE,
+    log:
+        f"{RESULTS}/logs/draw_figures.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/draw_figures.tsv"
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/draw_figures.py"

@@ -1,0 +1,57 @@
+# What all rules share: the checked configuration and its cases. No rules here.
+from pathlib import Path
+
+from jointclosure.compilation import source_digest
+from jointclosure.study import cases, configuration
+
+ROOT = Path(workflow.basedir)
+configuration.checked(
+    config, configuration.read_schema(ROOT / "workflow/schemas/config.schema.yaml")
+)
+
+STUDY = config["study"]["name"]
+RESULTS = f"results/{STUDY}"
+ENVIRONMENT = "../envs/jointclosure.yaml"
+PAPER_TABLE_3 = "workflow/resources/paper_table_3.csv"
+CASES = {case.label: case for case in cases.cases_of(config)}
+SURFACES = {case.surface for case in CASES.values()}
+ROCKS = {name: config["rocks"][name] for name in config["study"]["rocks"]}
+TABLES = [
+    "table_1_rocks.csv",
+    "table_2_cases.csv",
+    "table_3_indifference.csv",
+    "table_3_indifference.tex",
+    "table_3_indifference.md",
+    "correlations.csv",
+    "max_closure.csv",
+    "claims.csv",
+    "checks.csv",
+]
+FIGURES = [
+    "fig_3_equivalent_stress",
+    "fig_5_closure",
+    "wall_pair",
+    "table_3_intervals",
+    "trends_max_closure",
+]
+
+# An edit in the package re-runs the rules whose parts of it changed.
+SURFACE_CODE = source_digest("surface", "randomness", "study/ensemble", "study/cases", "dataset")
+SOLVER_CODE = source_digest(
+    "compilation",
+    "parameters",
+    "mechanics",
+    "solvers",
+    "protocol",
+    "readings",
+    "simulation",
+    "study/ensemble",
+    "study/configuration",
+    "dataset",
+)
+ANALYSIS_CODE = source_digest("statistics", "study", "tables", "randomness", "dataset")
+FIGURE_CODE = source_digest("plotting", "empirical", "tables", "readings", "dataset")
+
+
+wildcard_constraints:
+    case="[a-z0-9_-]+",

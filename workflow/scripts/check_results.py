@@ -1,0 +1,31 @@
+"""Check the results; what must hold and does not is an error."""
+
+from jointclosure import Effects, Numerics
+from jointclosure.dataset import read_netcdf, write_csv
+from jointclosure.logbook import Logbook, logging_to
+from jointclosure.parameters import to_si
+from jointclosure.study.checks import check_results
+
+
+def main(study: str, settings: dict, output: str, log: Logbook) -> None:
+    """Write the table of checks, or raise with those that failed."""
+    checks = check_results(
+        read_netcdf(study),
+        Effects(**settings["effects"]),
+        Numerics(**to_si(settings["numerics"])),
+        settings["realizations"],
+    )
+    for row in checks.itertuples():
+        log(f"{'passed' if row.passed else 'FAILED'}: {row.check}: {row.found} ({row.required})")
+    failed = checks[~checks.passed]
+    if len(failed):
+        raise SystemExit(
+            "results fail their checks: "
+            + "; ".join(f"{r.check}: {r.found}, required {r.required}" for r in failed.itertuples())
+        )
+    write_csv(checks, output)
+
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as logbook:
+        main(snakemake.input[0], dict(snakemake.params), snakemake.output[0], logbook)

@@ -1,0 +1,49 @@
+"""Draw all figures of the study, as PNG and PDF."""
+
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from jointclosure import plotting
+from jointclosure.dataset import atomically, read_csv, read_netcdf
+from jointclosure.logbook import Logbook, logging_to
+
+
+def main(inputs: dict, settings: dict, log: Logbook) -> None:
+    """Write each figure as PNG and PDF to the study's folder."""
+    study = read_netcdf(inputs["study"])
+    intervals, closures = read_csv(inputs["intervals"]), read_csv(inputs["closures"])
+    surfaces = read_netcdf(inputs["surfaces"])
+    rocks = settings["rocks"]
+    first = next(iter(rocks.values()))
+    figures = {
+        "fig_3_equivalent_stress": plotting.equivalent_stress(),
+        "fig_5_closure": plotting.closure_figure(
+            study, rocks, 1e6 * settings["seating_stress_MPa"], settings["wall_strength_ratio"]
+        ),
+        "wall_pair": plotting.wall_pair_figure(
+            surfaces.upper.values[0],
+            surfaces.lower.values[0],
+            surfaces.attrs["spacing_m"],
+            f"{first['title']}, JRC {first['jrc']:g}, realisation 0",
+        ),
+        "table_3_intervals": plotting.interval_figure(intervals, rocks),
+        "trends_max_closure": plotting.trend_figure(closures, study, rocks),
+    }
+    for name, figure in figures.items():
+        save(figure, Path(settings["folder"]) / name)
+        log(f"drew {name}")
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure as PNG and PDF, without the time of day in it."""
+    atomically(path.with_suffix(".png"), figure.savefig)
+    atomically(
+        path.with_suffix(".pdf"),
+        lambda temporary: figure.savefig(temporary, metadata={"CreationDate": None}),
+    )
+
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as logbook:
+        main(dict(snakemake.input), dict(snakemake.params), logbook)

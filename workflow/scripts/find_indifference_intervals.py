@@ -1,0 +1,29 @@
+"""Find the indifference intervals, Eqs. (28) and (29), beside the paper's."""
+
+from jointclosure.dataset import read_csv, read_netcdf, write_csv
+from jointclosure.logbook import Logbook, logging_to
+from jointclosure.study.sensitivity import indifference_table
+from jointclosure.tables import with_paper
+
+
+def main(study: str, paper: str, settings: dict, output: str, log: Logbook) -> None:
+    """Write Table 3 as one row per rock, parameter and cycle."""
+    intervals = indifference_table(
+        read_netcdf(study),
+        settings["statistics"],
+        settings["root_seed"],
+        settings["draws"] == "common",
+    )
+    write_csv(with_paper(intervals, read_csv(paper)), output)
+    log(f"wrote {output}: {len(intervals)} intervals")
+
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as logbook:
+        main(
+            snakemake.input.study,
+            snakemake.input.paper,
+            dict(snakemake.params),
+            snakemake.output[0],
+            logbook,
+        )

@@ -1,0 +1,23 @@
+"""Fit the correlations of mean and standard deviation, Eqs. (24) to (27)."""
+
+from jointclosure.dataset import read_netcdf, write_csv
+from jointclosure.logbook import Logbook, logging_to
+from jointclosure.study.sensitivity import correlation_table, max_closure_table
+
+
+def main(study: str, correlations: str, closures: str, log: Logbook) -> None:
+    """Write the table of coefficients and that of means and deviations."""
+    dataset = read_netcdf(study)
+    write_csv(correlation_table(dataset), correlations)
+    write_csv(max_closure_table(dataset), closures)
+    log(f"wrote {correlations} and {closures}")
+
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as logbook:
+        main(
+            snakemake.input[0],
+            snakemake.output.correlations,
+            snakemake.output.closures,
+            logbook,
+        )

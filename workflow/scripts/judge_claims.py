@@ -1,0 +1,24 @@
+"""Hold the paper's claims against the study."""
+
+from jointclosure.dataset import read_csv, read_netcdf, write_csv
+from jointclosure.logbook import Logbook, logging_to
+from jointclosure.study.claims import Evidence, judge_claims
+
+
+def main(study: str, intervals: str, closures: str, output: str, log: Logbook) -> None:
+    """Write each claim with the paper's figures, ours, and a verdict."""
+    claims = judge_claims(Evidence(read_csv(intervals), read_csv(closures), read_netcdf(study)))
+    write_csv(claims, output)
+    for row in claims.itertuples():
+        log(f"{row.number}: {row.claim}: {row.verdict}")
+
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as logbook:
+        main(
+            snakemake.input.study,
+            snakemake.input.intervals,
+            snakemake.input.closures,
+            snakemake.output[0],
+            logbook,
+        )
