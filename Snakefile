@@ -15,11 +15,13 @@ include: "workflow/rules/present.smk"
 
 rule all:
     default_target: True
-    message:
-        "The study {STUDY} is complete"
     input:
         f"{RESULTS}/study.nc",
-        expand(RESULTS + "/tables/{table}", table=TABLES),
+        expand(f"{RESULTS}/tables/{{table}}", table=TABLES),
         expand(
-            RESULTS + "/figures/{figure}.{format}", figure=FIGURES, format=["png", "pdf"]
+            f"{RESULTS}/figures/{{figure}}.{{format}}",
+            figure=FIGURES,
+            format=["png", "pdf"],
         ),
+    message:
+        "The study {STUDY} is complete"

@@ -71,4 +71,4 @@ def kernel(function: Callable) -> Callable:
     Divisions follow numpy (no exception on 0/0), so a kernel guards its own
     singular cases. With ``NUMBA_DISABLE_JIT=1`` the function stays Python.
     """
-    return numba.njit(function, cache=True, error_model="numpy", nogil=True)
+    return numba.njit(function, cache=True, error_model="numpy", nogil=True, forceinline=True)

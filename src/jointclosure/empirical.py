@@ -16,9 +16,7 @@ class BartonBandis(NamedTuple):
         """Closure [m] at a normal stress [Pa], dV = sigma V_m / (K_ni V_m + sigma)."""
         stress = np.asarray(normal_stress, dtype=float)
         return (
-            stress
-            * self.largest_closure
-            / (self.initial_stiffness * self.largest_closure + stress)
+            stress * self.largest_closure / (self.initial_stiffness * self.largest_closure + stress)
         )
 
 

@@ -20,11 +20,14 @@ class Logbook:
 @contextlib.contextmanager
 def logging_to(path: str | Path) -> Iterator[Logbook]:
     """A logbook in a file, which receives standard output and errors too."""
-    with open(path, "w", encoding="utf-8", buffering=1) as stream:
-        with contextlib.redirect_stdout(stream), contextlib.redirect_stderr(stream):
-            try:
-                yield Logbook(stream)
-            except BaseException as error:
-                print(f"failed: {error}", file=stream, flush=True)
-                print(f"{path}: {error}", file=sys.__stderr__, flush=True)
-                raise
+    with (
+        open(path, "w", encoding="utf-8", buffering=1) as stream,
+        contextlib.redirect_stdout(stream),
+        contextlib.redirect_stderr(stream),
+    ):
+        try:
+            yield Logbook(stream)
+        except BaseException as error:
+            print(f"failed: {error}", file=stream, flush=True)
+            print(f"{path}: {error}", file=sys.__stderr__, flush=True)
+            raise

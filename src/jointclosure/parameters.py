@@ -134,12 +134,16 @@ def both_walls(rock) -> tuple[Rock, Rock]:
     InputError
         Not a rock, or a property out of its range.
     """
-    pair = (rock, rock) if isinstance(rock, Rock) else tuple(rock)
-    if len(pair) != 2 or not all(isinstance(wall, Rock) for wall in pair):
+    pair = (rock, rock) if isinstance(rock, Rock) else rock
+    if (
+        not isinstance(pair, tuple | list)
+        or len(pair) != 2
+        or not all(isinstance(wall, Rock) for wall in pair)
+    ):
         raise InputError(f"rock: {rock!r} is neither a Rock nor a pair (upper, lower) of them")
     for wall in pair:
         check_rock(wall)
-    return pair
+    return pair[0], pair[1]
 
 
 def check_rock(rock: Rock) -> None:

@@ -17,7 +17,6 @@ from matplotlib.figure import Figure
 
 from jointclosure.empirical import barton_bandis
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
-from jointclosure.readings import first_crossing
 from jointclosure.study.ensemble import succeeded
 from jointclosure.tables import PARAMETER_TITLES
 
@@ -108,28 +107,31 @@ def closure_figure(
         chosen = closest_to_mean(study, case)
         base = study.sel(case=case).where(succeeded(study).sel(case=case))
         stress = 1e-6 * study.stress.values
+        seats = _seats(base)
         for cycle in cycles:
-            curves = _seated(base.closure.sel(cycle=cycle), seating_stress)
+            curves = base.closure.sel(cycle=cycle) - seats.sel(cycle=cycle)
             colour = _CYCLE_COLOURS[cycle]
             for branch in ("loading", "unloading"):
                 every = 1e3 * curves.sel(branch=branch)
-                shown = stress >= 1e-6 * seating_stress if branch == "loading" else stress >= 0.0
-                x = every.values[:, shown]
-                axes.plot(x.T, stress[shown], color=colour, lw=0.4, alpha=0.25)
-                mean, spread = np.nanmean(x, axis=0), np.nanstd(x, axis=0, ddof=1)
-                if branch == "loading":
-                    axes.fill_betweenx(
-                        stress[shown], mean - spread, mean + spread, color=colour, alpha=0.18, lw=0
-                    )
+                shown = stress > 1e-6 * seating_stress if branch == "loading" else stress >= 0.0
+                x, y = every.values[:, shown], stress[shown]
                 line = every.sel(realization=chosen).values[shown]
-                axes.plot(
-                    line, stress[shown], color=colour, lw=2.0, ls="-" if branch == "loading" else "--"
-                )
+                if branch == "loading":  # which starts at the seating, by definition
+                    x = np.column_stack([np.zeros(len(x)), x])
+                    line, y = np.append(0.0, line), np.append(1e-6 * seating_stress, y)
+                    mean, spread = np.nanmean(x, axis=0), np.nanstd(x, axis=0, ddof=1)
+                    axes.fill_betweenx(
+                        y, mean - spread, mean + spread, color=colour, alpha=0.18, lw=0
+                    )
+                axes.plot(x.T, y, color=colour, lw=0.4, alpha=0.25)
+                axes.plot(line, y, color=colour, lw=2.0, ls="-" if branch == "loading" else "--")
         for cycle in cycles:
             law = barton_bandis(
                 rock["jrc"], 1e6 * rock["compressive_strength_MPa"], strength_ratio, cycle
             )
-            axes.plot(1e3 * law.closure(1e6 * stress), stress, color="0.2", lw=1.2, ls=(0, (1, 1.5)))
+            axes.plot(
+                1e3 * law.closure(1e6 * stress), stress, color="0.2", lw=1.2, ls=(0, (1, 1.5))
+            )
         axes.set(
             title=f"{rock['title']}, JRC {rock['jrc']:g}",
             ylim=(0.0, 1.02 * float(rock["max_normal_stress_MPa"])),
@@ -158,12 +160,10 @@ def closure_figure(
     return figure
 
 
-def _seated(closure: xr.DataArray, seating_stress: float) -> xr.DataArray:
-    """One cycle's closures (realization, branch, stress) since its seating."""
-    stress = closure.stress.values
-    loading = closure.sel(branch="loading").values
-    start = [first_crossing(stress, curve, seating_stress) for curve in loading]
-    return closure - xr.DataArray(start, dims="realization", coords={"realization": closure.realization})
+def _seats(base: xr.Dataset) -> xr.DataArray:
+    """Closures (realization, cycle) from first touch at which cycles' loadings seat [m]."""
+    start = base.residual_closure.shift(cycle=1, fill_value=0.0)
+    return start + base.max_closure - base.max_closure_seated
 
 
 def interval_figure(table: pd.DataFrame, rocks: dict[str, dict]) -> Figure:
@@ -262,9 +262,7 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, dic
                 base = at[(part.parameter == "base").to_numpy()][0]
                 mean = part.max_closure_mean_mm.to_numpy()[order]
                 net = part.max_closure_net_mean_mm.to_numpy()[order]
-                axes.plot(
-                    at[order] / base, mean, "o-", color=f"C{i}", ms=4, label=rock["title"]
-                )
+                axes.plot(at[order] / base, mean, "o-", color=f"C{i}", ms=4, label=rock["title"])
                 axes.plot(at[order] / base, net, "--", color=f"C{i}", lw=1.0)
             axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=9)
             if cycle == cycles[-1]:

@@ -154,10 +154,11 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
 def _land(run, cycle, before, passed, displacement_step, breakage_step) -> None:
     """Repeat the step that passed the target, smaller, until the force is within tolerance.
 
-    Secant steps between the last state below and the last one above, drawn
-    towards the other side, twice as far for each in a row that ends on the
-    same: with breakage the force hardly depends on the step. Where it jumps
-    over the target, the last state below it.
+    Half of the secant step from the last state below towards the last one
+    above, less for each in a row that passes the target again and more for
+    each that falls short: with breakage the force rises at once and then
+    hardly depends on the step, and what a large step breaks costs time. Where
+    the force jumps over the target, the last state below it.
     """
     near = run.numerics.stress_tolerance * run.target_force
     above, passed_again, short_again = passed, 0, 0
@@ -174,7 +175,7 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> None:
         run.joint.restore(before)
         slope = (above.total_force - run.total_force) / room
         part = (run.target_force - run.total_force) / (slope * room)
-        part = min(max(part, 0.02), 0.98) * 0.5**passed_again
+        part = 0.5 * min(max(part, 0.02), 0.98) * 0.4**passed_again
         part = 1.0 - (1.0 - part) * 0.5**short_again
         trial = run.settle(run.closure + part * room, breakage_step)
         if run.failed:
@@ -193,7 +194,7 @@ def _interpolate(run: _Run, cycle: int, before: tuple, passed: Settled) -> None:
     """The paper's last step: walls, closure and forces between the last two states."""
     part = (run.target_force - run.total_force) / (passed.total_force - run.total_force)
     joint = run.joint
-    upper, lower, peaks, force, interaction = before
+    upper, lower, _, force, interaction = before
     for field, earlier in (
         (joint.upper, upper),
         (joint.lower, lower),

@@ -97,11 +97,13 @@ def closure_at_stresses(
     branch: np.ndarray,
     cycles: int,
     levels: np.ndarray,
+    tolerance: float = 0.0,
 ) -> np.ndarray:
     """Closure (cycles, 2, levels) [m] on loading and unloading at given stresses.
 
     The first crossing on loading, the last on unloading, interpolated between
-    steps; NaN where a level was not reached.
+    steps; NaN where a level was not reached. A maximum that was landed on
+    within a relative ``tolerance`` below a level counts as having reached it.
     """
     answer = np.full((cycles, 2, levels.size), np.nan)
     for index in range(cycles):
@@ -111,6 +113,9 @@ def closure_at_stresses(
             here = branch_of(cycle, branch, index + 1, name)
             if here.size < 2:
                 continue
+            maximum = stress[here].max()
             for k, level in enumerate(levels):
+                if maximum < level <= maximum * (1.0 + 1.01 * tolerance):
+                    level = maximum
                 answer[index, side, k] = crossing(stress[here], closure[here], level)
     return answer

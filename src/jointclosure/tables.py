@@ -169,7 +169,7 @@ def table_3_latex(table: pd.DataFrame, titles: dict[str, str], samples: int) -> 
 
 def _note(samples: int, root: str) -> str:
     return (
-        f"A dash: no change is significant (no real root). With n = {samples} realisations a length "
-        f"is close to t S {root}(2/n) / |slope| where the response is nearly linear: it falls as one "
-        "over the root of n and measures the study as much as the rock."
+        f"A dash: no change is significant (no real root). With n = {samples} realisations a "
+        f"length is close to t S {root}(2/n) / |slope| where the response is nearly linear: it "
+        "falls as one over the root of n and measures the study as much as the rock."
     )

@@ -2,8 +2,6 @@
 
 
 rule write_tables:
-    message:
-        "Write Tables 1 to 3"
     input:
         f"{RESULTS}/tables/table_3_indifference.csv",
     output:
@@ -11,23 +9,23 @@ rule write_tables:
         cases=f"{RESULTS}/tables/table_2_cases.csv",
         latex=f"{RESULTS}/tables/table_3_indifference.tex",
         markdown=f"{RESULTS}/tables/table_3_indifference.md",
-    params:
-        study=config["study"],
-        rocks=ROCKS,
-        code=ANALYSIS_CODE,
     log:
         f"{RESULTS}/logs/write_tables.log",
     benchmark:
         f"{RESULTS}/benchmarks/write_tables.tsv"
     conda:
         ENVIRONMENT
+    params:
+        study=config["study"],
+        rocks=ROCKS,
+        code=ANALYSIS_CODE,
+    message:
+        "Write Tables 1 to 3"
     script:
         "../scripts/write_tables.py"
 
 
 rule draw_figures:
-    message:
-        "Draw the figures"
     input:
         study=f"{RESULTS}/study.nc",
         intervals=f"{RESULTS}/tables/table_3_indifference.csv",
@@ -35,19 +33,22 @@ rule draw_figures:
         surfaces=f"{RESULTS}/cases/{next(iter(CASES))}.surfaces.nc",
     output:
         expand(
-            RESULTS + "/figures/{figure}.{format}", figure=FIGURES, format=["png", "pdf"]
+            f"{RESULTS}/figures/{{figure}}.{{format}}",
+            figure=FIGURES,
+            format=["png", "pdf"],
         ),
-    params:
-        folder=f"{RESULTS}/figures",
-        rocks=ROCKS,
-        seating_stress_MPa=config["seating_stress_MPa"],
-        wall_strength_ratio=config["output"]["wall_strength_ratio"],
-        code=FIGURE_CODE,
     log:
         f"{RESULTS}/logs/draw_figures.log",
     benchmark:
         f"{RESULTS}/benchmarks/draw_figures.tsv"
     conda:
         ENVIRONMENT
+    params:
+        rocks=ROCKS,
+        seating_stress_MPa=config["seating_stress_MPa"],
+        wall_strength_ratio=config["output"]["wall_strength_ratio"],
+        code=FIGURE_CODE,
+    message:
+        "Draw the figures"
     script:
         "../scripts/draw_figures.py"

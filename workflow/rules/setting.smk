@@ -36,7 +36,9 @@ FIGURES = [
 ]
 
 # An edit in the package re-runs the rules whose parts of it changed.
-SURFACE_CODE = source_digest("surface", "randomness", "study/ensemble", "study/cases", "dataset")
+SURFACE_CODE = source_digest(
+    "surface", "randomness", "study/ensemble", "study/cases", "dataset"
+)
 SOLVER_CODE = source_digest(
     "compilation",
     "parameters",

@@ -2,30 +2,34 @@
 
 
 rule compile_kernels:
-    message:
-        "Compile the kernels (about half a minute when they are new, else a second)"
     output:
         f"{RESULTS}/logs/kernels.txt",
-    params:
-        effects=config["effects"],
-        choices=config["choices"],
-        solver=config["numerics"]["solver"],
-        code=SOLVER_CODE,
     log:
         f"{RESULTS}/logs/compile_kernels.log",
     benchmark:
         f"{RESULTS}/benchmarks/compile_kernels.tsv"
     conda:
         ENVIRONMENT
+    params:
+        effects=config["effects"],
+        choices=config["choices"],
+        solver=config["numerics"]["solver"],
+        code=SOLVER_CODE,
+    message:
+        "Compile the kernels (about half a minute when they are new, else a second)"
     script:
         "../scripts/compile_kernels.py"
 
 
 rule make_surfaces:
-    message:
-        "Generate the surface pairs of {wildcards.case}"
     output:
         f"{RESULTS}/cases/{{case}}.surfaces.nc",
+    log:
+        f"{RESULTS}/logs/make_surfaces/{{case}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/make_surfaces/{{case}}.tsv"
+    conda:
+        ENVIRONMENT
     params:
         seeds=lambda wildcards: [
             cases.wall_seed(config, CASES[wildcards.case], realization)
@@ -35,24 +39,24 @@ rule make_surfaces:
         grid=config["grid"],
         surface=config["surface"],
         code=SURFACE_CODE,
-    log:
-        f"{RESULTS}/logs/make_surfaces/{{case}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/make_surfaces/{{case}}.tsv"
-    conda:
-        ENVIRONMENT
+    message:
+        "Generate the surface pairs of {wildcards.case}"
     script:
         "../scripts/make_surfaces.py"
 
 
 rule close_surfaces:
-    message:
-        "Close the surface pairs of {wildcards.case}"
     input:
         surfaces=lambda wildcards: f"{RESULTS}/cases/{CASES[wildcards.case].surface}.surfaces.nc",
         kernels=ancient(f"{RESULTS}/logs/kernels.txt"),
     output:
         f"{RESULTS}/cases/{{case}}.nc",
+    log:
+        f"{RESULTS}/logs/close_surfaces/{{case}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/close_surfaces/{{case}}.tsv"
+    conda:
+        ENVIRONMENT
     params:
         case=lambda wildcards: CASES[wildcards.case]._asdict(),
         cycles=config["study"]["cycles"],
@@ -63,32 +67,28 @@ rule close_surfaces:
         stress_points=config["output"]["stress_points"],
         largest_stress_MPa=max(rock["max_normal_stress_MPa"] for rock in ROCKS.values()),
         code=SOLVER_CODE,
-    log:
-        f"{RESULTS}/logs/close_surfaces/{{case}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/close_surfaces/{{case}}.tsv"
-    conda:
-        ENVIRONMENT
+    message:
+        "Close the surface pairs of {wildcards.case}"
     script:
         "../scripts/close_surfaces.py"
 
 
 rule aggregate:
-    message:
-        "Put all cases into one dataset"
     input:
-        expand(RESULTS + "/cases/{case}.nc", case=CASES),
+        expand(f"{RESULTS}/cases/{{case}}.nc", case=CASES),
     output:
         f"{RESULTS}/study.nc",
-    params:
-        configuration=config,
-        cases=[case._asdict() for case in CASES.values()],
-        code=SOLVER_CODE,
     log:
         f"{RESULTS}/logs/aggregate.log",
     benchmark:
         f"{RESULTS}/benchmarks/aggregate.tsv"
     conda:
         ENVIRONMENT
+    params:
+        configuration=config,
+        cases=[case._asdict() for case in CASES.values()],
+        code=SOLVER_CODE,
+    message:
+        "Put all cases into one dataset"
     script:
         "../scripts/aggregate.py"

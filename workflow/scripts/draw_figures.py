@@ -9,8 +9,8 @@ from jointclosure.dataset import atomically, read_csv, read_netcdf
 from jointclosure.logbook import Logbook, logging_to
 
 
-def main(inputs: dict, settings: dict, log: Logbook) -> None:
-    """Write each figure as PNG and PDF to the study's folder."""
+def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None:
+    """Write each figure to those of the outputs that bear its name."""
     study = read_netcdf(inputs["study"])
     intervals, closures = read_csv(inputs["intervals"]), read_csv(inputs["closures"])
     surfaces = read_netcdf(inputs["surfaces"])
@@ -30,20 +30,17 @@ def main(inputs: dict, settings: dict, log: Logbook) -> None:
         "table_3_intervals": plotting.interval_figure(intervals, rocks),
         "trends_max_closure": plotting.trend_figure(closures, study, rocks),
     }
-    for name, figure in figures.items():
-        save(figure, Path(settings["folder"]) / name)
-        log(f"drew {name}")
+    for output in outputs:
+        save(figures[Path(output).stem], output)
+        log(f"drew {output}")
 
 
-def save(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG and PDF, without the time of day in it."""
-    atomically(path.with_suffix(".png"), figure.savefig)
-    atomically(
-        path.with_suffix(".pdf"),
-        lambda temporary: figure.savefig(temporary, metadata={"CreationDate": None}),
-    )
+def save(figure: Figure, path: str) -> None:
+    """Write a figure in the format of its path, without the time of day in it."""
+    metadata = {"CreationDate": None} if path.endswith(".pdf") else None
+    atomically(path, lambda temporary: figure.savefig(temporary, metadata=metadata))
 
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]) as logbook:
-        main(dict(snakemake.input), dict(snakemake.params), logbook)
+        main(dict(snakemake.input), snakemake.output, dict(snakemake.params), logbook)

@@ -24,8 +24,26 @@ def upper_share(upper_curvature, lower_curvature):
 
 
 @kernel
+def passed_share(share, total_upper, total_lower):
+    """Share of the upper wall where a wall without lower neighbours passes its on.
+
+    Parameters
+    ----------
+    share : float
+        As from `upper_share`.
+    total_upper, total_lower : float
+        As from `drops`; a pair with both 0 is confined and does not break.
+    """
+    if total_upper == 0.0:
+        return 0.0
+    if total_lower == 0.0:
+        return 1.0
+    return share
+
+
+@kernel
 def drops(height, neighbours, tie_tolerance, out):
-    """Height differences to the lower neighbours, and what may be shed to them.
+    """Height differences to the lower neighbours.
 
     Parameters
     ----------
@@ -40,24 +58,22 @@ def drops(height, neighbours, tie_tolerance, out):
 
     Returns
     -------
-    total, largest_loss : float
-        Sum of the differences [m], and the largest loss of the cell that
-        lifts no neighbour above it [m]; both 0 for a confined cell.
+    total, least : float
+        Sum of the differences and the smallest of them [m]; 0 and infinite
+        for a cell without a lower neighbour.
     """
     least = math.inf
     for k in range(8):
         drop = height - neighbours[k]
-        drop = drop if drop > tie_tolerance else 0.0
-        out[k] = drop
-        least = min(least, drop if drop > 0.0 else math.inf)
+        lower = drop > tie_tolerance
+        out[k] = drop if lower else 0.0
+        least = min(least, drop if lower else math.inf)
     total = ((out[0] + out[1]) + (out[2] + out[3])) + ((out[4] + out[5]) + (out[6] + out[7]))
-    if total == 0.0:
-        return 0.0, 0.0
-    return total, least * total / (total + least)
+    return total, least
 
 
 @kernel
-def spread(neighbours, loss, differences, total):
+def shed(neighbours, loss, differences, total, least):
     """Lay the loss of a cell on its lower neighbours, in proportion to the drop.
 
     Parameters
@@ -65,10 +81,21 @@ def spread(neighbours, loss, differences, total):
     neighbours : array (8,)
         Heights [m], lifted in place.
     loss : float
-        Height that the cell lost [m].
-    differences, total
-        As from `drops`.
+        Height that the cell is to lose [m], positive.
+    differences, total, least
+        As from `drops`, total positive.
+
+    Returns
+    -------
+    float
+        The loss, cut so that no neighbour is lifted above the lowered cell:
+        the closest one, ``least`` below, then ends level with it [m].
     """
-    rate = loss / total
+    if loss * (total + least) > least * total:
+        rate = least / (total + least)
+        loss = rate * total
+    else:
+        rate = loss / total
     for k in range(8):
         neighbours[k] += rate * differences[k]
+    return loss

@@ -1,9 +1,10 @@
 """Breakage to rest at fixed closure and fixed interaction.
 
 An overstressed pair is lowered in steps until it holds, has lost contact or
-is confined, its gouge laid on its neighbours; what a change touches is looked
-at again, first come first served. The order of breakage is not prescribed by
-the model: docs/decisions/0006-order-of-breakage.md measures what it is worth.
+is confined, its gouge laid on its neighbours; these are looked at again, first
+come first served, and when none is left all cells, until nothing breaks. The
+order of breakage is not prescribed by the model:
+docs/decisions/0006-order-of-breakage.md measures what it is worth.
 """
 
 import math
@@ -12,10 +13,9 @@ from functools import lru_cache
 import numpy as np
 
 from jointclosure.compilation import kernel
-from jointclosure.mechanics.gouge import drops, spread, upper_share
+from jointclosure.mechanics.gouge import drops, passed_share, shed, upper_share
 from jointclosure.mechanics.strength import is_overstressed
 from jointclosure.solvers.cells import is_peak, wall_curvature
-
 
 _MARGIN = 2
 """Cells around the grid, infinitely high and never in contact: no edge to watch for."""
@@ -66,68 +66,23 @@ def put_around(heights, cell, stride, values):
 
 
 @kernel
-def touched_cells(stride):
-    """Offsets of the cells whose state a breakage step can change, (20,).
-
-    Heights change up to one cell away, curvatures up to two along the axes.
-    """
-    offsets = np.empty(20, np.int64)
-    k = 0
-    for dy in range(-2, 3):
-        for dx in range(-2, 3):
-            if (dy != 0 or dx != 0) and abs(dy) + abs(dx) < 4:
-                offsets[k] = dy * stride + dx
-                k += 1
-    return offsets
+def neighbour_offsets(stride):
+    """Offsets of the eight neighbours of a cell in a flat array, (8,)."""
+    return np.array([-stride - 1, -stride, -stride + 1, -1, 1, stride - 1, stride, stride + 1])
 
 
 @kernel
-def shed_gouge(
-    height_upper,
-    height_lower,
-    around_upper,
-    around_lower,
-    falls_upper,
-    falls_lower,
-    breakage_step,
-    share,
-    tie_tolerance,
-):
-    """One breakage step of a pair, its gouge laid on the lower neighbours.
+def curvature_bound(heights, cell, stride, least_curvature, spacing):
+    """Upper bound of a cell's `wall_curvature` [1/m], for a third of its cost.
 
-    Parameters
-    ----------
-    height_upper, height_lower : float
-        Heights of the cell on both walls [m].
-    around_upper, around_lower : array (8,)
-        Their neighbours, lifted in place [m].
-    falls_upper, falls_lower : array (8,)
-        Scratch.
-    breakage_step, share : float
-        Height to take off the pair [m]; the upper wall's share in it.
-    tie_tolerance : float
-        See `jointclosure.mechanics.gouge.drops` [m].
-
-    Returns
-    -------
-    loss_upper, loss_lower : float
-        What the walls lost [m]; both 0 for a confined pair. A wall without a
-        lower neighbour passes its share to the other, and each share is cut
-        so that it lifts no neighbour above the lowered cell.
+    The sides of the triangles are at least as long as the spacing. NaN or
+    infinite at the edge of the grid, where it bounds nothing.
     """
-    total_upper, most_upper = drops(height_upper, around_upper, tie_tolerance, falls_upper)
-    total_lower, most_lower = drops(height_lower, around_lower, tie_tolerance, falls_lower)
-    if total_upper == 0.0:
-        share = 0.0
-    elif total_lower == 0.0:
-        share = 1.0
-    loss_upper = min(breakage_step * share, most_upper)
-    loss_lower = min(breakage_step * (1.0 - share), most_lower)
-    if loss_upper > 0.0:
-        spread(around_upper, loss_upper, falls_upper, total_upper)
-    if loss_lower > 0.0:
-        spread(around_lower, loss_lower, falls_lower, total_lower)
-    return loss_upper, loss_lower
+    here = heights[cell]
+    bend = abs((heights[cell - 1] - here) + (heights[cell + 1] - here)) * abs(
+        (heights[cell - stride] - here) + (heights[cell + stride] - here)
+    )
+    return max(math.sqrt(bend) / (spacing * spacing), least_curvature)
 
 
 @lru_cache(maxsize=None)
@@ -153,32 +108,51 @@ def breakage_kernel(gouge: bool, current_peaks: bool):
         top, bottom = padded(upper, math.inf), padded(lower, math.inf)
         lift = padded(offset - interaction, -math.inf)
         state = padded(peaks, 0)
-        waiting = padded(np.zeros((ny, nx), np.bool_), True)
+        waiting = padded(np.zeros((ny, nx), np.int64), 1)
         confined = padded(np.zeros((ny, nx), np.bool_), False)
-        touched = touched_cells(stride)
+        beside = neighbour_offsets(stride)
         around_top, around_bottom = np.empty(8), np.empty(8)
         falls_top, falls_bottom = np.empty(8), np.empty(8)
-        queue = np.empty(cells, np.int64)
+        mask = 1  # of a ring longer than there are cells, its length a power of two
+        while mask <= cells:
+            mask = 2 * mask + 1
+        queue = np.empty(mask + 1, np.int64)
         head = 0
         length = 0
-        for cell in range(top.size):
-            if top[cell] + bottom[cell] + lift[cell] > 0.0:
-                queue[length] = cell
-                waiting[cell] = True
-                length += 1
         steps = 0
-        while length > 0 and steps < most_steps:
+        seen = -1  # steps when all cells were last looked at
+        while steps < most_steps:
+            if length == 0:
+                # what broke changes curvatures up to two cells away: look at all again
+                if seen == steps:
+                    break
+                seen = steps
+                for cell in range(top.size):
+                    if top[cell] + bottom[cell] + lift[cell] > 0.0:
+                        queue[(head + length) & mask] = cell
+                        waiting[cell] = 1
+                        length += 1
+                continue
             cell = queue[head]
-            head = head + 1 if head + 1 < cells else 0
+            head = (head + 1) & mask
             length -= 1
-            waiting[cell] = False
+            waiting[cell] = 0
             confined[cell] = False
-            high, low = top[cell], bottom[cell]
-            take_around(top, cell, stride, around_top)
-            take_around(bottom, cell, stride, around_bottom)
-            raised = lift[cell]
+            high, low, raised = top[cell], bottom[cell], lift[cell]
+            if not high + low + raised > 0.0:
+                continue
             kind = state[cell]
             bend, breaking_force = law.bend[kind], law.breaking_force[kind]
+            if not current_peaks:
+                # most of what is looked at again still holds, and is soon found to
+                most = curvature_bound(top, cell, stride, law.least_curvature, law.spacing)
+                most += curvature_bound(bottom, cell, stride, law.least_curvature, law.spacing)
+                if most < math.inf and not is_overstressed(
+                    high + low + raised, most, bend, breaking_force, law.substrate
+                ):
+                    continue
+            take_around(top, cell, stride, around_top)
+            take_around(bottom, cell, stride, around_bottom)
             taken = 0
             while steps < most_steps:
                 overlap = high + low + raised
@@ -199,25 +173,24 @@ def breakage_kernel(gouge: bool, current_peaks: bool):
                     break
                 share = upper_share(bend_top, bend_bottom)
                 if gouge:
-                    loss_top, loss_bottom = shed_gouge(
-                        high,
-                        low,
-                        around_top,
-                        around_bottom,
-                        falls_top,
-                        falls_bottom,
-                        breakage_step,
-                        share,
-                        tie_tolerance,
+                    total_top, least_top = drops(high, around_top, tie_tolerance, falls_top)
+                    total_bottom, least_bottom = drops(
+                        low, around_bottom, tie_tolerance, falls_bottom
                     )
-                    if loss_top + loss_bottom == 0.0:
+                    if total_top == 0.0 and total_bottom == 0.0:
                         confined[cell] = True
                         break
-                    high -= loss_top
-                    low -= loss_bottom
-                else:
-                    high -= breakage_step * share
-                    low -= breakage_step * (1.0 - share)
+                    share = passed_share(share, total_top, total_bottom)
+                loss_top = breakage_step * share
+                loss_bottom = breakage_step * (1.0 - share)
+                if gouge and loss_top > 0.0:
+                    loss_top = shed(around_top, loss_top, falls_top, total_top, least_top)
+                if gouge and loss_bottom > 0.0:
+                    loss_bottom = shed(
+                        around_bottom, loss_bottom, falls_bottom, total_bottom, least_bottom
+                    )
+                high -= loss_top
+                low -= loss_bottom
                 steps += 1
                 taken += 1
             if taken == 0:
@@ -225,13 +198,13 @@ def breakage_kernel(gouge: bool, current_peaks: bool):
             top[cell], bottom[cell] = high, low
             put_around(top, cell, stride, around_top)
             put_around(bottom, cell, stride, around_bottom)
-            for k in range(touched.size):
-                near = cell + touched[k]
-                if not waiting[near] and top[near] + bottom[near] + lift[near] > 0.0:
-                    tail = head + length
-                    queue[tail if tail < cells else tail - cells] = near
-                    waiting[near] = True
-                    length += 1
+            for k in range(8):
+                near = cell + beside[k]
+                # without a branch, which could not be predicted
+                new = (1 - waiting[near]) & (top[near] + bottom[near] + lift[near] > 0.0)
+                queue[(head + length) & mask] = near
+                waiting[near] |= new
+                length += new
         unpad(top, upper)
         unpad(bottom, lower)
         held = np.empty((ny, nx), np.bool_)

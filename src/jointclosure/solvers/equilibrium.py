@@ -192,7 +192,9 @@ def interacting_equilibrium(influence, cells, overlap, compliance, substrate, st
     steps = 0
     while difference > tolerance * total and steps < MOST_NEWTON_STEPS:
         steps += 1
-        inner = min(0.1, 0.3 * max(difference, tolerance * total) / total) if total > 0 else 0.1
+        # as exact as Newton's own error calls for, and no more than is asked for
+        ratio = difference / total if total > 0.0 else np.inf
+        inner = min(0.1, max(0.3 * ratio, 0.3 * tolerance / ratio))
         direction, used = newton_direction(
             influence, matrix, cells, answer - force, secant, inner, scratch
         )

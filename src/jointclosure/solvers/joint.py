@@ -69,7 +69,9 @@ class Joint:
         shape = self.upper.shape
         self.influence = influence_of(shape, self.law) if effects.interaction else None
         if self.influence is not None:
-            self._mean_displacement = interaction_field(self.influence, np.ones(shape)) / self.upper.size
+            self._mean_displacement = (
+                interaction_field(self.influence, np.ones(shape)) / self.upper.size
+            )
         self.force = np.zeros(shape)
         self.interaction = np.zeros(shape)
 
@@ -118,11 +120,13 @@ class Joint:
         """
         total = float(self.force.sum())
         share = 1.0 / total if total > 0.0 else 0.0
+        rigid = not np.isfinite(total)
         cells, overlap, curvature, compliance = self.overlapping(closure)
         force = self.force.ravel()[cells]
-        if self.influence is not None and total > 0.0:
+        if self.influence is not None and total > 0.0 and not rigid:
             overlap = overlap - interaction_field(self.influence, self.force).ravel()[cells]
         answer = separate_equilibrium(overlap, compliance, self.law.substrate)
+        misfit = np.inf if rigid else share * float(np.abs(answer - force).sum())
         return Settled(
             outcome=outcome,
             closure=closure,
@@ -130,7 +134,7 @@ class Joint:
             least_force=float(self.force.min()),
             contacts=int(np.count_nonzero(self.force)),
             mean_interaction=self.mean_interaction(),
-            residual=share * float(np.abs(answer - force).sum()),
+            residual=misfit,
             breakage_steps=breakage_steps,
             confined_contacts=int(np.count_nonzero(confined & (self.force > 0.0))),
             confined_share=share * float(self.force[confined].sum()),

@@ -11,7 +11,7 @@ import numpy as np
 
 from jointclosure.compilation import kernel
 from jointclosure.mechanics.contact import asperity_compliance, force_of_overlap
-from jointclosure.mechanics.gouge import drops, spread, upper_share
+from jointclosure.mechanics.gouge import drops, passed_share, shed, upper_share
 from jointclosure.mechanics.strength import is_overstressed
 from jointclosure.solvers.cells import is_peak, neighbourhood, overlapping_cells, wall_curvature
 from jointclosure.solvers.joint import CONVERGED, NOT_CONVERGED, RIGID_CONTACT, Joint, Settled
@@ -105,30 +105,29 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
                         break
                     # 4.1 the pair is lowered, the sharper asperity more
                     share = upper_share(bend_upper, bend_lower)
-                    loss_upper = breakage_step * share
-                    loss_lower = breakage_step * (1.0 - share)
                     if gouge:
-                        # 4.2 the gouge goes to the valleys around
-                        total_upper, most_upper = drops(
+                        total_upper, least_upper = drops(
                             upper[y, x], around_upper, tie_tolerance, falls_upper
                         )
-                        total_lower, most_lower = drops(
+                        total_lower, least_lower = drops(
                             lower[y, x], around_lower, tie_tolerance, falls_lower
                         )
                         if total_upper == 0.0 and total_lower == 0.0:
                             confined[y, x] = True
                             break
-                        if total_upper == 0.0:
-                            loss_upper, loss_lower = 0.0, breakage_step
-                        elif total_lower == 0.0:
-                            loss_upper, loss_lower = breakage_step, 0.0
-                        loss_upper = min(loss_upper, most_upper)
-                        loss_lower = min(loss_lower, most_lower)
-                        if loss_upper > 0.0:
-                            spread(around_upper, loss_upper, falls_upper, total_upper)
-                        if loss_lower > 0.0:
-                            spread(around_lower, loss_lower, falls_lower, total_lower)
+                        share = passed_share(share, total_upper, total_lower)
+                    loss_upper = breakage_step * share
+                    loss_lower = breakage_step * (1.0 - share)
+                    # 4.2 the gouge goes to the valleys around
+                    if gouge and loss_upper > 0.0:
+                        loss_upper = shed(
+                            around_upper, loss_upper, falls_upper, total_upper, least_upper
+                        )
                         lay_back(upper, y, x, around_upper)
+                    if gouge and loss_lower > 0.0:
+                        loss_lower = shed(
+                            around_lower, loss_lower, falls_lower, total_lower, least_lower
+                        )
                         lay_back(lower, y, x, around_lower)
                     upper[y, x] -= loss_upper
                     lower[y, x] -= loss_lower

@@ -141,7 +141,9 @@ def real_roots(coefficients: np.ndarray) -> np.ndarray:
         return np.empty(0)
     if coefficients.size == 2:
         return np.array([-coefficients[1] / coefficients[0]])
-    bound = 1.0 + float(np.max(np.abs(coefficients[1:] / coefficients[0])))
+    # Fujiwara's bound of all roots
+    ratios = np.abs(coefficients[1:] / coefficients[0])
+    bound = 2.0 * float(np.max(ratios ** (1.0 / np.arange(1, ratios.size + 1))))
     turns = real_roots(np.polyder(coefficients))
     ends = np.concatenate([[-bound], turns[np.abs(turns) < bound], [bound]])
     values = np.polyval(coefficients, ends)
@@ -152,7 +154,12 @@ def real_roots(coefficients: np.ndarray) -> np.ndarray:
         if f_left * f_right < 0.0:
             roots.append(
                 scipy.optimize.brentq(
-                    lambda u: np.polyval(coefficients, u), left, right, xtol=1e-300, rtol=1e-15
+                    lambda u: np.polyval(coefficients, u),
+                    left,
+                    right,
+                    xtol=1e-300,
+                    rtol=1e-15,
+                    maxiter=5000,  # an end may be 1e17 times as far as the root
                 )
             )
     return np.array(sorted(set(roots)))

@@ -51,11 +51,11 @@ def cases_of(configuration: dict) -> list[Case]:
     cases = []
     for name in configuration["study"]["rocks"]:
         rock = configuration["rocks"][name]
-        properties = to_si(
-            {key: rock[key] for key in rock if key not in ("title", "levels")}
-        )
+        properties = to_si({key: rock[key] for key in rock if key not in ("title", "levels")})
         base_label = f"{name}-base"
-        cases.append(Case(base_label, name, "base", "base", float("nan"), **properties, surface=base_label))
+        cases.append(
+            Case(base_label, name, "base", "base", float("nan"), **properties, surface=base_label)
+        )
         for parameter in PARAMETERS:
             key = configuration_key(parameter, rock["levels"])
             if key is None:

@@ -62,7 +62,12 @@ def check_results(
         )
     closures = study.max_closure.where(good)
     read = int(np.isfinite(closures.values[good.values]).all(axis=-1).sum())
-    add("successful simulations with all closures read", f"{successes}", f"{read}", read == successes)
+    add(
+        "successful simulations with all closures read",
+        f"{successes}",
+        f"{read}",
+        read == successes,
+    )
     add(
         "maximum closures",
         "positive",
@@ -73,5 +78,5 @@ def check_results(
         study.status.attrs["flag_masks"], study.status.attrs["flag_meanings"].split(), strict=True
     ):
         count = int(((study.status.values & int(value)) > 0).sum())
-        add(f"simulations with the remark {meaning}", "reported only", f"{count} of {total}", True)
+        add(f"simulations flagged {meaning}", "reported only", f"{count} of {total}", True)
     return pd.DataFrame(rows)

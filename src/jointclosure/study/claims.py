@@ -49,10 +49,9 @@ def _row(number: str, claim: str, paper: str, holds: dict[str, tuple[bool | None
         for rock, (good, numbers) in holds.items()
     )
     known = [good for good, _ in holds.values() if good is not None]
+    verdict = REPRODUCED if all(known) else NOT_REPRODUCED
     if not known:
         verdict = CANNOT_BE_JUDGED
-    else:
-        verdict = REPRODUCED if all(known) else NOT_REPRODUCED
     return {"number": number, "claim": claim, "paper": paper, "ours": ours, "verdict": verdict}
 
 
@@ -100,9 +99,7 @@ def _poisson(evidence: Evidence) -> Iterator[dict]:
             f"1a, cycle {cycle}",
             "Poisson's ratio matters least: the widest interval in percent",
             _paper_percents(evidence, "poisson_ratio", cycle),
-            _ranked(
-                evidence, cycle, lambda p: p["poisson_ratio"] >= max(p.values())
-            ),
+            _ranked(evidence, cycle, lambda p: p["poisson_ratio"] >= max(p.values())),
         )
     table = evidence.intervals[evidence.intervals.parameter == "poisson_ratio"]
     holds = {}

@@ -1,6 +1,7 @@
 """Check a merged configuration, before anything is computed from it."""
 
 import difflib
+import itertools
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -97,8 +98,8 @@ def _allowed(error: jsonschema.ValidationError) -> str:
         found = difflib.get_close_matches(error.instance, [str(v) for v in value], n=1)
         close = f"; did you mean {found[0]}?" if found else ""
     said = {
-        "type": f"must be of type {value if isinstance(value, str) else ' or '.join(map(str, value))}",
-        "enum": f"must be one of {', '.join(map(str, value)) if rule == 'enum' else ''}{close}",
+        "type": f"must be of type {_choice(value)}",
+        "enum": f"must be one of {_choice(value)}{close}",
         "minimum": f"must be at least {value}",
         "maximum": f"must be at most {value}",
         "exclusiveMinimum": f"must be above {value}",
@@ -107,6 +108,10 @@ def _allowed(error: jsonschema.ValidationError) -> str:
         "pattern": f"must match {value} (lower-case letters, digits and underscores)",
     }
     return said.get(rule, error.message)
+
+
+def _choice(values: object) -> str:
+    return ", ".join(map(str, values)) if isinstance(values, list) else str(values)
 
 
 def _contradictions(configuration: dict) -> Iterator[str]:
@@ -141,7 +146,8 @@ def _contradictions(configuration: dict) -> Iterator[str]:
         for jrc in [rock["jrc"], *rock["levels"].get("jrc", [])]:
             if not relation.smallest_jrc <= jrc <= relation.largest_jrc:
                 yield (
-                    f"rocks.{name}: jrc = {jrc!r}: {configuration['surface']['jrc_relation']} holds "
+                    f"rocks.{name}: jrc = {jrc!r}: "
+                    f"{configuration['surface']['jrc_relation']} holds "
                     f"from {relation.smallest_jrc:g} to {relation.largest_jrc:g}"
                 )
         for ratio in rock["levels"].get("poisson_ratio", []):
@@ -155,7 +161,7 @@ def _contradictions(configuration: dict) -> Iterator[str]:
 
 
 def _level_problems(where: str, levels: list, own: float) -> Iterator[str]:
-    if any(not later > earlier for earlier, later in zip(levels, levels[1:], strict=False)):
+    if any(not later > earlier for earlier, later in itertools.pairwise(levels)):
         yield f"{where} = {levels!r}: must be strictly ascending"
     if own in levels:
         yield f"{where} = {levels!r}: lists the rock's own value {own!r}, which is a level anyway"

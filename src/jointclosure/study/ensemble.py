@@ -7,8 +7,8 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.parameters import Choices, Effects, Numerics, Rock
-from jointclosure.readings import branch_of, closure_at_stresses, first_crossing
 from jointclosure.protocol import FAILURE, LOADING, UNLOADING
+from jointclosure.readings import branch_of, closure_at_stresses, first_crossing
 from jointclosure.simulation import ATTRIBUTES, simulate
 from jointclosure.study.cases import Case
 from jointclosure.surface.synthesis import wall_pair
@@ -118,7 +118,7 @@ def close_surfaces(
             numerics=numerics,
         )
         seconds = time.perf_counter() - start
-        row = _row(closed, stresses, cycles, seating_stress)
+        row = _row(closed, stresses, cycles, seating_stress, numerics.stress_tolerance)
         row["volume_error"] = ((), _volume_error(upper, lower, closed))
         row["timing_simulation"] = ((), seconds)
         rows.append(xr.Dataset(row))
@@ -175,13 +175,21 @@ def succeeded(study: xr.Dataset) -> xr.DataArray:
     return study.status < FAILURE
 
 
-def _row(closed: xr.Dataset, stresses: np.ndarray, cycles: int, seating_stress: float) -> dict:
+def _row(
+    closed: xr.Dataset,
+    stresses: np.ndarray,
+    cycles: int,
+    seating_stress: float,
+    stress_tolerance: float,
+) -> dict:
     history = (closed.normal_stress.values, closed.cycle.values, closed.branch.values)
     stress, cycle, branch = history
     row: dict = {name: (("cycle",), closed[name].values) for name in PER_CYCLE}
     row |= {name: ((), closed[name].values) for name in PER_REALIZATION}
     for name in ("closure", "bulk_indentation"):
-        curves = closure_at_stresses(closed[name].values, *history, cycles, stresses)
+        curves = closure_at_stresses(
+            closed[name].values, *history, cycles, stresses, stress_tolerance
+        )
         row[name] = (("cycle", "branch", "stress"), curves)
     at_seat = []
     for number in range(1, cycles + 1):

@@ -119,12 +119,8 @@ def wall_pair(
     z2 = z2_of_jrc(jrc, spacing, hurst, jrc_relation)
     ny, nx = shape
     wide = (ny, nx + shift_in_cells)
-    upper = synthetic_wall(
-        z2, wide, spacing, hurst, generator(seed_of(seed, "upper")), normalise
-    )
-    lower = synthetic_wall(
-        z2, wide, spacing, hurst, generator(seed_of(seed, "lower")), normalise
-    )
+    upper = synthetic_wall(z2, wide, spacing, hurst, generator(seed_of(seed, "upper")), normalise)
+    lower = synthetic_wall(z2, wide, spacing, hurst, generator(seed_of(seed, "lower")), normalise)
     mated = -correlation * np.roll(upper, shift_in_cells, axis=1)
     lower = mated + np.sqrt(1.0 - correlation**2) * lower
     pair = []

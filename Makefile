@@ -1,0 +1,80 @@
+# Targets for people; the work itself is in the Snakefile. `make help` lists them.
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+SHELL := /bin/sh
+
+PYTHON ?= python3
+CONFIG ?=
+CORES ?= all
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/jointclosure-is-set-up
+SNAKEMAKE := $(BIN)/snakemake --workflow-profile workflow/profiles/default --cores $(CORES)
+
+# one thread a job: the workflow runs one job on every core
+export OMP_NUM_THREADS := 1
+export OPENBLAS_NUM_THREADS := 1
+export MKL_NUM_THREADS := 1
+export NUMBA_NUM_THREADS := 1
+export UV_SYSTEM_CERTS := 1
+export UV_PYTHON_DOWNLOADS := never
+export MPLBACKEND := Agg
+
+.PHONY: help setup study smoke test test-all lint clean
+
+help: ## List the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
+	@echo "  CONFIG=config/mine.yaml runs another study, CORES=4 on so many cores, PYTHON=python3.12 chooses the Python."
+
+setup: $(STAMP) ## Set up the locked environment in .venv (every other target does this too)
+
+$(STAMP): requirements.lock requirements-uv.lock pyproject.toml
+	@command -v $(PYTHON) >/dev/null 2>&1 || { echo "$(PYTHON) is not installed: apt-get install python3 python3-venv"; exit 1; }
+	@$(PYTHON) -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 11) <= v <= (3, 13) else "Python %d.%d is not supported: jointclosure needs Python 3.11, 3.12 or 3.13 (choose one by PYTHON=python3.12)" % v)'
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { echo "$(PYTHON) lacks venv: apt-get install python3-venv"; exit 1; }
+	$(PYTHON) -m venv --clear $(VENV)
+	@if $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements-uv.lock; then \
+	    $(BIN)/uv pip sync --quiet --require-hashes --compile-bytecode --python $(BIN)/python requirements.lock \
+	    && $(BIN)/uv pip install --quiet --no-deps --no-build-isolation --python $(BIN)/python --editable . ; \
+	else \
+	    echo "uv is not to be had for this machine: pip does it, slower"; \
+	    $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements.lock \
+	    && $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable . ; \
+	fi
+	@touch $@
+	@echo "The environment is set up in $(VENV)."
+
+# a start after a kill: release the lock of a Snakemake that is no longer there
+define run
+	@if [ -d .snakemake/locks ] && [ -n "$$(ls .snakemake/locks 2>/dev/null)" ] && ! pgrep -f "[s]nakemake .*--workflow-profile" >/dev/null 2>&1; then \
+	    $(SNAKEMAKE) $(1) --unlock --quiet; fi
+	$(SNAKEMAKE) $(1)
+	@echo "Results are in $$($(BIN)/python workflow/scripts/results_folder.py $(2))"
+endef
+
+study: $(STAMP) ## Run the paper's study, or that of CONFIG
+	$(call run,$(if $(CONFIG),--configfile $(CONFIG)),$(CONFIG))
+
+smoke: $(STAMP) ## Run the paper's study made small
+	$(call run,--configfile config/smoke.yaml,config/smoke.yaml)
+
+test: $(STAMP) ## Pass the tests
+	@echo "Compiling the kernels of all scenes (two minutes when they are new) ..."
+	@$(BIN)/python -m jointclosure.warmup
+	$(BIN)/python -m pytest -n auto -m "not slow"
+	@echo "A study's own checks are in results/<study>/tables/checks.csv"
+
+test-all: $(STAMP) ## Pass the tests, the slow ones too
+	@$(BIN)/python -m jointclosure.warmup
+	$(BIN)/python -m pytest -n auto
+
+lint: $(STAMP) ## Check style, layers and workflow
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/snakefmt --check --compact-diff Snakefile workflow
+	$(BIN)/lint-imports
+	$(BIN)/snakemake --lint
+
+clean: ## Remove the environment and all that was compiled, but no results
+	rm -rf $(VENV) .pytest_cache .hypothesis .ruff_cache .import_linter_cache
+	find src tests workflow -name __pycache__ -prune -exec rm -rf {} +

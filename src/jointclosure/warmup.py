@@ -1,0 +1,49 @@
+"""Compile kernels before processes fan out.
+
+Two processes that fill a cold cache at once can swap each other's machine
+code, so one process compiles all that the others will need.
+"""
+
+from collections.abc import Iterator
+
+from jointclosure.parameters import Choices, Effects, Numerics, Rock
+from jointclosure.simulation import equilibrium, simulate
+from jointclosure.surface.synthesis import wall_pair
+
+
+def well_posed_scenes() -> Iterator[Effects]:
+    """The 18 combinations of effects that have an answer."""
+    for substrate, interaction in ((False, False), (True, False), (True, True)):
+        for breakage, gouge in ((False, False), (True, False), (True, True)):
+            for soft_peaks in (False, True):
+                yield Effects(substrate, interaction, breakage, gouge, soft_peaks)
+
+
+def compile_kernels(effects: Effects, choices: Choices, solver: str) -> None:
+    """Close a small joint in a scene, which compiles what it needs."""
+    spacing, rock = 0.25e-3, Rock(78e9, 0.2, 165e6)
+    walls = wall_pair(8.0, (24, 24), spacing, seed=1)
+    numerics = Numerics(solver=solver)
+    simulate(
+        *walls,
+        spacing=spacing,
+        rock=rock,
+        max_normal_stress=1e6,
+        cycles=1,
+        effects=effects,
+        choices=choices,
+        numerics=numerics,
+    )
+    if not effects.breakage:
+        equilibrium(
+            *walls, spacing=spacing, rock=rock, closure=1e-4, effects=effects, numerics=numerics
+        )
+
+
+if __name__ == "__main__":
+    from jointclosure.solvers.registry import SOLVERS
+
+    for scene in well_posed_scenes():
+        for peaks in ("pristine", "current"):
+            for name in SOLVERS:
+                compile_kernels(scene, Choices(peaks=peaks), name)

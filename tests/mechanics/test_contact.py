@@ -1,0 +1,81 @@
+import hypothesis.strategies as st
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given
+
+from jointclosure.mechanics.contact import (
+    asperity_compliance,
+    equivalent_modulus,
+    force_of_overlap,
+    overlap_of_force,
+    plane_strain_modulus,
+    substrate_compliance,
+)
+
+E_STAR = 40e9
+magnitudes = st.floats(-12.0, 0.0).map(lambda power: 10.0**power)
+
+
+def exact_force(overlap, substrate, asperity):
+    """Root of A t^3 + B t^2 = delta_S in 50 digits, by bisection."""
+    with mpmath.workdps(50):
+        a, b, d = (mpmath.mpf(v) for v in (substrate, asperity, overlap))
+        low, high = mpmath.mpf(0), mpmath.sqrt(d / b) if b else mpmath.cbrt(d / a)
+        t = mpmath.findroot(
+            lambda t: a * t**3 + b * t**2 - d,
+            (low, high),
+            solver="anderson",
+            tol=mpmath.mpf(10) ** -90,
+            maxsteps=1000,
+        )
+        return t**3
+
+
+@given(overlap=magnitudes, curvature=st.floats(-3.0, 6.0).map(lambda p: 10.0**p))
+def test_force_solves_the_cubic_to_14_digits(overlap, curvature):
+    substrate = substrate_compliance(0.125e-3, E_STAR)
+    asperity = asperity_compliance(curvature, E_STAR)
+    force, _ = force_of_overlap(overlap, substrate, asperity)
+    exact = exact_force(overlap, substrate, asperity)
+    assert abs(mpmath.mpf(force) / exact - 1) < 1e-14
+
+
+@given(overlap=magnitudes)
+def test_without_substrate_a_contact_is_hertzian(overlap):
+    radius = 0.5e-3
+    force, _ = force_of_overlap(overlap, 0.0, asperity_compliance(1.0 / radius, E_STAR))
+    assert force == pytest.approx(4.0 / 3.0 * E_STAR * np.sqrt(radius) * overlap**1.5, rel=1e-13)
+
+
+@given(overlap=magnitudes)
+def test_a_flat_contact_is_its_substrates(overlap):
+    force, slope = force_of_overlap(overlap, substrate_compliance(0.1e-3, E_STAR), 0.0)
+    assert force == pytest.approx(4.0 / 3.0 * E_STAR * 0.1e-3 * overlap, rel=1e-13)
+    assert slope == pytest.approx(force / overlap, rel=1e-13)
+
+
+@given(overlap=magnitudes, curvature=st.floats(1.0, 1e5))
+def test_overlap_of_force_inverts_force_of_overlap(overlap, curvature):
+    law = substrate_compliance(0.1e-3, E_STAR), asperity_compliance(curvature, E_STAR)
+    force, _ = force_of_overlap(overlap, *law)
+    assert overlap_of_force(force, *law) == pytest.approx(overlap, rel=1e-13)
+
+
+@given(overlap=st.floats(1e-9, 1e-3), curvature=st.floats(1.0, 1e5))
+def test_slope_is_the_derivative_of_the_force(overlap, curvature):
+    law = substrate_compliance(0.1e-3, E_STAR), asperity_compliance(curvature, E_STAR)
+    step = 1e-6 * overlap
+    rise = force_of_overlap(overlap + step, *law)[0] - force_of_overlap(overlap - step, *law)[0]
+    assert force_of_overlap(overlap, *law)[1] == pytest.approx(rise / (2.0 * step), rel=1e-6)
+
+
+@pytest.mark.parametrize("overlap", [0.0, -0.0, -1e-6, float("nan")])
+def test_walls_apart_carry_nothing(overlap):
+    assert force_of_overlap(overlap, 1e-9, 1e-9) == (0.0, 0.0)
+
+
+def test_moduli_of_equal_walls_halve():
+    modulus = plane_strain_modulus(78e9, 0.2)
+    assert modulus == pytest.approx(81.25e9)
+    assert equivalent_modulus(modulus, modulus) == pytest.approx(modulus / 2)

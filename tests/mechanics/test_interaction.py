@@ -1,0 +1,30 @@
+import hypothesis.strategies as st
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given
+
+from jointclosure.mechanics.interaction import far_field_factor, interaction_displacement
+
+
+def exact_factor(ratio):
+    """Eqs. (17) to (20) in 60 digits, over the displacement by a point force."""
+    with mpmath.workdps(60):
+        r = mpmath.mpf(ratio)
+        bracket = (2 * r**2 - 1) * mpmath.asin(r) + r * mpmath.sqrt(1 - r**2)
+        return 3 * bracket / (4 * r**3)
+
+
+@given(st.floats(-9.0, 0.0).map(lambda power: 10.0**power))
+def test_factor_agrees_with_the_printed_form_to_13_digits(ratio):
+    assert abs(mpmath.mpf(far_field_factor(ratio)) / exact_factor(ratio) - 1) < 1e-13
+
+
+def test_displacement_is_continuous_with_the_substrate_at_the_rim():
+    # at the rim a Hertz pressure moves the surface by 3 F / (8 E* r)
+    at_rim = interaction_displacement(1.0, 1.0, 1.0)
+    assert at_rim == pytest.approx(3.0 / 8.0, rel=1e-14)
+
+
+def test_far_away_only_the_force_counts():
+    assert interaction_displacement(1e8, 1.0, 5.0) == pytest.approx(1.0 / (np.pi * 5e8), rel=1e-15)

@@ -1,0 +1,53 @@
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+from hypothesis import given
+from scipy.optimize import minimize_scalar
+
+from jointclosure.mechanics.contact import asperity_compliance, overlap_of_force
+from jointclosure.mechanics.strength import (
+    breaking_bend,
+    is_overstressed,
+    peak_pressure,
+    strength_factor,
+    von_mises_on_axis,
+)
+
+
+@given(st.floats(0.0, 0.5))
+def test_eq_23_is_the_maximum_of_eq_21_within_1_5e_4(ratio):
+    found = minimize_scalar(
+        lambda z: -von_mises_on_axis(z, ratio), bounds=(0.2, 0.8), method="bounded"
+    )
+    assert strength_factor(ratio) == pytest.approx(-found.fun, abs=1.5e-4)
+
+
+def test_the_maximum_moves_from_0_38_to_0_55():
+    depths = np.linspace(0.0, 1.0, 10001)
+    for ratio, where in ((0.0, 0.382), (0.5, 0.548)):
+        stresses = [von_mises_on_axis(z, ratio) for z in depths]
+        assert depths[np.argmax(stresses)] == pytest.approx(where, abs=1e-3)
+
+
+@given(
+    deformation=st.floats(1e-9, 1e-4),
+    curvature=st.floats(1.0, 1e5),
+    modulus=st.floats(1e9, 1e11),
+    substrate=st.sampled_from([0.0, 1e-10, 1e-8]),
+)
+def test_overstress_by_overlap_agrees_with_eq_22(deformation, curvature, modulus, substrate):
+    limit = 2e8
+    bend = breaking_bend(limit, modulus)
+    force = 4.0 / 3.0 * modulus * np.sqrt(deformation**3 / curvature)
+    overlap = overlap_of_force(force, substrate, asperity_compliance(curvature, modulus))
+    pressure = peak_pressure(deformation, curvature, modulus)
+    if abs(pressure / limit - 1.0) < 1e-9:
+        return
+    breaking_force = 4.0 / 3.0 * modulus * bend * np.sqrt(bend)
+    assert is_overstressed(overlap, curvature, bend, breaking_force, substrate) == (
+        pressure > limit
+    )
+
+
+def test_a_flat_contact_never_breaks():
+    assert not is_overstressed(1.0, 0.0, 1e-12, 1e-3, 1e-9)

@@ -1,0 +1,142 @@
+import hypothesis.strategies as st
+import mpmath
+import numpy as np
+import pytest
+import scipy.stats
+from hypothesis import assume, given
+
+import jointclosure as jc
+from jointclosure.randomness import generator
+from jointclosure.statistics.bootstrap import bootstrap_length
+from jointclosure.statistics.correlations import fit_quadratic, lack_of_fit
+from jointclosure.statistics.indifference import real_roots
+
+LEVELS = np.array([70.0, 78.0, 85.0])
+
+
+def t_value(found, levels, means, deviations, n, at):
+    mean, deviation = (fit_quadratic(levels, v, levels[1]) for v in (means, deviations))
+    scatter = (deviation.at(at) ** 2 + deviation.d**2) / n
+    return (mean.at(at) - mean.d) / np.sqrt(scatter)
+
+
+@given(
+    means=st.lists(st.floats(0.1, 10.0), min_size=3, max_size=3),
+    deviations=st.lists(st.floats(0.01, 1.0), min_size=3, max_size=3),
+    n=st.integers(2, 100),
+)
+def test_the_root_is_where_the_t_test_becomes_critical_and_none_is_closer(means, deviations, n):
+    found = jc.indifference_interval(LEVELS, means, deviations, n)
+    critical = scipy.stats.t.ppf(0.975, 2 * n - 2)
+    reach = found.length if np.isfinite(found.length) else 200.0
+    inside = np.linspace(78.0 - 0.999 * reach, 78.0 + 0.999 * reach, 401)
+    values = np.abs(t_value(found, LEVELS, means, deviations, n, inside))
+    assert np.all(values <= critical * (1 + 1e-6))
+    if np.isfinite(found.length):
+        at_root = abs(t_value(found, LEVELS, means, deviations, n, found.root))
+        assert at_root == pytest.approx(critical, rel=1e-6)
+        assert found.extrapolated == (not 70.0 <= found.root <= 85.0)
+
+
+def test_a_linear_response_has_the_length_t_root_2_over_n_s_over_slope():
+    means = 3.0 - 0.02 * (LEVELS - 78.0)
+    found = jc.indifference_interval(LEVELS, means, [0.05] * 3, 20)
+    assert found.length == pytest.approx(2.0243941639 * np.sqrt(2 / 20) * 0.05 / 0.02, rel=1e-9)
+    assert found.critical_value == pytest.approx(2.0244, abs=1e-4)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 78e9])
+def test_the_length_scales_with_the_parameter(scale):
+    means, deviations = [0.091, 0.081, 0.074], [0.003, 0.0028, 0.0031]
+    one = jc.indifference_interval(LEVELS, means, deviations, 20)
+    other = jc.indifference_interval(LEVELS * scale, means, deviations, 20)
+    assert other.length == pytest.approx(one.length * scale, rel=1e-10)
+
+
+def test_no_variation_has_no_root_and_no_scatter_no_length():
+    assert np.isnan(jc.indifference_interval(LEVELS, [1.0] * 3, [0.1] * 3, 20).length)
+    assert np.isnan(jc.indifference_interval(LEVELS, [1.0] * 3, [0.0] * 3, 20).length)
+    assert jc.indifference_interval(LEVELS, [1.1, 1.0, 0.9], [0.0] * 3, 20).length == 0.0
+
+
+def test_a_scatter_that_grows_faster_than_the_mean_has_no_root():
+    levels = np.array([-1.0, 0.0, 1.0])
+    found = jc.indifference_interval(levels, [0.1, 0.0, 0.1], [2.0, 1.0, 2.0], 20)
+    assert np.isnan(found.length)
+    assert not found.extrapolated
+
+
+def test_no_scatter_at_the_base_alone_is_not_a_root_where_scatter_outgrows_the_mean():
+    levels = np.array([-1.0, 0.0, 1.0])
+    found = jc.indifference_interval(levels, [-0.01, 0.0, 0.01], [1.0, 0.0, 1.0], 20)
+    assert found.length == 0.0  # S ~ u^2 against x ~ u: the smallest change is significant
+
+
+@pytest.mark.parametrize("gap", [1e-3, 1e-6, -1e-6])
+def test_nearly_double_roots_are_told_from_none(gap):
+    # (u^2 - 2 u + 1 - gap) has the roots 1 +- sqrt(gap), or none
+    roots = real_roots(np.polymul([1.0, -2.0, 1.0 - gap], [1.0, 0.0, 4.0]))
+    if gap < 0:
+        assert roots.size == 0
+    else:
+        np.testing.assert_allclose(roots, [1 - np.sqrt(gap), 1 + np.sqrt(gap)], rtol=1e-6)
+
+
+@given(st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=4))
+def test_real_roots_agree_with_mpmath(known):
+    known = sorted(known)
+    assume(np.all(np.diff(known) > 1e-2))
+    coefficients = np.poly(known)
+    with mpmath.workdps(50):
+        ascending = [mpmath.mpf(c) for c in coefficients[::-1]]
+        exact = mpmath.polyroots(ascending, maxsteps=500, extraprec=500, asc=True)
+        exact = sorted(float(mpmath.re(r)) for r in exact)
+    np.testing.assert_allclose(real_roots(coefficients), exact, rtol=1e-8, atol=1e-8)
+
+
+def test_more_than_three_levels_are_fitted_and_tested():
+    levels = np.array([4.0, 6.0, 8.0, 10.0, 12.0])
+    means = 0.01 * levels**2 + 0.1 * levels
+    found = jc.indifference_interval(levels, means, [0.05] * 5, 20)
+    quadratic = fit_quadratic(levels, means, 8.0)
+    assert quadratic.in_parameter() == pytest.approx((0.01, 0.1, 0.0), abs=1e-12)
+    assert found.length < 1.0
+    assert lack_of_fit(levels, means, [0.05] * 5, 20, quadratic) == pytest.approx(1.0)
+    wavy = means + 0.1 * np.array([1, -1, 1, -1, 1])
+    assert lack_of_fit(levels, wavy, [0.05] * 5, 20, fit_quadratic(levels, wavy, 8.0)) < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"levels": [1.0, 2.0]}, "levels"),
+        ({"levels": [1.0, 3.0, 2.0]}, "ascending"),
+        ({"means": [1.0, 2.0]}, "means"),
+        ({"standard_deviations": [1.0, -1.0, 1.0]}, "standard_deviations"),
+        ({"samples": 1}, "samples = 1"),
+        ({"significance": 1.0}, "significance = 1.0"),
+        ({"base": 1.5}, "base = 1.5"),
+        ({"means": [1.0, float("nan"), 2.0]}, "means"),
+    ],
+)
+def test_bad_input_is_refused_by_name(change, named):
+    good = {
+        "levels": [1.0, 2.0, 3.0],
+        "means": [1.0] * 3,
+        "standard_deviations": [1.0] * 3,
+        "samples": 20,
+    }
+    with pytest.raises(jc.InputError, match=named):
+        jc.indifference_interval(**(good | change))
+
+
+def test_the_bootstrap_covers_the_length_that_it_resamples():
+    random = generator(7)
+    base = random.normal(3.0, 0.05, 20)
+    samples = np.stack([base - 0.02 * (level - 78.0) for level in LEVELS])
+    found = jc.indifference_interval(LEVELS, samples.mean(axis=1), samples.std(axis=1, ddof=1), 20)
+    interval = bootstrap_length(LEVELS, samples, generator(1), base=78.0, resamples=300)
+    assert interval.low < found.length < interval.high
+    assert interval.share_without_root == 0.0
+    again = bootstrap_length(LEVELS, samples, generator(1), base=78.0, resamples=300)
+    assert again == interval

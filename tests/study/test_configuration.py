@@ -1,0 +1,156 @@
+import copy
+from pathlib import Path
+
+import pytest
+import yaml
+
+from jointclosure.study.cases import cases_of, wall_seed
+from jointclosure.study.configuration import (
+    ConfigurationError,
+    checked,
+    choices_of,
+    effects_of,
+    numerics_of,
+    read_schema,
+)
+
+ROOT = Path(__file__).parents[2]
+SCHEMA = read_schema(ROOT / "workflow/schemas/config.schema.yaml")
+DEFAULT = yaml.safe_load((ROOT / "config/default.yaml").read_text())
+
+
+def merged(changes: dict) -> dict:
+    """The default configuration with overrides, merged as Snakemake does."""
+
+    def merge(base, over):
+        for key, value in over.items():
+            if isinstance(value, dict) and isinstance(base.get(key), dict):
+                merge(base[key], value)
+            else:
+                base[key] = value
+        return base
+
+    return merge(copy.deepcopy(DEFAULT), changes)
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "config").glob("*.yaml")), ids=lambda p: p.stem)
+def test_every_configuration_in_the_project_is_valid(path):
+    checked(merged(yaml.safe_load(path.read_text())), SCHEMA)
+
+
+def test_the_default_is_the_papers_study():
+    cases = cases_of(DEFAULT)
+    assert len(cases) == 36
+    assert DEFAULT["study"]["realizations"] == 20
+    assert len({case.label for case in cases}) == 36
+    assert choices_of(DEFAULT) == choices_of(DEFAULT)
+    dolerite = cases[0]
+    assert (dolerite.youngs_modulus, dolerite.compressive_strength) == (78e9, 165e6)
+    assert dolerite.max_normal_stress == 30e6
+    assert numerics_of(DEFAULT).later_breakage_step == 2.5e-6
+    assert all(effects_of(DEFAULT))
+
+
+def test_the_library_and_the_configuration_have_the_same_defaults():
+    import jointclosure as jc
+
+    assert numerics_of(DEFAULT) == jc.Numerics()
+    assert choices_of(DEFAULT) == jc.Choices()
+    assert effects_of(DEFAULT) == jc.Effects()
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"grid": {"cell_x": 5}}, "grid.cell_x = 5: unknown key; did you mean cells_x?"),
+        ({"stuy": {}}, "stuy = {}: unknown key; did you mean study?"),
+        ({"rocks": {"slate": {"youngs_modulus_GPa": -66}}}, "rocks.slate.youngs_modulus_GPa = -66: must be above 0"),
+        ({"rocks": {"slate": {"poisson_ratio": 0.7}}}, "rocks.slate.poisson_ratio = 0.7: must be at most 0.5"),
+        ({"rocks": {"slate": {"levels": {"poisson_ratio": [0.1, 0.7]}}}}, "poisson_ratio = 0.7"),
+        ({"rocks": {"slate": {"levels": {"jrc": [5, 25]}}}}, "jrc = 25"),
+        ({"rocks": {"slate": {"levels": {"jrc": [8, 5]}}}}, "rocks.slate.levels.jrc = [8, 5]: must be strictly ascending"),
+        ({"rocks": {"slate": {"levels": {"jrc": [5, 6.5]}}}}, "lists the rock's own value"),
+        ({"rocks": {"slate": {"levels": {"jrc": [5]}}}}, "needs at least 2 values"),
+        ({"rocks": {"slate": {"max_normal_stress_MPa": 0}}}, "max_normal_stress_MPa = 0: must be above 0"),
+        ({"rocks": {"slate": {"max_normal_stress_MPa": 0.4}}}, "seating_stress_MPa = 0.5: must be below"),
+        ({"rocks": {"gneiss": {"jrc": 8}}}, "rocks.gneiss: lacks title"),
+        ({"study": {"realizations": 1}}, "study.realizations = 1: must be at least 2"),
+        ({"study": {"realizations": "20"}}, "study.realizations = '20': must be of type integer"),
+        ({"study": {"rocks": ["dolorite"]}}, "'dolorite': not among rocks"),
+        ({"study": {"name": "../elsewhere"}}, "study.name = '../elsewhere': must match"),
+        ({"numerics": {"breakage_step_um": 12.5}}, "breakage_step = 1.25e-05"),
+        ({"numerics": {"later_breakage_step_um": 7}}, "later_breakage_step = 7e-06"),
+        ({"numerics": {"solver": "refrence"}}, "did you mean reference?"),
+        ({"effects": {"substrate": False}}, "interaction = True needs substrate = True"),
+        ({"effects": {"breakage": False}}, "gouge = True needs breakage = True"),
+        ({"choices": {"base_radius_in_cells": 2}}, "choices.base_radius_in_cells = 2: must be at most 1"),
+        ({"surface": {"jrc_relation": "yang_2001"}}, "did you mean yang?"),
+    ],
+)  # fmt: skip
+def test_an_error_names_the_key_its_value_and_what_is_allowed(change, said):
+    with pytest.raises(ConfigurationError) as error:
+        checked(merged(change), SCHEMA)
+    assert said in str(error.value)
+
+
+def test_a_misspelt_rock_is_guessed():
+    with pytest.raises(ConfigurationError, match="did you mean dolerite"):
+        checked(merged({"study": {"rocks": ["dolorite"]}}), SCHEMA)
+
+
+def test_all_errors_are_listed_at_once():
+    with pytest.raises(ConfigurationError) as error:
+        checked(merged({"grid": {"cells_x": 2}, "study": {"realizations": 1}}), SCHEMA)
+    assert str(error.value).count("must be at least") == 2
+
+
+def test_every_key_of_the_schema_has_a_description():
+    def keys(schema, path=""):
+        for name, entry in schema.get("properties", {}).items():
+            yield f"{path}{name}", entry
+            yield from keys(entry, f"{path}{name}.")
+        extra = schema.get("additionalProperties")
+        if isinstance(extra, dict):
+            yield from keys(extra, f"{path}*.")
+        elif schema.get("properties"):
+            assert extra is False, f"{path} is not closed"
+
+    described = dict(keys(SCHEMA))
+    assert len(described) > 50
+    assert all(entry.get("description") for entry in described.values())
+
+
+def test_levels_beyond_three_are_named_and_ordered():
+    cases = cases_of(merged({"rocks": {"slate": {"levels": {"jrc": [4, 5, 8, 9]}}}}))
+    jrc = [case for case in cases if case.rock == "slate" and case.parameter == "jrc"]
+    assert [case.level for case in jrc] == ["level_1", "level_2", "level_4", "level_5"]
+    assert [case.jrc for case in jrc] == [4, 5, 8, 9]
+
+
+def test_common_draws_share_surfaces_where_the_roughness_is_the_same():
+    common = [case for case in cases_of(DEFAULT) if case.rock == "slate"]
+    assert len({case.surface for case in common}) == 3
+    independent = merged({"study": {"draws": "independent"}})
+    own = [case for case in cases_of(independent) if case.rock == "slate"]
+    assert len({case.surface for case in own}) == 9
+    seeds = {wall_seed(independent, case, 0) for case in own}
+    assert len(seeds) == 9
+    assert len({wall_seed(DEFAULT, case, 0) for case in common}) == 1
+
+
+def test_adding_reordering_or_dropping_cases_changes_no_surface():
+    fewer = merged({"study": {"rocks": ["slate", "dolerite"]},
+                    "rocks": {"slate": {"levels": {"jrc": [4, 5, 8]}}}})  # fmt: skip
+    for settings in (DEFAULT, merged({"study": {"draws": "independent"}})):
+        changed = fewer | {"study": settings["study"] | {"rocks": ["slate", "dolerite"]}}
+
+        def seeds(configuration):
+            return {
+                (case.rock, case.parameter, case.level): wall_seed(configuration, case, 3)
+                for case in cases_of(configuration)
+            }
+
+        before, after = seeds(settings), seeds(changed)
+        shared = set(before) & set(after)
+        assert len(shared) > 10
+        assert all(before[key] == after[key] for key in shared)

@@ -1,0 +1,220 @@
+import numpy as np
+import pytest
+import xarray as xr
+
+import jointclosure as jc
+from jointclosure.protocol import FAILURE, FLAGS
+from jointclosure.warmup import well_posed_scenes
+from tests.conftest import DOLERITE, SPACING
+
+TARGET = 4e6
+
+
+@pytest.fixture(scope="module")
+def walls():
+    return jc.wall_pair(8.0, (24, 24), SPACING, seed=11)
+
+
+@pytest.fixture(scope="module")
+def closed(walls):
+    return jc.simulate(
+        *walls, spacing=SPACING, rock=DOLERITE, max_normal_stress=TARGET, seating_stress=5e5
+    )
+
+
+def on(dataset, cycle, branch):
+    """Closure and stress on one branch, its start included."""
+    here = np.flatnonzero((dataset.cycle.values == cycle) & (dataset.branch.values == branch))
+    here = np.concatenate([here[:1] - 1, here]) if here[0] > 0 else here
+    return dataset.closure.values[here], dataset.normal_stress.values[here]
+
+
+def test_history_starts_at_first_touch_and_has_the_promised_variables(closed):
+    assert closed.closure.values[0] == 0.0
+    assert closed.normal_stress.values[0] == 0.0
+    assert closed.cycle.dims == closed.branch.dims == ("step",)
+    along_step = {
+        "closure",
+        "normal_stress",
+        "contact_fraction",
+        "bulk_indentation",
+        "equilibrium_residual",
+    }
+    assert along_step == {name for name, v in closed.data_vars.items() if v.dims == ("step",)}
+    for name in ("max_closure", "residual_closure"):
+        assert closed[name].dims == closed[f"{name}_seated"].dims == ("cycle",)
+    for variable in closed.data_vars.values():
+        assert variable.attrs["long_name"]
+
+
+def test_every_maximum_lands_on_the_target_or_says_that_it_jumped(closed):
+    for cycle in (1, 2):
+        stress = on(closed, cycle, "loading")[1]
+        if not int(closed.status) & 1:
+            assert stress[-1] == pytest.approx(TARGET, rel=1e-3)
+        assert stress.max() == stress[-1]
+
+
+def test_unloading_ends_exactly_at_last_contact(closed):
+    for cycle in (1, 2):
+        closure, stress = on(closed, cycle, "unloading")
+        assert stress[-1] == 0.0
+        assert stress[-2] > 0.0
+    lifted = (closed.upper_final + closed.lower_final).max()
+    assert closed.residual_closure.values[-1] == closure[-1]
+    assert closed.attrs["seating_stress_Pa"] == 5e5
+    assert float(lifted) < np.inf
+
+
+def test_last_contact_is_where_the_walls_as_they_are_only_just_touch(closed, walls):
+    touch = (walls[0] + walls[1]).max() - float((closed.upper_final + closed.lower_final).max())
+    assert closed.residual_closure.values[-1] == pytest.approx(touch, abs=1e-18)
+
+
+def test_readings_follow_the_conventions(closed):
+    first, second = on(closed, 1, "loading"), on(closed, 2, "loading")
+    ends = [on(closed, cycle, "unloading")[0][-1] for cycle in (1, 2)]
+    expected = [first[0][-1], second[0][-1] - ends[0]]
+    np.testing.assert_allclose(closed.max_closure, expected)
+    np.testing.assert_allclose(closed.residual_closure, ends)
+    seat = [np.interp(5e5, stress, closure) for closure, stress in (first, second)]
+    np.testing.assert_allclose(
+        closed.max_closure_seated, [first[0][-1] - seat[0], second[0][-1] - seat[1]], rtol=1e-6
+    )
+
+
+def test_unloading_lies_below_loading(closed):
+    for cycle in (1, 2):
+        closure, stress = on(closed, cycle, "loading")
+        back, relief = on(closed, cycle, "unloading")
+        inside = (back > closure[0]) & (back < closure[-1])
+        assert np.all(relief[inside] <= np.interp(back[inside], closure, stress) + 1e-3 * TARGET)
+
+
+def test_seating_changes_the_reading_and_never_the_history(walls, closed):
+    other = jc.simulate(*walls, spacing=SPACING, rock=DOLERITE, max_normal_stress=TARGET)
+    xr.testing.assert_equal(other.closure, closed.closure)
+    np.testing.assert_array_equal(other.max_closure_seated, other.max_closure)
+    assert np.all(closed.max_closure_seated < closed.max_closure)
+
+
+def test_the_same_call_gives_the_same_numbers_and_leaves_the_walls_alone(walls, closed):
+    copies = [wall.copy() for wall in walls]
+    again = jc.simulate(
+        *walls, spacing=SPACING, rock=DOLERITE, max_normal_stress=TARGET, seating_stress=5e5
+    )
+    xr.testing.assert_identical(again, closed)
+    for wall, copy in zip(walls, copies, strict=True):
+        np.testing.assert_array_equal(wall, copy)
+
+
+def test_without_breakage_loading_and_unloading_are_one_curve(walls):
+    effects = jc.Effects(breakage=False, gouge=False)
+    elastic = jc.simulate(
+        *walls, spacing=SPACING, rock=DOLERITE, max_normal_stress=TARGET, effects=effects
+    )
+    for closure, stress in zip(
+        elastic.closure.values[::4], elastic.normal_stress.values[::4], strict=True
+    ):
+        state = jc.equilibrium(
+            *walls, spacing=SPACING, rock=DOLERITE, closure=float(closure), effects=effects
+        )
+        assert float(state.normal_stress) == pytest.approx(stress, rel=1e-7, abs=1e-3)
+    assert elastic.max_closure.values[0] == pytest.approx(elastic.max_closure.values[1], rel=1e-3)
+    np.testing.assert_array_equal(elastic.residual_closure, 0.0)
+
+
+def test_interpolation_is_the_papers_and_meets_the_target_exactly(walls):
+    closed = jc.simulate(
+        *walls,
+        spacing=SPACING,
+        rock=DOLERITE,
+        max_normal_stress=TARGET,
+        numerics=jc.Numerics(target="interpolate"),
+    )
+    for cycle in (1, 2):
+        assert on(closed, cycle, "loading")[1][-1] == pytest.approx(TARGET, rel=1e-12)
+
+
+def test_two_rocks_swap_with_their_walls(walls):
+    soft = jc.Rock(20e9, 0.3, 60e6)
+    elastic = jc.Effects(breakage=False, gouge=False)
+    one = jc.equilibrium(
+        *walls, spacing=SPACING, rock=(DOLERITE, soft), closure=1e-4, effects=elastic
+    )
+    other = jc.equilibrium(
+        *walls[::-1], spacing=SPACING, rock=(soft, DOLERITE), closure=1e-4, effects=elastic
+    )
+    np.testing.assert_allclose(one.force, other.force, rtol=1e-9, atol=1e-12)
+    mixed = jc.simulate(*walls, spacing=SPACING, rock=(DOLERITE, soft), max_normal_stress=1e6)
+    assert int(mixed.status) < FAILURE
+
+
+SCENES = list(well_posed_scenes())
+
+
+@pytest.mark.parametrize("effects", SCENES, ids=str)
+def test_every_scene_closes(effects):
+    walls = jc.wall_pair(6.0, (12, 12), SPACING, seed=2)
+    closed = jc.simulate(
+        *walls, spacing=SPACING, rock=DOLERITE, max_normal_stress=2e5, cycles=1, effects=effects
+    )
+    assert int(closed.status) < FAILURE, FLAGS
+    assert closed.max_closure.values[0] > 0.0
+    if not effects.breakage:
+        np.testing.assert_array_equal(closed.upper_final, walls[0])
+
+
+def test_there_are_18_scenes():
+    assert len(set(SCENES)) == 18
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"rock": jc.Rock(-1.0, 0.2, 1e8)}, "youngs_modulus = -1.0"),
+        ({"rock": jc.Rock(1e9, 0.6, 1e8)}, "poisson_ratio = 0.6"),
+        ({"rock": jc.Rock(1e9, 0.2, float("nan"))}, "compressive_strength = nan"),
+        ({"rock": 3.0}, "rock"),
+        ({"spacing": 0.0}, "spacing = 0.0"),
+        ({"max_normal_stress": -1.0}, "max_normal_stress = -1.0"),
+        ({"cycles": 0}, "cycles = 0"),
+        ({"seating_stress": 2e6}, "seating_stress = 2000000.0"),
+        ({"effects": jc.Effects(substrate=False)}, "interaction"),
+        ({"effects": jc.Effects(breakage=False)}, "gouge"),
+        ({"choices": jc.Choices(base_radius_in_cells=1.5)}, "base_radius_in_cells = 1.5"),
+        ({"choices": jc.Choices(peaks="some")}, "peaks = 'some'"),
+        ({"numerics": jc.Numerics(breakage_step=12.5e-6)}, "breakage_step = 1.25e-05"),
+        ({"numerics": jc.Numerics(later_breakage_step=7e-6)}, "later_breakage_step = 7e-06"),
+        ({"numerics": jc.Numerics(solver="best")}, "solver = 'best'"),
+        ({"numerics": jc.Numerics(target="near")}, "target = 'near'"),
+        ({"upper": np.zeros((4, 5))}, "shapes"),
+        ({"upper": np.zeros(5)}, "upper: shape"),
+        ({"lower": np.full((4, 4), np.nan)}, "lower: 16 heights are not finite"),
+        ({"lower": np.zeros((4, 4), dtype=complex)}, "lower: heights of type complex128"),
+    ],
+)
+def test_bad_input_is_refused_by_name(change, named):
+    good = {
+        "upper": np.zeros((4, 4)),
+        "lower": np.zeros((4, 4)),
+        "spacing": SPACING,
+        "rock": DOLERITE,
+        "max_normal_stress": 1e6,
+    }
+    with pytest.raises(jc.InputError, match=named.replace("(", r"\(")):
+        jc.simulate(**(good | change))
+
+
+def test_a_rigid_contact_is_a_status_and_not_a_number():
+    flat = np.zeros((4, 4))
+    closed = jc.simulate(
+        flat,
+        flat,
+        spacing=SPACING,
+        rock=DOLERITE,
+        max_normal_stress=1e6,
+        effects=jc.Effects(substrate=False, interaction=False, breakage=False, gouge=False),
+    )
+    assert FLAGS[int(closed.status)] == "rigid_contact"
+    assert np.isnan(closed.max_closure.values).all()

@@ -1,0 +1,157 @@
+"""The whole pipeline on a study of seconds, in folders of its own."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from jointclosure.dataset import read_netcdf
+
+ROOT = Path(__file__).parents[2]
+TINY = ROOT / "tests/workflow/tiny.yaml"
+
+pytestmark = pytest.mark.slow
+
+
+def checkout(folder: Path) -> Path:
+    """What a run needs of the project, copied to a folder."""
+    shutil.copy(ROOT / "Snakefile", folder)
+    for name in ("workflow", "config"):
+        shutil.copytree(ROOT / name, folder / name)
+    shutil.copy(TINY, folder / "tiny.yaml")
+    return folder
+
+
+def snakemake(folder: Path, *arguments: str, cores: int = 2, config: str = "tiny.yaml"):
+    """Run the project's Snakefile in a folder; the completed process."""
+    command = [
+        sys.executable, "-m", "snakemake", "--workflow-profile", "workflow/profiles/default",
+        "--configfile", config, "--cores", str(cores), *arguments,
+    ]  # fmt: skip
+    return subprocess.run(
+        command,
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"OMP_NUM_THREADS": "1"},
+    )
+
+
+def planned(folder: Path, **settings) -> dict[str, int]:
+    """Jobs that a dry run would do, by rule."""
+    answer = snakemake(folder, "--dry-run", "--quiet", "rules", **settings)
+    assert answer.returncode == 0, answer.stderr
+    listing = snakemake(folder, "--dry-run", **settings).stdout
+    table = re.search(r"job\s+count\n[-\s]+\n(.*?)\n\n", listing, re.S)
+    if table is None:
+        return {}
+    rows = (line.split() for line in table.group(1).splitlines())
+    return {name: int(count) for name, count in rows if name not in ("total", "all")}
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    folder = checkout(tmp_path_factory.mktemp("two_cores"))
+    answer = snakemake(folder)
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    return folder
+
+
+def test_the_run_writes_what_the_readme_promises(study):
+    results = study / "results/tiny"
+    tables = {path.name for path in (results / "tables").iterdir()}
+    assert tables == {
+        "table_1_rocks.csv", "table_2_cases.csv", "table_3_indifference.csv",
+        "table_3_indifference.tex", "table_3_indifference.md", "correlations.csv",
+        "max_closure.csv", "claims.csv", "checks.csv",
+    }  # fmt: skip
+    figures = {path.stem for path in (results / "figures").iterdir()}
+    assert figures == {
+        "fig_3_equivalent_stress", "fig_5_closure", "wall_pair", "table_3_intervals",
+        "trends_max_closure",
+    }  # fmt: skip
+    for path in (results / "figures").iterdir():
+        assert path.stat().st_size > 5000
+    table = pd.read_csv(results / "tables/table_3_indifference.csv")
+    assert {"rock", "parameter", "cycle", "length", "unit", "percent", "root", "extrapolated",
+            "status", "paper_length", "paper_percent", "length_net"} <= set(table.columns)  # fmt: skip
+    assert len(table) == 8
+
+
+def test_the_dataset_has_coordinates_units_and_provenance(study):
+    dataset = read_netcdf(study / "results/tiny/study.nc")
+    assert dict(dataset.sizes) == {
+        "case": 10, "realization": 3, "cycle": 2, "branch": 2, "stress": 5,
+    }  # fmt: skip
+    for variable in dataset.data_vars.values():
+        assert variable.attrs["long_name"]
+    for attribute in ("configuration", "root_seed", "source_digest", "provenance_commit",
+                      "provenance_versions"):  # fmt: skip
+        assert dataset.attrs[attribute]
+    assert set(dataset.parameter.values) == {
+        "base", "poisson_ratio", "youngs_modulus", "compressive_strength", "jrc",
+    }  # fmt: skip
+    loading = dataset.closure.sel(branch="loading").values
+    assert np.all(np.diff(loading, axis=-1) > 0.0)
+
+
+def test_one_core_gives_identical_results(study, tmp_path):
+    folder = checkout(tmp_path)
+    answer = snakemake(folder, cores=1)
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    one, two = (
+        read_netcdf(where / "results/tiny/study.nc").pipe(without_provenance)
+        for where in (folder, study)
+    )
+    xr.testing.assert_identical(one, two)
+    for table in (study / "results/tiny/tables").iterdir():
+        same = folder / "results/tiny/tables" / table.name
+        assert same.read_bytes() == table.read_bytes(), table.name
+
+
+def without_provenance(dataset: xr.Dataset) -> xr.Dataset:
+    names = [name for name in dataset.variables if str(name).startswith("timing_")]
+    dataset = dataset.drop_vars(names)
+    dataset.attrs = {
+        key: value for key, value in dataset.attrs.items() if not key.startswith("provenance_")
+    }
+    return dataset
+
+
+def test_nothing_is_left_to_do_after_a_run(study):
+    assert planned(study) == {}
+
+
+def test_editing_one_case_reruns_that_case_alone(study):
+    text = TINY.read_text().replace("      jrc: [5, 8, 9]", "      jrc: [5, 8, 9.5]")
+    (study / "edited.yaml").write_text(text)
+    jobs = planned(study, config="edited.yaml")
+    assert jobs["close_surfaces"] == 1
+    assert jobs["make_surfaces"] == 1
+    assert "compile_kernels" not in jobs
+    assert jobs["aggregate"] == 1
+
+
+def test_an_edit_of_the_statistics_reruns_no_simulation(study):
+    text = TINY.read_text().replace("bootstrap_resamples: 10", "bootstrap_resamples: 12")
+    (study / "edited.yaml").write_text(text)
+    jobs = planned(study, config="edited.yaml")
+    assert not {"close_surfaces", "make_surfaces", "compile_kernels"} & set(jobs)
+    assert jobs["find_indifference_intervals"] == 1
+
+
+def test_a_bad_configuration_is_refused_before_any_job(study):
+    (study / "bad.yaml").write_text("grid: {cells_x: 2, spcing_mm: 1}\n")
+    answer = snakemake(study, config="bad.yaml")
+    assert answer.returncode != 0
+    said = answer.stdout + answer.stderr
+    assert "grid.cells_x = 2: must be at least 3" in said
+    assert "grid.spcing_mm = 1: unknown key; did you mean spacing_mm?" in said

@@ -1,0 +1,87 @@
+"""Write config/README.md: the keys of a configuration, from the schema and the defaults."""
+
+from pathlib import Path
+
+import yaml
+
+ROOT = Path(__file__).parents[2]
+
+HEADER = """# Configuration
+
+`default.yaml` is the paper's study and holds every number of the model, each with its source. Another study is a small file
+with what differs: lists replace lists, everything else is merged. `make study CONFIG=config/mine.yaml` runs it, and writes to
+`results/<study.name>/`. Before any job starts the merged configuration is checked against the schema below
+(`workflow/schemas/config.schema.yaml`); an error names the key, its value and what is allowed.
+
+- `default.yaml`: the paper's study.
+- `smoke.yaml`: the same made small.
+
+A rock of your own is an entry under `rocks` and its name in `study.rocks`:
+
+```yaml
+study:
+  name: my_granite
+  rocks: [granite]
+rocks:
+  granite:
+    title: Granite
+    youngs_modulus_GPa: 60
+    poisson_ratio: 0.22
+    compressive_strength_MPa: 180
+    jrc: 10
+    max_normal_stress_MPa: 20
+    levels:
+      youngs_modulus_GPa: [50, 55, 65, 70]   # besides its own 60: five levels
+      jrc: [8, 12]
+```
+
+The table is written by `python workflow/scripts/key_table.py`; `<rock>` stands for any name.
+
+| key | default | allowed | what it is |
+|---|---|---|---|
+"""
+
+
+def main() -> str:
+    """The page's text."""
+    schema = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text())
+    default = yaml.safe_load((ROOT / "config/default.yaml").read_text())
+    return HEADER + "".join(f"{row}\n" for row in rows(schema, default, ""))
+
+
+def rows(schema: dict, default: object, path: str):
+    """A row for each key below a path."""
+    entries = dict(schema.get("properties", {}))
+    extra = schema.get("additionalProperties")
+    if isinstance(extra, dict):
+        entries["<rock>"] = extra
+    for name, entry in entries.items():
+        value = default.get(name) if isinstance(default, dict) else None
+        if "properties" in entry or isinstance(entry.get("additionalProperties"), dict):
+            yield from rows(entry, value, f"{path}{name}.")
+        else:
+            shown = "" if "<rock>" in path else f"`{_shown(value)}`"
+            yield f"| `{path}{name}` | {shown} | {_allowed(entry)} | {entry['description']} |"
+
+
+def _shown(value: object) -> str:
+    return yaml.safe_dump(value, default_flow_style=True, width=1000).replace("\n...", "").strip()
+
+
+def _allowed(entry: dict) -> str:
+    if "enum" in entry:
+        return ", ".join(str(value) for value in entry["enum"])
+    kinds = entry.get("type", "")
+    kinds = " or ".join(kinds) if isinstance(kinds, list) else kinds
+    bounds = [
+        f"{sign} {entry[key]:g}"
+        for key, sign in (
+            ("minimum", "≥"), ("exclusiveMinimum", ">"), ("maximum", "≤"), ("exclusiveMaximum", "<"),
+        )
+        if key in entry
+    ]  # fmt: skip
+    return ", ".join([kinds, *bounds])
+
+
+if __name__ == "__main__":
+    (ROOT / "config/README.md").write_text(main(), encoding="utf-8")
