@@ -12,7 +12,7 @@ from jointclosure.compilation import kernel
 from jointclosure.mechanics.interaction import interaction_displacement
 from jointclosure.parameters import ContactLaw
 
-DENSE_LIMIT = 400
+DENSE_LIMIT = 600
 """Up to this many contacts a dense product is cheaper than a convolution."""
 
 
