@@ -88,9 +88,10 @@ class Choices(NamedTuple):
 class Numerics(NamedTuple):
     """Steps [m] and tolerances; ``later_``: every branch after the first loading.
 
-    ``force_tolerance`` is the relative residual of equilibrium of the fast
-    solver and, where it is not given, the paper's 1 % change between sweeps
-    of the reference. ``stress_tolerance`` is the relative distance to the
+    ``force_tolerance`` is the relative residual of equilibrium that the fast
+    solver reaches; ``sweep_tolerance`` the largest relative change of a force
+    between two sweeps at which the reference stops (the paper's 1 %, which is
+    no bound of the error). ``stress_tolerance`` is the relative distance to the
     target stress that ends a loading when ``target`` is "equilibrate";
     "interpolate" is the paper's linear interpolation.
     """
@@ -101,7 +102,8 @@ class Numerics(NamedTuple):
     later_breakage_step: float = 2.5e-6
     target: Literal["equilibrate", "interpolate"] = "equilibrate"
     stress_tolerance: float = 1e-3
-    force_tolerance: float | None = None
+    force_tolerance: float = 1e-8
+    sweep_tolerance: float = 0.01
     solver: str = "fast"
 
 
@@ -204,10 +206,9 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
             )
     _one_of("target", numerics.target, ("equilibrate", "interpolate"))
     _one_of("solver", numerics.solver, solvers)
-    if not 0.0 < numerics.stress_tolerance < 1.0:
-        raise InputError(f"stress_tolerance = {numerics.stress_tolerance!r}: must lie in (0, 1)")
-    if numerics.force_tolerance is not None and not 0.0 < numerics.force_tolerance < 1.0:
-        raise InputError(f"force_tolerance = {numerics.force_tolerance!r}: must lie in (0, 1)")
+    for name in ("stress_tolerance", "force_tolerance", "sweep_tolerance"):
+        if not 0.0 < getattr(numerics, name) < 1.0:
+            raise InputError(f"{name} = {getattr(numerics, name)!r}: must lie in (0, 1)")
 
 
 def contact_law(

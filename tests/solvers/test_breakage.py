@@ -20,7 +20,7 @@ def settled(name, walls, effects=Effects(), choices=Choices(), closures=CLOSURES
         (DOLERITE, DOLERITE),
         effects,
         choices,
-        Numerics(solver=name, force_tolerance=1e-8),
+        Numerics(solver=name, force_tolerance=1e-8, sweep_tolerance=1e-8),
     )
     solver = solver_named(name)
     for closure in closures:

@@ -17,12 +17,16 @@ from tests import oracle
 from tests.conftest import DOLERITE, SPACING, bump
 
 ELASTIC = jc.Effects(breakage=False, gouge=False)
-TOLERANCE = {"fast": 1e-10, "reference": 1e-12}
+
+
+def tight(solver):
+    """Numerics that make every solver as exact as the tests ask for."""
+    return jc.Numerics(solver=solver, force_tolerance=1e-10, sweep_tolerance=1e-12)
 
 
 @pytest.fixture(params=SOLVERS)
 def numerics(request):
-    return jc.Numerics(solver=request.param, force_tolerance=TOLERANCE[request.param])
+    return tight(request.param)
 
 
 @pytest.mark.parametrize("decade", range(-12, 0))
@@ -118,7 +122,7 @@ def test_all_solvers_agree_in_elastic_scenes(small_joint):
             rock=DOLERITE,
             closure=2e-4,
             effects=ELASTIC,
-            numerics=jc.Numerics(solver=name, force_tolerance=TOLERANCE[name]),
+            numerics=tight(name),
         ).force.values
         for name in SOLVERS
     ]

@@ -19,7 +19,6 @@ from jointclosure.solvers.joint import (
     Settled,
 )
 
-DEFAULT_FORCE_TOLERANCE = 1e-8
 PROVISIONAL_TOLERANCE = 1e-2
 """Residual that suffices to find what breaks next; what rests is solved on."""
 MOST_ROUNDS = 1000
@@ -31,7 +30,7 @@ class FastSolver:
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
         """Bring the joint to rest at a closure [m]; breakage in steps [m]."""
-        final = joint.numerics.force_tolerance or DEFAULT_FORCE_TOLERANCE
+        final = joint.numerics.force_tolerance
         confined = np.zeros(joint.upper.shape, dtype=bool)
         broken = iterations = 0
         outcome, tolerance = NOT_AT_REST, max(final, PROVISIONAL_TOLERANCE)

@@ -16,8 +16,6 @@ from jointclosure.mechanics.strength import is_overstressed
 from jointclosure.solvers.cells import is_peak, neighbourhood, overlapping_cells, wall_curvature
 from jointclosure.solvers.joint import CONVERGED, NOT_CONVERGED, RIGID_CONTACT, Joint, Settled
 
-DEFAULT_FORCE_TOLERANCE = 0.01
-"""The paper's: largest relative change of any force between two sweeps."""
 MOST_SWEEPS = 100_000
 
 
@@ -190,7 +188,7 @@ class ReferenceSolver:
             law,
             float(breakage_step),
             joint.tie_tolerance,
-            float(joint.numerics.force_tolerance or DEFAULT_FORCE_TOLERANCE),
+            float(joint.numerics.sweep_tolerance),
             MOST_SWEEPS,
         )
         outcome = CONVERGED if converged else NOT_CONVERGED

@@ -5,8 +5,6 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.parameters import Effects, Numerics
-from jointclosure.solvers.fast import DEFAULT_FORCE_TOLERANCE
-from jointclosure.solvers.reference import DEFAULT_FORCE_TOLERANCE as REFERENCE_TOLERANCE
 from jointclosure.study.ensemble import succeeded
 
 VOLUME_TOLERANCE = 1e-12
@@ -45,7 +43,7 @@ def check_results(
         )
     residual = float(study.largest_residual.where(good).max())
     if numerics.solver == "fast":
-        limit = 1.01 * (numerics.force_tolerance or DEFAULT_FORCE_TOLERANCE)
+        limit = 1.01 * numerics.force_tolerance
         add(
             "largest residual of equilibrium, relative",
             f"at most {limit:.3g}",
@@ -53,7 +51,7 @@ def check_results(
             residual <= limit,
         )
     else:
-        change = numerics.force_tolerance or REFERENCE_TOLERANCE
+        change = numerics.sweep_tolerance
         add(
             "largest residual of equilibrium, relative",
             f"reported only: the reference stops at a change of {change:g}",
