@@ -49,9 +49,9 @@ def facts() -> str:
     seconds = pd.Series(study.timing_simulation.values.ravel())
     return (
         f"In this study the standard deviation over surfaces is {', '.join(lines)} of the mean "
-        f"maximum closure; {flagged} of {study.status.size} simulations are flagged as outside the model's "
-        f"range (contacts that cannot break carry over 10 % of the force); a simulation took "
-        f"{seconds.median():.1f} s (median).\n"
+        f"maximum closure; {flagged} of {study.status.size} simulations are flagged as outside the "
+        f"model's range (contacts that cannot break carry over 10 % of the force); a simulation "
+        f"took {seconds.median():.1f} s (median).\n"
     )
 
 
