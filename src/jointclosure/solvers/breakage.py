@@ -1,8 +1,9 @@
 """Breakage to rest at fixed closure and fixed interaction.
 
 An overstressed pair is lowered in steps until it holds, has lost contact or
-is confined, its gouge laid on its neighbours; these are looked at again, first
-come first served, and when none is left all cells, until nothing breaks. The
+is confined, its gouge laid on its neighbours. Contacts are looked at from the
+deepest to the shallowest, then the neighbours of what broke, first come first
+served, and when none is left all contacts again, until nothing breaks. The
 order of breakage is not prescribed by the model:
 docs/decisions/0006-order-of-breakage.md measures what it is worth.
 """
@@ -53,16 +54,6 @@ def take_around(heights, cell, stride, out):
         out[5 + i] = heights[cell + stride - 1 + i]
     out[3] = heights[cell - 1]
     out[4] = heights[cell + 1]
-
-
-@kernel
-def put_around(heights, cell, stride, values):
-    """Inverse of `take_around`."""
-    for i in range(3):
-        heights[cell - stride - 1 + i] = values[i]
-        heights[cell + stride - 1 + i] = values[5 + i]
-    heights[cell - 1] = values[3]
-    heights[cell + 1] = values[4]
 
 
 @kernel
@@ -119,19 +110,28 @@ def breakage_kernel(gouge: bool, current_peaks: bool):
         queue = np.empty(mask + 1, np.int64)
         head = 0
         length = 0
+        found = np.empty(cells, np.int64)
+        depth = np.empty(cells)
         steps = 0
         seen = -1  # steps when all cells were last looked at
         while steps < most_steps:
             if length == 0:
-                # what broke changes curvatures up to two cells away: look at all again
+                # what broke changes curvatures up to two cells away: look at all
+                # contacts again, the deepest first
                 if seen == steps:
                     break
                 seen = steps
+                count = 0
                 for cell in range(top.size):
                     if top[cell] + bottom[cell] + lift[cell] > 0.0:
-                        queue[(head + length) & mask] = cell
-                        waiting[cell] = 1
-                        length += 1
+                        found[count] = cell
+                        depth[count] = -(top[cell] + bottom[cell] + lift[cell])
+                        count += 1
+                order = np.argsort(depth[:count], kind="mergesort")
+                for k in range(count):
+                    queue[(head + length) & mask] = found[order[k]]
+                    waiting[found[order[k]]] = 1
+                    length += 1
                 continue
             cell = queue[head]
             head = (head + 1) & mask
@@ -196,10 +196,10 @@ def breakage_kernel(gouge: bool, current_peaks: bool):
             if taken == 0:
                 continue
             top[cell], bottom[cell] = high, low
-            put_around(top, cell, stride, around_top)
-            put_around(bottom, cell, stride, around_bottom)
             for k in range(8):
                 near = cell + beside[k]
+                top[near] = around_top[k]
+                bottom[near] = around_bottom[k]
                 # without a branch, which could not be predicted
                 new = (1 - waiting[near]) & (top[near] + bottom[near] + lift[near] > 0.0)
                 queue[(head + length) & mask] = near
