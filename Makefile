@@ -46,6 +46,7 @@ $(STAMP): requirements.lock requirements-uv.lock pyproject.toml
 
 # a start after a kill: release the lock of a Snakemake that is no longer there
 define run
+	@if [ -n "$(2)" ] && [ ! -f "$(2)" ]; then echo "CONFIG=$(2): there is no such file"; exit 1; fi
 	@if [ -d .snakemake/locks ] && [ -n "$$(ls .snakemake/locks 2>/dev/null)" ] && ! pgrep -f "[s]nakemake .*--workflow-profile" >/dev/null 2>&1; then \
 	    $(SNAKEMAKE) $(1) --unlock --quiet; fi
 	$(SNAKEMAKE) $(1)

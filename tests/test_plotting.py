@@ -44,7 +44,7 @@ def study():
 
 
 def test_the_surface_closest_to_the_mean_is_among_those_that_succeeded(study):
-    assert plotting.closest_to_mean(study, "one-base") == 2
+    assert plotting.closest_to_mean(study, "one-base", 5e5) == 2
 
 
 def test_closures_are_drawn_since_seating_for_every_success(study):

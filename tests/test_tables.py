@@ -16,6 +16,7 @@ def test_numbers_are_rounded_as_the_paper_prints_them(value, figures, text):
 def test_no_root_is_a_dash():
     assert interval_text(float("nan"), float("nan")) == "–"
     assert interval_text(12.7, 16.3) == "12.7 (16%)"
+    assert interval_text(12.7, 16.3, "*") == "12.7* (16%)"
 
 
 def test_table_3_has_the_papers_layout():
@@ -29,6 +30,10 @@ def test_table_3_has_the_papers_layout():
     markdown = table_3_markdown(table, titles, 20)
     assert "| Parameter | Rock A, cycle 1 | Rock B, cycle 1 | Rock A, cycle 2 |" in markdown
     assert markdown.count("1.50 (15%)") == markdown.count("1.00 (10%)") == 8
+    assert "1.50* (15%)" in table_3_markdown(table.assign(extrapolated=True), titles, 20)
+    assert "1.00† (10%)" in table_3_markdown(
+        table.assign(status_net="fitted deviation is negative at the root"), titles, 20
+    )
     latex = table_3_latex(table, titles, 20)
     assert r"\multicolumn{2}{c}{First loading cycle}" in latex
     assert latex.count(r"1.50 (15\%)") == 8

@@ -152,6 +152,7 @@ def check_rock(rock: Rock) -> None:
     """Raise `InputError` where a property of the rock is out of its range."""
     _positive("youngs_modulus", rock.youngs_modulus, "Pa")
     _positive("compressive_strength", rock.compressive_strength, "Pa", may_be_infinite=True)
+    check_number("poisson_ratio", rock.poisson_ratio)
     if not 0.0 <= rock.poisson_ratio <= 0.5:
         raise InputError(f"poisson_ratio = {rock.poisson_ratio!r}: must lie in [0, 0.5]")
 
@@ -166,6 +167,11 @@ def check_scene(effects: Effects) -> None:
         equilibrium need not exist nor be unique. Gouge without breakage:
         nothing makes it.
     """
+    if not isinstance(effects, Effects):
+        raise InputError(f"effects = {effects!r}: must be an Effects")
+    for name, value in effects._asdict().items():
+        if not isinstance(value, bool | np.bool_):
+            raise InputError(f"effects: {name} = {value!r}: must be True or False")
     if effects.interaction and not effects.substrate:
         raise InputError(
             "effects: interaction = True needs substrate = True; without the substrate's own "
@@ -177,6 +183,10 @@ def check_scene(effects: Effects) -> None:
 
 def check_choices(choices: Choices) -> None:
     """Raise `InputError` where a choice is not among those allowed."""
+    if not isinstance(choices, Choices):
+        raise InputError(f"choices = {choices!r}: must be a Choices")
+    for name in ("base_radius_in_cells", "peak_modulus_ratio", "tie_tolerance"):
+        check_number(name, getattr(choices, name))
     if not 0.0 < choices.base_radius_in_cells <= 1.0:
         raise InputError(
             f"base_radius_in_cells = {choices.base_radius_in_cells!r}: must lie in (0, 1]; beyond "
@@ -194,6 +204,8 @@ def check_choices(choices: Choices) -> None:
 
 def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
     """Raise `InputError` where a step or tolerance is out of its range."""
+    if not isinstance(numerics, Numerics):
+        raise InputError(f"numerics = {numerics!r}: must be a Numerics")
     for prefix in ("", "later_"):
         step = getattr(numerics, f"{prefix}displacement_step")
         loss = getattr(numerics, f"{prefix}breakage_step")
@@ -207,6 +219,7 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
     _one_of("target", numerics.target, ("equilibrate", "interpolate"))
     _one_of("solver", numerics.solver, solvers)
     for name in ("stress_tolerance", "force_tolerance", "sweep_tolerance"):
+        check_number(name, getattr(numerics, name))
         if not 0.0 < getattr(numerics, name) < 1.0:
             raise InputError(f"{name} = {getattr(numerics, name)!r}: must lie in (0, 1)")
 
@@ -239,11 +252,19 @@ def contact_law(
     )
 
 
+def check_number(name: str, value: object, whole: bool = False) -> None:
+    """Raise `InputError` unless a value is a real number (a whole one), and not a boolean."""
+    kinds = (int, np.integer) if whole else (int, float, np.integer, np.floating)
+    if isinstance(value, bool | np.bool_) or not isinstance(value, kinds):
+        raise InputError(f"{name} = {value!r}: must be a {'whole ' if whole else ''}number")
+
+
 def _positive(name: str, value: float, unit: str, may_be_infinite: bool = False) -> None:
+    check_number(name, value)
     if not value > 0.0 or (math.isinf(value) and not may_be_infinite):
         raise InputError(f"{name} = {value!r} {unit}: must be positive and finite")
 
 
 def _one_of(name: str, value: str, allowed: tuple[str, ...]) -> None:
-    if value not in allowed:
+    if not isinstance(value, str) or value not in allowed:
         raise InputError(f"{name} = {value!r}: must be one of {', '.join(allowed)}")

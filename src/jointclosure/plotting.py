@@ -70,10 +70,11 @@ def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title
     return figure
 
 
-def closest_to_mean(study: xr.Dataset, case: str) -> int:
-    """Realisation of least RMS distance to the mean curve of the first cycle."""
-    curves = study.closure.sel(case=case).isel(cycle=0)
-    curves = curves.where(succeeded(study).sel(case=case))
+def closest_to_mean(study: xr.Dataset, case: str, seating_stress: float) -> int:
+    """Realisation of least RMS distance to the mean curve of the first cycle, since seating."""
+    base = study.sel(case=case).where(succeeded(study).sel(case=case))
+    curves = (base.closure - _seats(base)).isel(cycle=0)
+    curves = curves.where(curves.stress > seating_stress)
     distance = np.square(curves - curves.mean("realization")).mean(("branch", "stress"))
     return int(study.realization.values[int(distance.argmin("realization"))])
 
@@ -104,7 +105,7 @@ def closure_figure(
         axes.set_visible(False)
     for axes, (name, rock) in zip(panels.flat, rocks.items(), strict=False):
         case = study.case[(study.rock == name) & (study.parameter == "base")].item()
-        chosen = closest_to_mean(study, case)
+        chosen = closest_to_mean(study, case, seating_stress)
         base = study.sel(case=case).where(succeeded(study).sel(case=case))
         stress = 1e-6 * study.stress.values
         seats = _seats(base)
@@ -133,7 +134,7 @@ def closure_figure(
                 1e3 * law.closure(1e6 * stress), stress, color="0.2", lw=1.2, ls=(0, (1, 1.5))
             )
         axes.set(
-            title=f"{rock['title']}, JRC {rock['jrc']:g}",
+            title=f"{rock['title']}, JRC {rock['jrc']:g}{_assumed(rock)}",
             ylim=(0.0, 1.02 * float(rock["max_normal_stress_MPa"])),
             xlabel=f"closure since {1e-6 * seating_stress:g} MPa of the cycle's loading (mm)",
             ylabel="normal stress (MPa)",
@@ -158,6 +159,12 @@ def closure_figure(
     figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
     sns.despine(figure)
     return figure
+
+
+def _assumed(rock: dict) -> str:
+    if not rock.get("max_normal_stress_is_assumed", False):
+        return ""
+    return f" (maximum of {rock['max_normal_stress_MPa']:g} MPa is an assumption)"
 
 
 def _seats(base: xr.Dataset) -> xr.DataArray:

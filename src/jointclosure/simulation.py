@@ -12,6 +12,7 @@ from jointclosure.parameters import (
     Numerics,
     both_walls,
     check_choices,
+    check_number,
     check_numerics,
     check_scene,
 )
@@ -32,7 +33,11 @@ ATTRIBUTES: dict[str, dict] = {
         ("max_closure", "m", "closure at the cycle's maximum from the cycle's start"),
         ("residual_closure", "m", "closure at the cycle's end from first touch"),
         ("max_closure_seated", "m", "closure at the cycle's maximum from seating"),
-        ("residual_closure_seated", "m", "closure at the cycle's end from seating"),
+        (
+            "residual_closure_seated",
+            "m",
+            "closure at the cycle's end from the seating of its own loading, can be negative",
+        ),
         ("max_bulk_indentation", "m", "bulk indentation at the cycle's maximum"),
         ("least_force", "N", "least force on any cell at any step"),
         ("confined_share", "1", "share of the force on confined contacts at the maximum"),
@@ -116,6 +121,12 @@ def simulate(
     check_choices(choices)
     check_numerics(numerics, tuple(SOLVERS))
     _check_load(spacing, max_normal_stress, cycles, seating_stress)
+    stiffness = min(wall.youngs_modulus for wall in rock)
+    if max_normal_stress >= stiffness:
+        raise InputError(
+            f"max_normal_stress = {max_normal_stress!r} Pa: must be below the rock's "
+            f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
+        )
     joint = Joint(upper, lower, float(spacing), rock, effects, choices, numerics)
     area = upper.size * float(spacing) ** 2
     history = run_cycles(
@@ -165,6 +176,7 @@ def equilibrium(
     check_choices(choices)
     check_numerics(numerics, tuple(SOLVERS))
     _check_positive("spacing", spacing, "m")
+    check_number("closure", closure)
     if not math.isfinite(closure):
         raise InputError(f"closure = {closure!r} m: must be finite")
     joint = Joint(upper, lower, float(spacing), rock, effects, choices, numerics)
@@ -263,7 +275,12 @@ def _grid(shape: tuple[int, int], spacing: float) -> dict:
 def _checked_walls(upper, lower) -> tuple[np.ndarray, np.ndarray]:
     walls = []
     for name, wall in (("upper", upper), ("lower", lower)):
-        given = np.asarray(wall)
+        if np.ma.is_masked(wall):
+            raise InputError(f"{name}: has masked heights; fill or crop them first")
+        try:
+            given = np.asarray(wall)
+        except ValueError as error:
+            raise InputError(f"{name}: is not an array of heights ({error})") from None
         if given.dtype.kind not in "fiu":
             raise InputError(f"{name}: heights of type {given.dtype}, must be real numbers")
         heights = given.astype(np.float64)
@@ -286,6 +303,7 @@ def _checked_walls(upper, lower) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _check_positive(name: str, value: float, unit: str) -> None:
+    check_number(name, value)
     if not 0.0 < value < math.inf:
         raise InputError(f"{name} = {value!r} {unit}: must be positive and finite")
 
@@ -293,7 +311,9 @@ def _check_positive(name: str, value: float, unit: str) -> None:
 def _check_load(spacing, max_normal_stress, cycles, seating_stress) -> None:
     _check_positive("spacing", spacing, "m")
     _check_positive("max_normal_stress", max_normal_stress, "Pa")
-    if cycles != int(cycles) or cycles < 1:
+    check_number("cycles", cycles, whole=True)
+    check_number("seating_stress", seating_stress)
+    if cycles < 1:
         raise InputError(f"cycles = {cycles!r}: must be a whole number from 1 on")
     if not 0.0 <= seating_stress < max_normal_stress:
         raise InputError(

@@ -29,7 +29,8 @@ def rock_table(configuration: dict) -> pd.DataFrame:
     rows = []
     for name in configuration["study"]["rocks"]:
         rock = configuration["rocks"][name]
-        rows.append({"rock": name} | {key: rock[key] for key in rock if key != "levels"})
+        flag = {"max_normal_stress_is_assumed": rock.get("max_normal_stress_is_assumed", False)}
+        rows.append({"rock": name} | {key: rock[key] for key in rock if key != "levels"} | flag)
     return pd.DataFrame(rows)
 
 
@@ -64,11 +65,20 @@ def with_paper(intervals: pd.DataFrame, paper: pd.DataFrame) -> pd.DataFrame:
     )
 
 
-def interval_text(length: float, percent: float) -> str:
-    """An interval as the paper prints it: three figures and the percentage."""
+def interval_text(length: float, percent: float, mark: str = "") -> str:
+    """An interval as the paper prints it: three figures and the percentage, and a mark."""
     if pd.isna(length):
         return "–"
-    return f"{significant(length, 3)} ({significant(percent, 2)}%)"
+    return f"{significant(length, 3)}{mark} ({significant(percent, 2)}%)"
+
+
+def _mark(row: pd.Series, column: str) -> str:
+    """Asterisk for a root outside the levels, dagger where the fitted deviation is negative."""
+    if column == "paper_":
+        return ""
+    if "negative" in str(row.get(f"status{column}", "")):
+        return "†"
+    return "*" if row.get(f"extrapolated{column}", False) else ""
 
 
 def significant(value: float, figures: int) -> str:
@@ -98,20 +108,21 @@ def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd
         if column == "paper_"
         else (f"length{column}", f"percent{column}")
     )
+    found = {(row.parameter, row.cycle, row.rock): row for _, row in table.iterrows()}
+    cycles = sorted(table.cycle.unique())
     rows = {}
     for parameter in PARAMETERS:
-        part = table[table.parameter == parameter]
-        if part.empty:
+        if not (table.parameter == parameter).any():
             continue
-        rows[parameter] = {
-            (cycle, titles[rock]): interval_text(
-                *part[(part.cycle == cycle) & (part.rock == rock)][[length, percent]].iloc[0]
-            )
-            if ((part.cycle == cycle) & (part.rock == rock)).any()
-            else ""
-            for cycle in sorted(part.cycle.unique())
-            for rock in titles
-        }
+        rows[parameter] = {}
+        for cycle in cycles:
+            for rock, title in titles.items():
+                row = found.get((parameter, cycle, rock))
+                rows[parameter][cycle, title] = (
+                    ""
+                    if row is None
+                    else interval_text(row[length], row[percent], _mark(row, column))
+                )
     return pd.DataFrame.from_dict(rows, orient="index")
 
 
@@ -147,7 +158,7 @@ def table_3_latex(table: pd.DataFrame, titles: dict[str, str], samples: int) -> 
     names = " & ".join(title for _, title in frame.columns)
     body = []
     for parameter, row in frame.iterrows():
-        cells = [cell.replace("%", r"\%").replace("–", "--") for cell in row]
+        cells = [_latex(cell) for cell in row]
         body.append(f"{_LATEX[parameter]} & " + " & ".join(cells) + r" \\")
     return "\n".join(
         [
@@ -167,9 +178,17 @@ def table_3_latex(table: pd.DataFrame, titles: dict[str, str], samples: int) -> 
     )
 
 
+def _latex(cell: str) -> str:
+    for plain, coded in (("%", r"\%"), ("–", "--"), ("*", "$^*$"), ("†", r"$^\dagger$")):
+        cell = cell.replace(plain, coded)
+    return cell
+
+
 def _note(samples: int, root: str) -> str:
     return (
         f"A dash: no change is significant (no real root). With n = {samples} realisations a "
         f"length is close to t S {root}(2/n) / |slope| where the response is nearly linear: it "
-        "falls as one over the root of n and measures the study as much as the rock."
+        "falls as one over the root of n and measures the study as much as the rock. An asterisk "
+        "marks an extrapolated root, outside the levels that were studied (the paper has some too, "
+        "unmarked); a dagger one where the fitted deviation is negative, which means nothing."
     )

@@ -144,6 +144,17 @@ def test_editing_one_case_reruns_that_case_alone(study):
     assert jobs["aggregate"] == 1
 
 
+def test_editing_one_rock_leaves_the_others_alone(study):
+    two = TINY.read_text().replace("rocks: [slate]", "rocks: [slate, dolerite]")
+    two = two.replace(
+        "  slate:\n", "  dolerite: {max_normal_stress_MPa: 1, levels: {jrc: [6, 10]}}\n  slate:\n"
+    )
+    (study / "two.yaml").write_text(two)
+    jobs = planned(study, config="two.yaml")
+    # dolerite's nine cases are new; those of slate are left alone
+    assert jobs["close_surfaces"] == 9
+
+
 def test_an_edit_of_the_statistics_reruns_no_simulation(study):
     text = TINY.read_text().replace("bootstrap_resamples: 10", "bootstrap_resamples: 12")
     (study / "edited.yaml").write_text(text)

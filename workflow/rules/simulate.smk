@@ -65,7 +65,7 @@ rule close_surfaces:
         choices=config["choices"],
         numerics=config["numerics"],
         stress_points=config["output"]["stress_points"],
-        largest_stress_MPa=max(rock["max_normal_stress_MPa"] for rock in ROCKS.values()),
+        largest_stress_MPa=config["output"]["largest_stress_MPa"],
         code=SOLVER_CODE,
     message:
         "Close the surface pairs of {wildcards.case}"

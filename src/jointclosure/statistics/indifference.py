@@ -11,7 +11,7 @@ import numpy as np
 import scipy.optimize
 import scipy.stats
 
-from jointclosure.parameters import InputError
+from jointclosure.parameters import InputError, check_number
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
 
 
@@ -180,7 +180,9 @@ def _checked(levels, means, deviations, samples, significance, base) -> float:
         raise InputError(f"levels = {levels.tolist()}: must be strictly ascending")
     if np.any(deviations < 0.0):
         raise InputError(f"standard_deviations = {deviations.tolist()}: must not be negative")
-    if samples != int(samples) or samples < 2:
+    check_number("samples", samples, whole=True)
+    check_number("significance", significance)
+    if samples < 2:
         raise InputError(f"samples = {samples!r}: must be a whole number from 2 on")
     if not 0.0 < significance < 1.0:
         raise InputError(f"significance = {significance!r}: must lie between 0 and 1")

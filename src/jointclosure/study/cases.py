@@ -13,6 +13,9 @@ PARAMETERS = ("poisson_ratio", "youngs_modulus", "compressive_strength", "jrc")
 """In the order of the paper's Table 3."""
 
 
+_NOT_PHYSICAL = ("title", "levels", "max_normal_stress_is_assumed")
+
+
 class Case(NamedTuple):
     """One rock with at most one parameter changed; values in SI.
 
@@ -51,7 +54,7 @@ def cases_of(configuration: dict) -> list[Case]:
     cases = []
     for name in configuration["study"]["rocks"]:
         rock = configuration["rocks"][name]
-        properties = to_si({key: rock[key] for key in rock if key not in ("title", "levels")})
+        properties = to_si({key: rock[key] for key in rock if key not in _NOT_PHYSICAL})
         base_label = f"{name}-base"
         cases.append(
             Case(base_label, name, "base", "base", float("nan"), **properties, surface=base_label)

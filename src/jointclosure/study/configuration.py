@@ -141,6 +141,13 @@ def _contradictions(configuration: dict) -> Iterator[str]:
                 f"seating_stress_MPa = {configuration['seating_stress_MPa']!r}: must be below "
                 f"rocks.{name}.max_normal_stress_MPa = {rock['max_normal_stress_MPa']!r}"
             )
+        stress, end = rock["max_normal_stress_MPa"], configuration["output"]["largest_stress_MPa"]
+        where = f"rocks.{name}.max_normal_stress_MPa = {stress!r}"
+        if end < stress:
+            yield f"output.largest_stress_MPa = {end!r}: must be at least {where}"
+        moduli = [rock["youngs_modulus_GPa"], *rock["levels"].get("youngs_modulus_GPa", [])]
+        if stress >= 1e3 * min(moduli):
+            yield f"{where}: must be below Young's modulus, {1e3 * min(moduli):g} MPa"
         for parameter, levels in rock["levels"].items():
             yield from _level_problems(f"rocks.{name}.levels.{parameter}", levels, rock[parameter])
         for jrc in [rock["jrc"], *rock["levels"].get("jrc", [])]:

@@ -8,7 +8,7 @@ a published relation gives for the JRC: docs/decisions/0007-surfaces.md.
 import numpy as np
 import scipy.fft
 
-from jointclosure.parameters import InputError
+from jointclosure.parameters import InputError, check_number
 from jointclosure.randomness import generator, seed_of
 from jointclosure.surface.roughness import DEFAULT_RELATION, detrended, rms_slope, z2_of_jrc
 
@@ -115,6 +115,15 @@ def wall_pair(
     InputError
         An argument out of its range.
     """
+    for name, value in (
+        ("jrc", jrc),
+        ("spacing", spacing),
+        ("hurst", hurst),
+        ("correlation", correlation),
+    ):
+        check_number(name, value)
+    check_number("seed", seed, whole=True)
+    check_number("shift_in_cells", shift_in_cells, whole=True)
     _check(shape, spacing, hurst, correlation, shift_in_cells)
     z2 = z2_of_jrc(jrc, spacing, hurst, jrc_relation)
     ny, nx = shape
@@ -133,7 +142,11 @@ def wall_pair(
 
 
 def _check(shape, spacing, hurst, correlation, shift_in_cells) -> None:
-    if len(shape) != 2 or min(shape) < 1 or max(shape) < 3:
+    if not isinstance(shape, tuple | list) or len(shape) != 2:
+        raise InputError(f"shape = {shape!r}: must be (cells along y, cells along x)")
+    for size in shape:
+        check_number("shape", size, whole=True)
+    if min(shape) < 1 or max(shape) < 3:
         raise InputError(f"shape = {tuple(shape)!r}: needs two sizes, the longer at least 3 cells")
     if not 0.0 < spacing < np.inf:
         raise InputError(f"spacing = {spacing!r} m: must be positive and finite")
@@ -141,7 +154,7 @@ def _check(shape, spacing, hurst, correlation, shift_in_cells) -> None:
         raise InputError(f"hurst = {hurst!r}: must lie in (0, 1]")
     if not 0.0 <= correlation <= 1.0:
         raise InputError(f"correlation = {correlation!r}: must lie in [0, 1]")
-    if shift_in_cells != int(shift_in_cells) or shift_in_cells < 0:
+    if shift_in_cells < 0:
         raise InputError(f"shift_in_cells = {shift_in_cells!r}: must be a whole number from 0 on")
 
 
