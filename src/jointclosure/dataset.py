@@ -13,7 +13,6 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -86,11 +85,6 @@ def provenance(configuration: dict) -> dict[str, str]:
         "provenance_commit": _commit(),
         "provenance_machine": f"{platform.system()} {platform.machine()}",
     }
-
-
-def encoded_strings(values: list[str]) -> np.ndarray:
-    """Strings as an object array, as netCDF stores them."""
-    return np.array(values, dtype=object)
 
 
 def _commit() -> str:
