@@ -94,6 +94,10 @@ class Numerics(NamedTuple):
     no bound of the error). ``stress_tolerance`` is the relative distance to the
     target stress that ends a loading when ``target`` is "equilibrate";
     "interpolate" is the paper's linear interpolation.
+
+    Without breakage the fast solver takes no steps: it solves for
+    ``curve_points`` evenly spaced stresses up to the maximum, to a residual of
+    1e-10 or the ``force_tolerance``, whichever is smaller.
     """
 
     displacement_step: float = 12.5e-6
@@ -105,6 +109,7 @@ class Numerics(NamedTuple):
     force_tolerance: float = 1e-8
     sweep_tolerance: float = 0.01
     solver: str = "fast"
+    curve_points: int = 20
 
 
 class ContactLaw(NamedTuple):
@@ -216,6 +221,9 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
                 f"{prefix}breakage_step = {loss!r} m: must be smaller than "
                 f"{prefix}displacement_step = {step!r} m"
             )
+    check_number("curve_points", numerics.curve_points, whole=True)
+    if numerics.curve_points < 1:
+        raise InputError(f"curve_points = {numerics.curve_points!r}: must be at least 1")
     _one_of("target", numerics.target, ("equilibrate", "interpolate"))
     _one_of("solver", numerics.solver, solvers)
     for name in ("stress_tolerance", "force_tolerance", "sweep_tolerance"):

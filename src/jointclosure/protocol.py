@@ -91,7 +91,12 @@ class _Run:
 
 
 def run_cycles(
-    joint: Joint, solver: Solver, numerics: Numerics, target_force: float, cycles: int
+    joint: Joint,
+    solver: Solver,
+    numerics: Numerics,
+    target_force: float,
+    cycles: int,
+    extra_force: float = 0.0,
 ) -> History:
     """Load to a force and unload to last contact, repeatedly.
 
@@ -106,6 +111,9 @@ def run_cycles(
         Nominal stress times nominal area [N].
     cycles : int
         Load cycles, at least 1.
+    extra_force : float
+        A force [N] below the target to stop at on an elastic curve, besides
+        its evenly spaced ones, such as that of seating; 0 for none.
 
     Returns
     -------
@@ -113,6 +121,8 @@ def run_cycles(
         Starts with first touch at closure 0. Ends early with a failure's bit
         in the status.
     """
+    if not joint.effects.breakage and solver.elastic_curve is not None:
+        return _elastic_cycles(joint, solver, numerics, target_force, cycles, extra_force)
     run = _Run(joint, solver, numerics, target_force)
     run.accept(1, LOADING, _untouched(joint))
     for cycle in range(1, cycles + 1):
@@ -130,6 +140,26 @@ def run_cycles(
         if run.failed:
             break
     return History(run.steps, run.status, run.breakage_steps, run.iterations)
+
+
+def _elastic_cycles(joint, solver, numerics, target_force, cycles, extra_force) -> History:
+    """Up and down one curve, as nothing breaks: solved once, at given forces."""
+    start = _untouched(joint)
+    targets = target_force * np.arange(1, numerics.curve_points + 1) / numerics.curve_points
+    if 0.0 < extra_force < target_force:
+        targets = np.union1d(targets, [extra_force])
+    curve = solver.elastic_curve(joint, targets)
+    failed = curve[-1].outcome != CONVERGED
+    status = FLAG_OF_OUTCOME[curve[-1].outcome] if failed else 0
+    up = curve[:-1] if failed else curve
+    steps = [Step(1, LOADING, start)]
+    for cycle in range(1, (1 if failed else cycles) + 1):
+        steps += [Step(cycle, LOADING, settled) for settled in up]
+        if not failed:
+            steps += [Step(cycle, UNLOADING, settled) for settled in [*up[-2::-1], start]]
+    if not failed:
+        joint.force[:] = 0.0
+    return History(steps, status, 0, sum(settled.iterations for settled in curve))
 
 
 def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float) -> None:
@@ -247,6 +277,6 @@ def _closure_limit(joint: Joint, target_force: float) -> float:
     elastic = joint.law.substrate * per_cell
     if cells.size:
         elastic += float(compliance.max()) * float(np.cbrt(per_cell)) ** 2
-    if joint.influence is not None:
-        elastic += 4.0 * per_cell * float(joint.influence.table.sum())
+    if joint.effects.interaction:
+        elastic += 4.0 * per_cell * float(joint.influence_table.sum())
     return 2.0 * (float(np.ptp(summed)) + elastic)

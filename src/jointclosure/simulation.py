@@ -113,7 +113,9 @@ def simulate(
     -----
     The model is that of Rezaei Niya & Selvadurai as read in docs/model.md;
     a cycle's ``max_closure`` is the closure at its maximum less that at its
-    start, and its ``residual_closure`` the closure at its end.
+    start, and its ``residual_closure`` the closure at its end. Without
+    breakage there is no history: the steps are then ``Numerics.curve_points``
+    stresses (and the seating stress) up and down one curve.
     """
     upper, lower = _checked_walls(upper, lower)
     rock = both_walls(rock)
@@ -130,7 +132,12 @@ def simulate(
     joint = Joint(upper, lower, float(spacing), rock, effects, choices, numerics)
     area = upper.size * float(spacing) ** 2
     history = run_cycles(
-        joint, solver_named(numerics.solver), numerics, max_normal_stress * area, int(cycles)
+        joint,
+        solver_named(numerics.solver),
+        numerics,
+        max_normal_stress * area,
+        int(cycles),
+        seating_stress * area,
     )
     return _history_dataset(joint, history, area, int(cycles), float(seating_stress))
 
@@ -181,7 +188,7 @@ def equilibrium(
         raise InputError(f"closure = {closure!r} m: must be finite")
     joint = Joint(upper, lower, float(spacing), rock, effects, choices, numerics)
     run = solver_named(numerics.solver).settle(joint, float(closure), numerics.breakage_step)
-    if joint.influence is None:
+    if not effects.interaction:
         displacement = np.zeros(upper.shape)
     else:
         displacement = interaction_field(joint.influence, joint.force)

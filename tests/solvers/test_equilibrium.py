@@ -6,17 +6,33 @@ import pytest
 import jointclosure as jc
 from jointclosure.parameters import Choices, Effects, contact_law
 from jointclosure.solvers.cells import overlapping_cells, peak_map
-from jointclosure.solvers.equilibrium import coordinate_sweep, solve_equilibrium
+from jointclosure.solvers.equilibrium import Contacts, coordinate_sweep, solve_equilibrium
 from jointclosure.solvers.interaction_operator import (
     influence_matrix,
     influence_of,
+    influence_table,
     interaction_field,
+    mean_displacement,
 )
 from jointclosure.solvers.registry import SOLVERS
 from tests import oracle
 from tests.conftest import DOLERITE, SPACING, bump
 
 ELASTIC = jc.Effects(breakage=False, gouge=False)
+
+
+def table_of(shape, law):
+    return influence_table(*shape, law.base_radius, law.substrate_modulus, law.spacing)
+
+
+def contacts_at(upper, lower, closure):
+    """All contacts of a joint in dolerite, and its influence table."""
+    law = contact_law(SPACING, (DOLERITE, DOLERITE), Effects(), Choices())
+    cells, overlap, _, compliance = overlapping_cells(
+        upper, lower, closure - (upper + lower).max(), peak_map(upper, lower), law
+    )
+    limit = np.full(cells.size, np.inf)
+    return Contacts(cells, overlap, compliance, limit, law.substrate), table_of(upper.shape, law)
 
 
 def tight(solver):
@@ -133,42 +149,31 @@ def test_all_solvers_agree_in_elastic_scenes(small_joint):
 @pytest.mark.parametrize("start", [0.0, 1e-9, 1e3, 1e9])
 def test_equilibrium_does_not_depend_on_the_start(small_joint, start):
     upper, lower = small_joint
-    law = contact_law(SPACING, (DOLERITE, DOLERITE), Effects(), Choices())
-    influence = influence_of(upper.shape, law)
-    cells, overlap, _, compliance = overlapping_cells(
-        upper, lower, 3e-4 - (upper + lower).max(), peak_map(upper, lower), law
-    )
-    zero = np.zeros(cells.size)
-    usual = solve_equilibrium(influence, cells, overlap, compliance, law.substrate, zero, 1e-12)
-    other = solve_equilibrium(
-        influence, cells, overlap, compliance, law.substrate, zero + start, 1e-12
-    )
+    contacts, table = contacts_at(upper, lower, 3e-4)
+    zero = np.zeros(contacts.cells.size)
+    influence = influence_of(table)
+    usual = solve_equilibrium(influence, contacts, zero, np.nan, 1e-12)
+    other = solve_equilibrium(influence, contacts, zero + start, np.nan, 1e-12)
     assert other.residual <= 1e-12
     np.testing.assert_allclose(other.force, usual.force, atol=1e-9 * usual.force.max())
 
 
 def test_a_sweep_never_raises_the_energy_and_ends_at_the_solution(small_joint):
     upper, lower = small_joint
-    law = contact_law(SPACING, (DOLERITE, DOLERITE), Effects(), Choices())
-    influence = influence_of(upper.shape, law)
-    cells, overlap, _, compliance = overlapping_cells(
-        upper, lower, 3e-4 - (upper + lower).max(), peak_map(upper, lower), law
-    )
-    matrix = influence_matrix(influence.table, cells)
+    contacts, table = contacts_at(upper, lower, 3e-4)
+    matrix = influence_matrix(table, contacts.cells)
 
     def energy(force):
-        own = law.substrate * force**2 / 2 + 0.6 * compliance * force ** (5 / 3)
-        return np.sum(own) + force @ matrix @ force / 2 - overlap @ force
+        own = contacts.substrate * force**2 / 2 + 0.6 * contacts.compliance * force ** (5 / 3)
+        return np.sum(own) + force @ matrix @ force / 2 - contacts.overlap @ force
 
-    force = np.zeros(cells.size)
+    force = np.zeros(contacts.cells.size)
     energies = [0.0]
     for _ in range(200):
-        coordinate_sweep(influence.table, cells, overlap, force, law.substrate, compliance)
+        coordinate_sweep(table, contacts, 0.0, force)
         energies.append(energy(force))
     assert np.all(np.diff(energies) <= 1e-12 * abs(energies[-1]))
-    solved = solve_equilibrium(
-        influence, cells, overlap, compliance, law.substrate, np.zeros(cells.size), 1e-12
-    )
+    solved = solve_equilibrium(influence_of(table), contacts, 0.0 * force, np.nan, 1e-12)
     np.testing.assert_allclose(force, solved.force, atol=1e-6 * solved.force.max())
 
 
@@ -178,7 +183,10 @@ def test_the_convolution_is_the_sum_over_all_contacts(shape):
     force = np.random.default_rng(5).exponential(1.0, shape)
     expected = oracle.interaction(force, SPACING, law.base_radius, law.substrate_modulus)
     np.testing.assert_allclose(
-        interaction_field(influence_of(shape, law), force), expected, rtol=1e-12
+        interaction_field(influence_of(table_of(shape, law)), force), expected, rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        np.sum(mean_displacement(table_of(shape, law)) * force), expected.mean(), rtol=1e-12
     )
 
 
@@ -190,7 +198,7 @@ def test_substrate_and_interaction_together_are_positive_definite(base_radius_in
         Effects(),
         Choices(base_radius_in_cells=base_radius_in_cells),
     )
-    table = influence_of((16, 16), law).table
+    table = table_of((16, 16), law)
     matrix = influence_matrix(table, np.arange(256))
     assert np.linalg.eigvalsh(matrix + law.substrate * np.eye(256)).min() > 0.0
     assert np.linalg.eigvalsh(matrix).min() < 0.0  # alone, the interaction is indefinite

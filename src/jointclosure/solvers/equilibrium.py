@@ -1,28 +1,34 @@
-"""Forces in equilibrium at a given closure: a convex complementarity problem.
+"""Forces in equilibrium: a convex complementarity problem.
 
-Find forces F >= 0 such that, with the geometric overlap g, the interaction K
-and the law of one contact F = psi(overlap),
+Find forces 0 <= F <= C such that, with the geometric overlap g, the closure's
+shift D, the interaction K and the law of one contact F = psi(overlap),
 
-    F_i = psi_i(g_i - (K F)_i),        psi = 0 where the overlap is not positive.
+    F_i = min(C_i, psi_i(g_i + D - (K F)_i)),     psi = 0 where there is no overlap.
 
 These are the optimality conditions of
 
-    min  sum_i (A F_i^2 / 2 + 3/5 B_i F_i^(5/3)) + F.K F / 2 - g.F   over F >= 0,
+    min  sum_i (A F_i^2 / 2 + 3/5 B_i F_i^(5/3)) + F.K F / 2 - (g + D).F   over 0 <= F <= C,
 
 strictly convex as A + K is positive definite for a base radius of at most a
 cell (Choices.base_radius_in_cells). So the answer is unique and does not
-depend on the method: docs/decisions/0004-equilibrium.md.
+depend on the method: docs/decisions/0004-equilibrium.md. The limits C are
+infinite for elastic contacts, and a contact's strength where it may yield.
+
+Either the shift is given (0), or the total force is, and the shift is its
+Lagrange multiplier: the closure at which the joint carries that force.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
+import scipy.optimize
 
 from jointclosure.compilation import kernel
 from jointclosure.mechanics.contact import force_of_overlap, overlap_of_force
 from jointclosure.solvers.interaction_operator import (
-    DENSE_LIMIT,
     Influence,
+    dense_limit,
     influence_matrix,
     interaction_product,
 )
@@ -31,53 +37,76 @@ MOST_NEWTON_STEPS = 200
 _MOST_CONJUGATE_GRADIENT_STEPS = 1000
 
 
+class Contacts(NamedTuple):
+    """The cells (n,) that may carry force, and their laws.
+
+    ``cells`` are flat indices, ``overlap`` g [m], ``compliance`` B
+    [m N^(-2/3)], ``limit`` C [N], ``substrate`` A [m/N].
+    """
+
+    cells: np.ndarray
+    overlap: np.ndarray
+    compliance: np.ndarray
+    limit: np.ndarray
+    substrate: float
+
+
 class Equilibrium(NamedTuple):
     """Forces [N] and interaction [m] at the cells (n,), and how they came about.
 
-    ``residual`` is sum |F - psi(g - K F)| / sum F, recomputed from the forces
-    returned. ``products`` counts the products with the interaction.
+    ``shift`` D [m] is 0 where it was given. ``residual`` is
+    sum |F - psi(g + D - K F)| / sum F, recomputed from the forces returned, and
+    with a given total force T at least |sum F - T| / T. ``products`` counts
+    the products with the interaction.
     """
 
     force: np.ndarray
     interaction: np.ndarray
+    shift: float
     residual: float
     newton_steps: int
     products: int
 
 
 @kernel
-def contact_response(overlap, force, substrate, compliance, answer, secant):
+def contact_response(contacts, shift, pushed, force, answer, secant):
     """Forces that answer the overlaps, and secants from the present forces.
 
     Parameters
     ----------
-    overlap : array (n,)
-        g - K F [m].
-    force : array (n,)
-        Present forces F [N].
-    substrate, compliance
-        A [m/N] and B (n,) [m N^(-2/3)].
+    contacts : Contacts
+    shift : float
+        D [m].
+    pushed, force : array (n,)
+        K F [m] and the present forces F [N].
     answer, secant : array (n,)
-        Receive psi(overlap) [N], and the slope [m/N] of the law between
-        the present force and the answer: the compliance with which a step
-        from F in direction (overlap - phi(F)) meets the answer exactly.
-        Infinite for a cell that is out of contact and stays so.
+        Receive min(C, psi(g + D - K F)) [N], and the slope [m/N] of the law
+        between the present force and the answer: the compliance with which a
+        step from F in direction (overlap - phi(F)) meets the answer exactly.
+        Infinite for a cell that stays out of contact, or at its limit.
 
     Returns
     -------
     difference, total : float
-        sum |F - psi| and sum psi [N].
+        sum |F - answer| and sum answer [N].
     """
     difference = 0.0
     total = 0.0
-    for i in range(overlap.size):
-        answer[i], slope = force_of_overlap(overlap[i], substrate, compliance[i])
-        step = answer[i] - force[i]
+    substrate = contacts.substrate
+    for i in range(force.size):
+        overlap = contacts.overlap[i] + shift - pushed[i]
+        found, slope = force_of_overlap(overlap, substrate, contacts.compliance[i])
+        if found > contacts.limit[i]:
+            found = contacts.limit[i]
+            slope = 0.0
+            overlap = overlap_of_force(found, substrate, contacts.compliance[i])
+        answer[i] = found
+        step = found - force[i]
         difference += abs(step)
-        total += answer[i]
+        total += found
         if abs(step) > 1e-7 * force[i]:
-            present = overlap_of_force(force[i], substrate, compliance[i])
-            secant[i] = (overlap[i] - present) / step
+            present = overlap_of_force(force[i], substrate, contacts.compliance[i])
+            secant[i] = (overlap - present) / step
         elif slope > 0.0:
             secant[i] = 1.0 / slope
         else:
@@ -86,18 +115,18 @@ def contact_response(overlap, force, substrate, compliance, answer, secant):
 
 
 @kernel
-def energy(overlap, pushed, force, substrate, compliance):
+def energy(contacts, shift, pushed, force):
     """The energy that equilibrium minimises [J], K F given as ``pushed``."""
     total = 0.0
     for i in range(force.size):
         root = np.cbrt(force[i])
-        own = 0.5 * substrate * force[i] + 0.6 * compliance[i] * root * root
-        total += force[i] * (own + 0.5 * pushed[i] - overlap[i])
+        own = 0.5 * contacts.substrate * force[i] + 0.6 * contacts.compliance[i] * root * root
+        total += force[i] * (own + 0.5 * pushed[i] - contacts.overlap[i] - shift)
     return total
 
 
 @kernel
-def coordinate_sweep(table, cells, overlap, force, substrate, compliance):
+def coordinate_sweep(table, contacts, shift, force):
     """One pass of exact minimisation contact by contact, in place.
 
     Slow and sure: the energy falls with every pass, whatever the start. The
@@ -107,10 +136,12 @@ def coordinate_sweep(table, cells, overlap, force, substrate, compliance):
     ----------
     table : array (y, x)
         Influence by distance in cells [m/N], see `Influence`.
-    cells, overlap, force, compliance
-        As in `solve_equilibrium`, swept in their order.
-    substrate : float
-        A [m/N].
+    contacts : Contacts
+        Swept in their order.
+    shift : float
+        D [m].
+    force : array (n,)
+        [N].
 
     Returns
     -------
@@ -118,6 +149,7 @@ def coordinate_sweep(table, cells, overlap, force, substrate, compliance):
         Largest change of a force, relative to its new value.
     """
     nx = table.shape[1]
+    cells = contacts.cells
     change = 0.0
     for i in range(force.size):
         y, x = divmod(cells[i], nx)
@@ -126,7 +158,9 @@ def coordinate_sweep(table, cells, overlap, force, substrate, compliance):
             if force[j] > 0.0:
                 v, w = divmod(cells[j], nx)
                 pushed += table[abs(y - v), abs(x - w)] * force[j]
-        answer = force_of_overlap(overlap[i] - pushed, substrate, compliance[i])[0]
+        overlap = contacts.overlap[i] + shift - pushed
+        answer = force_of_overlap(overlap, contacts.substrate, contacts.compliance[i])[0]
+        answer = min(answer, contacts.limit[i])
         if answer != force[i]:
             change = max(change, abs(answer - force[i]) / answer if answer > 0.0 else np.inf)
         force[i] = answer
@@ -134,132 +168,225 @@ def coordinate_sweep(table, cells, overlap, force, substrate, compliance):
 
 
 @kernel
-def newton_direction(influence, matrix, cells, step, secant, tolerance, scratch):
-    """Solve (D + K) d = D step by conjugate gradients, D the secant compliances.
+def newton_direction(influence, matrix, cells, step, secant, shortfall, tolerance, scratch):
+    """Solve (D + K) d = D step + shift by conjugate gradients, D the secant compliances.
 
-    Returns the direction d (n,) [N] and the number of products with K.
+    Parameters
+    ----------
+    influence, matrix, cells, scratch
+        As for `interaction_product`.
+    step : array (n,)
+        Answer less force [N].
+    secant : array (n,)
+        As from `contact_response` [m/N].
+    shortfall : float
+        What sum d is to be [N], by choice of the shift; NaN where the shift
+        is given (0).
+    tolerance : float
+        Of the residual, relative to where it starts.
+
+    Returns
+    -------
+    direction : array (n,)
+        d [N].
+    shift : float
+        [m].
+    used : int
+        Products with K.
+
+    Notes
+    -----
+    In y = sqrt(D) d the system is I + W K W, W = D^(-1/2). The condition on
+    sum d keeps y in a plane, on which the residual is projected.
     """
     n = step.size
     weight = np.zeros(n)
     rest = np.zeros(n)
+    normal = np.zeros(n)
     for i in range(n):
         if secant[i] < np.inf:
             weight[i] = 1.0 / np.sqrt(secant[i])
             rest[i] = step[i] / weight[i]
+    bound = not math.isnan(shortfall) and np.dot(weight, weight) > 0.0
     solution = np.zeros(n)
-    search = rest.copy()
-    square = np.dot(rest, rest)
-    enough = tolerance * tolerance * square
     used = 0
+    size = np.sqrt(np.dot(weight, weight))
+    if bound:
+        normal = weight / size
+        solution = normal * (shortfall / size)
+        rest -= solution + weight * interaction_product(
+            influence, matrix, cells, weight * solution, scratch
+        )
+        used += 1
+    # the part of the residual along the normal is the shift's to take away
+    shift = -np.dot(normal, rest) / size if bound else 0.0
+    inside = rest + normal * (shift * size) if bound else rest
+    search = inside.copy()
+    square = np.dot(inside, inside)
+    enough = tolerance * tolerance * square
     while square > enough and used < _MOST_CONJUGATE_GRADIENT_STEPS:
         image = interaction_product(influence, matrix, cells, weight * search, scratch)
         used += 1
-        curved = 0.0
         for i in range(n):
             image[i] = search[i] + weight[i] * image[i]
-            curved += search[i] * image[i]
-        length = square / curved
+        length = square / np.dot(search, image)
+        along = np.dot(normal, image)
         following = 0.0
         for i in range(n):
             solution[i] += length * search[i]
-            rest[i] -= length * image[i]
-            following += rest[i] * rest[i]
+            inside[i] -= length * (image[i] - along * normal[i])
+            following += inside[i] * inside[i]
+        if bound:
+            shift += length * along / size
         for i in range(n):
-            search[i] = rest[i] + following / square * search[i]
+            search[i] = inside[i] + following / square * search[i]
         square = following
-    return weight * solution, used
+    return weight * solution, shift, used
 
 
 @kernel
-def interacting_equilibrium(influence, cells, overlap, compliance, substrate, start, tolerance):
+def interacting_equilibrium(influence, matrix, contacts, start, target, tolerance):
     """`solve_equilibrium` with interaction; the same parameters.
 
     Newton on the convex problem, in the contacts that carry or are about to,
-    with secants for the contact law and conjugate gradients inside; a step
-    that lowers neither energy nor residual is replaced by sweeps of exact
-    coordinate minimisation, which always lower the energy.
+    with secants for the contact law and conjugate gradients inside; at a given
+    shift a step that lowers neither energy nor residual is replaced by sweeps
+    of exact coordinate minimisation, which always lower the energy.
     """
-    n = cells.size
+    n = start.size
     scratch = np.zeros(influence.table.shape)
-    matrix = influence_matrix(influence.table, cells[: n if n <= DENSE_LIMIT else 0])
     answer, secant = np.empty(n), np.empty(n)
-    force = start.copy()
-    pushed = interaction_product(influence, matrix, cells, force, scratch)
+    force = np.minimum(start, contacts.limit)
+    shift = 0.0
+    bound = not math.isnan(target)
+    pushed = interaction_product(influence, matrix, contacts.cells, force, scratch)
     products = 1
-    difference, total = contact_response(
-        overlap - pushed, force, substrate, compliance, answer, secant
-    )
+    difference, total = contact_response(contacts, shift, pushed, force, answer, secant)
+    missing = target - force.sum() if bound else 0.0
     steps = 0
-    while difference > tolerance * total and steps < MOST_NEWTON_STEPS:
+    poor = 0
+    while max(difference, abs(missing)) > tolerance * total and steps < MOST_NEWTON_STEPS:
         steps += 1
         # as exact as Newton's own error calls for, and no more than is asked for
-        ratio = difference / total if total > 0.0 else np.inf
+        ratio = max(difference, abs(missing)) / total if total > 0.0 else np.inf
         inner = min(0.1, max(0.3 * ratio, 0.3 * tolerance / ratio))
-        direction, used = newton_direction(
-            influence, matrix, cells, answer - force, secant, inner, scratch
+        direction, moved, used = newton_direction(
+            influence,
+            matrix,
+            contacts.cells,
+            answer - force,
+            secant,
+            missing if bound else np.nan,
+            inner,
+            scratch,
         )
-        trial = np.maximum(force + direction, 0.0)
-        trial_pushed = interaction_product(influence, matrix, cells, trial, scratch)
+        trial = np.minimum(np.maximum(force + direction, 0.0), contacts.limit)
+        trial_pushed = interaction_product(influence, matrix, contacts.cells, trial, scratch)
         products += used + 1
         trial_difference, trial_total = contact_response(
-            overlap - trial_pushed, trial, substrate, compliance, answer, secant
+            contacts, shift + moved, trial_pushed, trial, answer, secant
         )
         better = trial_difference * total < 0.5 * difference * trial_total
-        if not better:
-            before = energy(overlap, pushed, force, substrate, compliance)
-            after = energy(overlap, trial_pushed, trial, substrate, compliance)
+        if bound:
+            # no energy to fall back on: the caller brackets where this does not converge
+            poor = 0 if better else poor + 1
+            if poor > 8:
+                break
+        elif not better:
+            before = energy(contacts, shift, pushed, force)
+            after = energy(contacts, shift, trial_pushed, trial)
             better = after < before
-        if not better:
-            trial = force.copy()
-            for _ in range(3):
-                coordinate_sweep(influence.table, cells, overlap, trial, substrate, compliance)
-            trial_pushed = interaction_product(influence, matrix, cells, trial, scratch)
-            products += 4
-            trial_difference, trial_total = contact_response(
-                overlap - trial_pushed, trial, substrate, compliance, answer, secant
-            )
-        force, pushed = trial, trial_pushed
+            if not better:
+                trial = force.copy()
+                for _ in range(3):
+                    coordinate_sweep(influence.table, contacts, shift, trial)
+                trial_pushed = interaction_product(
+                    influence, matrix, contacts.cells, trial, scratch
+                )
+                products += 4
+                trial_difference, trial_total = contact_response(
+                    contacts, shift, trial_pushed, trial, answer, secant
+                )
+        force, pushed, shift = trial, trial_pushed, shift + moved
         difference, total = trial_difference, trial_total
-    residual = difference / total if total > 0.0 else 0.0
-    return Equilibrium(force, pushed, residual, steps, products)
+        missing = target - force.sum() if bound else 0.0
+    residual = max(difference, abs(missing)) / total if total > 0.0 else 0.0
+    return Equilibrium(force, pushed, shift, residual, steps, products)
 
 
 @kernel
-def separate_equilibrium(overlap, compliance, substrate):
+def separate_equilibrium(contacts, shift):
     """Forces (n,) [N] of contacts that do not feel each other."""
-    force = np.empty(overlap.size)
-    for i in range(overlap.size):
-        force[i] = force_of_overlap(overlap[i], substrate, compliance[i])[0]
+    force = np.empty(contacts.overlap.size)
+    for i in range(force.size):
+        answer = force_of_overlap(
+            contacts.overlap[i] + shift, contacts.substrate, contacts.compliance[i]
+        )[0]
+        force[i] = min(answer, contacts.limit[i])
     return force
+
+
+@kernel
+def separate_shift(contacts, target):
+    """Shift D [m] at which contacts that do not feel each other carry a force [N].
+
+    Newton, kept between a shift that is too small and one that is too large;
+    from the latter it converges monotonically, as the force is convex in D.
+    The upper end where the force jumps there (a rigid contact).
+    """
+    tallest = np.argmax(contacts.overlap)
+    low = -contacts.overlap[tallest]
+    # alone, the tallest contact would carry the force at
+    shift = low + overlap_of_force(target, contacts.substrate, contacts.compliance[tallest])
+    high = np.inf
+    for _ in range(200):
+        total = 0.0
+        slope = 0.0
+        for i in range(contacts.overlap.size):
+            overlap = contacts.overlap[i] + shift
+            force, stiffness = force_of_overlap(overlap, contacts.substrate, contacts.compliance[i])
+            total += force
+            slope += stiffness
+        if total > target:
+            high = shift
+        else:
+            low = shift
+        if abs(total - target) <= 1e-14 * target:
+            return shift
+        following = shift + (target - total) / slope if 0.0 < slope < np.inf else np.inf
+        if not low < following < high:
+            if high == np.inf:
+                return low  # a rigid contact at its first touch
+            following = 0.5 * (low + high)
+            if not low < following < high:
+                return high
+        shift = following
+    return shift
 
 
 def solve_equilibrium(
     influence: Influence | None,
-    cells: np.ndarray,
-    overlap: np.ndarray,
-    compliance: np.ndarray,
-    substrate: float,
+    contacts: Contacts,
     start: np.ndarray,
+    target: float,
     tolerance: float,
+    matrix: np.ndarray | None = None,
 ) -> Equilibrium:
     """Forces in equilibrium at the overlapping cells.
 
     Parameters
     ----------
     influence : Influence or None
-        None in a scene without interaction, which needs no iteration.
-    cells : int64 array (n,)
-        Flat indices of the cells that overlap without interaction.
-    overlap : array (n,)
-        Geometric overlap g [m].
-    compliance : array (n,)
-        B [m N^(-2/3)].
-    substrate : float
-        A [m/N].
+        None in a scene without interaction.
+    contacts : Contacts
     start : array (n,)
         Forces to start from [N], finite and not negative.
+    target : float
+        Total force [N] that the shift is to bring about; NaN for a shift of 0.
     tolerance : float
         Relative residual to reach.
+    matrix : array (n, n), optional
+        The contacts' `influence_matrix` where it is at hand already.
 
     Returns
     -------
@@ -267,10 +394,51 @@ def solve_equilibrium(
         Converged where its residual is at most the tolerance. Infinite forces
         where a rigid contact (flat, without substrate) overlaps.
     """
-    if influence is None or cells.size == 0:
-        force = separate_equilibrium(overlap, compliance, float(substrate))
-        residual = 0.0 if np.all(np.isfinite(force)) else np.inf
-        return Equilibrium(force, np.zeros(cells.size), residual, 0, 0)
-    return interacting_equilibrium(
-        influence, cells, overlap, compliance, float(substrate), start, float(tolerance)
+    n = contacts.cells.size
+    if influence is None or n == 0:
+        return _separate(contacts, float(target), float(tolerance))
+    if matrix is None:
+        dense = n <= dense_limit(influence.table.shape)
+        matrix = influence_matrix(influence.table, contacts.cells[: n if dense else 0])
+    found = interacting_equilibrium(
+        influence, matrix, contacts, start, float(target), float(tolerance)
     )
+    if math.isnan(target) or found.residual <= tolerance:
+        return found
+    return _bracketed(influence, matrix, contacts, float(target), float(tolerance), found)
+
+
+def _separate(contacts: Contacts, target: float, tolerance: float) -> Equilibrium:
+    """Contacts without interaction: one equation for the shift, if any."""
+    given = math.isnan(target) or contacts.cells.size == 0
+    shift = 0.0 if given else separate_shift(contacts, target)
+    force = separate_equilibrium(contacts, shift)
+    total = float(force.sum())
+    if given:
+        residual = 0.0 if math.isfinite(total) else np.inf
+    else:
+        residual = abs(total - target) / target if total > 0.0 else np.inf
+    return Equilibrium(force, np.zeros(force.size), shift, residual, 0, 0)
+
+
+def _bracketed(influence, matrix, contacts, target, tolerance, start: Equilibrium) -> Equilibrium:
+    """The shift as a root of the total force at a given shift, which rises with it."""
+    best, products = start, start.products
+
+    def at(shift: float) -> float:
+        nonlocal best, products
+        moved = contacts._replace(overlap=contacts.overlap + shift)
+        found = interacting_equilibrium(
+            influence, matrix, moved, best.force, np.nan, 0.1 * tolerance
+        )
+        products += found.products
+        best = found._replace(shift=shift)
+        return float(found.force.sum()) - target
+
+    low = -float(contacts.overlap.max())
+    high = max(start.shift, 0.5 * low)
+    while at(high) < 0.0:
+        high += high - low
+    at(scipy.optimize.brentq(at, low, high, xtol=1e-14 * (high - low), rtol=1e-14))
+    missing = abs(float(best.force.sum()) - target) / target
+    return best._replace(residual=max(best.residual, missing), products=products)

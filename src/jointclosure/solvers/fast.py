@@ -8,6 +8,7 @@ then equilibrium is solved anew, until neither changes anything.
 import numpy as np
 
 from jointclosure.solvers.breakage import breakage_kernel
+from jointclosure.solvers.elastic import elastic_curve
 from jointclosure.solvers.equilibrium import solve_equilibrium
 from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import (
@@ -27,6 +28,8 @@ MOST_BREAKAGE_STEPS = 1_000_000_000
 
 class FastSolver:
     """Solver of production; see the module's text and `Solver`."""
+
+    elastic_curve = staticmethod(elastic_curve)
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
         """Bring the joint to rest at a closure [m]; breakage in steps [m]."""
@@ -77,11 +80,9 @@ class FastSolver:
         cells, overlap, _, compliance = joint.overlapping(closure)
         answer = solve_equilibrium(
             joint.influence,
-            cells,
-            overlap,
-            compliance,
-            joint.law.substrate,
+            joint.contacts(cells, overlap, compliance),
             joint.force.ravel()[cells],
+            np.nan,
             tolerance,
         )
         joint.force[:] = 0.0

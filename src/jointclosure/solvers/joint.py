@@ -1,13 +1,21 @@
 """The state of a joint, and what a solver makes of it at one closure."""
 
+from collections.abc import Callable
+from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from jointclosure.parameters import Choices, ContactLaw, Effects, Numerics, contact_law
 from jointclosure.solvers.cells import overlapping_cells, peak_map
-from jointclosure.solvers.equilibrium import separate_equilibrium
-from jointclosure.solvers.interaction_operator import influence_of, interaction_field
+from jointclosure.solvers.equilibrium import Contacts, separate_equilibrium
+from jointclosure.solvers.interaction_operator import (
+    Influence,
+    influence_of,
+    influence_table,
+    interaction_field,
+    mean_displacement,
+)
 
 CONVERGED, NOT_CONVERGED, NOT_AT_REST, RIGID_CONTACT = range(4)
 """Outcomes of `Solver.settle`."""
@@ -66,14 +74,25 @@ class Joint:
         self.first_touch = float((self.upper + self.lower).max())
         self.tie_tolerance = choices.tie_tolerance * roughness(self.upper, self.lower)
         self.peaks = peak_map(self.upper, self.lower)
-        shape = self.upper.shape
-        self.influence = influence_of(shape, self.law) if effects.interaction else None
-        if self.influence is not None:
-            self._mean_displacement = (
-                interaction_field(self.influence, np.ones(shape)) / self.upper.size
-            )
-        self.force = np.zeros(shape)
-        self.interaction = np.zeros(shape)
+        self.force = np.zeros(self.upper.shape)
+        self.interaction = np.zeros(self.upper.shape)
+
+    @cached_property
+    def influence_table(self) -> np.ndarray:
+        """Influence (ny, nx) [m/N] by distance in cells, see `Influence`."""
+        law = self.law
+        return influence_table(
+            *self.upper.shape, law.base_radius, law.substrate_modulus, law.spacing
+        )
+
+    @cached_property
+    def influence(self) -> Influence | None:
+        """The interaction as a convolution; None in a scene without."""
+        return influence_of(self.influence_table) if self.effects.interaction else None
+
+    @cached_property
+    def _mean_displacement(self) -> np.ndarray:
+        return mean_displacement(self.influence_table)
 
     @property
     def last_touch(self) -> float:
@@ -92,16 +111,21 @@ class Joint:
             field[:] = saved
 
     def overlapping(self, closure: float):
-        """Cells that overlap without interaction: see `overlapping_cells`."""
+        """Cells that overlap at a closure [m] without interaction: see `overlapping_cells`."""
         if self.choices.peaks == "current":
             self.peaks[:] = peak_map(self.upper, self.lower)
         return overlapping_cells(
             self.upper, self.lower, closure - self.first_touch, self.peaks, self.law
         )
 
+    def contacts(self, cells, overlap, compliance) -> Contacts:
+        """Elastic contacts of these cells, without a limit of their forces."""
+        limit = np.full(cells.size, np.inf)
+        return Contacts(cells, overlap, compliance, limit, self.law.substrate)
+
     def mean_interaction(self) -> float:
         """Mean displacement of all cells by the interaction: the bulk indentation [m]."""
-        if self.influence is None:
+        if not self.effects.interaction:
             return 0.0
         return float(np.vdot(self._mean_displacement, self.force))
 
@@ -123,9 +147,9 @@ class Joint:
         rigid = not np.isfinite(total)
         cells, overlap, curvature, compliance = self.overlapping(closure)
         force = self.force.ravel()[cells]
-        if self.influence is not None and total > 0.0 and not rigid:
+        if self.effects.interaction and total > 0.0 and not rigid:
             overlap = overlap - interaction_field(self.influence, self.force).ravel()[cells]
-        answer = separate_equilibrium(overlap, compliance, self.law.substrate)
+        answer = separate_equilibrium(self.contacts(cells, overlap, compliance), 0.0)
         misfit = np.inf if rigid else share * float(np.abs(answer - force).sum())
         return Settled(
             outcome=outcome,
@@ -144,7 +168,14 @@ class Joint:
 
 
 class Solver(Protocol):
-    """Brings a joint to rest at a closure, whatever its state was before."""
+    """Brings a joint to rest at a closure, whatever its state was before.
+
+    ``elastic_curve(joint, targets)`` closes an elastic joint to total forces
+    (t,) [N] without steps, see `jointclosure.solvers.elastic`; None where a
+    solver can only step.
+    """
+
+    elastic_curve: Callable[["Joint", np.ndarray], list[Settled]] | None
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
         """Change the joint's walls and forces so that it rests at the closure [m]."""

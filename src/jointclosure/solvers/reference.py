@@ -164,6 +164,8 @@ def lay_back(heights, y, x, neighbours):
 class ReferenceSolver:
     """The paper's own loop; see the module's text and `Solver`."""
 
+    elastic_curve = None  # the paper steps, also where nothing breaks
+
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
         """Bring the joint to rest at a closure [m]; breakage in steps [m]."""
         effects, law = joint.effects, joint.law
@@ -173,7 +175,7 @@ class ReferenceSolver:
             effects.gouge,
             joint.choices.peaks == "current",
         )
-        table = joint.influence.table if joint.influence is not None else np.zeros((1, 1))
+        table = joint.influence_table if effects.interaction else np.zeros((1, 1))
         # cells that lost contact since the last step carry nothing
         summed = joint.upper + joint.lower + (closure - joint.first_touch)
         joint.force[summed <= 0.0] = 0.0

@@ -1,0 +1,131 @@
+"""Elastic scenes at given stresses: one curve, without steps."""
+
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from jointclosure.protocol import FLAGS
+from tests.conftest import DOLERITE, SPACING
+
+SCENES = {
+    "asperities": jc.Effects(False, False, False, False, True),
+    "substrate": jc.Effects(True, False, False, False, True),
+    "interaction": jc.Effects(True, True, False, False, True),
+    "hard peaks": jc.Effects(True, True, False, False, False),
+}
+
+
+def closed(walls, effects, stress=30e6, **options):
+    return jc.simulate(
+        *walls,
+        spacing=SPACING,
+        rock=DOLERITE,
+        max_normal_stress=stress,
+        effects=effects,
+        **options,
+    )
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_each_point_is_an_equilibrium_at_its_closure(small_joint, scene):
+    curve = closed(small_joint, SCENES[scene], cycles=1)
+    assert int(curve.status) == 0
+    assert float(curve.equilibrium_residual.max()) <= 1e-10
+    for step in (1, 9, 20):
+        found = jc.equilibrium(
+            *small_joint,
+            spacing=SPACING,
+            rock=DOLERITE,
+            closure=float(curve.closure[step]),
+            effects=SCENES[scene],
+            numerics=jc.Numerics(force_tolerance=1e-12),
+        )
+        assert found.normal_stress == pytest.approx(float(curve.normal_stress[step]), rel=1e-9)
+        assert found.interaction_displacement.mean() == pytest.approx(
+            float(curve.bulk_indentation[step]), rel=1e-9, abs=1e-30
+        )
+        assert np.count_nonzero(found.force) == round(
+            float(curve.contact_fraction[step]) * found.force.size
+        )
+
+
+def test_the_stresses_are_evenly_spaced_and_hold_the_seating_stress(small_joint):
+    numerics = jc.Numerics(curve_points=8)
+    curve = closed(small_joint, SCENES["interaction"], 8e6, cycles=1, numerics=numerics)
+    up = [0, 1, 2, 3, 4, 5, 6, 7, 8]
+    np.testing.assert_allclose(curve.normal_stress / 1e6, up + up[-2::-1], rtol=1e-9)
+    seated = closed(
+        small_joint, SCENES["interaction"], 8e6, cycles=1, numerics=numerics, seating_stress=0.5e6
+    )
+    assert seated.sizes["step"] == curve.sizes["step"] + 2
+    found = jc.equilibrium(
+        *small_joint,
+        spacing=SPACING,
+        rock=DOLERITE,
+        closure=float(seated.max_closure[0] - seated.max_closure_seated[0]),
+        effects=SCENES["interaction"],
+    )
+    assert found.normal_stress == pytest.approx(0.5e6, rel=1e-6)
+
+
+def test_loading_unloading_and_all_cycles_are_one_curve(small_joint):
+    curve = closed(small_joint, SCENES["interaction"], cycles=3)
+    closure = curve.closure.values.reshape(-1)
+    np.testing.assert_array_equal(closure[:41], closure[:41][::-1])
+    np.testing.assert_array_equal(closure[40:81], closure[:41])
+    np.testing.assert_array_equal(closure[80:], closure[:41])
+    np.testing.assert_array_equal(curve.residual_closure, 0.0)
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_the_paper_s_steps_end_at_the_same_closure(small_joint, scene):
+    stress = 3e6
+    slow = jc.Numerics(solver="reference", stress_tolerance=1e-7, sweep_tolerance=1e-10)
+    stepped = closed(small_joint, SCENES[scene], stress, cycles=1, numerics=slow)
+    curve = closed(small_joint, SCENES[scene], stress, cycles=1)
+    np.testing.assert_allclose(stepped.max_closure, curve.max_closure, rtol=1e-6)
+
+
+def test_a_curve_of_nearly_mated_walls_converges_where_most_cells_touch():
+    upper, _ = jc.wall_pair(10.0, (64, 64), SPACING, seed=4)
+    lower = -upper + 1e-7 * np.random.default_rng(4).standard_normal(upper.shape)
+    curve = closed((upper, lower), SCENES["interaction"], cycles=1)
+    assert int(curve.status) == 0
+    assert float(curve.contact_fraction.max()) > 0.7
+    assert float(curve.equilibrium_residual.max()) <= 1e-10
+
+
+def test_flat_contacts_without_substrate_are_rigid_and_said_to_be():
+    flat = np.zeros((4, 5))
+    curve = closed((flat, flat), SCENES["asperities"], cycles=1)
+    assert FLAGS[int(curve.status)] == "rigid_contact"
+    assert np.all(np.isnan(curve.max_closure))
+
+
+def test_a_start_that_newton_cannot_use_is_bracketed(small_joint, monkeypatch):
+    from jointclosure.solvers import equilibrium
+
+    monkeypatch.setattr(equilibrium, "interacting_equilibrium", _given_up_on(equilibrium))
+    curve = closed(small_joint, SCENES["interaction"], cycles=1)
+    monkeypatch.undo()
+    usual = closed(small_joint, SCENES["interaction"], cycles=1)
+    np.testing.assert_allclose(curve.closure, usual.closure, rtol=1e-9)
+
+
+def _given_up_on(equilibrium):
+    """A Newton that never finds the shift, but solves at a given one."""
+    kernel = equilibrium.interacting_equilibrium
+
+    def half(influence, matrix, contacts, start, target, tolerance):
+        if np.isnan(target):
+            return kernel(influence, matrix, contacts, start, target, tolerance)
+        found = kernel(influence, matrix, contacts, start, np.nan, tolerance)
+        return found._replace(residual=1.0)
+
+    return half
+
+
+def test_points_of_the_curve_are_checked(small_joint):
+    for bad in (0, 2.5, True):
+        with pytest.raises(jc.InputError, match="curve_points"):
+            closed(small_joint, SCENES["substrate"], numerics=jc.Numerics(curve_points=bad))
