@@ -153,11 +153,18 @@ def test_two_rocks_swap_with_their_walls(walls):
 SCENES = list(well_posed_scenes())
 
 
+@pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
 @pytest.mark.parametrize("effects", SCENES, ids=str)
-def test_every_scene_closes(effects):
+def test_every_scene_closes(effects, breakage):
     walls = jc.wall_pair(6.0, (12, 12), SPACING, seed=2)
     closed = jc.simulate(
-        *walls, spacing=SPACING, rock=DOLERITE, max_normal_stress=2e5, cycles=1, effects=effects
+        *walls,
+        spacing=SPACING,
+        rock=DOLERITE,
+        max_normal_stress=2e5,
+        cycles=1,
+        effects=effects,
+        numerics=jc.Numerics(breakage=breakage),
     )
     assert int(closed.status) < FAILURE, FLAGS
     assert closed.max_closure.values[0] > 0.0
@@ -199,6 +206,14 @@ def test_there_are_18_scenes():
         ({"numerics": jc.Numerics(later_breakage_step=7e-6)}, "later_breakage_step = 7e-06"),
         ({"numerics": jc.Numerics(solver="best")}, "solver = 'best'"),
         ({"numerics": jc.Numerics(target="near")}, "target = 'near'"),
+        ({"numerics": jc.Numerics(breakage="some")}, "breakage = 'some'"),
+        ({"numerics": jc.Numerics(tolerance=0.0)}, "tolerance = 0.0"),
+        ({"numerics": jc.Numerics(tolerance="x")}, "tolerance = 'x'"),
+        (
+            {"numerics": jc.Numerics(breakage="resolved", solver="reference")},
+            "not with solver = 'reference'",
+        ),
+        ({"numerics": jc.Numerics(breakage="resolved", target="interpolate")}, "interpolate"),
         ({"upper": np.zeros((4, 5))}, "shapes"),
         ({"upper": np.zeros(5)}, "upper: shape"),
         ({"lower": np.full((4, 4), np.nan)}, "lower: 16 heights are not finite"),

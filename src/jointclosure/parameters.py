@@ -88,6 +88,13 @@ class Choices(NamedTuple):
 class Numerics(NamedTuple):
     """Steps [m] and tolerances; ``later_``: every branch after the first loading.
 
+    ``breakage`` is the paper's "fixed_step", by which every contact that breaks
+    is lowered, or "resolved": a contact loses what brings it back to its
+    strength, and the displacement steps, from the given ones on, follow an
+    estimate of their error. ``tolerance`` then is what mean closures may be off
+    by (docs/decisions/0010-resolved-breakage.md), in (0, 0.1]; the breakage
+    steps are not used.
+
     ``force_tolerance`` is the relative residual of equilibrium that the fast
     solver reaches; ``sweep_tolerance`` the largest relative change of a force
     between two sweeps at which the reference stops (the paper's 1 %, which is
@@ -110,6 +117,8 @@ class Numerics(NamedTuple):
     sweep_tolerance: float = 0.01
     solver: str = "fast"
     curve_points: int = 20
+    breakage: Literal["fixed_step", "resolved"] = "fixed_step"
+    tolerance: float = 0.02
 
 
 class ContactLaw(NamedTuple):
@@ -224,6 +233,17 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
     check_number("curve_points", numerics.curve_points, whole=True)
     if numerics.curve_points < 1:
         raise InputError(f"curve_points = {numerics.curve_points!r}: must be at least 1")
+    _one_of("breakage", numerics.breakage, ("fixed_step", "resolved"))
+    check_number("tolerance", numerics.tolerance)
+    if not 0.0 < numerics.tolerance <= 0.1:
+        raise InputError(f"tolerance = {numerics.tolerance!r}: must lie in (0, 0.1]")
+    if numerics.breakage == "resolved" and numerics.solver != "fast":
+        raise InputError(
+            f"breakage = 'resolved': not with solver = {numerics.solver!r}, which is the paper's "
+            "own loop; use the fast solver"
+        )
+    if numerics.breakage == "resolved" and numerics.target != "equilibrate":
+        raise InputError("breakage = 'resolved': not with target = 'interpolate'; use equilibrate")
     _one_of("target", numerics.target, ("equilibrate", "interpolate"))
     _one_of("solver", numerics.solver, solvers)
     for name in ("stress_tolerance", "force_tolerance", "sweep_tolerance"):

@@ -43,6 +43,14 @@ LOADING, UNLOADING = "loading", "unloading"
 _SMALLEST_STEP = 1e-6
 """Fraction of a displacement step below which a jump of the stress is accepted as one."""
 
+_CORRECTION, _RISE = 40.0, 10.0
+"""What an adapted step may miss its predicted force by, and raise the force by, both relative and
+over `Numerics.tolerance`: docs/decisions/0010-resolved-breakage.md."""
+_LARGEST_STEP, _SMALLEST_ADAPTED = 8.0, 1.0 / 64.0
+"""Bounds of an adapted displacement step over the given one."""
+_RETRY = 0.4
+"""A step is taken again where the next would be this much shorter."""
+
 
 class Step(NamedTuple):
     """One accepted point of the history: what was settled, and where in it."""
@@ -164,14 +172,21 @@ def _elastic_cycles(joint, solver, numerics, target_force, cycles, extra_force) 
 
 def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float) -> None:
     """Close by steps until the force passes the target, then land on it."""
+    adaptive = run.numerics.breakage == "resolved"
+    step = displacement_step
     while True:
         if run.closure > run.closure_limit:
             run.status |= 8 * FAILURE
             return
         before = run.joint.snapshot()
-        settled = run.settle(run.closure + displacement_step, breakage_step)
+        settled = run.settle(run.closure + step, breakage_step)
         if run.failed:
             return
+        if adaptive:
+            taken, step = step, _next_step(run, settled, step, displacement_step, cycle)
+            if step < _RETRY * taken:
+                run.joint.restore(before)
+                continue
         if settled.total_force >= run.target_force:
             break
         run.accept(cycle, LOADING, settled)
@@ -179,6 +194,24 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
         _interpolate(run, cycle, before, settled)
     else:
         _land(run, cycle, before, settled, displacement_step, breakage_step)
+
+
+def _next_step(run: _Run, settled: Settled, step: float, given: float, cycle: int) -> float:
+    """Displacement step that the last one's error allows [m] (resolved breakage).
+
+    What breaks in a step changes the contacts, so that the force misses the one
+    predicted; the miss grows with the step. It is kept in proportion to the
+    tolerance, of the force and a twentieth of the target; and so is the rise of
+    the force, as what a step jumps over breaks at the end of it.
+    """
+    tolerance = run.numerics.tolerance
+    scale = settled.total_force + 0.05 * run.target_force
+    missed = settled.correction / (_CORRECTION * tolerance * scale)
+    risen = (settled.total_force - run.total_force) / (_RISE * tolerance * run.target_force)
+    factor = 0.8 / max(missed, risen, 0.01)
+    largest = given * (_LARGEST_STEP if cycle == 1 else 1.0)
+    smallest = given * _SMALLEST_ADAPTED
+    return min(max(step * min(max(factor, 0.25), 2.0), smallest), largest)
 
 
 def _land(run, cycle, before, passed, displacement_step, breakage_step) -> None:
@@ -224,7 +257,7 @@ def _interpolate(run: _Run, cycle: int, before: tuple, passed: Settled) -> None:
     """The paper's last step: walls, closure and forces between the last two states."""
     part = (run.target_force - run.total_force) / (passed.total_force - run.total_force)
     joint = run.joint
-    upper, lower, _, force, interaction = before
+    upper, lower, _, force, interaction, _, _ = before
     for field, earlier in (
         (joint.upper, upper),
         (joint.lower, lower),

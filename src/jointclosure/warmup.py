@@ -19,11 +19,11 @@ def well_posed_scenes() -> Iterator[Effects]:
                 yield Effects(substrate, interaction, breakage, gouge, soft_peaks)
 
 
-def compile_kernels(effects: Effects, choices: Choices, solver: str) -> None:
+def compile_kernels(effects: Effects, choices: Choices, solver: str, breakage: str) -> None:
     """Close a small joint in a scene, which compiles what it needs."""
     spacing, rock = 0.25e-3, Rock(78e9, 0.2, 165e6)
     walls = wall_pair(8.0, (24, 24), spacing, seed=1)
-    numerics = Numerics(solver=solver)
+    numerics = Numerics(solver=solver, breakage=breakage)
     simulate(
         *walls,
         spacing=spacing,
@@ -46,4 +46,5 @@ if __name__ == "__main__":
     for scene in well_posed_scenes():
         for peaks in ("pristine", "current"):
             for name in SOLVERS:
-                compile_kernels(scene, Choices(peaks=peaks), name)
+                compile_kernels(scene, Choices(peaks=peaks), name, "fixed_step")
+            compile_kernels(scene, Choices(peaks=peaks), "fast", "resolved")

@@ -14,6 +14,7 @@ rule compile_kernels:
         effects=config["effects"],
         choices=config["choices"],
         solver=config["numerics"]["solver"],
+        breakage=config["numerics"]["breakage"],
         code=SOLVER_CODE,
     message:
         "Compile the kernels (about half a minute when they are new, else a second)"

@@ -8,10 +8,12 @@ from jointclosure.parameters import to_si
 from jointclosure.warmup import compile_kernels
 
 
-def main(effects: dict, choices: dict, solver: str, output: str, log: Logbook) -> None:
+def main(
+    effects: dict, choices: dict, solver: str, breakage: str, output: str, log: Logbook
+) -> None:
     """Compile, and leave a note of where the machine code is."""
     log(f"kernels are kept in {cache_folder()}")
-    compile_kernels(Effects(**effects), Choices(**to_si(choices)), solver)
+    compile_kernels(Effects(**effects), Choices(**to_si(choices)), solver, breakage)
     log("compiled")
     write_text(f"kernels compiled for {cache_folder().name}\n", output)
 
@@ -22,6 +24,7 @@ if __name__ == "__main__":
             snakemake.params.effects,
             snakemake.params.choices,
             snakemake.params.solver,
+            snakemake.params.breakage,
             snakemake.output[0],
             logbook,
         )

@@ -1,11 +1,12 @@
 """Breakage to rest at fixed closure and fixed interaction.
 
-An overstressed pair is lowered in steps until it holds, has lost contact or
-is confined, its gouge laid on its neighbours. Contacts are looked at from the
-deepest to the shallowest, then the neighbours of what broke, first come first
-served, and when none is left all contacts again, until nothing breaks. The
-order of breakage is not prescribed by the model:
-docs/decisions/0006-order-of-breakage.md measures what it is worth.
+An overstressed pair is lowered until it holds, has lost contact or is
+confined, its gouge laid on its neighbours. Pairs are coloured so that the
+neighbourhoods of one colour do not overlap; the colours take turns, each with
+all its pairs that wait, many at a time (`jointclosure.solvers.pair_batch`).
+What breaks makes its neighbours wait, and when none waits all contacts are
+looked at again, until nothing breaks. The order of breakage is not prescribed
+by the model: docs/decisions/0006-order-of-breakage.md measures what it is worth.
 """
 
 import math
@@ -14,12 +15,36 @@ from functools import lru_cache
 import numpy as np
 
 from jointclosure.compilation import kernel
-from jointclosure.mechanics.gouge import drops, passed_share, shed, upper_share
-from jointclosure.mechanics.strength import is_overstressed
-from jointclosure.solvers.cells import is_peak, wall_curvature
+from jointclosure.mechanics.contact import force_of_overlap
+from jointclosure.mechanics.gouge import drops
+from jointclosure.solvers.cells import neighbourhood
+from jointclosure.solvers.pair_batch import (
+    ACTIVE,
+    BATCH,
+    BEND,
+    CENTRE,
+    CONFINED,
+    LOWER,
+    STRENGTH,
+    TAKEN,
+    UPPER,
+    gather,
+    measure,
+    measure_falls,
+    new_batch,
+    returning_losses,
+    scale_losses,
+    scatter,
+    share_losses,
+    shed_losses,
+)
 
 _MARGIN = 2
 """Cells around the grid, infinitely high and never in contact: no edge to watch for."""
+_COLOURS = 9
+"""Every third cell in each direction: their neighbours are not shared."""
+_MOST_PASSES = 4
+"""Steps in a row of one pair, before it waits for its next turn."""
 
 
 @kernel
@@ -47,166 +72,208 @@ def unpad(flat, field):
 
 
 @kernel
-def take_around(heights, cell, stride, out):
-    """Heights of the eight neighbours, in the order of `jointclosure.mechanics.gouge`."""
-    for i in range(3):
-        out[i] = heights[cell - stride - 1 + i]
-        out[5 + i] = heights[cell + stride - 1 + i]
-    out[3] = heights[cell - 1]
-    out[4] = heights[cell + 1]
-
-
-@kernel
 def neighbour_offsets(stride):
     """Offsets of the eight neighbours of a cell in a flat array, (8,)."""
     return np.array([-stride - 1, -stride, -stride + 1, -1, 1, stride - 1, stride, stride + 1])
 
 
 @kernel
-def curvature_bound(heights, cell, stride, least_curvature, spacing):
-    """Upper bound of a cell's `wall_curvature` [1/m], for a third of its cost.
+def strength_limits(upper, lower, cells, curvature, compliance, peaks, law, gouge, tie, band):
+    """Forces (n,) [N] that the contacts at the cells can carry; see `breakage_kernel`.
 
-    The sides of the triangles are at least as long as the spacing. NaN or
-    infinite at the edge of the grid, where it bounds nothing.
+    Infinite where a pair cannot break: flat, or confined on both walls.
     """
-    here = heights[cell]
-    bend = abs((heights[cell - 1] - here) + (heights[cell + 1] - here)) * abs(
-        (heights[cell - stride] - here) + (heights[cell + stride] - here)
-    )
-    return max(math.sqrt(bend) / (spacing * spacing), least_curvature)
+    nx = upper.shape[1]
+    around, falls = np.empty(8), np.empty(8)
+    limit = np.full(cells.size, np.inf)
+    for i in range(cells.size):
+        y, x = divmod(cells[i], nx)
+        free = not gouge
+        if gouge:
+            neighbourhood(upper, y, x, around)
+            free = drops(upper[y, x], around, tie, falls)[0] > 0.0
+            neighbourhood(lower, y, x, around)
+            free = free or drops(lower[y, x], around, tie, falls)[0] > 0.0
+        if free and curvature[i] > 0.0:
+            kind = peaks[y, x]
+            square = curvature[i] * curvature[i]
+            strength = law.bend[kind] / curvature[i]
+            strength += law.substrate * law.breaking_force[kind] / square
+            limit[i] = force_of_overlap(
+                (1.0 + 0.5 * band) * strength, law.substrate, compliance[i]
+            )[0]
+    return limit
+
+
+@kernel
+def colour_map(ny, nx):
+    """Colours (y, x): cells of one colour are three apart both ways."""
+    colours = np.empty((ny, nx), np.int64)
+    for y in range(ny):
+        for x in range(nx):
+            colours[y, x] = 3 * (y % 3) + x % 3
+    return colours
+
+
+@kernel
+def set_laws(batch, n, cells, state, law):
+    """Strength of the pairs, by whether their cells are soft peaks."""
+    for i in range(n):
+        kind = state[cells[i]]
+        batch[BEND * BATCH + i] = law.bend[kind]
+        batch[STRENGTH * BATCH + i] = law.substrate * law.breaking_force[kind]
+
+
+@kernel
+def set_current_laws(batch, n, cells, state, law):
+    """The same, where peaks are those of the walls as they are."""
+    for i in range(n):
+        kind = 0
+        for side in range(2):
+            wall = UPPER if side == 0 else LOWER
+            here = batch[(wall + CENTRE) * BATCH + i]
+            count, higher = 0, 0
+            for k in range(9):
+                there = batch[(wall + k) * BATCH + i]
+                if k != CENTRE and there != math.inf:
+                    count += 1
+                    higher += there >= here
+            if count > 0 and higher == 0:
+                kind += 2 - side
+        state[cells[i]] = kind
+    set_laws(batch, n, cells, state, law)
 
 
 @lru_cache(maxsize=None)
-def breakage_kernel(gouge: bool, current_peaks: bool):
+def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
     """Kernel that breaks all pairs to rest at a fixed interaction.
 
     The kernel's signature is ``(upper, lower, offset, interaction, peaks, law,
-    breakage_step, tie_tolerance, most_steps) -> (steps, confined)``: walls
-    (y, x) [m] changed in place, the offset as in `overlapping_cells` [m], the
-    interaction (y, x) [m]; the number of breakage steps taken (``most_steps``
-    where it did not come to rest) and a map (y, x) of confined pairs. An
-    effect that is off is not compiled. One long function, because a cached
-    Numba closure may hold plain booleans only, not other compiled functions.
+    breakage_step, band, tie_tolerance, most_steps) -> (steps, confined)``:
+    walls (y, x) [m] changed in place, the offset as in `overlapping_cells` [m],
+    the interaction (y, x) [m]; the number of breakage steps taken
+    (``most_steps`` or more where it did not come to rest) and a map (y, x) of
+    confined pairs. A pair loses ``breakage_step`` [m] at a time; ``resolved``,
+    what brings it back to its strength, which it may then exceed by half the
+    ``band`` before it breaks again. An effect that is off is not compiled.
     """
 
     @kernel
     def break_to_rest(
-        upper, lower, offset, interaction, peaks, law, breakage_step, tie_tolerance, most_steps
+        upper,
+        lower,
+        offset,
+        interaction,
+        peaks,
+        law,
+        breakage_step,
+        band,
+        tie_tolerance,
+        most_steps,
     ):
         ny, nx = upper.shape
-        cells = ny * nx
         stride = nx + 2 * _MARGIN
         top, bottom = padded(upper, math.inf), padded(lower, math.inf)
         lift = padded(offset - interaction, -math.inf)
         state = padded(peaks, 0)
         waiting = padded(np.zeros((ny, nx), np.int64), 1)
+        colours = padded(colour_map(ny, nx), 0)
         confined = padded(np.zeros((ny, nx), np.bool_), False)
         beside = neighbour_offsets(stride)
-        around_top, around_bottom = np.empty(8), np.empty(8)
-        falls_top, falls_bottom = np.empty(8), np.empty(8)
-        mask = 1  # of a ring longer than there are cells, its length a power of two
-        while mask <= cells:
-            mask = 2 * mask + 1
-        queue = np.empty(mask + 1, np.int64)
-        head = 0
-        length = 0
-        found = np.empty(cells, np.int64)
-        depth = np.empty(cells)
+        spacing = law.spacing
+        least_curvature = law.least_curvature
+        allowed = 1.0 + 0.5 * band if resolved else 1.0
+        batch = new_batch()
+        lists = np.empty((_COLOURS, ny * nx + 1), np.int64)
+        counts = np.zeros(_COLOURS, np.int64)
+        taken = np.empty(ny * nx, np.int64)
+        some = np.empty(BATCH + 1, np.int64)
         steps = 0
         seen = -1  # steps when all cells were last looked at
+        colour = 0
         while steps < most_steps:
-            if length == 0:
-                # what broke changes curvatures up to two cells away: look at all
-                # contacts again, the deepest first
+            if counts.sum() == 0:
+                # what broke changes curvatures up to two cells away: look at all again
                 if seen == steps:
                     break
                 seen = steps
-                count = 0
                 for cell in range(top.size):
                     if top[cell] + bottom[cell] + lift[cell] > 0.0:
-                        found[count] = cell
-                        depth[count] = -(top[cell] + bottom[cell] + lift[cell])
-                        count += 1
-                order = np.argsort(depth[:count], kind="mergesort")
-                for k in range(count):
-                    queue[(head + length) & mask] = found[order[k]]
-                    waiting[found[order[k]]] = 1
-                    length += 1
-                continue
-            cell = queue[head]
-            head = (head + 1) & mask
-            length -= 1
-            waiting[cell] = 0
-            confined[cell] = False
-            high, low, raised = top[cell], bottom[cell], lift[cell]
-            if not high + low + raised > 0.0:
-                continue
-            kind = state[cell]
-            bend, breaking_force = law.bend[kind], law.breaking_force[kind]
-            if not current_peaks:
-                # most of what is looked at again still holds, and is soon found to
-                most = curvature_bound(top, cell, stride, law.least_curvature, law.spacing)
-                most += curvature_bound(bottom, cell, stride, law.least_curvature, law.spacing)
-                if most < math.inf and not is_overstressed(
-                    high + low + raised, most, bend, breaking_force, law.substrate
-                ):
-                    continue
-            take_around(top, cell, stride, around_top)
-            take_around(bottom, cell, stride, around_bottom)
-            taken = 0
-            while steps < most_steps:
-                overlap = high + low + raised
-                if not overlap > 0.0:
-                    break
+                        own = colours[cell]
+                        lists[own, counts[own]] = cell
+                        counts[own] += 1
+                        waiting[cell] = 1
+            colour = (colour + 1) % _COLOURS
+            number = counts[colour]
+            counts[colour] = 0
+            taken[:number] = lists[colour, :number]
+            for first in range(0, number, BATCH):
+                cells = taken[first : min(first + BATCH, number)]
+                n = cells.size
+                # most that are looked at again still hold
+                gather(batch, n, cells, top, bottom, lift, stride, current_peaks)
                 if current_peaks:
-                    kind = 2 * is_peak(high, around_top) + is_peak(low, around_bottom)
-                    bend, breaking_force = law.bend[kind], law.breaking_force[kind]
-                bend_top = wall_curvature(high, around_top, law.least_curvature, law.spacing)
-                bend_bottom = wall_curvature(low, around_bottom, law.least_curvature, law.spacing)
-                if not is_overstressed(
-                    overlap,
-                    bend_top + bend_bottom,
-                    bend,
-                    breaking_force,
-                    law.substrate,
-                ):
-                    break
-                share = upper_share(bend_top, bend_bottom)
-                if gouge:
-                    total_top, least_top = drops(high, around_top, tie_tolerance, falls_top)
-                    total_bottom, least_bottom = drops(
-                        low, around_bottom, tie_tolerance, falls_bottom
-                    )
-                    if total_top == 0.0 and total_bottom == 0.0:
-                        confined[cell] = True
+                    set_current_laws(batch, n, cells, state, law)
+                else:
+                    set_laws(batch, n, cells, state, law)
+                measure(batch, n, least_curvature, spacing, allowed)
+                m = 0
+                for i in range(n):
+                    waiting[cells[i]] = 0
+                    confined[cells[i]] = False
+                    some[m] = cells[i]
+                    m += int(batch[ACTIVE * BATCH + i])
+                if m == 0:
+                    continue
+                gather(batch, m, some, top, bottom, lift, stride, True)
+                set_laws(batch, m, some, state, law)
+                for i in range(m):
+                    batch[TAKEN * BATCH + i] = 0.0
+                going = m
+                for turn in range(_MOST_PASSES):
+                    if current_peaks and turn > 0:
+                        set_current_laws(batch, m, some, state, law)
+                    measure(batch, m, least_curvature, spacing, allowed)
+                    if gouge:
+                        measure_falls(batch, m, UPPER, 0, tie_tolerance)
+                        measure_falls(batch, m, LOWER, 1, tie_tolerance)
+                    share_losses(batch, m, gouge)
+                    going = 0
+                    for i in range(m):
+                        going += int(batch[ACTIVE * BATCH + i])
+                        if gouge:
+                            confined[some[i]] |= batch[CONFINED * BATCH + i] > 0.0
+                    if going == 0:
                         break
-                    share = passed_share(share, total_top, total_bottom)
-                loss_top = breakage_step * share
-                loss_bottom = breakage_step * (1.0 - share)
-                if gouge and loss_top > 0.0:
-                    loss_top = shed(around_top, loss_top, falls_top, total_top, least_top)
-                if gouge and loss_bottom > 0.0:
-                    loss_bottom = shed(
-                        around_bottom, loss_bottom, falls_bottom, total_bottom, least_bottom
-                    )
-                high -= loss_top
-                low -= loss_bottom
-                steps += 1
-                taken += 1
-            if taken == 0:
-                continue
-            top[cell], bottom[cell] = high, low
-            for k in range(8):
-                near = cell + beside[k]
-                top[near] = around_top[k]
-                bottom[near] = around_bottom[k]
-                # without a branch, which could not be predicted
-                new = (1 - waiting[near]) & (top[near] + bottom[near] + lift[near] > 0.0)
-                queue[(head + length) & mask] = near
-                waiting[near] |= new
-                length += new
+                    steps += going
+                    if resolved:
+                        returning_losses(
+                            batch, m, band, tie_tolerance, least_curvature, spacing, gouge
+                        )
+                    else:
+                        scale_losses(batch, m, breakage_step)
+                    shed_losses(batch, m, UPPER, 0, tie_tolerance, gouge)
+                    shed_losses(batch, m, LOWER, 1, tie_tolerance, gouge)
+                for i in range(m):
+                    if batch[TAKEN * BATCH + i] == 0.0:
+                        continue
+                    cell = some[i]
+                    scatter(batch, i, cell, top, bottom, stride)
+                    if going > 0:
+                        waiting[cell] = 1
+                        lists[colour, counts[colour]] = cell
+                        counts[colour] += 1
+                    for k in range(8):
+                        near = cell + beside[k]
+                        own = colours[near]
+                        # without a branch, which could not be predicted
+                        new = (1 - waiting[near]) & (top[near] + bottom[near] + lift[near] > 0.0)
+                        lists[own, counts[own]] = near
+                        counts[own] += new
+                        waiting[near] |= new
         unpad(top, upper)
         unpad(bottom, lower)
+        unpad(state, peaks)
         held = np.empty((ny, nx), np.bool_)
         unpad(confined, held)
         return steps, held

@@ -1,13 +1,16 @@
 """The fast solver: breakage to rest and equilibrium in turn.
 
 The paper returns to the detection of contacts after every single breakage.
-Here all breakage at a given interaction runs to rest first (a work queue),
-then equilibrium is solved anew, until neither changes anything.
+Here all breakage at a given interaction runs to rest, then equilibrium is
+solved anew, until neither changes anything. The interaction to begin with is
+extrapolated from the steps before (fixed breakage steps), or that of an
+equilibrium in which no contact carries more than its strength (resolved
+breakage): docs/decisions/0010-resolved-breakage.md.
 """
 
 import numpy as np
 
-from jointclosure.solvers.breakage import breakage_kernel
+from jointclosure.solvers.breakage import breakage_kernel, strength_limits
 from jointclosure.solvers.elastic import elastic_curve
 from jointclosure.solvers.equilibrium import solve_equilibrium
 from jointclosure.solvers.interaction_operator import interaction_field
@@ -22,6 +25,8 @@ from jointclosure.solvers.joint import (
 
 PROVISIONAL_TOLERANCE = 1e-2
 """Residual that suffices to find what breaks next; what rests is solved on."""
+BAND = 10.0
+"""Width of the band about its strength in which a contact rests, over `Numerics.tolerance`."""
 MOST_ROUNDS = 1000
 MOST_BREAKAGE_STEPS = 1_000_000_000
 
@@ -36,33 +41,48 @@ class FastSolver:
         final = joint.numerics.force_tolerance
         confined = np.zeros(joint.upper.shape, dtype=bool)
         broken = iterations = 0
-        outcome, tolerance = NOT_AT_REST, max(final, PROVISIONAL_TOLERANCE)
-        if not joint.effects.breakage:
-            tolerance = final
+        outcome, solved_to, predicted = NOT_AT_REST, np.inf, 0.0
+        breakage = joint.effects.breakage
+        predict = not breakage or joint.numerics.breakage == "resolved"
+        before, step = joint.interaction.copy(), closure - float(joint.closure)
+        if not predict:
+            # that of the step before is too low while the joint closes, and too much breaks
+            joint.interaction += step * joint.interaction_rate
         for round_ in range(MOST_ROUNDS):
-            if joint.effects.breakage:
+            steps = 0
+            if breakage and not (predict and round_ == 0):
                 steps, confined = self._break_to_rest(joint, closure, breakage_step)
                 broken += steps
-                if steps == 0 and round_ > 0:
-                    if tolerance == final:
-                        outcome = CONVERGED
-                        break
-                    tolerance = final
-                elif broken >= MOST_BREAKAGE_STEPS:
-                    break
+            if steps == 0 and solved_to <= final:
+                outcome = CONVERGED
+                break
+            if broken >= MOST_BREAKAGE_STEPS:
+                break
+            quiet = steps == 0 and (round_ > 0 or not breakage)
+            tolerance = final if quiet else max(final, PROVISIONAL_TOLERANCE)
             answer = self._equilibrate(joint, closure, tolerance)
             iterations += answer.products
             if not answer.residual <= tolerance:
                 outcome = RIGID_CONTACT if answer.residual == np.inf else NOT_CONVERGED
                 break
-            if not joint.effects.breakage:
-                outcome = CONVERGED
-                break
-        return joint.describe(closure, outcome, broken, confined, iterations)
+            solved_to = tolerance
+            if predict and round_ == 0:
+                predicted = float(answer.force.sum())
+        if step != 0.0:
+            # where much broke in a small step the quotient says nothing; the elastic rate is within
+            np.clip((joint.interaction - before) / step, 0.0, 1.0, out=joint.interaction_rate)
+        joint.closure[...] = closure
+        settled = joint.describe(closure, outcome, broken, confined, iterations)
+        if predict and broken > 0:
+            settled = settled._replace(correction=abs(settled.total_force - predicted))
+        return settled
 
     @staticmethod
     def _break_to_rest(joint: Joint, closure: float, breakage_step: float):
-        kernel = breakage_kernel(joint.effects.gouge, joint.choices.peaks == "current")
+        numerics = joint.numerics
+        kernel = breakage_kernel(
+            joint.effects.gouge, joint.choices.peaks == "current", numerics.breakage == "resolved"
+        )
         return kernel(
             joint.upper,
             joint.lower,
@@ -71,19 +91,31 @@ class FastSolver:
             joint.peaks,
             joint.law,
             float(breakage_step),
+            float(BAND * numerics.tolerance),
             joint.tie_tolerance,
             MOST_BREAKAGE_STEPS,
         )
 
     @staticmethod
     def _equilibrate(joint: Joint, closure: float, tolerance: float):
-        cells, overlap, _, compliance = joint.overlapping(closure)
+        cells, overlap, curvature, compliance = joint.overlapping(closure)
+        contacts = joint.contacts(cells, overlap, compliance)
+        if joint.effects.breakage and joint.numerics.breakage == "resolved":
+            limit = strength_limits(
+                joint.upper,
+                joint.lower,
+                cells,
+                curvature,
+                compliance,
+                joint.peaks,
+                joint.law,
+                joint.effects.gouge,
+                joint.tie_tolerance,
+                float(BAND * joint.numerics.tolerance),
+            )
+            contacts = contacts._replace(limit=limit)
         answer = solve_equilibrium(
-            joint.influence,
-            joint.contacts(cells, overlap, compliance),
-            joint.force.ravel()[cells],
-            np.nan,
-            tolerance,
+            joint.influence, contacts, joint.force.ravel()[cells], np.nan, tolerance
         )
         joint.force[:] = 0.0
         joint.force.ravel()[cells] = answer.force

@@ -26,7 +26,9 @@ class Settled(NamedTuple):
 
     Shares are those of the total force on confined contacts (beyond their
     strength, with nowhere to put their gouge) and on flat ones (no curvature,
-    so that Eq. (22) gives no stress).
+    so that Eq. (22) gives no stress). ``correction`` [N] is by how much the
+    total force missed what was predicted before anything broke (resolved
+    breakage): the measure of a step's error.
     """
 
     outcome: int
@@ -41,6 +43,7 @@ class Settled(NamedTuple):
     confined_share: float
     flat_share: float
     iterations: int
+    correction: float = 0.0
 
 
 class Joint:
@@ -76,6 +79,8 @@ class Joint:
         self.peaks = peak_map(self.upper, self.lower)
         self.force = np.zeros(self.upper.shape)
         self.interaction = np.zeros(self.upper.shape)
+        self.closure = np.zeros(())  # at which it was last settled
+        self.interaction_rate = np.zeros(self.upper.shape)  # per closure, since the last but one
 
     @cached_property
     def influence_table(self) -> np.ndarray:
@@ -101,14 +106,16 @@ class Joint:
 
     def snapshot(self) -> tuple[np.ndarray, ...]:
         """Copies of all that changes, for `restore`."""
-        fields = (self.upper, self.lower, self.peaks, self.force, self.interaction)
-        return tuple(field.copy() for field in fields)
+        return tuple(field.copy() for field in self._state())
 
     def restore(self, snapshot: tuple[np.ndarray, ...]) -> None:
         """Go back to a snapshot, which stays valid."""
+        for field, saved in zip(self._state(), snapshot, strict=True):
+            field[...] = saved
+
+    def _state(self) -> tuple[np.ndarray, ...]:
         fields = (self.upper, self.lower, self.peaks, self.force, self.interaction)
-        for field, saved in zip(fields, snapshot, strict=True):
-            field[:] = saved
+        return (*fields, self.closure, self.interaction_rate)
 
     def overlapping(self, closure: float):
         """Cells that overlap at a closure [m] without interaction: see `overlapping_cells`."""

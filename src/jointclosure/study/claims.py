@@ -253,7 +253,7 @@ def _beyond(evidence: Evidence) -> Iterator[dict]:
         "number": "7",
         "claim": "The step sizes are accurate enough",
         "paper": "stated, not shown",
-        "ours": "needs a study of the step sizes; this one has one setting only",
+        "ours": "one setting only here; benchmarks/limit_of_steps.py finds they are not (0010)",
         "verdict": CANNOT_BE_JUDGED,
     }
     yield {

@@ -1,0 +1,137 @@
+"""Whether closures have a limit as the steps shrink, and how far from it each method is.
+
+Closes the same random joints with the paper's fixed breakage step, both steps
+scaled by a factor, and with resolved breakage at falling tolerances, without
+and with a largest radius. Prints means over the surfaces, and paired
+differences to the finest resolved result with their standard errors. Run as
+`python benchmarks/limit_of_steps.py`; --help lists what can be changed.
+"""
+
+import argparse
+import time
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import yaml
+
+import jointclosure as jc
+
+SPACING = 0.25e-3
+PAPER = jc.Numerics()
+
+
+def fixed(factor: float) -> jc.Numerics:
+    """The paper's steps, all scaled by a factor."""
+    steps = {
+        f"{prefix}{name}_step": factor * getattr(PAPER, f"{prefix}{name}_step")
+        for prefix in ("", "later_")
+        for name in ("displacement", "breakage")
+    }
+    return PAPER._replace(**steps)
+
+
+def resolved(tolerance: float) -> jc.Numerics:
+    """Resolved breakage at a tolerance."""
+    return PAPER._replace(breakage="resolved", tolerance=tolerance)
+
+
+def rocks() -> dict[str, tuple[jc.Rock, float]]:
+    """The rocks of the paper's Table 1 and their JRC."""
+    path = Path(__file__).parents[1] / "config/default.yaml"
+    table = yaml.safe_load(path.read_text())["rocks"]
+    return {
+        name: (
+            jc.Rock(
+                1e9 * row["youngs_modulus_GPa"],
+                row["poisson_ratio"],
+                1e6 * row["compressive_strength_MPa"],
+            ),
+            row["jrc"],
+        )
+        for name, row in table.items()
+    }
+
+
+def closures(walls, rock, stress: float, radius: float | None, numerics) -> list[float]:
+    """Maximum closures of both cycles [mm], status, breakage steps and seconds."""
+    start = time.perf_counter()
+    closed = jc.simulate(
+        *walls,
+        spacing=SPACING,
+        rock=rock,
+        max_normal_stress=stress,
+        choices=jc.Choices(largest_radius=radius),
+        numerics=numerics,
+    )
+    seconds = time.perf_counter() - start
+    first, second = 1e3 * closed.max_closure.values
+    return [first, second, float(closed.status), float(closed.breakage_steps), seconds]
+
+
+def compare(methods: dict, walls: list, rock, stress: float, radius) -> pd.DataFrame:
+    """One row for each method; the last is what the others are held against."""
+    found = {
+        name: np.array([closures(pair, rock, stress, radius, numerics) for pair in walls])
+        for name, numerics in methods.items()
+    }
+    finest = list(found.values())[-1]
+    rows = []
+    for name, values in found.items():
+        row = {"method": name}
+        for cycle in (0, 1):
+            good = (values[:, 2] < 16) & (finest[:, 2] < 16)
+            base = finest[good, cycle].mean()
+            difference = values[good, cycle] - finest[good, cycle]
+            error = difference.std(ddof=1) / np.sqrt(good.sum())
+            row |= {
+                f"closure_{cycle + 1}_mm": values[good, cycle].mean(),
+                f"off_{cycle + 1}_%": 100 * difference.mean() / base,
+                f"+-_{cycle + 1}_%": 100 * error / base,
+            }
+        row |= {"n": int(good.sum()), "million_steps": values[:, 3].mean() / 1e6}
+        row["median_s"] = np.median(values[:, 4])
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def main(arguments) -> None:
+    """Print and write one table for each rock, stress and radius."""
+    methods = {f"fixed_step x {f:g}": fixed(f) for f in arguments.factors}
+    methods |= {f"resolved {t:g}": resolved(t) for t in arguments.tolerances}
+    tables = []
+    for name, (rock, jrc) in rocks().items():
+        if name not in arguments.rocks:
+            continue
+        shape = (arguments.cells, arguments.cells)
+        walls = [jc.wall_pair(jrc, shape, SPACING, seed) for seed in range(arguments.surfaces)]
+        for stress in arguments.stresses:
+            for radius_mm in arguments.radii:
+                radius = 1e-3 * radius_mm if radius_mm > 0 else None
+                for numerics in methods.values():  # compiled and warm before anything is timed
+                    closures(walls[0], rock, 1e6, radius, numerics)
+                table = compare(methods, walls, rock, 1e6 * stress, radius)
+                about = {"rock": name, "cells": arguments.cells, "stress_MPa": stress}
+                about["largest_radius_mm"] = radius_mm if radius_mm > 0 else np.inf
+                print(", ".join(f"{key} {value}" for key, value in about.items()))
+                print(table.round(4).to_string(index=False), flush=True)
+                tables.append(table.assign(**about))
+    if arguments.output:
+        pd.concat(tables).to_csv(arguments.output, index=False)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--rocks", nargs="+", default=list(rocks()))
+    parser.add_argument("--cells", type=int, default=48)
+    parser.add_argument("--surfaces", type=int, default=12)
+    parser.add_argument("--stresses", type=float, nargs="+", default=[5.0, 15.0], help="[MPa]")
+    parser.add_argument(
+        "--radii", type=float, nargs="+", default=[0.0, 20.0], help="largest, [mm]; 0: none"
+    )
+    parser.add_argument("--factors", type=float, nargs="+", default=[1.0, 0.25, 0.0625])
+    parser.add_argument(
+        "--tolerances", type=float, nargs="+", default=[0.1, 0.05, 0.02, 0.01, 0.005]
+    )
+    parser.add_argument("--output", help="CSV file")
+    main(parser.parse_args())
