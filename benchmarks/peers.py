@@ -1,0 +1,365 @@
+"""How long jointclosure and other contact codes take for one elastic closure curve.
+
+The same two walls are closed to 30 MPa in 20 equal steps of stress. The peers solve frictionless
+elasticity at the scale of a cell: one rigid surface, the sum of both walls, on a half-space of
+modulus 1/(1/E1* + 1/E2*) with free boundaries and a constant pressure on each cell. They must
+agree, and the second table shows whether they do. jointclosure solves another model on the same
+walls (in each cell Hertz asperities on their substrates, and the interaction of all), so its
+closures are others, and its error is the residual of its own equilibrium.
+
+Every peer has the set-up that is fastest for it: one thread, each stress started from the scaled
+forces of the last, and the loosest tolerance of its own (in quarters of a decade) that keeps
+error = sum p (gap - least gap) / (sum p * closure) <= 1e-6 at every stress, measured by one
+operator for all. What is built once for a surface (operator, plans) is not timed. jointclosure
+is timed as `simulate` is called, with all that it builds and the unloading of its one cycle; it
+may solve closer than the tolerance that it is asked for. About one cell in a hundred touches:
+"own, by matrix" is one of the peers' methods without transforms of the whole surface, to show
+how much of a difference in time comes from working in the contacts only, as jointclosure does.
+Times are medians of runs in turn, also in pairs of transforms (scipy.fft.rfft2 and irfft2 of
+200 x 200, one thread) that are timed in between.
+
+    pip install ContactMechanics tamaas pyfftw tinydb && pip install --no-deps slippy
+    CMAKE_ARGS=-DASPHER_NATIVE=ON pip install aspher
+
+(slippy asks for numpy before 1.21, but `slippy.core` runs with later ones; aspher is compiled, with
+Eigen.) A peer that is not installed is named and left out. Run as `python benchmarks/peers.py`.
+"""
+
+import os
+
+os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
+os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
+
+import argparse
+import itertools
+import platform
+import re
+import time
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import scipy.fft
+
+import jointclosure as jc
+
+ROCK = jc.Rock(78e9, 0.2, 165e6)
+MODULUS = 0.5 * ROCK.youngs_modulus / (1.0 - ROCK.poisson_ratio**2)  # 1/(1/E1* + 1/E2*)
+CELLS, SPACING, JRC = 100, 0.25e-3, 8.0
+SIDE, CELL, PADDED = CELLS * SPACING, SPACING**2, (2 * CELLS, 2 * CELLS)
+STRESSES = np.linspace(0.0, 30e6, 21)[1:]
+TOLERANCE = 1e-6
+
+
+def love_table() -> np.ndarray:
+    """Displacements by a unit pressure on one cell [m/Pa], by distance, wrapped (Love 1929)."""
+    at = np.roll(np.arange(-CELLS, CELLS), CELLS) * SPACING
+    table = np.zeros(PADDED)
+    for i, j in itertools.product((-1, 1), repeat=2):
+        y, x = at[:, None] + 0.5 * i * SPACING, at + 0.5 * j * SPACING
+        table += i * j * (x * np.arcsinh(y / abs(x)) + y * np.arcsinh(x / abs(y)))
+    return table / (np.pi * MODULUS)
+
+
+TABLE = love_table()
+SPECTRUM = scipy.fft.rfft2(TABLE, workers=1)
+
+
+def displacement(pressure: np.ndarray) -> np.ndarray:
+    """Displacements (y, x) [m] of the half-space by pressures (y, x) [Pa]."""
+    wave = scipy.fft.rfft2(pressure, PADDED, workers=1) * SPECTRUM
+    return scipy.fft.irfft2(wave, PADDED, workers=1)[:CELLS, :CELLS]
+
+
+# A peer is set up for a gap (y, x) [m], 0 at first touch, and gives solve(stress, guess, tolerance,
+# closure): the closure [m], the pressures (y, x) [Pa] and the products with the half-space (or
+# None). The guess has the stress as its mean; tolerances can be relative to the closure it is told.
+
+
+def polonsky_keer(product, gap, load, pressure, tolerance):
+    """Polonsky & Keer (1999), by the text: conjugate gradients in the contacts at given load."""
+    direction, keep, before = np.zeros_like(gap), 0.0, 1.0
+    for iteration in range(5000):
+        deformed = product(pressure) + gap
+        touching = pressure > 0.0
+        closure = deformed[touching].mean()
+        if np.vdot(pressure, deformed - deformed.min()) <= tolerance * load * closure:
+            return closure, pressure, 2 * iteration + 1
+        deformed -= closure
+        square = np.sum(deformed[touching] ** 2)
+        direction = np.where(touching, deformed + keep * square / before * direction, 0.0)
+        before = square
+        answer = product(direction)
+        answer -= answer[touching].mean()
+        length = np.vdot(deformed, direction) / np.vdot(answer, direction)
+        pressure = np.maximum(pressure - length * direction, 0.0)
+        overlapping = (pressure == 0.0) & (deformed < 0.0)
+        pressure[overlapping] -= length * deformed[overlapping]
+        keep = 0.0 if overlapping.any() else 1.0
+        pressure *= load / pressure.sum()
+    raise RuntimeError("no convergence")
+
+
+def own(gap):
+    """The algorithm with transforms of the whole surface, as in the peers."""
+
+    def solve(stress, guess, tolerance, _):
+        return polonsky_keer(displacement, gap, stress * gap.size, guess, tolerance)
+
+    return solve
+
+
+def own_dense(gap):
+    """The same with the matrix of the cells that overlap at the closure it is told, or at any that
+    is larger: no other cell can touch."""
+
+    def solve(stress, guess, tolerance, closure):
+        y, x = cells = np.nonzero(gap <= closure)
+        matrix, pressure = TABLE[y[:, None] - y, x[:, None] - x], np.zeros_like(gap)
+        closure, pressure[cells], products = polonsky_keer(
+            matrix.__matmul__, gap[cells], stress * gap.size, guess[cells], tolerance
+        )
+        return closure, pressure, products
+
+    return solve
+
+
+def contact_mechanics(gap):
+    """The dual problem (forces) by NuMPI's conjugate gradients with restart, which also take a
+    load; `minimize_proxy` takes twice as long, `dual_minimize_proxy` is for given closures."""
+    from ContactMechanics import FreeFFTElasticHalfSpace
+    from ContactMechanics.Systems import NonSmoothContactSystem
+    from NuMPI.Optimization.CCGWithRestart import constrained_conjugate_gradients_with_restart
+    from SurfaceTopography import Topography
+
+    half_space = FreeFFTElasticHalfSpace(gap.shape, MODULUS, (SIDE, SIDE))
+    system = NonSmoothContactSystem(half_space, Topography(-gap, physical_sizes=(SIDE, SIDE)))
+
+    def solve(stress, guess, tolerance, closure):
+        answer = constrained_conjugate_gradients_with_restart(
+            system.dual_objective(0.0),
+            system.dual_hessian_product,
+            x0=guess * CELL,
+            mean_val=stress * CELL,
+            gtol=tolerance * closure,
+        )
+        force = answer.x.reshape(gap.shape)
+        deformed = half_space.evaluate_disp(-force) + gap
+        return deformed[force > 0.0].mean(), force / CELL, 2 * answer.nit + 1
+
+    return solve
+
+
+def tamaas(gap):
+    """Polonsky-Keer-Rey in the pressures. The moduli are to be set before the non-periodic
+    operator is registered, which has to be chosen; its displacements come back shifted."""
+    import tamaas as tm
+
+    tm.set_log_level(tm.LogLevel.error)
+    model = tm.Model(tm.model_type.basic_2d, [SIDE, SIDE], list(gap.shape))
+    model.E, model.nu = MODULUS, 0.0
+    tm.ModelFactory.registerNonPeriodic(model, "free")
+    solver = tm.PolonskyKeerRey(model, -gap, TOLERANCE)
+    solver.setIntegralOperator("free")
+    deformed = np.empty_like(gap)
+
+    def solve(stress, guess, tolerance, _):
+        solver.tolerance = tolerance
+        model.traction[...] = guess
+        solver.solve(stress)
+        pressure = np.array(model.traction)
+        model.operators["free"](pressure, deformed)
+        return (deformed + gap)[pressure > 0.0].mean(), pressure, None
+
+    return solve
+
+
+def slippy(gap):
+    """`bccg`, conjugate gradients with bounds, which is told the closures (those of our own
+    solution) instead of the stresses. `polonsky_and_keer`, for given loads, takes twice as long."""
+    import slippy
+
+    slippy.CUDA, slippy.CORES = False, 1
+    from slippy.core import bccg, elastic_influence_matrix_spatial, plan_convolve
+
+    step = (SPACING, SPACING)
+    table = elastic_influence_matrix_spatial("zz", PADDED, step, shear_mod=MODULUS / 2, v=0.0)
+    half_space = plan_convolve(gap, table, gap < np.inf, fft_im=False)
+
+    def solve(_, guess, tolerance, closure):
+        overlap, pressure, products = closure - gap, np.zeros_like(gap), itertools.count()
+        cells = overlap > 0.0
+        half_space.change_domain(cells)
+
+        def product(values):
+            next(products)
+            return half_space(values)
+
+        carried = bccg(product, overlap[cells], tolerance, 5000, guess[cells])[0]
+        pressure[cells] = carried
+        return (product(carried) + gap[cells])[carried > 0.0].mean(), pressure, next(products)
+
+    return solve
+
+
+def aspher(gap):
+    """Its exact transforms ("h2" asks for a power of two) and its preconditioner on the contacts;
+    the tolerance is relative to the range of the heights, here made relative to the closure."""
+    import aspher as hc
+
+    solver = hc.ContactSolver(CELLS, domain_size=SIDE, E_star=MODULUS, backend="fft")
+
+    def solve(stress, guess, tolerance, closure):
+        target = tolerance * closure / np.ptp(gap)
+        answer = solver.solve(gap, stress, tol=target, precond="fourier", p_init=guess)
+        return answer.approach, answer.pressure, answer.matvec_count
+
+    return solve
+
+
+PEERS = {
+    "own, by transforms": own,
+    "own, by matrix": own_dense,
+    "ContactMechanics": contact_mechanics,
+    "tamaas": tamaas,
+    "slippy": slippy,
+    "aspher": aspher,
+}
+GIVEN_CLOSURES = ("own, by matrix", "slippy")
+
+
+def curve(solve, gap, tolerance, told) -> tuple:
+    """Closures (20,) [m], pressures (20, y, x) [Pa] and products; ``told`` are given closures."""
+    pressure, answers = np.ones_like(gap), []
+    for stress, closure in zip(STRESSES, told, strict=True):
+        answers.append(solve(stress, pressure * (stress / pressure.mean()), tolerance, closure))
+        pressure = answers[-1][1]
+    closures, pressures, products = zip(*answers, strict=True)
+    return np.array(closures), np.array(pressures), None if None in products else sum(products)
+
+
+def error_of(gap, closures, pressures) -> float:
+    """The largest error along a curve, as defined above."""
+    deformed = [displacement(pressure) + gap for pressure in pressures]
+    excess = [np.vdot(p, g - g.min()) for p, g in zip(pressures, deformed, strict=True)]
+    return np.max(excess / (pressures.sum(axis=(1, 2)) * closures))
+
+
+def peer_row(name, solve, gap, exact) -> dict:
+    """What a peer needs and gives, compared with our own solved to 1e-10."""
+    for tolerance in 10.0 ** -np.arange(4.5, 9.1, 0.25):
+        closures, pressures, products = curve(solve, gap, tolerance, exact[0])
+        if (error := error_of(gap, closures, pressures)) <= TOLERANCE:
+            break
+    forces = abs(pressures - exact[1]).sum(axis=(1, 2)) / exact[1].sum(axis=(1, 2))
+    return {
+        "products": products or "-",
+        "tolerance": tolerance,
+        "error": error,
+        "d closure": abs(closures / exact[0] - 1.0).max(),
+        "d force": forces.max(),
+        "closure": closures,
+        "cells": np.count_nonzero(pressures, (1, 2)),
+        "solves": "elastic half-space" + ", closures given" * (name in GIVEN_CLOSURES),
+    }
+
+
+def simulate(walls):
+    """jointclosure, at the same stresses where it can be asked for them."""
+    points = {"curve_points": STRESSES.size} if "curve_points" in jc.Numerics._fields else {}
+    return jc.simulate(
+        *walls,
+        spacing=SPACING,
+        rock=ROCK,
+        max_normal_stress=STRESSES[-1],
+        cycles=1,
+        effects=jc.Effects(breakage=False, gouge=False),
+        numerics=jc.Numerics(force_tolerance=TOLERANCE, **points),
+    )
+
+
+def joint_row(walls) -> dict:
+    """The same of jointclosure, read from its loading branch."""
+    cycle = simulate(walls)
+    up = cycle.isel(step=cycle.branch == "loading")
+    down = cycle.step.size - up.step.size
+    shares = np.interp(STRESSES, up.normal_stress, up.contact_fraction)
+    return {
+        "version": jc.__version__,
+        "products": int(cycle.solver_iterations),
+        "tolerance": TOLERANCE,
+        "error": float(cycle.equilibrium_residual.max()),
+        "closure": np.interp(STRESSES, up.normal_stress, up.closure),
+        "cells": np.rint(shares * CELLS**2).astype(int),
+        "solves": f"Hertz asperities and half-space, {up.step.size - 1} points up, {down} down",
+    }
+
+
+def milliseconds(run, *arguments) -> float:
+    start = time.perf_counter()
+    run(*arguments)
+    return 1e3 * (time.perf_counter() - start)
+
+
+def transform_pair(values):
+    return scipy.fft.irfft2(scipy.fft.rfft2(values, workers=1), values.shape, workers=1)
+
+
+def main(seed: int, repeats: int, output: Path | None) -> None:
+    """Print the machine, the times and the curves of all codes; write the times as CSV."""
+    walls = jc.wall_pair(JRC, (CELLS, CELLS), SPACING, seed)
+    gap = np.max(walls[0] + walls[1]) - (walls[0] + walls[1])
+    exact = curve(own(gap), gap, 1e-10, STRESSES)  # which it does not use
+    rows, runs = {"jointclosure": joint_row(walls)}, {"jointclosure": (simulate, walls)}
+    for name, set_up in PEERS.items():
+        try:
+            solve = set_up(gap)
+        except ImportError as error:
+            print(f"{name} is left out: it is not installed here ({error})")
+            continue
+        code = name.partition(",")[0]
+        used = version(code) if code != "own" else "-"
+        rows[name] = {"version": used} | peer_row(name, solve, gap, exact)
+        runs[name] = (curve, solve, gap, rows[name]["tolerance"], exact[0])
+
+    times, pairs = {name: [] for name in runs}, []
+    values = np.random.default_rng(0).standard_normal(PADDED)
+    for _, name in itertools.product(range(repeats), runs):
+        pairs += [milliseconds(transform_pair, values) for _ in range(25)]
+        times[name].append(milliseconds(*runs[name]))
+
+    cpu = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").is_file() else ""
+    model = re.search(r"model name\s*: (.*)", cpu)
+    print(
+        f"\n{model[1] if model else platform.processor()}, Python {platform.python_version()}, "
+        f"numpy {np.__version__}, scipy {scipy.__version__}, numba {version('numba')}\n"
+        f"JRC {JRC:g}, {CELLS} x {CELLS} cells of {1e3 * SPACING:g} mm, seed {seed}; {ROCK}\n"
+        f"medians of {repeats}; one pair of transforms {np.median(pairs):.3f} ms"
+    )
+    table = pd.DataFrame(rows).T.rename_axis("code")
+    table["ms"] = [np.median(times[name]) for name in table.index]
+    table["pairs"] = table.ms / np.median(pairs)
+    table["um at 30 MPa"] = [1e6 * closures[-1] for closures in table.closure]
+    shape = dict.fromkeys(("tolerance", "error", "d closure", "d force"), "{:.1e}")
+    shape |= {"ms": "{:.1f}", "pairs": "{:.0f}", "um at 30 MPa": "{:.4f}"}
+    columns = ["version", "ms", "pairs", "products", "tolerance", "error", "um at 30 MPa"]
+    columns += ["d closure", "d force", "solves"]
+    table[columns].to_csv(output) if output else None
+    for name, text in shape.items():
+        table[name] = [text.format(value).replace("nan", "-") for value in table[name]]
+    print("d: largest difference from our own to 1e-10, of closures, of forces sum|p-q| / sum q\n")
+    print(table[columns].to_string())
+    for name, unit, title in (("closure", 1e6, "Closure [um]"), ("cells", 1, "Cells in contact")):
+        curves = {code: values * unit for code, values in table[name].items()}
+        shown = pd.DataFrame(curves, index=1e-6 * STRESSES).iloc[[0, 4, 9, 14, 19]].T
+        print(f"\n{title} at a stress [MPa]", shown.to_string(float_format="%.4f"), sep="\n")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--repeats", type=int, default=7)
+    parser.add_argument("--output", type=Path, help="CSV file")
+    arguments = parser.parse_args()
+    main(arguments.seed, arguments.repeats, arguments.output)

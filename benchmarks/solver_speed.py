@@ -1,0 +1,270 @@
+"""How fast the solvers are, how soon they start, and what memory they take.
+
+elastic     one cycle to 30 MPa without breakage in 20 stresses, dolerite, JRC 8, dataset
+            included: 100 x 100 cells, 512 x 512 (or --cells), and as many of nearly mated walls
+            (lower = -upper + 0.1 um of white noise), with the peak memory of a process of its own
+study       the base case of each rock of config/default.yaml, both cycles, as the study closes it
+reference   the paper's own loop against the fast solver, on the same walls, one cycle to 3 MPa,
+            on the largest square grid whose first surface the loop closes within a minute (or
+            --minute seconds), with breakage and without. A ratio of times means what it says only
+            where the closures of both are equal, which are given too
+first_call  a fresh process whose kernels are on disk: import, first and second call, 24 x 24
+            cells to 1 MPa, and what it compiled: numba's cache misses over all kernels of the
+            package, and all its compilations
+memory      a fresh process that makes and closes 5, 20 and 80 realisations of dolerite, to 1 MPa
+
+Every part is measured on --repeats surfaces (or processes), whose median is given with the
+extremes; 100 x 100 elastic cells are closed as many times each. Kernels are compiled beforehand.
+Times are also given in FFT pairs, timed in between (benchmarks/yardstick.py), all on one thread.
+Run as `python benchmarks/solver_speed.py --parts elastic study`, or all parts without an argument:
+the reference takes some ten minutes, the others three together.
+"""
+
+import os
+
+os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
+os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
+
+import argparse
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import yaml
+from yardstick import (
+    DOLERITE,
+    FIRST_CALL,
+    FULL,
+    POINTS,
+    SCENES,
+    SPACING,
+    Pair,
+    by_solver,
+    called_alone,
+    curve,
+    fresh_process,
+    joint_walls,
+    machine,
+    median_time,
+    peak_memory,
+    show,
+    spread,
+    timed,
+    warm_up,
+)
+
+import jointclosure as jc
+from jointclosure.parameters import to_si
+from jointclosure.study.cases import Case, cases_of, wall_seed
+from jointclosure.study.configuration import choices_of, effects_of, numerics_of
+from jointclosure.study.ensemble import close_surfaces, make_surfaces
+
+SIZES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)
+TARGETS = {
+    "elastic": (("pairs of 100 x 100 cells", 30),),
+    "study": (("pairs of the slowest rock", 2000),),
+    "reference": (),
+    "first_call": (("s of a first call beyond a second", 1), ("kernels compiled then", 0)),
+    "memory": (("MB of 20 realisations", 400),),
+}
+
+
+def curve_memory(cells: int, mated: bool) -> tuple[float, float]:
+    """Peak memory [MB] of this process before a closure curve, and after."""
+    before = peak_memory()
+    curve(joint_walls(cells, 0, mated))
+    return before, peak_memory()
+
+
+def elastic(arguments) -> tuple[pd.DataFrame, tuple]:
+    """Closure curves without breakage."""
+    rows = []
+    for cells, mated in ((100, False), (arguments.cells, False), (arguments.cells, True)):
+        pair, own = Pair(), Pair(2 * cells, 5)
+        times, curves = [], []
+        for seed in range(arguments.repeats):
+            walls = joint_walls(cells, seed, mated)
+            pair.sample()
+            own.sample()
+            seconds, found = timed(lambda walls=walls: curve(walls))
+            if seconds < 0.1:
+                seconds = median_time(lambda w=walls: curve(w), arguments.repeats, pair.sample)
+            times.append(seconds)
+            curves.append(found)
+        before, peak = called_alone(curve_memory, cells, mated)
+        products = np.median([int(found.solver_iterations) for found in curves])
+        row = {"walls": "nearly mated" if mated else "independent", "cells": cells}
+        row |= spread(times, "ms", 1e3) | spread(times, "pairs", 1.0 / pair.seconds)
+        row |= {"pairs of own size": np.median(times) / own.seconds}
+        row |= {"own pair ms": 1e3 * own.seconds, "products per stress": products / POINTS}
+        row["largest contact fraction"] = max(float(c.contact_fraction.max()) for c in curves)
+        row["worst status"] = max(int(found.status) for found in curves)
+        rows.append(row | {"peak MB": peak, "before MB": before, "pair ms": 1e3 * pair.seconds})
+    return pd.DataFrame(rows), (rows[0]["pairs"],)
+
+
+def base_case(configuration: dict, case: Case, realization: int) -> tuple[float, object]:
+    """Close a surface pair as the study does: seconds, and the dataset."""
+    grid = to_si(configuration["grid"])
+    seed = wall_seed(configuration, case, realization)
+    shape = (grid["cells_y"], grid["cells_x"])
+    walls = jc.wall_pair(case.jrc, shape, grid["spacing"], seed, **configuration["surface"])
+    return timed(
+        lambda: jc.simulate(
+            *walls,
+            spacing=grid["spacing"],
+            rock=jc.Rock(case.youngs_modulus, case.poisson_ratio, case.compressive_strength),
+            max_normal_stress=case.max_normal_stress,
+            cycles=configuration["study"]["cycles"],
+            seating_stress=1e6 * configuration["seating_stress_MPa"],
+            effects=effects_of(configuration),
+            choices=choices_of(configuration),
+            numerics=numerics_of(configuration),
+        )
+    )
+
+
+def study(arguments) -> tuple[pd.DataFrame, tuple]:
+    """The base cases of the paper's study."""
+    path = Path(__file__).parents[1] / "config/default.yaml"
+    configuration = yaml.safe_load(path.read_text(encoding="utf-8"))
+    small = configuration | {"grid": configuration["grid"] | {"cells_x": 24, "cells_y": 24}}
+    rows = []
+    for case in cases_of(configuration):
+        if case.parameter != "base":
+            continue
+        base_case(small, case, 0)  # to compile
+        pair, times, closed = Pair(), [], []
+        for realization in range(arguments.repeats):
+            pair.sample()
+            seconds, found = base_case(configuration, case, realization)
+            times.append(seconds)
+            closed.append(found)
+        steps = np.array([int(found.breakage_steps) for found in closed])
+        row = {"rock": case.rock} | spread(times, "ms", 1e3)
+        row |= spread(times, "pairs", 1.0 / pair.seconds)
+        row |= {"breakage steps": np.median(steps)}
+        row["ns of all time per step"] = 1e9 * np.median(times / steps)
+        row["products"] = np.median([int(found.solver_iterations) for found in closed])
+        row["worst status"] = max(int(found.status) for found in closed)
+        rows.append(row | {"pair ms": 1e3 * pair.seconds})
+    table = pd.DataFrame(rows)
+    return table, (table.pairs.max(),)
+
+
+def largest_grid(scene: str, minute: float) -> int:
+    """Cells along the largest grid of SIZES that the reference closes in time."""
+    done = SIZES[0]
+    try:
+        for cells in SIZES:
+            seconds, _ = called_alone(by_solver, cells, 0, scene, "reference", timeout=minute + 9)
+            if seconds > minute:
+                break
+            done = cells
+    except subprocess.TimeoutExpired:
+        pass
+    return done
+
+
+def reference(arguments) -> tuple[pd.DataFrame, tuple]:
+    """The paper's loop and the fast solver on the same walls."""
+    rows = []
+    for scene in SCENES:
+        cells, pair, runs = largest_grid(scene, arguments.minute), Pair(), []
+        for seed in range(arguments.repeats):
+            pair.sample()
+            runs.append([by_solver(cells, seed, scene, name) for name in ("reference", "fast")])
+        (slow, closure), (fast, other) = np.array(runs).transpose(1, 2, 0)
+        difference = 100.0 * (other - closure) / closure.mean()
+        row = {"scene": scene, "cells": cells, "surfaces": arguments.repeats}
+        row |= spread(slow, "reference s", 1.0) | spread(fast, "fast ms", 1e3)
+        row |= spread(slow / fast, "ratio", 1.0)
+        row |= {"reference pairs": np.median(slow) / pair.seconds}
+        row |= {"fast pairs": np.median(fast) / pair.seconds, "pair ms": 1e3 * pair.seconds}
+        row |= {"reference closure um": closure.mean(), "fast closure um": other.mean()}
+        row["difference %"] = difference.mean()
+        row["standard error %"] = difference.std(ddof=1) / np.sqrt(difference.size)
+        row["largest difference %"] = 100.0 * np.abs(other / closure - 1.0).max()
+        rows.append(row)
+    return pd.DataFrame(rows), ()
+
+
+def first_call(arguments) -> tuple[pd.DataFrame, tuple]:
+    """What a fresh process waits for."""
+    rows = []
+    for scene, breakage in (("full", True), ("elastic", False)):
+        program = FIRST_CALL.format(breakage)
+        fresh_process(program)  # fills the cache, if it is cold
+        pair, runs = Pair(), []
+        for _ in range(arguments.repeats):
+            pair.sample()
+            runs.append(fresh_process(program))
+        runs = pd.DataFrame(runs)
+        beyond = runs["first"] - runs["second"]
+        row = {"scene": scene, "import s": runs.imported.median()}
+        row |= spread(beyond, "first beyond second s", 1.0)
+        row |= {"pairs": beyond.median() / pair.seconds, "second ms": 1e3 * runs.second.median()}
+        row |= {"kernels": runs.kernels.max(), "cache hits": runs.hits.max()}
+        row |= {"cache misses": runs.misses.max(), "compilations": runs.compilations.max()}
+        rows.append(row | {"pair ms": 1e3 * pair.seconds})
+    table = pd.DataFrame(rows)
+    compiled = max(table["cache misses"].max(), table["compilations"].max())
+    return table, (table["first beyond second s"].max(), compiled)
+
+
+def ensemble_memory(realizations: int) -> dict:
+    """Peak memory [MB] of this process after each stage of a case."""
+    row = {"realisations": realizations, "imported": peak_memory()}
+    surfaces = make_surfaces(list(range(realizations)), 8.0, (100, 100), SPACING, {})
+    row["surfaces made"] = peak_memory()
+    case = Case("base", "dolerite", "base", "base", np.nan, *DOLERITE, 8.0, 1e6, "base")
+    closed = close_surfaces(
+        surfaces,
+        case,
+        cycles=2,
+        seating_stress=0.5e6,
+        effects=FULL,
+        choices=jc.Choices(),
+        numerics=jc.Numerics(),
+        stresses=np.linspace(0.0, 1e6, 61),
+    )
+    row |= {"closed": peak_memory(), "surfaces themselves": 1e-6 * surfaces.nbytes}
+    return row | {"results themselves": 1e-6 * closed.nbytes}
+
+
+def memory(arguments) -> tuple[pd.DataFrame, tuple]:
+    """Peak memory of cases of several realisations."""
+    rows = [called_alone(ensemble_memory, number) for number in (5, 20, 80)]
+    return pd.DataFrame(rows), (rows[1]["closed"],)
+
+
+PARTS = {part.__name__: part for part in (elastic, study, reference, first_call, memory)}
+
+
+def main(arguments) -> None:
+    """Print machine and tables, and which targets are met."""
+    print(machine(), flush=True)
+    warm_up("fast", "reference")
+    met = []
+    for name in arguments.parts:
+        table, measured = PARTS[name](arguments)
+        show(f"{name}: {PARTS[name].__doc__}", table, arguments.output, name)
+        for (what, target), value in zip(TARGETS[name], measured, strict=True):
+            said = "met" if value <= target else "NOT met"
+            row = {"part": name, "what": what, "target": target, "measured": value}
+            met.append(row | {"verdict": said})
+    if met:
+        show("targets", pd.DataFrame(met), arguments.output, "targets")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS))
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--cells", type=int, default=512, help="along the large elastic grids")
+    parser.add_argument("--minute", type=float, default=60.0, help="for the reference [s]")
+    parser.add_argument("--output", type=Path, help="folder for a CSV of each table")
+    main(parser.parse_args())

@@ -1,0 +1,198 @@
+"""What the benchmarks measure with: FFT pairs, medians, the machine, one joint, fresh processes.
+
+The yardstick of all times is one FFT pair: scipy.fft.rfft2 and irfft2 of 200 x 200 doubles on one
+thread, which is the padded size of the paper's 100 x 100 cells. It is timed again before every
+measurement, so that a machine that slows down slows both. Benchmarks set the environment variables
+of the threads before they import this or numpy.
+"""
+
+import itertools
+import json
+import platform
+import re
+import resource
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import scipy.fft
+
+import jointclosure as jc
+
+SPACING = 0.25e-3
+DOLERITE = jc.Rock(78e9, 0.2, 165e6)
+ELASTIC = jc.Effects(breakage=False, gouge=False)
+FULL = jc.Effects()
+SCENES = {"full": FULL, "elastic": ELASTIC}
+POINTS = 20
+
+FIRST_CALL = """
+import gc, json, time
+start = time.perf_counter()
+import jointclosure as jc
+imported = time.perf_counter() - start
+from numba.core.event import install_recorder
+from numba.core.registry import CPUDispatcher
+walls = jc.wall_pair(8.0, (24, 24), 0.25e-3, 1)
+times = []
+with install_recorder("numba:compile") as recorder:
+    for _ in range(2):
+        start = time.perf_counter()
+        jc.simulate(*walls, spacing=0.25e-3, rock=jc.Rock(78e9, 0.2, 165e6), max_normal_stress=1e6,
+                    cycles=1, effects=jc.Effects(breakage={0}, gouge={0}))
+        times.append(time.perf_counter() - start)
+found = [thing for thing in gc.get_objects() if type(thing) is CPUDispatcher]
+ours = [thing.stats for thing in found if thing.py_func.__module__.startswith("jointclosure")]
+print(json.dumps(dict(
+    imported=imported, first=times[0], second=times[1], kernels=len(ours),
+    hits=sum(sum(stats.cache_hits.values()) for stats in ours),
+    misses=sum(sum(stats.cache_misses.values()) for stats in ours),
+    compilations=sum(event.is_start for _, event in recorder.buffer))))
+"""
+
+
+def close(walls, effects: jc.Effects, stress: float, cycles: int = 1, **options):
+    """Close a joint of dolerite [Pa]: the dataset."""
+    return jc.simulate(
+        *walls,
+        spacing=SPACING,
+        rock=DOLERITE,
+        max_normal_stress=stress,
+        cycles=cycles,
+        effects=effects,
+        **options,
+    )
+
+
+def joint_walls(cells: int, seed: int, mated: bool = False) -> tuple:
+    """Two independent walls, or two that nearly fit."""
+    upper, lower = jc.wall_pair(8.0, (cells, cells), SPACING, seed)
+    if mated:
+        lower = -upper + 1e-7 * np.random.default_rng(seed).standard_normal(upper.shape)
+    return upper, lower
+
+
+def curve(walls):
+    """The elastic closure curve."""
+    return close(walls, ELASTIC, 30e6, numerics=jc.Numerics(curve_points=POINTS))
+
+
+def timed(function: Callable) -> tuple:
+    """Seconds that a call took, and what it returned."""
+    start = time.perf_counter()
+    result = function()
+    return time.perf_counter() - start, result
+
+
+def median_time(function: Callable, repeats: int, before: Callable = lambda: None) -> float:
+    """Median seconds of a call after one warm-up call; ``before`` is called before each."""
+    function()
+    times = []
+    for _ in range(repeats):
+        before()
+        times.append(timed(function)[0])
+    return float(np.median(times))
+
+
+class Pair:
+    """One FFT pair of size x size doubles: `sample` times it, `seconds` is the median so far."""
+
+    def __init__(self, size: int = 200, count: int = 25):
+        self.size, self._count, self._times = size, count, []
+        self._values = np.random.default_rng(0).standard_normal((size, size))
+        self._transform()
+
+    def _transform(self):
+        wave = scipy.fft.rfft2(self._values, workers=1)
+        return scipy.fft.irfft2(wave, self._values.shape, workers=1)
+
+    def sample(self) -> None:
+        """Time a few transforms."""
+        self._times += [timed(self._transform)[0] for _ in range(self._count)]
+
+    @property
+    def seconds(self) -> float:
+        """Median of all that was sampled."""
+        return float(np.median(self._times))
+
+
+def machine() -> str:
+    """Processor and versions in one line."""
+    cpu = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").is_file() else ""
+    model = re.search(r"model name\s*: (.*)", cpu)
+    packages = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy", "numba"))
+    name = model[1] if model else platform.processor()
+    return f"{name}, Python {platform.python_version()}, {packages}"
+
+
+def peak_memory() -> float:
+    """Largest resident memory of this process so far [MB].
+
+    From VmHWM where there is one: ru_maxrss starts, on Linux, at that of the process that
+    started this one.
+    """
+    status = Path("/proc/self/status")
+    peak = re.search(r"VmHWM:\s*(\d+)", status.read_text()) if status.is_file() else None
+    if peak:
+        return 1024e-6 * int(peak[1])
+    unit = 1e-6 if sys.platform == "darwin" else 1024e-6
+    return unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
+def fresh_process(program: str, timeout: float | None = None):
+    """Run Python source in a process of its own; what it prints last is JSON.
+
+    Raises
+    ------
+    subprocess.CalledProcessError
+        The program failed; what it said is on standard error.
+    subprocess.TimeoutExpired
+        It took longer than the timeout [s], and was ended.
+    """
+    path = f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
+    command = [sys.executable, "-c", path + program]
+    done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True, timeout=timeout)
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def called_alone(function: Callable, *arguments, timeout: float | None = None):
+    """Call a function of a module of this folder in a process of its own."""
+    module, name = Path(function.__code__.co_filename).stem, function.__name__
+    program = f"import json, {module}; print(json.dumps({module}.{name}(*{arguments!r})))"
+    return fresh_process(program, timeout)
+
+
+def warm_up(*solvers: str) -> None:
+    """Compile what the scenes need, by closing a small joint in each."""
+    for effects, solver in itertools.product(SCENES.values(), solvers):
+        close(joint_walls(24, 0), effects, 1e6, numerics=jc.Numerics(solver=solver))
+
+
+def by_solver(cells: int, seed: int, scene: str, solver: str) -> tuple[float, float]:
+    """Seconds that a solver takes to 3 MPa, and its maximum closure [um]."""
+    walls, numerics = joint_walls(cells, seed), jc.Numerics(solver=solver)
+    seconds, found = timed(lambda: close(walls, SCENES[scene], 3e6, numerics=numerics))
+    return seconds, 1e6 * float(found.max_closure[0])
+
+
+def spread(times: list, unit: str, scale: float) -> dict:
+    """Median and extremes."""
+    names = (unit, f"{unit} min", f"{unit} max")
+    return dict(zip(names, scale * np.quantile(times, (0.5, 0.0, 1.0)), strict=True))
+
+
+def show(title: str, table: pd.DataFrame, output: Path | None, name: str) -> None:
+    """Print a table, and write it as CSV into a folder, if one is given."""
+    if len(table.columns) > 8:
+        shown = table.set_index(table.columns[0]).T.to_string(float_format="{:.4g}".format)
+    else:
+        shown = table.to_string(index=False, float_format="{:.4g}".format)
+    print(f"\n{title}\n{shown}", flush=True)
+    if output:
+        output.mkdir(parents=True, exist_ok=True)
+        table.to_csv(output / f"{name}.csv", index=False)
