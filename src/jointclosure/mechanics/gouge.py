@@ -42,6 +42,13 @@ def passed_share(share, total_upper, total_lower):
 
 
 @kernel
+def fall(here, there, tie_tolerance):
+    """Height difference to a neighbour if it is lower, else 0 [m]."""
+    drop = here - there
+    return drop if drop > tie_tolerance else 0.0
+
+
+@kernel
 def drops(height, neighbours, tie_tolerance, out):
     """Height differences to the lower neighbours.
 
@@ -64,10 +71,8 @@ def drops(height, neighbours, tie_tolerance, out):
     """
     least = math.inf
     for k in range(8):
-        drop = height - neighbours[k]
-        lower = drop > tie_tolerance
-        out[k] = drop if lower else 0.0
-        least = min(least, drop if lower else math.inf)
+        out[k] = fall(height, neighbours[k], tie_tolerance)
+        least = min(least, out[k] if out[k] > 0.0 else math.inf)
     total = ((out[0] + out[1]) + (out[2] + out[3])) + ((out[4] + out[5]) + (out[6] + out[7]))
     return total, least
 

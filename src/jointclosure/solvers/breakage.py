@@ -17,7 +17,7 @@ import numpy as np
 from jointclosure.compilation import kernel
 from jointclosure.mechanics.contact import force_of_overlap
 from jointclosure.mechanics.gouge import drops
-from jointclosure.solvers.cells import neighbourhood
+from jointclosure.solvers.cells import is_peak, neighbourhood
 from jointclosure.solvers.pair_batch import (
     ACTIVE,
     BATCH,
@@ -127,19 +127,13 @@ def set_laws(batch, n, cells, state, law):
 @kernel
 def set_current_laws(batch, n, cells, state, law):
     """The same, where peaks are those of the walls as they are."""
+    around = np.empty(8)
     for i in range(n):
         kind = 0
-        for side in range(2):
-            wall = UPPER if side == 0 else LOWER
-            here = batch[(wall + CENTRE) * BATCH + i]
-            count, higher = 0, 0
-            for k in range(9):
-                there = batch[(wall + k) * BATCH + i]
-                if k != CENTRE and there != math.inf:
-                    count += 1
-                    higher += there >= here
-            if count > 0 and higher == 0:
-                kind += 2 - side
+        for wall in (UPPER, LOWER):
+            for k in range(8):
+                around[k] = batch[(wall + k + (k >= CENTRE)) * BATCH + i]
+            kind = 2 * kind + is_peak(batch[(wall + CENTRE) * BATCH + i], around)
         state[cells[i]] = kind
     set_laws(batch, n, cells, state, law)
 

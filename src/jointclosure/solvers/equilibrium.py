@@ -207,10 +207,10 @@ def newton_direction(influence, matrix, cells, step, secant, shortfall, toleranc
         if secant[i] < np.inf:
             weight[i] = 1.0 / np.sqrt(secant[i])
             rest[i] = step[i] / weight[i]
-    bound = not math.isnan(shortfall) and np.dot(weight, weight) > 0.0
+    size = np.sqrt(np.dot(weight, weight))
+    bound = not math.isnan(shortfall) and size > 0.0
     solution = np.zeros(n)
     used = 0
-    size = np.sqrt(np.dot(weight, weight))
     if bound:
         normal = weight / size
         solution = normal * (shortfall / size)
@@ -396,7 +396,7 @@ def solve_equilibrium(
     """
     n = contacts.cells.size
     if influence is None or n == 0:
-        return _separate(contacts, float(target), float(tolerance))
+        return _separate(contacts, float(target))
     if matrix is None:
         dense = n <= dense_limit(influence.table.shape)
         matrix = influence_matrix(influence.table, contacts.cells[: n if dense else 0])
@@ -408,7 +408,7 @@ def solve_equilibrium(
     return _bracketed(influence, matrix, contacts, float(target), float(tolerance), found)
 
 
-def _separate(contacts: Contacts, target: float, tolerance: float) -> Equilibrium:
+def _separate(contacts: Contacts, target: float) -> Equilibrium:
     """Contacts without interaction: one equation for the shift, if any."""
     given = math.isnan(target) or contacts.cells.size == 0
     shift = 0.0 if given else separate_shift(contacts, target)

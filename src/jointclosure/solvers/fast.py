@@ -43,7 +43,7 @@ class FastSolver:
         broken = iterations = 0
         outcome, solved_to, predicted = NOT_AT_REST, np.inf, 0.0
         breakage = joint.effects.breakage
-        predict = not breakage or joint.numerics.breakage == "resolved"
+        predict = not breakage or _resolved(joint)
         before, step = joint.interaction.copy(), closure - float(joint.closure)
         if not predict:
             # that of the step before is too low while the joint closes, and too much breaks
@@ -79,9 +79,8 @@ class FastSolver:
 
     @staticmethod
     def _break_to_rest(joint: Joint, closure: float, breakage_step: float):
-        numerics = joint.numerics
         kernel = breakage_kernel(
-            joint.effects.gouge, joint.choices.peaks == "current", numerics.breakage == "resolved"
+            joint.effects.gouge, joint.choices.peaks == "current", _resolved(joint)
         )
         return kernel(
             joint.upper,
@@ -91,7 +90,7 @@ class FastSolver:
             joint.peaks,
             joint.law,
             float(breakage_step),
-            float(BAND * numerics.tolerance),
+            _band(joint),
             joint.tie_tolerance,
             MOST_BREAKAGE_STEPS,
         )
@@ -100,7 +99,7 @@ class FastSolver:
     def _equilibrate(joint: Joint, closure: float, tolerance: float):
         cells, overlap, curvature, compliance = joint.overlapping(closure)
         contacts = joint.contacts(cells, overlap, compliance)
-        if joint.effects.breakage and joint.numerics.breakage == "resolved":
+        if joint.effects.breakage and _resolved(joint):
             limit = strength_limits(
                 joint.upper,
                 joint.lower,
@@ -111,7 +110,7 @@ class FastSolver:
                 joint.law,
                 joint.effects.gouge,
                 joint.tie_tolerance,
-                float(BAND * joint.numerics.tolerance),
+                _band(joint),
             )
             contacts = contacts._replace(limit=limit)
         answer = solve_equilibrium(
@@ -123,3 +122,13 @@ class FastSolver:
             joint.interaction[:] = interaction_field(joint.influence, joint.force)
             joint.interaction.ravel()[cells] = answer.interaction
         return answer
+
+
+def _resolved(joint: Joint) -> bool:
+    """Whether contacts lose what brings them back to their strength, not a fixed step."""
+    return joint.numerics.breakage == "resolved"
+
+
+def _band(joint: Joint) -> float:
+    """Width of the band about its strength in which a contact rests."""
+    return float(BAND * joint.numerics.tolerance)

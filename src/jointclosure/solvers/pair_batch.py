@@ -16,7 +16,7 @@ import numpy as np
 
 from jointclosure.compilation import kernel
 from jointclosure.mechanics.curvature import gaussian_curvature
-from jointclosure.mechanics.gouge import passed_share, upper_share
+from jointclosure.mechanics.gouge import fall, passed_share, upper_share
 
 BATCH = 128
 UPPER, LOWER, CENTRE = 0, 9, 4
@@ -126,13 +126,6 @@ def measure(batch, n, least_curvature, spacing, allowed):
         batch[OVERLAP * BATCH + i] = overlap
         batch[RATIO * BATCH + i] = load / strength
         batch[ACTIVE * BATCH + i] = 1.0 if load > allowed * strength else 0.0
-
-
-@kernel
-def fall(here, there, tie_tolerance):
-    """Height difference to a neighbour if it is lower, else 0 [m]."""
-    drop = here - there
-    return drop if drop > tie_tolerance else 0.0
 
 
 @kernel
