@@ -257,7 +257,7 @@ def _interpolate(run: _Run, cycle: int, before: tuple, passed: Settled) -> None:
     """The paper's last step: walls, closure and forces between the last two states."""
     part = (run.target_force - run.total_force) / (passed.total_force - run.total_force)
     joint = run.joint
-    upper, lower, _, force, interaction, _, _ = before
+    upper, lower, _, force, interaction, *_ = before
     for field, earlier in (
         (joint.upper, upper),
         (joint.lower, lower),

@@ -97,11 +97,36 @@ def force_of_overlap(overlap, substrate, asperity):
         return t * t * t, 1.5 * t / asperity
     t = np.cbrt(overlap / substrate)
     if asperity > 0.0:
-        t = min(t, math.sqrt(overlap / asperity))
-        for _ in range(20):
-            excess = (substrate * t + asperity) * t * t - overlap
-            shorter = t - excess / ((3.0 * substrate * t + 2.0 * asperity) * t)
-            if not shorter < t:
-                break
-            t = shorter
+        t = fall_to_root(overlap, substrate, asperity, min(t, math.sqrt(overlap / asperity)))
     return t * t * t, 3.0 * t / (3.0 * substrate * t + 2.0 * asperity)
+
+
+@kernel
+def fall_to_root(overlap, substrate, asperity, above):
+    """F^(1/3) by Newton from a value not below it; see `force_of_overlap`."""
+    t = above
+    for _ in range(20):
+        excess = (substrate * t + asperity) * t * t - overlap
+        shorter = t - excess / ((3.0 * substrate * t + 2.0 * asperity) * t)
+        if not shorter < t:
+            break
+        if t - shorter < 1e-9 * t:
+            return shorter  # the next step would change the last digit at most
+        t = shorter
+    return t
+
+
+@kernel
+def force_near(overlap, substrate, asperity, start):
+    """`force_of_overlap` from a guess of F^(1/3), which saves most of the work.
+
+    A step of Newton from below the root lands above it; where it goes far, the
+    guess was poor and is dropped.
+    """
+    if overlap > 0.0 and start > 0.0 and asperity > 0.0:
+        excess = (substrate * start + asperity) * start * start - overlap
+        t = start - excess / ((3.0 * substrate * start + 2.0 * asperity) * start)
+        if 0.75 * start < t < 2.0 * start:
+            t = fall_to_root(overlap, substrate, asperity, t)
+            return t * t * t, 3.0 * t / (3.0 * substrate * t + 2.0 * asperity)
+    return force_of_overlap(overlap, substrate, asperity)

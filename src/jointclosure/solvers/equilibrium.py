@@ -25,7 +25,9 @@ import numpy as np
 import scipy.optimize
 
 from jointclosure.compilation import kernel
-from jointclosure.mechanics.contact import force_of_overlap, overlap_of_force
+from jointclosure.mechanics.contact import force_near, force_of_overlap, overlap_of_force
+from jointclosure.solvers.coarse_space import coarse_space
+from jointclosure.solvers.conjugate_gradients import newton_direction
 from jointclosure.solvers.interaction_operator import (
     Influence,
     dense_limit,
@@ -34,7 +36,7 @@ from jointclosure.solvers.interaction_operator import (
 )
 
 MOST_NEWTON_STEPS = 200
-_MOST_CONJUGATE_GRADIENT_STEPS = 1000
+_ROUNDING = 2.0**-52
 
 
 class Contacts(NamedTuple):
@@ -57,11 +59,13 @@ class Equilibrium(NamedTuple):
     ``shift`` D [m] is 0 where it was given. ``residual`` is
     sum |F - psi(g + D - K F)| / sum F, recomputed from the forces returned, and
     with a given total force T at least |sum F - T| / T. ``products`` counts
-    the products with the interaction.
+    the products with the interaction. ``field`` is the interaction (y, x) [m]
+    at all cells of the grid where it came with those of the contacts, or empty.
     """
 
     force: np.ndarray
     interaction: np.ndarray
+    field: np.ndarray
     shift: float
     residual: float
     newton_steps: int
@@ -95,17 +99,19 @@ def contact_response(contacts, shift, pushed, force, answer, secant):
     substrate = contacts.substrate
     for i in range(force.size):
         overlap = contacts.overlap[i] + shift - pushed[i]
-        found, slope = force_of_overlap(overlap, substrate, contacts.compliance[i])
+        compliance = contacts.compliance[i]
+        root = np.cbrt(force[i]) if force[i] > 0.0 else 0.0
+        found, slope = force_near(overlap, substrate, compliance, root)
         if found > contacts.limit[i]:
             found = contacts.limit[i]
             slope = 0.0
-            overlap = overlap_of_force(found, substrate, contacts.compliance[i])
+            overlap = overlap_of_force(found, substrate, compliance)
         answer[i] = found
         step = found - force[i]
         difference += abs(step)
         total += found
         if abs(step) > 1e-7 * force[i]:
-            present = overlap_of_force(force[i], substrate, contacts.compliance[i])
+            present = (substrate * root + compliance) * root * root
             secant[i] = (overlap - present) / step
         elif slope > 0.0:
             secant[i] = 1.0 / slope
@@ -168,84 +174,7 @@ def coordinate_sweep(table, contacts, shift, force):
 
 
 @kernel
-def newton_direction(influence, matrix, cells, step, secant, shortfall, tolerance, scratch):
-    """Solve (D + K) d = D step + shift by conjugate gradients, D the secant compliances.
-
-    Parameters
-    ----------
-    influence, matrix, cells, scratch
-        As for `interaction_product`.
-    step : array (n,)
-        Answer less force [N].
-    secant : array (n,)
-        As from `contact_response` [m/N].
-    shortfall : float
-        What sum d is to be [N], by choice of the shift; NaN where the shift
-        is given (0).
-    tolerance : float
-        Of the residual, relative to where it starts.
-
-    Returns
-    -------
-    direction : array (n,)
-        d [N].
-    shift : float
-        [m].
-    used : int
-        Products with K.
-
-    Notes
-    -----
-    In y = sqrt(D) d the system is I + W K W, W = D^(-1/2). The condition on
-    sum d keeps y in a plane, on which the residual is projected.
-    """
-    n = step.size
-    weight = np.zeros(n)
-    rest = np.zeros(n)
-    normal = np.zeros(n)
-    for i in range(n):
-        if secant[i] < np.inf:
-            weight[i] = 1.0 / np.sqrt(secant[i])
-            rest[i] = step[i] / weight[i]
-    size = np.sqrt(np.dot(weight, weight))
-    bound = not math.isnan(shortfall) and size > 0.0
-    solution = np.zeros(n)
-    used = 0
-    if bound:
-        normal = weight / size
-        solution = normal * (shortfall / size)
-        rest -= solution + weight * interaction_product(
-            influence, matrix, cells, weight * solution, scratch
-        )
-        used += 1
-    # the part of the residual along the normal is the shift's to take away
-    shift = -np.dot(normal, rest) / size if bound else 0.0
-    inside = rest + normal * (shift * size) if bound else rest
-    search = inside.copy()
-    square = np.dot(inside, inside)
-    enough = tolerance * tolerance * square
-    while square > enough and used < _MOST_CONJUGATE_GRADIENT_STEPS:
-        image = interaction_product(influence, matrix, cells, weight * search, scratch)
-        used += 1
-        for i in range(n):
-            image[i] = search[i] + weight[i] * image[i]
-        length = square / np.dot(search, image)
-        along = np.dot(normal, image)
-        following = 0.0
-        for i in range(n):
-            solution[i] += length * search[i]
-            inside[i] -= length * (image[i] - along * normal[i])
-            following += inside[i] * inside[i]
-        if bound:
-            shift += length * along / size
-        for i in range(n):
-            search[i] = inside[i] + following / square * search[i]
-        square = following
-    return weight * solution, shift, used
-
-
-@kernel
-def interacting_equilibrium(influence, matrix, contacts, start, target, tolerance):
+def interacting_equilibrium(influence, matrix, contacts, start, pushed, target, tolerance):
     """`solve_equilibrium` with interaction; the same parameters.
 
     Newton on the convex problem, in the contacts that carry or are about to,
@@ -259,13 +188,27 @@ def interacting_equilibrium(influence, matrix, contacts, start, target, toleranc
     force = np.minimum(start, contacts.limit)
     shift = 0.0
     bound = not math.isnan(target)
-    pushed = interaction_product(influence, matrix, contacts.cells, force, scratch)
-    products = 1
+    field = scratch[:, :0]
+    products = 0
+    given = pushed.size == n
+    if not given:
+        pushed, field = interaction_product(influence, matrix, contacts.cells, force, scratch)
+        products = 1
     difference, total = contact_response(contacts, shift, pushed, force, answer, secant)
     missing = target - force.sum() if bound else 0.0
+    space = coarse_space(influence, contacts.cells, 1.0 / secant)
     steps = 0
     poor = 0
-    while max(difference, abs(missing)) > tolerance * total and steps < MOST_NEWTON_STEPS:
+    while steps < MOST_NEWTON_STEPS:
+        if max(difference, abs(missing)) <= tolerance * total:
+            if not given:
+                break
+            # the interaction was given: see whether it is that of the forces
+            given = False
+            pushed, field = interaction_product(influence, matrix, contacts.cells, force, scratch)
+            products += 1
+            difference, total = contact_response(contacts, shift, pushed, force, answer, secant)
+            continue
         steps += 1
         # as exact as Newton's own error calls for, and no more than is asked for
         ratio = max(difference, abs(missing)) / total if total > 0.0 else np.inf
@@ -274,6 +217,7 @@ def interacting_equilibrium(influence, matrix, contacts, start, target, toleranc
             influence,
             matrix,
             contacts.cells,
+            space,
             answer - force,
             secant,
             missing if bound else np.nan,
@@ -281,7 +225,9 @@ def interacting_equilibrium(influence, matrix, contacts, start, target, toleranc
             scratch,
         )
         trial = np.minimum(np.maximum(force + direction, 0.0), contacts.limit)
-        trial_pushed = interaction_product(influence, matrix, contacts.cells, trial, scratch)
+        # a leaving contact's last digits, which the others' rounding would hide
+        trial[(answer == 0.0) & (trial < _ROUNDING * total)] = 0.0
+        trial_pushed, field = interaction_product(influence, matrix, contacts.cells, trial, scratch)
         products += used + 1
         trial_difference, trial_total = contact_response(
             contacts, shift + moved, trial_pushed, trial, answer, secant
@@ -292,7 +238,7 @@ def interacting_equilibrium(influence, matrix, contacts, start, target, toleranc
             poor = 0 if better else poor + 1
             if poor > 8:
                 break
-        elif not better:
+        elif not better and not given:
             before = energy(contacts, shift, pushed, force)
             after = energy(contacts, shift, trial_pushed, trial)
             better = after < before
@@ -300,18 +246,32 @@ def interacting_equilibrium(influence, matrix, contacts, start, target, toleranc
                 trial = force.copy()
                 for _ in range(3):
                     coordinate_sweep(influence.table, contacts, shift, trial)
-                trial_pushed = interaction_product(
+                trial_pushed, field = interaction_product(
                     influence, matrix, contacts.cells, trial, scratch
                 )
                 products += 4
                 trial_difference, trial_total = contact_response(
                     contacts, shift, trial_pushed, trial, answer, secant
                 )
+        if given and not better:
+            # what was given misled: begin with the interaction of the forces
+            trial = force
+            trial_pushed, field = interaction_product(
+                influence, matrix, contacts.cells, trial, scratch
+            )
+            products += 1
+            moved = 0.0
+            trial_difference, trial_total = contact_response(
+                contacts, shift, trial_pushed, trial, answer, secant
+            )
+        given = False
         force, pushed, shift = trial, trial_pushed, shift + moved
         difference, total = trial_difference, trial_total
         missing = target - force.sum() if bound else 0.0
-    residual = max(difference, abs(missing)) / total if total > 0.0 else 0.0
-    return Equilibrium(force, pushed, shift, residual, steps, products)
+    residual = max(difference, abs(missing)) / total
+    if not total > 0.0:
+        residual = 0.0 if total == 0.0 and difference == 0.0 else np.inf
+    return Equilibrium(force, pushed, field, shift, residual, steps, products)
 
 
 @kernel
@@ -371,6 +331,7 @@ def solve_equilibrium(
     target: float,
     tolerance: float,
     matrix: np.ndarray | None = None,
+    pushed: np.ndarray | None = None,
 ) -> Equilibrium:
     """Forces in equilibrium at the overlapping cells.
 
@@ -387,6 +348,9 @@ def solve_equilibrium(
         Relative residual to reach.
     matrix : array (n, n), optional
         The contacts' `influence_matrix` where it is at hand already.
+    pushed : array (n,), optional
+        The interaction [m] of the forces to start from, or about that, where it is
+        at hand: saves a product.
 
     Returns
     -------
@@ -400,8 +364,10 @@ def solve_equilibrium(
     if matrix is None:
         dense = n <= dense_limit(influence.table.shape)
         matrix = influence_matrix(influence.table, contacts.cells[: n if dense else 0])
+    if pushed is None:
+        pushed = np.empty(0)
     found = interacting_equilibrium(
-        influence, matrix, contacts, start, float(target), float(tolerance)
+        influence, matrix, contacts, start, pushed, float(target), float(tolerance)
     )
     if math.isnan(target) or found.residual <= tolerance:
         return found
@@ -418,7 +384,7 @@ def _separate(contacts: Contacts, target: float) -> Equilibrium:
         residual = 0.0 if math.isfinite(total) else np.inf
     else:
         residual = abs(total - target) / target if total > 0.0 else np.inf
-    return Equilibrium(force, np.zeros(force.size), shift, residual, 0, 0)
+    return Equilibrium(force, np.zeros(force.size), np.empty((0, 0)), shift, residual, 0, 0)
 
 
 def _bracketed(influence, matrix, contacts, target, tolerance, start: Equilibrium) -> Equilibrium:
@@ -429,7 +395,7 @@ def _bracketed(influence, matrix, contacts, target, tolerance, start: Equilibriu
         nonlocal best, products
         moved = contacts._replace(overlap=contacts.overlap + shift)
         found = interacting_equilibrium(
-            influence, matrix, moved, best.force, np.nan, 0.1 * tolerance
+            influence, matrix, moved, best.force, np.empty(0), np.nan, 0.1 * tolerance
         )
         products += found.products
         best = found._replace(shift=shift)

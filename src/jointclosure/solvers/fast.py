@@ -23,8 +23,9 @@ from jointclosure.solvers.joint import (
     Settled,
 )
 
-PROVISIONAL_TOLERANCE = 1e-2
-"""Residual that suffices to find what breaks next; what rests is solved on."""
+PROVISIONAL_TOLERANCES = (1e-2, 1e-4)
+"""Residuals that suffice to find what breaks next; where nothing does, the next of them, and at
+last the one that is asked for."""
 BAND = 10.0
 """Width of the band about its strength in which a contact rests, over `Numerics.tolerance`."""
 MOST_ROUNDS = 1000
@@ -39,18 +40,22 @@ class FastSolver:
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
         """Bring the joint to rest at a closure [m]; breakage in steps [m]."""
         final = joint.numerics.force_tolerance
+        breakage = joint.effects.breakage
+        tolerances = [each for each in PROVISIONAL_TOLERANCES if breakage and each > final]
+        tolerances.append(final)
         confined = np.zeros(joint.upper.shape, dtype=bool)
         broken = iterations = 0
         outcome, solved_to, predicted = NOT_AT_REST, np.inf, 0.0
-        breakage = joint.effects.breakage
         predict = not breakage or _resolved(joint)
-        before, step = joint.interaction.copy(), closure - float(joint.closure)
+        before = joint.interaction.copy(), joint.force.copy()
+        step = closure - float(joint.closure)
         if not predict:
             # that of the step before is too low while the joint closes, and too much breaks
             joint.interaction += step * joint.interaction_rate
         for round_ in range(MOST_ROUNDS):
             steps = 0
-            if breakage and not (predict and round_ == 0):
+            begins = round_ == 0
+            if breakage and not (predict and begins):
                 steps, confined = self._break_to_rest(joint, closure, breakage_step)
                 broken += steps
             if steps == 0 and solved_to <= final:
@@ -58,19 +63,22 @@ class FastSolver:
                 break
             if broken >= MOST_BREAKAGE_STEPS:
                 break
-            quiet = steps == 0 and (round_ > 0 or not breakage)
-            tolerance = final if quiet else max(final, PROVISIONAL_TOLERANCE)
+            if steps == 0 and solved_to <= tolerances[0]:
+                del tolerances[0]
+            elastic = begins and steps == 0 and not predict
+            if elastic:
+                np.maximum(joint.force + step * joint.force_rate, 0.0, out=joint.force)
+            tolerance = final if elastic else tolerances[0]
             answer = self._equilibrate(joint, closure, tolerance)
             iterations += answer.products
             if not answer.residual <= tolerance:
                 outcome = RIGID_CONTACT if answer.residual == np.inf else NOT_CONVERGED
                 break
             solved_to = tolerance
-            if predict and round_ == 0:
+            if predict and begins:
                 predicted = float(answer.force.sum())
         if step != 0.0:
-            # where much broke in a small step the quotient says nothing; the elastic rate is within
-            np.clip((joint.interaction - before) / step, 0.0, 1.0, out=joint.interaction_rate)
+            _note_rates(joint, before, step)
         joint.closure[...] = closure
         settled = joint.describe(closure, outcome, broken, confined, iterations)
         if predict and broken > 0:
@@ -113,15 +121,35 @@ class FastSolver:
                 _band(joint),
             )
             contacts = contacts._replace(limit=limit)
+        # the interaction of those forces, or what it is expected to become
+        pushed = joint.interaction.ravel()[cells]
         answer = solve_equilibrium(
-            joint.influence, contacts, joint.force.ravel()[cells], np.nan, tolerance
+            joint.influence,
+            contacts,
+            joint.force.ravel()[cells],
+            np.nan,
+            tolerance,
+            pushed=pushed,
         )
         joint.force[:] = 0.0
         joint.force.ravel()[cells] = answer.force
         if joint.influence is not None:
-            joint.interaction[:] = interaction_field(joint.influence, joint.force)
+            known = answer.field.size > 0
+            field = answer.field if known else interaction_field(joint.influence, joint.force)
+            joint.interaction[:] = field
             joint.interaction.ravel()[cells] = answer.interaction
         return answer
+
+
+def _note_rates(joint: Joint, before: tuple[np.ndarray, np.ndarray], step: float) -> None:
+    """Rates of interaction and force, per closure, to extrapolate the next step by.
+
+    Where much broke in a small step the quotient of the interaction says
+    nothing; the elastic rate lies within the bounds.
+    """
+    interaction, force = before
+    np.clip((joint.interaction - interaction) / step, 0.0, 1.0, out=joint.interaction_rate)
+    np.divide(joint.force - force, step, out=joint.force_rate)
 
 
 def _resolved(joint: Joint) -> bool:

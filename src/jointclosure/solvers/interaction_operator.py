@@ -14,6 +14,8 @@ from jointclosure.mechanics.interaction import interaction_displacement
 
 LARGEST_DENSE = 4000
 """Contacts of the largest dense matrix, 128 MB."""
+_PATCH, _PATCHES_ACROSS = 7, 20
+"""Cells along a patch of the preconditioner, and patches along a large grid."""
 
 
 class Influence(NamedTuple):
@@ -22,13 +24,16 @@ class Influence(NamedTuple):
     ``table`` (ny, nx) by distance in cells, 0 at itself: a contact does not
     act on itself here, that is the substrate's term. ``spectrum`` is the
     transform of the table wrapped around a grid of (rows, columns), large
-    enough that nothing comes in from the other side.
+    enough that nothing comes in from the other side. ``patch_table`` is the mean
+    influence between square patches of ``patch`` cells by distance in patches.
     """
 
     table: np.ndarray
     spectrum: np.ndarray
     rows: int
     columns: int
+    patch: int
+    patch_table: np.ndarray
 
 
 @kernel
@@ -59,6 +64,20 @@ def influence_matrix(table, cells):
 
 
 @kernel
+def patch_influence(table, side):
+    """Mean influence [m/N] between patches of side x side cells, by distance in patches."""
+    ny, nx = table.shape
+    means = np.zeros(((ny + side - 1) // side, (nx + side - 1) // side))
+    for p in range(means.shape[0]):
+        for q in range(means.shape[1]):
+            for a in range(1 - side, side):
+                for b in range(1 - side, side):
+                    y, x = min(abs(p * side + a), ny - 1), min(abs(q * side + b), nx - 1)
+                    means[p, q] += (side - abs(a)) * (side - abs(b)) * table[y, x]
+    return means / float(side) ** 4
+
+
+@kernel
 def interaction_field(influence, force):
     """Displacements (y, x) [m] by forces (y, x) [N], Eqs. (17) and (18) summed.
 
@@ -77,10 +96,11 @@ def interaction_product(influence, matrix, cells, values, force):
     """Displacements (n,) [m] at cells by forces (n,) [N] at the same cells.
 
     By the dense matrix where it is given (its size is not 0), else by the
-    convolution with ``force`` (y, x) as scratch, zero away from the cells.
+    convolution with ``force`` (y, x) as scratch, zero away from the cells;
+    this also gives the displacements (y, x) at all cells, which are empty else.
     """
     if matrix.size > 0:
-        return np.dot(matrix, values)
+        return np.dot(matrix, values), force[:, :0]
     flat = force.ravel()
     for i in range(cells.size):
         flat[cells[i]] = values[i]
@@ -89,7 +109,7 @@ def interaction_product(influence, matrix, cells, values, force):
     answer = np.empty(cells.size)
     for i in range(cells.size):
         answer[i] = field[cells[i] // nx, cells[i] % nx]
-    return answer
+    return answer, field
 
 
 def mean_displacement(table: np.ndarray) -> np.ndarray:
@@ -118,7 +138,10 @@ def influence_of(table: np.ndarray) -> Influence:
         wrapped[1 - ny :, :nx] = table[:0:-1]
     if nx > 1:
         wrapped[:, 1 - nx :] = wrapped[:, nx - 1 : 0 : -1]
-    return Influence(table, scipy.fft.rfft2(wrapped, workers=1), *padded)
+    side = max(_PATCH, round(math.sqrt(table.size) / _PATCHES_ACROSS))
+    return Influence(
+        table, scipy.fft.rfft2(wrapped, workers=1), *padded, side, patch_influence(table, side)
+    )
 
 
 def dense_limit(shape: tuple[int, int]) -> int:
@@ -132,4 +155,7 @@ def dense_limit(shape: tuple[int, int]) -> int:
 
 def dense_influence(table: np.ndarray) -> Influence:
     """The interaction for few contacts, whose products are dense: without its transform."""
-    return Influence(table, np.zeros((0, 0), np.complex128), 0, 0)
+    side = max(_PATCH, round(math.sqrt(table.size) / _PATCHES_ACROSS))
+    return Influence(
+        table, np.zeros((0, 0), np.complex128), 0, 0, side, patch_influence(table, side)
+    )

@@ -80,7 +80,8 @@ class Joint:
         self.force = np.zeros(self.upper.shape)
         self.interaction = np.zeros(self.upper.shape)
         self.closure = np.zeros(())  # at which it was last settled
-        self.interaction_rate = np.zeros(self.upper.shape)  # per closure, since the last but one
+        # per closure, since the last but one
+        self.interaction_rate, self.force_rate = np.zeros((2, *self.upper.shape))
 
     @cached_property
     def influence_table(self) -> np.ndarray:
@@ -115,7 +116,7 @@ class Joint:
 
     def _state(self) -> tuple[np.ndarray, ...]:
         fields = (self.upper, self.lower, self.peaks, self.force, self.interaction)
-        return (*fields, self.closure, self.interaction_rate)
+        return (*fields, self.closure, self.interaction_rate, self.force_rate)
 
     def overlapping(self, closure: float):
         """Cells that overlap at a closure [m] without interaction: see `overlapping_cells`."""

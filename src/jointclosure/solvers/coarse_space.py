@@ -1,0 +1,111 @@
+"""A preconditioner of the interaction: patches of cells that are pushed down as one.
+
+What makes the conjugate gradients of `jointclosure.solvers.equilibrium` slow is
+smooth: many contacts push each other down over long distances. Patches of some
+cells each, whose contacts share one overlap, take most of that away: a small
+dense system between the patches, solved once and applied many times.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from jointclosure.compilation import kernel
+from jointclosure.solvers.interaction_operator import Influence
+
+_FEWEST_CONTACTS = 100
+"""Below, so many plain steps are cheaper than the patches."""
+
+
+class CoarseSpace(NamedTuple):
+    """Patch (n,) of each contact, and the inverse (c, c) of the patches' system."""
+
+    patch: np.ndarray
+    inverse: np.ndarray
+
+
+@kernel
+def coarse_space(influence: Influence, cells, stiffness):
+    """Patches of contacts, and the inverse of the system between them.
+
+    Parameters
+    ----------
+    influence : Influence
+    cells : int64 array (n,)
+        Flat indices of the contacts.
+    stiffness : array (n,)
+        k [N/m], the slopes of the contacts' laws; 0 where there is no contact.
+
+    Returns
+    -------
+    CoarseSpace
+        Without patches (c = 0) where the contacts are few.
+
+    Notes
+    -----
+    In y = d / sqrt(k) the system is A = I + W K W, W = sqrt(k). With
+    z_P = W 1_P / sqrt(s_P), s_P the stiffness of a patch, Z^T A Z is
+    I + sqrt(s_P s_Q) K_PQ, K_PQ the mean influence between two patches: that
+    of all their cells is taken instead of that of their contacts.
+    """
+    n = cells.size
+    patch = np.empty(n, np.int64)
+    if n < _FEWEST_CONTACTS:
+        return CoarseSpace(patch, np.empty((0, 0)))
+    nx = influence.table.shape[1]
+    side = influence.patch
+    rows, columns = influence.patch_table.shape
+    number = np.full(rows * columns, -1)
+    place = np.empty((rows * columns, 2), np.int64)
+    count = 0
+    for i in range(n):
+        y, x = divmod(cells[i], nx)
+        own = (y // side) * columns + x // side
+        if number[own] < 0:
+            number[own] = count
+            place[count, 0], place[count, 1] = y // side, x // side
+            count += 1
+        patch[i] = number[own]
+    total = np.zeros(count)
+    for i in range(n):
+        total[patch[i]] += stiffness[i]
+    system = np.empty((count, count))
+    for p in range(count):
+        for q in range(p + 1):
+            distance = (abs(place[p, 0] - place[q, 0]), abs(place[p, 1] - place[q, 1]))
+            system[p, q] = np.sqrt(total[p] * total[q]) * influence.patch_table[distance]
+            system[q, p] = system[p, q]
+        system[p, p] += 1.0
+    return CoarseSpace(patch, np.linalg.inv(system).T)  # symmetric, and so contiguous
+
+
+@kernel
+def patch_weights(space: CoarseSpace, weight):
+    """The contacts' shares (n,) in their patches: W over its norm in the patch."""
+    share = np.zeros(weight.size)
+    count = space.inverse.shape[0]
+    if count == 0:
+        return share
+    square = np.zeros(count)
+    for i in range(weight.size):
+        square[space.patch[i]] += weight[i] * weight[i]
+    for i in range(weight.size):
+        if weight[i] > 0.0:
+            share[i] = weight[i] / np.sqrt(square[space.patch[i]])
+    return share
+
+
+@kernel
+def precondition(space: CoarseSpace, share, residual):
+    """(I + Z (E^-1 - I) Z^T) times a residual (n,), E the patches' system."""
+    answer = residual.copy()
+    count = space.inverse.shape[0]
+    if count == 0:
+        return answer
+    coarse = np.zeros(count)
+    for i in range(residual.size):
+        coarse[space.patch[i]] += share[i] * residual[i]
+    coarse = np.dot(space.inverse, coarse) - coarse
+    for i in range(residual.size):
+        answer[i] += share[i] * coarse[space.patch[i]]
+    return answer

@@ -1,0 +1,96 @@
+"""Newton's direction towards equilibrium, by preconditioned conjugate gradients."""
+
+import math
+
+import numpy as np
+
+from jointclosure.compilation import kernel
+from jointclosure.solvers.coarse_space import patch_weights, precondition
+from jointclosure.solvers.interaction_operator import interaction_product
+
+MOST_CONJUGATE_GRADIENT_STEPS = 1000
+
+
+@kernel
+def newton_direction(influence, matrix, cells, space, step, secant, shortfall, tolerance, scratch):
+    """Solve (D + K) d = D step + shift by conjugate gradients, D the secant compliances.
+
+    Parameters
+    ----------
+    influence, matrix, cells, scratch
+        As for `interaction_product`.
+    space : CoarseSpace
+        Of the preconditioner.
+    step : array (n,)
+        Answer less force [N].
+    secant : array (n,)
+        As from `contact_response` [m/N].
+    shortfall : float
+        What sum d is to be [N], by choice of the shift; NaN where the shift
+        is given (0).
+    tolerance : float
+        Of the residual, relative to where it starts.
+
+    Returns
+    -------
+    direction : array (n,)
+        d [N].
+    shift : float
+        [m].
+    used : int
+        Products with K.
+
+    Notes
+    -----
+    In y = sqrt(D) d the system is I + W K W, W = D^(-1/2). The condition on
+    sum d keeps y in a plane, on which the residual is projected, and with it
+    the preconditioned one.
+    """
+    n = step.size
+    weight = np.zeros(n)
+    rest = np.zeros(n)
+    normal = np.zeros(n)
+    for i in range(n):
+        if secant[i] < np.inf:
+            weight[i] = 1.0 / np.sqrt(secant[i])
+            rest[i] = step[i] / weight[i]
+    size = np.sqrt(np.dot(weight, weight))
+    bound = not math.isnan(shortfall) and size > 0.0
+    solution = np.zeros(n)
+    used = 0
+    if bound:
+        normal = weight / size
+        solution = normal * (shortfall / size)
+        pushed, _ = interaction_product(influence, matrix, cells, weight * solution, scratch)
+        rest -= solution + weight * pushed
+        used += 1
+    # the part of the residual along the normal is the shift's to take away
+    shift = -np.dot(normal, rest) / size if bound else 0.0
+    inside = rest + normal * (shift * size) if bound else rest
+    share = patch_weights(space, weight)
+    across = precondition(space, share, normal)
+    depth = np.dot(normal, across) if bound else 1.0
+    search = precondition(space, share, inside)
+    search -= across * (np.dot(normal, search) / depth)
+    square = np.dot(inside, search)
+    enough = tolerance * tolerance * np.dot(inside, inside)
+    # not positive: a plane that is a point, or nothing left but rounding
+    while square > 0.0 and np.dot(inside, inside) > enough and used < MOST_CONJUGATE_GRADIENT_STEPS:
+        image, _ = interaction_product(influence, matrix, cells, weight * search, scratch)
+        used += 1
+        for i in range(n):
+            image[i] = search[i] + weight[i] * image[i]
+        length = square / np.dot(search, image)
+        along = np.dot(normal, image)
+        for i in range(n):
+            solution[i] += length * search[i]
+            inside[i] -= length * (image[i] - along * normal[i])
+        if bound:
+            shift += length * along / size
+        ahead = precondition(space, share, inside)
+        ahead -= across * (np.dot(normal, ahead) / depth)
+        following = np.dot(inside, ahead)
+        for i in range(n):
+            search[i] = ahead[i] + following / square * search[i]
+        square = following
+    return weight * solution, shift, used

@@ -1,0 +1,114 @@
+"""The preconditioner: symmetric, positive definite, and worth having."""
+
+import numpy as np
+import pytest
+
+from jointclosure.mechanics.contact import force_near, force_of_overlap
+from jointclosure.solvers import conjugate_gradients, equilibrium
+from jointclosure.solvers.coarse_space import coarse_space, patch_weights, precondition
+from jointclosure.solvers.interaction_operator import (
+    influence_matrix,
+    influence_of,
+    influence_table,
+)
+from tests.conftest import SPACING
+
+MODULUS = 4e10
+SUBSTRATE = 0.75 / (0.5 * SPACING * MODULUS)
+NO_MATRIX = np.empty((0, 0))
+
+
+def contacts_of(shape, share, seed=1):
+    """Influence, and some cells of a grid with their stiffness."""
+    influence = influence_of(influence_table(*shape, 0.5 * SPACING, MODULUS, SPACING))
+    rng = np.random.default_rng(seed)
+    cells = np.flatnonzero(rng.random(shape[0] * shape[1]) < share)
+    stiffness = rng.random(cells.size) / SUBSTRATE
+    stiffness[rng.random(cells.size) < 0.2] = 0.0
+    return influence, cells, stiffness
+
+
+@pytest.mark.parametrize("shape", [(30, 30), (13, 29), (8, 8), (3, 200), (23, 44)])
+def test_preconditioner_is_symmetric_positive_definite(shape):
+    influence, cells, stiffness = contacts_of(shape, 1.0)
+    # fully loaded, where the patches' system is furthest from the identity
+    stiffness[:] = 1.0 / SUBSTRATE
+    space = coarse_space(influence, cells, stiffness)
+    share = patch_weights(space, np.sqrt(stiffness))
+    matrix = np.array([precondition(space, share, row) for row in np.eye(cells.size)])
+    assert (space.inverse.size > 0) == (cells.size >= 100)
+    np.testing.assert_allclose(matrix, matrix.T, atol=1e-12)
+    assert np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min() > 0.0
+
+
+def test_patches_take_most_of_the_spread_of_the_eigenvalues():
+    influence, cells, stiffness = contacts_of((40, 40), 0.4)
+    root = np.sqrt(stiffness)
+    interaction = influence_matrix(influence.table, cells)
+    system = np.eye(cells.size) + root[:, None] * interaction * root
+    space = coarse_space(influence, cells, stiffness)
+    share = patch_weights(space, root)
+    matrix = np.array([precondition(space, share, row) for row in np.eye(cells.size)])
+    plain = np.linalg.eigvalsh(system)
+    factor = np.linalg.cholesky(0.5 * (matrix + matrix.T))
+    better = np.linalg.eigvalsh(factor.T @ system @ factor)
+    assert better[-1] / better[0] < 0.5 * plain[-1] / plain[0]
+
+
+@pytest.mark.parametrize("shortfall", [np.nan, 2.0])
+def test_direction_solves_newtons_equation(shortfall):
+    influence, cells, stiffness = contacts_of((30, 30), 0.5)
+    secant = np.where(stiffness > 0.0, 1.0 / np.maximum(stiffness, 1e-300), np.inf)
+    space = coarse_space(influence, cells, stiffness)
+    step = np.where(stiffness > 0.0, np.sin(np.arange(cells.size)), 0.0)
+    direction, shift, used = conjugate_gradients.newton_direction(
+        influence, NO_MATRIX, cells, space, step, secant, shortfall, 1e-12, np.zeros((30, 30))
+    )
+    active = stiffness > 0.0
+    interaction = influence_matrix(influence.table, cells)[np.ix_(active, active)]
+    left = secant[active] * direction[active] + interaction @ direction[active]
+    right = secant[active] * step[active] + shift
+    np.testing.assert_allclose(left, right, atol=1e-10 * np.abs(right).max())
+    assert np.all(direction[~active] == 0.0)
+    assert used < 40
+    if np.isnan(shortfall):
+        assert shift == 0.0
+    else:
+        assert direction.sum() == pytest.approx(shortfall, rel=1e-10)
+
+
+def test_a_given_interaction_saves_a_product_and_changes_nothing():
+    influence, cells, _ = contacts_of((30, 30), 0.5)
+    rng = np.random.default_rng(5)
+    contacts = equilibrium.Contacts(
+        cells,
+        1e-6 * rng.standard_normal(cells.size),
+        1e-8 * rng.random(cells.size),
+        np.full(cells.size, np.inf),
+        SUBSTRATE,
+    )
+    start = np.zeros(cells.size)
+    solved = equilibrium.solve_equilibrium(influence, contacts, start, np.nan, 1e-11)
+    again = equilibrium.solve_equilibrium(
+        influence, contacts, solved.force, np.nan, 1e-10, pushed=solved.interaction
+    )
+    assert again.newton_steps == 0
+    assert again.products == 1
+    misled = equilibrium.solve_equilibrium(
+        influence, contacts, start, np.nan, 1e-11, pushed=np.full(cells.size, 1.0)
+    )
+    assert misled.residual <= 1e-11
+    np.testing.assert_allclose(misled.force, solved.force, atol=1e-9 * solved.force.max())
+    # zero forces are in equilibrium with so large a push: not believed
+    assert misled.force.sum() > 0.0
+
+
+@pytest.mark.parametrize("guess", [0.0, 1e-30, 0.3, 0.9, 1.0, 1.1, 3.0, 1e30])
+def test_force_from_a_guess_is_the_force(guess):
+    for overlap in 10.0 ** np.arange(-30, 3, 3.0):
+        for asperity in (0.0, 1e-12, 1e-8, 1e3):
+            force, slope = force_of_overlap(overlap, SUBSTRATE, asperity)
+            near, near_slope = force_near(overlap, SUBSTRATE, asperity, guess * np.cbrt(force))
+            assert near == pytest.approx(force, rel=1e-14, abs=0.0)
+            assert near_slope == pytest.approx(slope, rel=1e-14, abs=0.0)
+    assert force_near(-1e-6, SUBSTRATE, 1e-8, 1.0) == (0.0, 0.0)
