@@ -84,7 +84,7 @@ def case_of(scene: str, seed: int, realisations: int):
 
     def run():
         surfaces = make_surfaces(seeds, jrc, (cells, cells), SPACING, {})
-        return close_surfaces(surfaces, case, **settings)
+        return [list(close_surfaces(pair, case, **settings)) for pair in surfaces]
 
     return run
 

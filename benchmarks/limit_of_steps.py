@@ -8,16 +8,13 @@ differences to the finest resolved result with their standard errors. Run as
 """
 
 import argparse
-import time
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import yaml
+from yardstick import SPACING, machine, paper_study, rock_of, timed
 
 import jointclosure as jc
 
-SPACING = 0.25e-3
 PAPER = jc.Numerics()
 
 
@@ -36,35 +33,18 @@ def resolved(tolerance: float) -> jc.Numerics:
     return PAPER._replace(breakage="resolved", tolerance=tolerance)
 
 
-def rocks() -> dict[str, tuple[jc.Rock, float]]:
-    """The rocks of the paper's Table 1 and their JRC."""
-    path = Path(__file__).parents[1] / "config/default.yaml"
-    table = yaml.safe_load(path.read_text())["rocks"]
-    return {
-        name: (
-            jc.Rock(
-                1e9 * row["youngs_modulus_GPa"],
-                row["poisson_ratio"],
-                1e6 * row["compressive_strength_MPa"],
-            ),
-            row["jrc"],
-        )
-        for name, row in table.items()
-    }
-
-
 def closures(walls, rock, stress: float, radius: float | None, numerics) -> list[float]:
     """Maximum closures of both cycles [mm], status, breakage steps and seconds."""
-    start = time.perf_counter()
-    closed = jc.simulate(
-        *walls,
-        spacing=SPACING,
-        rock=rock,
-        max_normal_stress=stress,
-        choices=jc.Choices(largest_radius=radius),
-        numerics=numerics,
+    seconds, closed = timed(
+        lambda: jc.simulate(
+            *walls,
+            spacing=SPACING,
+            rock=rock,
+            max_normal_stress=stress,
+            choices=jc.Choices(largest_radius=radius),
+            numerics=numerics,
+        )
     )
-    seconds = time.perf_counter() - start
     first, second = 1e3 * closed.max_closure.values
     return [first, second, float(closed.status), float(closed.breakage_steps), seconds]
 
@@ -99,19 +79,21 @@ def main(arguments) -> None:
     """Print and write one table for each rock, stress and radius."""
     methods = {f"fixed_step x {f:g}": fixed(f) for f in arguments.factors}
     methods |= {f"resolved {t:g}": resolved(t) for t in arguments.tolerances}
+    print(machine())
     tables = []
-    for name, (rock, jrc) in rocks().items():
-        if name not in arguments.rocks:
+    for case in paper_study()[1]:
+        if case.rock not in arguments.rocks:
             continue
-        shape = (arguments.cells, arguments.cells)
-        walls = [jc.wall_pair(jrc, shape, SPACING, seed) for seed in range(arguments.surfaces)]
+        rock, shape = rock_of(case), (arguments.cells, arguments.cells)
+        seeds = range(arguments.surfaces)
+        walls = [jc.wall_pair(case.jrc, shape, SPACING, seed) for seed in seeds]
         for stress in arguments.stresses:
             for radius_mm in arguments.radii:
                 radius = 1e-3 * radius_mm if radius_mm > 0 else None
                 for numerics in methods.values():  # compiled and warm before anything is timed
                     closures(walls[0], rock, 1e6, radius, numerics)
                 table = compare(methods, walls, rock, 1e6 * stress, radius)
-                about = {"rock": name, "cells": arguments.cells, "stress_MPa": stress}
+                about = {"rock": case.rock, "cells": arguments.cells, "stress_MPa": stress}
                 about["largest_radius_mm"] = radius_mm if radius_mm > 0 else np.inf
                 print(", ".join(f"{key} {value}" for key, value in about.items()))
                 print(table.round(4).to_string(index=False), flush=True)
@@ -122,7 +104,7 @@ def main(arguments) -> None:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--rocks", nargs="+", default=list(rocks()))
+    parser.add_argument("--rocks", nargs="+", default=[c.rock for c in paper_study()[1]])
     parser.add_argument("--cells", type=int, default=48)
     parser.add_argument("--surfaces", type=int, default=12)
     parser.add_argument("--stresses", type=float, nargs="+", default=[5.0, 15.0], help="[MPa]")

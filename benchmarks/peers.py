@@ -32,23 +32,20 @@ os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
 
 import argparse
 import itertools
-import platform
-import re
-import time
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import scipy.fft
+from yardstick import DOLERITE, ELASTIC, POINTS, SPACING, Pair, close, joint_walls, machine, timed
 
 import jointclosure as jc
 
-ROCK = jc.Rock(78e9, 0.2, 165e6)
-MODULUS = 0.5 * ROCK.youngs_modulus / (1.0 - ROCK.poisson_ratio**2)  # 1/(1/E1* + 1/E2*)
-CELLS, SPACING, JRC = 100, 0.25e-3, 8.0
+MODULUS = 0.5 * DOLERITE.youngs_modulus / (1.0 - DOLERITE.poisson_ratio**2)  # 1/(1/E1* + 1/E2*)
+CELLS = 100
 SIDE, CELL, PADDED = CELLS * SPACING, SPACING**2, (2 * CELLS, 2 * CELLS)
-STRESSES = np.linspace(0.0, 30e6, 21)[1:]
+STRESSES = np.linspace(0.0, 30e6, POINTS + 1)[1:]
 TOLERANCE = 1e-6
 
 
@@ -266,17 +263,9 @@ def peer_row(name, solve, gap, exact) -> dict:
 
 
 def simulate(walls):
-    """jointclosure, at the same stresses where it can be asked for them."""
-    points = {"curve_points": STRESSES.size} if "curve_points" in jc.Numerics._fields else {}
-    return jc.simulate(
-        *walls,
-        spacing=SPACING,
-        rock=ROCK,
-        max_normal_stress=STRESSES[-1],
-        cycles=1,
-        effects=jc.Effects(breakage=False, gouge=False),
-        numerics=jc.Numerics(force_tolerance=TOLERANCE, **points),
-    )
+    """jointclosure, at the same stresses."""
+    numerics = jc.Numerics(force_tolerance=TOLERANCE, curve_points=POINTS)
+    return close(walls, ELASTIC, STRESSES[-1], numerics=numerics)
 
 
 def joint_row(walls) -> dict:
@@ -296,19 +285,9 @@ def joint_row(walls) -> dict:
     }
 
 
-def milliseconds(run, *arguments) -> float:
-    start = time.perf_counter()
-    run(*arguments)
-    return 1e3 * (time.perf_counter() - start)
-
-
-def transform_pair(values):
-    return scipy.fft.irfft2(scipy.fft.rfft2(values, workers=1), values.shape, workers=1)
-
-
 def main(seed: int, repeats: int, output: Path | None) -> None:
     """Print the machine, the times and the curves of all codes; write the times as CSV."""
-    walls = jc.wall_pair(JRC, (CELLS, CELLS), SPACING, seed)
+    walls = joint_walls(CELLS, seed)
     gap = np.max(walls[0] + walls[1]) - (walls[0] + walls[1])
     exact = curve(own(gap), gap, 1e-10, STRESSES)  # which it does not use
     rows, runs = {"jointclosure": joint_row(walls)}, {"jointclosure": (simulate, walls)}
@@ -323,23 +302,18 @@ def main(seed: int, repeats: int, output: Path | None) -> None:
         rows[name] = {"version": used} | peer_row(name, solve, gap, exact)
         runs[name] = (curve, solve, gap, rows[name]["tolerance"], exact[0])
 
-    times, pairs = {name: [] for name in runs}, []
-    values = np.random.default_rng(0).standard_normal(PADDED)
-    for _, name in itertools.product(range(repeats), runs):
-        pairs += [milliseconds(transform_pair, values) for _ in range(25)]
-        times[name].append(milliseconds(*runs[name]))
+    times, pair = {name: [] for name in runs}, Pair(PADDED[0])
+    for _, (name, (run, *given)) in itertools.product(range(repeats), runs.items()):
+        pair.sample()
+        times[name].append(1e3 * timed(lambda run=run, given=given: run(*given))[0])
 
-    cpu = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").is_file() else ""
-    model = re.search(r"model name\s*: (.*)", cpu)
     print(
-        f"\n{model[1] if model else platform.processor()}, Python {platform.python_version()}, "
-        f"numpy {np.__version__}, scipy {scipy.__version__}, numba {version('numba')}\n"
-        f"JRC {JRC:g}, {CELLS} x {CELLS} cells of {1e3 * SPACING:g} mm, seed {seed}; {ROCK}\n"
-        f"medians of {repeats}; one pair of transforms {np.median(pairs):.3f} ms"
+        f"\n{machine()}\nJRC 8, {CELLS} x {CELLS} cells of {1e3 * SPACING:g} mm, seed {seed}; "
+        f"{DOLERITE}\nmedians of {repeats}; one pair of transforms {1e3 * pair.seconds:.3f} ms"
     )
     table = pd.DataFrame(rows).T.rename_axis("code")
     table["ms"] = [np.median(times[name]) for name in table.index]
-    table["pairs"] = table.ms / np.median(pairs)
+    table["pairs"] = table.ms / (1e3 * pair.seconds)
     table["um at 30 MPa"] = [1e6 * closures[-1] for closures in table.closure]
     shape = dict.fromkeys(("tolerance", "error", "d closure", "d force"), "{:.1e}")
     shape |= {"ms": "{:.1f}", "pairs": "{:.0f}", "um at 30 MPa": "{:.4f}"}

@@ -11,7 +11,8 @@ reference   the paper's own loop against the fast solver, on the same walls, one
 first_call  a fresh process whose kernels are on disk: import, first and second call, 24 x 24
             cells to 1 MPa, and what it compiled: numba's cache misses over all kernels of the
             package, and all its compilations
-memory      a fresh process that makes and closes 5, 20 and 80 realisations of dolerite, to 1 MPa
+memory      a fresh process that makes and closes 5, 20, 80 and 320 realisations of dolerite, to
+            1 MPa, by files
 
 Every part is measured on --repeats surfaces (or processes), whose median is given with the
 extremes; 100 x 100 elastic cells are closed as many times each. Kernels are compiled beforehand.
@@ -27,11 +28,11 @@ os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
 
 import argparse
 import subprocess
+import tempfile
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
-import yaml
 from yardstick import (
     DOLERITE,
     FIRST_CALL,
@@ -47,7 +48,9 @@ from yardstick import (
     joint_walls,
     machine,
     median_time,
+    paper_study,
     peak_memory,
+    rock_of,
     show,
     spread,
     timed,
@@ -55,8 +58,9 @@ from yardstick import (
 )
 
 import jointclosure as jc
+from jointclosure.dataset import reading_netcdf, write_netcdf_blocks
 from jointclosure.parameters import to_si
-from jointclosure.study.cases import Case, cases_of, wall_seed
+from jointclosure.study.cases import Case, wall_seed
 from jointclosure.study.configuration import choices_of, effects_of, numerics_of
 from jointclosure.study.ensemble import close_surfaces, make_surfaces
 
@@ -114,7 +118,7 @@ def base_case(configuration: dict, case: Case, realization: int) -> tuple[float,
         lambda: jc.simulate(
             *walls,
             spacing=grid["spacing"],
-            rock=jc.Rock(case.youngs_modulus, case.poisson_ratio, case.compressive_strength),
+            rock=rock_of(case),
             max_normal_stress=case.max_normal_stress,
             cycles=configuration["study"]["cycles"],
             seating_stress=1e6 * configuration["seating_stress_MPa"],
@@ -127,13 +131,10 @@ def base_case(configuration: dict, case: Case, realization: int) -> tuple[float,
 
 def study(arguments) -> tuple[pd.DataFrame, tuple]:
     """The base cases of the paper's study."""
-    path = Path(__file__).parents[1] / "config/default.yaml"
-    configuration = yaml.safe_load(path.read_text(encoding="utf-8"))
+    configuration, cases = paper_study()
     small = configuration | {"grid": configuration["grid"] | {"cells_x": 24, "cells_y": 24}}
     rows = []
-    for case in cases_of(configuration):
-        if case.parameter != "base":
-            continue
+    for case in cases:
         base_case(small, case, 0)  # to compile
         pair, times, closed = Pair(), [], []
         for realization in range(arguments.repeats):
@@ -214,28 +215,33 @@ def first_call(arguments) -> tuple[pd.DataFrame, tuple]:
 
 
 def ensemble_memory(realizations: int) -> dict:
-    """Peak memory [MB] of this process after each stage of a case."""
+    """Peak memory [MB] of this process after each stage of a case, file by file as in a study."""
     row = {"realisations": realizations, "imported": peak_memory()}
-    surfaces = make_surfaces(list(range(realizations)), 8.0, (100, 100), SPACING, {})
-    row["surfaces made"] = peak_memory()
     case = Case("base", "dolerite", "base", "base", np.nan, *DOLERITE, 8.0, 1e6, "base")
-    closed = close_surfaces(
-        surfaces,
-        case,
-        cycles=2,
-        seating_stress=0.5e6,
-        effects=FULL,
-        choices=jc.Choices(),
-        numerics=jc.Numerics(),
-        stresses=np.linspace(0.0, 1e6, 61),
-    )
-    row |= {"closed": peak_memory(), "surfaces themselves": 1e-6 * surfaces.nbytes}
-    return row | {"results themselves": 1e-6 * closed.nbytes}
+    with tempfile.TemporaryDirectory() as folder:
+        walls, closures = f"{folder}/walls.nc", f"{folder}/closures.nc"
+        made = make_surfaces(list(range(realizations)), 8.0, (100, 100), SPACING, {})
+        write_netcdf_blocks(made, "realization", walls)
+        row["surfaces made"] = peak_memory()
+        with reading_netcdf(walls) as surfaces:
+            closed = close_surfaces(
+                surfaces,
+                case,
+                cycles=2,
+                seating_stress=0.5e6,
+                effects=FULL,
+                choices=jc.Choices(),
+                numerics=jc.Numerics(),
+                stresses=np.linspace(0.0, 1e6, 61),
+            )
+            write_netcdf_blocks(closed, "realization", closures)
+        row["closed"] = peak_memory()
+        return row | {"MB of surfaces on disk": 1e-6 * os.path.getsize(walls)}
 
 
 def memory(arguments) -> tuple[pd.DataFrame, tuple]:
     """Peak memory of cases of several realisations."""
-    rows = [called_alone(ensemble_memory, number) for number in (5, 20, 80)]
+    rows = [called_alone(ensemble_memory, number) for number in (5, 20, 80, 320)]
     return pd.DataFrame(rows), (rows[1]["closed"],)
 
 

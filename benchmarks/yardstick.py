@@ -21,8 +21,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import scipy.fft
+import yaml
 
 import jointclosure as jc
+from jointclosure.study.cases import Case, cases_of
 
 SPACING = 0.25e-3
 DOLERITE = jc.Rock(78e9, 0.2, 165e6)
@@ -67,6 +69,18 @@ def close(walls, effects: jc.Effects, stress: float, cycles: int = 1, **options)
         effects=effects,
         **options,
     )
+
+
+def paper_study() -> tuple[dict, list[Case]]:
+    """Configuration of the paper's study, and its base cases, one a rock."""
+    path = Path(__file__).parents[1] / "config/default.yaml"
+    configuration = yaml.safe_load(path.read_text(encoding="utf-8"))
+    return configuration, [case for case in cases_of(configuration) if case.parameter == "base"]
+
+
+def rock_of(case: Case) -> jc.Rock:
+    """The rock of a case."""
+    return jc.Rock(case.youngs_modulus, case.poisson_ratio, case.compressive_strength)
 
 
 def joint_walls(cells: int, seed: int, mated: bool = False) -> tuple:

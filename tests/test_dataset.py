@@ -5,7 +5,15 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from jointclosure.dataset import atomically, read_csv, read_netcdf, write_csv, write_netcdf
+from jointclosure.dataset import (
+    atomically,
+    read_csv,
+    read_netcdf,
+    reading_netcdf,
+    write_csv,
+    write_netcdf,
+    write_netcdf_blocks,
+)
 
 
 def test_a_write_that_fails_leaves_what_was_there_and_no_litter(tmp_path):
@@ -33,3 +41,35 @@ def test_datasets_and_tables_come_back_as_they_were(tmp_path):
     frame = pd.DataFrame({"x": [0.1 + 0.2, np.nan], "name": ["a", "b"]})
     write_csv(frame, tmp_path / "a.csv")
     pd.testing.assert_frame_equal(read_csv(tmp_path / "a.csv"), frame)
+
+
+def test_blocks_in_a_file_are_one_dataset(tmp_path):
+    rng = np.random.default_rng(2)
+    whole = xr.Dataset(
+        {
+            "a": (("n", "x"), rng.random((5, 3)), {"units": "m"}),
+            "status": ("n", np.arange(5, dtype=np.int16)),
+            "same": ("x", np.array([1.0, np.nan, 3.0])),
+        },
+        coords={"n": np.arange(5), "seed": ("n", np.array(list("abcde"), dtype=object))},
+        attrs={"spacing_m": 0.25},
+    )
+    whole["a"][3] = np.nan
+    blocks = (whole.isel(n=slice(i, i + 2)) for i in range(0, 5, 2))
+    write_netcdf_blocks(blocks, "n", tmp_path / "a.nc")
+    found = read_netcdf(tmp_path / "a.nc")
+    xr.testing.assert_identical(found, whole)
+    with reading_netcdf(tmp_path / "a.nc") as lazy:
+        assert lazy.isel(n=3).status.item() == 3
+    write_netcdf(found, tmp_path / "b.nc")
+    xr.testing.assert_identical(read_netcdf(tmp_path / "b.nc"), whole)
+
+
+def test_a_block_that_fails_leaves_no_file(tmp_path):
+    def blocks():
+        yield xr.Dataset({"a": ("n", [1.0])})
+        raise RuntimeError("no more")
+
+    with pytest.raises(RuntimeError, match="no more"):
+        write_netcdf_blocks(blocks(), "n", tmp_path / "a.nc")
+    assert os.listdir(tmp_path) == []

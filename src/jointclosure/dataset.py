@@ -10,13 +10,18 @@ import os
 import platform
 import subprocess
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+import netCDF4
 import pandas as pd
 import xarray as xr
 
 from jointclosure.compilation import PACKAGE, source_digest
+
+_CHUNK_CACHE = 1_000_000
+"""Bytes of a variable that netCDF keeps in memory while blocks are written, instead of 64 MB."""
 
 
 def atomically(path: str | Path, write: Callable[[Path], None]) -> None:
@@ -36,21 +41,70 @@ def atomically(path: str | Path, write: Callable[[Path], None]) -> None:
 
 def write_netcdf(dataset: xr.Dataset, path: str | Path) -> None:
     """Write a dataset, compressed, whole or not at all."""
-    encoding = {
+    dataset = dataset.drop_encoding()
+    atomically(
+        path,
+        lambda temporary: dataset.to_netcdf(
+            temporary, engine="netcdf4", encoding=_compression(dataset)
+        ),
+    )
+
+
+def write_netcdf_blocks(blocks: Iterable[xr.Dataset], dimension: str, path: str | Path) -> None:
+    """Write datasets one behind the other, whole or not at all, one in memory at a time.
+
+    Parameters
+    ----------
+    blocks : iterable of Dataset
+        At least one. Variables that have the dimension have it first; all others
+        are the first block's.
+    dimension : str
+        That along which the blocks follow each other, unlimited in the file.
+    path : path
+    """
+
+    def write(temporary: Path) -> None:
+        rest = iter(blocks)
+        first = next(rest).drop_encoding()
+        first.to_netcdf(
+            temporary,
+            engine="netcdf4",
+            encoding=_compression(first),
+            unlimited_dims=[dimension],
+        )
+        with netCDF4.Dataset(temporary, "a") as file:
+            for variable in file.variables.values():
+                variable.set_var_chunk_cache(_CHUNK_CACHE)
+            start = first.sizes[dimension]
+            for block in rest:
+                stop = start + block.sizes[dimension]
+                for name, variable in block.variables.items():
+                    if dimension in variable.dims:
+                        file[name][start:stop] = variable.values
+                start = stop
+
+    atomically(path, write)
+
+
+def _compression(dataset: xr.Dataset) -> dict:
+    return {
         name: {"zlib": True, "complevel": 1}
         for name, variable in dataset.variables.items()
         if variable.dtype.kind in "fiu" and variable.ndim > 0
     }
-    atomically(
-        path,
-        lambda temporary: dataset.to_netcdf(temporary, engine="netcdf4", encoding=encoding),
-    )
 
 
 def read_netcdf(path: str | Path) -> xr.Dataset:
     """All of a dataset, the file closed again."""
-    with xr.open_dataset(path, engine="netcdf4") as dataset:
+    with reading_netcdf(path) as dataset:
         return dataset.load()
+
+
+@contextmanager
+def reading_netcdf(path: str | Path) -> Iterator[xr.Dataset]:
+    """A dataset of which only what is asked for is read."""
+    with xr.open_dataset(path, engine="netcdf4", cache=False) as dataset:
+        yield dataset
 
 
 def write_csv(frame: pd.DataFrame, path: str | Path) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from jointclosure import Choices, Effects, Numerics
-from jointclosure.dataset import read_netcdf, write_netcdf
+from jointclosure.dataset import reading_netcdf, write_netcdf_blocks
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.parameters import to_si
 from jointclosure.study.cases import Case
@@ -15,18 +15,19 @@ def main(surfaces: str, settings: dict, output: str, log: Logbook) -> None:
     case = Case(**settings["case"])
     log(f"{case.label}: {case}")
     stresses = np.linspace(0.0, 1e6 * settings["largest_stress_MPa"], settings["stress_points"])
-    closed = close_surfaces(
-        read_netcdf(surfaces),
-        case,
-        cycles=settings["cycles"],
-        seating_stress=1e6 * settings["seating_stress_MPa"],
-        effects=Effects(**settings["effects"]),
-        choices=Choices(**to_si(settings["choices"])),
-        numerics=Numerics(**to_si(settings["numerics"])),
-        stresses=stresses,
-        report=log,
-    )
-    write_netcdf(closed, output)
+    with reading_netcdf(surfaces) as pairs:
+        closed = close_surfaces(
+            pairs,
+            case,
+            cycles=settings["cycles"],
+            seating_stress=1e6 * settings["seating_stress_MPa"],
+            effects=Effects(**settings["effects"]),
+            choices=Choices(**to_si(settings["choices"])),
+            numerics=Numerics(**to_si(settings["numerics"])),
+            stresses=stresses,
+            report=log,
+        )
+        write_netcdf_blocks(closed, "realization", output)
     log(f"wrote {output}")
 
 

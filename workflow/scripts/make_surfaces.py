@@ -1,6 +1,6 @@
 """Generate the surface pairs of a case."""
 
-from jointclosure.dataset import write_netcdf
+from jointclosure.dataset import write_netcdf_blocks
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.parameters import to_si
 from jointclosure.study.ensemble import make_surfaces
@@ -11,7 +11,8 @@ def main(seeds: list[int], jrc: float, grid: dict, surface: dict, output: str, l
     grid = to_si(grid)
     shape = (grid["cells_y"], grid["cells_x"])
     log(f"{len(seeds)} pairs of {shape} cells, JRC {jrc:g}")
-    write_netcdf(make_surfaces(seeds, jrc, shape, grid["spacing"], surface), output)
+    surfaces = make_surfaces(seeds, jrc, shape, grid["spacing"], surface)
+    write_netcdf_blocks(surfaces, "realization", output)
     log(f"wrote {output}")
 
 

@@ -1,7 +1,7 @@
 """Ensembles of random surfaces: made, closed, and put together."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import xarray as xr
@@ -33,8 +33,8 @@ PER_REALIZATION = (
 
 def make_surfaces(
     seeds: list[int], jrc: float, shape: tuple[int, int], spacing: float, surface: dict
-) -> xr.Dataset:
-    """Surface pairs (realization, y, x) of a case.
+) -> Iterator[xr.Dataset]:
+    """Surface pairs (realization, y, x) of a case, one by one: each has one realisation.
 
     Parameters
     ----------
@@ -45,24 +45,23 @@ def make_surfaces(
     surface : dict
         Its other arguments.
     """
-    pairs = [wall_pair(jrc, shape, spacing, seed, **surface) for seed in seeds]
-    dimensions = ("realization", "y", "x")
-    about = {"units": "m", "long_name": "height of the {} wall towards the other"}
-    return xr.Dataset(
-        {
-            name: (
-                dimensions,
-                np.stack([pair[side] for pair in pairs]),
-                about | {"long_name": about["long_name"].format(name)},
-            )
-            for side, name in enumerate(("upper", "lower"))
-        },
-        coords={
-            "realization": np.arange(len(seeds)),
-            "seed": ("realization", np.array([f"{seed:032x}" for seed in seeds], dtype=object)),
-        },
-        attrs={"spacing_m": spacing, "jrc": jrc},
-    )
+    for realization, seed in enumerate(seeds):
+        pair = wall_pair(jrc, shape, spacing, seed, **surface)
+        yield xr.Dataset(
+            {
+                name: (
+                    ("realization", "y", "x"),
+                    wall[np.newaxis],
+                    {"units": "m", "long_name": f"height of the {name} wall towards the other"},
+                )
+                for name, wall in zip(("upper", "lower"), pair, strict=True)
+            },
+            coords={
+                "realization": [realization],
+                "seed": ("realization", np.array([f"{seed:032x}"], dtype=object)),
+            },
+            attrs={"spacing_m": spacing, "jrc": jrc},
+        )
 
 
 def close_surfaces(
@@ -76,13 +75,13 @@ def close_surfaces(
     numerics: Numerics,
     stresses: np.ndarray,
     report: Callable[[str], None] = lambda line: None,
-) -> xr.Dataset:
-    """Close all surface pairs of a case.
+) -> Iterator[xr.Dataset]:
+    """Close all surface pairs of a case, one by one.
 
     Parameters
     ----------
     surfaces : Dataset
-        As from `make_surfaces`.
+        Those of `make_surfaces`, put together or read one at a time from a file.
     case : Case
         Gives rock and maximum stress.
     cycles, seating_stress, effects, choices, numerics
@@ -92,18 +91,17 @@ def close_surfaces(
     report : callable
         Receives a line for each realisation.
 
-    Returns
-    -------
+    Yields
+    ------
     Dataset
-        Over (realization, cycle, branch, stress); a realisation that failed
-        has a status of 16 or more, and NaN where it was not read.
+        Over (realization, cycle, branch, stress), one realisation each; one that
+        failed has a status of 16 or more, and NaN where it was not read.
     """
     rock = Rock(case.youngs_modulus, case.poisson_ratio, case.compressive_strength)
     spacing = float(surfaces.attrs["spacing_m"])
-    rows = []
-    for realization in surfaces.realization.values:
-        upper = surfaces.upper.sel(realization=realization).values
-        lower = surfaces.lower.sel(realization=realization).values
+    for number, realization in enumerate(surfaces.realization.values):
+        pair = surfaces.isel(realization=number)
+        upper, lower = pair.upper.values, pair.lower.values
         start = time.perf_counter()
         closed = simulate(
             upper,
@@ -121,21 +119,24 @@ def close_surfaces(
         row = _row(closed, stresses, cycles, seating_stress, numerics.stress_tolerance)
         row["volume_error"] = ((), _volume_error(upper, lower, closed))
         row["timing_simulation"] = ((), seconds)
-        rows.append(xr.Dataset(row))
         report(
             f"realisation {realization}: status {int(closed.status)}, maximum closure "
             f"{', '.join(f'{1e3 * v:.5f}' for v in closed.max_closure.values)} mm, {seconds:.2f} s"
         )
-    joined = xr.concat(rows, "realization").assign_coords(
-        realization=surfaces.realization,
-        seed=("realization", surfaces.seed.values),
+        yield _labelled(xr.Dataset(row), realization, pair.seed.item(), cycles, stresses)
+
+
+def _labelled(row: xr.Dataset, realization, seed: str, cycles: int, stresses) -> xr.Dataset:
+    """One realisation's results with their coordinates and attributes."""
+    row = row.expand_dims(realization=[realization]).assign_coords(
+        seed=("realization", np.array([seed], dtype=object)),
         cycle=np.arange(1, cycles + 1),
         branch=np.array([LOADING, UNLOADING], dtype=object),
         stress=("stress", stresses, {"long_name": "nominal normal stress", "units": "Pa"}),
     )
-    for name, variable in joined.data_vars.items():
+    for name, variable in row.data_vars.items():
         variable.attrs = _attributes(name)
-    return joined
+    return row
 
 
 def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:
