@@ -95,7 +95,7 @@ def configuration_key(parameter: str, settings: dict) -> str | None:
 def wall_seed(configuration: dict, case: Case, realization: int) -> int:
     """Seed of a surface pair: what it is named by never includes an index of cases."""
     study = configuration["study"]
-    name = [study["name"], case.rock]
+    name = [study["surfaces_of"] or study["name"], case.rock]
     if study["draws"] == "independent":
         name += [case.parameter, case.level]
     return seed_of(study["root_seed"], *name, realization)
