@@ -1,4 +1,7 @@
+import os
 import shutil
+import subprocess
+import sys
 
 import pytest
 
@@ -28,3 +31,27 @@ def test_an_unknown_part_is_an_error():
 
 def test_the_cache_folder_is_named_by_the_sources():
     assert compilation.cache_folder().name.endswith(compilation.source_digest())
+
+
+COLD_START = """
+import jointclosure as jc
+flat = [[0.0, 0.0, 0.0]] * 3
+jc.equilibrium(flat, flat, spacing=1e-3, rock=jc.Rock(1e9, 0.2, 1e6), closure=1e-9,
+               effects=jc.Effects(True, False, False, False, False))
+"""
+
+
+def test_a_cold_start_says_what_it_is_doing_and_a_warm_one_nothing(tmp_path):
+    environment = os.environ | {"JOINTCLOSURE_CACHE": str(tmp_path)}
+    said = [
+        subprocess.run(
+            [sys.executable, "-c", COLD_START],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stderr
+        for _ in range(2)
+    ]
+    assert said[0].count("compiling kernels") == 1
+    assert said[1] == ""

@@ -5,14 +5,17 @@ edit in another module that the function calls goes unnoticed and yields
 silently wrong numbers. The cache folder is therefore named by a digest of
 all sources of the package. It lies beside the sources, or in the user's
 cache folder where that is read-only; ``JOINTCLOSURE_CACHE`` overrides both.
+The first compilation of a process is announced by the logger ``jointclosure``.
 """
 
 import hashlib
+import logging
 import os
 from collections.abc import Callable
 from pathlib import Path
 
 import numba
+from numba.core import event
 
 PACKAGE = Path(__file__).parent
 
@@ -63,6 +66,26 @@ def cache_folder() -> Path:
 
 
 numba.config.CACHE_DIR = str(cache_folder())
+
+
+class _Announcement(event.Listener):
+    """Says once that kernels are being compiled, as nothing else happens meanwhile."""
+
+    def __init__(self):
+        self.said = False
+
+    def on_start(self, event):
+        if not self.said:
+            self.said = True
+            logging.getLogger("jointclosure").warning(
+                "jointclosure: compiling kernels, once for this version (up to a minute)"
+            )
+
+    def on_end(self, event):
+        pass
+
+
+event.register("numba:compile", _Announcement())
 
 
 def kernel(function: Callable) -> Callable:
