@@ -1,0 +1,175 @@
+"""What accuracy costs: the same surfaces closed at many settings.
+
+A setting is one scene of one rock with one knob turned: a step, a tolerance, a
+solver, a surface rule. Each is a whole configuration, merged from the study's,
+the scene's and the knob's; see ``accuracy`` in the schema. A run closes the
+surfaces at all levels of one rock property, so that its indifference interval
+can be followed too.
+"""
+
+import copy
+import json
+import time
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+import scipy.fft
+import xarray as xr
+
+from jointclosure.parameters import Rock, to_si
+from jointclosure.simulation import simulate
+from jointclosure.study.cases import Case, cases_of, wall_seed
+from jointclosure.study.configuration import choices_of, effects_of, numerics_of
+from jointclosure.surface.synthesis import wall_pair
+
+BASE = "base"
+"""Knob of the setting in which none is turned."""
+_OWN = ("effects", "choices", "numerics", "grid", "surface", "rocks")
+"""Sections of a configuration that a run depends on."""
+
+
+class Setting(NamedTuple):
+    """A knob turned to a value, in a scene of a rock.
+
+    ``run`` names the run that has its results: settings with equal
+    configurations share one.
+    """
+
+    scene: str
+    rock: str
+    knob: str
+    value: float | str
+    run: str
+    configuration: dict
+
+
+def merged(*settings: dict) -> dict:
+    """Nested settings, later ones over earlier ones."""
+    answer: dict = {}
+    for each in settings:
+        for key, value in each.items():
+            nested = isinstance(value, dict) and isinstance(answer.get(key), dict)
+            answer[key] = merged(answer[key], value) if nested else copy.deepcopy(value)
+    return answer
+
+
+def settings_of(configuration: dict) -> list[Setting]:
+    """All settings of the configuration's ``accuracy`` section, the base of each scene first."""
+    design = configuration["accuracy"]
+    plain = {key: value for key, value in configuration.items() if key != "accuracy"}
+    found: list[Setting] = []
+    runs: dict[str, str] = {}
+    for scene, scene_settings in design["scenes"].items():
+        overrides = {key: value for key, value in scene_settings.items() if key != "finest"}
+        for rock in configuration["study"]["rocks"]:
+            base = merged(plain, overrides, {"study": {"rocks": [rock]}})
+            turned = [(BASE, "", base)]
+            for knob, way in design["knobs"].items():
+                if scene in way["scenes"]:
+                    turned += [(knob, value, whole) for value, whole in _turned(base, way)]
+            for knob, value, whole in turned:
+                what = json.dumps([scene, rock, *(whole[key] for key in _OWN)], sort_keys=True)
+                run = runs.setdefault(what, label_of(scene, rock, knob, value))
+                found.append(Setting(scene, rock, knob, value, run, whole))
+    return found
+
+
+def label_of(scene: str, rock: str, knob: str, value: float | str) -> str:
+    """Name of a run's files; never taken apart."""
+    shown = value if isinstance(value, str) else f"{value:g}"
+    text = "-".join(part for part in (scene, rock, knob, shown) if part)
+    return text.replace(".", "p").replace("+", "").lower()
+
+
+def _turned(base: dict, way: dict) -> Iterator[tuple[float | str, dict]]:
+    """Values of a knob, and the configuration at each."""
+    base = merged(base, way.get("set", {}))
+    for entry in way["values"]:
+        if isinstance(entry, dict):
+            yield entry["value"], merged(base, entry["set"])
+            continue
+        change: dict = {}
+        for key in way["scale"] if "scale" in way else [way["key"]]:
+            section, name = key.split(".")
+            value = base[section][name] * entry if "scale" in way else entry
+            change = merged(change, {section: {name: value}})
+        yield entry, merged(base, change)
+
+
+def cases_of_run(setting: Setting, parameter: str) -> list[Case]:
+    """Cases of a run: all levels of one rock property, ascending."""
+    cases = [
+        case
+        for case in cases_of(setting.configuration)
+        if case.parameter in (BASE, parameter)
+    ]
+    return sorted(cases, key=lambda case: getattr(case, parameter))
+
+
+def close_at(
+    setting: Setting, parameter: str, report: Callable[[str], None] = lambda line: None
+) -> xr.Dataset:
+    """Close the surfaces of a run at all levels of a rock property.
+
+    Returns
+    -------
+    Dataset
+        ``max_closure`` [m] over (level, realization, cycle), ``status``,
+        ``timing_simulation`` [s] and ``timing_pair`` [s], the time of one FFT pair
+        (`scipy.fft.rfft2` and `irfft2` of 200 x 200) beside each simulation.
+    """
+    whole = setting.configuration
+    study, grid = whole["study"], to_si(whole["grid"])
+    cases = cases_of_run(setting, parameter)
+    shape = (len(cases), study["realizations"])
+    closure = np.full((*shape, study["cycles"]), np.nan)
+    status = np.zeros(shape, np.int16)
+    seconds, pairs = np.zeros(shape), np.zeros(shape)
+    arguments = {
+        "spacing": grid["spacing"],
+        "cycles": study["cycles"],
+        "effects": effects_of(whole),
+        "choices": choices_of(whole),
+        "numerics": numerics_of(whole),
+    }
+    for realization in range(study["realizations"]):
+        seed = wall_seed(whole, cases[0], realization)
+        size = (grid["cells_y"], grid["cells_x"])
+        walls = wall_pair(cases[0].jrc, size, grid["spacing"], seed, **whole["surface"])
+        for level, case in enumerate(cases):
+            rock = Rock(case.youngs_modulus, case.poisson_ratio, case.compressive_strength)
+            pairs[level, realization] = pair_seconds()
+            start = time.perf_counter()
+            closed = simulate(
+                *walls, rock=rock, max_normal_stress=case.max_normal_stress, **arguments
+            )
+            seconds[level, realization] = time.perf_counter() - start
+            closure[level, realization] = closed.max_closure.values
+            status[level, realization] = closed.status
+        report(f"realisation {realization}: {seconds[:, realization].sum():.2f} s")
+    dimensions = ("level", "realization")
+    return xr.Dataset(
+        {
+            "max_closure": ((*dimensions, "cycle"), closure, {"units": "m"}),
+            "status": (dimensions, status),
+            "timing_simulation": (dimensions, seconds, {"units": "s"}),
+            "timing_pair": (dimensions, pairs, {"units": "s"}),
+        },
+        coords={
+            "level": [getattr(case, parameter) for case in cases],
+            "cycle": np.arange(1, study["cycles"] + 1),
+        },
+        attrs={"base": getattr(next(c for c in cases if c.parameter == BASE), parameter)},
+    )
+
+
+def pair_seconds(count: int = 5) -> float:
+    """Median time of an FFT pair now [s], the yardstick of the benchmarks."""
+    values = np.ones((200, 200))
+    times = []
+    for _ in range(count):
+        start = time.perf_counter()
+        scipy.fft.irfft2(scipy.fft.rfft2(values, workers=1), values.shape, workers=1)
+        times.append(time.perf_counter() - start)
+    return float(np.median(times))
