@@ -88,6 +88,19 @@ def test_each_walls_volume_is_conserved(solver, small_joint):
         assert after.max() <= before.max()
 
 
+def test_nothing_overlaps_at_last_touch_whatever_was_broken():
+    """A difference of heights, of which a rounding must not leave an overlap."""
+    random, left = np.random.default_rng(1), []
+    for _ in range(300):
+        walls = 1e-3 * random.normal(size=(2, 4, 4))
+        joint = Joint(*walls, SPACING, (DOLERITE, DOLERITE), Effects(), Choices(), Numerics())
+        joint.upper -= random.uniform(0.0, 3e-3, (4, 4))
+        left.append(joint.overlapping(joint.last_touch)[0].size)
+        highest = (joint.upper + joint.lower).max()
+        assert joint.last_touch == pytest.approx(walls.sum(axis=0).max() - highest, rel=1e-14)
+    assert sum(left) == 0
+
+
 def test_without_gouge_what_breaks_is_gone(solver, small_joint):
     joint, _ = settled(solver, small_joint, effects=Effects(gouge=False))
     for before, after in zip(small_joint, (joint.upper, joint.lower), strict=True):
