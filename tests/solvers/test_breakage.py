@@ -16,7 +16,7 @@ from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.interaction_operator import influence_of, influence_table
 from jointclosure.solvers.joint import CONVERGED, Joint
 from jointclosure.solvers.registry import SOLVERS, solver_named
-from tests import oracle
+from jointclosure.verification import oracle
 from tests.conftest import DOLERITE, SPACING
 
 CLOSURES = np.arange(1, 25) * 12.5e-6
