@@ -1,8 +1,11 @@
+import itertools
 import shutil
 
 import pytest
 
 from jointclosure import compilation
+from jointclosure.solvers.breakage import breakage_kernel
+from jointclosure.solvers.reference import reference_kernel
 
 
 def test_the_digest_follows_the_content_of_the_named_parts(tmp_path, monkeypatch):
@@ -28,3 +31,12 @@ def test_an_unknown_part_is_an_error():
 
 def test_the_cache_folder_is_named_by_the_sources():
     assert compilation.cache_folder().name.endswith(compilation.source_digest())
+
+
+def test_every_closure_of_a_factory_has_a_name_of_its_own():
+    """Equal names, compiled in two processes, would collide where a third loads both."""
+    flags = list(itertools.product([False, True], repeat=3))
+    kernels = [breakage_kernel(*three) for three in flags]
+    kernels += [reference_kernel(*four) for four in itertools.product([False, True], repeat=4)]
+    names = {getattr(each, "py_func", each).__qualname__ for each in kernels}
+    assert len(names) == 8 + 16
