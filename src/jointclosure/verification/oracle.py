@@ -265,7 +265,7 @@ def judge(joint: Joint, state: State) -> Verdict:
     np.divide(3 * root, stiff, out=slope, where=stiff > 0)
     ulp = np.spacing(np.abs(summed).max() + abs(state.closure))
     return Verdict(
-        negative_force=max(-float(force.min()), 0.0),
+        negative_force=abs(min(float(force.min()), 0.0)),
         residual=over_total * float(np.abs(answer - carried).sum()),
         rounding=over_total * float(slope.sum()) * float(ulp),
         without_overlap=over_total * float(carried[overlap <= 0].sum()),

@@ -63,36 +63,20 @@ def hard_case_page(table: pd.DataFrame, curves: pd.DataFrame) -> Figure:
 
 
 def _draw(axes, panel: str, rows: pd.DataFrame, curves: pd.DataFrame) -> None:
-    texts = []
     for place, row in enumerate(rows.itertuples()):
         colour, style = METHODS["resolved" if row.name != panel else "fixed_step"]
         curve = curves[curves.case == row.name]
+        text = row.status.replace("_", " ")
         if len(curve) > 1:
             axes.plot(curve.closure_m, curve.normal_stress_Pa, style, color=colour, lw=0.8)
-            texts.append(
-                f"{_METRES(curve.closure_m.max())}, {_PASCALS(curve.normal_stress_Pa.max())}"
-            )
-        else:
-            texts.append(row.status)
+            text = f"{_METRES(curve.closure_m.max())}, {_PASCALS(curve.normal_stress_Pa.max())}"
+        height = 0.91 - 0.13 * place
         axes.plot(
-            0.93 - 0.11 * place,
-            0.08,
-            "s",
-            ms=8,
-            color=MARKS[_mark(row)],
-            transform=axes.transAxes,
-            clip_on=False,
-            zorder=5,
+            0.05, height, "s", ms=7, color=MARKS[_mark(row)], transform=axes.transAxes, zorder=5
         )
-    axes.text(
-        0.03,
-        0.97,
-        "\n".join(dict.fromkeys(texts)),
-        transform=axes.transAxes,
-        va="top",
-        fontsize=7,
-        zorder=6,
-    )
+        axes.text(
+            0.1, height, text, color=colour, transform=axes.transAxes, va="center", fontsize=7
+        )
     axes.set(xticks=[], yticks=[])
     axes.margins(x=0.06, y=0.12)
     axes.set_title(_wrapped(panel.replace("_", " ")), fontsize=8)
