@@ -20,7 +20,7 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-.PHONY: help setup study smoke test test-all lint clean
+.PHONY: help setup study smoke hard-cases test test-all lint clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -45,10 +45,14 @@ $(STAMP): requirements.lock requirements-uv.lock pyproject.toml
 	@echo "The environment is set up in $(VENV)."
 
 # a start after a kill: release the lock of a Snakemake that is no longer there
-define run
-	@if [ -n "$(2)" ] && [ ! -f "$(2)" ]; then echo "CONFIG=$(2): there is no such file"; exit 1; fi
+define unlock
 	@if [ -d .snakemake/locks ] && [ -n "$$(ls .snakemake/locks 2>/dev/null)" ] && ! pgrep -f "[s]nakemake .*--workflow-profile" >/dev/null 2>&1; then \
 	    $(SNAKEMAKE) $(1) --unlock --quiet; fi
+endef
+
+define run
+	@if [ -n "$(2)" ] && [ ! -f "$(2)" ]; then echo "CONFIG=$(2): there is no such file"; exit 1; fi
+	$(call unlock,$(1))
 	$(SNAKEMAKE) $(1)
 	@echo "Results are in $$($(BIN)/python workflow/scripts/results_folder.py $(2))"
 endef
@@ -58,6 +62,12 @@ study: $(STAMP) ## Run the paper's study, or that of CONFIG
 
 smoke: $(STAMP) ## Run the paper's study made small
 	$(call run,--configfile config/smoke.yaml,config/smoke.yaml)
+
+hard-cases: $(STAMP) ## Close joints that are hard on a solver, and have an oracle judge them
+	$(call unlock,)
+	$(SNAKEMAKE) hard_cases
+	@echo "Results are in results/hard_cases"
+	@$(BIN)/python workflow/scripts/count_hard_cases.py results/hard_cases/tables/hard_cases.csv
 
 test: $(STAMP) ## Pass the tests
 	@echo "Compiling the kernels of all scenes (two minutes when they are new) ..."

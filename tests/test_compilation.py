@@ -1,3 +1,4 @@
+import itertools
 import os
 import shutil
 import subprocess
@@ -6,6 +7,8 @@ import sys
 import pytest
 
 from jointclosure import compilation
+from jointclosure.solvers.breakage import breakage_kernel
+from jointclosure.solvers.reference import reference_kernel
 
 
 def test_the_digest_follows_the_content_of_the_named_parts(tmp_path, monkeypatch):
@@ -55,3 +58,12 @@ def test_a_cold_start_says_what_it_is_doing_and_a_warm_one_nothing(tmp_path):
     ]
     assert said[0].count("compiling kernels") == 1
     assert said[1] == ""
+
+
+def test_every_closure_of_a_factory_has_a_name_of_its_own():
+    """Equal names, compiled in two processes, would collide where a third loads both."""
+    flags = list(itertools.product([False, True], repeat=3))
+    kernels = [breakage_kernel(*three) for three in flags]
+    kernels += [reference_kernel(*four) for four in itertools.product([False, True], repeat=4)]
+    names = {getattr(each, "py_func", each).__qualname__ for each in kernels}
+    assert len(names) == 8 + 16

@@ -4,6 +4,7 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.protocol import FAILURE, FLAGS
+from jointclosure.simulation import height_datum
 from jointclosure.warmup import well_posed_scenes
 from tests.conftest import DOLERITE, SPACING
 
@@ -122,6 +123,31 @@ def test_without_breakage_loading_and_unloading_are_one_curve(walls):
         assert float(state.normal_stress) == pytest.approx(stress, rel=1e-7, abs=1e-3)
     assert elastic.max_closure.values[0] == pytest.approx(elastic.max_closure.values[1], rel=1e-3)
     np.testing.assert_array_equal(elastic.residual_closure, 0.0)
+
+
+@pytest.mark.parametrize("breakage", [False, True])
+def test_an_offset_of_the_heights_costs_no_digits(walls, breakage):
+    offset = 2.0**8  # a million times the roughness
+    upper, lower = (np.round(wall * 2.0**40) / 2.0**40 for wall in walls)
+    assert np.array_equal(upper + offset - offset, upper)
+    setting = {
+        "spacing": SPACING,
+        "rock": DOLERITE,
+        "max_normal_stress": TARGET,
+        "effects": jc.Effects(breakage=breakage, gouge=breakage),
+    }
+    plain = jc.simulate(upper, lower, **setting)
+    lifted = jc.simulate(upper + offset, lower - offset, **setting)
+    np.testing.assert_array_equal(lifted.closure, plain.closure)
+    np.testing.assert_array_equal(lifted.normal_stress, plain.normal_stress)
+    np.testing.assert_allclose(lifted.upper_final, plain.upper_final + offset, rtol=1e-15)
+    assert lifted.upper_final.attrs == plain.upper_final.attrs
+
+
+def test_walls_about_zero_are_left_as_they_are(walls):
+    assert [height_datum(wall) for wall in walls] == [0.0, 0.0]
+    assert height_datum(np.full((3, 3), 0.1)) == 0.1
+    assert abs(height_datum(walls[0] + 0.3) - 0.3) <= 2 * np.ptp(walls[0])
 
 
 def test_interpolation_is_the_papers_and_meets_the_target_exactly(walls):

@@ -93,5 +93,15 @@ def kernel(function: Callable) -> Callable:
 
     Divisions follow numpy (no exception on 0/0), so a kernel guards its own
     singular cases. With ``NUMBA_DISABLE_JIT=1`` the function stays Python.
+
+    A closure is named after the plain values that it closes over. Its machine
+    code bears its name and a number counted from the start of the process, so
+    that two closures of one factory, compiled in two processes, could bear the
+    same, and fail in a third process that loads both from the cache.
     """
+    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+    flags = [(name, cell.cell_contents) for name, cell in cells]
+    function.__qualname__ += "".join(
+        f"_{name}_{value}" for name, value in flags if isinstance(value, bool)
+    )
     return numba.njit(function, cache=True, error_model="numpy", nogil=True, forceinline=True)

@@ -5,6 +5,7 @@ of a key's name) become SI.
 """
 
 import math
+from decimal import Decimal
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -44,7 +45,8 @@ def to_si(settings: dict) -> dict:
 
 def _scaled(value: float, unit: str) -> float:
     """Value times its unit, rounded as the decimal number that was written."""
-    return float(f"{float(value):.15g}e{round(math.log10(SI_FACTORS[unit]))}")
+    written = Decimal(f"{float(value):.15g}")
+    return float(written.scaleb(round(math.log10(SI_FACTORS[unit]))))
 
 
 class Rock(NamedTuple):

@@ -1,6 +1,7 @@
 """Close one joint: the public functions `simulate` and `equilibrium`."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import xarray as xr
@@ -19,7 +20,7 @@ from jointclosure.parameters import (
 from jointclosure.protocol import FLAG_OF_OUTCOME, FLAGS, UNLOADING, History, run_cycles
 from jointclosure.readings import cycle_readings
 from jointclosure.solvers.interaction_operator import interaction_field
-from jointclosure.solvers.joint import Joint
+from jointclosure.solvers.joint import Joint, Solver
 from jointclosure.solvers.registry import SOLVERS, solver_named
 
 ATTRIBUTES: dict[str, dict] = {
@@ -117,6 +118,36 @@ def simulate(
     breakage there is no history: the steps are then ``Numerics.curve_points``
     stresses (and the seating stress) up and down one curve.
     """
+    return simulate_by(
+        solver_named,
+        upper,
+        lower,
+        spacing=spacing,
+        rock=rock,
+        max_normal_stress=max_normal_stress,
+        cycles=cycles,
+        seating_stress=seating_stress,
+        effects=effects,
+        choices=choices,
+        numerics=numerics,
+    )
+
+
+def simulate_by(
+    solver_of: Callable[[str], Solver],
+    upper,
+    lower,
+    *,
+    spacing: float,
+    rock,
+    max_normal_stress: float,
+    cycles: int,
+    seating_stress: float,
+    effects: Effects,
+    choices: Choices,
+    numerics: Numerics,
+) -> xr.Dataset:
+    """`simulate` with a solver of one's own: ``solver_of`` its name gives it."""
     upper, lower = _checked_walls(upper, lower)
     rock = both_walls(rock)
     check_scene(effects)
@@ -129,17 +160,37 @@ def simulate(
             f"max_normal_stress = {max_normal_stress!r} Pa: must be below the rock's "
             f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
         )
-    joint = Joint(upper, lower, float(spacing), rock, effects, choices, numerics)
+    datums = height_datum(upper), height_datum(lower)
+    joint = Joint(
+        upper - datums[0], lower - datums[1], float(spacing), rock, effects, choices, numerics
+    )
     area = upper.size * float(spacing) ** 2
     history = run_cycles(
         joint,
-        solver_named(numerics.solver),
+        solver_of(numerics.solver),
         numerics,
         max_normal_stress * area,
         int(cycles),
         seating_stress * area,
     )
-    return _history_dataset(joint, history, area, int(cycles), float(seating_stress))
+    closed = _history_dataset(joint, history, area, int(cycles), float(seating_stress))
+    closed["upper_final"] += datums[0]
+    closed["lower_final"] += datums[1]
+    return closed
+
+
+def height_datum(wall: np.ndarray) -> float:
+    """Height [m] that a wall (y, x) is counted from, so that its offset costs no digits.
+
+    The middle of its range as a whole multiple of the next power of two above
+    the range: the difference is exact, and a wall about zero stays as it is, to the bit.
+    """
+    low, high = float(wall.min()), float(wall.max())
+    middle, reach = 0.5 * low + 0.5 * high, high - low
+    if reach == 0.0:
+        return middle
+    unit = 2.0 ** math.ceil(math.log2(reach))
+    return round(middle / unit) * unit
 
 
 def equilibrium(
@@ -186,6 +237,7 @@ def equilibrium(
     check_number("closure", closure)
     if not math.isfinite(closure):
         raise InputError(f"closure = {closure!r} m: must be finite")
+    upper, lower = upper - height_datum(upper), lower - height_datum(lower)
     joint = Joint(upper, lower, float(spacing), rock, effects, choices, numerics)
     run = solver_named(numerics.solver).settle(joint, float(closure), numerics.breakage_step)
     if not effects.interaction:

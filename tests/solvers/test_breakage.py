@@ -16,7 +16,7 @@ from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.interaction_operator import influence_of, influence_table
 from jointclosure.solvers.joint import CONVERGED, Joint
 from jointclosure.solvers.registry import SOLVERS, solver_named
-from tests import oracle
+from jointclosure.verification import oracle
 from tests.conftest import DOLERITE, SPACING
 
 CLOSURES = np.arange(1, 25) * 12.5e-6
@@ -86,6 +86,19 @@ def test_each_walls_volume_is_conserved(solver, small_joint):
         assert abs((after - before).sum()) <= 1e-12 * (before - before.min()).sum()
         assert np.any(after > before)  # gouge fills valleys
         assert after.max() <= before.max()
+
+
+def test_nothing_overlaps_at_last_touch_whatever_was_broken():
+    """A difference of heights, of which a rounding must not leave an overlap."""
+    random, left = np.random.default_rng(1), []
+    for _ in range(300):
+        walls = 1e-3 * random.normal(size=(2, 4, 4))
+        joint = Joint(*walls, SPACING, (DOLERITE, DOLERITE), Effects(), Choices(), Numerics())
+        joint.upper -= random.uniform(0.0, 3e-3, (4, 4))
+        left.append(joint.overlapping(joint.last_touch)[0].size)
+        highest = (joint.upper + joint.lower).max()
+        assert joint.last_touch == pytest.approx(walls.sum(axis=0).max() - highest, rel=1e-14)
+    assert sum(left) == 0
 
 
 def test_without_gouge_what_breaks_is_gone(solver, small_joint):

@@ -15,7 +15,7 @@ from jointclosure.solvers.interaction_operator import (
     mean_displacement,
 )
 from jointclosure.solvers.registry import SOLVERS
-from tests import oracle
+from jointclosure.verification import oracle
 from tests.conftest import DOLERITE, SPACING, bump
 
 ELASTIC = jc.Effects(breakage=False, gouge=False)

@@ -25,7 +25,12 @@ import numpy as np
 import scipy.optimize
 
 from jointclosure.compilation import kernel
-from jointclosure.mechanics.contact import force_near, force_of_overlap, overlap_of_force
+from jointclosure.mechanics.contact import (
+    cube_root,
+    force_near,
+    force_of_overlap,
+    overlap_of_force,
+)
 from jointclosure.solvers.coarse_space import coarse_space
 from jointclosure.solvers.conjugate_gradients import newton_direction
 from jointclosure.solvers.interaction_operator import (
@@ -100,7 +105,7 @@ def contact_response(contacts, shift, pushed, force, answer, secant):
     for i in range(force.size):
         overlap = contacts.overlap[i] + shift - pushed[i]
         compliance = contacts.compliance[i]
-        root = np.cbrt(force[i]) if force[i] > 0.0 else 0.0
+        root = cube_root(force[i]) if force[i] > 0.0 else 0.0
         found, slope = force_near(overlap, substrate, compliance, root)
         if found > contacts.limit[i]:
             found = contacts.limit[i]
@@ -125,7 +130,7 @@ def energy(contacts, shift, pushed, force):
     """The energy that equilibrium minimises [J], K F given as ``pushed``."""
     total = 0.0
     for i in range(force.size):
-        root = np.cbrt(force[i])
+        root = cube_root(force[i])
         own = 0.5 * contacts.substrate * force[i] + 0.6 * contacts.compliance[i] * root * root
         total += force[i] * (own + 0.5 * pushed[i] - contacts.overlap[i] - shift)
     return total

@@ -1,5 +1,6 @@
 """The state of a joint, and what a solver makes of it at one closure."""
 
+import math
 from collections.abc import Callable
 from functools import cached_property
 from typing import NamedTuple, Protocol
@@ -102,8 +103,12 @@ class Joint:
 
     @property
     def last_touch(self) -> float:
-        """Closure at which the walls as they are now only just touch [m]."""
-        return self.first_touch - float((self.upper + self.lower).max())
+        """Closure at which the walls as they are now only just touch [m]: nothing overlaps."""
+        highest = float((self.upper + self.lower).max())
+        closure = self.first_touch - highest
+        while highest + (closure - self.first_touch) > 0.0:  # by a rounding
+            closure = math.nextafter(closure, -math.inf)
+        return closure
 
     def snapshot(self) -> tuple[np.ndarray, ...]:
         """Copies of all that changes, for `restore`."""

@@ -100,9 +100,7 @@ def _turned(base: dict, way: dict) -> Iterator[tuple[float | str, dict]]:
 def cases_of_run(setting: Setting, parameter: str) -> list[Case]:
     """Cases of a run: all levels of one rock property, ascending."""
     cases = [
-        case
-        for case in cases_of(setting.configuration)
-        if case.parameter in (BASE, parameter)
+        case for case in cases_of(setting.configuration) if case.parameter in (BASE, parameter)
     ]
     return sorted(cases, key=lambda case: getattr(case, parameter))
 

@@ -41,17 +41,22 @@ def checked(configuration: dict, schema: dict) -> dict:
         Naming every key that is wrong, its value, what is allowed, and for
         an unknown key the one that was probably meant.
     """
-    validator = jsonschema.Draft202012Validator(schema)
-    problems = [
-        line
-        for error in sorted(validator.iter_errors(configuration), key=lambda e: list(e.path))
-        for line in _explained(error)
-    ]
+    problems = schema_problems(configuration, schema)
     if not problems:
         problems = list(_contradictions(configuration))
     if problems:
         raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in problems))
     return configuration
+
+
+def schema_problems(configuration: dict, schema: dict) -> list[str]:
+    """What a configuration has against its schema, one line each."""
+    validator = jsonschema.Draft202012Validator(schema)
+    return [
+        line
+        for error in sorted(validator.iter_errors(configuration), key=lambda e: list(e.path))
+        for line in _explained(error)
+    ]
 
 
 def effects_of(configuration: dict) -> Effects:

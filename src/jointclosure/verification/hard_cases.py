@@ -1,0 +1,352 @@
+"""Hard cases: joints that are closed, and judged by what must hold of any joint.
+
+A case is an entry of ``config/hard_cases.yaml``, merged with that file's
+defaults. `run_case` closes its joint with a solver that shows every state it
+brings to rest to the oracle (`jointclosure.verification.oracle`), and names
+every requirement that does not hold.
+"""
+
+import copy
+import json
+import math
+import time
+import warnings
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.parameters import Choices, Effects, InputError, Numerics, Rock, to_si
+from jointclosure.protocol import FAILURE, FLAGS
+from jointclosure.simulation import equilibrium, height_datum, simulate_by
+from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
+from jointclosure.solvers.fast import BAND
+from jointclosure.solvers.joint import CONVERGED, Joint, Settled
+from jointclosure.solvers.registry import SOLVERS, solver_named
+from jointclosure.study.configuration import schema_problems
+from jointclosure.verification import oracle
+from jointclosure.verification.hard_walls import hard_walls
+from jointclosure.verification.requirements import EXTRA, broken_requirements, limits_of
+from jointclosure.warmup import compile_kernels
+
+_LARGEST_JUDGED = 2500
+"""Contacts beyond which only every tenth state is judged: the oracle is dense."""
+_LENGTHS = ("displacement_step", "breakage_step")
+
+
+class Outcome(NamedTuple):
+    """What came out of a case: the dataset (None where refused), and what was measured."""
+
+    case: dict
+    dataset: xr.Dataset | None
+    target: float
+    status: str
+    message: str
+    seconds: float
+    warned: list[str]
+    judge: "Judge"
+
+
+class Judge:
+    """The oracle over many states of one joint.
+
+    ``worst`` keeps, for each of `oracle.Verdict`, the number that comes closest
+    to its own limit or goes furthest beyond, and ``limits`` that limit: both
+    may differ from state to state. ``states`` counts the states judged.
+    """
+
+    def __init__(self, given: oracle.Joint, tolerances: dict[str, float]):
+        self._given, self._tolerances = given, tolerances
+        self.worst: dict[str, float] = {}
+        self.limits: dict[str, float] = {}
+        self.states = 0
+
+    def __call__(self, state: oracle.State) -> None:
+        verdict = oracle.judge(self._given, state)
+        found = verdict._asdict()
+        limits = limits_of(verdict, self._given.effects, self._tolerances)
+        for name, value in found.items():
+            limit = limits.get(name, 0.0)
+            if name not in self.worst or _closer(value, limit, self.worst[name], self.limits[name]):
+                self.worst[name], self.limits[name] = value, limit
+        self.states += 1
+
+
+def _closer(value: float, limit: float, worst: float, its_limit: float) -> bool:
+    """Whether a number is worse with its limit than another with its own."""
+    if limit > 0.0 and its_limit > 0.0:
+        return not value / limit <= worst / its_limit
+    return not value - limit <= worst - its_limit
+
+
+class JudgedSolver:
+    """A solver that has every state it brings to rest judged."""
+
+    def __init__(self, inner, judge: Judge):
+        self._inner, self._show = inner, judge
+        self._seen = 0
+        self.elastic_curve = self._elastic_curve if inner.elastic_curve else None
+
+    def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
+        """As the solver's own."""
+        settled = self._inner.settle(joint, closure, breakage_step)
+        self._judge(joint, settled)
+        return settled
+
+    def _elastic_curve(self, joint: Joint, targets: np.ndarray) -> list[Settled]:
+        # a curve leaves its last forces only: the first and the middle one are asked for too
+        for part in sorted({1, targets.size // 2} - {0, targets.size}):
+            self._judge(joint, self._inner.elastic_curve(joint, targets[:part])[-1])
+        settled = self._inner.elastic_curve(joint, targets)
+        self._judge(joint, settled[-1])
+        return settled
+
+    def _judge(self, joint: Joint, settled: Settled) -> None:
+        self._seen += 1
+        large = settled.contacts > _LARGEST_JUDGED and self._seen % 10 != 1
+        if settled.outcome != CONVERGED or large:
+            return
+        self._show(
+            oracle.State(
+                joint.upper, joint.lower, joint.force, settled.closure, settled.total_force
+            )
+        )
+
+
+def merged_cases(study: dict, schema: dict) -> dict[str, dict]:
+    """Cases by name, each with the defaults under what it says itself, in SI.
+
+    A case with several ways of breakage is one case for each, named after it.
+
+    Parameters
+    ----------
+    study, schema : dict
+        The contents of ``config/hard_cases.yaml`` and of its JSON schema.
+
+    Raises
+    ------
+    InputError
+        What breaks the schema, two cases of one name, or a comparison with a
+        case that does not exist.
+    """
+    problems = schema_problems(study, schema)
+    if problems:
+        raise InputError("hard cases:\n" + "\n".join(f"  {line}" for line in problems))
+    cases = {}
+    for case in study["cases"]:
+        for method in case.get("breakage", study["defaults"]["breakage"]):
+            whole = copy.deepcopy(study["defaults"] | case)
+            for part in ("walls", "rock", "effects", "choices", "numerics"):
+                whole[part] = study["defaults"][part] | case.get(part, {})
+            whole["numerics"]["breakage"] = method
+            name = case["name"] if method == "fixed_step" else f"{case['name']}_{method}"
+            if name in cases:
+                raise InputError(f"hard cases: two have the name {name!r}")
+            cases[name] = to_si(whole) | {"name": name}
+    for name, case in cases.items():
+        compared = case["must"].get("same_as")
+        if compared is None:
+            continue
+        alike = f"{compared['case']}_{case['numerics']['breakage']}"
+        compared["case"] = alike if alike in cases else compared["case"]
+        if compared["case"] not in cases:
+            raise InputError(
+                f"hard cases: {name} is compared with {compared['case']!r}, which is not there"
+            )
+    return cases
+
+
+def run_case(case: dict) -> Outcome:
+    """Close a case's joint, timed and judged; the same case is closed once a process.
+
+    Parameters
+    ----------
+    case : dict
+        As from `merged_cases`.
+    """
+    return _run(json.dumps(case, sort_keys=True))
+
+
+def failed_requirements(outcome: Outcome, cases: dict[str, dict]) -> list[str]:
+    """What does not hold of a case, one line each; empty where all does."""
+    failed = broken_requirements(outcome, tolerances_of(outcome.case))
+    if outcome.dataset is not None and not failed:
+        for name, asked in outcome.case["must"].items():
+            other = run_case(cases[asked["case"]]) if name == "same_as" else None
+            failed += EXTRA[name](outcome, asked, other)
+    return failed
+
+
+def row_of(outcome: Outcome, failed: list[str]) -> dict:
+    """The case's line of the table."""
+    case, data = outcome.case, outcome.dataset
+    cycles = data is not None and "max_closure" in data
+    stress = data.normal_stress.values if data is not None else np.array([np.nan])
+    return {
+        "name": case["name"],
+        "group": case["group"],
+        "hard": case["hard"],
+        "must_hold": case["must_hold"],
+        "expected": case["expect"],
+        "status": outcome.status,
+        "holds": not failed,
+        "failed": "; ".join(failed),
+        "max_closure_1_m": float(data.max_closure[0]) if cycles else math.nan,
+        "max_closure_last_m": float(data.max_closure[-1]) if cycles else math.nan,
+        "residual_closure_last_m": float(data.residual_closure[-1]) if cycles else math.nan,
+        "max_stress_Pa": float(np.max(stress)),
+        "breakage_steps": int(data.breakage_steps) if cycles else 0,
+        "steps": data.sizes.get("step", 1) if data is not None else 0,
+        "states_judged": outcome.judge.states,
+        **{
+            f"oracle_{name}": outcome.judge.worst.get(name, math.nan)
+            for name in oracle.Verdict._fields
+        },
+        "warnings": "; ".join(outcome.warned),
+        "message": outcome.message,
+        "budget_s": case["seconds"],
+        "seconds": round(outcome.seconds, 3),
+    }
+
+
+def curve_of(outcome: Outcome) -> pd.DataFrame:
+    """The closure curve of a case: case, cycle, branch, closure_m, normal_stress_Pa."""
+    data = outcome.dataset
+    if data is None or "step" not in data.sizes:
+        return pd.DataFrame(columns=["case", "cycle", "branch", "closure_m", "normal_stress_Pa"])
+    return pd.DataFrame(
+        {
+            "case": outcome.case["name"],
+            "cycle": data.cycle.values,
+            "branch": data.branch.values,
+            "closure_m": data.closure.values,
+            "normal_stress_Pa": data.normal_stress.values,
+        }
+    )
+
+
+def compile_for(case: dict) -> None:
+    """Compile the kernels that a case needs, so that its time is its own."""
+    if case["expect"] == "refused":
+        return
+    peaks, numerics = case["choices"]["peaks"], case["numerics"]
+    scene = tuple(case["effects"].items())
+    _compile_scene(scene, peaks, numerics["solver"], numerics["breakage"])
+
+
+@lru_cache(maxsize=None)
+def _compile_scene(scene: tuple, peaks: str, solver: str, breakage: str) -> None:
+    compile_kernels(Effects(**dict(scene)), Choices(peaks=peaks), solver, breakage)
+
+
+def status_names(status: int) -> str:
+    """The names of a status' bits, or success."""
+    return " ".join(name for bit, name in FLAGS.items() if status & bit) or "success"
+
+
+@lru_cache(maxsize=None)
+def _run(frozen: str) -> Outcome:
+    case = json.loads(frozen)
+    compile_for(case)
+    setting = _setting(case)
+    upper, lower = setting.pop("walls")
+    given = oracle.Joint(
+        upper - height_datum(upper),
+        lower - height_datum(lower),
+        setting["spacing"],
+        setting["rock"],
+        setting["effects"],
+        setting["choices"],
+    )
+    judge = Judge(given, tolerances_of(case))
+    dataset, message, target = None, "", math.nan
+    start = time.perf_counter()
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            if case["closure"] is not None:
+                dataset = equilibrium(upper, lower, closure=case["closure"], **setting)
+            else:
+                target = _target(case, upper, lower, setting)
+                dataset = simulate_by(
+                    lambda name: JudgedSolver(solver_named(name), judge),
+                    upper,
+                    lower,
+                    max_normal_stress=target,
+                    cycles=case["cycles"],
+                    seating_stress=0.0,
+                    **setting,
+                )
+            status = status_names(int(dataset.status))
+        except InputError as error:
+            status, message = "refused", str(error)
+    seconds = time.perf_counter() - start
+    if case["closure"] is not None and int(dataset.status) < FAILURE:
+        total = float(dataset.normal_stress) * upper.size * setting["spacing"] ** 2
+        force = dataset.force.values
+        judge(oracle.State(given.upper, given.lower, force, case["closure"], total))
+    warned = [f"{w.category.__name__}: {w.message}" for w in caught]
+    return Outcome(case, dataset, target, status, message, seconds, warned, judge)
+
+
+def _setting(case: dict) -> dict:
+    """Walls and the arguments of `simulate` that a case gives, its lengths and stresses scaled."""
+    lengths, stresses = case["scale_lengths"], case["scale_stresses"]
+    walls = case["walls"]
+    spacing = case["spacing"]
+    pair = hard_walls(
+        walls["kind"], walls["cells"], spacing, walls["height"], walls["jrc"], walls["seed"]
+    )
+    pair = [
+        walls["factor"] * lengths * wall + offset
+        for wall, offset in zip(pair, walls["offset"], strict=True)
+    ]
+    rocks = [
+        Rock(
+            rock["youngs_modulus"] * stresses,
+            rock["poisson_ratio"],
+            rock["compressive_strength"] * stresses,
+        )
+        for rock in (case["rock"], case["lower_rock"] or case["rock"])
+    ]
+    if case["swapped"]:
+        pair, rocks = pair[::-1], rocks[::-1]
+    numerics = {
+        name: value * lengths if name.endswith(_LENGTHS) else value
+        for name, value in case["numerics"].items()
+    }
+    choices = dict(case["choices"])
+    if choices["largest_radius"] is not None:
+        choices["largest_radius"] *= lengths
+    return {
+        "walls": pair,
+        "spacing": spacing * lengths,
+        "rock": (rocks[0], rocks[1]),
+        "effects": Effects(**case["effects"]),
+        "choices": Choices(**choices),
+        "numerics": Numerics(**numerics),
+    }
+
+
+def _target(case: dict, upper, lower, setting: dict) -> float:
+    """Maximum stress [Pa]; where a case asks for it, that of the first step's end."""
+    if not case["target_is_first_step"]:
+        return case["max_normal_stress"] * case["scale_stresses"]
+    step = setting["numerics"].displacement_step
+    return float(equilibrium(upper, lower, closure=step, **setting).normal_stress)
+
+
+def tolerances_of(case: dict) -> dict[str, float]:
+    """What the oracle's numbers may be, by name."""
+    numerics = Numerics(**case["numerics"])
+    residual = numerics.force_tolerance
+    by_stress = not case["effects"]["breakage"] and case["closure"] is None
+    if by_stress and SOLVERS[numerics.solver].elastic_curve:
+        residual = min(residual, ELASTIC_TOLERANCE)
+    return {
+        "residual": residual,
+        "strength": 0.5 * BAND * numerics.tolerance if numerics.breakage == "resolved" else 0.0,
+        "target": numerics.stress_tolerance,
+    }

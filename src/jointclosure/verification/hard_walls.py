@@ -1,0 +1,108 @@
+"""Walls that are hard on a solver, by name: pairs (upper, lower) of heights [m]."""
+
+import numpy as np
+
+from jointclosure.parameters import InputError
+from jointclosure.surface.synthesis import wall_pair
+
+
+def _flat(shape, spacing, height):
+    return np.zeros(shape), np.zeros(shape)
+
+
+def _spike(shape, spacing, height):
+    upper = np.zeros(shape)
+    upper[shape[0] // 2, shape[1] // 2] = height
+    return upper, np.zeros(shape)
+
+
+def _tie(shape, spacing, height):
+    """Whole multiples of a height: equal sums everywhere, and equal neighbours."""
+    random = np.random.default_rng(7)
+    return tuple(height * random.integers(0, 4, shape).astype(float) for _ in range(2))
+
+
+def _saddles(shape, spacing, height):
+    """Two saddles, crossed: one bends up where the other bends down."""
+    y, x = _unit_coordinates(shape)
+    bend = height * (x**2 - y**2)
+    return bend, bend.T.copy() if shape[0] == shape[1] else bend.copy()
+
+
+def _valleys(shape, spacing, height):
+    """Two bowls, concave everywhere: they touch at their corners."""
+    y, x = _unit_coordinates(shape)
+    return height * (x**2 + y**2), height * (x**2 + y**2)
+
+
+def _egg_box(shape, spacing, height):
+    """Every second cell a peak, the others valleys, on both walls in phase."""
+    y, x = np.indices(shape)
+    box = height * np.where((y + x) % 2 == 0, 1.0, -1.0)
+    return box, box.copy()
+
+
+def _ridges(shape, spacing, height):
+    """Ridges of one cell along y above, along x below: they cross in single cells."""
+    y, x = np.indices(shape)
+    return height * (x % 3 == 1), height * (y % 3 == 1)
+
+
+def _parallel_ridges(shape, spacing, height):
+    """One-cell ridges along y on both walls, face to face: no curvature along them."""
+    _, x = np.indices(shape)
+    ridges = height * (x % 4 == 1)
+    return ridges, ridges.copy()
+
+
+def _plateau(shape, spacing, height):
+    """A level table in the middle: flat contacts inside, edges around."""
+    upper = np.zeros(shape)
+    upper[tuple(slice(n // 4, n - n // 4) for n in shape)] = height
+    return upper, np.zeros(shape)
+
+
+def _unit_coordinates(shape):
+    return np.meshgrid(*(np.linspace(-1.0, 1.0, n) for n in shape), indexing="ij")
+
+
+SHAPES = {
+    "flat": _flat,
+    "spike": _spike,
+    "tie": _tie,
+    "saddles": _saddles,
+    "valleys": _valleys,
+    "egg_box": _egg_box,
+    "ridges": _ridges,
+    "parallel_ridges": _parallel_ridges,
+    "plateau": _plateau,
+}
+
+
+def hard_walls(
+    kind: str, cells: tuple[int, int], spacing: float, height: float, jrc: float, seed: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Upper and lower wall (ny, nx), heights towards the other [m].
+
+    Parameters
+    ----------
+    kind : str
+        A key of `SHAPES`; "self_affine" are independent walls of a JRC,
+        "mated" such a wall and its exact counterpart, which touch everywhere at once.
+    cells : (ny, nx)
+    spacing : float
+        [m].
+    height : float
+        Scale of the kinds of `SHAPES` [m].
+    jrc, seed
+        Of the random kinds.
+    """
+    shape = tuple(cells)
+    if kind == "self_affine":
+        return wall_pair(jrc, shape, spacing, seed=seed)
+    if kind == "mated":
+        upper, _ = wall_pair(jrc, shape, spacing, seed=seed)
+        return upper, -upper
+    if kind not in SHAPES:
+        raise InputError(f"walls.kind = {kind!r}: must be one of {', '.join(SHAPES)}")
+    return SHAPES[kind](shape, spacing, height)

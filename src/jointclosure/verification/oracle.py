@@ -1,0 +1,326 @@
+"""The judge: a joint's state recomputed by code that shares nothing with the solvers.
+
+numpy and scipy only, dense and plain, nothing imported from jointclosure (a
+contract of the layers says so). SI units; fields are (y, x). A rock has
+``youngs_modulus``, ``poisson_ratio`` and ``compressive_strength``; a joint has
+one, or a pair of (upper, lower).
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import hyp2f1
+
+_CHUNK = 500
+"""Rows of the dense influence matrix at a time."""
+
+
+class Joint(NamedTuple):
+    """What a joint is: pristine walls (y, x) [m], spacing [m], rock, effects, choices.
+
+    ``effects`` and ``choices`` are read by the names of
+    `jointclosure.parameters`. The walls are those before any loading.
+    """
+
+    upper: np.ndarray
+    lower: np.ndarray
+    spacing: float
+    rock: object
+    effects: object
+    choices: object
+
+
+class State(NamedTuple):
+    """A state to be judged: walls and forces (y, x) [m, N], closure [m], what was reported [N]."""
+
+    upper: np.ndarray
+    lower: np.ndarray
+    force: np.ndarray
+    closure: float
+    total_force: float
+
+
+class Verdict(NamedTuple):
+    """What the oracle found, all but the first relative; 0 is perfect.
+
+    ``negative_force``: the size of the most negative force [N]. ``residual``:
+    sum |F - psi(overlap)| / sum F with each contact's law psi solved again.
+    ``rounding``: what one unit in the last place of the heights is worth in that
+    sum. ``without_overlap``, ``without_force``: force of cells that do not
+    overlap, and force that unloaded cells that overlap should carry, over the
+    total. ``load``: the sum of the forces against the one reported. ``volume``:
+    the larger change of a wall's volume over sum |z0 - min z0|. ``raised``: see
+    `raised`. ``strength``: the largest c p0/sigma_c - 1 of a contact that is not
+    confined, at least 0.
+    """
+
+    negative_force: float
+    residual: float
+    rounding: float
+    without_overlap: float
+    without_force: float
+    load: float
+    volume: float
+    raised: float
+    strength: float
+
+
+def walls_rocks(rock):
+    """(upper, lower) rocks of one rock or a pair."""
+    return (rock, rock) if hasattr(rock, "youngs_modulus") else tuple(rock)
+
+
+def curvature(z, h, largest_radius=None):
+    """Gaussian curvature (y, x) from circles through three points, mirrored at the edges."""
+    padded = np.pad(z, 1, mode="reflect")
+
+    def circle(before, here, after):
+        a = np.hypot(h, here - before)
+        b = np.hypot(h, after - here)
+        c = np.hypot(2 * h, after - before)
+        area = 0.5 * h * np.abs((before - here) + (after - here))
+        return 4 * area / (a * b * c)
+
+    x = circle(padded[1:-1, :-2], z, padded[1:-1, 2:])
+    y = circle(padded[:-2, 1:-1], z, padded[2:, 1:-1])
+    return np.maximum(np.sqrt(x * y), 1.0 / largest_radius if largest_radius else 0.0)
+
+
+def peaks(z):
+    """Cells strictly higher than all their neighbours."""
+    padded = np.pad(z, 1, constant_values=-np.inf)
+    ny, nx = z.shape
+    return np.all(
+        [
+            z > padded[1 + v : 1 + v + ny, 1 + w : 1 + w + nx]
+            for v in (-1, 0, 1)
+            for w in (-1, 0, 1)
+            if v or w
+        ],
+        axis=0,
+    )
+
+
+def moduli(rock, peak_modulus_ratio, upper_peaks, lower_peaks):
+    """E_a* of every pair, and 1/(1/E_t* + 1/E_b*) of the substrates."""
+    above, below = (r.youngs_modulus / (1 - r.poisson_ratio**2) for r in walls_rocks(rock))
+    upper = np.where(upper_peaks, peak_modulus_ratio, 1.0) * above
+    lower = np.where(lower_peaks, peak_modulus_ratio, 1.0) * below
+    return 1 / (1 / upper + 1 / lower), 1 / (1 / above + 1 / below)
+
+
+def influence(shape, h, r, modulus):
+    """Displacement per unit force (y, x) at a distance in cells, Eqs. (17) to (20); 0 at itself.
+
+    As printed up to ten base radii; beyond, where that loses its digits, its
+    hypergeometric series.
+    """
+    y, x = np.indices(shape)
+    zeta = h * np.hypot(y, x)
+    zeta[0, 0] = np.inf
+    near = zeta <= 10 * r
+    factor = hyp2f1(0.5, 0.5, 2.5, (r / zeta) ** 2)
+    table = factor / (np.pi * modulus * zeta)
+    z = zeta[near]
+    bracket = (2 * r**2 - z**2) * np.arcsin(r / z) + r * np.sqrt(z**2 - r**2)
+    table[near] = 3 / (2 * np.pi * r**2) / (2 * modulus * r) * bracket
+    return table
+
+
+def interaction(force, h, r, modulus, at=None):
+    """Displacements (n,) by all other forces at flat indices; of all cells (y, x) if None."""
+    nx = force.shape[1]
+    table = influence(force.shape, h, r, modulus)
+    loaded = np.flatnonzero(force)
+    cells = np.arange(force.size) if at is None else at
+    u = np.empty(cells.size)
+    for start in range(0, cells.size, _CHUNK):
+        some = cells[start : start + _CHUNK, None]
+        matrix = table[np.abs(some // nx - loaded // nx), np.abs(some % nx - loaded % nx)]
+        u[start : start + _CHUNK] = matrix @ force.ravel()[loaded]
+    return u.reshape(force.shape) if at is None else u
+
+
+def residual(
+    upper,
+    lower,
+    force,
+    *,
+    h,
+    rock,
+    closure,
+    first_touch,
+    peak_maps,
+    substrate=True,
+    interacting=True,
+    ratio=0.05,
+    base_radius_in_cells=0.5,
+):
+    """Largest misfit of equilibrium [m]: gap where there is force, overlap where none."""
+    r = base_radius_in_cells * h
+    asperity, rock_modulus = moduli(rock, ratio, *peak_maps)
+    u = interaction(force, h, r, rock_modulus) if interacting else np.zeros(force.shape)
+    overlap = upper + lower - (first_touch - closure) - u
+    kappa = curvature(upper, h) + curvature(lower, h)
+    deformation = (9 * kappa * force**2 / (16 * asperity**2)) ** (1 / 3)
+    if substrate:
+        deformation = deformation + 3 * force / (4 * r * rock_modulus)
+    return np.where(force > 0, np.abs(overlap - deformation), np.maximum(overlap, 0.0)).max()
+
+
+def pressures_over_limit(
+    upper, lower, force, *, h, rock, peak_maps, ratio=0.05, largest_radius=None
+):
+    """c(nu) p0 / sigma_c of every contact, Eqs. (5), (22), (23): of the wall that holds less."""
+    asperity, _ = moduli(rock, ratio, *peak_maps)
+    kappa = curvature(upper, h, largest_radius) + curvature(lower, h, largest_radius)
+    deformation = (9 * kappa * force**2 / (16 * asperity**2)) ** (1 / 3)
+    pressure = 2 / np.pi * asperity * np.sqrt(deformation * kappa)
+    return pressure * max(
+        (0.1251 * r.poisson_ratio**2 - 0.536 * r.poisson_ratio + 0.7695) / r.compressive_strength
+        for r in walls_rocks(rock)
+    )
+
+
+def confined(upper, lower, tolerance=1e-11):
+    """Pairs of which neither wall's cell has a lower neighbour."""
+
+    def no_lower(z):
+        padded = np.pad(z, 1, constant_values=np.inf)
+        ny, nx = z.shape
+        lowest = np.min(
+            [
+                padded[1 + v : 1 + v + ny, 1 + w : 1 + w + nx]
+                for v in (-1, 0, 1)
+                for w in (-1, 0, 1)
+                if v or w
+            ],
+            axis=0,
+        )
+        return z - lowest <= tolerance
+
+    return no_lower(upper) & no_lower(lower)
+
+
+def force_of_single_contact(overlap, curvature_, asperity, rock_modulus, r):
+    """Force of one contact on its substrates, by bisection."""
+
+    def misfit(force):
+        own = (9 * curvature_ * force**2 / (16 * asperity**2)) ** (1 / 3)
+        return own + 3 * force / (4 * r * rock_modulus) - overlap
+
+    return brentq(misfit, 0.0, 2 * overlap * 4 * r * rock_modulus / 3, xtol=1e-300, rtol=1e-15)
+
+
+def forces_of_overlaps(overlap, compliance, substrate):
+    """Forces (n,) [N] of contacts A F + B F^(2/3) = overlap >= 0, by bisection of F^(1/3).
+
+    ``compliance`` B (n,) [m N^(-2/3)], ``substrate`` A [m/N]; infinite where both
+    are 0. The root lies between a half of what it would be with the stiffer term
+    alone, and that.
+    """
+    own = np.full(overlap.size, np.inf)
+    np.divide(overlap, compliance, out=own, where=compliance > 0)
+    high = np.sqrt(own)
+    if substrate:
+        high = np.minimum(high, np.cbrt(overlap / substrate))
+    high[overlap == 0] = 0.0
+    rigid = np.isinf(high)
+    high[rigid] = 0.0
+    low = 0.5 * high
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        above = substrate * middle**3 + compliance * middle**2 > overlap
+        low, high = np.where(above, low, middle), np.where(above, middle, high)
+    return np.where(rigid, np.inf, (0.5 * (low + high)) ** 3)
+
+
+def judge(joint: Joint, state: State) -> Verdict:
+    """Recompute a state at rest from its walls, forces and closure alone."""
+    force, effects, choices = state.force, joint.effects, joint.choices
+    h, r = joint.spacing, choices.base_radius_in_cells * joint.spacing
+    ratio = choices.peak_modulus_ratio if effects.soft_peaks else 1.0
+    of_peaks = state if choices.peaks == "current" else joint
+    maps = (peaks(of_peaks.upper), peaks(of_peaks.lower))
+    asperity, rock_modulus = moduli(joint.rock, ratio, *maps)
+    total = math.fsum(force.ravel())
+    over_total = 1.0 / total if total > 0 else 0.0
+    summed = state.upper + state.lower
+    overlap = summed - ((joint.upper + joint.lower).max() - state.closure)
+    cells = np.flatnonzero((overlap > 0) | (force > 0))
+    overlap = overlap.ravel()[cells]
+    if effects.interaction:
+        overlap = overlap - interaction(force, h, r, rock_modulus, cells)
+    kappa = sum(curvature(z, h, choices.largest_radius) for z in (state.upper, state.lower))
+    compliance = np.cbrt(9 * kappa / (16 * asperity**2)).ravel()[cells]
+    substrate = 3 / (4 * r * rock_modulus) if effects.substrate else 0.0
+    answer = forces_of_overlaps(np.maximum(overlap, 0.0), compliance, substrate)
+    carried = force.ravel()[cells]
+    # dF/d(delta_S) of the law: each contact's overlap is good to a few units in the last place
+    root = np.cbrt(np.where(np.isinf(answer), 0.0, answer))
+    slope = np.zeros(root.size)
+    stiff = 3 * substrate * root + 2 * compliance
+    np.divide(3 * root, stiff, out=slope, where=stiff > 0)
+    ulp = np.spacing(np.abs(summed).max() + abs(state.closure))
+    return Verdict(
+        negative_force=abs(min(float(force.min()), 0.0)),
+        residual=over_total * float(np.abs(answer - carried).sum()),
+        rounding=over_total * float(slope.sum()) * float(ulp),
+        without_overlap=over_total * float(carried[overlap <= 0].sum()),
+        without_force=over_total * float(answer[carried == 0].sum()),
+        load=abs(total - state.total_force) / total if total > 0 else abs(state.total_force),
+        volume=max(
+            volume_change(*pair)
+            for pair in ((joint.upper, state.upper), (joint.lower, state.lower))
+        ),
+        raised=max(
+            raised(*pair, effects.gouge)
+            for pair in ((joint.upper, state.upper), (joint.lower, state.lower))
+        ),
+        strength=_excess(joint, state, maps, ratio),
+    )
+
+
+def volume_change(before, after):
+    """|sum z - sum z0| / sum |z0 - min z0| of a wall, summed without rounding."""
+    change = abs(math.fsum([*after.ravel(), *(-before).ravel()]))
+    if change == 0.0:
+        return 0.0
+    volume = math.fsum((before - before.min()).ravel())
+    return change / volume if volume > 0.0 else math.inf
+
+
+def raised(before, after, gouge):
+    """The rise of a wall that nothing can cause, over its height range.
+
+    That of its highest cell, as gouge lifts none above the cell it came from;
+    without gouge that of any cell.
+    """
+    rise = float(after.max() - before.max() if gouge else (after - before).max())
+    if rise <= 0.0:
+        return 0.0
+    reach = float(np.ptp(before))
+    return rise / reach if reach > 0.0 else math.inf
+
+
+def _excess(joint: Joint, state: State, maps, ratio) -> float:
+    """By what the worst contact is beyond its strength, where it could break."""
+    if not joint.effects.breakage:
+        return 0.0
+    load = pressures_over_limit(
+        state.upper,
+        state.lower,
+        state.force,
+        h=joint.spacing,
+        rock=joint.rock,
+        peak_maps=maps,
+        ratio=ratio,
+        largest_radius=joint.choices.largest_radius,
+    )
+    if joint.effects.gouge:
+        rms = math.sqrt(0.5 * (np.var(joint.upper) + np.var(joint.lower)))
+        tie = joint.choices.tie_tolerance * rms
+        load = np.where(confined(state.upper, state.lower, tie), 0.0, load)
+    return max(float(load.max()) - 1.0, 0.0)

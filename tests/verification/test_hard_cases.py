@@ -1,0 +1,71 @@
+"""Every hard case is a test; what the judging itself must notice is in test_oracle."""
+
+from pathlib import Path
+
+import pytest
+
+import jointclosure as jc
+from jointclosure.study.configuration import read_schema
+from jointclosure.verification.hard_cases import failed_requirements, merged_cases, run_case
+
+ROOT = Path(__file__).parents[2]
+STUDY = read_schema(ROOT / "config/hard_cases.yaml")
+SCHEMA = read_schema(ROOT / "workflow/schemas/hard_cases.schema.yaml")
+CASES = merged_cases(STUDY, SCHEMA)
+
+
+def marked(name):
+    marks = [pytest.mark.slow] if CASES[name]["slow"] else []
+    return pytest.param(name, marks=marks)
+
+
+@pytest.mark.parametrize("name", [marked(name) for name in CASES])
+def test_a_hard_case_holds(name):
+    assert failed_requirements(run_case(CASES[name]), CASES) == []
+
+
+def test_there_are_at_least_40_cases_with_what_is_hard_and_what_must_hold():
+    own = {case["name"].removesuffix("_resolved") for case in CASES.values()}
+    assert len(own) >= 40
+    assert all(case["hard"] and case["must_hold"] for case in CASES.values())
+
+
+def test_all_18_scenes_are_among_them():
+    scenes = {tuple(c["effects"].items()) for n, c in CASES.items() if n.startswith("scene_")}
+    assert len(scenes) == 18
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"wals": {}}, "did you mean walls"),
+        ({"expect": "fine"}, "expect = 'fine'"),
+        ({"must": {"no_dirft": {}}}, "did you mean no_drift"),
+        ({"name": "base"}, "two have the name 'base'"),
+        ({"must": {"same_as": {"case": "none", "within": 0}}}, "compared with 'none'"),
+    ],
+)
+def test_a_wrong_case_is_refused_by_name(change, named):
+    one = {"name": "one", "group": "some", "hard": "something", "must_hold": "something"} | change
+    with pytest.raises(jc.InputError, match=named):
+        merged_cases(STUDY | {"cases": [*STUDY["cases"], one]}, SCHEMA)
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"expect": "target_jumped"}, "expected target_jumped"),
+        ({"seconds": 1e-6}, "took"),
+        (
+            {"max_normal_stress": 5e6, "must": {"closure": {"value": 1e-4, "within": 0.1}}},
+            "closure",
+        ),
+        ({"must": {"same_as": {"case": "swapped_walls", "within": 1e-3}}}, "differs from"),
+        ({"must": {"nothing_breaks": False}}, "0 breakage steps"),
+        ({"must": {"contact_fraction": {"least": 0.9, "most": 1.0}}}, "contact fraction"),
+        ({"max_normal_stress": 1e12}, "status refused"),
+    ],
+)
+def test_what_does_not_hold_is_named(change, named):
+    failed = failed_requirements(run_case(CASES["base_elastic"] | change), CASES)
+    assert any(named in line for line in failed), failed

@@ -1,0 +1,87 @@
+# Joints that are hard on a solver, closed and judged by an oracle: `snakemake hard_cases`.
+# A study of its own, which no other rule depends on.
+from jointclosure.verification.hard_cases import merged_cases
+
+HARD_RESULTS = "results/hard_cases"
+HARD_CASES = merged_cases(
+    configuration.read_schema(ROOT / "config/hard_cases.yaml"),
+    configuration.read_schema(ROOT / "workflow/schemas/hard_cases.schema.yaml"),
+)
+HARD_GROUPS = sorted({case["group"] for case in HARD_CASES.values()})
+HARD_CODE = source_digest()
+
+
+wildcard_constraints:
+    hard_group="[a-z][a-z0-9_]*",
+
+
+rule hard_cases:
+    input:
+        f"{HARD_RESULTS}/tables/hard_cases.csv",
+        f"{HARD_RESULTS}/figures/hard_cases.png",
+        f"{HARD_RESULTS}/figures/hard_cases.pdf",
+    message:
+        "The hard cases are closed and judged"
+
+
+rule compile_hard_cases:
+    output:
+        f"{HARD_RESULTS}/logs/kernels.txt",
+    log:
+        f"{HARD_RESULTS}/logs/compile_hard_cases.log",
+    benchmark:
+        f"{HARD_RESULTS}/benchmarks/compile_hard_cases.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        cases=list(HARD_CASES.values()),
+        code=HARD_CODE,
+    message:
+        "Compile the kernels of all scenes (two minutes when they are new)"
+    script:
+        "../scripts/compile_hard_cases.py"
+
+
+rule close_hard_cases:
+    input:
+        ancient(f"{HARD_RESULTS}/logs/kernels.txt"),
+    output:
+        table=f"{HARD_RESULTS}/cases/{{hard_group}}.csv",
+        curves=f"{HARD_RESULTS}/cases/{{hard_group}}.curves.csv",
+    log:
+        f"{HARD_RESULTS}/logs/close_hard_cases/{{hard_group}}.log",
+    benchmark:
+        f"{HARD_RESULTS}/benchmarks/close_hard_cases/{{hard_group}}.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        cases=HARD_CASES,
+        code=HARD_CODE,
+    message:
+        "Close the hard cases of {wildcards.hard_group}"
+    script:
+        "../scripts/close_hard_cases.py"
+
+
+rule present_hard_cases:
+    input:
+        tables=expand(f"{HARD_RESULTS}/cases/{{group}}.csv", group=HARD_GROUPS),
+        curves=expand(f"{HARD_RESULTS}/cases/{{group}}.curves.csv", group=HARD_GROUPS),
+    output:
+        table=f"{HARD_RESULTS}/tables/hard_cases.csv",
+        figures=expand(
+            f"{HARD_RESULTS}/figures/hard_cases.{{format}}", format=["png", "pdf"]
+        ),
+    log:
+        f"{HARD_RESULTS}/logs/present_hard_cases.log",
+    benchmark:
+        f"{HARD_RESULTS}/benchmarks/present_hard_cases.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        order=list(HARD_CASES),
+        code=HARD_CODE,
+    message:
+        "Write the table and the page of pictures of the hard cases"
+    script:
+        "../scripts/present_hard_cases.py"

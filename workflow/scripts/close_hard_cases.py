@@ -1,0 +1,45 @@
+"""Close the hard cases of a group, and have them judged."""
+
+import faulthandler
+import sys
+
+import pandas as pd
+
+from jointclosure.dataset import write_csv
+from jointclosure.logbook import Logbook, logging_to
+from jointclosure.verification.hard_cases import (
+    curve_of,
+    failed_requirements,
+    row_of,
+    run_case,
+)
+
+PATIENCE = 10.0
+"""Times its budget after which a case is taken to loop: the job ends and says where it was."""
+
+
+def main(cases: dict[str, dict], group: str, outputs: dict, log: Logbook) -> None:
+    """Write the rows and the closure curves of the group's cases."""
+    rows, curves = [], []
+    for name, case in cases.items():
+        if case["group"] != group:
+            continue
+        faulthandler.dump_traceback_later(PATIENCE * case["seconds"], exit=True, file=sys.stderr)
+        outcome = run_case(case)
+        failed = failed_requirements(outcome, cases)
+        faulthandler.cancel_dump_traceback_later()
+        rows.append(row_of(outcome, failed))
+        curves.append(curve_of(outcome))
+        log(f"{name}: {outcome.status}, {outcome.seconds:.2f} s, {'; '.join(failed) or 'holds'}")
+    write_csv(pd.DataFrame(rows), outputs["table"])
+    write_csv(pd.concat(curves), outputs["curves"])
+
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as logbook:
+        main(
+            snakemake.params.cases,
+            snakemake.wildcards.hard_group,
+            dict(snakemake.output),
+            logbook,
+        )

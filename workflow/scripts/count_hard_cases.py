@@ -1,0 +1,18 @@
+"""Say how many hard cases hold, and which do not; an error where one does not."""
+
+import sys
+
+from jointclosure.dataset import read_csv
+
+
+def main(path: str) -> int:
+    """Print the count; 0 where all hold, else 1."""
+    table = read_csv(path)
+    for row in table[~table.holds].itertuples():
+        print(f"{row.name} does not hold: {row.failed}")
+    print(f"{int(table.holds.sum())} of {len(table)} hard cases hold")
+    return 0 if table.holds.all() else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))

@@ -1,0 +1,30 @@
+"""Put the groups of hard cases together: one table, one page of pictures."""
+
+import pandas as pd
+
+from jointclosure.dataset import atomically, read_csv, write_csv
+from jointclosure.logbook import Logbook, logging_to
+from jointclosure.verification.pictures import hard_case_page
+
+
+def main(inputs: dict, order: list[str], outputs: dict, log: Logbook) -> None:
+    """Write the table in the order of the configuration, and the page."""
+    table = pd.concat([read_csv(path) for path in inputs["tables"]])
+    table = table.set_index("name").loc[order].reset_index()
+    curves = pd.concat([read_csv(path) for path in inputs["curves"]])
+    write_csv(table, outputs["table"])
+    page = hard_case_page(table, curves)
+    for path in outputs["figures"]:
+        metadata = {"CreationDate": None} if path.endswith(".pdf") else None
+        atomically(path, lambda temporary, m=metadata: page.savefig(temporary, metadata=m))
+    log(f"{int(table.holds.sum())} of {len(table)} hold")
+
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as logbook:
+        main(
+            {name: list(snakemake.input[name]) for name in ("tables", "curves")},
+            snakemake.params.order,
+            {"table": snakemake.output.table, "figures": list(snakemake.output.figures)},
+            logbook,
+        )
