@@ -20,7 +20,7 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-.PHONY: help setup study smoke hard-cases test test-all lint clean
+.PHONY: help setup study smoke hard-cases accuracy test test-all lint clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -68,6 +68,9 @@ hard-cases: $(STAMP) ## Close joints that are hard on a solver, and have an orac
 	$(SNAKEMAKE) hard_cases
 	@echo "Results are in results/hard_cases"
 	@$(BIN)/python workflow/scripts/count_hard_cases.py results/hard_cases/tables/hard_cases.csv
+
+accuracy: $(STAMP) ## Measure what accuracy costs in time (about an hour on two cores)
+	$(call run,accuracy --configfile $(or $(CONFIG),config/accuracy.yaml),$(or $(CONFIG),config/accuracy.yaml))
 
 test: $(STAMP) ## Pass the tests
 	@echo "Compiling the kernels of all scenes (two minutes when they are new) ..."

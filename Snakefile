@@ -12,6 +12,7 @@ include: "workflow/rules/simulate.smk"
 include: "workflow/rules/analyse.smk"
 include: "workflow/rules/present.smk"
 include: "workflow/rules/hard_cases.smk"
+include: "workflow/rules/accuracy.smk"
 
 
 rule all:

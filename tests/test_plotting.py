@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from jointclosure import plotting
+from jointclosure.plotting import study as plotting
 
 ROCK = {"title": "Rock", "jrc": 8, "compressive_strength_MPa": 160, "max_normal_stress_MPa": 2}
 

@@ -1,4 +1,4 @@
-"""The only place that reads and writes netCDF and CSV files.
+"""The only place that reads and writes netCDF and CSV files, and writes figures.
 
 A file is written under a temporary name in its folder and then renamed: it
 is whole or absent, whatever happens meanwhile.
@@ -17,6 +17,7 @@ from pathlib import Path
 import netCDF4
 import pandas as pd
 import xarray as xr
+from matplotlib.figure import Figure
 
 from jointclosure.compilation import PACKAGE, source_digest
 
@@ -120,6 +121,12 @@ def read_csv(path: str | Path) -> pd.DataFrame:
 def write_text(text: str, path: str | Path) -> None:
     """Write a text, whole or not at all."""
     atomically(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
+
+
+def save_figure(figure: Figure, path: str | Path) -> None:
+    """Write a figure in the format of its path, without the time of day in it."""
+    metadata = {"CreationDate": None} if Path(path).suffix == ".pdf" else None
+    atomically(path, lambda temporary: figure.savefig(temporary, metadata=metadata))
 
 
 def provenance(configuration: dict) -> dict[str, str]:

@@ -2,11 +2,9 @@
 
 from pathlib import Path
 
-from matplotlib.figure import Figure
-
-from jointclosure import plotting
-from jointclosure.dataset import atomically, read_csv, read_netcdf
+from jointclosure.dataset import read_csv, read_netcdf, save_figure
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.plotting import study as plotting
 
 
 def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None:
@@ -31,14 +29,8 @@ def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None
         "trends_max_closure": plotting.trend_figure(closures, study, rocks),
     }
     for output in outputs:
-        save(figures[Path(output).stem], output)
+        save_figure(figures[Path(output).stem], output)
         log(f"drew {output}")
-
-
-def save(figure: Figure, path: str) -> None:
-    """Write a figure in the format of its path, without the time of day in it."""
-    metadata = {"CreationDate": None} if path.endswith(".pdf") else None
-    atomically(path, lambda temporary: figure.savefig(temporary, metadata=metadata))
 
 
 if __name__ == "__main__":

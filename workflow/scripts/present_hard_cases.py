@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from jointclosure.dataset import atomically, read_csv, write_csv
+from jointclosure.dataset import read_csv, save_figure, write_csv
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.verification.pictures import hard_case_page
 
@@ -15,8 +15,7 @@ def main(inputs: dict, order: list[str], outputs: dict, log: Logbook) -> None:
     write_csv(table, outputs["table"])
     page = hard_case_page(table, curves)
     for path in outputs["figures"]:
-        metadata = {"CreationDate": None} if path.endswith(".pdf") else None
-        atomically(path, lambda temporary, m=metadata: page.savefig(temporary, metadata=m))
+        save_figure(page, path)
     log(f"{int(table.holds.sum())} of {len(table)} hold")
 
 

@@ -9,6 +9,7 @@ can be followed too.
 
 import copy
 import json
+import re
 import time
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
@@ -17,15 +18,28 @@ import numpy as np
 import scipy.fft
 import xarray as xr
 
-from jointclosure.parameters import Rock, to_si
+from jointclosure.parameters import (
+    InputError,
+    Rock,
+    check_choices,
+    check_numerics,
+    check_scene,
+    to_si,
+)
 from jointclosure.simulation import simulate
+from jointclosure.solvers.registry import SOLVERS
 from jointclosure.study.cases import Case, cases_of, wall_seed
-from jointclosure.study.configuration import choices_of, effects_of, numerics_of
+from jointclosure.study.configuration import (
+    ConfigurationError,
+    choices_of,
+    effects_of,
+    numerics_of,
+)
 from jointclosure.surface.synthesis import wall_pair
 
 BASE = "base"
 """Knob of the setting in which none is turned."""
-_OWN = ("effects", "choices", "numerics", "grid", "surface", "rocks")
+_OWN = ("study", "effects", "choices", "numerics", "grid", "surface", "rocks")
 """Sections of a configuration that a run depends on."""
 
 
@@ -75,11 +89,69 @@ def settings_of(configuration: dict) -> list[Setting]:
     return found
 
 
+def checked_settings(configuration: dict) -> list[Setting]:
+    """`settings_of`, if all of them can be run.
+
+    Raises
+    ------
+    ConfigurationError
+        Naming each scene, knob or key that does not exist, and each setting that
+        the model cannot take.
+    """
+    problems = list(_unknown(configuration))
+    if not problems:
+        for setting in settings_of(configuration):
+            try:
+                check_scene(effects_of(setting.configuration))
+                check_choices(choices_of(setting.configuration))
+                check_numerics(numerics_of(setting.configuration), tuple(SOLVERS))
+            except InputError as error:
+                where = f"scene {setting.scene}, {setting.knob} {setting.value}"
+                problems.append(f"accuracy: {where}: {error}")
+    if problems:
+        raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in problems))
+    return settings_of(configuration)
+
+
+def _unknown(configuration: dict) -> Iterator[str]:
+    design = configuration["accuracy"]
+    for scene, settings in design["scenes"].items():
+        overrides = {key: value for key, value in settings.items() if key != "finest"}
+        yield from _strange(configuration, overrides, f"accuracy.scenes.{scene}")
+        finest = settings["finest"]["knob"]
+        if finest != BASE and scene not in design["knobs"].get(finest, {"scenes": []})["scenes"]:
+            yield f"accuracy.scenes.{scene}.finest.knob = {finest!r}: is not turned in this scene"
+    for knob, way in design["knobs"].items():
+        where = f"accuracy.knobs.{knob}"
+        for scene in way["scenes"]:
+            if scene not in design["scenes"]:
+                yield f"{where}.scenes = {scene!r}: must be one of {', '.join(design['scenes'])}"
+        yield from _strange(configuration, way.get("set", {}), f"{where}.set")
+        for key in [way["key"]] if "key" in way else way.get("scale", []):
+            section, name = key.split(".")
+            if name not in configuration.get(section, {}):
+                yield f"{where}: {key}: there is no such key"
+        for entry in way["values"]:
+            if isinstance(entry, dict):
+                yield from _strange(configuration, entry["set"], f"{where}.values")
+            elif "key" not in way and "scale" not in way:
+                yield f"{where}.values = {entry!r}: without key or scale it needs value and set"
+
+
+def _strange(known: dict, settings: dict, where: str) -> Iterator[str]:
+    """Keys of nested settings that the configuration does not have."""
+    for key, value in settings.items():
+        if key not in known:
+            yield f"{where}.{key} = {value!r}: unknown key (allowed: {', '.join(known)})"
+        elif isinstance(value, dict) and isinstance(known[key], dict):
+            yield from _strange(known[key], value, f"{where}.{key}")
+
+
 def label_of(scene: str, rock: str, knob: str, value: float | str) -> str:
     """Name of a run's files; never taken apart."""
     shown = value if isinstance(value, str) else f"{value:g}"
     text = "-".join(part for part in (scene, rock, knob, shown) if part)
-    return text.replace(".", "p").replace("+", "").lower()
+    return re.sub("[^a-z0-9_-]+", "_", text.lower().replace(".", "p").replace("+", ""))
 
 
 def _turned(base: dict, way: dict) -> Iterator[tuple[float | str, dict]]:

@@ -1,12 +1,4 @@
-"""Figures of a study: datasets and tables in, figures out; no files.
-
-The functions draw what they are given; what a study means is computed in
-`jointclosure.study`.
-"""
-
-import matplotlib
-
-matplotlib.use("Agg")
+"""Figures of a study. What it means is computed in `jointclosure.study`."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -19,9 +11,6 @@ from jointclosure.empirical import barton_bandis
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.study.ensemble import succeeded
 from jointclosure.tables import PARAMETER_TITLES
-
-sns.set_theme(context="paper", style="ticks", palette="colorblind", font_scale=1.1)
-matplotlib.rcParams.update({"figure.dpi": 150, "savefig.dpi": 150, "axes.grid": False})
 
 _CYCLE_COLOURS = dict(enumerate(sns.color_palette("colorblind", 8), start=1))
 _UNITS = {"1": "", "GPa": " (GPa)", "MPa": " (MPa)"}

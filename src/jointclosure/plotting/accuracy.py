@@ -1,0 +1,147 @@
+"""Error against time: work-precision figures of an accuracy study."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import seaborn as sns
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from jointclosure.study.accuracy import BASE
+from jointclosure.study.accuracy_cost import OTHER_JOINTS, pareto
+
+KNOB_TITLES = {
+    "steps": "both steps",
+    "paper_steps": "both steps",
+    "displacement_step": "displacement step",
+    "breakage_step": "breakage step",
+    "resolved": "resolved breakage, tolerance",
+    "paper_resolved": "resolved breakage, tolerance",
+    "force_tolerance": "residual of equilibrium",
+    "stress_tolerance": "landing on the maximum",
+    "sweep_tolerance": "the paper's own loop, change of a sweep",
+}
+_FLOOR = 0.01
+
+
+def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
+    """Error of the mean maximum closure against time, for one scene.
+
+    Parameters
+    ----------
+    costs : DataFrame
+        Rows of one scene from `jointclosure.study.accuracy_cost.cost_table`.
+    title : str
+    paper : str
+        Name of the setting that is marked with a star.
+
+    Notes
+    -----
+    A panel for each rock and cycle. A hollow mark's confidence interval
+    includes zero: its error is not told from none. Errors below a hundredth of a
+    percent are drawn there. The grey line is what no setting beats in both.
+    """
+    shown = costs[~costs.knob.isin(OTHER_JOINTS)]
+    rocks, cycles = shown.rock.unique(), sorted(shown.cycle.unique())
+    figure, panels = plt.subplots(
+        len(cycles),
+        len(rocks),
+        figsize=(4.6 * len(rocks) + 1.2, 3.5 * len(cycles)),
+        layout="constrained",
+        sharex=True,
+        sharey=True,
+        squeeze=False,
+    )
+    knobs = [knob for knob in shown.knob.unique() if knob != BASE]
+    colours = dict(zip(knobs, sns.color_palette("colorblind", len(knobs)), strict=True))
+    for row, cycle in zip(panels, cycles, strict=True):
+        for axes, rock in zip(row, rocks, strict=True):
+            part = shown[(shown.rock == rock) & (shown.cycle == cycle)]
+            _draw(axes, part, colours, paper)
+            axes.set_title(f"{rock.replace('_', ' ').capitalize()}, cycle {cycle}")
+    for axes in panels[-1]:
+        axes.set_xlabel("time a simulation / that of the marked setting")
+    for row in panels:
+        row[0].set_ylabel("error of mean max. closure (%)")
+    handles, labels = panels[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside right upper", frameon=False)
+    figure.suptitle(title)
+    sns.despine(figure)
+    return figure
+
+
+def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> None:
+    size = part.mean_error_percent.abs().clip(lower=_FLOOR)
+    part = part.assign(size=size)
+    for knob, colour in colours.items():
+        line = part[part.knob == knob]
+        if line.empty:
+            continue
+        axes.plot(
+            line.relative_time,
+            line["size"],
+            "-",
+            color=colour,
+            lw=1,
+            label=KNOB_TITLES.get(knob, knob),
+        )
+        known = (line.mean_low > 0.0) | (line.mean_high < 0.0)
+        axes.plot(line.relative_time[known], line["size"][known], "o", color=colour, ms=5)
+        axes.plot(
+            line.relative_time[~known], line["size"][~known], "o", color=colour, mfc="w", ms=5
+        )
+        for entry in line.itertuples():
+            axes.annotate(
+                f"{entry.value:g}" if isinstance(entry.value, float | int) else str(entry.value),
+                (entry.relative_time, entry.size),
+                textcoords="offset points",
+                xytext=(4, 3),
+                fontsize=6,
+                color=colour,
+            )
+    base = part[part.knob == BASE].iloc[0]
+    axes.plot([base.relative_time], [base["size"]], "k*", ms=13, zorder=4, label=paper)
+    best = part[pareto(part.relative_time.to_numpy(), part["size"].to_numpy())]
+    best = best.sort_values("relative_time")
+    axes.plot(
+        best.relative_time, best["size"], drawstyle="steps-post", color="0.6", lw=4, alpha=0.5,
+        zorder=0, label="not beaten in both",
+    )  # fmt: skip
+    axes.set(xscale="log", yscale="log")
+    axes.axhline(1.0, color="0.8", lw=0.8, zorder=0)
+
+
+def error_sources(sources: pd.DataFrame, title: str) -> Figure:
+    """The error of the paper's own setting, split by its sources.
+
+    Parameters
+    ----------
+    sources : DataFrame
+        As from `jointclosure.study.accuracy_cost.source_table`.
+    title : str
+    """
+    sources = sources.assign(kind=sources.source.str.split(" (", regex=False).str[0])
+    kinds = list(dict.fromkeys(sources.kind))
+    groups = list(sources.groupby(["rock", "cycle"], sort=False))
+    figure, axes = plt.subplots(figsize=(7.2, 3.6), layout="constrained")
+    width = 0.8 / len(kinds)
+    for k, kind in enumerate(kinds):
+        for g, (_, part) in enumerate(groups):
+            row = part[part.kind == kind]
+            if row.empty:
+                continue
+            row = row.iloc[0]
+            x = g + (k - 0.5 * (len(kinds) - 1)) * width
+            axes.bar(
+                x, abs(row.error_percent), width, color=f"C{k}", label=kind if g == 0 else None
+            )
+            if np.isfinite(row.low):
+                span = np.sort(np.abs([row.low, row.high]))
+                low = 0.0 if row.low * row.high < 0.0 else span[0]
+                axes.plot([x, x], [low, span[1]], color="k", lw=1)
+    names = [f"{rock.replace('_', ' ').capitalize()}\ncycle {cycle}" for (rock, cycle), _ in groups]
+    axes.set_xticks(range(len(groups)), names)
+    axes.set(ylabel="share of the mean max. closure (%)", title=title)
+    axes.legend(frameon=False)
+    sns.despine(figure)
+    return figure

@@ -1,0 +1,144 @@
+# What accuracy costs: `snakemake accuracy --configfile config/accuracy.yaml`. Settings are those of
+# the configuration's `accuracy` section; without it there are none, and no rule here has work.
+from jointclosure.study import accuracy
+
+ACCURACY = config.get("accuracy")
+ACCURACY_SETTINGS = accuracy.checked_settings(config) if ACCURACY else []
+ACCURACY_RUNS = {setting.run: setting for setting in ACCURACY_SETTINGS}
+ACCURACY_FIGURES = sorted({setting.scene for setting in ACCURACY_SETTINGS})
+ACCURACY_CODE = source_digest(
+    "study/accuracy_cost", "study/accuracy", "statistics", "dataset", "plotting"
+)
+
+
+wildcard_constraints:
+    run="[a-z0-9_-]+",
+
+
+rule accuracy:
+    input:
+        f"{RESULTS}/tables/accuracy_cost.csv",
+        f"{RESULTS}/tables/accuracy_orders.csv",
+        f"{RESULTS}/tables/accuracy_sources.csv",
+        expand(
+            f"{RESULTS}/figures/accuracy_{{figure}}.{{format}}",
+            figure=[*ACCURACY_FIGURES, "sources"],
+            format=["png", "pdf"],
+        ),
+    message:
+        "What accuracy costs is known"
+
+
+rule compile_accuracy:
+    output:
+        f"{RESULTS}/logs/accuracy_kernels.txt",
+    log:
+        f"{RESULTS}/logs/compile_accuracy.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/compile_accuracy.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        scenes=lambda wildcards: [
+            {
+                section: setting.configuration[section]
+                for section in ("effects", "choices", "numerics")
+            }
+            for setting in ACCURACY_RUNS.values()
+        ],
+        code=SOLVER_CODE,
+    message:
+        "Compile the kernels of all settings"
+    script:
+        "../scripts/compile_accuracy.py"
+
+
+rule estimate_accuracy:
+    input:
+        ancient(f"{RESULTS}/logs/accuracy_kernels.txt"),
+    output:
+        f"{RESULTS}/tables/accuracy_estimate.csv",
+    log:
+        f"{RESULTS}/logs/estimate_accuracy.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/estimate_accuracy.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        runs=lambda wildcards: [list(run) for run in ACCURACY_RUNS.values()],
+        parameter=ACCURACY["parameter"] if ACCURACY else "",
+        code=SOLVER_CODE,
+    message:
+        "Estimate the core-hours, by one joint at every setting"
+    script:
+        "../scripts/estimate_accuracy.py"
+
+
+rule close_accuracy:
+    input:
+        ancient(f"{RESULTS}/tables/accuracy_estimate.csv"),
+    output:
+        f"{RESULTS}/accuracy/{{run}}.nc",
+    log:
+        f"{RESULTS}/logs/close_accuracy/{{run}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/close_accuracy/{{run}}.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        setting=lambda wildcards: list(ACCURACY_RUNS[wildcards.run]),
+        parameter=ACCURACY["parameter"] if ACCURACY else "",
+        code=SOLVER_CODE,
+    message:
+        "Close the surfaces of {wildcards.run}"
+    script:
+        "../scripts/close_accuracy.py"
+
+
+rule weigh_accuracy:
+    input:
+        expand(f"{RESULTS}/accuracy/{{run}}.nc", run=ACCURACY_RUNS),
+    output:
+        costs=f"{RESULTS}/tables/accuracy_cost.csv",
+        orders=f"{RESULTS}/tables/accuracy_orders.csv",
+        sources=f"{RESULTS}/tables/accuracy_sources.csv",
+    log:
+        f"{RESULTS}/logs/weigh_accuracy.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/weigh_accuracy.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        settings=lambda wildcards: [list(setting) for setting in ACCURACY_SETTINGS],
+        runs=list(ACCURACY_RUNS),
+        design=ACCURACY,
+        root_seed=config["study"]["root_seed"],
+        code=ACCURACY_CODE,
+    message:
+        "Weigh error against time"
+    script:
+        "../scripts/weigh_accuracy.py"
+
+
+rule draw_accuracy:
+    input:
+        costs=f"{RESULTS}/tables/accuracy_cost.csv",
+        sources=f"{RESULTS}/tables/accuracy_sources.csv",
+    output:
+        expand(
+            f"{RESULTS}/figures/accuracy_{{figure}}.{{format}}",
+            figure=[*ACCURACY_FIGURES, "sources"],
+            format=["png", "pdf"],
+        ),
+    log:
+        f"{RESULTS}/logs/draw_accuracy.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/draw_accuracy.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        code=ACCURACY_CODE,
+    message:
+        "Draw error against time"
+    script:
+        "../scripts/draw_accuracy.py"

@@ -1,0 +1,21 @@
+"""Close the surfaces of one run of an accuracy study."""
+
+from jointclosure.dataset import write_netcdf
+from jointclosure.logbook import Logbook, logging_to
+from jointclosure.study.accuracy import Setting, close_at
+
+
+def main(setting: Setting, parameter: str, output: str, log: Logbook) -> None:
+    """Write closures and times (level, realization, cycle)."""
+    log(f"{setting.run}")
+    write_netcdf(close_at(setting, parameter, log), output)
+
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as logbook:
+        main(
+            Setting(*snakemake.params.setting),
+            snakemake.params.parameter,
+            snakemake.output[0],
+            logbook,
+        )

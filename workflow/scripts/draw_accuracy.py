@@ -1,0 +1,32 @@
+"""Draw error against time, scene by scene, and where the error comes from."""
+
+from pathlib import Path
+
+from jointclosure.dataset import read_csv, save_figure
+from jointclosure.logbook import Logbook, logging_to
+from jointclosure.plotting.accuracy import error_sources, work_precision
+
+
+def main(inputs: dict, outputs: list[str], log: Logbook) -> None:
+    """Write the figure that each output's name asks for."""
+    costs, sources = read_csv(inputs["costs"]), read_csv(inputs["sources"])
+    for output in outputs:
+        name = Path(output).stem.removeprefix("accuracy_")
+        if name == "sources":
+            with_rules = sources.groupby("scene").source.transform(
+                lambda of_scene: of_scene.str.startswith("surface rule").any()
+            )
+            shown = sources[with_rules] if with_rules.any() else sources
+            figure = error_sources(shown, "Where the error of the configured setting comes from")
+        else:
+            title = f"Scene {name.replace('_', ' ')}: what accuracy costs"
+            figure = work_precision(
+                costs[costs.scene == name], title, "as configured (the paper's)"
+            )
+        save_figure(figure, output)
+        log(f"drew {output}")
+
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as logbook:
+        main(dict(snakemake.input), snakemake.output, logbook)

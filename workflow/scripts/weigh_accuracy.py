@@ -1,0 +1,33 @@
+"""Weigh the error of every setting against its time."""
+
+import pandas as pd
+
+from jointclosure.dataset import read_netcdf, write_csv
+from jointclosure.logbook import Logbook, logging_to
+from jointclosure.randomness import generator, seed_of
+from jointclosure.study.accuracy import Setting
+from jointclosure.study.accuracy_cost import cost_table, order_table, source_table
+
+
+def main(inputs: list[str], settings: dict, outputs: dict, log: Logbook) -> None:
+    """Write costs, orders of convergence and sources of error."""
+    design = settings["design"]
+    runs = dict(zip(settings["runs"], map(read_netcdf, inputs), strict=True))
+    costs = cost_table(
+        [Setting(*each) for each in settings["settings"]],
+        runs,
+        {name: scene["finest"] for name, scene in design["scenes"].items()},
+        generator(seed_of(settings["root_seed"], "accuracy")),
+        design["resamples"],
+        design["confidence"],
+    )
+    write_csv(costs, outputs["costs"])
+    write_csv(order_table(costs), outputs["orders"])
+    sources = pd.concat([source_table(costs, scene) for scene in design["scenes"]])
+    write_csv(sources, outputs["sources"])
+    log(f"{len(costs)} rows")
+
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as logbook:
+        main(snakemake.input, dict(snakemake.params), dict(snakemake.output), logbook)
