@@ -11,6 +11,7 @@ include: "workflow/rules/setting.smk"
 include: "workflow/rules/simulate.smk"
 include: "workflow/rules/analyse.smk"
 include: "workflow/rules/present.smk"
+include: "workflow/rules/numerics.smk"
 
 
 rule all:
