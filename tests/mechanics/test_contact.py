@@ -19,18 +19,13 @@ magnitudes = st.floats(-12.0, 0.0).map(lambda power: 10.0**power)
 
 
 def exact_force(overlap, substrate, asperity):
-    """Root of A t^3 + B t^2 = delta_S in 50 digits, by bisection."""
+    """Force and slope in 50 digits: the root t of A t^3 + B t^2 = delta_S, from the right."""
     with mpmath.workdps(50):
-        a, b, d = (mpmath.mpf(v) for v in (substrate, asperity, overlap))
-        low, high = mpmath.mpf(0), mpmath.sqrt(d / b) if b else mpmath.cbrt(d / a)
-        t = mpmath.findroot(
-            lambda t: a * t**3 + b * t**2 - d,
-            (low, high),
-            solver="anderson",
-            tol=mpmath.mpf(10) ** -90,
-            maxsteps=1000,
-        )
-        return t**3
+        a, b, d = (mpmath.mpf(float(v)) for v in (substrate, asperity, overlap))
+        t = min(mpmath.cbrt(d / a) if a else mpmath.inf, mpmath.sqrt(d / b) if b else mpmath.inf)
+        while (a * t + b) * t * t / d - 1 > mpmath.mpf(10) ** -40:
+            t -= ((a * t + b) * t * t - d) / ((3 * a * t + 2 * b) * t)
+        return t**3, 3 * t / (3 * a * t + 2 * b)
 
 
 @given(overlap=magnitudes, curvature=st.floats(-3.0, 6.0).map(lambda p: 10.0**p))
@@ -38,8 +33,42 @@ def test_force_solves_the_cubic_to_14_digits(overlap, curvature):
     substrate = substrate_compliance(0.125e-3, E_STAR)
     asperity = asperity_compliance(curvature, E_STAR)
     force, _ = force_of_overlap(overlap, substrate, asperity)
-    exact = exact_force(overlap, substrate, asperity)
+    exact, _ = exact_force(overlap, substrate, asperity)
     assert abs(mpmath.mpf(force) / exact - 1) < 1e-14
+
+
+@pytest.mark.parametrize("g", [0.0, *np.logspace(-18, 12, 31)])
+def test_force_and_slope_keep_14_digits_at_any_stiffness_ratio_and_overlap(g):
+    # g = A sqrt(delta_S)/B^(3/2) is all that the cubic's shape depends on; with
+    # F = 1 N for g = 0 the force itself never leaves the range of doubles
+    for overlap in np.logspace(-300, 3, 102):
+        substrate, asperity = g * overlap, overlap
+        found = force_of_overlap(overlap, substrate, asperity)
+        exact = exact_force(overlap, substrate, asperity)
+        for value, wanted in zip(found, exact, strict=True):
+            assert abs(mpmath.mpf(float(value)) / wanted - 1) < 1e-14
+
+
+@pytest.mark.parametrize("overlap", [5e-324, 1e-300, 1e-250, 1e-205, 1e-200, 1e3])
+@pytest.mark.parametrize("curvature", [0.0, 1e-20, 1.0, 1e12])
+def test_a_force_below_the_range_of_doubles_is_rounded_and_not_lost(overlap, curvature):
+    law = substrate_compliance(0.125e-3, E_STAR), asperity_compliance(curvature, E_STAR)
+    force, slope = force_of_overlap(overlap, *law)
+    exact, _ = exact_force(overlap, *law)
+    assert abs(force - exact) <= 1e-14 * exact + mpmath.mpf(5e-324)
+    assert 0.0 < slope < np.inf
+
+
+@given(
+    curvature=st.floats(-20.0, 12.0).map(lambda p: 10.0**p),
+    modulus=st.floats(6.0, 12.0).map(lambda p: 10.0**p),
+)
+def test_compliances_keep_15_digits(curvature, modulus):
+    with mpmath.workdps(50):
+        kappa, e, r = (mpmath.mpf(v) for v in (curvature, modulus, 0.125e-3))
+        exact = mpmath.cbrt(9 * kappa / (16 * e**2))
+        assert abs(asperity_compliance(curvature, modulus) / exact - 1) < 1e-15
+        assert abs(substrate_compliance(0.125e-3, modulus) / (3 / (4 * r * e)) - 1) < 1e-15
 
 
 @given(overlap=magnitudes)

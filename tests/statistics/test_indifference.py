@@ -10,6 +10,7 @@ from jointclosure.randomness import generator
 from jointclosure.statistics.bootstrap import bootstrap_length
 from jointclosure.statistics.correlations import fit_quadratic, lack_of_fit
 from jointclosure.statistics.indifference import real_roots
+from jointclosure.verification.printed import exact_length
 
 LEVELS = np.array([70.0, 78.0, 85.0])
 
@@ -92,6 +93,106 @@ def test_real_roots_agree_with_mpmath(known):
         exact = mpmath.polyroots(ascending, maxsteps=500, extraprec=500, asc=True)
         exact = sorted(float(mpmath.re(r)) for r in exact)
     np.testing.assert_allclose(real_roots(coefficients), exact, rtol=1e-8, atol=1e-8)
+
+
+def assert_exact(found, levels, means, deviations, n, relative):
+    """A length equals the exact one for the very same inputs, or both are none."""
+    exact = exact_length(levels, means, deviations, n, found.critical_value)
+    if mpmath.isnan(exact):
+        assert np.isnan(found.length)
+    else:
+        assert abs(found.length - exact) <= relative * exact
+
+
+@pytest.mark.parametrize("base", [1e-9, 0.2, 78e9])
+@pytest.mark.parametrize("spread", [1e-1, 1e-4, 1e-9, 1e-12])
+@pytest.mark.parametrize("n", [2, 20])
+def test_the_length_keeps_12_digits_however_small_the_response_beside_its_mean(base, spread, n):
+    random = np.random.default_rng([n, int(-np.log10(spread))])
+    for _ in range(10):
+        levels = base * (1.0 + np.array([-1.0, 0.0, 1.0]) * random.uniform(0.05, 0.2, 3))
+        means = 1.0 + spread * random.normal(size=3)
+        deviations = spread * random.uniform(0.05, 0.5, 3)
+        found = jc.indifference_interval(levels, means, deviations, n)
+        assert_exact(found, levels, means, deviations, n, 1e-12)
+
+
+@given(
+    half=st.floats(-12.0, -0.5).map(lambda p: 10.0**p),
+    base=st.sampled_from([1e-9, 0.2, 8.0, 78e9]),
+    samples=st.sampled_from([2, 3, 20, 1000]),
+)
+def test_the_length_keeps_12_digits_however_close_the_levels(half, base, samples):
+    levels = base * np.array([1.0 - half, 1.0, 1.0 + half])
+    means, deviations = [0.091, 0.081, 0.074], [0.0081, 0.0078, 0.0083]
+    found = jc.indifference_interval(levels, means, deviations, samples)
+    assert_exact(found, levels, means, deviations, samples, 1e-12)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 78e9])
+@pytest.mark.parametrize("means", [[-0.5, 0.0, 0.5], [0.25, 0.0, 0.25], [1.0, 1.5, 2.5]])
+@pytest.mark.parametrize(
+    "deviations", [[0.25, 0.25, 0.25], [0.5, 0.25, 0.5], [0.25, 0.0, 0.25], [0.0, 0.0, 0.25]]
+)
+@pytest.mark.parametrize("n", [2, 20])
+def test_missing_coefficients_give_the_exact_root(scale, means, deviations, n):
+    # b = 0; c = 0; S constant; S quadratic; S_M = 0
+    levels = scale * np.array([0.75, 1.0, 1.25])
+    found = jc.indifference_interval(levels, means, deviations, n)
+    if deviations[1] > 0.0:
+        assert_exact(found, levels, means, deviations, n, 1e-13)
+    else:  # the double root at the base, where any change is significant
+        slope, spread = (fit_quadratic(levels, v, levels[1]) for v in (means, deviations))
+        root_n = np.sqrt(n) / found.critical_value
+        if slope.c != 0.0:
+            assert (found.length == 0.0) == (root_n * abs(slope.c) > abs(spread.c))
+        else:
+            assert (found.length == 0.0) == (
+                spread.c == 0.0 and root_n * abs(slope.b) > abs(spread.b)
+            )
+
+
+@pytest.mark.parametrize("offset", [0.1, 0.3, 3.0, 1e6])
+def test_a_straight_line_stays_one_however_its_values_are_rounded(offset):
+    # a curvature of rounding alone would win far away, where scatter outgrows the line
+    means = offset - 0.02 * (LEVELS - 78.0)
+    assert fit_quadratic(LEVELS, means, 78.0).b == 0.0
+    for n in (2, 20):
+        found = jc.indifference_interval(LEVELS, means, 0.05 + 0.1 * (LEVELS - 70.0), n)
+        assert np.isnan(found.length)
+
+
+def test_a_response_of_rounding_alone_is_none():
+    means = [0.1 + 0.2, 0.3, 0.3]
+    assert means[0] != means[1]
+    assert np.isnan(jc.indifference_interval(LEVELS, means, [0.0] * 3, 20).length)
+    assert np.isnan(jc.indifference_interval(LEVELS, means, [0.1] * 3, 20).length)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12])
+@pytest.mark.parametrize("scale", [1e-9, 78e9])
+def test_a_nearly_double_root_is_as_exact_as_its_condition_allows(side, gap, scale):
+    # sqrt(n) x(u) = t sqrt(S^2 + S_M^2) is touched by a parabola x = c u - b u^2 from below
+    # or above; the deviation that makes it touch, by bisection in 50 digits
+    n = 20
+    levels = scale * np.array([0.5, 1.0, 1.5])
+    means = np.array([-1.25, 0.0, 0.75])  # x = u - u^2/4, highest at u = 2, where it is 1
+    critical = scipy.stats.t.ppf(0.975, 2 * n - 2)
+    touching = np.sqrt(n) / critical / np.sqrt(2.0)
+    deviation = touching * (1.0 - side * gap)
+    found = jc.indifference_interval(levels, means, [deviation] * 3, n)
+    exact = exact_length(levels, means, [deviation] * 3, n, found.critical_value)
+    if side < 0.0:  # no real root on the right: the next is on the left, far from double
+        left = 2.0 * (np.sqrt(2.0) - 1.0)
+        assert found.length == pytest.approx(left * 0.5 * scale, rel=0.1)
+    assert abs(found.length - exact) <= 1e-15 / np.sqrt(gap) * exact
+
+
+def test_roots_are_found_where_the_product_of_two_values_underflows():
+    # x^2 - 1e-200 scaled down: both values are about 1e-200
+    roots = real_roots(1e-100 * np.array([1.0, 0.0, -1e-200]))
+    np.testing.assert_allclose(roots, [-1e-100, 1e-100], rtol=1e-12)
 
 
 def test_more_than_three_levels_are_fitted_and_tested():

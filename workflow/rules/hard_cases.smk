@@ -20,6 +20,8 @@ rule hard_cases:
         f"{HARD_RESULTS}/tables/hard_cases.csv",
         f"{HARD_RESULTS}/figures/hard_cases.png",
         f"{HARD_RESULTS}/figures/hard_cases.pdf",
+        f"{HARD_RESULTS}/figures/numerics.png",
+        f"{HARD_RESULTS}/figures/numerics.pdf",
     message:
         "The hard cases are closed and judged"
 

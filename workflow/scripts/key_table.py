@@ -15,6 +15,9 @@ with what differs: lists replace lists, everything else is merged. `make study C
 
 - `default.yaml`: the paper's study.
 - `smoke.yaml`: the same made small.
+- `regularised.yaml`: the model that has a limit, to 10 MPa; `paper_at_10_mpa.yaml`: what it is held against.
+- `accuracy.yaml`: what accuracy costs in time (`make accuracy`).
+- `hard_cases.yaml`: joints that are hard on a solver (`make hard-cases`); it has a schema of its own.
 
 A rock of your own is an entry under `rocks` and its name in `study.rocks`:
 
@@ -35,7 +38,7 @@ rocks:
       jrc: [8, 12]
 ```
 
-The table is written by `python workflow/scripts/key_table.py`; `<rock>` stands for any name.
+The table is written by `python workflow/scripts/key_table.py`; `<rock>` and `<name>` stand for any name.
 
 | key | default | allowed | what it is |
 |---|---|---|---|
@@ -54,7 +57,7 @@ def rows(schema: dict, default: object, path: str):
     entries = dict(schema.get("properties", {}))
     extra = schema.get("additionalProperties")
     if isinstance(extra, dict):
-        entries["<rock>"] = extra
+        entries["<rock>" if path == "rocks." else "<name>"] = extra
     for name, entry in entries.items():
         value = default.get(name) if isinstance(default, dict) else None
         if "properties" in entry or isinstance(entry.get("additionalProperties"), dict):

@@ -4,7 +4,7 @@ import pandas as pd
 
 from jointclosure.dataset import read_csv, save_figure, write_csv
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.verification.pictures import hard_case_page
+from jointclosure.plotting.hard_cases import hard_case_page
 
 
 def main(inputs: dict, order: list[str], outputs: dict, log: Logbook) -> None:

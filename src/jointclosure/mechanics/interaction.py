@@ -24,11 +24,13 @@ def far_field_factor(ratio):
     Eqs. (17) and (18) (Johnson 1985, Eq. 3.42b) with Eqs. (19) and (20) are
     the hypergeometric series 2F1(1/2, 1/2; 5/2; (r/zeta)^2). The printed form
     subtracts equal numbers far away; the series has positive terms only, so
-    it serves up to r/zeta = 0.9 and the printed form beyond.
+    it serves up to r/zeta = 0.9 and the printed form beyond, where 1 - (r/zeta)^2
+    is written as a product: next to the rim its rounding would cost three digits.
     """
     square = ratio * ratio
     if ratio > 0.9:
-        bracket = (2.0 * square - 1.0) * math.asin(ratio) + ratio * math.sqrt(1.0 - square)
+        beyond = math.sqrt((1.0 - ratio) * (1.0 + ratio))
+        bracket = (2.0 * square - 1.0) * math.asin(ratio) + ratio * beyond
         return 0.75 * bracket / (square * ratio)
     term = 1.0
     total = 1.0

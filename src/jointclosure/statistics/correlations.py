@@ -45,17 +45,33 @@ def fit_quadratic(levels: np.ndarray, values: np.ndarray, base: float) -> Quadra
     values : array (k,)
         Means or standard deviations at the levels.
     base : float
-        Level about which u counts.
+        The one of the levels about which u counts.
+
+    Notes
+    -----
+    It is fitted to the differences from the base value, which keeps every digit
+    of a response that is small beside its mean. A coefficient b or c that
+    rounding of levels and values alone can make is 0: a straight line stays one.
     """
-    levels = np.asarray(levels, dtype=float)
+    levels, values = np.asarray(levels, dtype=float), np.asarray(values, dtype=float)
     half_range = 0.5 * (levels[-1] - levels[0])
-    u = (levels - base) / half_range
-    terms = np.stack([u * u, u, np.ones_like(u)], axis=1)
-    values = np.asarray(values, dtype=float)
+    others = levels != base
+    u = (levels[others] - base) / half_range
+    start = float(values[~others][0])
+    rises = values[others] - start
     if levels.size == 3:
-        b, c, d = np.linalg.solve(terms, values)
+        (u1, u2), (s1, s2) = u, rises / u
+        coefficients = np.array([s2 - s1, u2 * s1 - u1 * s2, 0.0]) / (u2 - u1)
+        weights = np.array([[1.0, 1.0], [abs(u2), abs(u1)]]) / (np.abs(u) * (u2 - u1))
     else:
-        b, c, d = np.linalg.lstsq(terms, values, rcond=None)[0]
+        inverse = np.linalg.pinv(np.vander(np.append(u, 0.0), 3))
+        coefficients = inverse @ np.append(rises, 0.0)
+        weights = np.abs(inverse[:2, :-1])
+    slopes = np.abs(2.0 * coefficients[0] * u) + abs(coefficients[1])
+    rounding = np.abs(values).max() + slopes * np.abs(levels).max() / half_range
+    noise = np.finfo(float).eps * (weights @ rounding)
+    b, c = np.where(np.abs(coefficients[:2]) > noise, coefficients[:2], 0.0)
+    d = start + coefficients[2]
     return Quadratic(float(b), float(c), float(d), float(base), float(half_range))
 
 

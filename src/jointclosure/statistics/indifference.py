@@ -125,6 +125,7 @@ def closest_root(mean: Quadratic, deviation: Quadratic, samples: int, critical: 
         odd = coefficients[2] == 0.0 and coefficients[1] != 0.0
         if lowest > 0.0 or odd:
             return 0.0
+        coefficients = np.trim_zeros(coefficients, "b")  # the roots at the base do not count
     roots = real_roots(coefficients)
     return float(roots[np.argmin(np.abs(roots))]) if roots.size else float("nan")
 
@@ -147,11 +148,10 @@ def real_roots(coefficients: np.ndarray) -> np.ndarray:
     turns = real_roots(np.polyder(coefficients))
     ends = np.concatenate([[-bound], turns[np.abs(turns) < bound], [bound]])
     values = np.polyval(coefficients, ends)
+    signs = np.sign(values)  # a product of values may underflow
     roots = [end for end, value in zip(ends, values, strict=True) if value == 0.0]
-    for left, right, f_left, f_right in zip(
-        ends[:-1], ends[1:], values[:-1], values[1:], strict=True
-    ):
-        if f_left * f_right < 0.0:
+    for left, right, before, after in zip(ends[:-1], ends[1:], signs[:-1], signs[1:], strict=True):
+        if before * after < 0.0:
             roots.append(
                 scipy.optimize.brentq(
                     lambda u: np.polyval(coefficients, u),

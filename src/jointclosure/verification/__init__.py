@@ -1,1 +1,1 @@
-"""The code judged: an oracle that shares nothing with the solvers, and cases that are hard."""
+"""Verification: hard cases, exact arithmetic, and judges that share no code with the solvers."""

@@ -1,8 +1,4 @@
-"""One page with the closure curves of all hard cases; no files."""
-
-import matplotlib
-
-matplotlib.use("Agg")
+"""One page with the closure curves of all hard cases."""
 
 import matplotlib.pyplot as plt
 import pandas as pd

@@ -1,0 +1,275 @@
+"""The paper's formulas as printed, ours, and exact values beside them.
+
+Eqs. (13), (17) and (29) as they stand in the paper, in plain numpy and double
+precision, the package's own forms of the same, and the exact values by mpmath
+in 50 digits of the very same double-precision inputs: what each form loses.
+"""
+
+import mpmath
+import numpy as np
+import pandas as pd
+import scipy.stats
+
+from jointclosure.mechanics.contact import force_of_overlap
+from jointclosure.mechanics.interaction import interaction_displacement
+from jointclosure.statistics.indifference import indifference_interval
+
+DIGITS = 50
+OVERLAP = 1e-6
+"""delta_S of the cubic's errors [m]; they depend on the stiffness ratio g alone."""
+MEANS, DEVIATIONS, SAMPLES = (0.091, 0.081, 0.074), (0.0081, 0.0078, 0.0083), 20
+"""Closures [mm] and their deviations for the quartic's errors, near those of dolerite."""
+
+
+# --- the contact cubic -------------------------------------------------------------------
+
+
+def deformation_as_printed(overlap: float, gamma: float, sign: int) -> np.ndarray:
+    """delta_a [m] by Eqs. (11) and (13), principal cube root.
+
+    Parameters
+    ----------
+    overlap : float
+        delta_S [m].
+    gamma : float
+        gamma of Eq. (12) [m^(-1/2)].
+    sign : int
+        Of 81 gamma^2 delta_S^2 - 12 delta_S under the root: -1 as printed, +1
+        as the derivation gives it.
+
+    Returns
+    -------
+    array (2,) of complex
+        For the upper and the lower sign of Eq. (13).
+    """
+    return _deformations(overlap, gamma, sign)[:, 0]
+
+
+def deformation_on_best_branch(overlap: float, gamma: float, exact: mpmath.mpf) -> complex:
+    """delta_a [m] by Eqs. (11) and (13) with the sign corrected, and hindsight.
+
+    Of both signs and all three cube roots, the one next to the exact value:
+    what is lost to rounding once the misprint and the branch are mended.
+    """
+    found = _deformations(overlap, gamma, +1).ravel()
+    return complex(min(found, key=lambda value: relative_error(value, exact)))
+
+
+def _deformations(overlap: float, gamma: float, sign: int) -> np.ndarray:
+    """delta_a (upper and lower sign, cube root) of Eqs. (11) and (13)."""
+    under = complex(sign * (81.0 * gamma**2 * overlap**2 - 12.0 * overlap))
+    signs = np.array([[1.0], [-1.0]])
+    with np.errstate(divide="ignore", invalid="ignore"):  # the formula's own failure, measured
+        cube = (2.0 - 27.0 * gamma**2 * overlap + signs * 3.0 * gamma * np.sqrt(under)) / 2.0
+        root = cube ** (1.0 / 3.0) * np.exp(2j * np.pi / 3.0 * np.arange(3.0))
+        return (-1.0 / (3.0 * gamma) * (1.0 + root + 1.0 / root)) ** 2
+
+
+def deformation_by_force(overlap: float, gamma: float) -> float:
+    """delta_a [m] by the package's own way, through the force."""
+    asperity = 1.0  # the unit of force is free
+    force, _ = force_of_overlap(overlap, gamma, asperity)
+    return float(asperity * np.cbrt(force) ** 2)
+
+
+def exact_deformation(overlap: float, gamma: float) -> mpmath.mpf:
+    """delta_a [m]: the positive root x of gamma x^3 + x^2 = delta_S, squared, Eq. (10)."""
+    with mpmath.workdps(DIGITS + 20):
+        d, g = mpmath.mpf(overlap), mpmath.mpf(gamma)
+        x = mpmath.sqrt(d)
+        if g:
+            x = min(x, mpmath.cbrt(d / g))
+        for _ in range(200):  # from the right, onto the root of a convex function
+            shorter = x - (g * x**3 + x**2 - d) / (3 * g * x**2 + 2 * x)
+            if abs(shorter - x) <= x * mpmath.mpf(10) ** -(DIGITS + 10):
+                return shorter**2
+            x = shorter
+    raise ArithmeticError(f"gamma = {gamma}, delta_S = {overlap}: no root in 200 steps")
+
+
+def cubic_errors(ratios: np.ndarray) -> pd.DataFrame:
+    """Relative errors of delta_a at stiffness ratios g = gamma sqrt(delta_S) (k,)."""
+    rows = []
+    for g in ratios:
+        gamma = float(g / np.sqrt(OVERLAP))
+        exact = exact_deformation(OVERLAP, gamma)
+        printed = [
+            min(relative_error(value, exact) for value in deformation_as_printed(OVERLAP, gamma, s))
+            for s in (-1, +1)
+        ]
+        rows += [
+            ("Eq. (13) as printed", g, printed[0]),
+            ("sign corrected, principal root", g, printed[1]),
+            (
+                "sign corrected, best root",
+                g,
+                relative_error(deformation_on_best_branch(OVERLAP, gamma, exact), exact),
+            ),
+            ("jointclosure", g, relative_error(deformation_by_force(OVERLAP, gamma), exact)),
+        ]
+    return _table("cubic", rows)
+
+
+# --- the far field -----------------------------------------------------------------------
+
+
+def displacement_as_printed(distance: float, base_radius: float, modulus: float) -> float:
+    """Displacement per unit force [m/N] by Eqs. (17) and (19) as printed.
+
+    Parameters
+    ----------
+    distance, base_radius : float
+        zeta >= r [m].
+    modulus : float
+        E* [Pa].
+    """
+    zeta, r = np.float64(distance), np.float64(base_radius)
+    pressure = 3.0 / (2.0 * np.pi * r**2)
+    bracket = (2.0 * r**2 - zeta**2) * np.arcsin(r / zeta) + r * np.sqrt(zeta**2 - r**2)
+    return float(pressure / (2.0 * modulus * r) * bracket)
+
+
+def exact_displacement(distance: float, base_radius: float, modulus: float) -> mpmath.mpf:
+    """The same as `displacement_as_printed`, exact: digits are spent on what cancels."""
+    with mpmath.workdps(DIGITS + 60):
+        zeta, r, e = (mpmath.mpf(float(value)) for value in (distance, base_radius, modulus))
+        root = mpmath.sqrt((zeta - r) * (zeta + r))
+        bracket = (2 * r**2 - zeta**2) * mpmath.asin(r / zeta) + r * root
+        return 3 * bracket / (4 * mpmath.pi * e * r**3)
+
+
+def far_field_errors(ratios: np.ndarray) -> pd.DataFrame:
+    """Relative errors of the displacement at distances zeta/r (k,)."""
+    rows = []
+    for ratio in ratios:
+        arguments = (0.125e-3 * float(ratio), 0.125e-3, 40e9)
+        exact = exact_displacement(*arguments)
+        for name, formula in (
+            ("Eq. (17) as printed", displacement_as_printed),
+            ("jointclosure", interaction_displacement),
+        ):
+            rows.append((name, ratio, relative_error(formula(*arguments), exact)))
+    return _table("far field", rows)
+
+
+# --- the quartic -------------------------------------------------------------------------
+
+
+def length_as_printed(levels, means, deviations, samples: int, critical: float) -> float:
+    """Length of the indifference interval by Eqs. (25), (27) and (29) as printed.
+
+    The correlations and the quartic in powers of the parameter itself, the
+    roots by `numpy.roots`; real is what it gives as real.
+
+    Parameters
+    ----------
+    levels, means, deviations : array (3,)
+        p_L, p_M, p_H, and x_max and S there.
+    samples : int
+        n, 20 in the paper.
+    critical : float
+        t_cr.
+
+    Returns
+    -------
+    float
+        |p - p_M| of the closest real root, NaN without one, and where Eqs. (25) and
+        (27) are singular in double precision.
+    """
+    powers = np.vander(np.asarray(levels, dtype=float), 3)
+    values = np.stack([np.asarray(means, dtype=float), np.asarray(deviations, dtype=float)], 1)
+    try:
+        (b, bs), (c, cs), (d, ds) = np.linalg.solve(powers, values)
+    except np.linalg.LinAlgError:  # in double precision the levels are one
+        return float("nan")
+    n, t2 = float(samples), critical**2
+    rise = d - means[1]
+    roots = np.roots(
+        [
+            n * b**2 - t2 * bs**2,
+            2.0 * n * b * c - 2.0 * t2 * bs * cs,
+            n * c**2 + 2.0 * n * b * rise - t2 * cs**2 - 2.0 * t2 * bs * ds,
+            2.0 * n * c * rise - 2.0 * t2 * cs * ds,
+            n * rise**2 - t2 * (ds**2 + deviations[1] ** 2),
+        ]
+    )
+    real = roots[np.isreal(roots)].real
+    return float(np.min(np.abs(real - levels[1]))) if real.size else float("nan")
+
+
+def exact_length(levels, means, deviations, samples: int, critical: float) -> mpmath.mpf:
+    """The same as `length_as_printed`, exact; NaN without a real root.
+
+    All roots of the quartic in a parameter counted from p_M, which takes no
+    digits in exact arithmetic; with double roots told from none by a gap of
+    1e-30 in their imaginary parts.
+    """
+    with mpmath.workdps(3 * DIGITS):
+        p = [mpmath.mpf(float(value)) for value in levels]
+        half_range = (p[2] - p[0]) / 2
+        u = [(value - p[1]) / half_range for value in p]
+        (b, c, d), (bs, cs, ds) = (_exact_quadratic(u, v) for v in (means, deviations))
+        n, t2 = mpmath.mpf(samples), mpmath.mpf(critical) ** 2
+        rise = d - mpmath.mpf(float(means[1]))
+        at_base = mpmath.mpf(float(deviations[1]))
+        coefficients = [
+            n * b**2 - t2 * bs**2,
+            2 * n * b * c - 2 * t2 * bs * cs,
+            n * c**2 + 2 * n * b * rise - t2 * cs**2 - 2 * t2 * bs * ds,
+            2 * n * c * rise - 2 * t2 * cs * ds,
+            n * rise**2 - t2 * (ds**2 + at_base**2),
+        ]
+        largest = max(abs(value) for value in coefficients)
+        while coefficients and abs(coefficients[0]) <= largest * mpmath.mpf(10) ** -(2 * DIGITS):
+            del coefficients[0]
+        if len(coefficients) < 2:
+            return mpmath.nan
+        ascending = coefficients[::-1]
+        roots = mpmath.polyroots(ascending, maxsteps=5000, extraprec=20 * DIGITS, asc=True)
+        size = mpmath.mpf(10) ** -30
+        real = [abs(mpmath.re(r)) for r in roots if abs(mpmath.im(r)) <= size * (1 + abs(r))]
+        return min(real) * half_range if real else mpmath.nan
+
+
+def _exact_quadratic(u, values):
+    """Coefficients of the quadratic through three points, highest power first."""
+    matrix = mpmath.matrix([[x**2, x, 1] for x in u])
+    return mpmath.lu_solve(matrix, mpmath.matrix([mpmath.mpf(float(v)) for v in values]))
+
+
+def quartic_errors(half_ranges: np.ndarray, base: float) -> pd.DataFrame:
+    """Relative errors of the length for levels base (1 -+ half range) (k,).
+
+    The responses at the levels are the same throughout (`MEANS`,
+    `DEVIATIONS`), so that the length is a fixed part of the half range.
+    """
+    critical = float(scipy.stats.t.ppf(0.975, 2 * SAMPLES - 2))
+    rows = []
+    for half in half_ranges:
+        levels = base * np.array([1.0 - half, 1.0, 1.0 + half])
+        exact = exact_length(levels, MEANS, DEVIATIONS, SAMPLES, critical)
+        printed = length_as_printed(levels, MEANS, DEVIATIONS, SAMPLES, critical)
+        ours = indifference_interval(levels, MEANS, DEVIATIONS, SAMPLES).length
+        rows += [
+            (f"Eq. (29) as printed, p = {base:g}", half, relative_error(printed, exact)),
+            (f"jointclosure, p = {base:g}", half, relative_error(ours, exact)),
+        ]
+    return _table("quartic", rows)
+
+
+# --- what they share ---------------------------------------------------------------------
+
+
+def relative_error(value: complex, exact: mpmath.mpf) -> float:
+    """|value/exact - 1|, infinite where the value is no number and the exact one is."""
+    if not np.isfinite(value):
+        return float("inf")
+    with mpmath.workdps(DIGITS):
+        return float(abs(mpmath.mpmathify(complex(value)) / exact - 1))
+
+
+def _table(subject: str, rows: list[tuple[str, float, float]]) -> pd.DataFrame:
+    """Rows (series, at, error) of one subject, in the long form of `numerics.csv`."""
+    frame = pd.DataFrame(rows, columns=["series", "at", "error"])
+    frame.insert(0, "subject", subject)
+    return frame

@@ -1,0 +1,51 @@
+# Numerical stability: the paper's formulas and sweep beside ours, docs/numerical_stability.md.
+
+NUMERICS = "results/hard_cases"
+NUMERICS_CODE = source_digest(
+    "verification",
+    "mechanics",
+    "statistics",
+    "solvers",
+    "surface",
+    "parameters",
+    "dataset",
+)
+
+
+rule measure_numerics:
+    input:
+        ancient(f"{NUMERICS}/logs/kernels.txt"),
+    output:
+        numerics=f"{NUMERICS}/tables/numerics.csv",
+        loads=f"{NUMERICS}/tables/sweep_loads.csv",
+    log:
+        f"{NUMERICS}/logs/measure_numerics.log",
+    benchmark:
+        f"{NUMERICS}/benchmarks/measure_numerics.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        code=NUMERICS_CODE,
+    message:
+        "Measure the paper's formulas and sweep, and ours, against exact values"
+    script:
+        "../scripts/measure_numerics.py"
+
+
+rule draw_numerics:
+    input:
+        f"{NUMERICS}/tables/numerics.csv",
+    output:
+        expand(f"{NUMERICS}/figures/numerics.{{format}}", format=["png", "pdf"]),
+    log:
+        f"{NUMERICS}/logs/draw_numerics.log",
+    benchmark:
+        f"{NUMERICS}/benchmarks/draw_numerics.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        code=source_digest("plotting", "dataset"),
+    message:
+        "Draw what the paper's formulas lose, and how its sweep converges"
+    script:
+        "../scripts/draw_numerics.py"
