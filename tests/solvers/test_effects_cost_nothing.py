@@ -1,0 +1,89 @@
+"""An effect that is off costs nothing: its code is not compiled, and its work is not done."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from jointclosure.solvers import elastic, interaction_operator, joint
+from tests.conftest import DOLERITE, SPACING
+
+
+def closed(effects, breakage="fixed_step", cells=10):
+    walls = jc.wall_pair(8.0, (cells, cells), SPACING, seed=1)
+    return jc.simulate(
+        *walls,
+        spacing=SPACING,
+        rock=DOLERITE,
+        max_normal_stress=1e5,
+        effects=effects,
+        numerics=jc.Numerics(breakage=breakage),
+    )
+
+
+CODE = """
+import json, re
+from tests.solvers.test_effects_cost_nothing import closed
+from jointclosure import Effects
+from jointclosure.solvers.breakage import breakage_kernel
+found = []
+for gouge, breakage in ((True, "fixed_step"), (False, "fixed_step"), (True, "resolved")):
+    closed(Effects(gouge=gouge), breakage)
+    kernel = breakage_kernel(gouge, False, breakage == "resolved")
+    (signature,) = kernel.signatures
+    text, assembly = kernel.inspect_llvm(signature), kernel.inspect_asm(signature)
+    names = [name for name in ("measure_falls", "returning_losses") if name in text]
+    found.append([names, len(re.findall(r"\\bv?f?divp?s?d", assembly))])
+print(json.dumps(found))
+"""
+
+
+@pytest.mark.slow
+def test_code_of_an_effect_that_is_off_is_not_in_the_machine_code(tmp_path):
+    # compiled anew: numba cannot show code that it took from its cache
+    done = subprocess.run(
+        [sys.executable, "-c", CODE],
+        env=os.environ | {"JOINTCLOSURE_CACHE": str(tmp_path)},
+        cwd=Path(__file__).parents[2],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    full, without_gouge, resolved = json.loads(done.stdout.splitlines()[-1])
+    assert full[0] == ["measure_falls"]
+    assert without_gouge[0] == []
+    assert resolved[0] == ["measure_falls", "returning_losses"]
+    # of x86 and ARM; gouge divides where it is shared out and cut
+    assert without_gouge[1] < full[1]
+
+
+def refuse(*_):
+    raise AssertionError("was not to be called")
+
+
+@pytest.mark.parametrize("breakage", [False, True])
+def test_without_interaction_there_is_neither_transform_nor_influence(monkeypatch, breakage):
+    for module in (joint, elastic, interaction_operator):
+        for name in ("influence_table", "influence_of", "interaction_field", "influence_matrix"):
+            if hasattr(module, name):
+                monkeypatch.setattr(module, name, refuse)
+    found = closed(jc.Effects(interaction=False, breakage=breakage, gouge=breakage))
+    assert int(found.status) < 16
+    assert np.all(found.bulk_indentation == 0.0)
+
+
+def test_a_scene_without_breakage_calls_no_breakage_and_takes_no_steps(monkeypatch):
+    from jointclosure.solvers import fast
+
+    monkeypatch.setattr(fast, "breakage_kernel", refuse)
+    monkeypatch.setattr(fast.FastSolver, "settle", refuse)
+    found = closed(jc.Effects(breakage=False, gouge=False))
+    assert found.breakage_steps == 0
+    assert np.array_equal(
+        found.upper_final, closed(jc.Effects(False, False, False, False)).upper_final
+    )
