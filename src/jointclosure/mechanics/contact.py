@@ -19,6 +19,18 @@ from jointclosure.compilation import kernel
 
 
 @kernel
+def cube_root(value):
+    """Cube root that scales exactly: that of 8 x is twice that of x, to the last bit.
+
+    Numba's own is a power of 1/3, which does not; so a joint whose lengths or
+    moduli are multiplied by a power of 64 would not have the same history.
+    """
+    mantissa, exponent = math.frexp(value)
+    third = exponent // 3
+    return math.ldexp(np.cbrt(mantissa * float(1 << (exponent - 3 * third))), third)
+
+
+@kernel
 def plane_strain_modulus(youngs_modulus, poisson_ratio):
     """E* = E / (1 - nu^2) of one wall [Pa], as used in Eqs. (6) and (7)."""
     return youngs_modulus / (1.0 - poisson_ratio**2)
@@ -55,13 +67,13 @@ def asperity_compliance(curvature, asperity_modulus):
     asperity_modulus : float
         E_a* of Eq. (4) [Pa].
     """
-    return np.cbrt(9.0 * curvature / (16.0 * asperity_modulus * asperity_modulus))
+    return cube_root(9.0 * curvature / (16.0 * asperity_modulus * asperity_modulus))
 
 
 @kernel
 def overlap_of_force(force, substrate, asperity):
     """delta_S [m] under a force F >= 0 [N], Eqs. (5) to (10)."""
-    root = np.cbrt(force)
+    root = cube_root(force)
     return substrate * force + asperity * root * root
 
 
@@ -95,7 +107,7 @@ def force_of_overlap(overlap, substrate, asperity):
             return math.inf, math.inf
         t = math.sqrt(overlap / asperity)
         return t * t * t, 1.5 * t / asperity
-    t = np.cbrt(overlap / substrate)
+    t = cube_root(overlap / substrate)
     if asperity > 0.0:
         t = min(t, math.sqrt(overlap / asperity))
         for _ in range(20):

@@ -25,7 +25,7 @@ import numpy as np
 import scipy.optimize
 
 from jointclosure.compilation import kernel
-from jointclosure.mechanics.contact import force_of_overlap, overlap_of_force
+from jointclosure.mechanics.contact import cube_root, force_of_overlap, overlap_of_force
 from jointclosure.solvers.interaction_operator import (
     Influence,
     dense_limit,
@@ -119,7 +119,7 @@ def energy(contacts, shift, pushed, force):
     """The energy that equilibrium minimises [J], K F given as ``pushed``."""
     total = 0.0
     for i in range(force.size):
-        root = np.cbrt(force[i])
+        root = cube_root(force[i])
         own = 0.5 * contacts.substrate * force[i] + 0.6 * contacts.compliance[i] * root * root
         total += force[i] * (own + 0.5 * pushed[i] - contacts.overlap[i] - shift)
     return total
