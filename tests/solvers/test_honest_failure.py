@@ -1,0 +1,95 @@
+"""What cannot be solved is said to be unsolved: bad starts, tolerances, NaN, steps."""
+
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from jointclosure.protocol import FLAGS
+from jointclosure.solvers.equilibrium import ROUNDING, solve_equilibrium
+from jointclosure.solvers.interaction_operator import influence_of
+from tests.conftest import DOLERITE, SPACING
+from tests.solvers.test_equilibrium import contacts_at
+
+pytestmark = pytest.mark.filterwarnings("error")
+
+
+@pytest.fixture(scope="module")
+def problem():
+    """Contacts of a joint, their influence, and their forces in equilibrium."""
+    upper, lower = jc.wall_pair(8.0, (20, 24), SPACING, seed=3)
+    contacts, table = contacts_at(upper, lower, 3e-4)
+    influence = influence_of(table)
+    nothing = np.zeros(contacts.cells.size)
+    return influence, contacts, solve_equilibrium(influence, contacts, nothing, np.nan, 1e-12)
+
+
+def garbage(n):
+    random = np.random.default_rng(1)
+    return random.standard_normal(n) * 10.0 ** random.uniform(-300.0, 300.0, n)
+
+
+STARTS = {
+    "zero": np.zeros,
+    "NaN": lambda n: np.full(n, np.nan),
+    "one NaN": lambda n: np.where(np.arange(n) == 3, np.nan, 1.0),
+    "infinite": lambda n: np.full(n, np.inf),
+    "huge": lambda n: np.full(n, 1e300),
+    "1e100 N": lambda n: np.full(n, 1e100),
+    "negative": lambda n: np.full(n, -1e200),
+    "denormal": lambda n: np.full(n, 5e-324),
+    "garbage": garbage,
+}
+
+
+@pytest.mark.parametrize("given", ["closure", "force"])
+@pytest.mark.parametrize("start", STARTS)
+def test_any_start_leads_to_the_same_equilibrium(problem, start, given):
+    influence, contacts, usual = problem
+    target = usual.force.sum() if given == "force" else np.nan
+    guess = STARTS[start](contacts.cells.size)
+    found = solve_equilibrium(influence, contacts, guess, target, 1e-10)
+    assert found.residual <= 1e-10
+    assert np.abs(found.force - usual.force).sum() <= 1e-8 * usual.force.sum()
+
+
+@pytest.mark.parametrize("given", ["closure", "force"])
+@pytest.mark.parametrize("interacting", [True, False])
+def test_a_tolerance_below_rounding_is_not_said_to_be_met(problem, interacting, given):
+    influence, contacts, usual = problem
+    start = np.zeros(contacts.cells.size)
+    target = usual.force.sum() if given == "force" else np.nan
+    found = solve_equilibrium(influence if interacting else None, contacts, start, target, 1e-18)
+    assert ROUNDING <= found.residual < 1e-13
+    assert np.isfinite(found.force).all()
+
+
+@pytest.mark.parametrize("interacting", [True, False])
+@pytest.mark.parametrize("given", ["closure", "force"])
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("field", ["overlap", "compliance"])
+def test_contacts_that_are_no_numbers_have_no_equilibrium(
+    problem, field, value, given, interacting
+):
+    influence, contacts, usual = problem
+    values = getattr(contacts, field).copy()
+    values[2] = value
+    target = usual.force.sum() if given == "force" else np.nan
+    found = solve_equilibrium(
+        influence if interacting else None,
+        contacts._replace(**{field: values}),
+        np.zeros(values.size),
+        target,
+        1e-10,
+    )
+    assert np.isnan(found.residual)
+    assert not found.residual <= 1e-10
+    assert np.isnan(found.force).all()
+
+
+@pytest.mark.parametrize("interacting", [True, False])
+@pytest.mark.parametrize("target", [0.0, -1.0, np.inf])
+def test_a_force_that_no_closure_carries_is_not_found(problem, target, interacting):
+    influence, contacts, _ = problem
+    start = np.zeros(contacts.cells.size)
+    found = solve_equilibrium(influence if interacting else None, contacts, start, target, 1e-10)
+    assert np.isnan(found.residual)
