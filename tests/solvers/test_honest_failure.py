@@ -93,3 +93,39 @@ def test_a_force_that_no_closure_carries_is_not_found(problem, target, interacti
     start = np.zeros(contacts.cells.size)
     found = solve_equilibrium(influence if interacting else None, contacts, start, target, 1e-10)
     assert np.isnan(found.residual)
+
+
+def test_forces_that_nothing_answers_are_no_equilibrium(small_joint, monkeypatch):
+    """A solver that believes in a wrong answer is overruled by the recomputed residual."""
+    from jointclosure.solvers import fast
+
+    def believer(*arguments):
+        found = solve_equilibrium(*arguments)
+        return found._replace(force=2.0 * found.force)
+
+    monkeypatch.setattr(fast, "solve_equilibrium", believer)
+    closed = jc.simulate(*small_joint, spacing=SPACING, rock=DOLERITE, max_normal_stress=1e6)
+    assert FLAGS[int(closed.status)] == "not_converged"
+    assert np.isnan(closed.max_closure).all()
+
+
+@pytest.mark.parametrize("effects", [jc.Effects(substrate=False, interaction=False), jc.Effects()])
+def test_infinite_strength_holds_where_breakage_is_resolved(small_joint, effects):
+    rock = DOLERITE._replace(compressive_strength=float("inf"))
+    closed = jc.simulate(
+        *small_joint,
+        spacing=SPACING,
+        rock=rock,
+        max_normal_stress=1e6,
+        effects=effects,
+        numerics=jc.Numerics(breakage="resolved"),
+    )
+    elastic = jc.simulate(
+        *small_joint,
+        spacing=SPACING,
+        rock=rock,
+        max_normal_stress=1e6,
+        effects=effects._replace(breakage=False, gouge=False),
+    )
+    assert float(closed.equilibrium_residual.max()) <= 1e-8
+    np.testing.assert_allclose(closed.max_closure, elastic.max_closure, rtol=1e-3)

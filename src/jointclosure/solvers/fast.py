@@ -27,6 +27,8 @@ PROVISIONAL_TOLERANCE = 1e-2
 """Residual that suffices to find what breaks next; what rests is solved on."""
 BAND = 10.0
 """Width of the band about its strength in which a contact rests, over `Numerics.tolerance`."""
+MISJUDGED = 1e-6
+"""Recomputed residual beyond which a solution is none, whatever the solver believes."""
 MOST_ROUNDS = 1000
 MOST_BREAKAGE_STEPS = 1_000_000_000
 
@@ -73,6 +75,8 @@ class FastSolver:
             np.clip((joint.interaction - before) / step, 0.0, 1.0, out=joint.interaction_rate)
         joint.closure[...] = closure
         settled = joint.describe(closure, outcome, broken, confined, iterations)
+        if outcome == CONVERGED and not settled.residual <= max(100.0 * final, MISJUDGED):
+            settled = settled._replace(outcome=NOT_CONVERGED)
         if predict and broken > 0:
             settled = settled._replace(correction=abs(settled.total_force - predicted))
         return settled
