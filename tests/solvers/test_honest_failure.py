@@ -109,6 +109,37 @@ def test_forces_that_nothing_answers_are_no_equilibrium(small_joint, monkeypatch
     assert np.isnan(closed.max_closure).all()
 
 
+@pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
+@pytest.mark.parametrize(("step", "stress"), [(1e-3, 1.0), (1.0, 1e5), (12.5e-6, 1e-5)])
+def test_a_step_far_longer_than_all_of_the_closure_still_lands(small_joint, step, stress, breakage):
+    closed = jc.simulate(
+        *small_joint,
+        spacing=SPACING,
+        rock=DOLERITE._replace(compressive_strength=1e12),
+        max_normal_stress=stress,
+        numerics=jc.Numerics(
+            displacement_step=step,
+            breakage_step=0.4 * step,
+            later_displacement_step=step,
+            later_breakage_step=0.4 * step,
+            breakage=breakage,
+        ),
+    )
+    assert int(closed.status) == 0
+    assert closed.normal_stress.max() == pytest.approx(stress, rel=1e-3)
+    assert np.all(closed.max_closure > 0.0)
+
+
+def test_a_target_below_what_rounding_resolves_is_a_failure_that_says_so():
+    # heights of 1 km are known to 1e-13 m: the first overlap there is carries far more than 1 nPa
+    wall = 1e3 + jc.wall_pair(8.0, (9, 9), SPACING, seed=1)[0]
+    closed = jc.simulate(
+        wall, 0.0 * wall, spacing=SPACING, rock=DOLERITE, max_normal_stress=1e-9, cycles=1
+    )
+    assert FLAGS[int(closed.status)] == "stress_not_reached"
+    assert np.isnan(closed.max_closure).all()
+
+
 @pytest.mark.parametrize("effects", [jc.Effects(substrate=False, interaction=False), jc.Effects()])
 def test_infinite_strength_holds_where_breakage_is_resolved(small_joint, effects):
     rock = DOLERITE._replace(compressive_strength=float("inf"))
