@@ -216,8 +216,8 @@ def test_there_are_18_scenes():
         ({"numerics": jc.Numerics(breakage="resolved", target="interpolate")}, "interpolate"),
         ({"upper": np.zeros((4, 5))}, "shapes"),
         ({"upper": np.zeros(5)}, "upper: shape"),
-        ({"lower": np.full((4, 4), np.nan)}, "lower: 16 heights are not finite"),
-        ({"lower": np.zeros((4, 4), dtype=complex)}, "lower: heights of type complex128"),
+        ({"lower": np.full((4, 4), np.nan)}, "lower: 16 values are not finite"),
+        ({"lower": np.zeros((4, 4), dtype=complex)}, "lower: values of type complex128"),
     ],
 )
 def test_bad_input_is_refused_by_name(change, named):

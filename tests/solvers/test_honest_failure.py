@@ -63,6 +63,18 @@ def test_a_tolerance_below_rounding_is_not_said_to_be_met(problem, interacting, 
     assert np.isfinite(found.force).all()
 
 
+@pytest.mark.parametrize("name", ["stress_tolerance", "force_tolerance", "sweep_tolerance"])
+def test_a_tolerance_below_rounding_is_refused_by_name(small_joint, name):
+    with pytest.raises(jc.InputError, match=f"{name} = 1e-18"):
+        jc.simulate(
+            *small_joint,
+            spacing=SPACING,
+            rock=DOLERITE,
+            max_normal_stress=1e6,
+            numerics=jc.Numerics(**{name: 1e-18}),
+        )
+
+
 @pytest.mark.parametrize("interacting", [True, False])
 @pytest.mark.parametrize("given", ["closure", "force"])
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
