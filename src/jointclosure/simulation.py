@@ -21,7 +21,7 @@ from jointclosure.parameters import (
     real_array,
 )
 from jointclosure.protocol import FLAG_OF_OUTCOME, FLAGS, UNLOADING, History, run_cycles
-from jointclosure.readings import cycle_readings
+from jointclosure.readings import cycle_readings, unloading_excess
 from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import Joint
 from jointclosure.solvers.registry import SOLVERS, solver_named
@@ -43,6 +43,11 @@ ATTRIBUTES: dict[str, dict] = {
             "closure at the cycle's end from the seating of its own loading, can be negative",
         ),
         ("max_bulk_indentation", "m", "bulk indentation at the cycle's maximum"),
+        (
+            "unloading_excess",
+            "Pa",
+            "largest stress by which unloading exceeds loading at equal closure",
+        ),
         ("least_force", "N", "least force on any cell at any step"),
         ("confined_share", "1", "share of the force on confined contacts at the maximum"),
         ("flat_share", "1", "share of the force on flat contacts at the maximum"),
@@ -109,7 +114,8 @@ def simulate(
         ``bulk_indentation`` [m], ``equilibrium_residual``, with coordinates
         ``cycle`` and ``branch``. Along ``cycle``: ``max_closure``,
         ``residual_closure`` [m], both ``_seated`` too, ``confined_share`` and
-        ``flat_share`` of the force at the maximum. The walls as they ended,
+        ``flat_share`` of the force at the maximum, ``unloading_excess`` [Pa], by
+        which stress on unloading exceeds that on loading. The walls as they ended,
         ``status`` (bits, below 16 a success; see its attributes), and counts.
 
     Raises
@@ -238,6 +244,7 @@ def _history_dataset(
         "equilibrium_residual": np.array([p.residual for p in settled]),
     }
     along_cycle = cycle_readings(closure, stress, cycle, branch, cycles, seating_stress)
+    along_cycle["unloading_excess"] = unloading_excess(closure, stress, cycle, branch, cycles)
     at_maximum = _at_maxima(settled, cycle, branch, cycles)
     along_cycle |= {
         "max_bulk_indentation": at_maximum("mean_interaction"),
