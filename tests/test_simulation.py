@@ -1,8 +1,12 @@
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 import xarray as xr
 
 import jointclosure as jc
+from jointclosure.dataset import read_netcdf
 from jointclosure.protocol import FAILURE, FLAGS
 from jointclosure.simulation import height_datum
 from jointclosure.warmup import well_posed_scenes
@@ -92,11 +96,64 @@ def test_unloading_lies_below_loading(closed):
         assert np.all(relief[inside] <= np.interp(back[inside], closure, stress) + 1e-3 * TARGET)
 
 
+def test_the_excess_of_unloading_is_reported_and_a_hundredth_of_the_stress_at_most(closed):
+    assert closed.unloading_excess.dims == ("cycle",)
+    assert closed.unloading_excess.attrs["units"] == "Pa"
+    assert np.all(closed.unloading_excess >= 0.0)
+    assert np.all(closed.unloading_excess <= 1e-2 * TARGET)
+
+
+@pytest.mark.parametrize("solver", ["fast", "reference"])
+def test_without_breakage_unloading_never_exceeds_loading(walls, solver):
+    # the fast solver goes up and down the same points; the reference stops at a change of 1e-12
+    # between sweeps, and its branches are read linearly between steps, each point on the other
+    elastic = jc.simulate(
+        *walls,
+        spacing=SPACING,
+        rock=DOLERITE,
+        max_normal_stress=TARGET,
+        cycles=1,
+        effects=jc.Effects(breakage=False, gouge=False),
+        numerics=jc.Numerics(solver=solver, sweep_tolerance=1e-12),
+    )
+    if solver == "fast":
+        assert elastic.unloading_excess == 0.0
+        return
+    for closure, stress in zip(*on(elastic, 1, "unloading"), strict=True):
+        state = jc.equilibrium(
+            *walls,
+            spacing=SPACING,
+            rock=DOLERITE,
+            closure=float(closure),
+            effects=jc.Effects(breakage=False, gouge=False),
+        )
+        assert stress <= float(state.normal_stress) * (1.0 + 1e-7) + 1e-9
+
+
 def test_seating_changes_the_reading_and_never_the_history(walls, closed):
     other = jc.simulate(*walls, spacing=SPACING, rock=DOLERITE, max_normal_stress=TARGET)
     xr.testing.assert_equal(other.closure, closed.closure)
     np.testing.assert_array_equal(other.max_closure_seated, other.max_closure)
     assert np.all(closed.max_closure_seated < closed.max_closure)
+
+
+@pytest.mark.parametrize("method", [("fast", "resolved"), ("reference", "fixed_step")], ids=str)
+def test_a_process_of_its_own_gives_the_same_bits(walls, method, tmp_path):
+    """By every method; that of the study is compared in tests/workflow."""
+    solver, breakage = method
+    numerics = jc.Numerics(solver=solver, breakage=breakage)
+    told = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 1e6, "numerics": numerics}
+    file = tmp_path / "closed.nc"
+    script = (
+        "import sys\nimport jointclosure as jc\nfrom jointclosure import Numerics, Rock\n"
+        "from jointclosure.dataset import write_netcdf\n"
+        f"walls = jc.wall_pair(8.0, (24, 24), {SPACING!r}, seed=11)\n"
+        f"write_netcdf(jc.simulate(*walls, **{told!r}), sys.argv[1])\n"
+    )
+    subprocess.run([sys.executable, "-c", script, str(file)], check=True)
+    here, there = jc.simulate(*walls, **told), read_netcdf(file)
+    for name, variable in here.data_vars.items():
+        assert there[name].values.tobytes() == variable.values.tobytes(), name
 
 
 def test_the_same_call_gives_the_same_numbers_and_leaves_the_walls_alone(walls, closed):
@@ -242,8 +299,8 @@ def test_there_are_18_scenes():
         ({"numerics": jc.Numerics(breakage="resolved", target="interpolate")}, "interpolate"),
         ({"upper": np.zeros((4, 5))}, "shapes"),
         ({"upper": np.zeros(5)}, "upper: shape"),
-        ({"lower": np.full((4, 4), np.nan)}, "lower: 16 heights are not finite"),
-        ({"lower": np.zeros((4, 4), dtype=complex)}, "lower: heights of type complex128"),
+        ({"lower": np.full((4, 4), np.nan)}, "lower: 16 values are not finite"),
+        ({"lower": np.zeros((4, 4), dtype=complex)}, "lower: values of type complex128"),
     ],
 )
 def test_bad_input_is_refused_by_name(change, named):

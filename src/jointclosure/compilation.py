@@ -15,6 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numba
+import numpy as np
 from numba.core import event
 
 PACKAGE = Path(__file__).parent
@@ -92,7 +93,8 @@ def kernel(function: Callable) -> Callable:
     """Compile a numerical kernel: cached on disk, serial, IEEE arithmetic.
 
     Divisions follow numpy (no exception on 0/0), so a kernel guards its own
-    singular cases. With ``NUMBA_DISABLE_JIT=1`` the function stays Python.
+    singular cases. With ``NUMBA_DISABLE_JIT=1`` the function stays Python, and
+    numpy's numbers are then as silent about 0/0 as compiled ones.
 
     A closure is named after the plain values that it closes over. Its machine
     code bears its name and a number counted from the start of the process, so
@@ -104,4 +106,7 @@ def kernel(function: Callable) -> Callable:
     function.__qualname__ += "".join(
         f"_{name}_{value}" for name, value in flags if isinstance(value, bool)
     )
-    return numba.njit(function, cache=True, error_model="numpy", nogil=True, forceinline=True)
+    compiled = numba.njit(function, cache=True, error_model="numpy", nogil=True, forceinline=True)
+    if numba.config.DISABLE_JIT:
+        return np.errstate(divide="ignore", invalid="ignore", over="ignore")(compiled)
+    return compiled

@@ -5,6 +5,7 @@ of a key's name) become SI.
 """
 
 import math
+import sys
 from decimal import Decimal
 from typing import Literal, NamedTuple
 
@@ -16,6 +17,12 @@ from jointclosure.mechanics.contact import (
     substrate_compliance,
 )
 from jointclosure.mechanics.strength import breaking_bend, strength_factor
+
+LENGTHS = (1e-15, 1e15)
+"""Smallest and largest length [m] that spacings may have, and largest height."""
+
+SMALLEST_TOLERANCE = 1e-14
+"""Of what is to be met relatively: about fifty roundings."""
 
 SI_FACTORS = {"GPa": 1e9, "MPa": 1e6, "mm": 1e-3, "um": 1e-6, "m": 1.0, "Pa": 1.0}
 
@@ -144,6 +151,50 @@ class InputError(ValueError):
     """A value that the model cannot take; the message names it."""
 
 
+def real_array(name: str, values) -> np.ndarray:
+    """Values as a new float64 array; `InputError` where they are no real numbers.
+
+    Floats of any size and integers are promoted (or rounded) to float64, in
+    any memory order. Complex, object, boolean, text and masked values are
+    refused, never converted, and so is what is not finite.
+    """
+    if np.ma.is_masked(values):
+        raise InputError(f"{name}: has masked values; fill or crop them first")
+    try:
+        given = np.asarray(values)
+    except ValueError as error:
+        raise InputError(f"{name}: is not an array of numbers ({error})") from None
+    if given.dtype.kind not in "fiu":
+        raise InputError(
+            f"{name}: values of type {given.dtype}, must be real numbers (floats or integers)"
+        )
+    with np.errstate(over="ignore"):  # a long double may not fit, and is then not finite
+        numbers = np.array(given, dtype=np.float64, order="C")
+    bad = np.argwhere(~np.isfinite(numbers))
+    if bad.size:
+        where = ", ".join(str(index) for index in bad[0])
+        axes = " (y, x) =" if numbers.ndim == 2 else ""
+        raise InputError(f"{name}: {len(bad)} values are not finite, the first at{axes} ({where})")
+    return numbers
+
+
+def in_double(settings):
+    """A `Rock`, `Choices` or `Numerics` with its numbers as Python's own.
+
+    A numpy.float32 in it would otherwise make single precision of all that it
+    meets, as numpy lets a Python float give way to it.
+    """
+    kinds = {np.floating: float, np.integer: int}
+    return settings._replace(
+        **{
+            name: kinds[kind](value)
+            for name, value in settings._asdict().items()
+            for kind in kinds
+            if isinstance(value, kind)
+        }
+    )
+
+
 def both_walls(rock) -> tuple[Rock, Rock]:
     """(upper, lower) rocks, from one rock or a pair of rocks.
 
@@ -161,7 +212,7 @@ def both_walls(rock) -> tuple[Rock, Rock]:
         raise InputError(f"rock: {rock!r} is neither a Rock nor a pair (upper, lower) of them")
     for wall in pair:
         check_rock(wall)
-    return pair[0], pair[1]
+    return in_double(pair[0]), in_double(pair[1])
 
 
 def check_rock(rock: Rock) -> None:
@@ -250,8 +301,11 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
     _one_of("solver", numerics.solver, solvers)
     for name in ("stress_tolerance", "force_tolerance", "sweep_tolerance"):
         check_number(name, getattr(numerics, name))
-        if not 0.0 < getattr(numerics, name) < 1.0:
-            raise InputError(f"{name} = {getattr(numerics, name)!r}: must lie in (0, 1)")
+        if not SMALLEST_TOLERANCE <= getattr(numerics, name) < 1.0:
+            raise InputError(
+                f"{name} = {getattr(numerics, name)!r}: must lie in [{SMALLEST_TOLERANCE:g}, 1); "
+                "rounding allows no less"
+            )
 
 
 def contact_law(
@@ -287,6 +341,18 @@ def check_number(name: str, value: object, whole: bool = False) -> None:
     kinds = (int, np.integer) if whole else (int, float, np.integer, np.floating)
     if isinstance(value, bool | np.bool_) or not isinstance(value, kinds):
         raise InputError(f"{name} = {value!r}: must be a {'whole ' if whole else ''}number")
+    if not whole and isinstance(value, int) and abs(value) > sys.float_info.max:
+        raise InputError(f"{name} = {value!r}: must be a number that fits in double precision")
+
+
+def check_length(name: str, value: float) -> None:
+    """Raise `InputError` unless a length [m] is positive and within `LENGTHS`."""
+    _positive(name, value, "m")
+    if not LENGTHS[0] <= value <= LENGTHS[1]:
+        raise InputError(
+            f"{name} = {value!r} m: must lie in [{LENGTHS[0]:g}, {LENGTHS[1]:g}] m; the "
+            "curvature's twelfth powers of lengths do not fit in double precision beyond"
+        )
 
 
 def _positive(name: str, value: float, unit: str, may_be_infinite: bool = False) -> None:

@@ -41,7 +41,10 @@ LARGEST_UNBREAKABLE_SHARE = 0.1
 
 LOADING, UNLOADING = "loading", "unloading"
 _SMALLEST_STEP = 1e-6
-"""Fraction of a displacement step below which a jump of the stress is accepted as one."""
+"""Fraction of a displacement step below which a jump of the stress is accepted as one, and of
+the closure reached, where that is less: a step may be far longer than all that is needed."""
+_MOST_STEPS = 1_000_000
+"""Steps of a history: beyond them the target is out of reach in steps of this length."""
 
 _CORRECTION, _RISE = 40.0, 10.0
 """What an adapted step may miss its predicted force by, and raise the force by, both relative and
@@ -76,6 +79,7 @@ class _Run:
         self.joint, self.solver, self.numerics = joint, solver, numerics
         self.target_force = target_force
         self.closure, self.total_force = 0.0, 0.0
+        self.cycle_start = 0.0
         self.steps: list[Step] = []
         self.status = 0
         self.breakage_steps = self.iterations = 0
@@ -173,9 +177,10 @@ def _elastic_cycles(joint, solver, numerics, target_force, cycles, extra_force) 
 def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float) -> None:
     """Close by steps until the force passes the target, then land on it."""
     adaptive = run.numerics.breakage == "resolved"
+    run.cycle_start = run.closure
     step = displacement_step
     while True:
-        if run.closure > run.closure_limit:
+        if run.closure > run.closure_limit or len(run.steps) > _MOST_STEPS:
             run.status |= 8 * FAILURE
             return
         before = run.joint.snapshot()
@@ -233,7 +238,9 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> None:
             run.joint.restore(before)
             return
         room = above.closure - run.closure
-        if room < _SMALLEST_STEP * displacement_step:
+        reached = above.closure - run.cycle_start
+        resolved = float(np.spacing(abs(run.joint.first_touch) + above.closure))
+        if room < _SMALLEST_STEP * min(displacement_step, reached) or room <= resolved:
             break
         run.joint.restore(before)
         slope = (above.total_force - run.total_force) / room
@@ -250,7 +257,8 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> None:
             run.accept(cycle, LOADING, trial)
             before = run.joint.snapshot()
     run.joint.restore(before)
-    run.status |= TARGET_JUMPED
+    # where even the first force is beyond the target no state below it carries any
+    run.status |= TARGET_JUMPED if run.total_force > 0.0 else 8 * FAILURE
 
 
 def _interpolate(run: _Run, cycle: int, before: tuple, passed: Settled) -> None:

@@ -4,6 +4,7 @@ Seating never changes the history; it is a way of reading it.
 """
 
 import numpy as np
+import scipy.interpolate
 
 from jointclosure.protocol import LOADING, UNLOADING
 
@@ -88,6 +89,35 @@ def cycle_readings(
         readings["max_closure_seated"][index] = maximum - seat
         readings["residual_closure_seated"][index] = end - seat
     return readings
+
+
+def unloading_excess(
+    closure: np.ndarray, stress: np.ndarray, cycle: np.ndarray, branch: np.ndarray, cycles: int
+) -> np.ndarray:
+    """Largest stress by which unloading exceeds loading at equal closure (cycles,) [Pa].
+
+    Read at the steps of unloading, with loading a monotone cubic between its
+    own (chords of these convex curves would be off by more than what is
+    sought) and 0 below where it starts. 0 where unloading nowhere exceeds
+    loading, NaN for cycles that were not completed.
+    """
+    excess = np.full(cycles, np.nan)
+    for index in range(cycles):
+        loading = branch_of(cycle, branch, index + 1, LOADING)
+        unloading = branch_of(cycle, branch, index + 1, UNLOADING)
+        if loading.size < 2 or unloading.size < 2:
+            continue
+        # of steps at one closure the last
+        at, last = np.unique(closure[loading][::-1], return_index=True)
+        loaded = stress[loading][::-1][last]
+        after = closure[unloading[1:]]
+        if at.size > 1:
+            below = scipy.interpolate.PchipInterpolator(at, loaded)(np.clip(after, at[0], at[-1]))
+        else:
+            below = np.full(after.shape, loaded[0])
+        below[after < at[0]] = 0.0
+        excess[index] = max(0.0, float(np.max(stress[unloading[1:]] - below)))
+    return excess
 
 
 def closure_at_stresses(

@@ -7,18 +7,22 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.parameters import (
+    LENGTHS,
     Choices,
     Effects,
     InputError,
     Numerics,
     both_walls,
     check_choices,
+    check_length,
     check_number,
     check_numerics,
     check_scene,
+    in_double,
+    real_array,
 )
 from jointclosure.protocol import FLAG_OF_OUTCOME, FLAGS, UNLOADING, History, run_cycles
-from jointclosure.readings import cycle_readings
+from jointclosure.readings import cycle_readings, unloading_excess
 from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import Joint, Solver
 from jointclosure.solvers.registry import SOLVERS, solver_named
@@ -40,6 +44,11 @@ ATTRIBUTES: dict[str, dict] = {
             "closure at the cycle's end from the seating of its own loading, can be negative",
         ),
         ("max_bulk_indentation", "m", "bulk indentation at the cycle's maximum"),
+        (
+            "unloading_excess",
+            "Pa",
+            "largest stress by which unloading exceeds loading at equal closure",
+        ),
         ("least_force", "N", "least force on any cell at any step"),
         ("confined_share", "1", "share of the force on confined contacts at the maximum"),
         ("flat_share", "1", "share of the force on flat contacts at the maximum"),
@@ -78,7 +87,11 @@ def simulate(
     Parameters
     ----------
     upper, lower : array (ny, nx)
-        Heights towards the other wall [m]; not changed.
+        Heights towards the other wall [m], real and finite; not changed. Any
+        float or integer type is promoted to float64, which does not bring
+        back digits: single precision resolves heights of 1e-3 m to 6e-11 m,
+        a thousandth of the overlap at which a flank breaks. Complex, object,
+        boolean and masked heights are refused.
     spacing : float
         Grid spacing h [m].
     rock : Rock or (Rock, Rock)
@@ -102,7 +115,8 @@ def simulate(
         ``bulk_indentation`` [m], ``equilibrium_residual``, with coordinates
         ``cycle`` and ``branch``. Along ``cycle``: ``max_closure``,
         ``residual_closure`` [m], both ``_seated`` too, ``confined_share`` and
-        ``flat_share`` of the force at the maximum. The walls as they ended,
+        ``flat_share`` of the force at the maximum, ``unloading_excess`` [Pa], by
+        which stress on unloading exceeds that on loading. The walls as they ended,
         ``status`` (bits, below 16 a success; see its attributes), and counts.
 
     Raises
@@ -160,11 +174,14 @@ def simulate_by(
             f"max_normal_stress = {max_normal_stress!r} Pa: must be below the rock's "
             f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
         )
+    _check_steps(upper, lower, numerics)
+    choices, numerics = in_double(choices), in_double(numerics)
+    spacing, max_normal_stress = float(spacing), float(max_normal_stress)
+    seating_stress = float(seating_stress)
     datums = height_datum(upper), height_datum(lower)
-    joint = Joint(
-        upper - datums[0], lower - datums[1], float(spacing), rock, effects, choices, numerics
-    )
-    area = upper.size * float(spacing) ** 2
+    upper, lower = upper - datums[0], lower - datums[1]
+    joint = Joint(upper, lower, spacing, rock, effects, choices, numerics)
+    area = upper.size * spacing**2
     history = run_cycles(
         joint,
         solver_of(numerics.solver),
@@ -173,7 +190,7 @@ def simulate_by(
         int(cycles),
         seating_stress * area,
     )
-    closed = _history_dataset(joint, history, area, int(cycles), float(seating_stress))
+    closed = _history_dataset(joint, history, area, int(cycles), seating_stress)
     closed["upper_final"] += datums[0]
     closed["lower_final"] += datums[1]
     return closed
@@ -233,13 +250,15 @@ def equilibrium(
     check_scene(effects)
     check_choices(choices)
     check_numerics(numerics, tuple(SOLVERS))
-    _check_positive("spacing", spacing, "m")
+    check_length("spacing", spacing)
     check_number("closure", closure)
-    if not math.isfinite(closure):
-        raise InputError(f"closure = {closure!r} m: must be finite")
+    if not abs(closure) <= LENGTHS[1]:
+        raise InputError(f"closure = {closure!r} m: must be at most {LENGTHS[1]:g} m")
+    spacing, closure = float(spacing), float(closure)
+    choices, numerics = in_double(choices), in_double(numerics)
     upper, lower = upper - height_datum(upper), lower - height_datum(lower)
-    joint = Joint(upper, lower, float(spacing), rock, effects, choices, numerics)
-    run = solver_named(numerics.solver).settle(joint, float(closure), numerics.breakage_step)
+    joint = Joint(upper, lower, spacing, rock, effects, choices, numerics)
+    run = solver_named(numerics.solver).settle(joint, closure, numerics.breakage_step)
     if not effects.interaction:
         displacement = np.zeros(upper.shape)
     else:
@@ -276,6 +295,7 @@ def _history_dataset(
         "equilibrium_residual": np.array([p.residual for p in settled]),
     }
     along_cycle = cycle_readings(closure, stress, cycle, branch, cycles, seating_stress)
+    along_cycle["unloading_excess"] = unloading_excess(closure, stress, cycle, branch, cycles)
     at_maximum = _at_maxima(settled, cycle, branch, cycles)
     along_cycle |= {
         "max_bulk_indentation": at_maximum("mean_interaction"),
@@ -334,25 +354,14 @@ def _grid(shape: tuple[int, int], spacing: float) -> dict:
 def _checked_walls(upper, lower) -> tuple[np.ndarray, np.ndarray]:
     walls = []
     for name, wall in (("upper", upper), ("lower", lower)):
-        if np.ma.is_masked(wall):
-            raise InputError(f"{name}: has masked heights; fill or crop them first")
-        try:
-            given = np.asarray(wall)
-        except ValueError as error:
-            raise InputError(f"{name}: is not an array of heights ({error})") from None
-        if given.dtype.kind not in "fiu":
-            raise InputError(f"{name}: heights of type {given.dtype}, must be real numbers")
-        heights = given.astype(np.float64)
+        heights = real_array(name, wall)
         if heights.ndim != 2 or min(heights.shape) < 1 or max(heights.shape) < 3:
             raise InputError(
                 f"{name}: shape {heights.shape}, must be (y, x) with at least 3 cells one way"
             )
-        bad = np.argwhere(~np.isfinite(heights))
-        if bad.size:
-            y, x = bad[0]
-            raise InputError(
-                f"{name}: {len(bad)} heights are not finite, the first at (y, x) = ({y}, {x})"
-            )
+        largest = float(np.abs(heights).max())
+        if largest > LENGTHS[1]:
+            raise InputError(f"{name}: a height of {largest!r} m, must be at most {LENGTHS[1]:g} m")
         walls.append(heights)
     if walls[0].shape != walls[1].shape:
         raise InputError(
@@ -361,15 +370,24 @@ def _checked_walls(upper, lower) -> tuple[np.ndarray, np.ndarray]:
     return walls[0], walls[1]
 
 
-def _check_positive(name: str, value: float, unit: str) -> None:
-    check_number(name, value)
-    if not 0.0 < value < math.inf:
-        raise InputError(f"{name} = {value!r} {unit}: must be positive and finite")
+def _check_steps(upper, lower, numerics: Numerics) -> None:
+    """Refuse displacement steps that rounding of the heights would swallow."""
+    resolution = float(np.spacing(np.abs(upper).max() + np.abs(lower).max()))
+    for name in ("displacement_step", "later_displacement_step"):
+        if getattr(numerics, name) < 4.0 * resolution:
+            raise InputError(
+                f"{name} = {getattr(numerics, name)!r} m: must be at least four times the "
+                f"resolution {resolution:.3g} m of the walls' heights in double precision"
+            )
 
 
 def _check_load(spacing, max_normal_stress, cycles, seating_stress) -> None:
-    _check_positive("spacing", spacing, "m")
-    _check_positive("max_normal_stress", max_normal_stress, "Pa")
+    check_length("spacing", spacing)
+    check_number("max_normal_stress", max_normal_stress)
+    if not 0.0 < max_normal_stress < math.inf:
+        raise InputError(
+            f"max_normal_stress = {max_normal_stress!r} Pa: must be positive and finite"
+        )
     check_number("cycles", cycles, whole=True)
     check_number("seating_stress", seating_stress)
     if cycles < 1:

@@ -98,7 +98,8 @@ def strength_limits(upper, lower, cells, curvature, compliance, peaks, law, goug
             kind = peaks[y, x]
             square = curvature[i] * curvature[i]
             strength = law.bend[kind] / curvature[i]
-            strength += law.substrate * law.breaking_force[kind] / square
+            if law.substrate > 0.0:  # 0 times an infinite force is not a number
+                strength += law.substrate * law.breaking_force[kind] / square
             limit[i] = force_of_overlap(
                 (1.0 + 0.5 * band) * strength, law.substrate, compliance[i]
             )[0]

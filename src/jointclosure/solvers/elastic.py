@@ -112,7 +112,7 @@ def _settled(joint: Joint, candidates: _Candidates, found: Equilibrium) -> Settl
     total = float(found.force.sum())
     tolerance = min(joint.numerics.force_tolerance, ELASTIC_TOLERANCE)
     outcome = CONVERGED if found.residual <= tolerance else NOT_CONVERGED
-    if not (np.isfinite(total) and found.residual < np.inf):
+    if found.residual == np.inf:
         outcome = RIGID_CONTACT
     flat = found.force[candidates.curvature == 0.0].sum()
     return Settled(

@@ -41,7 +41,9 @@ from jointclosure.solvers.interaction_operator import (
 )
 
 MOST_NEWTON_STEPS = 200
-_ROUNDING = 2.0**-52
+_MOST_DOUBLINGS = 200
+ROUNDING = 2.0**-52
+"""Residual [1] below which none is known in double precision."""
 
 
 class Contacts(NamedTuple):
@@ -231,7 +233,7 @@ def interacting_equilibrium(influence, matrix, contacts, start, pushed, target, 
         )
         trial = np.minimum(np.maximum(force + direction, 0.0), contacts.limit)
         # a leaving contact's last digits, which the others' rounding would hide
-        trial[(answer == 0.0) & (trial < _ROUNDING * total)] = 0.0
+        trial[(answer == 0.0) & (trial < ROUNDING * total)] = 0.0
         trial_pushed, field = interaction_product(influence, matrix, contacts.cells, trial, scratch)
         products += used + 1
         trial_difference, trial_total = contact_response(
@@ -273,9 +275,11 @@ def interacting_equilibrium(influence, matrix, contacts, start, pushed, target, 
         force, pushed, shift = trial, trial_pushed, shift + moved
         difference, total = trial_difference, trial_total
         missing = target - force.sum() if bound else 0.0
-    residual = max(difference, abs(missing)) / total
-    if not total > 0.0:
-        residual = 0.0 if total == 0.0 and difference == 0.0 else np.inf
+    residual = np.nan  # forces that no overlap answers are no equilibrium
+    if difference == 0.0 and missing == 0.0:
+        residual = 0.0
+    elif total > 0.0 and difference < np.inf and abs(missing) < np.inf:
+        residual = max(difference, abs(missing)) / total
     return Equilibrium(force, pushed, field, shift, residual, steps, products)
 
 
@@ -346,11 +350,12 @@ def solve_equilibrium(
         None in a scene without interaction.
     contacts : Contacts
     start : array (n,)
-        Forces to start from [N], finite and not negative.
+        Forces to start from [N]: a guess, of which what is not finite or is
+        negative counts as 0. A guess that leads nowhere is dropped for 0.
     target : float
         Total force [N] that the shift is to bring about; NaN for a shift of 0.
     tolerance : float
-        Relative residual to reach.
+        Relative residual to reach; below `ROUNDING` none does.
     matrix : array (n, n), optional
         The contacts' `influence_matrix` where it is at hand already.
     pushed : array (n,), optional
@@ -361,22 +366,37 @@ def solve_equilibrium(
     -------
     Equilibrium
         Converged where its residual is at most the tolerance. Infinite forces
-        where a rigid contact (flat, without substrate) overlaps.
+        where a rigid contact (flat, without substrate) overlaps. A residual of
+        NaN where no equilibrium was found, or there can be none: an overlap or
+        a compliance that is not finite, a negative limit, a target that is not
+        positive and finite; then all forces are NaN.
     """
     n = contacts.cells.size
+    given = (contacts.overlap, contacts.compliance, contacts.substrate)
+    sound = all(np.isfinite(values).all() for values in given) and (contacts.limit >= 0.0).all()
+    if not sound or target <= 0.0 or math.isinf(target):
+        nowhere = np.full(n, np.nan)
+        return Equilibrium(nowhere, nowhere.copy(), np.empty((0, 0)), math.nan, math.nan, 0, 0)
     if influence is None or n == 0:
-        return _separate(contacts, float(target))
+        found = _separate(contacts, float(target))
+        return found._replace(residual=max(found.residual, ROUNDING if n else 0.0))
     if matrix is None:
         dense = n <= dense_limit(influence.table.shape)
         matrix = influence_matrix(influence.table, contacts.cells[: n if dense else 0])
-    if pushed is None:
+    usable = np.where(np.isfinite(start) & (start > 0.0), start, 0.0)
+    # an interaction that belongs to a guess which was not taken is of no use
+    if pushed is None or not np.isfinite(pushed).all() or not np.array_equal(usable, start):
         pushed = np.empty(0)
-    found = interacting_equilibrium(
-        influence, matrix, contacts, start, pushed, float(target), float(tolerance)
-    )
-    if math.isnan(target) or found.residual <= tolerance:
-        return found
-    return _bracketed(influence, matrix, contacts, float(target), float(tolerance), found)
+    problem, sought = (influence, matrix, contacts), (float(target), float(tolerance))
+    found = interacting_equilibrium(*problem, usable, pushed, *sought)
+    if not found.residual <= tolerance and usable.any():
+        again = interacting_equilibrium(*problem, 0.0 * usable, np.empty(0), *sought)
+        again = again._replace(products=again.products + found.products)
+        found = again if not found.residual <= again.residual else found
+    if not math.isnan(target) and not found.residual <= tolerance:
+        found = _bracketed(*problem, *sought, found)
+    # how well forces answer their overlaps is not known better than this
+    return found._replace(residual=max(found.residual, ROUNDING))
 
 
 def _separate(contacts: Contacts, target: float) -> Equilibrium:
@@ -395,6 +415,8 @@ def _separate(contacts: Contacts, target: float) -> Equilibrium:
 def _bracketed(influence, matrix, contacts, target, tolerance, start: Equilibrium) -> Equilibrium:
     """The shift as a root of the total force at a given shift, which rises with it."""
     best, products = start, start.products
+    if math.isnan(start.residual):
+        best = start._replace(force=np.zeros(start.force.size))
 
     def at(shift: float) -> float:
         nonlocal best, products
@@ -407,9 +429,14 @@ def _bracketed(influence, matrix, contacts, target, tolerance, start: Equilibriu
         return float(found.force.sum()) - target
 
     low = -float(contacts.overlap.max())
-    high = max(start.shift, 0.5 * low)
-    while at(high) < 0.0:
+    high = max(start.shift if math.isfinite(start.shift) else low, 0.5 * low)
+    for _ in range(_MOST_DOUBLINGS):
+        excess = at(high)
+        if not excess < 0.0:
+            break
         high += high - low
+    if not 0.0 <= excess < np.inf:
+        return best._replace(residual=math.nan, products=products)
     at(scipy.optimize.brentq(at, low, high, xtol=1e-14 * (high - low), rtol=1e-14))
     missing = abs(float(best.force.sum()) - target) / target
     return best._replace(residual=max(best.residual, missing), products=products)

@@ -28,6 +28,8 @@ PROVISIONAL_TOLERANCES = (1e-2, 1e-4)
 last the one that is asked for."""
 BAND = 10.0
 """Width of the band about its strength in which a contact rests, over `Numerics.tolerance`."""
+MISJUDGED = 1e-6
+"""Recomputed residual beyond which a solution is none, whatever the solver believes."""
 MOST_ROUNDS = 1000
 MOST_BREAKAGE_STEPS = 1_000_000_000
 
@@ -81,6 +83,8 @@ class FastSolver:
             _note_rates(joint, before, step)
         joint.closure[...] = closure
         settled = joint.describe(closure, outcome, broken, confined, iterations)
+        if outcome == CONVERGED and not settled.residual <= max(100.0 * final, MISJUDGED):
+            settled = settled._replace(outcome=NOT_CONVERGED)
         if predict and broken > 0:
             settled = settled._replace(correction=abs(settled.total_force - predicted))
         return settled

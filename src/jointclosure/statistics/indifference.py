@@ -11,7 +11,7 @@ import numpy as np
 import scipy.optimize
 import scipy.stats
 
-from jointclosure.parameters import InputError, check_number
+from jointclosure.parameters import InputError, check_number, real_array
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
 
 
@@ -62,8 +62,9 @@ def indifference_interval(
     Raises
     ------
     InputError
-        Fewer than three levels, levels out of order, a base that is none of
-        them, a negative deviation, fewer than two samples.
+        Values that are no real finite numbers (floats and integers of any type
+        are promoted to float64), fewer than three levels, levels out of order,
+        a base that is none of them, a negative deviation, fewer than two samples.
 
     Notes
     -----
@@ -71,7 +72,12 @@ def indifference_interval(
     least-squares fits, and x_M and S_M their values at the base.
     """
     levels, means, deviations = (
-        np.asarray(values, dtype=float) for values in (levels, means, standard_deviations)
+        real_array(name, values)
+        for name, values in (
+            ("levels", levels),
+            ("means", means),
+            ("standard_deviations", standard_deviations),
+        )
     )
     base = _checked(levels, means, deviations, samples, significance, base)
     mean = fit_quadratic(levels, means, base)
@@ -173,9 +179,6 @@ def _checked(levels, means, deviations, samples, significance, base) -> float:
             f"means {means.shape} and standard_deviations {deviations.shape}: "
             f"must have the shape {levels.shape} of levels"
         )
-    for name, values in (("levels", levels), ("means", means), ("deviations", deviations)):
-        if not np.all(np.isfinite(values)):
-            raise InputError(f"{name} = {values.tolist()}: must be finite")
     if not np.all(np.diff(levels) > 0.0):
         raise InputError(f"levels = {levels.tolist()}: must be strictly ascending")
     if np.any(deviations < 0.0):

@@ -58,6 +58,15 @@ def check_results(
             f"{residual:.3g}",
             np.isfinite(residual),
         )
+    share = study.unloading_excess.max("cycle").where(good) / study.max_normal_stress
+    excess = float(share.max())
+    exact = not effects.breakage and numerics.solver == "fast"
+    add(
+        "largest excess of unloading over loading stress at equal closure, over the maximum",
+        "0" if exact else "reported only",
+        f"{excess:.3g}",
+        excess == 0.0 if exact else np.isfinite(excess),
+    )
     closures = study.max_closure.where(good)
     read = int(np.isfinite(closures.values[good.values]).all(axis=-1).sum())
     add(

@@ -100,9 +100,14 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> list[str]:
                 found.append(f"{kind} {name}: only in the {'first' if name in one else 'second'}")
             elif kind == "attribute" and not np.array_equal(one[name], two[name]):
                 found.append(f"attribute {name} differs")
-            elif kind == "variable" and not one[name].identical(two[name]):
+            elif kind == "variable" and not _same_bits(one[name], two[name]):
                 found.append(f"variable {name} differs{_where(one[name], two[name])}")
     return found
+
+
+def _same_bits(one: xr.Variable, two: xr.Variable) -> bool:
+    numbers = one.dtype.kind in "iuf"
+    return one.identical(two) and not (numbers and one.values.tobytes() != two.values.tobytes())
 
 
 def _where(one: xr.Variable, two: xr.Variable) -> str:
@@ -110,7 +115,7 @@ def _where(one: xr.Variable, two: xr.Variable) -> str:
         return f": {one.dtype} {dict(one.sizes)} and {two.dtype} {dict(two.sizes)}"
     unequal = ~((one.values == two.values) | (np.isnan(one.values) & np.isnan(two.values)))
     if not unequal.any():
-        return " in its attributes"
+        return " in its attributes, or in signs of zeros"
     with np.errstate(invalid="ignore"):
         largest = np.nanmax(np.abs(one.values - two.values), initial=0.0)
     return f" in {int(unequal.sum())} of {unequal.size} values, by at most {largest:.3g}"

@@ -21,6 +21,7 @@ PER_CYCLE = (
     "max_bulk_indentation",
     "confined_share",
     "flat_share",
+    "unloading_excess",
 )
 PER_REALIZATION = (
     "status",

@@ -125,6 +125,7 @@ def wall_pair(
     check_number("seed", seed, whole=True)
     check_number("shift_in_cells", shift_in_cells, whole=True)
     _check(shape, spacing, hurst, correlation, shift_in_cells)
+    jrc, spacing, hurst, correlation = (float(v) for v in (jrc, spacing, hurst, correlation))
     z2 = z2_of_jrc(jrc, spacing, hurst, jrc_relation)
     ny, nx = shape
     wide = (ny, nx + shift_in_cells)
