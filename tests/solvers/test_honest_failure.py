@@ -143,9 +143,10 @@ def test_a_step_far_longer_than_all_of_the_closure_still_lands(small_joint, step
 
 
 def test_a_target_below_what_rounding_resolves_is_a_failure_that_says_so():
-    # a step of 1 km: heights are known to 1e-13 m, whose overlap carries far more than 1 nPa
+    # heights of 1 km beside a pit: the overlap is known to 1e-13 m, which carries far more
     upper, lower = jc.wall_pair(8.0, (9, 9), SPACING, seed=1)
-    upper[:4] -= 1e3
+    upper[:8] += 1e3
+    lower[:8] += 1e3
     closed = jc.simulate(
         upper, lower, spacing=SPACING, rock=DOLERITE, max_normal_stress=1e-9, cycles=1
     )
