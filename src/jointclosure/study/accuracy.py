@@ -10,32 +10,27 @@ can be followed too.
 import copy
 import json
 import re
-import time
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
-import scipy.fft
 import xarray as xr
 
 from jointclosure.parameters import (
     InputError,
-    Rock,
     check_choices,
     check_numerics,
     check_scene,
-    to_si,
 )
-from jointclosure.simulation import simulate
 from jointclosure.solvers.registry import SOLVERS
-from jointclosure.study.cases import Case, cases_of, wall_seed
+from jointclosure.study.cases import Case, cases_of
 from jointclosure.study.configuration import (
     ConfigurationError,
     choices_of,
     effects_of,
     numerics_of,
 )
-from jointclosure.surface.synthesis import wall_pair
+from jointclosure.study.timing import timed_simulation, walls_of
 
 BASE = "base"
 """Knob of the setting in which none is turned."""
@@ -190,33 +185,20 @@ def close_at(
         (`scipy.fft.rfft2` and `irfft2` of 200 x 200) beside each simulation.
     """
     whole = setting.configuration
-    study, grid = whole["study"], to_si(whole["grid"])
+    study = whole["study"]
     cases = cases_of_run(setting, parameter)
     shape = (len(cases), study["realizations"])
     closure = np.full((*shape, study["cycles"]), np.nan)
     status = np.zeros(shape, np.int16)
     seconds, pairs = np.zeros(shape), np.zeros(shape)
-    arguments = {
-        "spacing": grid["spacing"],
-        "cycles": study["cycles"],
-        "effects": effects_of(whole),
-        "choices": choices_of(whole),
-        "numerics": numerics_of(whole),
-    }
     for realization in range(study["realizations"]):
-        seed = wall_seed(whole, cases[0], realization)
-        size = (grid["cells_y"], grid["cells_x"])
-        walls = wall_pair(cases[0].jrc, size, grid["spacing"], seed, **whole["surface"])
+        walls = walls_of(whole, cases[0], realization)
         for level, case in enumerate(cases):
-            rock = Rock(case.youngs_modulus, case.poisson_ratio, case.compressive_strength)
-            pairs[level, realization] = pair_seconds()
-            start = time.perf_counter()
-            closed = simulate(
-                *walls, rock=rock, max_normal_stress=case.max_normal_stress, **arguments
-            )
-            seconds[level, realization] = time.perf_counter() - start
-            closure[level, realization] = closed.max_closure.values
-            status[level, realization] = closed.status
+            timed = timed_simulation(whole, case, walls)
+            closure[level, realization] = timed.closed.max_closure.values
+            status[level, realization] = timed.closed.status
+            seconds[level, realization] = timed.seconds
+            pairs[level, realization] = timed.pair
         report(f"realisation {realization}: {seconds[:, realization].sum():.2f} s")
     dimensions = ("level", "realization")
     return xr.Dataset(
@@ -232,14 +214,3 @@ def close_at(
         },
         attrs={"base": getattr(next(c for c in cases if c.parameter == BASE), parameter)},
     )
-
-
-def pair_seconds(count: int = 5) -> float:
-    """Median time of an FFT pair now [s], the yardstick of the benchmarks."""
-    values = np.ones((200, 200))
-    times = []
-    for _ in range(count):
-        start = time.perf_counter()
-        scipy.fft.irfft2(scipy.fft.rfft2(values, workers=1), values.shape, workers=1)
-        times.append(time.perf_counter() - start)
-    return float(np.median(times))
