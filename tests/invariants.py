@@ -43,11 +43,15 @@ def material(walls, rock, h, effects, choices) -> Material:
 
 def forces_of_overlaps(overlap, kappa, stuff: Material, substrate: bool):
     """Forces (y, x) that A F + B F^(2/3) = overlap, by bisection, and dF/d(overlap)."""
-    a = 0.75 / (stuff.base_radius * stuff.substrate) if substrate else 0.0
+    a = 0.75 / (stuff.base_radius * stuff.substrate)
     b = (9 * kappa / (16 * stuff.asperity**2)) ** (1 / 3)
     overlap = np.maximum(overlap, 0.0)
+    if not substrate:
+        with np.errstate(divide="ignore", invalid="ignore"):  # rigid where flat: infinite
+            force = np.where(overlap > 0.0, (overlap / b) ** 1.5, 0.0)
+            return force, np.where(overlap > 0.0, 1.5 * force / overlap, 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        high = np.fmin(np.cbrt(overlap / a) if substrate else np.inf, np.sqrt(overlap / b))
+        high = np.fmin(np.cbrt(overlap / a), np.sqrt(overlap / b))
     high = np.where(overlap > 0.0, high, 0.0)
     low = np.zeros_like(high)
     for _ in range(120):  # more than a double has digits, of a root that may be far below `high`
@@ -59,18 +63,45 @@ def forces_of_overlaps(overlap, kappa, stuff: Material, substrate: bool):
     return high**3, slope
 
 
+def curvature_bounds(z, h):
+    """Between what values (y, x) rounding of the heights leaves the Gaussian curvature.
+
+    Nearly straight profiles are ill-conditioned: the curvature is a root of what cancels.
+    """
+    padded = np.pad(z, 1, mode="reflect")
+    rounding = 4 * EPSILON * np.abs(z).max() / h**2
+    low, high = np.ones(z.shape), np.ones(z.shape)
+    for before, after in (
+        (padded[1:-1, :-2], padded[1:-1, 2:]),
+        (padded[:-2, 1:-1], padded[2:, 1:-1]),
+    ):
+        sides = [np.hypot(h, z - before), np.hypot(h, after - z), np.hypot(2 * h, after - before)]
+        profile = 2 * h * np.abs(before - 2 * z + after) / np.prod(sides, axis=0)
+        low *= np.maximum(profile - rounding, 0.0)
+        high *= profile + rounding
+    return np.sqrt(low), np.sqrt(high)
+
+
 def force_residual(upper, lower, force, *, h, closure, first_touch, stuff, effects):
-    """sum |F - psi(delta_S)| / sum F, and how far rounding of the overlaps moves it."""
+    """sum |F - psi(delta_S)| / sum F, and how far rounding of the overlaps moves it.
+
+    The misfit of a force is that to the interval of psi over the `curvature_bounds`.
+    """
     u = np.zeros(force.shape)
     if effects.interaction:
         u = oracle.interaction(force, h, stuff.base_radius, stuff.substrate)
     overlap = upper + lower - (first_touch - closure) - u
-    kappa = oracle.curvature(upper, h) + oracle.curvature(lower, h)
-    answer, slope = forces_of_overlaps(overlap, kappa, stuff, effects.substrate)
+    bounds = [
+        sum(both) for both in zip(*(curvature_bounds(z, h) for z in (upper, lower)), strict=True)
+    ]
+    stiff, slope = forces_of_overlaps(overlap, bounds[0], stuff, effects.substrate)
+    soft, least_slope = forces_of_overlaps(overlap, bounds[1], stuff, effects.substrate)
+    slope = np.where(np.isfinite(slope), slope, least_slope)
     total = force.sum()
     heights = np.abs(upper).max() + np.abs(lower).max() + abs(first_touch) + abs(closure)
     rounding = 16 * EPSILON * (heights + np.abs(u).max())
-    return np.abs(answer - force).sum() / total, rounding * slope.sum() / total + 1e3 * EPSILON
+    misfit = np.maximum(force - stiff, 0.0) + np.maximum(soft - force, 0.0)
+    return misfit.sum() / total, rounding * slope.sum() / total + 1e3 * EPSILON
 
 
 class Judge(FastSolver):

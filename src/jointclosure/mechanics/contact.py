@@ -107,9 +107,13 @@ def force_of_overlap(overlap, substrate, asperity):
             return math.inf, math.inf
         t = math.sqrt(overlap / asperity)
         return t * t * t, 1.5 * t / asperity
-    t = cube_root(overlap / substrate)
     if asperity > 0.0:
-        t = fall_to_root(overlap, substrate, asperity, min(t, math.sqrt(overlap / asperity)))
+        t = math.sqrt(overlap / asperity)
+        if substrate * t * t * t > overlap:
+            t = cube_root(overlap / substrate)  # the lower of both bounds
+        t = fall_to_root(overlap, substrate, asperity, t)
+    else:
+        t = cube_root(overlap / substrate)
     return t * t * t, 3.0 * t / (3.0 * substrate * t + 2.0 * asperity)
 
 
