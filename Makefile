@@ -20,7 +20,7 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-.PHONY: help setup study smoke hard-cases accuracy test test-all lint clean
+.PHONY: help setup study smoke hard-cases accuracy effects test test-all lint clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
@@ -71,6 +71,9 @@ hard-cases: $(STAMP) ## Close joints that are hard on a solver, and have an orac
 
 accuracy: $(STAMP) ## Measure what accuracy costs in time (about an hour on two cores)
 	$(call run,accuracy --configfile $(or $(CONFIG),config/accuracy.yaml),$(or $(CONFIG),config/accuracy.yaml))
+
+effects: $(STAMP) ## Measure what each effect adds, and what it costs (up to an hour on two cores)
+	$(call run,effects --configfile $(or $(CONFIG),config/effects.yaml),$(or $(CONFIG),config/effects.yaml))
 
 test: $(STAMP) ## Pass the tests
 	@echo "Compiling the kernels of all scenes (two minutes when they are new) ..."

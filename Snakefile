@@ -13,6 +13,7 @@ include: "workflow/rules/analyse.smk"
 include: "workflow/rules/present.smk"
 include: "workflow/rules/hard_cases.smk"
 include: "workflow/rules/accuracy.smk"
+include: "workflow/rules/effects.smk"
 include: "workflow/rules/numerics.smk"
 
 

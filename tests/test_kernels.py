@@ -18,7 +18,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.compilation import PACKAGE
-from jointclosure.warmup import well_posed_scenes
+from jointclosure.parameters import well_posed_scenes
 from tests.conftest import DOLERITE, SPACING
 
 ROOT = Path(__file__).parents[1]

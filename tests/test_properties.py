@@ -6,9 +6,9 @@ import numpy as np
 from hypothesis import given
 
 import jointclosure as jc
+from jointclosure.parameters import well_posed_scenes
 from jointclosure.protocol import FAILURE
 from jointclosure.surface.synthesis import self_affine_field
-from jointclosure.warmup import well_posed_scenes
 from tests import invariants
 
 REPRODUCIBLY = hypothesis.settings(derandomize=True, database=None, deadline=None, max_examples=40)

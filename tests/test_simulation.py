@@ -7,9 +7,9 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.dataset import read_netcdf
+from jointclosure.parameters import well_posed_scenes
 from jointclosure.protocol import FAILURE, FLAGS
 from jointclosure.simulation import height_datum
-from jointclosure.warmup import well_posed_scenes
 from tests.conftest import DOLERITE, SPACING
 
 TARGET = 4e6

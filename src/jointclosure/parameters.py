@@ -6,6 +6,7 @@ of a key's name) become SI.
 
 import math
 import sys
+from collections.abc import Iterator
 from decimal import Decimal
 from typing import Literal, NamedTuple
 
@@ -246,6 +247,14 @@ def check_scene(effects: Effects) -> None:
         )
     if effects.gouge and not effects.breakage:
         raise InputError("effects: gouge = True needs breakage = True, which makes the gouge")
+
+
+def well_posed_scenes() -> Iterator[Effects]:
+    """The 18 combinations of effects that have an answer."""
+    for substrate, interaction in ((False, False), (True, False), (True, True)):
+        for breakage, gouge in ((False, False), (True, False), (True, True)):
+            for soft_peaks in (False, True):
+                yield Effects(substrate, interaction, breakage, gouge, soft_peaks)
 
 
 def check_choices(choices: Choices) -> None:

@@ -4,19 +4,9 @@ Two processes that fill a cold cache at once can swap each other's machine
 code, so one process compiles all that the others will need.
 """
 
-from collections.abc import Iterator
-
-from jointclosure.parameters import Choices, Effects, Numerics, Rock
+from jointclosure.parameters import Choices, Effects, Numerics, Rock, well_posed_scenes
 from jointclosure.simulation import equilibrium, simulate
 from jointclosure.surface.synthesis import wall_pair
-
-
-def well_posed_scenes() -> Iterator[Effects]:
-    """The 18 combinations of effects that have an answer."""
-    for substrate, interaction in ((False, False), (True, False), (True, True)):
-        for breakage, gouge in ((False, False), (True, False), (True, True)):
-            for soft_peaks in (False, True):
-                yield Effects(substrate, interaction, breakage, gouge, soft_peaks)
 
 
 def compile_kernels(effects: Effects, choices: Choices, solver: str, breakage: str) -> None:

@@ -50,7 +50,7 @@ rule compile_accuracy:
     message:
         "Compile the kernels of all settings"
     script:
-        "../scripts/compile_accuracy.py"
+        "../scripts/compile_scenes.py"
 
 
 rule estimate_accuracy:

@@ -1,4 +1,4 @@
-"""Compile every kernel that the settings of an accuracy study need."""
+"""Compile every kernel that a list of scenes needs."""
 
 import json
 

@@ -1,0 +1,132 @@
+# What each effect adds, and what it costs: `snakemake effects --configfile config/effects.yaml`.
+# Without an `ablation` section there are no runs, and no rule here has work.
+from jointclosure.study import ablation
+
+ABLATION = config.get("ablation")
+SCENES = list(ablation.SCENES) if ABLATION else []
+EFFECTS_CODE = source_digest("study/ablation", "readings", "dataset", "plotting")
+
+
+wildcard_constraints:
+    rock="[a-z][a-z0-9_]*",
+    scene="[a-z_-]+",
+
+
+rule effects:
+    input:
+        f"{RESULTS}/tables/effects.csv",
+        expand(f"{RESULTS}/figures/effects.{{format}}", format=["png", "pdf"]),
+    message:
+        "What each effect adds and costs is known"
+
+
+rule compile_effects:
+    output:
+        f"{RESULTS}/logs/effect_kernels.txt",
+    log:
+        f"{RESULTS}/logs/compile_effects.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/compile_effects.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        scenes=lambda wildcards: [
+            {
+                "effects": effects._asdict(),
+                "choices": config["choices"],
+                "numerics": config["numerics"],
+            }
+            for effects in ablation.SCENES.values()
+        ],
+        code=SOLVER_CODE,
+    message:
+        "Compile the kernels of all scenes"
+    script:
+        "../scripts/compile_scenes.py"
+
+
+rule estimate_effects:
+    input:
+        ancient(f"{RESULTS}/logs/effect_kernels.txt"),
+    output:
+        f"{RESULTS}/tables/effects_estimate.csv",
+    log:
+        f"{RESULTS}/logs/estimate_effects.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/estimate_effects.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        configuration=config,
+        code=SOLVER_CODE,
+    message:
+        "Estimate the core-hours, by one joint of the first rock in every scene"
+    script:
+        "../scripts/estimate_effects.py"
+
+
+rule close_scene:
+    input:
+        ancient(f"{RESULTS}/tables/effects_estimate.csv"),
+    output:
+        f"{RESULTS}/effects/{{rock}}.{{scene}}.nc",
+    log:
+        f"{RESULTS}/logs/close_scene/{{rock}}.{{scene}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/close_scene/{{rock}}.{{scene}}.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        configuration=lambda wildcards: {
+            key: value for key, value in config.items() if key != "rocks"
+        }
+        | {"rocks": {wildcards.rock: config["rocks"][wildcards.rock]}},
+        code=SOLVER_CODE,
+        ablation=source_digest("study/ablation", "study/timing"),
+    message:
+        "Close the surfaces of {wildcards.rock} with {wildcards.scene}"
+    script:
+        "../scripts/close_scene.py"
+
+
+rule weigh_effects:
+    input:
+        expand(
+            f"{RESULTS}/effects/{{rock}}.{{scene}}.nc",
+            rock=config["study"]["rocks"],
+            scene=SCENES,
+        ),
+    output:
+        f"{RESULTS}/tables/effects.csv",
+    log:
+        f"{RESULTS}/logs/weigh_effects.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/weigh_effects.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        runs=[[rock, scene] for rock in config["study"]["rocks"] for scene in SCENES],
+        code=EFFECTS_CODE,
+    message:
+        "Weigh what each effect adds against what it costs"
+    script:
+        "../scripts/weigh_effects.py"
+
+
+rule draw_effects:
+    input:
+        f"{RESULTS}/tables/effects.csv",
+    output:
+        expand(f"{RESULTS}/figures/effects.{{format}}", format=["png", "pdf"]),
+    log:
+        f"{RESULTS}/logs/draw_effects.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/draw_effects.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        code=EFFECTS_CODE,
+    message:
+        "Draw what each effect adds against what it costs"
+    script:
+        "../scripts/draw_effects.py"

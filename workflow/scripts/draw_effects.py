@@ -1,0 +1,18 @@
+"""Draw what each effect adds against what it costs."""
+
+from jointclosure.dataset import read_csv, save_figure
+from jointclosure.logbook import Logbook, logging_to
+from jointclosure.plotting.effects import effect_figure
+
+
+def main(table: str, outputs: list[str], log: Logbook) -> None:
+    """Write the figure to every output."""
+    figure = effect_figure(read_csv(table))
+    for output in outputs:
+        save_figure(figure, output)
+        log(f"drew {output}")
+
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as logbook:
+        main(snakemake.input[0], snakemake.output, logbook)
