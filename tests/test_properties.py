@@ -94,25 +94,47 @@ def closed(problem, **change):
         return jc.simulate(upper, lower, **told)
 
 
-@REPRODUCIBLY
-@given(problems([scene for scene in SCENES if scene.breakage]))
-def test_with_breakage_every_step_is_an_equilibrium_and_no_volume_is_lost(problem):
-    history = closed(problem, cycles=2)
-    invariants.assert_honest(history)
-    invariants.assert_volume(
-        problem["walls"],
-        (history.upper_final.values, history.lower_final.values),
-        problem["effects"],
-    )
+MOSTLY = 0.7
+"""Share of the problems that must be answered: a failure is honest, but no answer."""
 
 
-@REPRODUCIBLY
-@given(problems([scene for scene in SCENES if not scene.breakage]))
-def test_without_breakage_closure_rises_with_stress_and_unloading_is_loading(problem):
-    history = closed(problem, cycles=1)
-    invariants.assert_honest(history)
-    if int(history.status) >= FAILURE:
-        return
+def test_with_breakage_every_step_is_an_equilibrium_and_no_volume_is_lost():
+    answered = []
+
+    @REPRODUCIBLY
+    @given(problems([scene for scene in SCENES if scene.breakage]))
+    def holds(problem):
+        history = closed(problem, cycles=2)
+        invariants.assert_honest(history)
+        answered.append(int(history.status) < FAILURE)
+        invariants.assert_volume(
+            problem["walls"],
+            (history.upper_final.values, history.lower_final.values),
+            problem["effects"],
+        )
+
+    holds()
+    assert np.mean(answered) > MOSTLY
+
+
+def test_without_breakage_closure_rises_with_stress_and_unloading_is_loading():
+    answered = []
+
+    @REPRODUCIBLY
+    @given(problems([scene for scene in SCENES if not scene.breakage]))
+    def holds(problem):
+        history = closed(problem, cycles=1)
+        invariants.assert_honest(history)
+        answered.append(int(history.status) < FAILURE)
+        if answered[-1]:
+            assert_one_curve(problem, history)
+
+    holds()
+    assert np.mean(answered) > MOSTLY
+
+
+def assert_one_curve(problem, history) -> None:
+    """Closure rises with stress, and unloading goes back the same way."""
     up = history.branch.values == "loading"
     closure, stress = history.closure.values, history.normal_stress.values
     assert np.all(np.diff(stress[up]) > 0.0)

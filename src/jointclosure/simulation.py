@@ -1,5 +1,6 @@
 """Close one joint: the public functions `simulate` and `equilibrium`."""
 
+import json
 import math
 from collections.abc import Callable
 
@@ -118,6 +119,7 @@ def simulate(
         ``flat_share`` of the force at the maximum, ``unloading_excess`` [Pa], by
         which stress on unloading exceeds that on loading. The walls as they ended,
         ``status`` (bits, below 16 a success; see its attributes), and counts.
+        Effects, choices and numerics are attributes, as JSON.
 
     Raises
     ------
@@ -327,7 +329,13 @@ def _history_dataset(
     return xr.Dataset(
         variables,
         coords=coordinates | _grid(joint.upper.shape, joint.law.spacing),
-        attrs={"title": "closure of a rough joint", "seating_stress_Pa": seating_stress},
+        attrs={
+            "title": "closure of a rough joint",
+            "seating_stress_Pa": seating_stress,
+            "effects": json.dumps({key: bool(on) for key, on in joint.effects._asdict().items()}),
+            "choices": json.dumps(joint.choices._asdict()),
+            "numerics": json.dumps(joint.numerics._asdict()),
+        },
     )
 
 

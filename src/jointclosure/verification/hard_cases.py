@@ -49,6 +49,10 @@ class Outcome(NamedTuple):
     judge: "Judge"
 
 
+_LARGEST_CURVE = 20_000
+"""Cells beyond which only the first, middle and last point of an elastic curve are judged."""
+
+
 class Judge:
     """The oracle over many states of one joint.
 
@@ -76,6 +80,8 @@ class Judge:
 
 def _closer(value: float, limit: float, worst: float, its_limit: float) -> bool:
     """Whether a number is worse with its limit than another with its own."""
+    if np.isinf(limit):  # only told
+        return value > worst
     if limit > 0.0 and its_limit > 0.0:
         return not value / limit <= worst / its_limit
     return not value - limit <= worst - its_limit
@@ -96,10 +102,16 @@ class JudgedSolver:
         return settled
 
     def _elastic_curve(self, joint: Joint, targets: np.ndarray) -> list[Settled]:
-        # a curve leaves its last forces only: the first and the middle one are asked for too
-        for part in sorted({1, targets.size // 2} - {0, targets.size}):
-            self._judge(joint, self._inner.elastic_curve(joint, targets[:part])[-1])
+        # a curve leaves the forces of its last point only: each is asked for again, and judged
+        # with the closure and the total that the whole curve gave; of large joints a few
         settled = self._inner.elastic_curve(joint, targets)
+        parts = range(1, len(settled))
+        if joint.upper.size > _LARGEST_CURVE:
+            parts = sorted({1, targets.size // 2} & set(parts))
+        for part in parts:
+            self._inner.elastic_curve(joint, targets[:part])
+            self._judge(joint, settled[part - 1])
+        self._inner.elastic_curve(joint, targets)
         self._judge(joint, settled[-1])
         return settled
 
@@ -196,7 +208,14 @@ def row_of(outcome: Outcome, failed: list[str]) -> dict:
         "max_closure_1_m": float(data.max_closure[0]) if cycles else math.nan,
         "max_closure_last_m": float(data.max_closure[-1]) if cycles else math.nan,
         "residual_closure_last_m": float(data.residual_closure[-1]) if cycles else math.nan,
+        "target_Pa": outcome.target,
         "max_stress_Pa": float(np.max(stress)),
+        "unbreakable_share": float((data.confined_share + data.flat_share).max())
+        if cycles
+        else math.nan,
+        "unloading_excess_over_target": float(data.unloading_excess.max()) / outcome.target
+        if cycles
+        else math.nan,
         "breakage_steps": int(data.breakage_steps) if cycles else 0,
         "steps": data.sizes.get("step", 1) if data is not None else 0,
         "states_judged": outcome.judge.states,
