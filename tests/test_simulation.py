@@ -327,3 +327,12 @@ def test_a_rigid_contact_is_a_status_and_not_a_number():
     )
     assert FLAGS[int(closed.status)] == "rigid_contact"
     assert np.isnan(closed.max_closure.values).all()
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.3, -0.9, 3.0, 17.0, -1e6])
+def test_the_datum_of_heights_is_subtracted_and_added_without_rounding(offset):
+    wall = np.random.default_rng(3).standard_normal((30, 30)) + offset
+    datum = height_datum(wall)
+    np.testing.assert_array_equal((wall - datum) + datum, wall)
+    if abs(offset) > 100.0:
+        assert np.abs(wall - datum).max() < 20.0

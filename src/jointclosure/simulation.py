@@ -201,13 +201,16 @@ def simulate_by(
 def height_datum(wall: np.ndarray) -> float:
     """Height [m] that a wall (y, x) is counted from, so that its offset costs no digits.
 
-    The middle of its range as a whole multiple of the next power of two above
-    the range: the difference is exact, and a wall about zero stays as it is, to the bit.
+    0 where the middle of its range is within four times the range. Beyond, the middle as a
+    whole multiple of the next power of two above the range: every height then lies within
+    a factor of two of it, and the difference is exact (Sterbenz).
     """
     low, high = float(wall.min()), float(wall.max())
     middle, reach = 0.5 * low + 0.5 * high, high - low
     if reach == 0.0:
         return middle
+    if abs(middle) < 4.0 * reach:
+        return 0.0
     unit = 2.0 ** math.ceil(math.log2(reach))
     return round(middle / unit) * unit
 
