@@ -172,6 +172,10 @@ def main(surfaces: int, limit: float, output: Path | None) -> None:
     for axis in VALUES:
         for scene in SCENES:
             rows += points(axis, scene, surfaces, limit)
+            print(f"measured {axis}, {scene}", flush=True)
+            if output:
+                output.mkdir(parents=True, exist_ok=True)
+                pd.DataFrame(rows).to_csv(output / "growth_so_far.csv", index=False)
     table = with_exponents(pd.DataFrame(rows))
     for axis, part in table.groupby("axis", sort=False):
         left_out = ["axis", "surfaces", "pair ms", "fitted ms"]
@@ -179,6 +183,7 @@ def main(surfaces: int, limit: float, output: Path | None) -> None:
     if output:
         output.mkdir(parents=True, exist_ok=True)
         table.to_csv(output / "growth.csv", index=False)
+        (output / "growth_so_far.csv").unlink()
         figure_of(table).savefig(output / "growth.png", dpi=150)
 
 
@@ -186,7 +191,7 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--surfaces", type=int, default=3)
+    parser.add_argument("--surfaces", type=int, default=5)
     parser.add_argument("--seconds", type=float, default=60.0, help="most for one surface")
     parser.add_argument("--output", type=Path, help="folder for a CSV and a figure")
     arguments = parser.parse_args()

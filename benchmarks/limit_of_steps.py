@@ -7,6 +7,11 @@ differences to the finest resolved result with their standard errors. Run as
 `python benchmarks/limit_of_steps.py`; --help lists what can be changed.
 """
 
+import os
+
+os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
+os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
+
 import argparse
 
 import numpy as np

@@ -6,6 +6,11 @@ goes tallest first, the fast solver in nine colours that take turns: their diffe
 paired over surfaces. Run as `python benchmarks/order_of_breakage.py`.
 """
 
+import os
+
+os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
+os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
+
 import argparse
 
 import numpy as np
