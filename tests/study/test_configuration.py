@@ -1,10 +1,10 @@
-import copy
 from pathlib import Path
 
 import pytest
 import yaml
 
 from jointclosure.parameters import to_si
+from jointclosure.study import accuracy
 from jointclosure.study.cases import cases_of, wall_seed
 from jointclosure.study.configuration import (
     ConfigurationError,
@@ -22,16 +22,7 @@ DEFAULT = yaml.safe_load((ROOT / "config/default.yaml").read_text())
 
 def merged(changes: dict) -> dict:
     """The default configuration with overrides, merged as Snakemake does."""
-
-    def merge(base, over):
-        for key, value in over.items():
-            if isinstance(value, dict) and isinstance(base.get(key), dict):
-                merge(base[key], value)
-            else:
-                base[key] = value
-        return base
-
-    return merge(copy.deepcopy(DEFAULT), changes)
+    return accuracy.merged(DEFAULT, changes)
 
 
 STUDIES = sorted(set((ROOT / "config").glob("*.yaml")) - {ROOT / "config/hard_cases.yaml"})

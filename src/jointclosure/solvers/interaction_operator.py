@@ -138,10 +138,13 @@ def influence_of(table: np.ndarray) -> Influence:
         wrapped[1 - ny :, :nx] = table[:0:-1]
     if nx > 1:
         wrapped[:, 1 - nx :] = wrapped[:, nx - 1 : 0 : -1]
+    return _with_patches(table, scipy.fft.rfft2(wrapped, workers=1), *padded)
+
+
+def _with_patches(table: np.ndarray, spectrum: np.ndarray, rows: int, columns: int) -> Influence:
+    """The interaction, and that of the preconditioner's patches."""
     side = max(_PATCH, round(math.sqrt(table.size) / _PATCHES_ACROSS))
-    return Influence(
-        table, scipy.fft.rfft2(wrapped, workers=1), *padded, side, patch_influence(table, side)
-    )
+    return Influence(table, spectrum, rows, columns, side, patch_influence(table, side))
 
 
 def dense_limit(shape: tuple[int, int]) -> int:
@@ -155,7 +158,4 @@ def dense_limit(shape: tuple[int, int]) -> int:
 
 def dense_influence(table: np.ndarray) -> Influence:
     """The interaction for few contacts, whose products are dense: without its transform."""
-    side = max(_PATCH, round(math.sqrt(table.size) / _PATCHES_ACROSS))
-    return Influence(
-        table, np.zeros((0, 0), np.complex128), 0, 0, side, patch_influence(table, side)
-    )
+    return _with_patches(table, np.zeros((0, 0), np.complex128), 0, 0)

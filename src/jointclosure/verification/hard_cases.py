@@ -33,6 +33,8 @@ from jointclosure.warmup import compile_kernels
 
 _LARGEST_JUDGED = 2500
 """Contacts beyond which only every tenth state is judged: the oracle is dense."""
+_LARGEST_CURVE = 20_000
+"""Cells beyond which only the first, middle and last point of an elastic curve are judged."""
 _LENGTHS = ("displacement_step", "breakage_step")
 
 
@@ -47,10 +49,6 @@ class Outcome(NamedTuple):
     seconds: float
     warned: list[str]
     judge: "Judge"
-
-
-_LARGEST_CURVE = 20_000
-"""Cells beyond which only the first, middle and last point of an elastic curve are judged."""
 
 
 class Judge:
@@ -105,14 +103,15 @@ class JudgedSolver:
         # a curve leaves the forces of its last point only: each is asked for again, and judged
         # with the closure and the total that the whole curve gave; of large joints a few
         settled = self._inner.elastic_curve(joint, targets)
+        self._judge(joint, settled[-1])
+        last = joint.force.copy()
         parts = range(1, len(settled))
         if joint.upper.size > _LARGEST_CURVE:
             parts = sorted({1, targets.size // 2} & set(parts))
         for part in parts:
             self._inner.elastic_curve(joint, targets[:part])
             self._judge(joint, settled[part - 1])
-        self._inner.elastic_curve(joint, targets)
-        self._judge(joint, settled[-1])
+        joint.force[:] = last
         return settled
 
     def _judge(self, joint: Joint, settled: Settled) -> None:
