@@ -1,73 +1,21 @@
-"""The command line: `jointclosure --help`."""
+"""The command line: `jointclosure --help`. Each command is a module of `commands`."""
 
 import argparse
 import sys
-from pathlib import Path
 
-from jointclosure.dataset import read_csv, read_netcdf
+from jointclosure.commands import compare
 from jointclosure.parameters import InputError
-from jointclosure.study import comparison
 
-
-def compare(arguments) -> int:
-    """What moved between two studies."""
-    first, second = (_study(folder) for folder in (arguments.first, arguments.second))
-    if arguments.exact:
-        found = comparison.differences(first, second)
-        print("\n".join(found) or "identical but for provenance and timing")
-        return 1 if found else 0
-    changes = comparison.closure_changes(first, second)
-    print("Mean closures, over the cases of each rock")
-    print(comparison.by_rock(changes).round(4).to_string(index=False))
-    intervals = comparison.interval_changes(_table(arguments.first), _table(arguments.second))
-    print("\nLength of the indifference intervals, with bootstrap confidence intervals")
-    print(comparison.shown_intervals(intervals).round(3).to_string(index=False))
-    claims = [_claims(folder) for folder in (arguments.first, arguments.second)]
-    moved = claims[0].compare(claims[1], result_names=("first", "second"))
-    print("\nVerdicts that differ" if len(moved) else "\nNo verdict differs")
-    if len(moved):
-        print(moved.verdict.to_string())
-    return 0
-
-
-def _existing(path: Path) -> Path:
-    if not path.is_file():
-        raise InputError(f"{path}: there is no such file; is the study finished?")
-    return path
-
-
-def _study(folder: Path):
-    return read_netcdf(_existing(folder / "study.nc"))
-
-
-def _table(folder: Path):
-    return read_csv(_existing(folder / "tables/table_3_indifference.csv"))
-
-
-def _claims(folder: Path):
-    claims = read_csv(_existing(folder / "tables/claims.csv"))
-    return claims.set_index("number")[["verdict"]]
+COMMANDS = (compare,)
 
 
 def parser() -> argparse.ArgumentParser:
     """Commands and their arguments."""
-    commands = argparse.ArgumentParser(prog="jointclosure", description="Closure of rock joints.")
-    each = commands.add_subparsers(required=True, metavar="command")
-    command = each.add_parser(
-        "compare",
-        help="what moved between two studies",
-        description="Mean closures, indifference intervals and verdicts of two studies. "
-        "Surfaces with the same seeds are compared one by one.",
-    )
-    command.add_argument("first", type=Path, help="results folder, such as results/paper")
-    command.add_argument("second", type=Path, help="results folder of the other study")
-    command.add_argument(
-        "--exact",
-        action="store_true",
-        help="list all that differs, but for provenance and timing; fails if anything does",
-    )
-    command.set_defaults(run=compare)
-    return commands
+    program = argparse.ArgumentParser(prog="jointclosure", description="Closure of rock joints.")
+    commands = program.add_subparsers(required=True, metavar="command")
+    for command in COMMANDS:
+        command.add_to(commands)
+    return program
 
 
 def main(words: list[str] | None = None) -> int:
