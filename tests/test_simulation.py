@@ -336,3 +336,20 @@ def test_the_datum_of_heights_is_subtracted_and_added_without_rounding(offset):
     np.testing.assert_array_equal((wall - datum) + datum, wall)
     if abs(offset) > 100.0:
         assert np.abs(wall - datum).max() < 20.0
+
+
+@pytest.mark.parametrize("breakage", [False, True])
+def test_a_tilted_ridge_is_flat_though_rounding_leaves_it_a_curvature(breakage):
+    y, x = np.mgrid[:9, :9] * 1.0
+    ridge = 1e-5 * (0.3 * y - np.abs(x - 4.0))  # straight along y; the other wall is as tilted
+    curvature = np.diff(ridge[:, 4], 2)
+    assert 0.0 < np.abs(curvature).max() < 1e-19  # all rounding
+    closed = jc.simulate(
+        ridge,
+        -0.3e-5 * y,
+        spacing=1e-4,
+        rock=jc.Rock(78e9, 0.2, 165e6),
+        max_normal_stress=1e6,
+        effects=jc.Effects(breakage=breakage, gouge=False),
+    )
+    assert float(closed.flat_share.max()) > 0.5

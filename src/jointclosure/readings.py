@@ -111,7 +111,10 @@ def unloading_excess(
         at, last = np.unique(closure[loading][::-1], return_index=True)
         loaded = stress[loading][::-1][last]
         after = closure[unloading[1:]]
-        if at.size > 1:
+        common = np.searchsorted(at, after)
+        if np.array_equal(at[np.minimum(common, at.size - 1)], after):
+            below = loaded[common]  # one curve: nothing to interpolate
+        elif at.size > 1:
             below = scipy.interpolate.PchipInterpolator(at, loaded)(np.clip(after, at[0], at[-1]))
         else:
             below = np.full(after.shape, loaded[0])

@@ -192,10 +192,9 @@ def simulate_by(
         int(cycles),
         seating_stress * area,
     )
-    closed = _history_dataset(joint, history, area, int(cycles), seating_stress)
-    closed["upper_final"] += datums[0]
-    closed["lower_final"] += datums[1]
-    return closed
+    joint.upper += datums[0]
+    joint.lower += datums[1]
+    return _history_dataset(joint, history, area, int(cycles), seating_stress)
 
 
 def height_datum(wall: np.ndarray) -> float:

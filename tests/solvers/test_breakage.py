@@ -11,7 +11,8 @@ from jointclosure.parameters import Choices, Effects, Numerics, contact_law
 from jointclosure.solvers import pair_batch as pb
 from jointclosure.solvers.breakage import strength_limits
 from jointclosure.solvers.cells import overlapping_cells, peak_map
-from jointclosure.solvers.equilibrium import Contacts, solve_equilibrium
+from jointclosure.solvers.contacts import Contacts
+from jointclosure.solvers.equilibrium import solve_equilibrium
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.interaction_operator import influence_of, influence_table
 from jointclosure.solvers.joint import CONVERGED, Joint

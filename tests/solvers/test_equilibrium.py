@@ -6,7 +6,8 @@ import pytest
 import jointclosure as jc
 from jointclosure.parameters import Choices, Effects, contact_law
 from jointclosure.solvers.cells import overlapping_cells, peak_map
-from jointclosure.solvers.equilibrium import Contacts, coordinate_sweep, solve_equilibrium
+from jointclosure.solvers.contacts import Contacts, coordinate_sweep
+from jointclosure.solvers.equilibrium import solve_equilibrium
 from jointclosure.solvers.interaction_operator import (
     influence_matrix,
     influence_of,

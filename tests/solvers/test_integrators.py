@@ -10,7 +10,7 @@ from jointclosure import protocol
 from jointclosure.solvers import elastic, fast
 from jointclosure.solvers.coarse_space import CoarseSpace, coarse_space
 from jointclosure.solvers.conjugate_gradients import newton_direction
-from jointclosure.solvers.equilibrium import separate_equilibrium, separate_shift
+from jointclosure.solvers.contacts import separate_equilibrium, separate_shift
 from jointclosure.solvers.interaction_operator import influence_of, influence_table
 from tests.conftest import DOLERITE, SPACING
 

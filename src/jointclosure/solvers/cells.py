@@ -79,19 +79,27 @@ def is_peak(height, neighbours):
 
 
 @kernel
+def stands_out(heights, y, x):
+    """`is_peak` of a cell of a wall (y, x), done at its first neighbour that is as high."""
+    ny, nx = heights.shape
+    count = 0
+    for v in range(max(y - 1, 0), min(y + 2, ny)):
+        for w in range(max(x - 1, 0), min(x + 2, nx)):
+            if v != y or w != x:
+                count += 1
+                if heights[v, w] >= heights[y, x]:
+                    return False
+    return count > 0
+
+
+@kernel
 def peak_map(upper, lower):
     """State of every pair: 2 x (upper is a peak) + (lower is one), int64 (y, x)."""
     ny, nx = upper.shape
-    state = np.zeros((ny, nx), np.int64)
-    around = np.empty(8)
+    state = np.empty((ny, nx), np.int64)
     for y in range(ny):
         for x in range(nx):
-            neighbourhood(upper, y, x, around)
-            if is_peak(upper[y, x], around):
-                state[y, x] = 2
-            neighbourhood(lower, y, x, around)
-            if is_peak(lower[y, x], around):
-                state[y, x] += 1
+            state[y, x] = 2 * stands_out(upper, y, x) + stands_out(lower, y, x)
     return state
 
 

@@ -1,6 +1,6 @@
 """A preconditioner of the interaction: patches of cells that are pushed down as one.
 
-What makes the conjugate gradients of `jointclosure.solvers.equilibrium` slow is
+What makes the conjugate gradients of `jointclosure.solvers.newton` slow is
 smooth: many contacts push each other down over long distances. Patches of some
 cells each, whose contacts share one overlap, take most of that away: a small
 dense system between the patches, solved once and applied many times.
@@ -39,7 +39,7 @@ def coarse_space(influence: Influence, cells, stiffness):
     Returns
     -------
     CoarseSpace
-        Without patches (c = 0) where the contacts are few.
+        Without patches (c = 0) where the contacts are few or the influence has none.
 
     Notes
     -----
@@ -50,7 +50,7 @@ def coarse_space(influence: Influence, cells, stiffness):
     """
     n = cells.size
     patch = np.empty(n, np.int64)
-    if n < _FEWEST_CONTACTS:
+    if n < _FEWEST_CONTACTS or influence.patch_table.size == 0:
         return CoarseSpace(patch, np.empty((0, 0)))
     nx = influence.table.shape[1]
     side = influence.patch

@@ -7,19 +7,15 @@ displacement steps are taken.
 
 import numpy as np
 
-from jointclosure.solvers.equilibrium import (
-    Contacts,
-    Equilibrium,
-    separate_equilibrium,
-    separate_shift,
-    solve_equilibrium,
-)
+from jointclosure.solvers.contacts import Contacts, separate_equilibrium, separate_shift
+from jointclosure.solvers.equilibrium import solve_equilibrium
 from jointclosure.solvers.interaction_operator import (
     dense_influence,
     dense_limit,
     influence_matrix,
 )
 from jointclosure.solvers.joint import CONVERGED, NOT_CONVERGED, RIGID_CONTACT, Joint, Settled
+from jointclosure.solvers.newton import Equilibrium
 
 ELASTIC_TOLERANCE = 1e-10
 """Relative residual of the forces, also where `Numerics.force_tolerance` asks for less."""
@@ -31,6 +27,7 @@ class _Candidates:
 
     def __init__(self, joint: Joint, reach: float):
         self.joint, self.reach = joint, reach
+        self.tolerance = min(joint.numerics.force_tolerance, ELASTIC_TOLERANCE)
         cells, overlap, self.curvature, compliance = joint.overlapping(reach)
         # overlaps at closure 0, none of them positive
         self.contacts = joint.contacts(cells, overlap - reach, compliance)
@@ -44,8 +41,7 @@ class _Candidates:
     def solve(self, force: np.ndarray, closure: float, target: float) -> Equilibrium:
         """Equilibrium at a total force [N] from a guess of forces (n,) and closure."""
         start = self.contacts._replace(overlap=self.contacts.overlap + closure)
-        tolerance = min(self.joint.numerics.force_tolerance, ELASTIC_TOLERANCE)
-        found = solve_equilibrium(self.influence, start, force, target, tolerance, self.matrix)
+        found = solve_equilibrium(self.influence, start, force, target, self.tolerance, self.matrix)
         return found._replace(shift=found.shift + closure)
 
 
@@ -110,11 +106,10 @@ def _predicted(solved: list, target: float, contacts: Contacts) -> tuple[np.ndar
 
 def _settled(joint: Joint, candidates: _Candidates, found: Equilibrium) -> Settled:
     total = float(found.force.sum())
-    tolerance = min(joint.numerics.force_tolerance, ELASTIC_TOLERANCE)
-    outcome = CONVERGED if found.residual <= tolerance else NOT_CONVERGED
+    outcome = CONVERGED if found.residual <= candidates.tolerance else NOT_CONVERGED
     if found.residual == np.inf:
         outcome = RIGID_CONTACT
-    flat = found.force[candidates.curvature == 0.0].sum()
+    flat = joint.force_on_flats(candidates.curvature, found.force)
     return Settled(
         outcome=outcome,
         closure=found.shift,
@@ -126,6 +121,6 @@ def _settled(joint: Joint, candidates: _Candidates, found: Equilibrium) -> Settl
         breakage_steps=0,
         confined_contacts=0,
         confined_share=0.0,
-        flat_share=float(flat) / total if total > 0.0 else 0.0,
+        flat_share=flat / total if total > 0.0 else 0.0,
         iterations=found.products,
     )

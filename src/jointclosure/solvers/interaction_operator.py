@@ -26,6 +26,7 @@ class Influence(NamedTuple):
     transform of the table wrapped around a grid of (rows, columns), large
     enough that nothing comes in from the other side. ``patch_table`` is the mean
     influence between square patches of ``patch`` cells by distance in patches.
+    Spectrum and patches are empty where they are not wanted.
     """
 
     table: np.ndarray
@@ -138,13 +139,9 @@ def influence_of(table: np.ndarray) -> Influence:
         wrapped[1 - ny :, :nx] = table[:0:-1]
     if nx > 1:
         wrapped[:, 1 - nx :] = wrapped[:, nx - 1 : 0 : -1]
-    return _with_patches(table, scipy.fft.rfft2(wrapped, workers=1), *padded)
-
-
-def _with_patches(table: np.ndarray, spectrum: np.ndarray, rows: int, columns: int) -> Influence:
-    """The interaction, and that of the preconditioner's patches."""
     side = max(_PATCH, round(math.sqrt(table.size) / _PATCHES_ACROSS))
-    return Influence(table, spectrum, rows, columns, side, patch_influence(table, side))
+    patches = patch_influence(table, side)
+    return Influence(table, scipy.fft.rfft2(wrapped, workers=1), *padded, side, patches)
 
 
 def dense_limit(shape: tuple[int, int]) -> int:
@@ -157,5 +154,5 @@ def dense_limit(shape: tuple[int, int]) -> int:
 
 
 def dense_influence(table: np.ndarray) -> Influence:
-    """The interaction for few contacts, whose products are dense: without its transform."""
-    return _with_patches(table, np.zeros((0, 0), np.complex128), 0, 0)
+    """The interaction for few contacts, whose products are dense and cheap: the table alone."""
+    return Influence(table, np.zeros((0, 0), np.complex128), 0, 0, 0, np.zeros((0, 0)))

@@ -18,7 +18,8 @@ import pandas as pd
 
 from jointclosure.parameters import Choices, ContactLaw, Effects, Rock, contact_law
 from jointclosure.solvers.cells import overlapping_cells, peak_map
-from jointclosure.solvers.equilibrium import Contacts, coordinate_sweep, solve_equilibrium
+from jointclosure.solvers.contacts import Contacts, coordinate_sweep
+from jointclosure.solvers.equilibrium import solve_equilibrium
 from jointclosure.solvers.interaction_operator import influence_of, influence_table
 from jointclosure.surface.synthesis import wall_pair
 

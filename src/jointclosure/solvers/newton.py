@@ -1,0 +1,185 @@
+"""Newton's method for the equilibrium of contacts that push each other down."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from jointclosure.compilation import kernel
+from jointclosure.solvers.coarse_space import coarse_space
+from jointclosure.solvers.conjugate_gradients import newton_direction
+from jointclosure.solvers.contacts import Contacts, contact_response, coordinate_sweep, energy
+from jointclosure.solvers.interaction_operator import Influence, interaction_product
+
+MOST_NEWTON_STEPS = 200
+_MOST_POOR_STEPS = 8
+_SWEEPS = 3
+ROUNDING = 2.0**-52
+"""Residual [1] below which none is known in double precision."""
+
+
+class Equilibrium(NamedTuple):
+    """Forces [N] and interaction [m] at the cells (n,), and how they came about.
+
+    ``shift`` D [m] is 0 where it was given. ``residual`` is
+    sum |F - psi(g + D - K F)| / sum F, recomputed from the forces returned, and
+    with a given total force T at least |sum F - T| / T. ``products`` counts
+    the products with the interaction. ``field`` is the interaction (y, x) [m]
+    at all cells of the grid where it came with those of the contacts, or empty.
+    """
+
+    force: np.ndarray
+    interaction: np.ndarray
+    field: np.ndarray
+    shift: float
+    residual: float
+    newton_steps: int
+    products: int
+
+
+class Problem(NamedTuple):
+    """What is to be solved: see `jointclosure.solvers.equilibrium.solve_equilibrium`.
+
+    ``target`` is NaN where the shift is given. ``answer`` and ``secant`` (n,)
+    and ``grid`` (y, x), all zero, are room to work in.
+    """
+
+    influence: Influence
+    matrix: np.ndarray
+    contacts: Contacts
+    target: float
+    answer: np.ndarray
+    secant: np.ndarray
+    grid: np.ndarray
+
+
+class Iterate(NamedTuple):
+    """Forces (n,) [N], their interaction (n,) and (y, x) [m], and how far from equilibrium.
+
+    ``difference`` is sum |F - answer| and ``total`` sum answer [N], ``missing``
+    what lacks to the target [N].
+    """
+
+    force: np.ndarray
+    pushed: np.ndarray
+    field: np.ndarray
+    shift: float
+    difference: float
+    total: float
+    missing: float
+
+
+@kernel
+def _judged(problem, force, pushed, field, shift):
+    """An iterate from forces and their interaction; `Problem.answer` and `secant` are its own."""
+    difference, total = contact_response(
+        problem.contacts, shift, pushed, force, problem.answer, problem.secant
+    )
+    missing = 0.0 if math.isnan(problem.target) else problem.target - force.sum()
+    return Iterate(force, pushed, field, shift, difference, total, missing)
+
+
+@kernel
+def _iterate(problem, force, shift):
+    """An iterate from forces: one product with the interaction."""
+    pushed, field = interaction_product(
+        problem.influence, problem.matrix, problem.contacts.cells, force, problem.grid
+    )
+    return _judged(problem, force, pushed, field, shift)
+
+
+@kernel
+def _misfit(state):
+    return max(state.difference, abs(state.missing))
+
+
+@kernel
+def _newton_step(problem, space, state, tolerance):
+    """The iterate after a step of Newton, and the products that it took."""
+    # as exact as Newton's own error calls for, and no more than is asked for
+    ratio = _misfit(state) / state.total if state.total > 0.0 else np.inf
+    direction, moved, used = newton_direction(
+        problem.influence,
+        problem.matrix,
+        problem.contacts.cells,
+        space,
+        problem.answer - state.force,
+        problem.secant,
+        np.nan if math.isnan(problem.target) else state.missing,
+        min(0.1, max(0.3 * ratio, 0.3 * tolerance / ratio)),
+        problem.grid,
+    )
+    force = np.minimum(np.maximum(state.force + direction, 0.0), problem.contacts.limit)
+    # a leaving contact's last digits, which the others' rounding would hide
+    force[(problem.answer == 0.0) & (force < ROUNDING * state.total)] = 0.0
+    return _iterate(problem, force, state.shift + moved), used + 1
+
+
+@kernel
+def _lowered(problem, state, trial):
+    """The trial where it lowers the energy, else coordinate by coordinate, and the products."""
+    before = energy(problem.contacts, state.shift, state.pushed, state.force)
+    if energy(problem.contacts, state.shift, trial.pushed, trial.force) < before:
+        return trial, 0
+    force = state.force.copy()
+    for _ in range(_SWEEPS):
+        coordinate_sweep(problem.influence.table, problem.contacts, state.shift, force)
+    return _iterate(problem, force, state.shift), _SWEEPS + 1
+
+
+@kernel
+def interacting_equilibrium(influence, matrix, contacts, start, pushed, target, tolerance):
+    """`solve_equilibrium` with interaction; the same parameters.
+
+    Newton on the convex problem, in the contacts that carry or are about to,
+    with secants for the contact law and conjugate gradients inside. Where a
+    step does not halve the residual: at a given shift it has to lower the
+    energy, or sweeps of exact coordinate minimisation do, which always can; at
+    a given force there is no energy to fall back on, and the caller brackets.
+    """
+    n = start.size
+    grid = np.zeros(influence.table.shape)
+    problem = Problem(influence, matrix, contacts, target, np.empty(n), np.empty(n), grid)
+    force = np.minimum(start, contacts.limit)
+    given = pushed.size == n
+    if given:
+        state = _judged(problem, force, pushed, grid[:, :0], 0.0)
+    else:
+        state = _iterate(problem, force, 0.0)
+    products = 0 if given else 1
+    space = coarse_space(influence, contacts.cells, 1.0 / problem.secant)
+    steps = poor = 0
+    while steps < MOST_NEWTON_STEPS and poor <= _MOST_POOR_STEPS:
+        if _misfit(state) <= tolerance * state.total:
+            if not given:
+                break
+            # the interaction was given: see whether it is that of the forces
+            given = False
+            state = _iterate(problem, state.force, state.shift)
+            products += 1
+            continue
+        steps += 1
+        trial, used = _newton_step(problem, space, state, tolerance)
+        products += used
+        used = 0
+        if not trial.difference * state.total < 0.5 * state.difference * trial.total:
+            if given:
+                # what was given misled: begin with the interaction of the forces
+                trial, used = _iterate(problem, state.force, state.shift), 1
+            elif math.isnan(target):
+                trial, used = _lowered(problem, state, trial)
+            else:
+                poor += 1
+        else:
+            poor = 0
+        given = False
+        state = trial
+        products += used
+    residual = np.nan  # forces that no overlap answers are no equilibrium
+    if state.difference == 0.0 and state.missing == 0.0:
+        residual = 0.0
+    elif state.total > 0.0 and state.difference < np.inf and abs(state.missing) < np.inf:
+        residual = _misfit(state) / state.total
+    return Equilibrium(
+        state.force, state.pushed, state.field, state.shift, residual, steps, products
+    )
