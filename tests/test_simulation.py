@@ -349,7 +349,7 @@ def test_a_tilted_ridge_is_flat_though_rounding_leaves_it_a_curvature(breakage):
         -0.3e-5 * y,
         spacing=1e-4,
         rock=jc.Rock(78e9, 0.2, 165e6),
-        max_normal_stress=1e6,
+        max_normal_stress=1e7,
         effects=jc.Effects(breakage=breakage, gouge=False),
     )
     assert float(closed.flat_share.max()) > 0.5
