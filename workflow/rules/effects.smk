@@ -4,7 +4,10 @@ from jointclosure.study import ablation
 
 ABLATION = config.get("ablation")
 SCENES = list(ablation.SCENES) if ABLATION else []
+VALIDATION = ABLATION.get("validation") if ABLATION else None
 EFFECTS_CODE = source_digest("study/ablation", "readings", "dataset", "plotting")
+CHOICE_CODE = source_digest("study/scene_choice", "study/choice_validation")
+CHOICE_TABLES = ["effects_auto.csv", "effects_auto_summary.csv"]
 
 
 wildcard_constraints:
@@ -16,6 +19,17 @@ rule effects:
     input:
         f"{RESULTS}/tables/effects.csv",
         expand(f"{RESULTS}/figures/effects.{{format}}", format=["png", "pdf"]),
+        expand(
+            f"{RESULTS}/{{output}}",
+            output=(
+                [
+                    *(f"tables/{table}" for table in CHOICE_TABLES),
+                    *(f"figures/effects_auto.{format}" for format in ("png", "pdf")),
+                ]
+                if VALIDATION
+                else []
+            ),
+        ),
     message:
         "What each effect adds and costs is known"
 
@@ -130,3 +144,53 @@ rule draw_effects:
         "Draw what each effect adds against what it costs"
     script:
         "../scripts/draw_effects.py"
+
+
+rule validate_choice:
+    input:
+        ancient(f"{RESULTS}/logs/effect_kernels.txt"),
+    output:
+        f"{RESULTS}/effects/random_scene_{{number}}.csv",
+    log:
+        f"{RESULTS}/logs/validate_choice/{{number}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/validate_choice/{{number}}.tsv"
+    wildcard_constraints:
+        number=r"\d+",
+    conda:
+        ENVIRONMENT
+    params:
+        configuration=config,
+        code=SOLVER_CODE,
+        choice=CHOICE_CODE,
+    message:
+        "Hold chosen effects against all of them in random scene {wildcards.number}"
+    script:
+        "../scripts/validate_choice.py"
+
+
+rule sum_up_choices:
+    input:
+        expand(
+            f"{RESULTS}/effects/random_scene_{{number}}.csv",
+            number=range(VALIDATION["scenes"]) if VALIDATION else [],
+        ),
+    output:
+        scenes=f"{RESULTS}/tables/effects_auto.csv",
+        summary=f"{RESULTS}/tables/effects_auto_summary.csv",
+        figures=expand(
+            f"{RESULTS}/figures/effects_auto.{{format}}", format=["png", "pdf"]
+        ),
+    log:
+        f"{RESULTS}/logs/sum_up_choices.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/sum_up_choices.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        code=EFFECTS_CODE,
+        choice=CHOICE_CODE,
+    message:
+        "Sum up how well effects were chosen"
+    script:
+        "../scripts/sum_up_choices.py"

@@ -7,7 +7,10 @@ import seaborn as sns
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
+from jointclosure.parameters import Effects
+
 _FLOOR = 0.1
+_LEAST_ERROR = 0.01
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 
@@ -74,3 +77,61 @@ def effect_figure(table: pd.DataFrame) -> Figure:
     )
     sns.despine(figure)
     return figure
+
+
+def choice_figure(table: pd.DataFrame) -> Figure:
+    """Error of the chosen effects against stress, and the time that the choice saves.
+
+    Parameters
+    ----------
+    table : DataFrame
+        Rows as from `jointclosure.study.choice_validation.validate`.
+
+    Notes
+    -----
+    A column for each tolerance. Grey scenes run every effect, and lose the time of the
+    pilot only; errors below a hundredth of a percent are drawn there.
+    """
+    tolerances = sorted(table.tolerance.unique())
+    figure, panels = plt.subplots(
+        2,
+        len(tolerances),
+        figsize=(3.2 * len(tolerances) + 1.4, 5.6),
+        layout="constrained",
+        sharex=True,
+        sharey="row",
+        squeeze=False,
+    )
+    names = sorted(table.chosen.unique(), key=lambda name: -name.count("-"))
+    everything = "-".join(Effects._fields)
+    colours = dict(zip(names, sns.color_palette("colorblind", len(names)), strict=True))
+    colours[everything] = "0.7"
+    for (upper, lower), tolerance in zip(panels.T, tolerances, strict=True):
+        part = table[table.tolerance == tolerance]
+        for name in names:
+            points = part[part.chosen == name]
+            stress = 1e-6 * points.max_normal_stress
+            off = points.actual_percent.clip(lower=_LEAST_ERROR)
+            upper.plot(stress, off, "o", color=colours[name], ms=4)
+            lower.plot(stress, points.saved_percent, "o", color=colours[name], ms=4)
+        upper.axhline(100.0 * tolerance, color="k", lw=0.8)
+        upper.set(title=f"tolerance {100.0 * tolerance:g} %", xscale="log", yscale="log")
+        lower.axhline(0.0, color="0.8", lw=0.8, zorder=0)
+        lower.set(xscale="log", xlabel="maximum normal stress (MPa)")
+        lower.set_ylim(bottom=max(-100.0, table.saved_percent.min() - 5.0), top=105.0)
+    panels[0, 0].set_ylabel("change of mean max. closure (%)")
+    panels[1, 0].set_ylabel("time saved, pilot counted (%)")
+    handles = [
+        plt.Line2D([], [], ls="", marker="o", color=colours[name], label=_left_out(name))
+        for name in names
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False)
+    sns.despine(figure)
+    return figure
+
+
+def _left_out(scene: str) -> str:
+    """What a scene goes without, in words."""
+    missing = [name for name in Effects._fields if name not in scene.split("-")]
+    words = " or ".join(name.replace("_", " ") for name in missing)
+    return f"without {words}" if missing else "all effects"

@@ -1,0 +1,25 @@
+"""Sum up how well effects were chosen in random scenes."""
+
+import pandas as pd
+
+from jointclosure.dataset import read_csv, save_figure, write_csv
+from jointclosure.logbook import Logbook, logging_to
+from jointclosure.plotting.effects import choice_figure
+from jointclosure.study.choice_validation import validation_summary
+
+
+def main(inputs: list[str], outputs, log: Logbook) -> None:
+    """Write all scenes, their summary, and the figure."""
+    table = pd.concat(map(read_csv, inputs), ignore_index=True)
+    write_csv(table, outputs.scenes)
+    summary = validation_summary(table)
+    write_csv(summary, outputs.summary)
+    log(summary.round(2).to_string(index=False))
+    figure = choice_figure(table)
+    for output in outputs.figures:
+        save_figure(figure, output)
+
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as logbook:
+        main(snakemake.input, snakemake.output, logbook)

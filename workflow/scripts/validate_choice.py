@@ -1,0 +1,21 @@
+"""Hold the chosen effects of a random scene against all of them."""
+
+from jointclosure.dataset import write_csv
+from jointclosure.logbook import Logbook, logging_to
+from jointclosure.study.choice_validation import validate
+
+
+def main(configuration: dict, number: int, output: str, log: Logbook) -> None:
+    """Write a row for each tolerance."""
+    write_csv(validate(configuration, number, log), output)
+    log(f"wrote {output}")
+
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as logbook:
+        main(
+            snakemake.params.configuration,
+            int(snakemake.wildcards.number),
+            snakemake.output[0],
+            logbook,
+        )
