@@ -46,12 +46,17 @@ $(STAMP): requirements.lock requirements-uv.lock pyproject.toml
 
 # a start after a kill: release the lock of a Snakemake that is no longer there
 define unlock
-	@if [ -d .snakemake/locks ] && [ -n "$$(ls .snakemake/locks 2>/dev/null)" ] && ! pgrep -f "[s]nakemake .*--workflow-profile" >/dev/null 2>&1; then \
+	@if [ -n "$$(ls .snakemake/locks 2>/dev/null)" ]; then \
+	    for pid in $$(pgrep -f "[s]nakemake .*--workflow-profile"); do \
+	        here=$$(readlink "/proc/$$pid/cwd" || pwd -P); \
+	        [ "$$here" != "$$(pwd -P)" ] || { echo "another run is at work in this folder (process $$pid)"; exit 1; }; \
+	    done; \
 	    $(SNAKEMAKE) $(1) --unlock --quiet; fi
 endef
 
 define run
 	@if [ -n "$(2)" ] && [ ! -f "$(2)" ]; then echo "CONFIG=$(2): there is no such file"; exit 1; fi
+	@$(BIN)/python workflow/scripts/results_folder.py $(2) >/dev/null
 	$(call unlock,$(1))
 	$(SNAKEMAKE) $(1)
 	@echo "Results are in $$($(BIN)/python workflow/scripts/results_folder.py $(2))"

@@ -3,10 +3,10 @@
 import argparse
 import sys
 
-from jointclosure.commands import compare
+from jointclosure.commands import compare, repeat
 from jointclosure.parameters import InputError
 
-COMMANDS = (compare,)
+COMMANDS = (compare, repeat)
 
 
 def parser() -> argparse.ArgumentParser:

@@ -1,16 +1,15 @@
 """The only place that reads and writes netCDF and CSV files, and writes figures.
 
-A file is written under a temporary name in its folder and then renamed: it
-is whole or absent, whatever happens meanwhile.
+A file is whole or absent, whatever happens meanwhile. A netCDF file ends with a
+digest of all before it (other readers skip it), see `jointclosure.files`.
 """
 
+import contextlib
 import importlib.metadata
 import json
-import os
 import platform
 import subprocess
-import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -20,35 +19,31 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from jointclosure.compilation import PACKAGE, source_digest
+from jointclosure.files import atomically, check_seal, seal
 
 _CHUNK_CACHE = 1_000_000
 """Bytes of a variable that netCDF keeps in memory while blocks are written, instead of 64 MB."""
 
 
-def atomically(path: str | Path, write: Callable[[Path], None]) -> None:
-    """Call ``write`` with a temporary path, then rename it to ``path``."""
-    path = Path(path)
-    handle, temporary = tempfile.mkstemp(
-        dir=path.parent, prefix=f".{path.stem}.", suffix=path.suffix
-    )
-    os.close(handle)
+@contextmanager
+def _netcdf_errors() -> Iterator[None]:
+    """What netCDF raises when it cannot write, a RuntimeError, as the OSError that it is."""
     try:
-        write(Path(temporary))
-        os.chmod(temporary, 0o666 & ~_umask())
-        os.replace(temporary, path)
-    finally:
-        Path(temporary).unlink(missing_ok=True)
+        yield
+    except RuntimeError as error:
+        raise OSError(str(error)) from error
 
 
 def write_netcdf(dataset: xr.Dataset, path: str | Path) -> None:
     """Write a dataset, compressed, whole or not at all."""
     dataset = dataset.drop_encoding()
-    atomically(
-        path,
-        lambda temporary: dataset.to_netcdf(
-            temporary, engine="netcdf4", encoding=_compression(dataset)
-        ),
-    )
+
+    def write(temporary: Path) -> None:
+        with _netcdf_errors():
+            dataset.to_netcdf(temporary, engine="netcdf4", encoding=_compression(dataset))
+        seal(temporary)
+
+    atomically(path, write)
 
 
 def write_netcdf_blocks(blocks: Iterable[xr.Dataset], dimension: str, path: str | Path) -> None:
@@ -66,25 +61,84 @@ def write_netcdf_blocks(blocks: Iterable[xr.Dataset], dimension: str, path: str 
 
     def write(temporary: Path) -> None:
         rest = iter(blocks)
-        first = next(rest).drop_encoding()
-        first.to_netcdf(
-            temporary,
-            engine="netcdf4",
-            encoding=_compression(first),
-            unlimited_dims=[dimension],
-        )
-        with netCDF4.Dataset(temporary, "a") as file:
-            for variable in file.variables.values():
-                variable.set_var_chunk_cache(_CHUNK_CACHE)
+        first = next(rest)
+        with _growing_netcdf(first, dimension, {}, temporary) as file:
             start = first.sizes[dimension]
             for block in rest:
                 stop = start + block.sizes[dimension]
-                for name, variable in block.variables.items():
-                    if dimension in variable.dims:
-                        file[name][start:stop] = variable.values
+                _put(file, block, {dimension: slice(start, stop)})
                 start = stop
+        seal(temporary)
 
     atomically(path, write)
+
+
+def write_netcdf_regions(
+    frame: xr.Dataset,
+    regions: Iterable[tuple[dict[str, slice | int], xr.Dataset]],
+    dimension: str,
+    chunks: dict[str, int],
+    path: str | Path,
+) -> None:
+    """Write a dataset region by region, whole or not at all, one in memory at a time.
+
+    Parameters
+    ----------
+    frame : Dataset
+        Names, types, attributes and all other sizes; one entry along ``dimension``.
+    regions : iterable of (dict, Dataset)
+        Where each goes, by dimension, and its variables without the dimensions
+        whose place is a number. Together they cover the dataset.
+    dimension : str
+        Unlimited in the file.
+    chunks : dict
+        Entries along its dimensions that are compressed together.
+    path : path
+    """
+
+    def write(temporary: Path) -> None:
+        with _growing_netcdf(frame, dimension, chunks, temporary) as file:
+            for place, region in regions:
+                _put(file, region, place)
+        seal(temporary)
+
+    atomically(path, write)
+
+
+@contextmanager
+def _growing_netcdf(
+    first: xr.Dataset, dimension: str, chunks: dict[str, int], path: Path
+) -> Iterator[netCDF4.Dataset]:
+    """A new file with a first dataset, open for more along a dimension."""
+    first = first.drop_encoding()
+    encoding = _compression(first)
+    for name, variable in first.variables.items():
+        if dimension in variable.dims:
+            sizes = dict(first.sizes) | chunks
+            encoding.setdefault(name, {})["chunksizes"] = [sizes[size] for size in variable.dims]
+    with _netcdf_errors():
+        first.to_netcdf(path, engine="netcdf4", encoding=encoding, unlimited_dims=[dimension])
+        file = netCDF4.Dataset(path, "a")
+    try:
+        for variable in file.variables.values():
+            variable.set_var_chunk_cache(_CHUNK_CACHE)
+        yield file
+    except BaseException:
+        with contextlib.suppress(RuntimeError):  # the first error is the one to be told
+            file.close()
+        raise
+    with _netcdf_errors():
+        file.close()
+
+
+def _put(file: netCDF4.Dataset, region: xr.Dataset, place: dict[str, slice | int]) -> None:
+    """Write those variables of a dataset that have a dimension of its place."""
+    for name, variable in region.variables.items():
+        dimensions = file[name].dimensions
+        if set(dimensions) & set(place) & set(variable.dims):
+            index = tuple(place.get(size, slice(None)) for size in dimensions)
+            with _netcdf_errors():
+                file[name][index] = variable.values
 
 
 def _compression(dataset: xr.Dataset) -> dict:
@@ -95,15 +149,22 @@ def _compression(dataset: xr.Dataset) -> dict:
     }
 
 
-def read_netcdf(path: str | Path) -> xr.Dataset:
-    """All of a dataset, the file closed again."""
+def read_netcdf(path: str | Path, without: tuple[str, ...] = ()) -> xr.Dataset:
+    """A dataset but for the variables left out, the file closed again.
+
+    Raises
+    ------
+    DamagedFileError
+        The file is not as it was written, in any bit.
+    """
     with reading_netcdf(path) as dataset:
-        return dataset.load()
+        return dataset.drop_vars(without).load()
 
 
 @contextmanager
 def reading_netcdf(path: str | Path) -> Iterator[xr.Dataset]:
-    """A dataset of which only what is asked for is read."""
+    """A dataset of which only what is asked for is read; errors as for `read_netcdf`."""
+    check_seal(Path(path))
     with xr.open_dataset(path, engine="netcdf4", cache=False) as dataset:
         yield dataset
 
@@ -123,6 +184,11 @@ def write_text(text: str, path: str | Path) -> None:
     atomically(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
 
 
+def read_text(path: str | Path) -> str:
+    """A text, such as a log."""
+    return Path(path).read_text(encoding="utf-8")
+
+
 def save_figure(figure: Figure, path: str | Path) -> None:
     """Write a figure in the format of its path, without the time of day in it."""
     metadata = {"CreationDate": None} if Path(path).suffix == ".pdf" else None
@@ -133,8 +199,12 @@ def provenance(configuration: dict) -> dict[str, str]:
     """Attributes that say where a dataset comes from.
 
     Those with the prefix ``provenance_`` may differ between two runs of the
-    same study; the configuration and the digest of the sources may not.
+    same study; the configuration and the digest of the sources may not. How
+    the work was split over jobs changes no result, and is one of the former.
     """
+    study = dict(configuration["study"])
+    split = study.pop("realizations_per_job", None)
+    configuration = configuration | {"study": study}
     packages = ("jointclosure", "numpy", "numba", "scipy", "xarray", "netCDF4", "snakemake")
     versions = {name: importlib.metadata.version(name) for name in packages}
     return {
@@ -144,6 +214,7 @@ def provenance(configuration: dict) -> dict[str, str]:
         "source_digest": source_digest(),
         "provenance_versions": json.dumps({"python": platform.python_version()} | versions),
         "provenance_commit": _commit(),
+        "provenance_realizations_per_job": str(split),
         "provenance_machine": f"{platform.system()} {platform.machine()}",
     }
 
@@ -156,9 +227,3 @@ def _commit() -> str:
     except FileNotFoundError:
         return "unknown (no git)"
     return answer.stdout.strip() or "unknown (not a git checkout)"
-
-
-def _umask() -> int:
-    current = os.umask(0)
-    os.umask(current)
-    return current

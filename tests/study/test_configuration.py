@@ -12,6 +12,7 @@ from jointclosure.study.configuration import (
     choices_of,
     effects_of,
     numerics_of,
+    read_plain,
     read_schema,
 )
 
@@ -166,3 +167,39 @@ def test_a_value_with_a_unit_is_read_as_the_decimal_number_that_was_written(writ
 
 def test_an_infinite_strength_can_be_written():
     assert to_si({"strength_MPa": float("inf")}) == {"strength": float("inf")}
+
+
+@pytest.mark.parametrize(
+    "name", ["../paper", "a/b", "/tmp/a", "..", "", "a\\b", "~", "$HOME", "a b"]
+)
+def test_no_name_leads_out_of_the_results_folder(name):
+    rock = DEFAULT["rocks"]["slate"]
+    for change in (
+        {"study": {"name": name}},
+        {"study": {"surfaces_of": name}},
+        {"study": {"rocks": [name]}, "rocks": {name: rock}},
+    ):
+        with pytest.raises(ConfigurationError):
+            checked(merged(change), SCHEMA)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("study:\n  name: !!python/object/apply:os.system ['touch ran']\n", "not plain YAML"),
+        ("study: !!python/name:os.system\n", "not plain YAML"),
+        (
+            "__use_yte__: true\nstudy:\n  name: ?open('ran', 'w').name\n",
+            "templates are not allowed",
+        ),
+        ("__use_yte__: 1\n?if True:\n  grid: {}\n", "templates are not allowed"),
+        ("- a list\n", "must hold keys and values"),
+        ("grid: {cells_x: [\n", "not plain YAML"),
+    ],
+)
+def test_a_configuration_is_plain_data_and_runs_nothing(tmp_path, monkeypatch, text, said):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.yaml").write_text(text)
+    with pytest.raises(ConfigurationError, match=rf"mine\.yaml: .*{said}"):
+        read_plain("mine.yaml")
+    assert not (tmp_path / "ran").exists()

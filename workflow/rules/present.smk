@@ -28,9 +28,9 @@ rule write_tables:
 rule draw_figures:
     input:
         study=f"{RESULTS}/study.nc",
-        intervals=f"{RESULTS}/tables/table_3_indifference.csv",
+        intervals=f"{RESULTS}/tables/table_3_indifference.csv" if VARIED else [],
         closures=f"{RESULTS}/tables/max_closure.csv",
-        surfaces=f"{RESULTS}/cases/{next(iter(CASES))}.surfaces.nc",
+        surfaces=f"{RESULTS}/cases/{next(iter(CASES))}.0.surfaces.nc",
     output:
         expand(
             f"{RESULTS}/figures/{{figure}}.{{format}}",

@@ -2,9 +2,11 @@
 from pathlib import Path
 
 from jointclosure.compilation import source_digest
-from jointclosure.study import cases, configuration
+from jointclosure.study import cases, configuration, settings
 
 ROOT = Path(workflow.basedir)
+for file in workflow.configfiles:
+    configuration.read_plain(file)
 configuration.checked(
     config, configuration.read_schema(ROOT / "workflow/schemas/config.schema.yaml")
 )
@@ -14,8 +16,10 @@ RESULTS = f"results/{STUDY}"
 ENVIRONMENT = "../envs/jointclosure.yaml"
 PAPER_TABLE_3 = "workflow/resources/paper_table_3.csv"
 CASES = {case.label: case for case in cases.cases_of(config)}
+BLOCKS = {str(block.start): block for block in cases.blocks_of(config)}
 SURFACES = {case.surface for case in CASES.values()}
 ROCKS = {name: config["rocks"][name] for name in config["study"]["rocks"]}
+VARIED = any(rock["levels"] for rock in ROCKS.values())
 TABLES = [
     "table_1_rocks.csv",
     "table_2_cases.csv",
@@ -34,10 +38,13 @@ FIGURES = [
     "table_3_intervals",
     "trends_max_closure",
 ]
+if not VARIED:  # no intervals to be found
+    TABLES = ["max_closure.csv", "checks.csv"]
+    FIGURES = ["fig_3_equivalent_stress", "fig_5_closure", "wall_pair"]
 
 # An edit in the package re-runs the rules whose parts of it changed.
 SURFACE_CODE = source_digest(
-    "surface", "randomness", "study/ensemble", "study/cases", "dataset"
+    "surface", "randomness", "study/ensemble", "study/cases", "dataset", "files"
 )
 SOLVER_CODE = source_digest(
     "compilation",
@@ -50,6 +57,7 @@ SOLVER_CODE = source_digest(
     "study/ensemble",
     "study/configuration",
     "dataset",
+    "files",
 )
 ANALYSIS_CODE = source_digest("statistics", "study", "tables", "randomness", "dataset")
 FIGURE_CODE = source_digest("plotting", "empirical", "tables", "readings", "dataset")
@@ -57,3 +65,4 @@ FIGURE_CODE = source_digest("plotting", "empirical", "tables", "readings", "data
 
 wildcard_constraints:
     case="[a-z0-9_-]+",
+    first="[0-9]+",

@@ -1,4 +1,4 @@
-# Surfaces of each case, and their closure.
+# Surfaces of each case, and their closure: in blocks of realisations, named by their first.
 
 
 rule compile_kernels:
@@ -24,59 +24,53 @@ rule compile_kernels:
 
 rule make_surfaces:
     output:
-        f"{RESULTS}/cases/{{case}}.surfaces.nc",
+        f"{RESULTS}/cases/{{case}}.{{first}}.surfaces.nc",
     log:
-        f"{RESULTS}/logs/make_surfaces/{{case}}.log",
+        f"{RESULTS}/logs/make_surfaces/{{case}}.{{first}}.log",
     benchmark:
-        f"{RESULTS}/benchmarks/make_surfaces/{{case}}.tsv"
+        f"{RESULTS}/benchmarks/make_surfaces/{{case}}.{{first}}.tsv"
     conda:
         ENVIRONMENT
     params:
-        seeds=lambda wildcards: [
-            cases.wall_seed(config, CASES[wildcards.case], realization)
-            for realization in range(config["study"]["realizations"])
-        ],
-        jrc=lambda wildcards: CASES[wildcards.case].jrc,
-        grid=config["grid"],
-        surface=config["surface"],
-        code=SURFACE_CODE,
+        settings=lambda wildcards: settings.surface_settings(
+            config, CASES[wildcards.case], BLOCKS[wildcards.first], SURFACE_CODE
+        ),
     message:
-        "Generate the surface pairs of {wildcards.case}"
+        "Generate the surface pairs of {wildcards.case} from realisation {wildcards.first} on"
     script:
         "../scripts/make_surfaces.py"
 
 
 rule close_surfaces:
     input:
-        surfaces=lambda wildcards: f"{RESULTS}/cases/{CASES[wildcards.case].surface}.surfaces.nc",
+        surfaces=lambda wildcards: f"{RESULTS}/cases/{CASES[wildcards.case].surface}.{wildcards.first}.surfaces.nc",
         kernels=ancient(f"{RESULTS}/logs/kernels.txt"),
     output:
-        f"{RESULTS}/cases/{{case}}.nc",
+        f"{RESULTS}/cases/{{case}}.{{first}}.nc",
     log:
-        f"{RESULTS}/logs/close_surfaces/{{case}}.log",
+        f"{RESULTS}/logs/close_surfaces/{{case}}.{{first}}.log",
     benchmark:
-        f"{RESULTS}/benchmarks/close_surfaces/{{case}}.tsv"
+        f"{RESULTS}/benchmarks/close_surfaces/{{case}}.{{first}}.tsv"
     conda:
         ENVIRONMENT
     params:
-        case=lambda wildcards: CASES[wildcards.case]._asdict(),
-        cycles=config["study"]["cycles"],
-        seating_stress_MPa=config["seating_stress_MPa"],
-        effects=config["effects"],
-        choices=config["choices"],
-        numerics=config["numerics"],
-        stress_points=config["output"]["stress_points"],
-        largest_stress_MPa=config["output"]["largest_stress_MPa"],
-        code=SOLVER_CODE,
+        settings=lambda wildcards: settings.block_settings(
+            config,
+            CASES,
+            wildcards.case,
+            BLOCKS[wildcards.first],
+            SURFACE_CODE,
+            SOLVER_CODE,
+        ),
     message:
-        "Close the surface pairs of {wildcards.case}"
+        "Close the surface pairs of {wildcards.case} from realisation {wildcards.first} on"
     script:
         "../scripts/close_surfaces.py"
 
 
 rule aggregate:
     input:
-        expand(f"{RESULTS}/cases/{{case}}.nc", case=CASES),
+        expand(f"{RESULTS}/cases/{{case}}.{{first}}.nc", case=CASES, first=BLOCKS),
     output:
         f"{RESULTS}/study.nc",
     log:
@@ -87,8 +81,8 @@ rule aggregate:
         ENVIRONMENT
     params:
         configuration=config,
-        cases=[case._asdict() for case in CASES.values()],
-        code=SOLVER_CODE,
+        surface_code=SURFACE_CODE,
+        solver_code=SOLVER_CODE,
     message:
         "Put all cases into one dataset"
     script:

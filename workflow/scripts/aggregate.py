@@ -1,21 +1,59 @@
-"""Put all cases of a study into one dataset."""
+"""Put all cases of a study into one dataset, block by block of their realisations."""
 
-from jointclosure.dataset import provenance, read_netcdf, write_netcdf
+from collections.abc import Iterator
+
+import xarray as xr
+
+from jointclosure.dataset import provenance, reading_netcdf, write_netcdf_regions
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.study.cases import Case
-from jointclosure.study.ensemble import join_cases
+from jointclosure.study.cases import blocks_of, cases_of
+from jointclosure.study.ensemble import join_cases, succeeded
+from jointclosure.study.settings import block_settings, check_settings
+
+ROWS = 256
+"""Realisations in memory at a time, and compressed together."""
 
 
-def main(inputs: list[str], configuration: dict, cases: list[dict], output: str, log: Logbook):
+def main(inputs: list[str], configuration: dict, codes: tuple[str, str], output: str, log: Logbook):
     """Write the study's dataset, with its configuration and provenance as attributes."""
-    study = join_cases([Case(**case) for case in cases], [read_netcdf(path) for path in inputs])
-    study.attrs = {
+    cases = cases_of(configuration)
+    with reading_netcdf(inputs[0]) as first:
+        frame = join_cases(cases, [first.isel(realization=slice(0, 1)).load()] * len(cases))
+    frame.attrs = {
         "title": f"closure of rough joints, study {configuration['study']['name']}",
         "references": "Rezaei Niya & Selvadurai, Modeling the Approach of Non-mated Rock Fracture "
         "Surfaces Under Quasi-static Normal Load Cycles",
     } | provenance(configuration)
-    write_netcdf(study, output)
-    log(f"wrote {output}: {dict(study.sizes)}")
+    chunks = {"case": 1, "realization": min(ROWS, configuration["study"]["realizations"])}
+    regions = _regions(inputs, configuration, codes, log)
+    write_netcdf_regions(frame, regions, "realization", chunks, output)
+    log(f"wrote {output}: {len(cases)} cases")
+
+
+def _regions(inputs: list[str], configuration: dict, codes: tuple[str, str], log: Logbook):
+    """Place and content of every case and block, checked; the inputs are in that order."""
+    cases = {case.label: case for case in cases_of(configuration)}
+    blocks = blocks_of(configuration)
+    paths = iter(inputs)
+    for number, label in enumerate(cases):
+        used = 0
+        for block in blocks:
+            path = next(paths)
+            with reading_netcdf(path) as closed:
+                expected = block_settings(configuration, cases, label, block, *codes)
+                check_settings(path, closed.attrs, expected)
+                used += int(succeeded(closed).sum())
+                for rows, part in _slices(closed, block):
+                    yield {"case": number, "realization": rows}, part
+        total = configuration["study"]["realizations"]
+        log(f"{label}: {used} of {total} realisations are used, {total - used} failed")
+
+
+def _slices(closed: xr.Dataset, block: range) -> Iterator[tuple[slice, xr.Dataset]]:
+    for start in range(0, len(block), ROWS):
+        part = closed.isel(realization=slice(start, start + ROWS)).load()
+        first = block.start + start
+        yield slice(first, first + part.sizes["realization"]), part
 
 
 if __name__ == "__main__":
@@ -23,7 +61,7 @@ if __name__ == "__main__":
         main(
             snakemake.input,
             snakemake.params.configuration,
-            snakemake.params.cases,
+            (snakemake.params.surface_code, snakemake.params.solver_code),
             snakemake.output[0],
             logbook,
         )

@@ -5,12 +5,13 @@ from jointclosure.dataset import read_netcdf, write_csv
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.parameters import to_si
 from jointclosure.study.checks import check_results
+from jointclosure.study.ensemble import CURVES
 
 
 def main(study: str, settings: dict, output: str, log: Logbook) -> None:
     """Write the table of checks, or raise with those that failed."""
     checks = check_results(
-        read_netcdf(study),
+        read_netcdf(study, without=CURVES),
         Effects(**settings["effects"]),
         Numerics(**to_si(settings["numerics"])),
         settings["realizations"],

@@ -1,36 +1,32 @@
-"""Close all surface pairs of a case."""
+"""Close all surface pairs of a case, or of a block of its realisations."""
 
-import numpy as np
+from pathlib import Path
 
-from jointclosure import Choices, Effects, Numerics
 from jointclosure.dataset import reading_netcdf, write_netcdf_blocks
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.parameters import to_si
 from jointclosure.study.cases import Case
-from jointclosure.study.ensemble import close_surfaces
+from jointclosure.study.ensemble import close_surfaces, closing_arguments
+from jointclosure.study.settings import as_text, check_settings
 
 
 def main(surfaces: str, settings: dict, output: str, log: Logbook) -> None:
-    """Write the closures (realization, cycle, branch, stress) of a case."""
+    """Write the closures (realization, cycle, branch, stress)."""
+    log(f"settings: {as_text(settings)}")
     case = Case(**settings["case"])
-    log(f"{case.label}: {case}")
-    stresses = np.linspace(0.0, 1e6 * settings["largest_stress_MPa"], settings["stress_points"])
     with reading_netcdf(surfaces) as pairs:
+        check_settings(surfaces, pairs.attrs, settings["surfaces"])
         closed = close_surfaces(
             pairs,
             case,
-            cycles=settings["cycles"],
-            seating_stress=1e6 * settings["seating_stress_MPa"],
-            effects=Effects(**settings["effects"]),
-            choices=Choices(**to_si(settings["choices"])),
-            numerics=Numerics(**to_si(settings["numerics"])),
-            stresses=stresses,
+            **closing_arguments(settings),
             report=log,
+            repeated_by=f"jointclosure repeat {Path(output).parents[1]} {case.label}",
         )
-        write_netcdf_blocks(closed, "realization", output)
+        marked = (block.assign_attrs(settings=as_text(settings)) for block in closed)
+        write_netcdf_blocks(marked, "realization", output)
     log(f"wrote {output}")
 
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]) as logbook:
-        main(snakemake.input.surfaces, dict(snakemake.params), snakemake.output[0], logbook)
+        main(snakemake.input.surfaces, snakemake.params.settings, snakemake.output[0], logbook)

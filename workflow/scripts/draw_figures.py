@@ -2,15 +2,17 @@
 
 from pathlib import Path
 
-from jointclosure.dataset import read_csv, read_netcdf, save_figure
+from jointclosure.dataset import read_csv, read_netcdf, reading_netcdf, save_figure
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.plotting import study as plotting
 
 
 def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None:
     """Write each figure to those of the outputs that bear its name."""
-    study = read_netcdf(inputs["study"])
-    intervals, closures = read_csv(inputs["intervals"]), read_csv(inputs["closures"])
+    with reading_netcdf(inputs["study"]) as dataset:
+        study = dataset.isel(realization=slice(plotting.MOST_DRAWN)).load()
+        log(f"curves of {study.sizes['realization']} of {dataset.sizes['realization']} surfaces")
+    closures = read_csv(inputs["closures"])
     surfaces = read_netcdf(inputs["surfaces"])
     rocks = settings["rocks"]
     first = next(iter(rocks.values()))
@@ -25,9 +27,11 @@ def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None
             surfaces.attrs["spacing_m"],
             f"{first['title']}, JRC {first['jrc']:g}, realisation 0",
         ),
-        "table_3_intervals": plotting.interval_figure(intervals, rocks),
-        "trends_max_closure": plotting.trend_figure(closures, study, rocks),
     }
+    if inputs["intervals"]:
+        intervals = read_csv(inputs["intervals"])
+        figures["table_3_intervals"] = plotting.interval_figure(intervals, rocks)
+        figures["trends_max_closure"] = plotting.trend_figure(closures, study, rocks)
     for output in outputs:
         save_figure(figures[Path(output).stem], output)
         log(f"drew {output}")

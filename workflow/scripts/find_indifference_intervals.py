@@ -2,6 +2,7 @@
 
 from jointclosure.dataset import read_csv, read_netcdf, write_csv
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.study.ensemble import CURVES
 from jointclosure.study.sensitivity import indifference_table
 from jointclosure.tables import with_paper
 
@@ -9,7 +10,7 @@ from jointclosure.tables import with_paper
 def main(study: str, paper: str, settings: dict, output: str, log: Logbook) -> None:
     """Write Table 3 as one row per rock, parameter and cycle."""
     intervals = indifference_table(
-        read_netcdf(study),
+        read_netcdf(study, without=CURVES),
         settings["statistics"],
         settings["root_seed"],
         settings["draws"] == "common",

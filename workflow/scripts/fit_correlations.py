@@ -2,12 +2,13 @@
 
 from jointclosure.dataset import read_netcdf, write_csv
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.study.ensemble import CURVES
 from jointclosure.study.sensitivity import correlation_table, max_closure_table
 
 
 def main(study: str, correlations: str, closures: str, log: Logbook) -> None:
     """Write the table of coefficients and that of means and deviations."""
-    dataset = read_netcdf(study)
+    dataset = read_netcdf(study, without=CURVES)
     write_csv(correlation_table(dataset), correlations)
     write_csv(max_closure_table(dataset), closures)
     log(f"wrote {correlations} and {closures}")

@@ -1,13 +1,14 @@
 """Hold the paper's claims against the study."""
 
-from jointclosure.dataset import read_csv, read_netcdf, write_csv
+from jointclosure.dataset import read_csv, reading_netcdf, write_csv
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.study.claims import Evidence, judge_claims
 
 
 def main(study: str, intervals: str, closures: str, output: str, log: Logbook) -> None:
     """Write each claim with the paper's figures, ours, and a verdict."""
-    claims = judge_claims(Evidence(read_csv(intervals), read_csv(closures), read_netcdf(study)))
+    with reading_netcdf(study) as dataset:
+        claims = judge_claims(Evidence(read_csv(intervals), read_csv(closures), dataset))
     write_csv(claims, output)
     for row in claims.itertuples():
         log(f"{row.number}: {row.claim}: {row.verdict}")

@@ -1,28 +1,20 @@
-"""Generate the surface pairs of a case."""
+"""Generate the surface pairs of a case, or of a block of its realisations."""
 
 from jointclosure.dataset import write_netcdf_blocks
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.parameters import to_si
-from jointclosure.study.ensemble import make_surfaces
+from jointclosure.study.ensemble import surfaces_of
+from jointclosure.study.settings import as_text
 
 
-def main(seeds: list[int], jrc: float, grid: dict, surface: dict, output: str, log: Logbook):
-    """Write walls (realization, y, x) for the seeds."""
-    grid = to_si(grid)
-    shape = (grid["cells_y"], grid["cells_x"])
-    log(f"{len(seeds)} pairs of {shape} cells, JRC {jrc:g}")
-    surfaces = make_surfaces(seeds, jrc, shape, grid["spacing"], surface)
-    write_netcdf_blocks(surfaces, "realization", output)
+def main(settings: dict, output: str, log: Logbook) -> None:
+    """Write walls (realization, y, x)."""
+    log(f"settings: {as_text(settings)}")
+    surfaces = surfaces_of(settings)
+    marked = (pair.assign_attrs(settings=as_text(settings)) for pair in surfaces)
+    write_netcdf_blocks(marked, "realization", output)
     log(f"wrote {output}")
 
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]) as logbook:
-        main(
-            snakemake.params.seeds,
-            snakemake.params.jrc,
-            snakemake.params.grid,
-            snakemake.params.surface,
-            snakemake.output[0],
-            logbook,
-        )
+        main(snakemake.params.settings, snakemake.output[0], logbook)

@@ -1,9 +1,9 @@
-"""Print the folder of a study's results, for the Makefile."""
+"""Print the folder of a study's results, for the Makefile; refuse a file that is not plain data."""
 
 import sys
 from pathlib import Path
 
-import yaml
+from jointclosure.study.configuration import ConfigurationError, read_plain
 
 ROOT = Path(__file__).parents[2]
 
@@ -13,10 +13,12 @@ def main(override: str | None) -> str:
     name = "paper"
     for path in (ROOT / "config/default.yaml", override):
         if path:
-            settings = yaml.safe_load(Path(path).read_text(encoding="utf-8")) or {}
-            name = settings.get("study", {}).get("name", name)
+            name = read_plain(path).get("study", {}).get("name", name)
     return f"results/{name}/ (tables, figures, study.nc)"
 
 
 if __name__ == "__main__":
-    print(main(sys.argv[1] if len(sys.argv) > 1 else None))
+    try:
+        print(main(sys.argv[1] if len(sys.argv) > 1 else None))
+    except ConfigurationError as error:
+        sys.exit(str(error))

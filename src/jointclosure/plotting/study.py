@@ -13,7 +13,15 @@ from jointclosure.study.ensemble import succeeded
 from jointclosure.tables import PARAMETER_TITLES
 
 _CYCLE_COLOURS = dict(enumerate(sns.color_palette("colorblind", 8), start=1))
+MOST_DRAWN = 500
+"""Surfaces whose curves are drawn; of a larger study the first ones."""
+
 _UNITS = {"1": "", "GPa": " (GPa)", "MPa": " (MPa)"}
+
+
+def _surfaces(study: xr.Dataset) -> str:
+    number = study.sizes["realization"]
+    return "every surface" if number < MOST_DRAWN else f"each of the first {number} surfaces"
 
 
 def equivalent_stress() -> Figure:
@@ -134,7 +142,7 @@ def closure_figure(
     handles += [
         plt.Line2D([], [], color="0.5", lw=2, label="surface closest to the mean, loading"),
         plt.Line2D([], [], color="0.5", lw=2, ls="--", label="the same, unloading"),
-        plt.Line2D([], [], color="0.5", lw=0.6, alpha=0.6, label="every surface"),
+        plt.Line2D([], [], color="0.5", lw=0.6, alpha=0.6, label=_surfaces(study)),
         plt.Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="mean ± 1 standard deviation"),
         plt.Line2D(
             [],

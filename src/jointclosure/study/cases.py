@@ -94,8 +94,21 @@ def configuration_key(parameter: str, settings: dict) -> str | None:
 
 def wall_seed(configuration: dict, case: Case, realization: int) -> int:
     """Seed of a surface pair: what it is named by never includes an index of cases."""
+    name = wall_name(configuration, case)
+    return seed_of(configuration["study"]["root_seed"], *name, realization)
+
+
+def wall_name(configuration: dict, case: Case) -> list[str]:
+    """What the seeds of a case's surface pairs are named by, but for the realisation."""
     study = configuration["study"]
     name = [study["surfaces_of"] or study["name"], case.rock]
     if study["draws"] == "independent":
         name += [case.parameter, case.level]
-    return seed_of(study["root_seed"], *name, realization)
+    return name
+
+
+def blocks_of(configuration: dict) -> list[range]:
+    """The realisations of every case, split over jobs."""
+    study = configuration["study"]
+    last, step = study["realizations"], study["realizations_per_job"] or study["realizations"]
+    return [range(first, min(first + step, last)) for first in range(0, last, step)]

@@ -34,6 +34,31 @@ def read_schema(path: str | Path) -> dict:
     return yaml.load(Path(path).read_text(encoding="utf-8"), Loader=loader)
 
 
+def read_plain(path: str | Path) -> dict:
+    """A configuration's own file, as the plain data that it must be.
+
+    Snakemake runs Python expressions in a file that has ``__use_yte__``: the file of
+    a stranger is to be read by this function first, as `make` does.
+
+    Raises
+    ------
+    ConfigurationError
+        The file is no mapping, has a tag of YAML, or asks to be run as a template.
+    """
+    try:
+        settings = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+    except yaml.YAMLError as error:
+        raise ConfigurationError(f"{path}: not plain YAML: {error}") from error
+    if not isinstance(settings, dict | None):
+        raise ConfigurationError(f"{path}: must hold keys and values, not {settings!r}")
+    if "__use_yte__" in (settings or {}):
+        raise ConfigurationError(
+            f"{path}: __use_yte__ = {settings['__use_yte__']!r}: templates are not allowed, "
+            "as Snakemake would run the Python in them"
+        )
+    return settings or {}
+
+
 def checked(configuration: dict, schema: dict) -> dict:
     """The configuration itself, if it can be run.
 

@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import xarray as xr
 
-from jointclosure.parameters import Choices, Effects, Numerics, Rock
+from jointclosure.parameters import Choices, Effects, Numerics, Rock, to_si
 from jointclosure.protocol import FAILURE, LOADING, UNLOADING
+from jointclosure.randomness import seed_of
 from jointclosure.readings import branch_of, closure_at_stresses, first_crossing
 from jointclosure.simulation import ATTRIBUTES, simulate
 from jointclosure.study.cases import Case
@@ -31,9 +32,20 @@ PER_REALIZATION = (
     "solver_iterations",
 )
 
+CURVES = ("closure", "bulk_indentation")
+"""Variables over stress: nine tenths of a study's numbers."""
+
+_TOGETHER = 100
+"""Realisations that are put together before they are written."""
+
 
 def make_surfaces(
-    seeds: list[int], jrc: float, shape: tuple[int, int], spacing: float, surface: dict
+    seeds: list[int],
+    jrc: float,
+    shape: tuple[int, int],
+    spacing: float,
+    surface: dict,
+    first: int = 0,
 ) -> Iterator[xr.Dataset]:
     """Surface pairs (realization, y, x) of a case, one by one: each has one realisation.
 
@@ -45,8 +57,10 @@ def make_surfaces(
         As for `jointclosure.wall_pair`, spacing in [m].
     surface : dict
         Its other arguments.
+    first : int
+        Number of the first realisation.
     """
-    for realization, seed in enumerate(seeds):
+    for realization, seed in enumerate(seeds, start=first):
         pair = wall_pair(jrc, shape, spacing, seed, **surface)
         yield xr.Dataset(
             {
@@ -65,6 +79,31 @@ def make_surfaces(
         )
 
 
+def surfaces_of(settings: dict) -> Iterator[xr.Dataset]:
+    """Surface pairs of `jointclosure.study.settings.surface_settings`, one by one."""
+    first = settings["first_realization"]
+    seeds = [
+        seed_of(settings["root_seed"], *settings["seeds_named_by"], realization)
+        for realization in range(first, first + settings["realizations"])
+    ]
+    grid = to_si(settings["grid"])
+    shape = (grid["cells_y"], grid["cells_x"])
+    return make_surfaces(seeds, settings["jrc"], shape, grid["spacing"], settings["surface"], first)
+
+
+def closing_arguments(settings: dict) -> dict:
+    """Arguments of `close_surfaces` from `jointclosure.study.settings.closure_settings`, in SI."""
+    end = 1e6 * settings["largest_stress_MPa"]
+    return {
+        "cycles": settings["cycles"],
+        "seating_stress": 1e6 * settings["seating_stress_MPa"],
+        "effects": Effects(**settings["effects"]),
+        "choices": Choices(**to_si(settings["choices"])),
+        "numerics": Numerics(**to_si(settings["numerics"])),
+        "stresses": np.linspace(0.0, end, settings["stress_points"]),
+    }
+
+
 def close_surfaces(
     surfaces: xr.Dataset,
     case: Case,
@@ -76,8 +115,9 @@ def close_surfaces(
     numerics: Numerics,
     stresses: np.ndarray,
     report: Callable[[str], None] = lambda line: None,
+    repeated_by: str = "",
 ) -> Iterator[xr.Dataset]:
-    """Close all surface pairs of a case, one by one.
+    """Close all surface pairs of a case, a few in memory at a time.
 
     Parameters
     ----------
@@ -91,53 +131,75 @@ def close_surfaces(
         Common stress axis of the closure curves [Pa].
     report : callable
         Receives a line for each realisation.
+    repeated_by : str
+        Command that repeats a realisation, but for its number, for those lines
+        that tell of a failure.
 
     Yields
     ------
     Dataset
-        Over (realization, cycle, branch, stress), one realisation each; one that
-        failed has a status of 16 or more, and NaN where it was not read.
+        Over (realization, cycle, branch, stress), up to a hundred realisations
+        each; one that failed has a status of 16 or more, and NaN where it was not read.
     """
     rock = Rock(case.youngs_modulus, case.poisson_ratio, case.compressive_strength)
-    spacing = float(surfaces.attrs["spacing_m"])
-    for number, realization in enumerate(surfaces.realization.values):
-        pair = surfaces.isel(realization=number)
-        upper, lower = pair.upper.values, pair.lower.values
-        start = time.perf_counter()
-        closed = simulate(
-            upper,
-            lower,
-            spacing=spacing,
-            rock=rock,
-            max_normal_stress=case.max_normal_stress,
-            cycles=cycles,
-            seating_stress=seating_stress,
-            effects=effects,
-            choices=choices,
-            numerics=numerics,
-        )
-        seconds = time.perf_counter() - start
-        row = _row(closed, stresses, cycles, seating_stress, numerics.stress_tolerance)
-        row["volume_error"] = ((), _volume_error(upper, lower, closed))
-        row["timing_simulation"] = ((), seconds)
-        report(
-            f"realisation {realization}: status {int(closed.status)}, maximum closure "
-            f"{', '.join(f'{1e3 * v:.5f}' for v in closed.max_closure.values)} mm, {seconds:.2f} s"
-        )
-        yield _labelled(xr.Dataset(row), realization, pair.seed.item(), cycles, stresses)
+    common = {"spacing": float(surfaces.attrs["spacing_m"]), "rock": rock}
+    common |= {"max_normal_stress": case.max_normal_stress, "cycles": cycles}
+    common |= {"seating_stress": seating_stress, "effects": effects, "choices": choices}
+    realizations, seeds = surfaces.realization.values, surfaces.seed.values
+    for first in range(0, realizations.size, _TOGETHER):
+        few = slice(first, first + _TOGETHER)
+        rows = []
+        for number, realization in enumerate(realizations[few], start=first):
+            walls = [surfaces[name][number].values for name in ("upper", "lower")]
+            again = f"; to repeat it: {repeated_by} {realization}" if repeated_by else ""
+            try:
+                row = close_pair(*walls, stresses, numerics=numerics, **common)
+            except Exception as error:
+                report(f"realisation {realization}: {type(error).__name__}: {error}{again}")
+                raise
+            failed = f", failed{again}" if row["status"][1] >= FAILURE else ""
+            report(f"realisation {realization}: {_said(row)}{failed}")
+            rows.append(row)
+        yield _labelled(rows, realizations[few], seeds[few], cycles, stresses)
 
 
-def _labelled(row: xr.Dataset, realization, seed: str, cycles: int, stresses) -> xr.Dataset:
-    """One realisation's results with their coordinates and attributes."""
-    row = row.expand_dims(realization=[realization]).assign_coords(
-        seed=("realization", np.array([seed], dtype=object)),
-        cycle=np.arange(1, cycles + 1),
-        branch=np.array([LOADING, UNLOADING], dtype=object),
-        stress=("stress", stresses, {"long_name": "nominal normal stress", "units": "Pa"}),
-    )
-    for name, variable in row.data_vars.items():
-        variable.attrs = _attributes(name)
+def close_pair(upper: np.ndarray, lower: np.ndarray, stresses: np.ndarray, **told) -> dict:
+    """Close one surface pair (y, x), and read it: (dimensions, values) by name."""
+    start = time.perf_counter()
+    closed = simulate(upper, lower, **told)
+    seconds = time.perf_counter() - start
+    tolerance = told["numerics"].stress_tolerance
+    row = _row(closed, stresses, told["cycles"], told["seating_stress"], tolerance)
+    row["volume_error"] = ((), _volume_error(upper, lower, closed))
+    row["timing_simulation"] = ((), seconds)
     return row
+
+
+def _said(row: dict) -> str:
+    closures = ", ".join(f"{1e3 * value:.5f}" for value in row["max_closure"][1])
+    seconds = row["timing_simulation"][1]
+    return f"status {int(row['status'][1])}, maximum closure {closures} mm, {seconds:.2f} s"
+
+
+def _labelled(rows: list[dict], realizations, seeds, cycles: int, stresses) -> xr.Dataset:
+    """Realisations' results put together, with their coordinates and attributes."""
+    return xr.Dataset(
+        {
+            name: (
+                ("realization", *dimensions),
+                np.stack([row[name][1] for row in rows]),
+                _attributes(name),
+            )
+            for name, (dimensions, _) in rows[0].items()
+        },
+        coords={
+            "realization": realizations,
+            "seed": ("realization", seeds),
+            "cycle": np.arange(1, cycles + 1),
+            "branch": np.array([LOADING, UNLOADING], dtype=object),
+            "stress": ("stress", stresses, {"long_name": "nominal normal stress", "units": "Pa"}),
+        },
+    )
 
 
 def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:

@@ -1,0 +1,78 @@
+"""`jointclosure repeat`: one realisation of a study again, from what its files or logs say."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from jointclosure.dataset import read_text, reading_netcdf
+from jointclosure.parameters import InputError
+from jointclosure.study.comparison import differences
+from jointclosure.study.repetition import repeated
+
+_SETTINGS = "settings: "
+
+
+def add_to(commands) -> None:
+    """Declare the command and its arguments."""
+    command = commands.add_parser(
+        "repeat",
+        help="one realisation of a study again",
+        description="Closes one surface pair of a study again, with the settings that its files "
+        "or, where its job failed, its logs tell, and says whether the numbers are those stored.",
+    )
+    command.add_argument("results", type=Path, help="results folder, such as results/paper")
+    command.add_argument("case", help="name of the case, such as slate-jrc-low")
+    command.add_argument("realization", type=int, help="number of the realisation, from 0 on")
+    command.set_defaults(run=run)
+
+
+def run(arguments) -> int:
+    """Repeat a realisation; 1 if it is not as stored."""
+    results, case, realization = arguments.results, arguments.case, arguments.realization
+    settings = _settings(results, case, realization)
+    first = settings["surfaces"]["first_realization"]
+    surface = settings["case"]["surface"]
+    walls = _stored(results / f"cases/{surface}.{first}.surfaces.nc", realization)
+    print(f"realisation {realization} of {case}", flush=True)
+    again = repeated(settings, realization, walls)
+    for name, variable in again.data_vars.items():
+        if variable.size <= max(8, again.sizes["cycle"]):
+            values = ", ".join(f"{value:.8g}" for value in np.ravel(variable.values))
+            print(f"  {name:24} {values} {variable.attrs.get('units', '')}".rstrip())
+    stored = _stored(results / f"cases/{case}.{first}.nc", realization)
+    if stored is None:
+        print("no numbers are stored to compare with")
+        return 0
+    found = differences(stored.drop_attrs(deep=False), again.drop_attrs(deep=False))
+    print("\n".join(found) or "identical to what is stored")
+    return 1 if found else 0
+
+
+def _stored(path: Path, realization: int) -> xr.Dataset | None:
+    if not path.is_file():
+        return None
+    with reading_netcdf(path) as dataset:
+        return dataset.sel(realization=[realization]).load()
+
+
+def _settings(results: Path, case: str, realization: int) -> dict:
+    """Settings of the block of a case that has the realisation."""
+    logs = sorted((results / "logs/close_surfaces").glob(f"{_plain(case)}.*.log"))
+    for log in logs:
+        lines = (line for line in read_text(log).splitlines() if _SETTINGS in line)
+        for line in lines:
+            settings = json.loads(line.partition(_SETTINGS)[2])
+            first = settings["surfaces"]["first_realization"]
+            if first <= realization < first + settings["surfaces"]["realizations"]:
+                return settings
+    raise InputError(
+        f"{results}: no log in logs/close_surfaces tells of realisation {realization} of {case!r}"
+    )
+
+
+def _plain(case: str) -> str:
+    if not case.replace("-", "").replace("_", "").isalnum():
+        raise InputError(f"case = {case!r}: must be letters, digits, '-' and '_'")
+    return case
