@@ -10,6 +10,7 @@ from importlib.metadata import version
 from jointclosure.parameters import Choices, Effects, InputError, Numerics, Rock
 from jointclosure.simulation import equilibrium, simulate
 from jointclosure.statistics.indifference import indifference_interval
+from jointclosure.study.scene_choice import choose_effects
 from jointclosure.surface.synthesis import wall_pair
 
 __version__ = version("jointclosure")
@@ -20,6 +21,7 @@ __all__ = [
     "InputError",
     "Numerics",
     "Rock",
+    "choose_effects",
     "equilibrium",
     "indifference_interval",
     "simulate",

@@ -75,6 +75,16 @@ class Effects(NamedTuple):
     soft_peaks: bool = True
 
 
+def scene_name(effects: Effects) -> str:
+    """Name of a scene: its effects joined by hyphens, or "rigid" where it has none."""
+    return "-".join(name for name, on in effects._asdict().items() if on) or "rigid"
+
+
+def scene_of(name: str) -> Effects:
+    """The scene of a name that `scene_name` gave."""
+    return Effects(*(effect in name.split("-") for effect in Effects._fields))
+
+
 class Choices(NamedTuple):
     """What the paper leaves open.
 

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 import yaml
 
-from jointclosure.parameters import Effects
+from jointclosure.parameters import Effects, scene_name
 from jointclosure.plotting.effects import effect_figure
 from jointclosure.study.ablation import (
     CONTRIBUTIONS,
@@ -15,7 +15,6 @@ from jointclosure.study.ablation import (
     SCENES,
     close_scene,
     effect_table,
-    scene_name,
 )
 from jointclosure.study.accuracy import merged
 

@@ -9,11 +9,13 @@ from jointclosure.study.cases import cases_of, wall_seed
 from jointclosure.study.configuration import (
     ConfigurationError,
     checked,
+    choice_tolerance,
     choices_of,
     effects_of,
     numerics_of,
     read_plain,
     read_schema,
+    written_out,
 )
 
 ROOT = Path(__file__).parents[2]
@@ -203,3 +205,29 @@ def test_a_configuration_is_plain_data_and_runs_nothing(tmp_path, monkeypatch, t
     with pytest.raises(ConfigurationError, match=rf"mine\.yaml: .*{said}"):
         read_plain("mine.yaml")
     assert not (tmp_path / "ran").exists()
+
+
+def test_auto_is_short_for_all_effects_to_two_percent():
+    whole = written_out(merged({"effects": "auto"}))
+    assert choice_tolerance(checked(whole, SCHEMA)) == 0.02
+    assert all(effects_of(whole))
+    assert choice_tolerance(merged({})) is None
+    assert written_out(DEFAULT) is DEFAULT
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"effects": {"auto": 1.5}}, "effects.auto = 1.5: must be below 1"),
+        ({"rocks": {"slate": {"effects": {"breakage": False}}}}, "gouge"),
+        ({"rocks": {"slate": {"effects": {"glue": True}}}}, "effects.glue = True: unknown key"),
+        (
+            {"effects": {"auto": 0.1}, "study": {"realizations": 1}},
+            "study.realizations = 1",
+        ),
+    ],
+)
+def test_effects_that_cannot_be_are_refused(changes, said):
+    with pytest.raises(ConfigurationError) as error:
+        checked(merged(changes), SCHEMA)
+    assert said in str(error.value)

@@ -8,10 +8,9 @@ import pytest
 import yaml
 
 import jointclosure as jc
-from jointclosure.parameters import InputError
+from jointclosure.parameters import InputError, scene_name
 from jointclosure.plotting.effects import choice_figure
 from jointclosure.study import scene_choice
-from jointclosure.study.ablation import scene_name
 from jointclosure.study.accuracy import merged
 from jointclosure.study.choice_validation import random_scene, validate, validation_summary
 from jointclosure.study.scene_choice import choose_effects

@@ -16,6 +16,7 @@ from jointclosure.study.cases import Case, blocks_of, cases_of
 from jointclosure.study.comparison import differences
 from jointclosure.study.ensemble import close_surfaces, closing_arguments, join_cases, surfaces_of
 from jointclosure.study.repetition import repeated
+from jointclosure.study.scene_choice import choose_for_case
 from jointclosure.study.sensitivity import max_closure_table
 from jointclosure.study.settings import (
     OtherSettingsError,
@@ -183,3 +184,23 @@ def test_a_realisation_that_fails_is_told_of_and_left_out(configuration):
     good = closed.max_closure.values[[0, 1, 3]]
     assert table.samples.tolist() == [3, 3]
     np.testing.assert_allclose(table.max_closure_mean_mm, 1e3 * good.mean(axis=0), rtol=1e-14)
+
+
+def test_a_rock_may_have_its_own_effects(configuration):
+    assert settings_of(configuration, "slate-base", range(2))["effects"]["interaction"]
+    configuration["rocks"]["slate"]["effects"] = {"interaction": False}
+    found = settings_of(configuration, "slate-base", range(2))
+    assert found["effects"] == ELASTIC | {"interaction": False, "soft_peaks": True}
+    assert found["effects_chosen_to"] is None
+
+
+def test_a_case_chooses_among_the_effects_of_its_rock_to_the_tolerance_given(configuration):
+    configuration["effects"]["auto"] = 0.9
+    case = next(case for case in cases_of(configuration) if case.label == "slate-base")
+    settings = settings_of(configuration, "slate-base", range(4))
+    lines = []
+    choice = choose_for_case(case, settings, lines.append)
+    assert not choice.effects.breakage
+    assert not choice.effects.interaction
+    assert 0.0 < choice.error < 0.9
+    assert lines == list(choice.reasons)

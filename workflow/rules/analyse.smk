@@ -77,7 +77,6 @@ rule check_results:
     conda:
         ENVIRONMENT
     params:
-        effects=config["effects"],
         numerics=config["numerics"],
         realizations=config["study"]["realizations"],
         code=ANALYSIS_CODE,

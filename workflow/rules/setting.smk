@@ -7,6 +7,7 @@ from jointclosure.study import cases, configuration, settings
 ROOT = Path(workflow.basedir)
 for file in workflow.configfiles:
     configuration.read_plain(file)
+config["effects"] = configuration.written_out(config)["effects"]
 configuration.checked(
     config, configuration.read_schema(ROOT / "workflow/schemas/config.schema.yaml")
 )
@@ -19,6 +20,7 @@ CASES = {case.label: case for case in cases.cases_of(config)}
 BLOCKS = {str(block.start): block for block in cases.blocks_of(config)}
 SURFACES = {case.surface for case in CASES.values()}
 ROCKS = {name: config["rocks"][name] for name in config["study"]["rocks"]}
+AUTO = configuration.choice_tolerance(config) is not None
 VARIED = any(rock["levels"] for rock in ROCKS.values())
 TABLES = [
     "table_1_rocks.csv",
@@ -55,6 +57,7 @@ SOLVER_CODE = source_digest(
     "readings",
     "simulation",
     "study/ensemble",
+    "study/scene_choice",
     "study/configuration",
     "dataset",
     "files",

@@ -1,4 +1,6 @@
 # Surfaces of each case, and their closure: in blocks of realisations, named by their first.
+from jointclosure.parameters import scene_name
+from jointclosure.study.scene_choice import possible_scenes
 
 
 rule compile_kernels:
@@ -11,7 +13,17 @@ rule compile_kernels:
     conda:
         ENVIRONMENT
     params:
-        effects=config["effects"],
+        scenes=sorted(
+            {
+                scene_name(scene)
+                for name in ROCKS
+                for scene in (
+                    possible_scenes(configuration.effects_of(config, name))
+                    if AUTO
+                    else [configuration.effects_of(config, name)]
+                )
+            }
+        ),
         choices=config["choices"],
         solver=config["numerics"]["solver"],
         breakage=config["numerics"]["breakage"],
@@ -41,8 +53,32 @@ rule make_surfaces:
         "../scripts/make_surfaces.py"
 
 
+rule choose_effects:
+    input:
+        ancient(f"{RESULTS}/logs/kernels.txt"),
+    output:
+        f"{RESULTS}/effects_of/{{rock}}.json",
+    log:
+        f"{RESULTS}/logs/choose_effects/{{rock}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/choose_effects/{{rock}}.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        configuration=lambda wildcards: configuration.of_rock(config, wildcards.rock),
+        surface_code=SURFACE_CODE,
+        solver_code=SOLVER_CODE,
+    message:
+        "Choose the effects that matter for {wildcards.rock}, by a pilot"
+    script:
+        "../scripts/choose_effects.py"
+
+
 rule close_surfaces:
     input:
+        effects=lambda wildcards: (
+            f"{RESULTS}/effects_of/{CASES[wildcards.case].rock}.json" if AUTO else []
+        ),
         surfaces=lambda wildcards: f"{RESULTS}/cases/{CASES[wildcards.case].surface}.{wildcards.first}.surfaces.nc",
         kernels=ancient(f"{RESULTS}/logs/kernels.txt"),
     output:
@@ -70,7 +106,10 @@ rule close_surfaces:
 
 rule aggregate:
     input:
-        expand(f"{RESULTS}/cases/{{case}}.{{first}}.nc", case=CASES, first=BLOCKS),
+        cases=expand(f"{RESULTS}/cases/{{case}}.{{first}}.nc", case=CASES, first=BLOCKS),
+        effects=expand(
+            f"{RESULTS}/effects_of/{{rock}}.json", rock=ROCKS if AUTO else []
+        ),
     output:
         f"{RESULTS}/study.nc",
     log:

@@ -1,10 +1,13 @@
 """Put all cases of a study into one dataset, block by block of their realisations."""
 
+import json
 from collections.abc import Iterator
+from pathlib import Path
 
+import numpy as np
 import xarray as xr
 
-from jointclosure.dataset import provenance, reading_netcdf, write_netcdf_regions
+from jointclosure.dataset import provenance, read_text, reading_netcdf, write_netcdf_regions
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.study.cases import blocks_of, cases_of
 from jointclosure.study.ensemble import join_cases, succeeded
@@ -14,16 +17,30 @@ ROWS = 256
 """Realisations in memory at a time, and compressed together."""
 
 
-def main(inputs: list[str], configuration: dict, codes: tuple[str, str], output: str, log: Logbook):
+def main(
+    inputs: list[str],
+    choices: list[str],
+    configuration: dict,
+    codes: tuple[str, str],
+    output: str,
+    log: Logbook,
+):
     """Write the study's dataset, with its configuration and provenance as attributes."""
     cases = cases_of(configuration)
     with reading_netcdf(inputs[0]) as first:
         frame = join_cases(cases, [first.isel(realization=slice(0, 1)).load()] * len(cases))
+    scenes = [_scene(path) for path in inputs[:: len(blocks_of(configuration))]]
+    about = {"long_name": "effects that were simulated"}
+    frame = frame.assign_coords(scene=("case", np.array(scenes, dtype=object), about))
     frame.attrs = {
         "title": f"closure of rough joints, study {configuration['study']['name']}",
         "references": "Rezaei Niya & Selvadurai, Modeling the Approach of Non-mated Rock Fracture "
         "Surfaces Under Quasi-static Normal Load Cycles",
     } | provenance(configuration)
+    if choices:
+        frame.attrs["effects_chosen"] = json.dumps(
+            {Path(path).stem: json.loads(read_text(path)) for path in choices}
+        )
     chunks = {"case": 1, "realization": min(ROWS, configuration["study"]["realizations"])}
     regions = _regions(inputs, configuration, codes, log)
     write_netcdf_regions(frame, regions, "realization", chunks, output)
@@ -49,6 +66,11 @@ def _regions(inputs: list[str], configuration: dict, codes: tuple[str, str], log
         log(f"{label}: {used} of {total} realisations are used, {total - used} failed")
 
 
+def _scene(path: str) -> str:
+    with reading_netcdf(path) as closed:
+        return closed.attrs["scene"]
+
+
 def _slices(closed: xr.Dataset, block: range) -> Iterator[tuple[slice, xr.Dataset]]:
     for start in range(0, len(block), ROWS):
         part = closed.isel(realization=slice(start, start + ROWS)).load()
@@ -59,7 +81,8 @@ def _slices(closed: xr.Dataset, block: range) -> Iterator[tuple[slice, xr.Datase
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]) as logbook:
         main(
-            snakemake.input,
+            snakemake.input.cases,
+            list(snakemake.input.effects),
             snakemake.params.configuration,
             (snakemake.params.surface_code, snakemake.params.solver_code),
             snakemake.output[0],

@@ -1,6 +1,6 @@
 """Check the results; what must hold and does not is an error."""
 
-from jointclosure import Effects, Numerics
+from jointclosure import Numerics
 from jointclosure.dataset import read_netcdf, write_csv
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.parameters import to_si
@@ -12,7 +12,6 @@ def main(study: str, settings: dict, output: str, log: Logbook) -> None:
     """Write the table of checks, or raise with those that failed."""
     checks = check_results(
         read_netcdf(study, without=CURVES),
-        Effects(**settings["effects"]),
         Numerics(**to_si(settings["numerics"])),
         settings["realizations"],
     )

@@ -1,32 +1,44 @@
 """Close all surface pairs of a case, or of a block of its realisations."""
 
+import json
 from pathlib import Path
 
-from jointclosure.dataset import reading_netcdf, write_netcdf_blocks
+from jointclosure import Effects
+from jointclosure.dataset import read_text, reading_netcdf, write_netcdf_blocks
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.parameters import scene_name
 from jointclosure.study.cases import Case
 from jointclosure.study.ensemble import close_surfaces, closing_arguments
 from jointclosure.study.settings import as_text, check_settings
 
 
-def main(surfaces: str, settings: dict, output: str, log: Logbook) -> None:
+def main(surfaces: str, chosen: str | None, settings: dict, output: str, log: Logbook) -> None:
     """Write the closures (realization, cycle, branch, stress)."""
-    log(f"settings: {as_text(settings)}")
+    told = settings if chosen is None else settings | {"effects": chosen_effects(chosen)}
+    log(f"settings: {as_text(told)}")
+    scene = scene_name(Effects(**told["effects"]))
     case = Case(**settings["case"])
     with reading_netcdf(surfaces) as pairs:
         check_settings(surfaces, pairs.attrs, settings["surfaces"])
         closed = close_surfaces(
             pairs,
             case,
-            **closing_arguments(settings),
+            **closing_arguments(told),
             report=log,
             repeated_by=f"jointclosure repeat {Path(output).parents[1]} {case.label}",
         )
-        marked = (block.assign_attrs(settings=as_text(settings)) for block in closed)
+        marked = (block.assign_attrs(settings=as_text(settings), scene=scene) for block in closed)
         write_netcdf_blocks(marked, "realization", output)
     log(f"wrote {output}")
 
 
+def chosen_effects(path: str) -> dict:
+    """The effects that the pilot of the case's rock chose."""
+    return json.loads(read_text(path))["effects"]
+
+
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]) as logbook:
-        main(snakemake.input.surfaces, snakemake.params.settings, snakemake.output[0], logbook)
+        chosen = snakemake.input.get("effects") or None
+        settings = snakemake.params.settings
+        main(snakemake.input.surfaces, chosen, settings, snakemake.output[0], logbook)

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.parameters import Effects, well_posed_scenes
+from jointclosure.parameters import Effects, scene_name, well_posed_scenes
 from jointclosure.protocol import FAILURE, LOADING, UNLOADING
 from jointclosure.readings import branch_of
 from jointclosure.study.cases import Case, cases_of
@@ -38,11 +38,6 @@ CONTRIBUTIONS = (
     Contribution("gouge", FULL, FULL._replace(gouge=False)),
     Contribution("soft_peaks", FULL, FULL._replace(soft_peaks=False)),
 )
-
-
-def scene_name(effects: Effects) -> str:
-    """Name of a scene: its effects, or "rigid" where it has none."""
-    return "-".join(name for name, on in effects._asdict().items() if on) or "rigid"
 
 
 SCENES = {scene_name(effects): effects for effects in well_posed_scenes()}

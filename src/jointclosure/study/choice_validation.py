@@ -12,11 +12,10 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from jointclosure.parameters import Effects, Rock, to_si
+from jointclosure.parameters import Effects, Rock, scene_name, to_si
 from jointclosure.protocol import FAILURE
 from jointclosure.randomness import generator, seed_of
 from jointclosure.simulation import simulate
-from jointclosure.study.ablation import scene_name
 from jointclosure.study.configuration import choices_of, numerics_of
 from jointclosure.study.scene_choice import choose_effects
 from jointclosure.surface.synthesis import wall_pair

@@ -22,6 +22,9 @@ from jointclosure.solvers.registry import SOLVERS
 from jointclosure.study.cases import cases_of
 from jointclosure.surface.roughness import relation_of
 
+_AUTO_TOLERANCE = 0.02
+"""Of `effects: auto`, which names none."""
+
 
 class ConfigurationError(InputError):
     """A configuration that cannot be run; the message lists all that is wrong."""
@@ -86,9 +89,33 @@ def schema_problems(configuration: dict, schema: dict) -> list[str]:
     ]
 
 
-def effects_of(configuration: dict) -> Effects:
-    """Effects of a study's scenes."""
-    return Effects(**configuration["effects"])
+def effects_of(configuration: dict, rock: str | None = None) -> Effects:
+    """Effects of a study's scenes, or of a rock's, which may have its own.
+
+    With ``effects.auto`` these are the ones that may be chosen.
+    """
+    own = configuration["rocks"][rock].get("effects", {}) if rock else {}
+    given = configuration["effects"] | own
+    return Effects(**{name: given[name] for name in Effects._fields})
+
+
+def choice_tolerance(configuration: dict) -> float | None:
+    """The tolerance by which effects are chosen; None where they are as configured."""
+    return configuration["effects"].get("auto")
+
+
+def of_rock(configuration: dict, rock: str) -> dict:
+    """A study's configuration without its other rocks."""
+    alone = {"study": configuration["study"] | {"rocks": [rock]}}
+    return configuration | alone | {"rocks": {rock: configuration["rocks"][rock]}}
+
+
+def written_out(configuration: dict) -> dict:
+    """A configuration whose ``effects: auto`` is written out: all may act, chosen to 2 %."""
+    if configuration.get("effects") != "auto":
+        return configuration
+    everything = dict.fromkeys(Effects._fields, True)
+    return configuration | {"effects": everything | {"auto": _AUTO_TOLERANCE}}
 
 
 def choices_of(configuration: dict) -> Choices:
@@ -155,7 +182,11 @@ def _contradictions(configuration: dict) -> Iterator[str]:
             meant = f"; did you mean {close[0]}?" if close else ""
             yield f"study.rocks = {name!r}: not among rocks ({', '.join(rocks)}){meant}"
     for check in (
-        lambda: check_scene(effects_of(configuration)),
+        *(
+            lambda name=name: check_scene(effects_of(configuration, name))
+            for name in (None, *study["rocks"])
+            if name is None or "effects" in rocks.get(name, {})
+        ),
         lambda: check_choices(choices_of(configuration)),
         lambda: check_numerics(numerics_of(configuration), tuple(SOLVERS)),
     ):
@@ -163,6 +194,11 @@ def _contradictions(configuration: dict) -> Iterator[str]:
             check()
         except InputError as error:
             yield str(error)
+    if choice_tolerance(configuration) is not None and study["realizations"] < 2:
+        yield (
+            f"study.realizations = {study['realizations']!r}: "
+            "effects.auto closes pieces of 2 pairs of walls at least"
+        )
     relation = relation_of(configuration["surface"]["jrc_relation"])
     for name in study["rocks"]:
         rock = rocks.get(name)

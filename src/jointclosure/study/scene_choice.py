@@ -13,9 +13,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.parameters import Choices, Effects, InputError, Numerics, well_posed_scenes
+from jointclosure.parameters import (
+    Choices,
+    Effects,
+    InputError,
+    Numerics,
+    Rock,
+    to_si,
+    well_posed_scenes,
+)
 from jointclosure.protocol import FAILURE
 from jointclosure.simulation import simulate
+from jointclosure.study.cases import Case
+from jointclosure.study.ensemble import closing_arguments, surfaces_of
 
 DROPS = (("breakage", "gouge"), ("interaction",), ("substrate",), ("gouge",))
 """Effects that are tried without, in this order: by what their absence saves (results of the
@@ -26,6 +36,17 @@ PILOTS = 6
 """Pieces that are closed: one of the middle of each of so many pairs of walls."""
 _FIRST, _CLEAR = 2, 4.0
 """Pieces that are closed first; where each of these changes by so many tolerances, no more are."""
+
+
+def possible_scenes(effects: Effects) -> list[Effects]:
+    """Scenes that may be chosen where these effects may act, themselves the first."""
+    found = [effects]
+    for scene in found:
+        for names in DROPS:
+            fewer = scene._replace(**dict.fromkeys(names, False))
+            if fewer in well_posed_scenes() and fewer not in found:
+                found.append(fewer)
+    return found
 
 
 class SceneChoice(NamedTuple):
@@ -115,6 +136,33 @@ def choose_effects(
     if chosen == effects:
         report("every effect matters: all act")
     return SceneChoice(chosen, error, tuple(reasons))
+
+
+def choose_for_case(
+    case: Case, settings: dict, report: Callable[[str], None] = lambda line: None
+) -> SceneChoice:
+    """`choose_effects` for a case of a study.
+
+    Parameters
+    ----------
+    case : Case
+    settings : dict
+        As from `jointclosure.study.settings.closure_settings`, with a tolerance in
+        ``effects_chosen_to``.
+    report : callable
+        As for `choose_effects`.
+    """
+    told = closing_arguments(settings)
+    surfaces = surfaces_of(settings["surfaces"])
+    return choose_effects(
+        ((pair.upper.values[0], pair.lower.values[0]) for pair in surfaces),
+        spacing=to_si(settings["surfaces"]["grid"])["spacing"],
+        rock=Rock(case.youngs_modulus, case.poisson_ratio, case.compressive_strength),
+        max_normal_stress=case.max_normal_stress,
+        tolerance=settings["effects_chosen_to"],
+        report=report,
+        **{name: told[name] for name in ("cycles", "effects", "choices", "numerics")},
+    )
 
 
 class _Pilot:

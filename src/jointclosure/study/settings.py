@@ -9,6 +9,7 @@ from pathlib import Path
 
 from jointclosure.parameters import InputError
 from jointclosure.study.cases import Case, wall_name
+from jointclosure.study.configuration import choice_tolerance, effects_of
 
 
 class OtherSettingsError(InputError):
@@ -61,7 +62,9 @@ def closure_settings(configuration: dict, case: Case, surfaces: dict, code: str)
         "largest_stress_MPa": output["largest_stress_MPa"],
         "surfaces": surfaces,
         "code": code,
-    } | {name: dict(configuration[name]) for name in ("effects", "choices", "numerics")}
+        "effects": effects_of(configuration, case.rock)._asdict(),
+        "effects_chosen_to": choice_tolerance(configuration),
+    } | {name: dict(configuration[name]) for name in ("choices", "numerics")}
 
 
 def block_settings(
