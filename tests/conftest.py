@@ -1,5 +1,7 @@
 """What all tests share: a rock, a small joint, and fast property testing."""
 
+import faulthandler
+
 import hypothesis
 import numpy as np
 import pytest
@@ -11,6 +13,17 @@ hypothesis.settings.load_profile("default")
 
 DOLERITE = jc.Rock(78e9, 0.2, 165e6)
 SPACING = 0.25e-3
+
+
+TEST_SECONDS = 1800
+"""A test that takes longer loops: its worker is ended, and the traceback says where."""
+
+
+@pytest.fixture(autouse=True)
+def _no_test_loops():
+    faulthandler.dump_traceback_later(TEST_SECONDS, exit=True)
+    yield
+    faulthandler.cancel_dump_traceback_later()
 
 
 @pytest.fixture

@@ -69,6 +69,8 @@ rule present_hard_cases:
     input:
         tables=expand(f"{HARD_RESULTS}/cases/{{group}}.csv", group=HARD_GROUPS),
         curves=expand(f"{HARD_RESULTS}/cases/{{group}}.curves.csv", group=HARD_GROUPS),
+        formulas=f"{HARD_RESULTS}/tables/numerics.csv",
+        loads=f"{HARD_RESULTS}/tables/sweep_loads.csv",
     output:
         table=f"{HARD_RESULTS}/tables/hard_cases.csv",
         figures=expand(

@@ -5,6 +5,9 @@ import pandas as pd
 from jointclosure.dataset import read_csv, save_figure, write_csv
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.plotting.hard_cases import hard_case_page
+from jointclosure.verification.formulas import formula_rows
+
+INPUTS = ("tables", "curves", "formulas", "loads")
 
 
 def main(inputs: dict, order: list[str], outputs: dict, log: Logbook) -> None:
@@ -12,17 +15,23 @@ def main(inputs: dict, order: list[str], outputs: dict, log: Logbook) -> None:
     table = pd.concat([read_csv(path) for path in inputs["tables"]])
     table = table.set_index("name").loc[order].reset_index()
     curves = pd.concat([read_csv(path) for path in inputs["curves"]])
-    write_csv(table, outputs["table"])
+    formulas = formula_rows(*(read_csv(inputs[name][0]) for name in ("formulas", "loads")))
+    whole = pd.concat([table, pd.DataFrame(formulas)], ignore_index=True)
+    write_csv(whole, outputs["table"])
     page = hard_case_page(table, curves)
     for path in outputs["figures"]:
         save_figure(page, path)
-    log(f"{int(table.holds.sum())} of {len(table)} hold")
+    log(f"{int(whole.holds.sum())} of {len(whole)} hold")
+
+
+def _list(paths) -> list[str]:
+    return [paths] if isinstance(paths, str) else list(paths)
 
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]) as logbook:
         main(
-            {name: list(snakemake.input[name]) for name in ("tables", "curves")},
+            {name: _list(snakemake.input[name]) for name in INPUTS},
             snakemake.params.order,
             {"table": snakemake.output.table, "figures": list(snakemake.output.figures)},
             logbook,

@@ -107,6 +107,9 @@ def _curve(outcome, tolerances: dict[str, float]) -> list[str]:
             failed.append(f"{'lacks' if true else 'has'} a remark: {name}")
     if not np.all(data.max_closure > 0.0):
         failed.append("a maximum closure is not positive")
+    excess = float(data.unloading_excess.max())
+    if not outcome.case["effects"]["breakage"] and excess > near * target:
+        failed.append(f"without breakage unloading exceeds loading by {excess:.3g} Pa")
     return failed
 
 
