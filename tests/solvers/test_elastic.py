@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+import scipy.optimize
 
 import jointclosure as jc
 from jointclosure.protocol import FLAGS
-from tests.conftest import DOLERITE, SPACING
+from jointclosure.verification import oracle
+from tests.conftest import DOLERITE, SPACING, bump
 
 SCENES = {
     "asperities": jc.Effects(False, False, False, False, True),
@@ -129,3 +131,49 @@ def test_points_of_the_curve_are_checked(small_joint):
     for bad in (0, 2.5, True):
         with pytest.raises(jc.InputError, match="curve_points"):
             closed(small_joint, SCENES["substrate"], numerics=jc.Numerics(curve_points=bad))
+
+
+@pytest.mark.parametrize("substrate", [True, False])
+@pytest.mark.parametrize("decade", range(-10, 2))
+def test_a_curve_of_a_sphere_on_a_flat_is_hertzian_over_12_decades_of_force(decade, substrate):
+    upper = bump((9, 9), 2e-3)
+    lower = np.zeros(upper.shape)
+    radius = 1.0 / oracle.curvature(upper, SPACING)[4, 4]
+    area = upper.size * SPACING**2
+    force = 10.0**decade  # at most 10 N: the sphere is alone in touch up to 15 um
+    effects = jc.Effects(substrate, False, False, False, False)
+    curve = closed((upper, lower), effects, force / area, cycles=1)
+    modulus = DOLERITE.youngs_modulus / (1.0 - DOLERITE.poisson_ratio**2) / 2.0
+    forces = curve.normal_stress.values * area
+    expected = (9.0 * forces**2 / (16.0 * modulus**2 * radius)) ** (1.0 / 3.0)
+    if substrate:
+        expected = expected + 0.75 * forces / (0.5 * SPACING * modulus)
+    # one cell only: the cap falls by h^2 / 2 R = 15.6 um to the next
+    assert expected.max() < SPACING**2 / (2.0 * radius)
+    np.testing.assert_allclose(curve.closure, expected, rtol=1e-9)
+
+
+def test_a_curve_of_two_unequal_distant_contacts_solves_their_two_equations():
+    apart, deeper = 16, 4e-7
+    shape = (5, apart + 5)
+    one = bump(shape, 2e-3, centre=(2, 2))
+    two = bump(shape, 3e-3, centre=(2, 2 + apart)) - deeper
+    upper, lower = np.maximum(one, two), np.zeros(shape)
+    curvature = oracle.curvature(upper, SPACING)[2, [2, 2 + apart]]
+    area = upper.size * SPACING**2
+    curve = closed((upper, lower), jc.Effects(True, True, False, False, False), 30.0 / area)
+    modulus = DOLERITE.youngs_modulus / (1.0 - DOLERITE.poisson_ratio**2) / 2.0
+    substrate = 0.75 / (0.5 * SPACING * modulus)
+    compliance = (9.0 * curvature / (16.0 * modulus**2)) ** (1.0 / 3.0)
+    # two Hertz pressures far apart: F / (pi E* zeta) (1 + (r / zeta)^2 / 10)
+    across = (1.0 + (0.5 / apart) ** 2 / 10.0) / (np.pi * modulus * apart * SPACING)
+
+    def closures(first):
+        forces = np.array([first, 30.0 - first])
+        own = substrate * forces + compliance * forces ** (2.0 / 3.0)
+        return own + across * forces[::-1] + [0.0, deeper]
+
+    first = scipy.optimize.brentq(lambda f: np.diff(closures(f))[0], 1.0, 29.0, xtol=1e-12)
+    closure = closures(first)[0]
+    assert round(float(curve.contact_fraction.max()) * upper.size) == 2
+    assert float(curve.max_closure[0]) == pytest.approx(closure, rel=1e-7)
