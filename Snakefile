@@ -17,6 +17,11 @@ include: "workflow/rules/effects.smk"
 include: "workflow/rules/numerics.smk"
 
 
+onstart:
+    if NUMERICS_SAID:
+        logger.info(NUMERICS_SAID)
+
+
 rule all:
     default_target: True
     input:

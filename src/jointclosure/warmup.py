@@ -4,6 +4,7 @@ Two processes that fill a cold cache at once can swap each other's machine
 code, so one process compiles all that the others will need.
 """
 
+from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.parameters import Choices, Effects, Numerics, Rock, well_posed_scenes
 from jointclosure.simulation import equilibrium, simulate
 from jointclosure.surface.synthesis import wall_pair
@@ -24,6 +25,9 @@ def compile_kernels(effects: Effects, choices: Choices, solver: str, breakage: s
         choices=choices,
         numerics=numerics,
     )
+    # of a figure
+    strength_factor(rock.poisson_ratio)
+    von_mises_on_axis(0.5, rock.poisson_ratio)
     if not effects.breakage:
         equilibrium(
             *walls, spacing=spacing, rock=rock, closure=1e-4, effects=effects, numerics=numerics

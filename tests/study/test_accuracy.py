@@ -157,11 +157,11 @@ def test_failed_realisations_are_left_out_and_counted():
 
 
 def test_sources_of_the_configured_setting():
-    sources = source_table(weighed(), "full").set_index("source")
+    sources = source_table(weighed(), "full", 20).set_index("source")
     assert sources.loc["steps", "error_percent"] == pytest.approx(1.0)
     assert sources.loc["surface rule (hurst 0.6)", "error_percent"] > 30.0
     base = weighed().iloc[0]
-    expected = 100.0 * base.deviation_mm / base.mean_mm / np.sqrt(12)
+    expected = 100.0 * base.deviation_mm / base.mean_mm / np.sqrt(20)
     assert sources.loc["sampling", "error_percent"] == pytest.approx(expected)
 
 

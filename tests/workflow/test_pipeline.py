@@ -28,7 +28,13 @@ def checkout(folder: Path) -> Path:
     return folder
 
 
-def snakemake(folder: Path, *arguments: str, cores: int = 2, config: str = "tiny.yaml"):
+def snakemake(
+    folder: Path,
+    *arguments: str,
+    cores: int = 2,
+    config: str = "tiny.yaml",
+    environment: dict | None = None,
+):
     """Run the project's Snakefile in a folder; the completed process."""
     command = [
         sys.executable, "-m", "snakemake", "--workflow-profile", "workflow/profiles/default",
@@ -40,7 +46,7 @@ def snakemake(folder: Path, *arguments: str, cores: int = 2, config: str = "tiny
         capture_output=True,
         text=True,
         check=False,
-        env=os.environ | {"OMP_NUM_THREADS": "1"},
+        env=os.environ | {"OMP_NUM_THREADS": "1"} | (environment or {}),
     )
 
 
@@ -62,6 +68,15 @@ def study(tmp_path_factory):
     answer = snakemake(folder)
     assert answer.returncode == 0, answer.stdout + answer.stderr
     return folder
+
+
+def test_kernels_are_compiled_by_the_job_that_is_there_for_it_and_by_no_other(tmp_path):
+    folder = checkout(tmp_path)
+    answer = snakemake(folder, environment={"JOINTCLOSURE_CACHE": str(tmp_path / "cold")})
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    logs = (folder / "results/tiny/logs").rglob("*.log")
+    said = {log.name for log in logs if "compiling kernels" in log.read_text()}
+    assert said == {"compile_kernels.log"}
 
 
 def test_the_run_writes_what_the_readme_promises(study):

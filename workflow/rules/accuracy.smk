@@ -102,6 +102,7 @@ rule weigh_accuracy:
         costs=f"{RESULTS}/tables/accuracy_cost.csv",
         orders=f"{RESULTS}/tables/accuracy_orders.csv",
         sources=f"{RESULTS}/tables/accuracy_sources.csv",
+        settings=f"{RESULTS}/tables/accuracy_settings.csv",
     log:
         f"{RESULTS}/logs/weigh_accuracy.log",
     benchmark:
@@ -113,6 +114,7 @@ rule weigh_accuracy:
         runs=list(ACCURACY_RUNS),
         design=ACCURACY,
         root_seed=config["study"]["root_seed"],
+        realizations=config["study"]["realizations"],
         code=ACCURACY_CODE,
     message:
         "Weigh error against time"

@@ -2,11 +2,17 @@
 from pathlib import Path
 
 from jointclosure.compilation import source_digest
-from jointclosure.study import cases, configuration, settings
+from jointclosure.dataset import read_csv
+from jointclosure.study import cases, configuration, presets, settings
 
 ROOT = Path(workflow.basedir)
 for file in workflow.configfiles:
     configuration.read_plain(file)
+config["numerics"], NUMERICS_SAID = presets.chosen_numerics(
+    config,
+    configuration.read_plain(ROOT / "config/default.yaml")["numerics"],
+    lambda: read_csv(ROOT / "workflow/resources/accuracy_settings.csv"),
+)
 config["effects"] = configuration.written_out(config)["effects"]
 configuration.checked(
     config, configuration.read_schema(ROOT / "workflow/schemas/config.schema.yaml")

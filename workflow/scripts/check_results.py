@@ -1,10 +1,9 @@
 """Check the results; what must hold and does not is an error."""
 
-from jointclosure import Numerics
 from jointclosure.dataset import read_netcdf, write_csv
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.parameters import to_si
 from jointclosure.study.checks import check_results
+from jointclosure.study.configuration import numerics_of
 from jointclosure.study.ensemble import CURVES
 
 
@@ -12,7 +11,7 @@ def main(study: str, settings: dict, output: str, log: Logbook) -> None:
     """Write the table of checks, or raise with those that failed."""
     checks = check_results(
         read_netcdf(study, without=CURVES),
-        Numerics(**to_si(settings["numerics"])),
+        numerics_of(settings),
         settings["realizations"],
     )
     for row in checks.itertuples():

@@ -7,14 +7,16 @@ from jointclosure.logbook import Logbook, logging_to
 from jointclosure.randomness import generator, seed_of
 from jointclosure.study.accuracy import Setting
 from jointclosure.study.accuracy_cost import cost_table, order_table, source_table
+from jointclosure.study.presets import setting_table
 
 
 def main(inputs: list[str], settings: dict, outputs: dict, log: Logbook) -> None:
     """Write costs, orders of convergence and sources of error."""
     design = settings["design"]
     runs = dict(zip(settings["runs"], map(read_netcdf, inputs), strict=True))
+    turned = [Setting(*each) for each in settings["settings"]]
     costs = cost_table(
-        [Setting(*each) for each in settings["settings"]],
+        turned,
         runs,
         {name: scene["finest"] for name, scene in design["scenes"].items()},
         generator(seed_of(settings["root_seed"], "accuracy")),
@@ -23,8 +25,13 @@ def main(inputs: list[str], settings: dict, outputs: dict, log: Logbook) -> None
     )
     write_csv(costs, outputs["costs"])
     write_csv(order_table(costs), outputs["orders"])
-    sources = pd.concat([source_table(costs, scene) for scene in design["scenes"]])
+    sources = pd.concat(
+        [source_table(costs, scene, settings["realizations"]) for scene in design["scenes"]]
+    )
     write_csv(sources, outputs["sources"])
+    write_csv(
+        setting_table(costs, turned, design["scenes"], design["presets"]), outputs["settings"]
+    )
     log(f"{len(costs)} rows")
 
 

@@ -39,14 +39,15 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
     -----
     A panel for each rock and cycle. A hollow mark's confidence interval
     includes zero: its error is not told from none. Errors below a hundredth of a
-    percent are drawn there. The grey line is what no setting beats in both.
+    percent are drawn there. The finest setting, which the others are held against, is not
+    drawn. The grey line is what no setting beats in both.
     """
     shown = costs[~costs.knob.isin(OTHER_JOINTS)]
     rocks, cycles = shown.rock.unique(), sorted(shown.cycle.unique())
     figure, panels = plt.subplots(
         len(cycles),
         len(rocks),
-        figsize=(4.6 * len(rocks) + 1.2, 3.5 * len(cycles)),
+        figsize=(4.8 * len(rocks), 3.4 * len(cycles) + 1.2),
         layout="constrained",
         sharex=True,
         sharey=True,
@@ -64,8 +65,8 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
     for row in panels:
         row[0].set_ylabel("error of mean max. closure (%)")
     handles, labels = panels[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside right upper", frameon=False)
-    figure.suptitle(title)
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
+    figure.suptitle(title, x=0.01, ha="left")
     sns.despine(figure)
     return figure
 
@@ -74,7 +75,7 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> None:
     size = part.mean_error_percent.abs().clip(lower=_FLOOR)
     part = part.assign(size=size)
     for knob, colour in colours.items():
-        line = part[part.knob == knob]
+        line = part[(part.knob == knob) & (part.mean_error_percent != 0.0)]
         if line.empty:
             continue
         axes.plot(
@@ -101,6 +102,8 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> None:
             )
     base = part[part.knob == BASE].iloc[0]
     axes.plot([base.relative_time], [base["size"]], "k*", ms=13, zorder=4, label=paper)
+    # the finest is what the others are held against: its error is not known from here
+    part = part[part.mean_error_percent != 0.0]
     best = part[pareto(part.relative_time.to_numpy(), part["size"].to_numpy())]
     best = best.sort_values("relative_time")
     axes.plot(

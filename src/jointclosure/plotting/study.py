@@ -31,7 +31,8 @@ def equivalent_stress() -> Figure:
     along = np.array([[von_mises_on_axis(z, nu) for z in depths] for nu in ratios[::5]])
     figure, axes = plt.subplots(figsize=(5.2, 3.8), layout="constrained")
     axes.plot(ratios[::5], along.max(axis=1), "o", label="maximum of Eq. (21)", zorder=3)
-    axes.plot(ratios, strength_factor(ratios), "-", color="0.3", label="Eq. (23), the paper's fit")
+    fit = [strength_factor(nu) for nu in ratios]
+    axes.plot(ratios, fit, "-", color="0.3", label="Eq. (23), the paper's fit")
     axes.set(
         xlabel="Poisson's ratio ν", ylabel="maximum equivalent stress / $p_0$", xlim=(-0.01, 0.51)
     )

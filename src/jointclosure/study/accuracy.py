@@ -38,6 +38,10 @@ _OWN = ("study", "effects", "choices", "numerics", "grid", "surface", "rocks")
 """Sections of a configuration that a run depends on."""
 
 
+_POINTS = ("finest", "cross")
+"""Keys of a scene that name a knob and its value, and are no settings."""
+
+
 class Setting(NamedTuple):
     """A knob turned to a value, in a scene of a rock.
 
@@ -70,7 +74,7 @@ def settings_of(configuration: dict) -> list[Setting]:
     found: list[Setting] = []
     runs: dict[str, str] = {}
     for scene, scene_settings in design["scenes"].items():
-        overrides = {key: value for key, value in scene_settings.items() if key != "finest"}
+        overrides = {key: value for key, value in scene_settings.items() if key not in _POINTS}
         for rock in configuration["study"]["rocks"]:
             base = merged(plain, overrides, {"study": {"rocks": [rock]}})
             turned = [(BASE, "", base)]
@@ -111,11 +115,15 @@ def checked_settings(configuration: dict) -> list[Setting]:
 def _unknown(configuration: dict) -> Iterator[str]:
     design = configuration["accuracy"]
     for scene, settings in design["scenes"].items():
-        overrides = {key: value for key, value in settings.items() if key != "finest"}
+        overrides = {key: value for key, value in settings.items() if key not in _POINTS}
         yield from _strange(configuration, overrides, f"accuracy.scenes.{scene}")
-        finest = settings["finest"]["knob"]
-        if finest != BASE and scene not in design["knobs"].get(finest, {"scenes": []})["scenes"]:
-            yield f"accuracy.scenes.{scene}.finest.knob = {finest!r}: is not turned in this scene"
+        for name in _POINTS:
+            knob = settings.get(name, {"knob": BASE})["knob"]
+            if knob != BASE and scene not in design["knobs"].get(knob, {"scenes": []})["scenes"]:
+                yield f"accuracy.scenes.{scene}.{name}.knob = {knob!r}: is not turned in this scene"
+    for name, point in design["presets"].items():
+        if point["knob"] != BASE and point["knob"] not in design["knobs"]:
+            yield f"accuracy.presets.{name}.knob = {point['knob']!r}: there is no such knob"
     for knob, way in design["knobs"].items():
         where = f"accuracy.knobs.{knob}"
         for scene in way["scenes"]:

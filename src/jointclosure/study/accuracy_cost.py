@@ -184,11 +184,11 @@ def order_table(costs: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def source_table(costs: pd.DataFrame, scene: str) -> pd.DataFrame:
+def source_table(costs: pd.DataFrame, scene: str, realizations: int) -> pd.DataFrame:
     """Where the error of the paper's own setting in a scene comes from, in percent of the mean.
 
     ``steps``: that of its steps; ``sampling``: the standard error of a mean over
-    the surfaces there are; ``surface rule``: the largest change among the
+    so many ``realizations``; ``surface rule``: the largest change among the
     rules tried, which no computing takes away.
     """
     rows = []
@@ -196,7 +196,7 @@ def source_table(costs: pd.DataFrame, scene: str) -> pd.DataFrame:
     for (rock, cycle), part in chosen.groupby(["rock", "cycle"], sort=False):
         base = part[part.knob == BASE].iloc[0]
         rule = part[part.knob == "surface_rule"]
-        sampling = 100.0 * base.deviation_mm / base.mean_mm / np.sqrt(base.samples)
+        sampling = 100.0 * base.deviation_mm / base.mean_mm / np.sqrt(realizations)
         sources = {"steps": (base.mean_error_percent, base.mean_low, base.mean_high)}
         sources["sampling"] = (sampling, np.nan, np.nan)
         if len(rule):

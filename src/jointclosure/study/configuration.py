@@ -125,7 +125,16 @@ def choices_of(configuration: dict) -> Choices:
 
 def numerics_of(configuration: dict) -> Numerics:
     """Numerics of a study, in SI."""
-    return Numerics(**to_si(configuration["numerics"]))
+    return Numerics(**to_si(numerics_in_full(configuration)))
+
+
+def numerics_in_full(configuration: dict) -> dict:
+    """Numerics of a study without the preset or accuracy that chose them."""
+    return {
+        key: value
+        for key, value in configuration["numerics"].items()
+        if key not in ("preset", "accuracy")
+    }
 
 
 def _explained(error: jsonschema.ValidationError) -> Iterator[str]:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from jointclosure.parameters import InputError
 from jointclosure.study.cases import Case, wall_name
-from jointclosure.study.configuration import choice_tolerance, effects_of
+from jointclosure.study.configuration import choice_tolerance, effects_of, numerics_in_full
 
 
 class OtherSettingsError(InputError):
@@ -64,7 +64,9 @@ def closure_settings(configuration: dict, case: Case, surfaces: dict, code: str)
         "code": code,
         "effects": effects_of(configuration, case.rock)._asdict(),
         "effects_chosen_to": choice_tolerance(configuration),
-    } | {name: dict(configuration[name]) for name in ("choices", "numerics")}
+        "choices": dict(configuration["choices"]),
+        "numerics": numerics_in_full(configuration),
+    }
 
 
 def block_settings(

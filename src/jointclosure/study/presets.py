@@ -1,0 +1,187 @@
+"""Numerics by one word, or by the accuracy that is wanted, from what was measured.
+
+The study of accuracy (config/accuracy.yaml) writes `setting_table`, of which the
+project keeps a copy in workflow/resources: what each setting was off by, and what
+it took. A configuration names one of its presets, or an accuracy; then the
+cheapest setting that was found to reach it is taken.
+"""
+
+import json
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import pandas as pd
+
+from jointclosure.parameters import InputError
+from jointclosure.study.accuracy import BASE, Setting
+
+CHOSEN_BY = ("preset", "accuracy")
+"""Keys of ``numerics`` that stand for others."""
+SCENE = "regularised"
+"""Scene whose limit an accuracy is held against: the model as stated has none."""
+
+
+class Chosen(NamedTuple):
+    """Numerics that stand for a preset or an accuracy, and a sentence on them."""
+
+    numerics: dict
+    said: str
+
+
+def setting_table(
+    costs: pd.DataFrame, settings: list[Setting], scenes: dict, presets: dict
+) -> pd.DataFrame:
+    """What each setting of the numerics was off by, and what it took.
+
+    Parameters
+    ----------
+    costs : DataFrame
+        As from `jointclosure.study.accuracy_cost.cost_table`.
+    settings : list of Setting
+        Those of the costs.
+    scenes : dict
+        The scenes of the design, whose ``finest`` is held against its ``cross``:
+        the finest setting of another integrator.
+    presets : dict
+        Knob and value of every preset, by name.
+
+    Returns
+    -------
+    DataFrame
+        For each scene and setting: ``numerics``, as JSON, in which it differs from the
+        scene's base; ``error_percent``, the largest |error| of the mean maximum closure
+        over rocks and cycles; ``bound_percent``, the largest end of their confidence
+        intervals; ``relative_time`` and ``pairs`` (of FFTs), the largest of the rocks'
+        medians; ``seconds`` likewise.
+    """
+    rows = []
+    for scene, about in scenes.items():
+        for setting, changed in _numerical(settings, scene):
+            point = _point(setting.knob, setting.value)
+            # the finest is held against the finest of another integrator
+            judged = about.get("cross", point) if point == about["finest"] else point
+            part, timed = (_rows_of(costs, scene, each) for each in (judged, point))
+            names = [name for name, each in presets.items() if each == point]
+            rows.append(
+                {"scene": scene, "preset": names[0] if names else ""}
+                | point
+                | {
+                    "error_percent": part.mean_error_percent.abs().max(),
+                    "bound_percent": part[["mean_low", "mean_high"]].abs().max().max(),
+                    "relative_time": timed.relative_time.max(),
+                    "pairs": timed.pairs.max(),
+                    "seconds": timed.seconds.max(),
+                    "numerics": json.dumps(changed),
+                }
+            )
+    return pd.DataFrame(rows)
+
+
+def _point(knob: str, value: float | str) -> dict:
+    return {"knob": knob, "value": value}
+
+
+def _rows_of(costs: pd.DataFrame, scene: str, point: dict) -> pd.DataFrame:
+    here = (costs.scene == scene) & (costs.knob == point["knob"])
+    return costs[here & (costs["value"] == point["value"])]
+
+
+def _numerical(settings: list[Setting], scene: str) -> Iterator[tuple[Setting, dict]]:
+    """Settings of a scene's first rock that differ from its base in the numerics only, and how."""
+    mine = [each for each in settings if each.scene == scene]
+    mine = [each for each in mine if each.rock == mine[0].rock]
+    base = next(each for each in mine if each.knob == BASE).configuration
+    for setting in mine:
+        own = setting.configuration
+        if all(own[name] == base[name] for name in base if name != "numerics"):
+            numerics, usual = own["numerics"], base["numerics"]
+            yield setting, {key: numerics[key] for key in usual if numerics[key] != usual[key]}
+
+
+def chosen_numerics(
+    configuration: dict, default: dict, measured: Callable[[], pd.DataFrame]
+) -> Chosen:
+    """The numerics that a configuration's preset or accuracy stands for.
+
+    Parameters
+    ----------
+    configuration : dict
+        Whose ``numerics`` has the key ``preset`` or ``accuracy``, or neither.
+    default : dict
+        ``numerics`` of the default configuration, the paper's: a key that a preset
+        sets and that differs from it was set by the user as well.
+    measured : callable
+        Gives the table of `setting_table`; called where it is needed.
+
+    Returns
+    -------
+    Chosen
+        Complete numerics, which keep the key that they were chosen by.
+
+    Raises
+    ------
+    InputError
+        Both keys, a preset that does not exist, an accuracy that no setting was found
+        to reach or that has no meaning here, or a key that the choice would override.
+    """
+    numerics = configuration["numerics"]
+    preset, accuracy = (numerics.get(key) for key in CHOSEN_BY)
+    if preset is None and accuracy is None:
+        return Chosen(numerics, "")
+    if preset is not None and accuracy is not None:
+        raise InputError(
+            f"numerics.preset = {preset!r}, numerics.accuracy = {accuracy!r}: give one of them"
+        )
+    table = measured()
+    row = _preset(table, preset) if accuracy is None else _accurate(configuration, table, accuracy)
+    if row is None:
+        return Chosen(numerics, "numerics.accuracy: nothing breaks, all is solved to 1e-10")
+    changed = json.loads(row.numerics)
+    touched = set().union(*(json.loads(each) for each in table.numerics))
+    for key in touched:
+        if numerics[key] != default[key]:
+            name = "preset" if accuracy is None else "accuracy"
+            raise InputError(
+                f"numerics.{key} = {numerics[key]!r}: leave it out, numerics.{name} chooses it"
+            )
+    return Chosen(numerics | changed, _said(row, preset, accuracy))
+
+
+def _preset(table: pd.DataFrame, name: object) -> pd.Series:
+    known = table[(table.preset.fillna("") != "") & (table.scene == SCENE)].set_index(
+        "preset", drop=False
+    )
+    if name not in known.index:
+        raise InputError(f"numerics.preset = {name!r}: must be one of {', '.join(known.index)}")
+    return known.loc[name]
+
+
+def _accurate(configuration: dict, table: pd.DataFrame, accuracy: object) -> pd.Series | None:
+    """The cheapest setting found to be within an accuracy; None where nothing breaks."""
+    if isinstance(accuracy, bool) or not isinstance(accuracy, int | float) or not 0 < accuracy < 1:
+        raise InputError(f"numerics.accuracy = {accuracy!r}: must be a number between 0 and 1")
+    if not configuration["effects"]["breakage"]:
+        return None
+    if configuration["choices"]["largest_radius_mm"] is None:
+        raise InputError(
+            f"numerics.accuracy = {accuracy!r}: the model without choices.largest_radius_mm has no "
+            "limit on the first cycle to be near (docs/decisions/0010-resolved-breakage.md): "
+            "set it, to 20 for example, or give numerics.preset instead"
+        )
+    known = table[table.scene == SCENE]
+    enough = known[known.bound_percent <= 100.0 * accuracy]
+    if enough.empty:
+        raise InputError(
+            f"numerics.accuracy = {accuracy!r}: the best that was measured is "
+            f"{0.01 * known.bound_percent.min():.2g} (docs/accuracy.md)"
+        )
+    return enough.loc[enough.pairs.idxmin()]
+
+
+def _said(row: pd.Series, preset: object, accuracy: object) -> str:
+    what = f"preset {preset}" if accuracy is None else f"accuracy {accuracy:g}"
+    return (
+        f"numerics: {what} is {row.knob} {row['value']}: {row.numerics}; measured off by "
+        f"{row.error_percent:.2g} % (at most {row.bound_percent:.2g} %) where radii are bounded, "
+        f"at {row.relative_time:.2g} times the time of the paper's steps"
+    ).replace(" nan", "")

@@ -1,0 +1,180 @@
+"""Numerics by a word, or by the accuracy wanted: taken from what was measured, or refused."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+import yaml
+
+from jointclosure.dataset import read_csv
+from jointclosure.parameters import InputError
+from jointclosure.study.accuracy import merged, settings_of
+from jointclosure.study.configuration import (
+    checked,
+    numerics_in_full,
+    numerics_of,
+    read_schema,
+)
+from jointclosure.study.presets import SCENE, chosen_numerics, setting_table
+
+ROOT = Path(__file__).parents[2]
+DEFAULT = yaml.safe_load((ROOT / "config/default.yaml").read_text())
+
+
+def row(preset, error, pairs, **numerics):
+    return {
+        "scene": SCENE,
+        "preset": preset,
+        "knob": "some",
+        "value": 1.0,
+        "error_percent": 0.5 * error,
+        "bound_percent": error,
+        "relative_time": 1e-3 * pairs,
+        "pairs": pairs,
+        "seconds": 1.0,
+        "numerics": json.dumps(numerics),
+    }
+
+
+TABLE = pd.DataFrame(
+    [
+        row("paper", 20.0, 1000.0),
+        row("", 1.9, 1500.0, breakage="resolved", tolerance=0.05),
+        row("accurate", 1.0, 1200.0, breakage="resolved", tolerance=0.02),
+        row("converged", 0.3, 9000.0, breakage="resolved", tolerance=0.005),
+    ]
+)
+
+
+def chosen(table=TABLE, radius=20.0, effects=None, **numerics):
+    configuration = merged(
+        DEFAULT, {"numerics": numerics, "choices": {"largest_radius_mm": radius}}
+    )
+    return chosen_numerics(merged(configuration, effects or {}), DEFAULT["numerics"], lambda: table)
+
+
+def test_without_a_word_nothing_is_chosen():
+    assert chosen() == (DEFAULT["numerics"], "")
+
+
+def test_a_preset_stands_for_its_numerics_and_is_kept_in_the_configuration():
+    found = chosen(preset="converged")
+    assert found.numerics == DEFAULT["numerics"] | {
+        "preset": "converged",
+        "breakage": "resolved",
+        "tolerance": 0.005,
+    }
+    assert "0.15 %" in found.said
+    assert numerics_of({"numerics": found.numerics}).tolerance == 0.005
+    assert "preset" not in numerics_in_full({"numerics": found.numerics})
+
+
+@pytest.mark.parametrize(
+    ("accuracy", "tolerance"), [(0.02, 0.02), (0.011, 0.02), (0.005, 0.005), (0.5, None)]
+)
+def test_the_cheapest_setting_that_reaches_an_accuracy_is_taken(accuracy, tolerance):
+    found = chosen(accuracy=accuracy).numerics
+    assert found["breakage"] == ("resolved" if tolerance else "fixed_step")
+    assert tolerance is None or found["tolerance"] == tolerance
+
+
+def test_where_nothing_breaks_there_is_nothing_to_choose():
+    elastic = {"effects": {"breakage": False, "gouge": False}}
+    found = chosen(accuracy=0.02, radius=None, effects=elastic)
+    assert numerics_in_full({"numerics": found.numerics}) == DEFAULT["numerics"]
+    assert "1e-10" in found.said
+
+
+@pytest.mark.parametrize(
+    ("told", "said"),
+    [
+        ({"preset": "best"}, "numerics.preset = 'best': must be one of paper, accurate, converged"),
+        ({"preset": "paper", "accuracy": 0.1}, "give one of them"),
+        ({"accuracy": 0.001}, "the best that was measured is 0.003"),
+        ({"accuracy": 3}, "numerics.accuracy = 3: must be a number between 0 and 1"),
+        ({"accuracy": 0.1, "radius": None}, "choices.largest_radius_mm"),
+        ({"preset": "accurate", "tolerance": 0.07}, "numerics.tolerance = 0.07: leave it out"),
+    ],
+)
+def test_what_cannot_be_chosen_is_refused(told, said):
+    with pytest.raises(InputError) as error:
+        chosen(**told)
+    assert said in str(error.value)
+
+
+def test_the_committed_table_has_every_preset_of_the_study_and_they_can_be_run():
+    study = yaml.safe_load((ROOT / "config/accuracy.yaml").read_text())
+    schema = read_schema(ROOT / "workflow/schemas/config.schema.yaml")
+    measured = read_csv(ROOT / "workflow/resources/accuracy_settings.csv")
+    turned = {each.run: each for each in settings_of(merged(DEFAULT, study))}
+    for name, point in study["accuracy"]["presets"].items():
+        found = chosen(measured, preset=name)
+        configuration = merged(DEFAULT, {}) | {"numerics": found.numerics}
+        checked(configuration, schema)
+        like = next(
+            each
+            for each in turned.values()
+            if (each.scene, each.knob, each.value) == (SCENE, point["knob"], point["value"])
+        )
+        assert numerics_of(configuration) == numerics_of(like.configuration)
+    assert chosen(measured, preset="paper").numerics == DEFAULT["numerics"] | {"preset": "paper"}
+
+
+def test_settings_are_judged_by_their_worst_rock_and_cycle_and_the_finest_by_another_integrator():
+    study = {
+        "study": {"rocks": ["dolerite", "slate"]},
+        "accuracy": {
+            "scenes": {
+                SCENE: {
+                    "finest": {"knob": "steps", "value": 0.5},
+                    "cross": {"knob": "resolved", "value": 0.01},
+                }
+            },
+            "presets": {"paper": {"knob": "base", "value": ""}},
+            "knobs": {
+                "steps": {
+                    "scenes": [SCENE],
+                    "scale": ["numerics.breakage_step_um"],
+                    "values": [0.5],
+                },
+                "resolved": {
+                    "scenes": [SCENE],
+                    "set": {"numerics": {"breakage": "resolved"}},
+                    "key": "numerics.tolerance",
+                    "values": [0.01],
+                },
+                "spacing": {
+                    "scenes": [SCENE],
+                    "values": [{"value": "fine", "set": {"grid": {"spacing_mm": 0.125}}}],
+                },
+            },
+        },
+    }
+    settings = settings_of(merged(DEFAULT, study))
+    errors = {"base": -8.0, "steps": 0.0, "resolved": 1.5, "spacing": 99.0}
+    costs = pd.DataFrame(
+        {
+            "scene": SCENE,
+            "rock": each.rock,
+            "knob": each.knob,
+            "value": each.value,
+            "mean_error_percent": errors[each.knob] * (1.0 if each.rock == "slate" else 0.5),
+            "mean_low": errors[each.knob] - 1.0,
+            "mean_high": errors[each.knob] + 1.0,
+            "relative_time": 2.0,
+            "pairs": 10.0 if each.rock == "slate" else 20.0,
+            "seconds": 1.0,
+        }
+        for each in settings
+    )
+    design = merged(DEFAULT, study)["accuracy"]
+    table = setting_table(costs, settings, design["scenes"], design["presets"]).set_index("knob")
+    assert table.index.tolist() == ["base", "steps", "resolved"]
+    assert table.loc["base", "preset"] == "paper"
+    assert table.loc["base", "error_percent"] == 8.0
+    assert table.loc["base", "bound_percent"] == 9.0
+    assert table.loc["steps", "error_percent"] == 1.5
+    assert table.loc["steps", "pairs"] == 20.0
+    assert json.loads(table.loc["steps", "numerics"]) == {"breakage_step_um": 2.5}
+    assert json.loads(table.loc["base", "numerics"]) == {}

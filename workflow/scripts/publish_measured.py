@@ -1,0 +1,140 @@
+"""Renew what the documents show of the studies of accuracy and effects.
+
+Run by hand after `make accuracy` or `make effects`: `publish_measured.py accuracy`. The table that
+presets come from is copied too (workflow/resources/accuracy_settings.csv).
+"""
+
+import re
+import shutil
+import sys
+from pathlib import Path
+
+import pandas as pd
+
+from jointclosure.dataset import read_csv
+
+ROOT = Path(__file__).parents[2]
+ACCURACY, EFFECTS = ROOT / "results/accuracy", ROOT / "results/effects"
+
+
+def markdown(table: pd.DataFrame) -> str:
+    """A table whose columns are its headings."""
+    rows = [table.columns, ["---"] * table.shape[1], *table.astype(str).to_numpy()]
+    return "".join("| " + " | ".join(row) + " |\n" for row in rows)
+
+
+def _span(part: pd.DataFrame) -> str:
+    """An error, and its confidence interval: that of the rock where it is largest."""
+    worst = part.loc[part.mean_error_percent.abs().idxmax()]
+    return f"{worst.mean_error_percent:+.1f} ({worst.mean_low:+.1f} to {worst.mean_high:+.1f})"
+
+
+def presets() -> str:
+    """Presets, what they stand for, what they were off by, and their time."""
+    settings = read_csv(ACCURACY / "tables/accuracy_settings.csv")
+    costs = read_csv(ACCURACY / "tables/accuracy_cost.csv")
+    rows = []
+    for row in settings[settings.preset.notna()].itertuples():
+        if row.scene not in ("full", "regularised"):
+            continue
+        here = (costs.scene == row.scene) & (costs.knob == row.knob)
+        own = costs[here & (costs["value"].fillna("") == ("" if pd.isna(row.value) else row.value))]
+        errors = {}
+        for cycle in (1, 2):
+            part = own[own.cycle == cycle]
+            held = (part.mean_error_percent != 0.0).any()
+            errors[f"error of cycle {cycle} (%)"] = _span(part) if held else "held against"
+        rows.append(
+            {
+                "preset": row.preset,
+                "model": {"full": "as stated", "regularised": "radii to 20 mm"}[row.scene],
+                "numerics": row.numerics.strip("{}").replace('"', "") or "the paper's",
+            }
+            | errors
+            | {
+                "time": f"{row.relative_time:.2g}",
+                "FFT pairs": f"{row.pairs:.0f}",
+                "s": f"{row.seconds:.2g}",
+            }
+        )
+    return markdown(pd.DataFrame(rows))
+
+
+def sources() -> str:
+    """Where the error of the paper's setting comes from."""
+    table = read_csv(ACCURACY / "tables/accuracy_sources.csv")
+    table = table[table.scene == "paper_size"]
+    return markdown(
+        pd.DataFrame(
+            {
+                "rock": table.rock,
+                "cycle": table.cycle,
+                "source": table.source,
+                "error (%)": table.error_percent.round(1),
+                "low": table.low.round(1),
+                "high": table.high.round(1),
+            }
+        ).fillna("")
+    )
+
+
+def orders() -> str:
+    """Observed orders of convergence, or why there is none."""
+    table = read_csv(ACCURACY / "tables/accuracy_orders.csv")
+    return markdown(
+        table[["scene", "rock", "knob", "cycle", "order", "error", "remark"]].round(2).fillna("")
+    )
+
+
+def choice() -> str:
+    """How the chosen effects held."""
+    return markdown(read_csv(EFFECTS / "tables/effects_auto_summary.csv").round(1).fillna(""))
+
+
+def contributions() -> str:
+    """What each effect adds, by stress, as medians over rocks and roughness."""
+    table = read_csv(EFFECTS / "tables/effects.csv")
+    columns = {
+        "max_closure_added_percent": "max. closure (%)",
+        "residual_closure_added_percent": "residual closure (%)",
+        "hysteresis_added_percent": "hysteresis (% of work)",
+        "time_ratio": "time with / without",
+    }
+    middle = table.groupby(["effect", "cycle", "stress_MPa"], sort=False)[list(columns)].median()
+    middle = middle.rename(columns=columns).round({**dict.fromkeys(columns.values(), 1)})
+    return markdown(middle.reset_index())
+
+
+PLACES = {
+    "accuracy": (
+        ROOT / "docs/accuracy.md",
+        {"presets": presets, "sources": sources, "orders": orders},
+    ),
+    "effects": (ROOT / "docs/effects.md", {"choice": choice, "contributions": contributions}),
+}
+FIGURES = {
+    "accuracy": {"accuracy_regularised": "accuracy", "accuracy_sources": "accuracy_sources"},
+    "effects": {"effects": "effects", "effects_auto": "effects_auto"},
+}
+
+
+def main(study: str) -> None:
+    """Fill the document of a study, and copy its figures."""
+    path, parts = PLACES[study]
+    text = path.read_text(encoding="utf-8")
+    for name, content in parts.items():
+        pattern = rf"(<!-- {name} -->\n).*?(<!-- end -->)"
+        text, count = re.subn(pattern, lambda m, c=content(): m[1] + c + m[2], text, flags=re.S)
+        if count != 1:
+            raise SystemExit(f"{path}: no place for {name}")
+    path.write_text(text, encoding="utf-8")
+    for figure, image in FIGURES[study].items():
+        source = ROOT / f"results/{study}/figures/{figure}.png"
+        shutil.copy(source, ROOT / f"docs/images/{image}.png")
+    if study == "accuracy":
+        table = ACCURACY / "tables/accuracy_settings.csv"
+        shutil.copy(table, ROOT / "workflow/resources/accuracy_settings.csv")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
