@@ -28,10 +28,16 @@ def checkout(folder: Path) -> Path:
     return folder
 
 
-def snakemake(folder: Path, *arguments: str, cores: int = 2, config: str = "tiny.yaml"):
+def snakemake(
+    folder: Path,
+    *arguments: str,
+    cores: int = 2,
+    config: str = "tiny.yaml",
+    profile: str = "workflow/profiles/default",
+):
     """Run the project's Snakefile in a folder; the completed process."""
     command = [
-        sys.executable, "-m", "snakemake", "--workflow-profile", "workflow/profiles/default",
+        sys.executable, "-m", "snakemake", "--workflow-profile", profile,
         "--configfile", config, "--cores", str(cores), *arguments,
     ]  # fmt: skip
     return subprocess.run(
