@@ -5,11 +5,12 @@ SHELL := /bin/sh
 
 PYTHON ?= python3
 CONFIG ?=
-CORES ?= all
+CORES ?=
+PROFILE ?= workflow/profiles/default
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/jointclosure-is-set-up
-SNAKEMAKE := $(BIN)/snakemake --workflow-profile workflow/profiles/default --cores $(CORES)
+SNAKEMAKE := $(BIN)/snakemake --workflow-profile $(PROFILE) $(if $(CORES),--cores $(CORES))
 
 # one thread a job: the workflow runs one job on every core
 export OMP_NUM_THREADS := 1
@@ -20,11 +21,12 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-.PHONY: help setup study smoke hard-cases accuracy effects test test-all lint clean
+.PHONY: help setup setup-slurm study smoke hard-cases accuracy effects test test-all lint clean
 
 help: ## List the targets
-	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-10s %s\n", $$1, $$2}' Makefile
-	@echo "  CONFIG=config/mine.yaml runs another study, CORES=4 on so many cores, PYTHON=python3.12 chooses the Python."
+	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-11s %s\n", $$1, $$2}' Makefile
+	@echo "  CONFIG=config/mine.yaml runs another study, CORES=4 on so many cores, PYTHON=python3.12 chooses the Python,"
+	@echo "  PROFILE=workflow/profiles/slurm runs it on a cluster (docs/clusters.md)."
 
 setup: $(STAMP) ## Set up the locked environment in .venv (every other target does this too)
 
@@ -44,10 +46,13 @@ $(STAMP): requirements.lock requirements-uv.lock pyproject.toml
 	@touch $@
 	@echo "The environment is set up in $(VENV)."
 
+setup-slurm: $(STAMP) ## Add what Slurm needs to it
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes --requirement requirements-slurm.lock
+
 # a start after a kill: release the lock of a Snakemake that is no longer there
 define unlock
 	@if [ -n "$$(ls .snakemake/locks 2>/dev/null)" ]; then \
-	    for pid in $$(pgrep -f "[s]nakemake .*--workflow-profile"); do \
+	    for pid in $$(pgrep -f "^[^ ]*python[^ ]* .*snakemake .*--workflow-profile"); do \
 	        here=$$(readlink "/proc/$$pid/cwd" || pwd -P); \
 	        [ "$$here" != "$$(pwd -P)" ] || { echo "another run is at work in this folder (process $$pid)"; exit 1; }; \
 	    done; \

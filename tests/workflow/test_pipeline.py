@@ -34,10 +34,11 @@ def snakemake(
     cores: int = 2,
     config: str = "tiny.yaml",
     environment: dict | None = None,
+    profile: str = "workflow/profiles/default",
 ):
     """Run the project's Snakefile in a folder; the completed process."""
     command = [
-        sys.executable, "-m", "snakemake", "--workflow-profile", "workflow/profiles/default",
+        sys.executable, "-m", "snakemake", "--workflow-profile", profile,
         "--configfile", config, "--cores", str(cores), *arguments,
     ]  # fmt: skip
     return subprocess.run(

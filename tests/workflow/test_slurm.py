@@ -1,0 +1,57 @@
+"""The pipeline on a real Slurm, where there is one: docs/clusters.md says how to get one to test on."""
+
+import importlib.util
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+import yaml
+
+from tests.workflow.test_pipeline import ROOT, checkout, jointclosure_cli, snakemake
+
+PROFILE = ROOT / "workflow/profiles/slurm/config.yaml"
+
+pytestmark = pytest.mark.slow
+
+
+def slurm_is_here() -> bool:
+    if not shutil.which("sinfo") or not importlib.util.find_spec("snakemake_executor_plugin_slurm"):
+        return False
+    command = ["sinfo", "--noheader", "--format=%T"]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    return answer.returncode == 0 and bool({"idle", "mixed"} & set(answer.stdout.split()))
+
+
+def on_slurm(folder: Path, accounting: bool) -> subprocess.CompletedProcess:
+    """Run the study by the project's profile, with waits for a test and without accounting."""
+    profile = yaml.safe_load(PROFILE.read_text())
+    profile |= {"slurm-init-seconds-before-status-checks": 2, "seconds-between-status-checks": 2}
+    profile |= {"cores": 2, "latency-wait": 30}
+    if not accounting:
+        profile |= {"slurm-no-account": True, "slurm-status-command": "squeue"}
+    (folder / "profile").mkdir()
+    (folder / "profile/config.yaml").write_text(yaml.safe_dump(profile))
+    return snakemake(folder, profile="profile")
+
+
+@pytest.mark.skipif(not slurm_is_here(), reason="no Slurm with an idle node, or no plugin for it")
+def test_slurm_gives_the_same_bits_in_a_few_jobs(tmp_path):
+    here, there = tmp_path / "here", tmp_path / "there"
+    for folder in (here, there):
+        folder.mkdir()
+        checkout(folder)
+    text = (there / "tiny.yaml").read_text()
+    (there / "tiny.yaml").write_text(
+        text.replace("  realizations: 3\n", "  realizations: 3\n  realizations_per_job: 2\n")
+    )
+    answer = snakemake(here)
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    accounting = subprocess.run(["sacct"], capture_output=True, check=False).returncode == 0
+    answer = on_slurm(there, accounting)
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    found = jointclosure_cli("compare", "--exact", here / "results/tiny", there / "results/tiny")
+    assert found.returncode == 0, found.stdout + found.stderr
+    # 14 surface files in components of 4, the kernels, and what follows
+    submitted = (answer.stdout + answer.stderr).count("SLURM jobid")
+    assert 0 < submitted <= 8, answer.stderr
