@@ -117,8 +117,8 @@ def material(study, configuration, default, pictures):
     numerics = Numerics(**to_si(configuration["numerics"]))
     return Material(
         study=study,
-        intervals=intervals,
         closures=closures,
+        intervals=intervals,
         claims=judge_claims(Evidence(intervals, closures, study)),
         checks=check_results(study, Effects(), numerics, JOINTS),
         paper=paper,
@@ -133,6 +133,7 @@ def material(study, configuration, default, pictures):
                 "max_rss": [1, np.nan],
             }
         ),
+        measured=None,
         accuracy=None,
     )
 

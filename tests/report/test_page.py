@@ -159,6 +159,26 @@ def test_without_a_rock_of_the_paper_its_numbers_are_left_out(material):
     assert not any("paper" in title for title in sheets["intervals"].titles)
 
 
+def test_a_study_that_varies_nothing_has_no_intervals_and_no_claims(material):
+    plain = material._replace(intervals=None, claims=None)
+    text = Outline(render(content(plain))).read()
+    assert "No property was varied at enough levels." in text
+    assert "the claims cannot be held against this study" in text
+    empty = material._replace(intervals=material.intervals.iloc[:0])
+    assert "No property was varied at enough levels." in Outline(render(content(empty))).read()
+
+
+def test_fits_of_measured_curves_are_shown_where_there_are_any(material, outline):
+    assert "Measured closure curves" not in outline.read()
+    fits = pd.DataFrame(
+        [{"rock": "slate", "cycle": 1, "points": 12, "largest_closure_mm": 0.3, "samples": 22,
+          "best_realization": 7, "misfit_mm": 0.0123, "misfit_percent": 4.1,
+          "median_misfit_mm": 0.05}]
+    )  # fmt: skip
+    row = content(material._replace(measured=fits))["sheets"]["measured"].rows[0]
+    assert [cell.text for cell in row[:1] + row[5:7]] == ["Slate", "7", "0.01230"]
+
+
 def test_every_claim_has_its_verdict(material, outline):
     sheet = content(material)["sheets"]["claims"]
     assert [row[0].text for row in sheet.rows] == material.claims.number.tolist()

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from jointclosure.report import curves
 from jointclosure.report.captions import read_caption
 from jointclosure.report.curves import MOST_JOINTS, explorer_data
 from jointclosure.report.settings import departures, setting_rows
@@ -119,6 +120,19 @@ def test_a_rock_has_its_own_levels_and_stresses(explored):
         if c["parameter"] == "youngs_modulus"
     ]
     assert moduli == ["50 GPa", "55 GPa", "65 GPa", "70 GPa"]
+
+
+def test_means_do_not_depend_on_how_many_joints_are_read_at_a_time(explored, study, monkeypatch):
+    monkeypatch.setattr(curves, "_BLOCK", 7)
+    case = curves.explorer_data(study, {"slate": "Slate"}, 0.5e6)["rocks"][0]["cases"][0]
+    whole = explored["rocks"][0]["cases"][0]
+    for measure in ("mean", "deviation"):
+        for own, other in zip(flat(case[measure]), flat(whole[measure]), strict=True):
+            assert own == other or own == pytest.approx(other, abs=2e-4)
+
+
+def flat(values):
+    return [x for v in values for x in flat(v)] if isinstance(values, list) else [values]
 
 
 def test_a_case_of_which_nothing_succeeded_has_no_curves(study):

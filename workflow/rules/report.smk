@@ -14,9 +14,19 @@ rule report:
 rule write_report:
     input:
         study=f"{RESULTS}/study.nc",
-        intervals=f"{RESULTS}/tables/table_3_indifference.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
-        claims=f"{RESULTS}/tables/claims.csv",
+        # those that a study has not are left out
+        intervals=(
+            f"{RESULTS}/tables/table_3_indifference.csv"
+            if "table_3_indifference.csv" in TABLES
+            else []
+        ),
+        claims=f"{RESULTS}/tables/claims.csv" if "claims.csv" in TABLES else [],
+        measured=(
+            f"{RESULTS}/tables/measured_fit.csv"
+            if "measured_fit.csv" in TABLES
+            else []
+        ),
         figures=expand(f"{RESULTS}/figures/{{figure}}.png", figure=FIGURES),
         captions=expand(
             "{folder}/workflow/report/{figure}.rst", folder=ROOT, figure=FIGURES
@@ -25,7 +35,7 @@ rule write_report:
         default=ROOT / "config/default.yaml",
         schema=ROOT / "workflow/schemas/config.schema.yaml",
         # what `make accuracy` measured, where it was run
-        accuracy=ancient([ACCURACY_TABLE] if Path(ACCURACY_TABLE).exists() else []),
+        accuracy=ancient(ACCURACY_TABLE) if Path(ACCURACY_TABLE).exists() else [],
     output:
         f"{RESULTS}/report.html",
     log:

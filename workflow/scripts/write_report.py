@@ -2,8 +2,11 @@
 
 from pathlib import Path
 
+import pandas as pd
+import xarray as xr
+
 from jointclosure import Effects, Numerics
-from jointclosure.dataset import read_benchmarks, read_csv, read_netcdf, write_text
+from jointclosure.dataset import read_benchmarks, read_csv, reading_netcdf, write_text
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.parameters import to_si
 from jointclosure.report.captions import read_caption
@@ -28,12 +31,20 @@ def pictures(figures: list[str], captions: list[str], configuration: dict) -> li
 
 def main(inputs: dict, settings: dict, output: str, log: Logbook) -> None:
     """Put the study's results, figures and job times into one page."""
-    study, configuration = read_netcdf(inputs["study"]), settings["configuration"]
-    material = Material(
+    with reading_netcdf(inputs["study"]) as study:
+        page = render(content(material_of(study, inputs, settings)))
+    write_text(page, output)
+    log(f"wrote {output}: {len(page.encode()) / 1e6:.1f} MB")
+
+
+def material_of(study: xr.Dataset, inputs: dict, settings: dict) -> Material:
+    """All that the page is made from."""
+    configuration = settings["configuration"]
+    return Material(
         study=study,
-        intervals=read_csv(inputs["intervals"]),
         closures=read_csv(inputs["closures"]),
-        claims=read_csv(inputs["claims"]),
+        intervals=where_there_is(inputs["intervals"]),
+        claims=where_there_is(inputs["claims"]),
         # made again rather than read: where a check fails its table is not written
         checks=check_results(
             study,
@@ -46,11 +57,14 @@ def main(inputs: dict, settings: dict, output: str, log: Logbook) -> None:
         schema=read_schema(inputs["schema"]),
         pictures=pictures(inputs["figures"], inputs["captions"], configuration),
         benchmarks=read_benchmarks(settings["benchmarks"]),
-        accuracy=read_csv(inputs["accuracy"][0]) if inputs["accuracy"] else None,
+        measured=where_there_is(inputs["measured"]),
+        accuracy=where_there_is(inputs["accuracy"]),
     )
-    page = render(content(material))
-    write_text(page, output)
-    log(f"wrote {output}: {len(page.encode()) / 1e6:.1f} MB")
+
+
+def where_there_is(path: str) -> pd.DataFrame | None:
+    """A table that not every study has; its input is empty where it has not."""
+    return read_csv(path) if path else None
 
 
 if __name__ == "__main__":

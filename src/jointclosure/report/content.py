@@ -16,22 +16,25 @@ from jointclosure.study.ensemble import succeeded
 class Material(NamedTuple):
     """All that a page is made from.
 
-    ``study``: the dataset; ``intervals``, ``closures``, ``claims``, ``checks``: the study's tables;
+    ``study``: the dataset, of which curves are read case by case; ``closures``, ``checks``,
+    ``intervals``, ``claims``: the study's tables, the last two None where nothing is varied;
     ``paper``: the paper's Table 3; ``default`` and ``schema``: the paper's configuration, and what
-    keys mean; ``pictures``; ``benchmarks``: of the workflow's jobs; ``accuracy``: the table
-    of `make accuracy`, None where it was not made.
+    keys mean; ``pictures``; ``benchmarks``: of the workflow's jobs; ``measured``: fits of measured
+    curves, None where there are none; ``accuracy``: the table of `make accuracy`, None where
+    it was not made.
     """
 
     study: xr.Dataset
-    intervals: pd.DataFrame
     closures: pd.DataFrame
-    claims: pd.DataFrame
     checks: pd.DataFrame
+    intervals: pd.DataFrame | None
+    claims: pd.DataFrame | None
     paper: pd.DataFrame
     default: dict
     schema: dict
     pictures: list[Picture]
     benchmarks: pd.DataFrame
+    measured: pd.DataFrame | None
     accuracy: pd.DataFrame | None
 
 
@@ -49,7 +52,7 @@ def content(material: Material) -> dict:
         "rocks": rocks,
         "cases": study.sizes["case"],
         "outcome": outcome(study),
-        "verdicts": material.claims.verdict.value_counts().to_dict(),
+        "verdicts": {} if material.claims is None else _counts(material.claims.verdict),
         "compared": [titles[name] for name in titles if name in of_paper],
         "not_compared": [titles[name] for name in titles if name not in of_paper],
         "departures": settings.departures(rows),
@@ -60,7 +63,6 @@ def content(material: Material) -> dict:
         "provenance": running.provenance_rows(study),
         "median_time": duration(float(study.timing_simulation.median())),
         "job_time": duration(float(material.benchmarks.s.sum())),
-        "accuracy": material.accuracy is not None,
         "sheets": _sheets(material, titles, of_paper, rows),
     }
 
@@ -83,12 +85,15 @@ def outcome(study: xr.Dataset) -> dict:
     }
 
 
+def _counts(words: pd.Series) -> dict[str, int]:
+    return words.value_counts(sort=False).to_dict()
+
+
 def _sheets(material: Material, titles: dict, of_paper: set, rows: pd.DataFrame) -> dict:
     """All tables of the page by name."""
     study, intervals = material.study, material.intervals
     sheets = [
         findings.closure_sheet(material.closures, titles),
-        findings.claim_sheet(material.claims, bool(of_paper)),
         running.check_sheet(material.checks),
         running.status_sheet(study, titles),
         running.failure_sheet(study),
@@ -96,7 +101,11 @@ def _sheets(material: Material, titles: dict, of_paper: set, rows: pd.DataFrame)
         running.job_time_sheet(material.benchmarks),
         settings.setting_sheet(rows),
     ]
-    if "percent" in intervals:
+    if material.claims is not None:
+        sheets.append(findings.claim_sheet(material.claims, bool(of_paper)))
+    if material.measured is not None:
+        sheets.append(findings.measured_sheet(material.measured, titles))
+    if intervals is not None and len(intervals) and "percent" in intervals:
         sheets += [
             findings.ranking_sheet(intervals, titles),
             findings.layout_sheet(intervals, titles, of_paper),

@@ -14,6 +14,9 @@ MOST_JOINTS = 20
 """Joints of a case whose own curves are in the page; means are over all of them."""
 
 _MM = 1e3
+_BLOCK = 512
+"""Joints in memory at a time."""
+_READ = ("closure", "max_closure", "max_closure_seated", "residual_closure")
 
 
 def explorer_data(study: xr.Dataset, titles: dict[str, str], seating_stress: float) -> dict:
@@ -63,30 +66,73 @@ def _case(case: xr.Dataset, varied: list[str]) -> dict:
     stress; ``joints`` have a ``number``, ``curves`` [cycle][branch][stress] from first touch and
     the closures ``seats`` [cycle] at seating.
     """
-    used = case.isel(realization=np.flatnonzero(succeeded(case).values))
-    closure = used.closure.transpose("realization", "cycle", "branch", "stress")
-    start = used.residual_closure.shift(cycle=1, fill_value=0.0)
-    seats = start + used.max_closure - used.max_closure_seated
-    both = [_MM * closure, _MM * (closure - seats)]
-    digits = _digits(both[0].values)
-    shown = used.isel(realization=slice(MOST_JOINTS))
+    used = np.flatnonzero(succeeded(case).values)
+    moments = [_Moments(), _Moments()]
+    digits, joints = None, []
+    for start in range(0, used.size, _BLOCK):
+        block = case[list(_READ)].isel(realization=used[start : start + _BLOCK]).load()
+        closure = _MM * block.closure.transpose("realization", "cycle", "branch", "stress")
+        seats = _MM * _seats(block)
+        moments[0].add(closure.values)
+        moments[1].add((closure - seats).values)
+        if start == 0:
+            digits = _digits(closure.values)
+            joints = [_joint(closure[i], seats[i], digits) for i in range(len(closure))]
+    shape = (case.sizes["cycle"], case.sizes["branch"], case.sizes["stress"])
     return {
         "parameter": case.parameter.item(),
         "level": case.level.item(),
         "values": {p: _value(p, float(case[p])) for p in varied},
-        "used": used.sizes["realization"],
+        "used": int(used.size),
         "of": case.sizes["realization"],
-        "mean": [_listed(_over_all(np.mean, part.values), digits) for part in both],
-        "deviation": [_listed(_over_all(_deviation, part.values), digits) for part in both],
-        "joints": [
-            {
-                "number": int(number),
-                "curves": _listed(_MM * closure.values[i], digits),
-                "seats": _listed(_MM * seats.transpose("realization", "cycle").values[i], digits),
-            }
-            for i, number in enumerate(shown.realization.values)
-        ],
+        "mean": [_listed(part.mean(shape), digits) for part in moments],
+        "deviation": [_listed(part.deviation(shape), digits) for part in moments],
+        "joints": joints[:MOST_JOINTS],
     }
+
+
+def _seats(block: xr.Dataset) -> xr.DataArray:
+    """Closures (realization, cycle) from first touch at which cycles' loadings seat [m]."""
+    start = block.residual_closure.shift(cycle=1, fill_value=0.0)
+    seats = start + block.max_closure - block.max_closure_seated
+    return seats.transpose("realization", "cycle")
+
+
+def _joint(closure: xr.DataArray, seats: xr.DataArray, digits: int) -> dict:
+    return {
+        "number": int(closure.realization),
+        "curves": _listed(closure.values, digits),
+        "seats": _listed(seats.values, digits),
+    }
+
+
+class _Moments:
+    """Mean and standard deviation over joints that come in blocks, NaN where one lacks a number."""
+
+    def __init__(self):
+        self.count, self.known, self.centre, self.squares = 0, True, 0.0, 0.0
+
+    def add(self, block: np.ndarray) -> None:
+        """Take in curves (joint, ...), at least one, by the rule of Chan, Golub & LeVeque 1983."""
+        self.known = self.known & np.isfinite(block).all(axis=0)
+        block = np.where(self.known, block, 0.0)
+        own, size = block.mean(axis=0), len(block)
+        total = self.count + size
+        step = own - self.centre
+        self.squares += np.square(block - own).sum(axis=0)
+        self.squares += np.square(step) * self.count * size / total
+        self.centre += step * size / total
+        self.count = total
+
+    def mean(self, shape: tuple) -> np.ndarray:
+        """Mean, of a shape that is needed where there was nothing."""
+        return np.where(self.known, self.centre, np.nan) if self.count else np.full(shape, np.nan)
+
+    def deviation(self, shape: tuple) -> np.ndarray:
+        """Standard deviation of a sample, NaN of fewer than two."""
+        if self.count < 2:
+            return np.full(shape, np.nan)
+        return np.where(self.known, np.sqrt(self.squares / (self.count - 1)), np.nan)
 
 
 def _value(parameter: str, value: float) -> str:
@@ -95,28 +141,13 @@ def _value(parameter: str, value: float) -> str:
     return f"{value / size:.6g}" + ("" if unit == "1" else f" {unit}")
 
 
-def _over_all(measure, curves: np.ndarray) -> np.ndarray:
-    """A measure over the first axis, NaN where not all along it are known, or there are none."""
-    if not len(curves):
-        return np.full(curves.shape[1:], np.nan)
-    known = np.isfinite(curves).all(axis=0)
-    return np.where(known, measure(np.where(known, curves, 0.0), axis=0), np.nan)
-
-
-def _deviation(values: np.ndarray, axis: int) -> np.ndarray:
-    """Standard deviation of a sample, NaN of fewer than two."""
-    if values.shape[axis] < 2:
-        return np.full(values.shape[1:], np.nan)
-    return np.std(values, axis=axis, ddof=1)
-
-
 def _digits(values: np.ndarray) -> int:
     """Decimals that keep five figures of the largest number."""
     largest = np.max(np.abs(values), initial=0.0, where=np.isfinite(values))
     return 4 - math.floor(math.log10(largest)) if largest > 0.0 else 0
 
 
-def _listed(values: np.ndarray, digits: int) -> list:
+def _listed(values: np.ndarray, digits: int | None) -> list:
     """Nested lists of rounded numbers, None for what is not known."""
-    rounded = np.round(values, digits).astype(object)
+    rounded = np.round(values, digits or 0).astype(object)
     return np.where(np.isfinite(values), rounded, None).tolist()

@@ -125,9 +125,30 @@ def interval_sheet(intervals: pd.DataFrame, titles: dict[str, str], of_paper: se
     )
 
 
+def measured_sheet(fits: pd.DataFrame, titles: dict[str, str]) -> Sheet:
+    """How well the joints fit the measured curves."""
+    columns = {
+        "rock": "Rock",
+        "cycle": "Cycle",
+        "points": "Points measured",
+        "largest_closure_mm": "Largest closure measured (mm)",
+        "samples": "Joints used (n)",
+        "best_realization": "Joint that fits best",
+        "misfit_mm": "Its misfit (mm)",
+        "misfit_percent": "Its misfit (%)",
+        "median_misfit_mm": "Median misfit (mm)",
+    }
+    return sheet(
+        "measured",
+        "Measured closure curves: the joint that fits best, and how far it is off",
+        fits.assign(rock=fits.rock.map(titles)),
+        columns,
+    )
+
+
 def claim_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
     """The paper's claims with verdicts; its own figures where it has the rocks."""
     columns = {"number": "No.", "verdict": "Verdict", "claim": "Claim", "ours": "This study"}
-    if compared:
+    if compared and "paper" in claims:
         columns["paper"] = "The paper"
     return sheet("claims", "The paper's claims, held against this study", claims, columns)

@@ -16,8 +16,10 @@ from jointclosure.report.captions import Caption
 
 _TONES = {
     "reproduced": "good",
+    "holds": "good",
     "passed": "good",
     "not reproduced": "bad",
+    "does not hold": "bad",
     "FAILED": "bad",
     "cannot be judged": "unsure",
 }
