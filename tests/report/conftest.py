@@ -9,9 +9,9 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from jointclosure import Effects, Numerics
+from jointclosure import Numerics
 from jointclosure.dataset import provenance, read_csv
-from jointclosure.parameters import to_si
+from jointclosure.parameters import Effects, scene_name, to_si
 from jointclosure.report.captions import read_caption
 from jointclosure.report.content import Material, content
 from jointclosure.report.page import Picture, render
@@ -28,6 +28,7 @@ ROOT = Path(__file__).parents[2]
 GRANITE = "Granite </script><b>of & sons"
 JOINTS = 23
 FAILED, JUMPED = 3, 5
+SCENE = scene_name(Effects())
 
 
 @pytest.fixture(scope="session")
@@ -54,6 +55,7 @@ def study(configuration):
     """Curves of a made-up law; in every case one joint failed, and one jumped over the target."""
     cases = cases_of(configuration)
     joined = join_cases(cases, [_closed(case, i) for i, case in enumerate(cases)])
+    joined = joined.assign_coords(scene=("case", [SCENE] * len(cases)))
     joined.attrs = {"references": "the paper"} | provenance(configuration)
     return joined
 
@@ -120,7 +122,7 @@ def material(study, configuration, default, pictures):
         closures=closures,
         intervals=intervals,
         claims=judge_claims(Evidence(intervals, closures, study)),
-        checks=check_results(study, Effects(), numerics, JOINTS),
+        checks=check_results(study, numerics, JOINTS),
         paper=paper,
         default=default,
         schema=read_schema(ROOT / "workflow/schemas/config.schema.yaml"),

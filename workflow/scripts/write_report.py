@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 
-from jointclosure import Effects, Numerics
+from jointclosure import Numerics
 from jointclosure.dataset import read_benchmarks, read_csv, reading_netcdf, write_text
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.parameters import to_si
@@ -48,7 +48,6 @@ def material_of(study: xr.Dataset, inputs: dict, settings: dict) -> Material:
         # made again rather than read: where a check fails its table is not written
         checks=check_results(
             study,
-            Effects(**configuration["effects"]),
             Numerics(**to_si(configuration["numerics"])),
             configuration["study"]["realizations"],
         ),

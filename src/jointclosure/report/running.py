@@ -54,6 +54,7 @@ def status_sheet(study: xr.Dataset, titles: dict[str, str]) -> Sheet:
             "rock": [titles[rock] for rock in study.rock.values],
             "parameter": [PARAMETER_TITLES.get(p, "as it is") for p in study.parameter.values],
             "level": study.level.values,
+            "scene": study.scene.values,
             "simulations": study.sizes["realization"],
             "used": good.sum("realization").values,
             "failed": (~good).sum("realization").values,
@@ -65,6 +66,7 @@ def status_sheet(study: xr.Dataset, titles: dict[str, str]) -> Sheet:
         frame[name] = ((study.status & mask) > 0).sum("realization").values
         if mask < FAILURE or frame[name].any():
             columns[name] = name
+    columns["scene"] = "Effects that act"
     return sheet("statuses", "Statuses by case", frame, columns)
 
 
