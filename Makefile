@@ -21,7 +21,7 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-.PHONY: help setup setup-slurm study smoke hard-cases accuracy effects test test-all lint clean
+.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects test test-all lint clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -72,6 +72,9 @@ study: $(STAMP) ## Run the paper's study, or that of CONFIG
 
 smoke: $(STAMP) ## Run the paper's study made small
 	$(call run,--configfile config/smoke.yaml,config/smoke.yaml)
+
+report: $(STAMP) ## Write the study, or that of CONFIG, as one page to read: results/<study>/report.html
+	$(call run,report $(if $(CONFIG),--configfile $(CONFIG)),$(CONFIG))
 
 hard-cases: $(STAMP) ## Close joints that are hard on a solver, and have an oracle judge them
 	$(call unlock,)

@@ -7,6 +7,7 @@ import xarray as xr
 
 from jointclosure.dataset import (
     atomically,
+    read_benchmarks,
     read_csv,
     read_netcdf,
     reading_netcdf,
@@ -73,3 +74,18 @@ def test_a_block_that_fails_leaves_no_file(tmp_path):
     with pytest.raises(RuntimeError, match="no more"):
         write_netcdf_blocks(blocks(), "n", tmp_path / "a.nc")
     assert os.listdir(tmp_path) == []
+
+
+def test_benchmarks_are_named_by_their_rule(tmp_path):
+    (tmp_path / "close_surfaces").mkdir()
+    head = "s\th:m:s\tmax_rss\tcpu_time\n"
+    (tmp_path / "close_surfaces/slate-base.tsv").write_text(f"{head}2.5\t0:00:02\t245.5\t2.0\n")
+    (tmp_path / "aggregate.tsv").write_text(f"{head}0.01\t0:00:00\t-\t-\n")
+    found = read_benchmarks(tmp_path)
+    assert found[["rule", "job", "s"]].to_numpy().tolist() == [
+        ["aggregate", "aggregate", 0.01],
+        ["close_surfaces", "slate-base", 2.5],
+    ]
+    assert np.isnan(found.max_rss.iloc[0])
+    assert found.max_rss.iloc[1] == 245.5
+    assert list(read_benchmarks(tmp_path / "absent").columns) == list(found.columns)

@@ -7,7 +7,9 @@ digest of all before it (other readers skip it), see `jointclosure.files`.
 import contextlib
 import importlib.metadata
 import json
+import os
 import platform
+import re
 import subprocess
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -179,6 +181,25 @@ def read_csv(path: str | Path) -> pd.DataFrame:
     return pd.read_csv(path, comment="#")
 
 
+def read_benchmarks(folder: str | Path) -> pd.DataFrame:
+    """What Snakemake measured of its jobs: all ``.tsv`` files below a folder, one row a job.
+
+    Returns
+    -------
+    DataFrame
+        Columns rule (file or first folder), job, s [s], max_rss [MB]; jobs too
+        short to be measured have NaN.
+    """
+    rows = [
+        pd.read_csv(path, sep="\t", na_values=["-"], usecols=["s", "max_rss"]).assign(
+            rule=path.relative_to(folder).with_suffix("").parts[0], job=path.stem
+        )
+        for path in sorted(Path(folder).rglob("*.tsv"))
+    ]
+    columns = ["rule", "job", "s", "max_rss"]
+    return pd.concat(rows)[columns] if rows else pd.DataFrame(columns=columns)
+
+
 def write_text(text: str, path: str | Path) -> None:
     """Write a text, whole or not at all."""
     atomically(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
@@ -215,7 +236,7 @@ def provenance(configuration: dict) -> dict[str, str]:
         "provenance_versions": json.dumps({"python": platform.python_version()} | versions),
         "provenance_commit": _commit(),
         "provenance_realizations_per_job": str(split),
-        "provenance_machine": f"{platform.system()} {platform.machine()}",
+        "provenance_machine": f"{platform.system()} {platform.machine()}, {_processor()}",
     }
 
 
@@ -227,3 +248,11 @@ def _commit() -> str:
     except FileNotFoundError:
         return "unknown (no git)"
     return answer.stdout.strip() or "unknown (not a git checkout)"
+
+
+def _processor() -> str:
+    """Model and number of the processor's cores, the model where the system tells it."""
+    path = Path("/proc/cpuinfo")
+    told = path.read_text(encoding="utf-8") if path.is_file() else ""
+    model = re.search(r"model name\s*: (.*)", told)
+    return f"{model[1] if model else platform.processor()}, {os.cpu_count()} cores"

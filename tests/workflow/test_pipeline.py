@@ -1,5 +1,6 @@
 """The whole pipeline on a study of seconds, in folders of its own."""
 
+import base64
 import os
 import re
 import shutil
@@ -146,6 +147,26 @@ def jointclosure_cli(*words):
 
 def test_nothing_is_left_to_do_after_a_run(study):
     assert planned(study) == {}
+
+
+def test_the_report_is_a_page_with_every_figure(study):
+    answer = snakemake(study, "report")
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    page = (study / "results/tiny/report.html").read_text(encoding="utf-8")
+    for figure in (study / "results/tiny/figures").glob("*.png"):
+        assert f'id="figure-{figure.stem}"' in page
+        assert base64.b64encode(figure.read_bytes()).decode() in page
+    assert planned(study) == {}
+    # the study is not the paper's, and the page says in what
+    assert "<code>study.realizations</code>" in page
+
+
+def test_snakemakes_own_report_has_the_captions(study):
+    answer = snakemake(study, "--report", "own.html")
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    assert (
+        "Closure of every rock as it is, 3 random joints each" in (study / "own.html").read_text()
+    )
 
 
 def test_editing_one_case_reruns_that_case_alone(study):

@@ -32,11 +32,15 @@ rule draw_figures:
         closures=f"{RESULTS}/tables/max_closure.csv",
         surfaces=f"{RESULTS}/cases/{next(iter(CASES))}.0.surfaces.nc",
     output:
-        expand(
-            f"{RESULTS}/figures/{{figure}}.{{format}}",
-            figure=FIGURES,
-            format=["png", "pdf"],
-        ),
+        *[
+            report(
+                f"{RESULTS}/figures/{figure}.png",
+                caption=f"../report/{figure}.rst",
+                category="Figures",
+            )
+            for figure in FIGURES
+        ],
+        expand(f"{RESULTS}/figures/{{figure}}.pdf", figure=FIGURES),
     log:
         f"{RESULTS}/logs/draw_figures.log",
     benchmark:

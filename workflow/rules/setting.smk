@@ -69,6 +69,7 @@ SOLVER_CODE = source_digest(
     "files",
 )
 ANALYSIS_CODE = source_digest("statistics", "study", "tables", "randomness", "dataset")
+REPORT_CODE = source_digest("report", "tables", "study", "dataset")
 FIGURE_CODE = source_digest("plotting", "empirical", "tables", "readings", "dataset")
 
 

@@ -1,0 +1,52 @@
+"""Captions of figures, in the form that Snakemake's own report reads too.
+
+A caption is a page of reStructuredText, with Jinja's braces for what the
+configuration says. Title and alternative text are comments in it, which
+no reader of the text itself sees: ``.. title: ...`` and ``.. alt: ...``.
+"""
+
+from typing import NamedTuple
+
+import docutils.core
+import docutils.nodes
+import jinja2
+
+_SETTINGS = {
+    "file_insertion_enabled": False,
+    "raw_enabled": False,
+    "strip_comments": False,
+    "halt_level": 2,  # of docutils: a warning is an error
+    "report_level": 5,
+}
+
+
+class Caption(NamedTuple):
+    """Title and alternative text, plain; the caption itself, its paragraphs plain."""
+
+    title: str
+    alternative: str
+    paragraphs: list[str]
+
+
+def read_caption(text: str, configuration: dict) -> Caption:
+    """A caption of a study with that configuration.
+
+    Raises
+    ------
+    ValueError
+        Where title, alternative text or the caption itself is missing.
+    """
+    environment = jinja2.Environment(undefined=jinja2.StrictUndefined)
+    filled = environment.from_string(text).render(snakemake={"config": configuration})
+    document = docutils.core.publish_doctree(filled, settings_overrides=_SETTINGS)
+    said = {}
+    for comment in document.findall(docutils.nodes.comment):
+        key, _, value = comment.astext().partition(":")
+        said[key.strip()] = " ".join(value.split())
+    paragraphs = [
+        " ".join(node.astext().split()) for node in document.findall(docutils.nodes.paragraph)
+    ]
+    missing = [key for key in ("title", "alt") if not said.get(key)]
+    if missing or not paragraphs:
+        raise ValueError(f"a caption lacks {', '.join(missing) or 'its text'}: {text[:60]!r}")
+    return Caption(said["title"], said["alt"], paragraphs)

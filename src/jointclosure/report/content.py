@@ -1,0 +1,116 @@
+"""What the page says: a study and its tables become the names that the template fills in."""
+
+import json
+from typing import NamedTuple
+
+import pandas as pd
+import xarray as xr
+
+from jointclosure.report import findings, running, settings
+from jointclosure.report.curves import MOST_JOINTS, explorer_data
+from jointclosure.report.page import Picture
+from jointclosure.report.sheets import duration
+from jointclosure.study.ensemble import succeeded
+
+
+class Material(NamedTuple):
+    """All that a page is made from.
+
+    ``study``: the dataset, of which curves are read case by case; ``closures``, ``checks``,
+    ``intervals``, ``claims``: the study's tables, the last two None where nothing is varied;
+    ``paper``: the paper's Table 3; ``default`` and ``schema``: the paper's configuration, and what
+    keys mean; ``pictures``; ``benchmarks``: of the workflow's jobs; ``measured``: fits of measured
+    curves, None where there are none; ``accuracy``: the table of `make accuracy`, None where
+    it was not made.
+    """
+
+    study: xr.Dataset
+    closures: pd.DataFrame
+    checks: pd.DataFrame
+    intervals: pd.DataFrame | None
+    claims: pd.DataFrame | None
+    paper: pd.DataFrame
+    default: dict
+    schema: dict
+    pictures: list[Picture]
+    benchmarks: pd.DataFrame
+    measured: pd.DataFrame | None
+    accuracy: pd.DataFrame | None
+
+
+def content(material: Material) -> dict:
+    """Names and values for the template."""
+    study = material.study
+    configuration = json.loads(study.attrs["configuration"])
+    rocks = {name: configuration["rocks"][name] for name in configuration["study"]["rocks"]}
+    titles = {name: rock["title"] for name, rock in rocks.items()}
+    of_paper = set(titles) & set(material.paper.rock)
+    rows = settings.setting_rows(configuration, material.default, material.schema)
+    explored = explorer_data(study, titles, 1e6 * configuration["seating_stress_MPa"])
+    return {
+        "configuration": configuration,
+        "rocks": rocks,
+        "cases": study.sizes["case"],
+        "outcome": outcome(study),
+        "verdicts": {} if material.claims is None else _counts(material.claims.verdict),
+        "compared": [titles[name] for name in titles if name in of_paper],
+        "not_compared": [titles[name] for name in titles if name not in of_paper],
+        "departures": settings.departures(rows),
+        "failed_checks": int((~material.checks.passed).sum()),
+        "explored": explored,
+        "most_joints": MOST_JOINTS,
+        "pictures": material.pictures,
+        "provenance": running.provenance_rows(study),
+        "median_time": duration(float(study.timing_simulation.median())),
+        "job_time": duration(float(material.benchmarks.s.sum())),
+        "sheets": _sheets(material, titles, of_paper, rows),
+    }
+
+
+def outcome(study: xr.Dataset) -> dict:
+    """Counts of simulations: all, used, failed, and of each remark or failure."""
+    good = succeeded(study)
+    flags = {
+        name: int(((study.status & mask) > 0).sum())
+        for mask, name in running.flag_names(study).items()
+    }
+    used = good.sum("realization")
+    return {
+        "simulations": good.size,
+        "used": int(good.sum()),
+        "failed": int((~good).sum()),
+        "least_used": int(used.min()),
+        "most_used": int(used.max()),
+        "flags": flags,
+    }
+
+
+def _counts(words: pd.Series) -> dict[str, int]:
+    return words.value_counts(sort=False).to_dict()
+
+
+def _sheets(material: Material, titles: dict, of_paper: set, rows: pd.DataFrame) -> dict:
+    """All tables of the page by name."""
+    study, intervals = material.study, material.intervals
+    sheets = [
+        findings.closure_sheet(material.closures, titles),
+        running.check_sheet(material.checks),
+        running.status_sheet(study, titles),
+        running.failure_sheet(study),
+        running.simulation_time_sheet(study, titles),
+        running.job_time_sheet(material.benchmarks),
+        settings.setting_sheet(rows),
+    ]
+    if material.claims is not None:
+        sheets.append(findings.claim_sheet(material.claims, bool(of_paper)))
+    if material.measured is not None:
+        sheets.append(findings.measured_sheet(material.measured, titles))
+    if intervals is not None and len(intervals) and "percent" in intervals:
+        sheets += [
+            findings.ranking_sheet(intervals, titles),
+            findings.layout_sheet(intervals, titles, of_paper),
+            findings.interval_sheet(intervals, titles, of_paper),
+        ]
+    if material.accuracy is not None:
+        sheets.append(running.accuracy_sheet(material.accuracy))
+    return {sheet.name: sheet for sheet in sheets}

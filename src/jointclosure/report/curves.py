@@ -1,0 +1,153 @@
+"""Closure curves for the figure that can be explored: numbers that a script of the page draws."""
+
+import math
+
+import numpy as np
+import xarray as xr
+
+from jointclosure.study.cases import PARAMETERS
+from jointclosure.study.ensemble import succeeded
+from jointclosure.study.sensitivity import SHOWN_UNITS
+from jointclosure.tables import PARAMETER_TITLES
+
+MOST_JOINTS = 20
+"""Joints of a case whose own curves are in the page; means are over all of them."""
+
+_MM = 1e3
+_BLOCK = 512
+"""Joints in memory at a time."""
+_READ = ("closure", "max_closure", "max_closure_seated", "residual_closure")
+
+
+def explorer_data(study: xr.Dataset, titles: dict[str, str], seating_stress: float) -> dict:
+    """Curves of all cases, for JSON: closures in mm, stresses in MPa, absent numbers as None.
+
+    Parameters
+    ----------
+    study : Dataset
+        As from `jointclosure.study.ensemble.join_cases`.
+    titles : dict
+        Titles of the rocks, in order.
+    seating_stress : float
+        From which each cycle's loading can be counted [Pa].
+
+    Returns
+    -------
+    dict
+        ``cycles``, ``seating``, and ``rocks``: each a name, its ``stress`` axis up to its maximum,
+        its ``parameters`` and its ``cases`` (see `_case`).
+    """
+    rocks = []
+    for rock, title in titles.items():
+        own = study.isel(case=np.flatnonzero(study.rock.values == rock))
+        largest = float(own.max_normal_stress.max()) * (1.0 + 1e-9)
+        own = own.sel(stress=study.stress[study.stress <= largest])
+        varied = [p for p in PARAMETERS if p in own.parameter.values]
+        rocks.append(
+            {
+                "title": title,
+                "stress": np.round(1e-6 * own.stress.values, 6).tolist(),
+                "parameters": [{"name": p, "title": PARAMETER_TITLES[p]} for p in varied],
+                "cases": [_case(own.sel(case=case), varied) for case in own.case.values],
+            }
+        )
+    return {
+        "cycles": study.cycle.values.tolist(),
+        "seating": 1e-6 * seating_stress,
+        "rocks": rocks,
+    }
+
+
+def _case(case: xr.Dataset, varied: list[str]) -> dict:
+    """One case: its values of the parameters, means, deviations, and curves of single joints.
+
+    ``mean`` and ``deviation`` are [origin][cycle][branch][stress], with closures from first touch
+    (origin 0) or from seating (1), absent where a joint that is used has no state at that
+    stress; ``joints`` have a ``number``, ``curves`` [cycle][branch][stress] from first touch and
+    the closures ``seats`` [cycle] at seating.
+    """
+    used = np.flatnonzero(succeeded(case).values)
+    moments = [_Moments(), _Moments()]
+    digits, joints = None, []
+    for start in range(0, used.size, _BLOCK):
+        block = case[list(_READ)].isel(realization=used[start : start + _BLOCK]).load()
+        closure = _MM * block.closure.transpose("realization", "cycle", "branch", "stress")
+        seats = _MM * _seats(block)
+        moments[0].add(closure.values)
+        moments[1].add((closure - seats).values)
+        if start == 0:
+            digits = _digits(closure.values)
+            joints = [_joint(closure[i], seats[i], digits) for i in range(len(closure))]
+    shape = (case.sizes["cycle"], case.sizes["branch"], case.sizes["stress"])
+    return {
+        "parameter": case.parameter.item(),
+        "level": case.level.item(),
+        "values": {p: _value(p, float(case[p])) for p in varied},
+        "used": int(used.size),
+        "of": case.sizes["realization"],
+        "mean": [_listed(part.mean(shape), digits) for part in moments],
+        "deviation": [_listed(part.deviation(shape), digits) for part in moments],
+        "joints": joints[:MOST_JOINTS],
+    }
+
+
+def _seats(block: xr.Dataset) -> xr.DataArray:
+    """Closures (realization, cycle) from first touch at which cycles' loadings seat [m]."""
+    start = block.residual_closure.shift(cycle=1, fill_value=0.0)
+    seats = start + block.max_closure - block.max_closure_seated
+    return seats.transpose("realization", "cycle")
+
+
+def _joint(closure: xr.DataArray, seats: xr.DataArray, digits: int) -> dict:
+    return {
+        "number": int(closure.realization),
+        "curves": _listed(closure.values, digits),
+        "seats": _listed(seats.values, digits),
+    }
+
+
+class _Moments:
+    """Mean and standard deviation over joints that come in blocks, NaN where one lacks a number."""
+
+    def __init__(self):
+        self.count, self.known, self.centre, self.squares = 0, True, 0.0, 0.0
+
+    def add(self, block: np.ndarray) -> None:
+        """Take in curves (joint, ...), at least one, by the rule of Chan, Golub & LeVeque 1983."""
+        self.known = self.known & np.isfinite(block).all(axis=0)
+        block = np.where(self.known, block, 0.0)
+        own, size = block.mean(axis=0), len(block)
+        total = self.count + size
+        step = own - self.centre
+        self.squares += np.square(block - own).sum(axis=0)
+        self.squares += np.square(step) * self.count * size / total
+        self.centre += step * size / total
+        self.count = total
+
+    def mean(self, shape: tuple) -> np.ndarray:
+        """Mean, of a shape that is needed where there was nothing."""
+        return np.where(self.known, self.centre, np.nan) if self.count else np.full(shape, np.nan)
+
+    def deviation(self, shape: tuple) -> np.ndarray:
+        """Standard deviation of a sample, NaN of fewer than two."""
+        if self.count < 2:
+            return np.full(shape, np.nan)
+        return np.where(self.known, np.sqrt(self.squares / (self.count - 1)), np.nan)
+
+
+def _value(parameter: str, value: float) -> str:
+    """A parameter's value with its unit, as Table 1 has it."""
+    unit, size = SHOWN_UNITS[parameter]
+    return f"{value / size:.6g}" + ("" if unit == "1" else f" {unit}")
+
+
+def _digits(values: np.ndarray) -> int:
+    """Decimals that keep five figures of the largest number."""
+    largest = np.max(np.abs(values), initial=0.0, where=np.isfinite(values))
+    return 4 - math.floor(math.log10(largest)) if largest > 0.0 else 0
+
+
+def _listed(values: np.ndarray, digits: int | None) -> list:
+    """Nested lists of rounded numbers, None for what is not known."""
+    rounded = np.round(values, digits or 0).astype(object)
+    return np.where(np.isfinite(values), rounded, None).tolist()

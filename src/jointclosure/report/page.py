@@ -1,0 +1,86 @@
+"""The page itself: sections and figures put into the template, with all that it needs inside.
+
+Scripts are named by their digests in the page's content security policy, which
+forbids everything else, the network above all.
+"""
+
+import base64
+import hashlib
+from importlib import resources
+from typing import NamedTuple
+
+import jinja2
+from plotly.offline import get_plotlyjs
+
+from jointclosure.report.captions import Caption
+
+_TONES = {
+    "reproduced": "good",
+    "holds": "good",
+    "passed": "good",
+    "not reproduced": "bad",
+    "does not hold": "bad",
+    "FAILED": "bad",
+    "cannot be judged": "unsure",
+}
+
+
+class Picture(NamedTuple):
+    """A figure: its name, the bytes of its PNG, and its caption."""
+
+    name: str
+    png: bytes
+    caption: Caption
+
+    @property
+    def source(self) -> str:
+        """The picture as a data address."""
+        return "data:image/png;base64," + base64.b64encode(self.png).decode()
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels, from the first chunk of the PNG."""
+        return int.from_bytes(self.png[16:20]), int.from_bytes(self.png[20:24])
+
+
+def render(content: dict) -> str:
+    """The page as HTML.
+
+    Parameters
+    ----------
+    content : dict
+        What ``templates/page.html.j2`` names, see `jointclosure.report.content.content`.
+    """
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("jointclosure.report"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    scripts = [get_plotlyjs(), _text("tables.js"), _text("explorer.js")]
+    return environment.get_template("page.html.j2").render(
+        content,
+        style=_text("style.css"),
+        scripts=scripts,
+        script_digests=[_digest(script) for script in scripts],
+        tones=_TONES,
+    )
+
+
+def template_digest() -> str:
+    """Digest of the templates: what a page depends on besides the package's Python."""
+    digest = hashlib.sha256()
+    for file in sorted(resources.files("jointclosure.report").joinpath("templates").iterdir()):
+        digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
+
+
+def _text(name: str) -> str:
+    folder = resources.files("jointclosure.report").joinpath("templates")
+    return folder.joinpath(name).read_text(encoding="utf-8")
+
+
+def _digest(script: str) -> str:
+    """As a content security policy names a script: base64 of its SHA-256."""
+    return "sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()

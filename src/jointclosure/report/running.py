@@ -1,0 +1,153 @@
+"""How a study ran: checks, failures, errors, timing and provenance, as tables of the page."""
+
+import hashlib
+import json
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.protocol import FAILURE
+from jointclosure.report.sheets import Sheet, sheet
+from jointclosure.study.ensemble import succeeded
+from jointclosure.tables import PARAMETER_TITLES
+
+MOST_FAILURES = 500
+"""Failed simulations that are listed one by one."""
+
+
+def check_sheet(checks: pd.DataFrame) -> Sheet:
+    """What must hold of the results, and what was found."""
+    verdict = np.where(checks.passed, "passed", "FAILED")
+    verdict = np.where(checks.required == "reported only", "reported only", verdict)
+    columns = {"check": "Check", "required": "Required", "found": "Found", "verdict": "Verdict"}
+    return sheet("checks", "Checks of the results", checks.assign(verdict=verdict), columns)
+
+
+def accuracy_sheet(costs: pd.DataFrame) -> Sheet:
+    """Error against time of each setting that `make accuracy` tried."""
+    columns = {
+        "scene": "Scene",
+        "rock": "Rock",
+        "knob": "What is turned",
+        "value": "Value",
+        "cycle": "Cycle",
+        "mean_error_percent": "Error of the mean closure (%)",
+        "mean_low": "From",
+        "mean_high": "To",
+        "relative_time": "Time over the scene's base",
+    }
+    return sheet("accuracy-cost", "Error and time of every setting that was tried", costs, columns)
+
+
+def flag_names(study: xr.Dataset) -> dict[int, str]:
+    """Names of the bits of a status."""
+    about = study.status.attrs
+    return dict(zip(map(int, about["flag_masks"]), about["flag_meanings"].split(), strict=True))
+
+
+def status_sheet(study: xr.Dataset, titles: dict[str, str]) -> Sheet:
+    """How the simulations of each case ended."""
+    good = succeeded(study)
+    frame = pd.DataFrame(
+        {
+            "rock": [titles[rock] for rock in study.rock.values],
+            "parameter": [PARAMETER_TITLES.get(p, "as it is") for p in study.parameter.values],
+            "level": study.level.values,
+            "scene": study.scene.values,
+            "simulations": study.sizes["realization"],
+            "used": good.sum("realization").values,
+            "failed": (~good).sum("realization").values,
+        }
+    )
+    columns = {"rock": "Rock", "parameter": "Changed", "level": "Level"}
+    columns |= {"simulations": "Simulations", "used": "Used (n)", "failed": "Failed"}
+    for mask, name in flag_names(study).items():
+        frame[name] = ((study.status & mask) > 0).sum("realization").values
+        if mask < FAILURE or frame[name].any():
+            columns[name] = name
+    columns["scene"] = "Effects that act"
+    return sheet("statuses", "Statuses by case", frame, columns)
+
+
+def failure_sheet(study: xr.Dataset) -> Sheet:
+    """Every simulation that failed, with the seed of its walls."""
+    flags = flag_names(study)
+    rows = []
+    statuses = study.status.transpose("case", "realization").values
+    seeds = study.seed.transpose("case", "realization").values
+    failed = np.argwhere(statuses >= FAILURE)
+    for i, j in failed[:MOST_FAILURES]:
+        status = int(statuses[i, j])
+        rows.append(
+            {
+                "case": study.case.values[i],
+                "realization": int(study.realization.values[j]),
+                "status": ", ".join(name for mask, name in flags.items() if status & mask),
+                "seed": str(seeds[i, j]),
+            }
+        )
+    columns = {"case": "Case", "realization": "Realisation", "status": "Status"}
+    columns["seed"] = "Seed of its walls"
+    caption = "Failed simulations"
+    if len(failed) > MOST_FAILURES:
+        caption += f", the first {MOST_FAILURES} of {len(failed)}"
+    return sheet("failures", caption, pd.DataFrame(rows, columns=list(columns)), columns)
+
+
+def simulation_time_sheet(study: xr.Dataset, titles: dict[str, str]) -> Sheet:
+    """Wall-clock time of the simulations of each rock."""
+    rows = []
+    for rock, title in titles.items():
+        seconds = study.timing_simulation.values[study.rock.values == rock].ravel()
+        least, low, middle, high, most = np.quantile(seconds, (0.0, 0.05, 0.5, 0.95, 1.0))
+        rows.append(
+            {"rock": title, "count": seconds.size, "median": middle, "least": least, "low": low}
+            | {"high": high, "most": most, "total": seconds.sum()}
+        )
+    columns = {"rock": "Rock", "count": "Simulations", "median": "Median (s)"}
+    columns |= {"least": "Least (s)", "low": "5 % (s)", "high": "95 % (s)", "most": "Most (s)"}
+    columns["total"] = "In all (s)"
+    return sheet("simulation-times", "Time of a simulation", pd.DataFrame(rows), columns)
+
+
+def job_time_sheet(benchmarks: pd.DataFrame) -> Sheet:
+    """Time and memory of the workflow's jobs, by rule.
+
+    Parameters
+    ----------
+    benchmarks : DataFrame
+        As from `jointclosure.dataset.read_benchmarks`.
+    """
+    rows = []
+    for rule, part in benchmarks.groupby("rule", sort=False):
+        rows.append(
+            {
+                "rule": rule,
+                "jobs": len(part),
+                "median": part.s.median(),
+                "most": part.s.max(),
+                "total": part.s.sum(),
+                "memory": part.max_rss.max(),
+            }
+        )
+    columns = {"rule": "Rule", "jobs": "Jobs", "median": "Median (s)", "most": "Longest (s)"}
+    columns |= {"total": "In all (s)", "memory": "Largest memory (MB)"}
+    return sheet("jobs", "Time of the jobs", pd.DataFrame(rows, columns=list(columns)), columns)
+
+
+def provenance_rows(study: xr.Dataset) -> list[tuple[str, str]]:
+    """Where the numbers come from: terms and what holds."""
+    about = study.attrs
+    configuration = about["configuration"]
+    digest = hashlib.sha256(configuration.encode()).hexdigest()[:16]
+    rows = [
+        ("Model", about["references"]),
+        ("Sources, commit", about["provenance_commit"]),
+        ("Sources, digest", about["source_digest"]),
+        ("Configuration, digest (SHA-256, first 16 digits)", digest),
+        ("Root seed, from which every random number follows", about["root_seed"]),
+        ("Machine", about["provenance_machine"]),
+    ]
+    versions = json.loads(about["provenance_versions"])
+    return rows + [(f"Version of {name}", version) for name, version in versions.items()]

@@ -1,0 +1,72 @@
+"""The configuration of a study, held against the paper's."""
+
+import json
+
+import pandas as pd
+
+from jointclosure.report.sheets import Sheet, sheet
+
+_LEFT_OUT = ("accuracy", "ablation")
+"""Sections of other targets."""
+
+
+def setting_rows(configuration: dict, paper: dict, schema: dict) -> pd.DataFrame:
+    """Every key of a study with its value, the paper's, and what it is.
+
+    Parameters
+    ----------
+    configuration, paper : dict
+        Merged configurations; of the first, rocks that are not in the study are left out.
+    schema : dict
+        Whose descriptions are shown.
+
+    Returns
+    -------
+    DataFrame
+        Columns key, value, paper, differs, meaning.
+    """
+    chosen = {key: value for key, value in configuration.items() if key not in _LEFT_OUT}
+    chosen["rocks"] = {name: chosen["rocks"][name] for name in chosen["study"]["rocks"]}
+    theirs = dict(_leaves(paper, schema, ""))
+    rows = []
+    for key, (value, meaning) in _leaves(chosen, schema, ""):
+        known = key in theirs
+        rows.append(
+            {
+                "key": key,
+                "value": _shown(value),
+                "paper": _shown(theirs[key][0]) if known else "",
+                "differs": not known or theirs[key][0] != value,
+                "meaning": meaning,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def departures(rows: pd.DataFrame) -> list[str]:
+    """Keys in which a study differs from the paper's, its name aside."""
+    return rows[rows.differs & (rows.key != "study.name")].key.tolist()
+
+
+def setting_sheet(rows: pd.DataFrame) -> Sheet:
+    """The configuration as a table."""
+    titles = {"key": "Key", "value": "This study", "paper": "The paper's study"}
+    titles |= {"differs": "Differs", "meaning": "What it is"}
+    return sheet("configuration", "Every setting of this study", rows, titles)
+
+
+def _leaves(value: dict, schema: dict, path: str):
+    """(key, (value, description)) of all that is not a section itself."""
+    known = schema.get("properties", {})
+    extra = schema.get("additionalProperties")
+    order = {name: place for place, name in enumerate(known)}
+    for name, entry in sorted(value.items(), key=lambda item: order.get(item[0], len(order))):
+        about = known.get(name, extra if isinstance(extra, dict) else {})
+        if isinstance(entry, dict):
+            yield from _leaves(entry, about, f"{path}{name}.")
+        else:
+            yield f"{path}{name}", (entry, about.get("description", ""))
+
+
+def _shown(value: object) -> str:
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)

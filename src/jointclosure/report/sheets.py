@@ -1,0 +1,98 @@
+"""Tables of the page: frames become cells, each with what it is sorted by."""
+
+import math
+from numbers import Integral, Real
+from typing import NamedTuple
+
+import pandas as pd
+
+from jointclosure.tables import significant
+
+ABSENT = "–"
+
+
+class Cell(NamedTuple):
+    """What is shown, and what the cell is sorted by: a number, a text, or "" for nothing."""
+
+    text: str
+    key: float | str
+
+
+class Sheet(NamedTuple):
+    """A table with its caption; ``name`` is its id, the first cell of a row its heading."""
+
+    name: str
+    caption: str
+    titles: list[str]
+    rows: list[list[Cell]]
+
+    @property
+    def kinds(self) -> list[str]:
+        """How each column is set: "number", "word" (kept on one line) or "text"."""
+        return [_kind([row[i] for row in self.rows]) for i in range(len(self.titles))]
+
+
+def sheet(name: str, caption: str, frame: pd.DataFrame, titles: dict[str, str]) -> Sheet:
+    """Columns of a frame as a table.
+
+    Parameters
+    ----------
+    name, caption : str
+    frame : DataFrame
+    titles : dict
+        Heading of each column that is shown, in order.
+    """
+    shown = frame[list(titles)].astype(object)
+    rows = [[cell(value) for value in row] for row in shown.itertuples(index=False)]
+    return Sheet(name, caption, list(titles.values()), rows)
+
+
+def cell(value: object) -> Cell:
+    """A value as it is read: numbers to four figures, what is absent as a dash."""
+    if isinstance(value, Cell):
+        return value
+    if isinstance(value, bool) or value is None or not isinstance(value, Real):
+        words = {True: "yes", False: "no", None: ABSENT, "": ABSENT}
+        text = words.get(value, str(value))
+        return Cell(text, "" if text == ABSENT else text)
+    if isinstance(value, Integral):
+        return Cell(str(int(value)), int(value))
+    number = float(value)
+    return Cell(ABSENT, "") if math.isnan(number) else Cell(number_text(number), number)
+
+
+def number_text(value: float, figures: int = 4) -> str:
+    """A measured number to so many significant figures."""
+    if math.isinf(value):
+        return "∞" if value > 0.0 else "−∞"
+    if value == 0.0:
+        return "0"
+    if 1e-3 <= abs(value) < 1e6:
+        return significant(value, figures)
+    return f"{value:.{figures - 1}e}"
+
+
+def given(value: float) -> Cell:
+    """A number that somebody chose, as short as it is."""
+    return Cell(f"{value:.6g}", float(value))
+
+
+def duration(seconds: float) -> str:
+    """A time as people say it."""
+    for size, unit in ((3600.0, "hours"), (60.0, "minutes")):
+        if seconds >= 2.0 * size:
+            return f"{number_text(seconds / size, 2)} {unit}"
+    return f"{number_text(seconds, 2)} s"
+
+
+_LONGEST_WORD = 28
+"""Characters up to which a column's texts are not broken over lines."""
+
+
+def _kind(cells: list[Cell]) -> str:
+    if any(isinstance(cell.key, Real) for cell in cells) and all(
+        isinstance(cell.key, Real) or cell.key == "" for cell in cells
+    ):
+        return "number"
+    longest = max((len(line) for cell in cells for line in cell.text.split("\n")), default=0)
+    return "word" if longest <= _LONGEST_WORD else "text"

@@ -1,0 +1,223 @@
+"""What the page says, and that it is sound, without a browser."""
+
+import base64
+import hashlib
+import itertools
+import re
+from html.parser import HTMLParser
+
+import pandas as pd
+import pytest
+
+from jointclosure.report.content import content, outcome
+from jointclosure.report.page import render
+from tests.report.conftest import FAILED, GRANITE, JOINTS, JUMPED
+
+VOID = {"meta", "link", "img", "input", "br"}
+
+
+class Outline(HTMLParser):
+    """Elements of a page: (tag, attributes), the text of each script and the text that is read."""
+
+    def __init__(self, page: str):
+        super().__init__(convert_charrefs=True)
+        self.elements, self.scripts, self.open, self.text = [], [], [], []
+        self.feed(page)
+        self.close()
+
+    def handle_starttag(self, tag, attributes):
+        self.elements.append((tag, dict(attributes)))
+        if tag not in VOID:
+            self.open.append(tag)
+        if tag == "script":
+            self.scripts.append("")
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] == "script":
+            self.scripts[-1] += data
+        elif self.open and self.open[-1] != "style":
+            self.text.append(data)
+
+    def all(self, *tags):
+        return [attributes for tag, attributes in self.elements if tag in tags]
+
+    def read(self) -> str:
+        return " ".join(" ".join(self.text).split())
+
+
+@pytest.fixture(scope="module")
+def outline(page):
+    return Outline(page)
+
+
+def test_every_element_is_closed_and_every_name_is_its_own(outline):
+    assert outline.open == []
+    names = [attributes["id"] for _, attributes in outline.elements if "id" in attributes]
+    assert len(names) == len(set(names))
+
+
+def test_nothing_is_named_that_lies_outside_the_page(outline):
+    names = {attributes.get("id") for _, attributes in outline.elements}
+    for _, attributes in outline.elements:
+        assert attributes.get("src", "data:").startswith("data:")
+        target = attributes.get("href", "data:")
+        assert target.startswith("data:") or target.removeprefix("#") in names
+        assert "srcset" not in attributes
+        assert not any(name.startswith("on") for name in attributes)
+
+
+def test_the_policy_allows_the_scripts_of_the_page_and_nothing_else(outline):
+    (policy,) = [m["content"] for m in outline.all("meta") if "http-equiv" in m]
+    allowed = set(re.findall(r"'(sha256-[^']+)'", policy))
+    kinds = outline.all("script")
+    run = [s for s, kind in zip(outline.scripts, kinds, strict=True) if "type" not in kind]
+    digests = {
+        "sha256-" + base64.b64encode(hashlib.sha256(s.encode()).digest()).decode() for s in run
+    }
+    assert allowed == digests
+    assert policy.startswith("default-src 'none';")
+    assert "http" not in policy
+    assert "'unsafe-inline'" not in re.search(r"script-src[^;]*", policy)[0]
+
+
+def test_headings_step_down_one_at_a_time_from_a_single_first(outline):
+    levels = [int(tag[1]) for tag, _ in outline.elements if re.fullmatch(r"h\d", tag)]
+    assert levels.count(1) == 1
+    assert levels[0] == 1
+    assert all(later <= earlier + 1 for earlier, later in itertools.pairwise(levels))
+
+
+def test_figures_have_alternative_texts_and_tables_have_headings(outline, pictures):
+    alternatives = [image["alt"] for image in outline.all("img")]
+    assert alternatives == [picture.caption.alternative for picture in pictures]
+    assert all(len(text) > 40 for text in alternatives)
+    assert outline.all("html") == [{"lang": "en"}]
+    assert len(outline.all("table")) == len(outline.all("thead"))
+    names = {attributes.get("id") for _, attributes in outline.elements}
+    for attributes in outline.all("table", "section"):
+        assert attributes["aria-labelledby"] in names
+
+
+def test_a_title_with_markup_in_it_is_text(outline):
+    assert GRANITE in outline.read()
+
+
+def test_failures_are_counted_and_named(material, outline):
+    cases = material.study.sizes["case"]
+    found = outcome(material.study)
+    assert found["failed"] == found["flags"]["not_converged"] == cases
+    assert found["flags"]["target_jumped"] == cases
+    assert found["used"] == cases * (JOINTS - 1)
+    sheets = content(material)["sheets"]
+    assert len(sheets["failures"].rows) == cases
+    case, joint, status, seed = (cell.text for cell in sheets["failures"].rows[0])
+    assert (case, joint, status) == ("slate-base", str(FAILED), "not_converged")
+    assert seed == f"{FAILED:032x}"
+    statuses = sheets["statuses"]
+    row = dict(zip(statuses.titles, (cell.text for cell in statuses.rows[0]), strict=True))
+    assert (row["Used (n)"], row["Failed"]) == (str(JOINTS - 1), "1")
+    assert row["not_converged"] == row["target_jumped"] == "1"
+    assert "rigid_contact" not in row  # of which there is none
+    assert f"n = {JOINTS - 1} in every case" in outline.read()
+
+
+def test_failed_checks_are_said_first(material, outline):
+    assert (~material.checks.passed).sum() == 1  # not all simulations succeeded
+    assert "1 of the checks of the results failed" in outline.read()
+    sheet = content(material)["sheets"]["checks"]
+    verdicts = [row[-1].text for row in sheet.rows]
+    assert verdicts.count("FAILED") == 1
+
+
+def test_rocks_that_the_paper_has_not_are_not_compared(material, outline):
+    assert f"The paper has no numbers for {GRANITE}." in outline.read()
+    sheets = content(material)["sheets"]
+    by_rock = {}
+    for row in sheets["intervals"].rows:
+        cells = dict(zip(sheets["intervals"].titles, row, strict=True))
+        by_rock.setdefault(cells["Rock"].text, []).append(cells)
+    assert {cells["The paper's length"].text for cells in by_rock[GRANITE]} == {"–"}
+    slate = by_rock["Slate"]
+    assert [c["The paper's length"].text for c in slate if c["Parameter"].text == "JRC"] == [
+        "0.726", "3.18",
+    ]  # fmt: skip
+    assert [c["The paper's length"].text for c in slate[:2]] == ["no real root", "0.0752"]
+    layout = sheets["table-3"].rows[0]
+    assert "paper –" in layout[2].text
+    assert "paper" not in layout[3].text
+
+
+def test_without_a_rock_of_the_paper_its_numbers_are_left_out(material):
+    stranger = material._replace(paper=material.paper[material.paper.rock == "limestone"])
+    text = Outline(render(content(stranger))).read()
+    assert "These are not the paper's rocks: a comparison with its numbers is left out." in text
+    sheets = content(stranger)["sheets"]
+    assert "The paper" not in sheets["claims"].titles
+    assert not any("paper" in title for title in sheets["intervals"].titles)
+
+
+def test_a_study_that_varies_nothing_has_no_intervals_and_no_claims(material):
+    plain = material._replace(intervals=None, claims=None)
+    text = Outline(render(content(plain))).read()
+    assert "No property was varied at enough levels." in text
+    assert "the claims cannot be held against this study" in text
+    empty = material._replace(intervals=material.intervals.iloc[:0])
+    assert "No property was varied at enough levels." in Outline(render(content(empty))).read()
+
+
+def test_fits_of_measured_curves_are_shown_where_there_are_any(material, outline):
+    assert "Measured closure curves" not in outline.read()
+    fits = pd.DataFrame(
+        [{"rock": "slate", "cycle": 1, "points": 12, "largest_closure_mm": 0.3, "samples": 22,
+          "best_realization": 7, "misfit_mm": 0.0123, "misfit_percent": 4.1,
+          "median_misfit_mm": 0.05}]
+    )  # fmt: skip
+    row = content(material._replace(measured=fits))["sheets"]["measured"].rows[0]
+    assert [cell.text for cell in row[:1] + row[5:7]] == ["Slate", "7", "0.01230"]
+
+
+def test_every_claim_has_its_verdict(material, outline):
+    sheet = content(material)["sheets"]["claims"]
+    assert [row[0].text for row in sheet.rows] == material.claims.number.tolist()
+    assert [row[1].text for row in sheet.rows] == material.claims.verdict.tolist()
+    for claim in material.claims.claim:
+        assert claim in outline.read()
+
+
+def test_accuracy_that_was_not_measured_is_said_to_be_so(material, outline):
+    assert "is not measured here" in outline.read()
+    assert "accuracy-cost" not in content(material)["sheets"]
+    costs = pd.DataFrame(
+        [{"scene": "full", "rock": "slate", "knob": "steps", "value": 0.5, "cycle": 1,
+          "mean_error_percent": 2.5, "mean_low": 1.0, "mean_high": 4.0, "relative_time": 3.0}]
+    )  # fmt: skip
+    measured = Outline(render(content(material._replace(accuracy=costs)))).read()
+    assert "is not measured here" not in measured
+    assert "Error and time of every setting that was tried" in measured
+
+
+def test_provenance_and_times_are_there(material, outline):
+    text = outline.read()
+    about = material.study.attrs
+    for value in (about["source_digest"], about["root_seed"], about["provenance_machine"]):
+        assert value in text
+    jobs = content(material)["sheets"]["jobs"].rows
+    assert [cell.text for cell in jobs[0]] == [
+        "close_surfaces",
+        "2",
+        "4.000",
+        "5.000",
+        "8.000",
+        "1.000",
+    ]
+    times = content(material)["sheets"]["simulation-times"].rows
+    assert [row[1].text for row in times] == [
+        str(7 * JOINTS) if i else str(9 * JOINTS) for i in (0, 1)
+    ]
+
+
+def test_a_joint_that_jumped_is_used(material):
+    assert int(material.study.status[0, JUMPED]) == 1

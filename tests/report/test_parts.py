@@ -1,0 +1,142 @@
+"""Parts of the page: cells, captions, settings, curves."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jointclosure.report import curves
+from jointclosure.report.captions import read_caption
+from jointclosure.report.curves import MOST_JOINTS, explorer_data
+from jointclosure.report.settings import departures, setting_rows
+from jointclosure.report.sheets import Cell, Sheet, cell, duration, number_text
+from jointclosure.study.configuration import read_schema
+from tests.report.conftest import FAILED, JOINTS, JUMPED
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.0, "0"), (1.0, "1.000"), (123.456, "123.5"), (-0.0123456, "-0.01235"),
+     (2.55e-17, "2.550e-17"), (1.5e7, "1.500e+07"), (float("inf"), "∞"), (float("-inf"), "−∞")],
+)  # fmt: skip
+def test_numbers_are_shown_to_four_figures(value, text):
+    assert number_text(value) == text
+    assert cell(value) == Cell(text, value)
+
+
+def test_cells_of_other_kinds():
+    assert cell(float("nan")) == cell(None) == cell("") == Cell("–", "")
+    assert cell(np.int64(20200827)) == Cell("20200827", 20200827)
+    assert cell(np.bool_(True)) == cell(True) == Cell("yes", "yes")
+    assert cell(Cell("as it is", 1.0)) == Cell("as it is", 1.0)
+
+
+def test_a_column_of_numbers_may_lack_some():
+    rows = [[cell(1.0), cell("a"), cell("w" * 40)], [cell(None), cell(2.0), cell("")]]
+    assert Sheet("x", "", ["", "", ""], rows).kinds == ["number", "word", "text"]
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(0.0516, "0.052 s"), (119.0, "120 s"), (150.0, "2.5 minutes"), (9e3, "2.5 hours")],
+)
+def test_durations(seconds, text):
+    assert duration(seconds) == text
+
+
+def test_a_caption_says_what_the_configuration_says():
+    text = ".. title: A\n.. alt: B\n   over two lines\n\n"
+    text += 'Of {{ snakemake.config["n"] }}\njoints.\n\nMore.\n'
+    assert read_caption(text, {"n": 4}) == ("A", "B over two lines", ["Of 4 joints.", "More."])
+
+
+@pytest.mark.parametrize(
+    ("text", "lacking"),
+    [
+        (".. title: A\n\nText.\n", "alt"),
+        (".. alt: A\n\nText.\n", "title"),
+        (".. title: A\n.. alt: B\n", "its text"),
+    ],
+)
+def test_a_caption_that_lacks_something_is_refused(text, lacking):
+    with pytest.raises(ValueError, match=f"lacks {lacking}"):
+        read_caption(text, {})
+
+
+def test_settings_that_differ_from_the_papers_are_found(configuration, default):
+    schema = read_schema(ROOT / "workflow/schemas/config.schema.yaml")
+    assert departures(setting_rows(default, default, schema)) == []
+    rows = setting_rows(configuration, default, schema)
+    found = departures(rows)
+    assert "study.realizations" in found
+    assert "rocks.granite.jrc" in found
+    assert not any(key.startswith("rocks.slate") for key in found)
+    assert not any(key.startswith("rocks.dolerite") for key in rows.key)  # not in the study
+    assert rows.meaning.str.len().min() > 5  # every key is explained
+
+
+@pytest.fixture
+def explored(study):
+    return explorer_data(study, {"slate": "Slate", "granite": "Granite"}, 0.5e6)
+
+
+def test_means_are_those_of_all_joints_that_are_used(explored, study):
+    case = explored["rocks"][0]["cases"][0]
+    good = study.sel(case="slate-base").isel(realization=[i for i in range(JOINTS) if i != FAILED])
+    mean = 1e3 * good.closure.mean("realization").sel(cycle=1, branch="loading").values
+    shown = np.array(case["mean"][0][0][0], dtype=float)
+    # a mean ends where a joint jumped over the stress: the others are no fair sample
+    assert case["mean"][0][0][0][-1] is None
+    np.testing.assert_allclose(shown[:-1], mean[:-1], rtol=1e-4, atol=1e-9)
+    deviation = 1e3 * good.closure.std("realization", ddof=1).sel(cycle=1, branch="loading").values
+    np.testing.assert_allclose(
+        np.array(case["deviation"][0][0][0][:-1], dtype=float), deviation[:-1], rtol=1e-2, atol=1e-5
+    )
+    assert (case["used"], case["of"]) == (JOINTS - 1, JOINTS)
+
+
+def test_closures_from_seating_are_less_by_the_closure_at_seating(explored, study):
+    case = explored["rocks"][0]["cases"][0]
+    numbers = [joint["number"] for joint in case["joints"]]
+    assert len(numbers) == MOST_JOINTS
+    assert FAILED not in numbers
+    assert JUMPED in numbers
+    own = study.sel(case="slate-base", realization=0)
+    first = 1e3 * float(own.max_closure[0] - own.max_closure_seated[0])
+    assert case["joints"][0]["seats"][0] == pytest.approx(first, rel=1e-3)
+    second = 1e3 * float(own.residual_closure[0] + own.max_closure[1] - own.max_closure_seated[1])
+    assert case["joints"][0]["seats"][1] == pytest.approx(second, rel=1e-3)
+
+
+def test_a_rock_has_its_own_levels_and_stresses(explored):
+    slate, granite = explored["rocks"]
+    assert (slate["stress"][-1], granite["stress"][-1]) == (30.0, 20.0)
+    assert [p["name"] for p in granite["parameters"]] == ["youngs_modulus", "jrc"]
+    moduli = [
+        c["values"]["youngs_modulus"]
+        for c in granite["cases"]
+        if c["parameter"] == "youngs_modulus"
+    ]
+    assert moduli == ["50 GPa", "55 GPa", "65 GPa", "70 GPa"]
+
+
+def test_means_do_not_depend_on_how_many_joints_are_read_at_a_time(explored, study, monkeypatch):
+    monkeypatch.setattr(curves, "_BLOCK", 7)
+    case = curves.explorer_data(study, {"slate": "Slate"}, 0.5e6)["rocks"][0]["cases"][0]
+    whole = explored["rocks"][0]["cases"][0]
+    for measure in ("mean", "deviation"):
+        for own, other in zip(flat(case[measure]), flat(whole[measure]), strict=True):
+            assert own == other or own == pytest.approx(other, abs=2e-4)
+
+
+def flat(values):
+    return [x for v in values for x in flat(v)] if isinstance(values, list) else [values]
+
+
+def test_a_case_of_which_nothing_succeeded_has_no_curves(study):
+    failed = study.isel(case=[0]).assign(status=study.status.isel(case=[0]) * 0 + 16)
+    case = explorer_data(failed, {"slate": "Slate"}, 0.5e6)["rocks"][0]["cases"][0]
+    assert case["joints"] == []
+    assert {value for branch in case["mean"][0][0] for value in branch} == {None}
