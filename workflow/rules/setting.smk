@@ -2,7 +2,7 @@
 from pathlib import Path
 
 from jointclosure.compilation import source_digest
-from jointclosure.study import cases, configuration, settings
+from jointclosure.study import cases, configuration, settings, wall_settings
 
 ROOT = Path(workflow.basedir)
 for file in workflow.configfiles:
@@ -11,6 +11,7 @@ config["effects"] = configuration.written_out(config)["effects"]
 configuration.checked(
     config, configuration.read_schema(ROOT / "workflow/schemas/config.schema.yaml")
 )
+wall_settings.check_files(config)
 
 STUDY = config["study"]["name"]
 RESULTS = f"results/{STUDY}"
@@ -21,7 +22,7 @@ BLOCKS = {str(block.start): block for block in cases.blocks_of(config)}
 SURFACES = {case.surface for case in CASES.values()}
 ROCKS = {name: config["rocks"][name] for name in config["study"]["rocks"]}
 AUTO = configuration.choice_tolerance(config) is not None
-VARIED = any(rock["levels"] for rock in ROCKS.values())
+VARIED = any(values for rock in ROCKS.values() for values in rock["levels"].values())
 TABLES = [
     "table_1_rocks.csv",
     "table_2_cases.csv",
@@ -46,7 +47,14 @@ if not VARIED:  # no intervals to be found
 
 # An edit in the package re-runs the rules whose parts of it changed.
 SURFACE_CODE = source_digest(
-    "surface", "randomness", "study/ensemble", "study/cases", "dataset", "files"
+    "surface",
+    "randomness",
+    "scans",
+    "study/ensemble",
+    "study/cases",
+    "study/measured_walls",
+    "dataset",
+    "files",
 )
 SOLVER_CODE = source_digest(
     "compilation",

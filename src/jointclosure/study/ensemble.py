@@ -62,21 +62,26 @@ def make_surfaces(
     """
     for realization, seed in enumerate(seeds, start=first):
         pair = wall_pair(jrc, shape, spacing, seed, **surface)
-        yield xr.Dataset(
-            {
-                name: (
-                    ("realization", "y", "x"),
-                    wall[np.newaxis],
-                    {"units": "m", "long_name": f"height of the {name} wall towards the other"},
-                )
-                for name, wall in zip(("upper", "lower"), pair, strict=True)
-            },
-            coords={
-                "realization": [realization],
-                "seed": ("realization", np.array([f"{seed:032x}"], dtype=object)),
-            },
-            attrs={"spacing_m": spacing, "jrc": jrc},
-        )
+        yield surface_pair(pair, realization, seed, {"spacing_m": spacing, "jrc": jrc})
+
+
+def surface_pair(pair: tuple, realization: int, seed: int, attributes: dict) -> xr.Dataset:
+    """Upper and lower wall (y, x) [m] of one realisation, as `close_surfaces` takes them."""
+    return xr.Dataset(
+        {
+            name: (
+                ("realization", "y", "x"),
+                wall[np.newaxis],
+                {"units": "m", "long_name": f"height of the {name} wall towards the other"},
+            )
+            for name, wall in zip(("upper", "lower"), pair, strict=True)
+        },
+        coords={
+            "realization": [realization],
+            "seed": ("realization", np.array([f"{seed:032x}"], dtype=object)),
+        },
+        attrs=attributes,
+    )
 
 
 def surfaces_of(settings: dict) -> Iterator[xr.Dataset]:
@@ -214,7 +219,7 @@ def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:
         "youngs_modulus": "Young's modulus",
         "poisson_ratio": "Poisson's ratio",
         "compressive_strength": "compressive strength",
-        "jrc": "joint roughness coefficient",
+        "jrc": "joint roughness coefficient, NaN where walls are measured ones",
         "max_normal_stress": "maximum nominal normal stress",
     }
     units = {"youngs_modulus": "Pa", "compressive_strength": "Pa", "max_normal_stress": "Pa"}
