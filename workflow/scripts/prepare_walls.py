@@ -21,7 +21,8 @@ def main(settings: dict, output: str, log: Logbook) -> None:
         log(f"{side}: {about}")
     # the check is the same whatever the order
     cutter = cutter_of(prepared, (grid["cells_y"], grid["cells_x"]), 0, "wall")
-    log(room(cutter))
+    prepared.attrs |= room(cutter)
+    log(str(room(cutter)))
     cutter.check(settings["realizations"])
     write_netcdf(prepared, output)
     log(f"wrote {output}")

@@ -1,6 +1,7 @@
 """Pictures of measured walls."""
 
 import matplotlib.pyplot as plt
+import matplotlib.ticker
 import numpy as np
 import seaborn as sns
 from matplotlib.figure import Figure
@@ -21,7 +22,9 @@ def roughness_figure(heights: np.ndarray, spacing: float, found: Increments, tit
         As from `jointclosure.surface.measures.increments`.
     title : str
     """
-    figure, panels = plt.subplots(1, 3, figsize=(12.5, 3.9), layout="constrained")
+    figure, panels = plt.subplots(
+        1, 3, figsize=(13.0, 4.3), layout="constrained", width_ratios=(1.1, 1.0, 1.0)
+    )
     ny, nx = heights.shape
     size = (1e3 * nx * spacing, 1e3 * ny * spacing)
     reach = 1e3 * np.nanmax(np.abs(heights))
@@ -35,6 +38,7 @@ def roughness_figure(heights: np.ndarray, spacing: float, found: Increments, tit
     _draw_increments(panels[2], found)
     figure.suptitle(title)
     sns.despine(figure)
+    figure.get_layout_engine().set(wspace=0.06)
     return figure
 
 
@@ -67,5 +71,9 @@ def _draw_increments(axes, found: Increments) -> None:
     slope, offset = np.polyfit(np.log(distances[1:]), np.log(both[1:]), 1)
     line = np.exp(offset) * distances[1:] ** slope
     axes.loglog(distances[1:], line, color="0.3", lw=1.2, label=f"H = {slope:.2f}")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
+        axis.set_minor_formatter(matplotlib.ticker.NullFormatter())
     axes.set(title="height differences over distance", xlabel="distance (mm)", ylabel="rms (mm)")
     axes.legend(frameon=False, fontsize=8)

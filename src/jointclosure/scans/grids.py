@@ -5,6 +5,9 @@ everywhere in this project: ``Z_mm``, ``spacing_mm``.
 """
 
 import zipfile
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -21,16 +24,18 @@ _METRE, _LINEAR, _VERTICAL = 9001, "ProjLinearUnitsGeoKey", "VerticalUnitsGeoKey
 def read_npy(path: Path, variable: str | None) -> Contents:
     """One array, without units or spacing."""
     _no_variable(variable)
-    return Contents(heights=_load(path))
+    with _loaded(path) as array:
+        if not isinstance(array, np.ndarray):
+            raise InputError("is an archive of arrays and no single one; call it .npz")
+        return Contents(heights=array)
 
 
 def read_npz(path: Path, variable: str | None) -> Contents:
     """An array of an archive; its spacing by a number ``spacing``, ``h`` or ``dx``."""
-    archive = _load(path)
-    if not isinstance(archive, np.lib.npyio.NpzFile):
-        raise InputError("is a single array and no archive of them; call it .npy")
-    with archive:
-        arrays = {name: _member(archive, name) for name in archive.files}
+    with _loaded(path) as archive:
+        if isinstance(archive, np.ndarray):
+            raise InputError("is a single array and no archive of them; call it .npy")
+        arrays = {name: archive[name] for name in archive.files}
     name = _chosen(variable, [key for key, value in arrays.items() if value.ndim == 2], arrays)
     height_units = split_name(name)[1]
     for key, value in arrays.items():
@@ -96,18 +101,16 @@ def read_tiff(path: Path, variable: str | None) -> Contents:
     return Contents(heights, spacing, None, units.get(_VERTICAL), units.get(_LINEAR))
 
 
-def _load(path: Path):
+@contextmanager
+def _loaded(path: Path) -> Iterator:
+    """What numpy reads of a file, pickles refused; closed again, also where it is damaged."""
     try:
-        return np.load(path, allow_pickle=False)
-    except (ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
+        with path.open("rb") as file:
+            yield np.load(file, allow_pickle=False)
+    except InputError:
+        raise
+    except (ValueError, OSError, EOFError, zipfile.BadZipFile, zlib.error) as error:
         raise InputError(f"cannot be read as an array of numbers ({error})") from None
-
-
-def _member(archive, name: str) -> np.ndarray:
-    try:
-        return archive[name]
-    except (ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
-        raise InputError(f"array {name!r} cannot be read as numbers ({error})") from None
 
 
 def _chosen(variable: str | None, fields: list[str], all_names: dict) -> str:

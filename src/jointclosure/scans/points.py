@@ -23,14 +23,12 @@ def read_text(path: Path, variable: str | None) -> Contents:
         raise InputError(f"variable = {variable!r}: of text the columns x, y and z are read")
     try:
         table = _table(path)
+        names = _columns(table)
+        points = table[[names[axis] for axis in "xyz"]].to_numpy(dtype=float)
     except (ValueError, UnicodeDecodeError) as error:
         if isinstance(error, InputError):
             raise
         raise InputError(f"cannot be read as points ({str(error).strip()})") from None
-    names = {split_name(str(column))[0].lower(): str(column) for column in table.columns}
-    if not {"x", "y", "z"} <= set(names):
-        raise InputError(f"columns {', '.join(names)}: must name x, y and z")
-    points = table[[names[axis] for axis in "xyz"]].to_numpy(dtype=float)
     units = {axis: split_name(names[axis])[1] for axis in "xyz"}
     nowhere = np.flatnonzero(~np.isfinite(points[:, :2]).all(axis=1))
     if nowhere.size:
@@ -42,6 +40,14 @@ def read_text(path: Path, variable: str | None) -> Contents:
         heights, spacing = grid
         return Contents(heights, spacing, None, units["z"], units["x"])
     return Contents(points=points, height_units=units["z"], length_units=units["x"])
+
+
+def _columns(table: pd.DataFrame) -> dict[str, str]:
+    """Columns by their names without units."""
+    names = {split_name(str(column))[0].lower(): str(column) for column in table.columns}
+    if not {"x", "y", "z"} <= set(names):
+        raise InputError(f"columns {', '.join(names)}: must name x, y and z")
+    return names
 
 
 def _table(path: Path) -> pd.DataFrame:

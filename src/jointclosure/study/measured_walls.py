@@ -52,7 +52,8 @@ def prepared_walls(
                 "(y, x) at the grid's spacing; both scans must cover the same, cell by cell"
             )
         sign = -1.0 if side in settings["inverted"] else 1.0
-        z2, hurst = _slope(wall, spacing), hurst_of(wall)
+        # the relations and the synthesis know no H beyond 1, where walls are smooth at the grid
+        z2, hurst = _slope(wall, spacing), float(np.clip(hurst_of(wall), 0.05, 1.0))
         about = {
             "units": "m",
             "long_name": f"measured height of the {side} wall towards the other",
@@ -77,8 +78,7 @@ def cutter_of(walls: xr.Dataset, shape: tuple[int, int], order_seed: int, normal
         walls.attrs["partner"],
         float(walls.attrs["spacing_m"]),
         float(first.attrs["z2"]),
-        # the synthesis knows none beyond 1, where a wall is smooth at the scale of the grid
-        float(np.clip(first.attrs["hurst"], 0.05, 1.0)),
+        float(first.attrs["hurst"]),
     )
     return Cutter(measured, shape, order_seed, normalise)
 
@@ -110,12 +110,12 @@ def cut_surfaces(cutter: Cutter, seeds: list[int], first: int = 0) -> Iterator[x
         yield pair
 
 
-def room(cutter: Cutter) -> str:
-    """How many joints the walls have room for, and how many that share no cell."""
-    return (
-        f"{len(cutter.windows)} windows of {cutter.shape[0]} x {cutter.shape[1]} cells, "
-        f"{disjoint(cutter.windows, cutter.shape)} of them side by side"
-    )
+def room(cutter: Cutter) -> dict[str, int]:
+    """How many joints the walls have room for, and how many beside each other, sharing no cell."""
+    return {
+        "windows": len(cutter.windows),
+        "windows_side_by_side": disjoint(cutter.windows, cutter.shape),
+    }
 
 
 def described(walls: dict[str, xr.Dataset]) -> str:

@@ -11,8 +11,10 @@ SIDES = ("upper", "lower")
 
 
 def has_roughness(rock: dict) -> bool:
-    """Whether a rock has a JRC or measured walls, and not both."""
-    return (rock.get("jrc") is None) != (not rock.get("walls"))
+    """Whether a rock has a JRC, or measured walls and no JRC to be varied."""
+    if rock.get("walls"):
+        return rock.get("jrc") is None and rock["levels"].get("jrc") is None
+    return rock.get("jrc") is not None
 
 
 def wall_files(walls: dict) -> dict[str, str]:

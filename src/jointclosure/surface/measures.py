@@ -87,6 +87,8 @@ def measure_wall(
             f"{heights.shape[0]} x {heights.shape[1]} cells (y, x): "
             f"measures need at least {SMALLEST_WALL} along each side"
         )
+    if not np.nanstd(heights) > 0.0:
+        raise InputError("all heights are the same: there is no roughness to be measured")
     means = _resampled_means(heights, spacing, resamples, seed)
     tail = 50.0 * (1.0 - confidence)
 
@@ -113,12 +115,14 @@ def measure_wall(
     bends = {axis: 1e-3 * np.sqrt(means["second", axis, 1]) / spacing**2 for axis in "xy"}
     for axis in "xy":
         found.append(of(f"rms curvature along {axis}", bends[axis], "1/mm"))
-    share = means["peak"]
-    found += [
-        of("peaks", 1e-6 * share / spacing**2, "1/mm2", "higher than all eight neighbours"),
-        of("mean height of peaks", means["peak height"] / share / rms, "rms height"),
-        of("mean curvature of peaks", 1e-3 * means["peak bend"] / share, "1/mm"),
-    ]
+    share = np.where(means["peak"] > 0.0, means["peak"], np.nan)
+    density = 1e-6 * means["peak"] / spacing**2
+    found.append(of("peaks", density, "1/mm2", "higher than all eight neighbours"))
+    if share[0] > 0.0:
+        found += [
+            of("mean height of peaks", means["peak height"] / share / rms, "rms height"),
+            of("mean curvature of peaks", 1e-3 * means["peak bend"] / share, "1/mm"),
+        ]
     return found
 
 
