@@ -11,6 +11,7 @@ import argparse
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+import matplotlib.ticker
 import numpy as np
 import pandas as pd
 
@@ -18,14 +19,9 @@ import jointclosure as jc
 from jointclosure.dataset import save_figure, write_csv
 from jointclosure.scans import read_scan
 from jointclosure.scans.units import UNITS
+from jointclosure.surface.differences import mean_curvature, peak_cells, slope_correlation
 from jointclosure.surface.measured import point_distance, wall_on_grid, windows
-from jointclosure.surface.measures import (
-    hurst_of,
-    increments,
-    mean_curvature,
-    peak_cells,
-    slope_correlation,
-)
+from jointclosure.surface.measures import hurst_of, increments
 from jointclosure.surface.roughness import detrended, jrc_of_z2, rms_slope
 
 DISTANCES_MM = (0.5, 1.0, 2.0, 4.0)
@@ -139,6 +135,10 @@ def drawn(wall: np.ndarray, sets: dict[str, list], spacing: float):
     _band(panels[0, 1], distances, wall, sets, lambda one: _second(one, spacing))
     panels[0, 1].set(xscale="log", yscale="log", xlabel="distance (mm)",
                      ylabel="rms second difference (mm)")  # fmt: skip
+    for axis in (panels[0, 1].xaxis, panels[0, 1].yaxis):
+        axis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
+        axis.set_minor_formatter(matplotlib.ticker.NullFormatter())
     bins = np.linspace(-4.0, 4.0, 41)
     centres = 0.5 * (bins[1:] + bins[:-1])
     _band(panels[1, 0], centres, wall, sets, lambda one: _slopes(one, bins))

@@ -9,14 +9,9 @@ import pytest
 import jointclosure as jc
 from jointclosure.randomness import generator
 from jointclosure.scans import read_scan
+from jointclosure.surface.differences import mean_curvature, peak_cells, slope_correlation
 from jointclosure.surface.measured import wall_on_grid
-from jointclosure.surface.measures import (
-    hurst_of,
-    mean_curvature,
-    measure_wall,
-    peak_cells,
-    slope_correlation,
-)
+from jointclosure.surface.measures import hurst_of, measure_wall
 from jointclosure.surface.roughness import RELATIONS, rms_slope
 from jointclosure.surface.synthesis import synthetic_wall
 from tests.conftest import SPACING, bump

@@ -1,9 +1,9 @@
 """What a wall's roughness is, with an uncertainty: slopes, JRC, Hurst exponent, curvature, peaks.
 
-Slopes, JRC, curvature and peaks are made of means over cells, and these of sums over tiles of the
-wall. Tiles are drawn again and again (a block bootstrap): neighbouring cells are not independent,
-tiles nearly are. The rms height and the Hurst exponents are made by what is as long as the wall, of
-which tiles know nothing: synthetic walls of the same slope and exponent tell how they scatter.
+Curvature and peaks are made of means over cells, and these of sums over tiles of the wall. Tiles
+are drawn again and again (a block bootstrap): cells are not independent, tiles nearly are.
+Heights, slopes, JRC and Hurst exponents have a part in what is as long as the wall, of which tiles
+know nothing: synthetic walls of the same slope and exponent tell how they scatter.
 """
 
 from typing import NamedTuple
@@ -12,6 +12,12 @@ import numpy as np
 
 from jointclosure.parameters import InputError
 from jointclosure.randomness import generator, seed_of
+from jointclosure.surface.differences import (
+    difference,
+    mean_curvature,
+    peak_cells,
+    second_difference,
+)
 from jointclosure.surface.roughness import RELATIONS, Relation
 from jointclosure.surface.synthesis import synthetic_wall
 
@@ -21,6 +27,7 @@ SMALLEST_WALL = 24
 """Cells along the shorter side: four for each tile."""
 DRAWS, LARGEST_DRAW = 100, 400
 """Synthetic walls, and the largest number of cells along their sides: smaller ones scatter more."""
+_SLOPES = ("Z2 along x", "Z2 along y", "Z2, both directions")
 
 
 class Measure(NamedTuple):
@@ -96,31 +103,30 @@ def measure_wall(
         low, high = np.nanpercentile(values[1:], [tail, 100.0 - tail])
         return Measure(name, float(values[0]), float(low), float(high), unit, remark)
 
-    rms = np.sqrt(means["square"])
-    slope = np.sqrt(_both(means, 1)) / spacing
     long = _scaling(heights, spacing)
-    scatter = _scatter(long, slope[0], heights.shape, spacing, seed)
+    scatter = _scatter(long, heights.shape, spacing, seed)
     reach = "over {:g} to {:g} mm".format(*1e3 * spacing * _fitted_lags(heights)[[0, -1]])
-    found = [of("rms height", 1e3 * long["rms"] * scatter["rms"], "mm")]
-    for axis in "xy":
-        found.append(of(f"Z2 along {axis}", np.sqrt(means[axis, 1]) / spacing, "1"))
-    found.append(of("Z2, both directions", slope, "1"))
+    found = [of("rms height", 1e3 * scatter["rms height"], "mm")]
+    found += [of(name, scatter[name], "1") for name in _SLOPES]
     for name in ("H along x", "H along y", "H, both directions"):
-        found.append(of(name, long[name] + scatter[name], "1", reach))
-    first = long["H by first differences"] + scatter["H by first differences"]
+        found.append(of(name, scatter[name], "1", reach))
+    first = scatter["H by first differences"]
     found.append(of("H by first differences", first, "1", f"{reach}; lower, see the docs"))
     for name, relation in RELATIONS.items():
-        values, remark = _jrc(relation, means, spacing, first[0])
+        values, remark = _jrc(relation, scatter, spacing, first[0])
         found.append(of(f"JRC, {name}", values, "1", remark))
-    bends = {axis: 1e-3 * np.sqrt(means["second", axis, 1]) / spacing**2 for axis in "xy"}
     for axis in "xy":
-        found.append(of(f"rms curvature along {axis}", bends[axis], "1/mm"))
+        found.append(of(f"rms curvature along {axis}", 1e-3 * np.sqrt(means["bend", axis]), "1/mm"))
     share = np.where(means["peak"] > 0.0, means["peak"], np.nan)
     density = 1e-6 * means["peak"] / spacing**2
     found.append(of("peaks", density, "1/mm2", "higher than all eight neighbours"))
     if share[0] > 0.0:
         found += [
-            of("mean height of peaks", means["peak height"] / share / rms, "rms height"),
+            of(
+                "mean height of peaks",
+                means["peak height"] / share / np.sqrt(means["square"]),
+                "rms height",
+            ),
             of("mean curvature of peaks", 1e-3 * means["peak bend"] / share, "1/mm"),
         ]
     return found
@@ -131,46 +137,10 @@ def increments(heights: np.ndarray, spacing: float) -> Increments:
     lags = lags_of(min(heights.shape))
     rms = [
         np.array([np.sqrt(np.nanmean(order(heights, axis, lag) ** 2)) for lag in lags])
-        for order in (_difference, _second_difference)
+        for order in (difference, second_difference)
         for axis in "xy"
     ]
     return Increments(lags * spacing, *rms)
-
-
-def slope_correlation(heights: np.ndarray, lags: np.ndarray, axis: str) -> np.ndarray:
-    """Correlation of the slopes along an axis with those so many cells further on."""
-    steps = _difference(heights, axis, 1)
-    if axis == "y":
-        steps = steps.T
-    size = np.nanmean(steps**2)
-    return np.array(
-        [np.nanmean(steps[:, : steps.shape[1] - lag] * steps[:, lag:]) / size for lag in lags]
-    )
-
-
-def peak_cells(heights: np.ndarray) -> np.ndarray:
-    """Whether a cell (y, x) is higher than its eight neighbours; never at the edge."""
-    here = heights[1:-1, 1:-1]
-    higher = np.ones(here.shape, bool)
-    ny, nx = heights.shape
-    for down in (0, 1, 2):
-        for right in (0, 1, 2):
-            if (down, right) != (1, 1):
-                higher &= here > heights[down : ny - 2 + down, right : nx - 2 + right]
-    return np.pad(higher, 1)
-
-
-def mean_curvature(heights: np.ndarray, spacing: float) -> np.ndarray:
-    """Half of -(z_xx + z_yy) [1/m] by second differences: positive on peaks, NaN at edges."""
-    curvature = np.full(heights.shape, np.nan)
-    curvature[1:-1, 1:-1] = -0.5 * sum(
-        (before - 2.0 * heights[1:-1, 1:-1] + after) / spacing**2
-        for before, after in (
-            (heights[1:-1, :-2], heights[1:-1, 2:]),
-            (heights[:-2, 1:-1], heights[2:, 1:-1]),
-        )
-    )
-    return curvature
 
 
 def hurst_of(heights: np.ndarray) -> float:
@@ -189,7 +159,7 @@ def _fitted_lags(heights: np.ndarray) -> np.ndarray:
 
 
 def _scaling(heights: np.ndarray, spacing: float) -> dict[str, float]:
-    """Measures of what is as long as the wall: rms height [m] and Hurst exponents."""
+    """Measures of what is as long as the wall: rms height [m], slopes and Hurst exponents."""
     found = increments(heights, spacing)
     distances = found.distances[1:]
     squares = {
@@ -199,48 +169,41 @@ def _scaling(heights: np.ndarray, spacing: float) -> dict[str, float]:
         "H by first differences": found.x**2 + found.y**2,
     }
     exponents = {name: float(_slope(distances, values[1:])) for name, values in squares.items()}
-    return {"rms": float(np.nanstd(heights))} | exponents
+    slopes = np.array([found.x[0], found.y[0], np.hypot(found.x[0], found.y[0]) / np.sqrt(2.0)])
+    lengths = {"rms height": float(np.nanstd(heights))}
+    lengths |= dict(zip(_SLOPES, (slopes / spacing).tolist(), strict=True))
+    for lag in _relation_lags(heights.shape, spacing):
+        squares = [np.nanmean(difference(heights, axis, lag) ** 2) for axis in "xy"]
+        lengths[f"Z2 at {lag}"] = float(np.sqrt(np.mean(squares))) / (lag * spacing)
+    return lengths | exponents
 
 
-def _scatter(long: dict, z2: float, shape, spacing: float, seed: int) -> dict[str, np.ndarray]:
-    """How `_scaling` scatters over synthetic walls: (1 + DRAWS,), the neutral element first.
+def _scatter(long: dict, shape, spacing: float, seed: int) -> dict[str, np.ndarray]:
+    """`_scaling` with its scatter over synthetic walls: (1 + DRAWS,), the wall's own first.
 
-    The rms height by factors, exponents by differences.
+    Heights and slopes scatter by factors, exponents by differences.
     """
     hurst = min(max(long["H, both directions"], 0.05), 1.0)
     shape = tuple(min(cells, LARGEST_DRAW) for cells in shape)
     draws = []
     for number in range(DRAWS):
         random = generator(seed_of(seed, "scatter", number))
-        draws.append(_scaling(synthetic_wall(z2, shape, spacing, hurst, random), spacing))
+        wall = synthetic_wall(long[_SLOPES[2]], shape, spacing, hurst, random, "expectation")
+        draws.append(_scaling(wall, spacing))
     scatter = {}
-    for name in long:
+    for name, own in long.items():
         values = np.array([draw[name] for draw in draws])
-        relative = values / values.mean() if name == "rms" else values - values.mean()
-        scatter[name] = np.insert(relative, 0, 1.0 if name == "rms" else 0.0)
+        exponent = name.startswith("H")
+        around = own + values - values.mean() if exponent else own * values / values.mean()
+        scatter[name] = np.insert(around, 0, own)
     return scatter
-
-
-def _difference(heights: np.ndarray, axis: str, lag: int) -> np.ndarray:
-    if axis == "x":
-        return heights[:, lag:] - heights[:, :-lag]
-    return heights[lag:] - heights[:-lag]
-
-
-def _second_difference(heights: np.ndarray, axis: str, lag: int) -> np.ndarray:
-    return _difference(_difference(heights, axis, lag), axis, lag)
 
 
 def _fields(heights: np.ndarray, spacing: float):
     """(name, values at cells (y, x), NaN where there is none), one after the other."""
-    lags = lags_of(min(heights.shape)).tolist()
-    intervals = {_lag(relation, spacing) for relation in RELATIONS.values()}
     yield "square", (heights - np.nanmean(heights)) ** 2
     for axis in "xy":
-        for lag in sorted(set(lags) | {lag for lag in intervals if 0 < lag <= lags[-1]}):
-            yield (axis, lag), _difference(heights, axis, lag) ** 2
-        for lag in lags:
-            yield ("second", axis, lag), _second_difference(heights, axis, lag) ** 2
+        yield ("bend", axis), (second_difference(heights, axis, 1) / spacing**2) ** 2
     curvature = mean_curvature(heights, spacing)
     peaks = peak_cells(heights)
     known = np.isfinite(curvature)
@@ -271,10 +234,6 @@ def _resampled_means(heights: np.ndarray, spacing: float, resamples: int, seed: 
     return means
 
 
-def _both(means: dict, lag: int) -> np.ndarray:
-    return 0.5 * (means["x", lag] + means["y", lag])
-
-
 def _slope(distances: np.ndarray, squares) -> np.ndarray:
     """H by least squares: half the slope of log mean square difference over log distance."""
     logs = np.log(distances) - np.mean(np.log(distances))
@@ -287,14 +246,21 @@ def _lag(relation: Relation, spacing: float) -> int:
     return round(ratio) if ratio > 0.5 and abs(ratio - round(ratio)) < 1e-6 * ratio else 0
 
 
-def _jrc(relation: Relation, means: dict, spacing: float, hurst: float):
-    """JRC (1 + resamples,) by a relation, and how it was come by."""
+def _relation_lags(shape: tuple[int, int], spacing: float) -> list[int]:
+    """Intervals of the relations that are whole numbers of cells, up to a quarter of the wall."""
+    found = {_lag(relation, spacing) for relation in RELATIONS.values()}
+    return sorted(lag for lag in found if 0 < lag <= lags_of(min(shape))[-1])
+
+
+def _jrc(relation: Relation, scatter: dict, spacing: float, hurst: float):
+    """JRC (n,) by a relation with the scatter of its slope, and how it was come by."""
     lag = _lag(relation, spacing)
-    if lag and ("x", lag) in means:
-        slope = np.sqrt(_both(means, lag)) / relation.interval
+    if f"Z2 at {lag}" in scatter:
+        slope = scatter[f"Z2 at {lag}"]
         how = f"Z2 at its {1e3 * relation.interval:g} mm"
     else:
-        slope = np.sqrt(_both(means, 1)) / spacing * (relation.interval / spacing) ** (hurst - 1.0)
+        carried = (relation.interval / spacing) ** (hurst - 1.0)
+        slope = scatter[_SLOPES[2]] * carried
         how = f"Z2 carried from {1e3 * spacing:g} to its {1e3 * relation.interval:g} mm by H"
     jrc = relation.jrc(slope)
     inside = relation.smallest_jrc <= jrc[0] <= relation.largest_jrc
