@@ -8,7 +8,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.parameters import to_si
-from jointclosure.study.cases import cases_of, window_seed
+from jointclosure.study.cases import cases_of, wall_name
 from jointclosure.study.configuration import ConfigurationError, checked
 from jointclosure.study.measured_walls import (
     cut_surfaces,
@@ -97,10 +97,12 @@ def test_a_file_that_is_not_there_is_named_with_its_key(tmp_path, monkeypatch):
 
 def test_windows_follow_the_draws_of_the_study():
     cases = cases_of(with_walls())
-    assert len({window_seed(with_walls(), case) for case in cases}) == 1
+    assert len({tuple(wall_name(with_walls(), case)) for case in cases}) == 1
     independent = copy.deepcopy(with_walls())
     independent["study"]["draws"] = "independent"
-    assert len({window_seed(independent, case) for case in cases_of(independent)}) == len(cases)
+    assert len({tuple(wall_name(independent, case)) for case in cases_of(independent)}) == len(
+        cases
+    )
 
 
 def test_prepared_walls_say_what_they_are(scan):

@@ -55,7 +55,7 @@ def test_a_study_of_measured_walls_runs_to_its_end(study):
     told = json.loads(dataset.attrs["walls"])["slate"]
     assert told["lower"]["sha256"] == digest
     assert told["partner"] == "mirrored"
-    surfaces = read_netcdf(results / "cases/slate-base.surfaces.nc")
+    surfaces = read_netcdf(results / "cases/slate-base.0.surfaces.nc")
     places = set(zip(surfaces.lower_origin_y.values, surfaces.lower_origin_x.values, strict=True))
     assert len(places) == 3
     table = pd.read_csv(results / "tables/table_3_indifference.csv")

@@ -1,17 +1,7 @@
 # Cases whose walls were measured (`rocks.<rock>.walls`): scans are read, checked and cut into joints.
 import re
 
-from jointclosure.scans import file_digest
-
 MEASURED = [case for case in SURFACES if ROCKS[CASES[case].rock].get("walls")]
-WALL_CODE = source_digest(
-    "scans",
-    "surface",
-    "randomness",
-    "study/measured_walls",
-    "study/wall_settings",
-    "dataset",
-)
 
 
 def wall_files(wildcards):
@@ -34,13 +24,13 @@ rule prepare_walls:
         ENVIRONMENT
     params:
         walls=lambda wildcards: ROCKS[wildcards.rock]["walls"],
-        digests=lambda wildcards: {
-            side: file_digest(file) for side, file in wall_files(wildcards).items()
-        },
+        digests=lambda wildcards: wall_settings.wall_digests(
+            ROCKS[wildcards.rock]["walls"]
+        ),
         grid=config["grid"],
         jrc_relation=config["surface"]["jrc_relation"],
         realizations=config["study"]["realizations"],
-        code=WALL_CODE,
+        code=SURFACE_CODE,
     message:
         "Read and check the measured walls of {wildcards.rock}"
     script:
@@ -51,26 +41,21 @@ rule cut_surfaces:
     input:
         lambda wildcards: f"{RESULTS}/walls/{CASES[wildcards.case].rock}.nc",
     output:
-        f"{RESULTS}/cases/{{case}}.surfaces.nc",
+        f"{RESULTS}/cases/{{case}}.{{first}}.surfaces.nc",
     log:
-        f"{RESULTS}/logs/cut_surfaces/{{case}}.log",
+        f"{RESULTS}/logs/cut_surfaces/{{case}}.{{first}}.log",
     benchmark:
-        f"{RESULTS}/benchmarks/cut_surfaces/{{case}}.tsv"
+        f"{RESULTS}/benchmarks/cut_surfaces/{{case}}.{{first}}.tsv"
     wildcard_constraints:
         case="|".join(map(re.escape, MEASURED)) or "(?!)",
     conda:
         ENVIRONMENT
     params:
-        seeds=lambda wildcards: [
-            cases.wall_seed(config, CASES[wildcards.case], realization)
-            for realization in range(config["study"]["realizations"])
-        ],
-        order_seed=lambda wildcards: cases.window_seed(config, CASES[wildcards.case]),
-        grid=config["grid"],
-        normalise=config["surface"]["normalise"],
-        code=WALL_CODE,
+        settings=lambda wildcards: settings.surface_settings(
+            config, CASES[wildcards.case], BLOCKS[wildcards.first], SURFACE_CODE
+        ),
     message:
-        "Cut the surface pairs of {wildcards.case} out of the measured walls"
+        "Cut the surface pairs of {wildcards.case} from realisation {wildcards.first} on"
     script:
         "../scripts/cut_surfaces.py"
 

@@ -5,6 +5,7 @@ write need its extra ``walls``. A reader returns what its file says (`contents.C
 settled here.
 """
 
+import functools
 import hashlib
 from pathlib import Path
 
@@ -75,7 +76,13 @@ def read_scan(
 
 
 def file_digest(path: str | Path) -> str:
-    """SHA-256 of a file's contents."""
+    """SHA-256 of a file's contents, computed again where its time or size is another."""
+    about = Path(path).stat()
+    return _digest(str(path), about.st_mtime_ns, about.st_size)
+
+
+@functools.cache
+def _digest(path: str, changed: int, size: int) -> str:
     with Path(path).open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 

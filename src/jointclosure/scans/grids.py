@@ -11,8 +11,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 
-from jointclosure.dataset import reading_netcdf
 from jointclosure.parameters import InputError
 from jointclosure.scans.contents import Contents
 from jointclosure.scans.units import split_name
@@ -49,7 +49,8 @@ def read_npz(path: Path, variable: str | None) -> Contents:
 def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
     """A variable over (y, x), with the units of its attribute; spacing by its coordinates."""
     try:
-        with reading_netcdf(path) as dataset:
+        # a file of others: it does not bear the seal of ours
+        with xr.open_dataset(path, engine="netcdf4", cache=False) as dataset:
             fields = [str(name) for name, field in dataset.data_vars.items() if field.ndim == 2]
             name = _chosen(variable, fields, {str(key): None for key in dataset.variables})
             field = dataset[name].load()

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import xarray as xr
 
-from jointclosure.parameters import Choices, Effects, Numerics, Rock, to_si
+from jointclosure.parameters import Choices, Effects, InputError, Numerics, Rock, to_si
 from jointclosure.protocol import FAILURE, LOADING, UNLOADING
 from jointclosure.randomness import seed_of
 from jointclosure.readings import branch_of, closure_at_stresses, first_crossing
@@ -84,13 +84,24 @@ def surface_pair(pair: tuple, realization: int, seed: int, attributes: dict) -> 
     )
 
 
-def surfaces_of(settings: dict) -> Iterator[xr.Dataset]:
-    """Surface pairs of `jointclosure.study.settings.surface_settings`, one by one."""
+def seeds_of(settings: dict) -> list[int]:
+    """Seeds of the surface pairs of `jointclosure.study.settings.surface_settings`."""
     first = settings["first_realization"]
-    seeds = [
+    return [
         seed_of(settings["root_seed"], *settings["seeds_named_by"], realization)
         for realization in range(first, first + settings["realizations"])
     ]
+
+
+def surfaces_of(settings: dict) -> Iterator[xr.Dataset]:
+    """Surface pairs of `jointclosure.study.settings.surface_settings`, one by one."""
+    if settings.get("walls"):
+        raise InputError(
+            "surfaces of measured walls are not made from a seed: run the study again, which cuts "
+            "them out of their scans"
+        )
+    first = settings["first_realization"]
+    seeds = seeds_of(settings)
     grid = to_si(settings["grid"])
     shape = (grid["cells_y"], grid["cells_x"])
     return make_surfaces(seeds, settings["jrc"], shape, grid["spacing"], settings["surface"], first)

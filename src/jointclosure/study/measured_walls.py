@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.parameters import InputError
+from jointclosure.randomness import seed_of
 from jointclosure.study.ensemble import surface_pair
 from jointclosure.surface.measured import Cloud, Scan, disjoint, filled, wall_on_grid
 from jointclosure.surface.measured_pairs import Cutter, MeasuredWalls
@@ -81,6 +82,14 @@ def cutter_of(walls: xr.Dataset, shape: tuple[int, int], order_seed: int, normal
         float(first.attrs["hurst"]),
     )
     return Cutter(measured, shape, order_seed, normalise)
+
+
+def cutter_for(walls: xr.Dataset, settings: dict) -> Cutter:
+    """The cutter of `jointclosure.study.settings.surface_settings`."""
+    grid = settings["grid"]
+    order = seed_of(settings["root_seed"], *settings["seeds_named_by"], "windows")
+    normalise = settings["surface"]["normalise"]
+    return cutter_of(walls, (grid["cells_y"], grid["cells_x"]), order, normalise)
 
 
 def cut_surfaces(cutter: Cutter, seeds: list[int], first: int = 0) -> Iterator[xr.Dataset]:

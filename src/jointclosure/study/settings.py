@@ -10,6 +10,7 @@ from pathlib import Path
 from jointclosure.parameters import InputError
 from jointclosure.study.cases import Case, wall_name
 from jointclosure.study.configuration import choice_tolerance, effects_of
+from jointclosure.study.wall_settings import wall_digests
 
 
 class OtherSettingsError(InputError):
@@ -29,12 +30,13 @@ def surface_settings(configuration: dict, case: Case, block: range, code: str) -
     code : str
         Digest of the sources that make surfaces.
     """
-    return {
+    walls = configuration["rocks"][case.rock].get("walls")
+    roughness = {"walls": walls | {"sha256": wall_digests(walls)}} if walls else {"jrc": case.jrc}
+    return roughness | {
         "root_seed": configuration["study"]["root_seed"],
         "seeds_named_by": wall_name(configuration, case),
         "first_realization": block.start,
         "realizations": len(block),
-        "jrc": case.jrc,
         "grid": dict(configuration["grid"]),
         "surface": dict(configuration["surface"]),
         "code": code,

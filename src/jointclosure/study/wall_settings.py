@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from jointclosure.parameters import InputError, to_si
+from jointclosure.scans import file_digest
 from jointclosure.surface.measured import LARGEST_FILLED_SHARE
 from jointclosure.surface.measured_pairs import PARTNERS
 
@@ -20,6 +21,11 @@ def has_roughness(rock: dict) -> bool:
 def wall_files(walls: dict) -> dict[str, str]:
     """Files of the measured walls by "upper" and "lower"."""
     return {side: walls[side] for side in SIDES if walls[side] not in PARTNERS}
+
+
+def wall_digests(walls: dict) -> dict[str, str]:
+    """SHA-256 of the files of measured walls: their contents count, and not their time."""
+    return {side: file_digest(file) for side, file in wall_files(walls).items()}
 
 
 def wall_settings(walls: dict) -> dict:
@@ -60,6 +66,9 @@ def wall_problems(configuration: dict, name: str) -> Iterator[str]:
     for side in walls.get("inverted", []):
         if side not in files:
             yield f"{where}.walls.inverted = {walls['inverted']!r}: {side} is not a file"
+    effects = rock.get("effects") or configuration["effects"]
+    if effects == "auto" or configuration["effects"].get("auto") is not None:
+        yield f"effects: auto: not with {where}.walls; its pilot draws walls of given JRC"
     for section in ("accuracy", "ablation"):
         if configuration.get(section):
             yield f"{section}: not with {where}.walls; it draws walls of given JRC"
