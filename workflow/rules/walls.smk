@@ -24,9 +24,7 @@ rule prepare_walls:
         ENVIRONMENT
     params:
         walls=lambda wildcards: ROCKS[wildcards.rock]["walls"],
-        digests=lambda wildcards: wall_settings.wall_digests(
-            ROCKS[wildcards.rock]["walls"]
-        ),
+        digests=lambda wildcards: settings.wall_digests(ROCKS[wildcards.rock]["walls"]),
         grid=config["grid"],
         jrc_relation=config["surface"]["jrc_relation"],
         realizations=config["study"]["realizations"],

@@ -8,9 +8,10 @@ import json
 from pathlib import Path
 
 from jointclosure.parameters import InputError
+from jointclosure.scans import file_digest
 from jointclosure.study.cases import Case, wall_name
 from jointclosure.study.configuration import choice_tolerance, effects_of
-from jointclosure.study.wall_settings import wall_digests
+from jointclosure.study.wall_settings import wall_files
 
 
 class OtherSettingsError(InputError):
@@ -41,6 +42,11 @@ def surface_settings(configuration: dict, case: Case, block: range, code: str) -
         "surface": dict(configuration["surface"]),
         "code": code,
     }
+
+
+def wall_digests(walls: dict) -> dict[str, str]:
+    """SHA-256 of the files of measured walls: their contents count, and not their time."""
+    return {side: file_digest(file) for side, file in wall_files(walls).items()}
 
 
 def closure_settings(configuration: dict, case: Case, surfaces: dict, code: str) -> dict:

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from jointclosure.parameters import InputError, to_si
-from jointclosure.scans import file_digest
 from jointclosure.surface.measured import LARGEST_FILLED_SHARE
 from jointclosure.surface.measured_pairs import PARTNERS
 
@@ -21,11 +20,6 @@ def has_roughness(rock: dict) -> bool:
 def wall_files(walls: dict) -> dict[str, str]:
     """Files of the measured walls by "upper" and "lower"."""
     return {side: walls[side] for side in SIDES if walls[side] not in PARTNERS}
-
-
-def wall_digests(walls: dict) -> dict[str, str]:
-    """SHA-256 of the files of measured walls: their contents count, and not their time."""
-    return {side: file_digest(file) for side, file in wall_files(walls).items()}
 
 
 def wall_settings(walls: dict) -> dict:
