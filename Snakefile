@@ -9,6 +9,7 @@ configfile: "config/default.yaml"
 
 include: "workflow/rules/setting.smk"
 include: "workflow/rules/simulate.smk"
+include: "workflow/rules/walls.smk"
 include: "workflow/rules/analyse.smk"
 include: "workflow/rules/present.smk"
 include: "workflow/rules/report.smk"

@@ -3,10 +3,10 @@
 import argparse
 import sys
 
-from jointclosure.commands import compare, repeat
+from jointclosure.commands import compare, repeat, roughness
 from jointclosure.parameters import InputError
 
-COMMANDS = (compare, repeat)
+COMMANDS = (compare, repeat, roughness)
 
 
 def parser() -> argparse.ArgumentParser:

@@ -1,7 +1,8 @@
 """The only place that reads and writes netCDF and CSV files, and writes figures.
 
 A file is whole or absent, whatever happens meanwhile. A netCDF file ends with a
-digest of all before it (other readers skip it), see `jointclosure.files`.
+digest of all before it (other readers skip it), see `jointclosure.files`. Files of
+measured walls, which others wrote, are read by `jointclosure.scans`.
 """
 
 import contextlib

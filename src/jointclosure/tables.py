@@ -30,8 +30,16 @@ def rock_table(configuration: dict) -> pd.DataFrame:
     for name in configuration["study"]["rocks"]:
         rock = configuration["rocks"][name]
         flag = {"max_normal_stress_is_assumed": rock.get("max_normal_stress_is_assumed", False)}
-        rows.append({"rock": name} | {key: rock[key] for key in rock if key != "levels"} | flag)
+        shown = {key: rock[key] for key in rock if key not in ("levels", "walls")}
+        if rock.get("walls"):
+            shown |= {f"{side}_wall": rock["walls"][side] for side in ("upper", "lower")}
+        rows.append({"rock": name} | shown | flag)
     return pd.DataFrame(rows)
+
+
+def roughness_title(rock: dict) -> str:
+    """What a rock's walls are, for a figure: their JRC, or that they were measured."""
+    return "measured walls" if rock.get("walls") else f"JRC {rock['jrc']:g}"
 
 
 def case_table(configuration: dict) -> pd.DataFrame:
@@ -192,3 +200,27 @@ def _note(samples: int, root: str) -> str:
         "marks an extrapolated root, outside the levels that were studied (the paper has some too, "
         "unmarked); a dagger one where the fitted deviation is negative, which means nothing."
     )
+
+
+def measure_table(measures: list) -> pd.DataFrame:
+    """Measures of a wall (`jointclosure.surface.measures.Measure`) as a frame."""
+    return pd.DataFrame(measures, columns=["measure", "value", "low", "high", "unit", "remark"])
+
+
+def measures_text(measures: list, title: str, wall, spacing: float) -> str:
+    """Measures of a wall (y, x) [m] to be read, with its size and what is missing of it."""
+    ny, nx = wall.shape
+    gaps = int(pd.isna(wall).sum())
+    missing = f", {gaps} of them without a height" if gaps else ""
+    lines = [
+        title,
+        f"{ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm{missing}; mean plane removed",
+        "",
+        f"{'':32s} {'value':>9s}   {'95 % interval':20s}",
+    ]
+    for m in measures:
+        unit = "" if m.unit == "1" else m.unit
+        interval = f"{m.low:.4g} to {m.high:.4g}"
+        remark = f"  ({m.remark})" if m.remark else ""
+        lines.append(f"{m.name:32s} {m.value:9.4g}   {interval:20s} {unit}{remark}".rstrip())
+    return "\n".join(lines)

@@ -3,7 +3,7 @@ from pathlib import Path
 
 from jointclosure.compilation import source_digest
 from jointclosure.dataset import read_csv
-from jointclosure.study import cases, configuration, presets, settings
+from jointclosure.study import cases, configuration, presets, settings, wall_settings
 
 ROOT = Path(workflow.basedir)
 for file in workflow.configfiles:
@@ -17,6 +17,7 @@ config["effects"] = configuration.written_out(config)["effects"]
 configuration.checked(
     config, configuration.read_schema(ROOT / "workflow/schemas/config.schema.yaml")
 )
+wall_settings.check_files(config)
 
 STUDY = config["study"]["name"]
 RESULTS = f"results/{STUDY}"
@@ -27,7 +28,7 @@ BLOCKS = {str(block.start): block for block in cases.blocks_of(config)}
 SURFACES = {case.surface for case in CASES.values()}
 ROCKS = {name: config["rocks"][name] for name in config["study"]["rocks"]}
 AUTO = configuration.choice_tolerance(config) is not None
-VARIED = any(rock["levels"] for rock in ROCKS.values())
+VARIED = any(values for rock in ROCKS.values() for values in rock["levels"].values())
 TABLES = [
     "table_1_rocks.csv",
     "table_2_cases.csv",
@@ -52,7 +53,14 @@ if not VARIED:  # no intervals to be found
 
 # An edit in the package re-runs the rules whose parts of it changed.
 SURFACE_CODE = source_digest(
-    "surface", "randomness", "study/ensemble", "study/cases", "dataset", "files"
+    "surface",
+    "randomness",
+    "scans",
+    "study/ensemble",
+    "study/cases",
+    "study/measured_walls",
+    "dataset",
+    "files",
 )
 SOLVER_CODE = source_digest(
     "compilation",

@@ -110,6 +110,9 @@ rule aggregate:
         effects=expand(
             f"{RESULTS}/effects_of/{{rock}}.json", rock=ROCKS if AUTO else []
         ),
+        walls=[
+            f"{RESULTS}/walls/{rock}.nc" for rock in ROCKS if ROCKS[rock].get("walls")
+        ],
     output:
         f"{RESULTS}/study.nc",
     log:

@@ -7,10 +7,17 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from jointclosure.dataset import provenance, read_text, reading_netcdf, write_netcdf_regions
+from jointclosure.dataset import (
+    provenance,
+    read_netcdf,
+    read_text,
+    reading_netcdf,
+    write_netcdf_regions,
+)
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.study.cases import blocks_of, cases_of
 from jointclosure.study.ensemble import join_cases, succeeded
+from jointclosure.study.measured_walls import described
 from jointclosure.study.settings import block_settings, check_settings
 
 ROWS = 256
@@ -20,6 +27,7 @@ ROWS = 256
 def main(
     inputs: list[str],
     choices: list[str],
+    walls: list[str],
     configuration: dict,
     codes: tuple[str, str],
     output: str,
@@ -41,6 +49,8 @@ def main(
         frame.attrs["effects_chosen"] = json.dumps(
             {Path(path).stem: json.loads(read_text(path)) for path in choices}
         )
+    if walls:
+        frame.attrs["walls"] = described({Path(path).stem: read_netcdf(path) for path in walls})
     chunks = {"case": 1, "realization": min(ROWS, configuration["study"]["realizations"])}
     regions = _regions(inputs, configuration, codes, log)
     write_netcdf_regions(frame, regions, "realization", chunks, output)
@@ -83,6 +93,7 @@ if __name__ == "__main__":
         main(
             snakemake.input.cases,
             list(snakemake.input.effects),
+            list(snakemake.input.walls),
             snakemake.params.configuration,
             (snakemake.params.surface_code, snakemake.params.solver_code),
             snakemake.output[0],

@@ -5,6 +5,7 @@ from pathlib import Path
 from jointclosure.dataset import read_csv, read_netcdf, reading_netcdf, save_figure
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.plotting import study as plotting
+from jointclosure.tables import roughness_title
 
 
 def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None:
@@ -25,7 +26,7 @@ def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None
             surfaces.upper.values[0],
             surfaces.lower.values[0],
             surfaces.attrs["spacing_m"],
-            f"{first['title']}, JRC {first['jrc']:g}, realisation 0",
+            f"{first['title']}, {roughness_title(first)}, realisation 0",
         ),
     }
     if inputs["intervals"]:

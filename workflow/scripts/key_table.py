@@ -19,6 +19,7 @@ with what differs: lists replace lists, everything else is merged. `make study C
 - `accuracy.yaml`: what accuracy costs in time (`make accuracy`).
 - `effects.yaml`: what each effect adds, and what it costs (`make effects`).
 - `many_realizations.yaml`: 100,000 small joints of one case ([docs/clusters.md](../docs/clusters.md)).
+- `measured_wall.yaml`: a rock whose walls were scanned ([measured walls](../docs/measured_walls.md)).
 - `hard_cases.yaml`: joints that are hard on a solver (`make hard-cases`); it has a schema of its own.
 
 A rock of your own is an entry under `rocks` and its name in `study.rocks`:

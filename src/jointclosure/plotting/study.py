@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from jointclosure.empirical import barton_bandis
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.study.ensemble import succeeded
-from jointclosure.tables import PARAMETER_TITLES
+from jointclosure.tables import PARAMETER_TITLES, roughness_title
 
 _CYCLE_COLOURS = dict(enumerate(sns.color_palette("colorblind", 8), start=1))
 MOST_DRAWN = 500
@@ -124,7 +124,7 @@ def closure_figure(
                     )
                 axes.plot(x.T, y, color=colour, lw=0.4, alpha=0.25)
                 axes.plot(line, y, color=colour, lw=2.0, ls="-" if branch == "loading" else "--")
-        for cycle in cycles:
+        for cycle in cycles if not rock.get("walls") else []:
             law = barton_bandis(
                 rock["jrc"], 1e6 * rock["compressive_strength_MPa"], strength_ratio, cycle
             )
@@ -132,7 +132,7 @@ def closure_figure(
                 1e3 * law.closure(1e6 * stress), stress, color="0.2", lw=1.2, ls=(0, (1, 1.5))
             )
         axes.set(
-            title=f"{rock['title']}, JRC {rock['jrc']:g}{_assumed(rock)}",
+            title=f"{rock['title']}, {roughness_title(rock)}{_assumed(rock)}",
             ylim=(0.0, 1.02 * float(rock["max_normal_stress_MPa"])),
             xlabel=f"closure since {1e-6 * seating_stress:g} MPa of the cycle's loading (mm)",
             ylabel="normal stress (MPa)",
@@ -145,15 +145,10 @@ def closure_figure(
         plt.Line2D([], [], color="0.5", lw=2, ls="--", label="the same, unloading"),
         plt.Line2D([], [], color="0.5", lw=0.6, alpha=0.6, label=_surfaces(study)),
         plt.Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="mean ± 1 standard deviation"),
-        plt.Line2D(
-            [],
-            [],
-            color="0.2",
-            lw=1.2,
-            ls=(0, (1, 1.5)),
-            label="Barton-Bandis law, cycles 1 and 2 (empirical, for mated joints)",
-        ),
     ]
+    if not all(rock.get("walls") for rock in rocks.values()):  # the law needs a JRC
+        label = "Barton-Bandis law, cycles 1 and 2 (empirical, for mated joints)"
+        handles.append(plt.Line2D([], [], color="0.2", lw=1.2, ls=(0, (1, 1.5)), label=label))
     figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
     sns.despine(figure)
     return figure

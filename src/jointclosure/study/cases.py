@@ -13,14 +13,15 @@ PARAMETERS = ("poisson_ratio", "youngs_modulus", "compressive_strength", "jrc")
 """In the order of the paper's Table 3."""
 
 
-_NOT_PHYSICAL = ("title", "levels", "effects", "max_normal_stress_is_assumed")
+_NOT_PHYSICAL = ("title", "levels", "effects", "max_normal_stress_is_assumed", "walls")
 
 
 class Case(NamedTuple):
     """One rock with at most one parameter changed; values in SI.
 
     ``surface`` is the label of the case whose surfaces this one closes: its
-    own, or with common draws and an unchanged JRC its rock's base case.
+    own, or with common draws and an unchanged JRC its rock's base case. ``jrc`` is
+    NaN where walls are measured ones.
     """
 
     label: str
@@ -55,6 +56,8 @@ def cases_of(configuration: dict) -> list[Case]:
     for name in configuration["study"]["rocks"]:
         rock = configuration["rocks"][name]
         properties = to_si({key: rock[key] for key in rock if key not in _NOT_PHYSICAL})
+        if rock.get("walls"):
+            properties["jrc"] = float("nan")
         base_label = f"{name}-base"
         cases.append(
             Case(base_label, name, "base", "base", float("nan"), **properties, surface=base_label)
@@ -85,8 +88,8 @@ def cases_of(configuration: dict) -> list[Case]:
 
 
 def configuration_key(parameter: str, settings: dict) -> str | None:
-    """The key of a parameter in a configuration (with its unit), None if absent."""
-    for key in settings:
+    """The key of a parameter in a configuration (with its unit), None if absent or null."""
+    for key in (key for key, value in settings.items() if value is not None):
         if key == parameter or any(key == f"{parameter}_{unit}" for unit in SI_FACTORS):
             return key
     return None

@@ -1,5 +1,7 @@
 """Checks of a study's results, run as a rule: the results are tested too."""
 
+import json
+
 import numpy as np
 import pandas as pd
 import xarray as xr
@@ -81,6 +83,10 @@ def check_results(study: xr.Dataset, numerics: Numerics, realizations: int) -> p
         f"{float(closures.min()):.3g} m at least",
         float(closures.min()) > 0.0,
     )
+    for rock, walls in json.loads(study.attrs.get("walls", "{}")).items():
+        apart = walls["windows_side_by_side"]
+        found = f"at most {min(apart, realizations)} of {realizations}"
+        add(f"realisations of {rock} that share no part of a scan", "reported only", found, True)
     for value, meaning in zip(
         study.status.attrs["flag_masks"], study.status.attrs["flag_meanings"].split(), strict=True
     ):

@@ -20,6 +20,7 @@ from jointclosure.parameters import (
 )
 from jointclosure.solvers.registry import SOLVERS
 from jointclosure.study.cases import cases_of
+from jointclosure.study.wall_settings import has_roughness, wall_problems
 from jointclosure.surface.roughness import relation_of
 
 _AUTO_TOLERANCE = 0.02
@@ -222,22 +223,27 @@ def _contradictions(configuration: dict) -> Iterator[str]:
         where = f"rocks.{name}.max_normal_stress_MPa = {stress!r}"
         if end < stress:
             yield f"output.largest_stress_MPa = {end!r}: must be at least {where}"
-        moduli = [rock["youngs_modulus_GPa"], *rock["levels"].get("youngs_modulus_GPa", [])]
+        moduli = [rock["youngs_modulus_GPa"], *(rock["levels"].get("youngs_modulus_GPa") or [])]
         if stress >= 1e3 * min(moduli):
             yield f"{where}: must be below Young's modulus, {1e3 * min(moduli):g} MPa"
-        for parameter, levels in rock["levels"].items():
-            yield from _level_problems(f"rocks.{name}.levels.{parameter}", levels, rock[parameter])
-        for jrc in [rock["jrc"], *rock["levels"].get("jrc", [])]:
+        yield from wall_problems(configuration, name)
+        levels_of_rock = {key: value for key, value in rock["levels"].items() if value is not None}
+        for parameter, levels in levels_of_rock.items():
+            if rock.get(parameter) is not None:
+                where = f"rocks.{name}.levels.{parameter}"
+                yield from _level_problems(where, levels, rock[parameter])
+        jrcs = [rock.get("jrc"), *levels_of_rock.get("jrc", [])]
+        for jrc in (jrc for jrc in jrcs if jrc is not None):
             if not relation.smallest_jrc <= jrc <= relation.largest_jrc:
                 yield (
                     f"rocks.{name}: jrc = {jrc!r}: "
                     f"{configuration['surface']['jrc_relation']} holds "
                     f"from {relation.smallest_jrc:g} to {relation.largest_jrc:g}"
                 )
-        for ratio in rock["levels"].get("poisson_ratio", []):
+        for ratio in levels_of_rock.get("poisson_ratio", []):
             if not 0.0 <= ratio <= 0.5:
                 yield f"rocks.{name}.levels.poisson_ratio = {ratio!r}: must lie in [0, 0.5]"
-    if not all(name in rocks for name in study["rocks"]):
+    if not all(has_roughness(rocks.get(name, {})) for name in study["rocks"]):
         return
     labels = [case.label for case in cases_of(configuration)]
     for label in {label for label in labels if labels.count(label) > 1}:

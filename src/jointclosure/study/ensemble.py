@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import xarray as xr
 
-from jointclosure.parameters import Choices, Effects, Numerics, Rock, to_si
+from jointclosure.parameters import Choices, Effects, InputError, Numerics, Rock, to_si
 from jointclosure.protocol import FAILURE, LOADING, UNLOADING
 from jointclosure.randomness import seed_of
 from jointclosure.readings import branch_of, closure_at_stresses, first_crossing
@@ -62,30 +62,46 @@ def make_surfaces(
     """
     for realization, seed in enumerate(seeds, start=first):
         pair = wall_pair(jrc, shape, spacing, seed, **surface)
-        yield xr.Dataset(
-            {
-                name: (
-                    ("realization", "y", "x"),
-                    wall[np.newaxis],
-                    {"units": "m", "long_name": f"height of the {name} wall towards the other"},
-                )
-                for name, wall in zip(("upper", "lower"), pair, strict=True)
-            },
-            coords={
-                "realization": [realization],
-                "seed": ("realization", np.array([f"{seed:032x}"], dtype=object)),
-            },
-            attrs={"spacing_m": spacing, "jrc": jrc},
-        )
+        yield surface_pair(pair, realization, seed, {"spacing_m": spacing, "jrc": jrc})
+
+
+def surface_pair(pair: tuple, realization: int, seed: int, attributes: dict) -> xr.Dataset:
+    """Upper and lower wall (y, x) [m] of one realisation, as `close_surfaces` takes them."""
+    return xr.Dataset(
+        {
+            name: (
+                ("realization", "y", "x"),
+                wall[np.newaxis],
+                {"units": "m", "long_name": f"height of the {name} wall towards the other"},
+            )
+            for name, wall in zip(("upper", "lower"), pair, strict=True)
+        },
+        coords={
+            "realization": [realization],
+            "seed": ("realization", np.array([f"{seed:032x}"], dtype=object)),
+        },
+        attrs=attributes,
+    )
+
+
+def seeds_of(settings: dict) -> list[int]:
+    """Seeds of the surface pairs of `jointclosure.study.settings.surface_settings`."""
+    first = settings["first_realization"]
+    return [
+        seed_of(settings["root_seed"], *settings["seeds_named_by"], realization)
+        for realization in range(first, first + settings["realizations"])
+    ]
 
 
 def surfaces_of(settings: dict) -> Iterator[xr.Dataset]:
     """Surface pairs of `jointclosure.study.settings.surface_settings`, one by one."""
+    if settings.get("walls"):
+        raise InputError(
+            "surfaces of measured walls are not made from a seed: run the study again, which cuts "
+            "them out of their scans"
+        )
     first = settings["first_realization"]
-    seeds = [
-        seed_of(settings["root_seed"], *settings["seeds_named_by"], realization)
-        for realization in range(first, first + settings["realizations"])
-    ]
+    seeds = seeds_of(settings)
     grid = to_si(settings["grid"])
     shape = (grid["cells_y"], grid["cells_x"])
     return make_surfaces(seeds, settings["jrc"], shape, grid["spacing"], settings["surface"], first)
@@ -214,7 +230,7 @@ def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:
         "youngs_modulus": "Young's modulus",
         "poisson_ratio": "Poisson's ratio",
         "compressive_strength": "compressive strength",
-        "jrc": "joint roughness coefficient",
+        "jrc": "joint roughness coefficient, NaN where walls are measured ones",
         "max_normal_stress": "maximum nominal normal stress",
     }
     units = {"youngs_modulus": "Pa", "compressive_strength": "Pa", "max_normal_stress": "Pa"}

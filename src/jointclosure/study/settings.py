@@ -8,8 +8,10 @@ import json
 from pathlib import Path
 
 from jointclosure.parameters import InputError
+from jointclosure.scans import file_digest
 from jointclosure.study.cases import Case, wall_name
 from jointclosure.study.configuration import choice_tolerance, effects_of, numerics_in_full
+from jointclosure.study.wall_settings import wall_files
 
 
 class OtherSettingsError(InputError):
@@ -29,16 +31,22 @@ def surface_settings(configuration: dict, case: Case, block: range, code: str) -
     code : str
         Digest of the sources that make surfaces.
     """
-    return {
+    walls = configuration["rocks"][case.rock].get("walls")
+    roughness = {"walls": walls | {"sha256": wall_digests(walls)}} if walls else {"jrc": case.jrc}
+    return roughness | {
         "root_seed": configuration["study"]["root_seed"],
         "seeds_named_by": wall_name(configuration, case),
         "first_realization": block.start,
         "realizations": len(block),
-        "jrc": case.jrc,
         "grid": dict(configuration["grid"]),
         "surface": dict(configuration["surface"]),
         "code": code,
     }
+
+
+def wall_digests(walls: dict) -> dict[str, str]:
+    """SHA-256 of the files of measured walls: their contents count, and not their time."""
+    return {side: file_digest(file) for side, file in wall_files(walls).items()}
 
 
 def closure_settings(configuration: dict, case: Case, surfaces: dict, code: str) -> dict:

@@ -23,6 +23,11 @@ class Relation(NamedTuple):
     largest_jrc: float
     source: str
 
+    def jrc(self, z2):
+        """JRC of RMS slopes at the relation's interval; it may lie outside its range."""
+        reduced = np.log10(z2) if self.form == "logarithmic" else z2**self.c
+        return self.a * reduced + self.b
+
 
 RELATIONS: dict[str, Relation] = {
     "yu_vayssade_linear_0.25mm": Relation(
@@ -93,9 +98,7 @@ def jrc_of_z2(z2: float, spacing: float, hurst: float, relation: str = DEFAULT_R
     The result may lie outside the relation's range; see `RELATIONS`.
     """
     rule = relation_of(relation)
-    z2 = z2 * (rule.interval / spacing) ** (hurst - 1.0)
-    reduced = np.log10(z2) if rule.form == "logarithmic" else z2**rule.c
-    return float(rule.a * reduced + rule.b)
+    return float(rule.jrc(z2 * (rule.interval / spacing) ** (hurst - 1.0)))
 
 
 def relation_of(name: str) -> Relation:

@@ -1,0 +1,91 @@
+"""`jointclosure roughness`: what the roughness of a measured wall is."""
+
+from pathlib import Path
+
+from jointclosure.dataset import save_figure, write_csv
+from jointclosure.parameters import InputError
+from jointclosure.scans import read_scan
+from jointclosure.scans.units import UNITS
+from jointclosure.surface.measured import (
+    LARGEST_FILLED_SHARE,
+    MISSING,
+    filled,
+    point_distance,
+    wall_on_grid,
+)
+from jointclosure.surface.measures import increments, measure_wall
+from jointclosure.tables import measure_table, measures_text
+
+
+def add_to(commands) -> None:
+    """Declare the command and its arguments."""
+    command = commands.add_parser(
+        "roughness",
+        help="slopes, JRC, Hurst exponent, curvature and peaks of a measured wall",
+        description="Roughness of a wall from a file (npy, npz, netCDF, csv, xyz; with the extra "
+        "jointclosure[walls] also STL, TIFF and what surface scanners write), its mean plane "
+        "removed. Every measure has a 95 % confidence interval.",
+    )
+    command.add_argument("file", type=Path, help="the measured wall")
+    command.add_argument(
+        "--units", choices=list(UNITS), help="of its lengths, where the file does not say them"
+    )
+    command.add_argument(
+        "--spacing", type=float, metavar="MM", help="of its grid, where the file does not say it"
+    )
+    command.add_argument("--variable", help="the array or channel, where the file has several")
+    command.add_argument(
+        "--grid-spacing", type=float, metavar="MM", help="bring it to this spacing first"
+    )
+    command.add_argument(
+        "--missing",
+        choices=MISSING,
+        default="avoid",
+        help="cells without a height: an error (refuse), left out (avoid, the default), or filled",
+    )
+    command.add_argument("--picture", type=Path, metavar="PNG", help="draw it (png, pdf or svg)")
+    command.add_argument("--table", type=Path, metavar="CSV", help="write the measures")
+    command.set_defaults(run=run)
+
+
+def run(arguments) -> int:
+    """Print the measures, and draw them if asked to."""
+    for name in ("spacing", "grid_spacing"):
+        value = getattr(arguments, name)
+        if value is not None and not 0.0 < value < 1e18:
+            raise InputError(f"--{name.replace('_', '-')} {value!r}: must be a positive number")
+    _check_outputs(arguments)
+    spacing = None if arguments.spacing is None else 1e-3 * arguments.spacing
+    scan = read_scan(
+        arguments.file, units=arguments.units, spacing=spacing, variable=arguments.variable
+    )
+    try:
+        step = 1e-3 * arguments.grid_spacing if arguments.grid_spacing else point_distance(scan)
+        wall = filled(wall_on_grid(scan, step), arguments.missing, LARGEST_FILLED_SHARE)
+        measures = measure_wall(wall, step)
+    except InputError as error:
+        raise InputError(f"{arguments.file}: {error}") from None
+    print(measures_text(measures, str(arguments.file), wall, step))
+    if arguments.table:
+        write_csv(measure_table(measures), arguments.table)
+    if arguments.picture:
+        # drawing takes a second to load, and is not always asked for
+        from jointclosure.plotting.walls import roughness_figure
+
+        figure = roughness_figure(wall, step, increments(wall, step), arguments.file.name)
+        save_figure(figure, arguments.picture)
+    return 0
+
+
+def _check_outputs(arguments) -> None:
+    """Refuse, before anything is computed, pictures and tables that cannot be written."""
+    for path, endings in (
+        (arguments.picture, (".png", ".pdf", ".svg")),
+        (arguments.table, (".csv",)),
+    ):
+        if path is None:
+            continue
+        if path.suffix.lower() not in endings:
+            raise InputError(f"{path}: its name must end in {' or '.join(endings)}")
+        if not path.parent.is_dir():
+            raise InputError(f"{path}: there is no folder {path.parent}")

@@ -1,0 +1,123 @@
+"""Files of measured walls, read: `read_scan`. They are data, never run nor written to.
+
+numpy, netCDF and text files need nothing beyond the package; STL, TIFF and what surface scanners
+write need its extra ``walls``. A reader returns what its file says (`contents.Contents`); units are
+settled here.
+"""
+
+import functools
+import hashlib
+from pathlib import Path
+
+import numpy as np
+
+from jointclosure.parameters import InputError
+from jointclosure.scans import grids, instruments, meshes, points
+from jointclosure.scans.contents import Contents
+from jointclosure.scans.units import settled, size_of
+from jointclosure.surface.measured import Cloud, Scan
+
+READERS = {
+    ".npy": grids.read_npy,
+    ".npz": grids.read_npz,
+    ".nc": grids.read_netcdf_grid,
+    ".nc4": grids.read_netcdf_grid,
+    ".cdf": grids.read_netcdf_grid,
+    ".tif": grids.read_tiff,
+    ".tiff": grids.read_tiff,
+    ".csv": points.read_text,
+    ".xyz": points.read_text,
+    ".txt": points.read_text,
+    ".stl": meshes.read_stl,
+}
+"""By the end of a file's name; SurfaceTopography is asked for all others."""
+
+
+def read_scan(
+    path: str | Path,
+    *,
+    units: str | None = None,
+    spacing: float | None = None,
+    variable: str | None = None,
+) -> Scan | Cloud:
+    """A measured wall from a file.
+
+    Parameters
+    ----------
+    path : path
+        The end of its name says its format: see `READERS`.
+    units : {"m", "mm", "um", "nm"}, optional
+        Of heights and distances, where the file does not say them.
+    spacing : float, optional
+        Of a grid whose file does not say it [m].
+    variable : str, optional
+        Which array of an npz or netCDF file, or channel of a scanner's file.
+
+    Returns
+    -------
+    Scan or Cloud
+        In metres.
+
+    Raises
+    ------
+    InputError
+        Naming the file, what is wrong with it, and what is allowed: no such file, a format that
+        cannot be read, units that are not stated or contradict the file's.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(f"{path}: there is no such file")
+    reader = READERS.get(path.suffix.lower(), instruments.read_any)
+    try:
+        found = reader(path, variable)
+        return _in_metres(found, units, spacing)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+
+
+def file_digest(path: str | Path) -> str:
+    """SHA-256 of a file's contents, computed again where its time or size is another."""
+    about = Path(path).stat()
+    return _digest(str(path), about.st_mtime_ns, about.st_size)
+
+
+@functools.cache
+def _digest(path: str, changed: int, size: int) -> str:
+    with Path(path).open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _in_metres(found: Contents, units: str | None, spacing: float | None) -> Scan | Cloud:
+    height = size_of(settled("heights", found.height_units, units))
+    if found.points is not None:
+        if spacing is not None:
+            raise InputError(f"spacing = {1e3 * spacing:g} mm: these are points, and no grid")
+        across = size_of(settled("x and y", found.length_units, units))
+        values = _real(found.points) * np.array([across, across, height])
+        return Cloud(values[np.isfinite(values).all(axis=1)])
+    steps = (spacing, spacing)
+    if found.spacing is not None:
+        across = size_of(settled("distances", found.length_units, units))
+        steps = tuple(float(step) * across for step in found.spacing)
+        if spacing is not None and any(abs(step - spacing) > 1e-6 * spacing for step in steps):
+            own = " and ".join(f"{1e3 * step:g}" for step in dict.fromkeys(steps))
+            raise InputError(
+                f"spacing = {1e3 * spacing:g} mm: the file says {own} mm; leave it out"
+            )
+    elif spacing is None:
+        raise InputError("does not say the spacing of its grid: give it (spacing_mm)")
+    if not all(np.isfinite(step) and step > 0.0 for step in steps):
+        raise InputError(f"spacing {steps}: must be positive")
+    heights = _real(found.heights)
+    if heights.ndim != 2 or min(heights.shape) < 3:
+        raise InputError(f"heights of shape {heights.shape}: must be (y, x), at least 3 x 3")
+    return Scan(heights * height, steps)
+
+
+def _real(values) -> np.ndarray:
+    """Values as double precision, NaN where masked or not finite."""
+    if np.asarray(values).dtype.kind not in "fiu":
+        raise InputError(f"values of type {np.asarray(values).dtype}: must be real numbers")
+    numbers = np.array(np.ma.filled(np.ma.asarray(values).astype(float), np.nan))
+    numbers[~np.isfinite(numbers)] = np.nan
+    return numbers

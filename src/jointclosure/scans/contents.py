@@ -1,0 +1,18 @@
+"""What the file of a measured wall says."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Contents(NamedTuple):
+    """Heights (y, x) on a grid of a spacing (dy, dx), or points (n, 3); each in its own units.
+
+    Units are as the file writes them ("mm", "micrometre"), None where it does not.
+    """
+
+    heights: np.ndarray | None = None
+    spacing: tuple[float, float] | None = None
+    points: np.ndarray | None = None
+    height_units: str | None = None
+    length_units: str | None = None

@@ -1,0 +1,44 @@
+"""What surface scanners write, by SurfaceTopography, which knows some forty formats."""
+
+from pathlib import Path
+
+import numpy as np
+
+from jointclosure.parameters import InputError
+from jointclosure.scans.contents import Contents
+
+
+def read_any(path: Path, variable: str | None) -> Contents:
+    """A channel of a scanner's file: by default that of the file, or the one of a name."""
+    try:
+        from SurfaceTopography.IO import open_topography
+    except ImportError:
+        raise InputError(
+            f"{path.suffix or 'a file without suffix'}: a scanner's format needs the extra: "
+            "pip install 'jointclosure[walls]'"
+        ) from None
+    try:
+        with open_topography(str(path)) as reader:
+            index = None
+            if variable is not None:
+                names = [channel.name for channel in reader.channels]
+                if variable not in names:
+                    raise InputError(f"variable = {variable!r}: must be one of {', '.join(names)}")
+                index = names.index(variable)
+            channel = reader.default_channel if index is None else reader.channels[index]
+            sizes = None if channel.physical_sizes is not None else tuple(channel.nb_grid_pts)
+            given = {} if sizes is None else {"physical_sizes": sizes}
+            surface = reader.topography(channel_index=index, **given)
+            if surface.dim != 2:
+                raise InputError("holds a profile and no surface")
+            heights = np.ma.filled(np.ma.asarray(surface.heights()).astype(float), np.nan)
+            pixels, units = surface.pixel_size, surface.unit
+    except InputError:
+        raise
+    except Exception as error:  # of a damaged file the library raises what its bytes lead to
+        raise InputError(
+            f"cannot be read by SurfaceTopography ({type(error).__name__}: {error})"
+        ) from None
+    # SurfaceTopography's arrays are (x, y)
+    spacing = (float(pixels[1]), float(pixels[0])) if sizes is None else None
+    return Contents(heights.T, spacing, None, units, units)

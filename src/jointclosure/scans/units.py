@@ -1,0 +1,51 @@
+"""Units of length that files and users write, and what follows from both."""
+
+import re
+
+from jointclosure.parameters import InputError
+
+UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
+"""Those that a user may state."""
+_SPELT = {
+    **{name: name for name in UNITS},
+    **dict.fromkeys(("µm", "μm", "micron", "microns", "micrometer", "micrometers"), "um"),
+    **dict.fromkeys(("micrometre", "micrometres"), "um"),
+    **dict.fromkeys(("metre", "metres", "meter", "meters"), "m"),
+    **dict.fromkeys(("millimetre", "millimetres", "millimeter", "millimeters"), "mm"),
+    **dict.fromkeys(("nanometre", "nanometres", "nanometer", "nanometers"), "nm"),
+}
+
+
+def size_of(units: str) -> float:
+    """Metres of a unit; `InputError` names those that are known."""
+    name = _SPELT.get(units.strip())
+    if name is None:
+        raise InputError(f"units = {units!r}: must be one of {', '.join(UNITS)}")
+    return UNITS[name]
+
+
+def settled(what: str, own: str | None, stated: str | None) -> str:
+    """The units of heights or distances, from the file's own and those stated by the user.
+
+    Raises
+    ------
+    InputError
+        Neither are there, or they contradict each other.
+    """
+    if stated is not None:
+        size_of(stated)
+    if own is None:
+        if stated is None:
+            raise InputError(f"does not say the units of its {what}: give them (units)")
+        return stated
+    if stated is not None and size_of(own) != size_of(stated):
+        raise InputError(f"units = {stated!r}: the file says that its {what} are in {own!r}")
+    return own
+
+
+def split_name(name: str) -> tuple[str, str | None]:
+    """("Z", "mm") of "Z_mm", "Z (mm)" or "Z [mm]"; ("Z", None) of a name without units."""
+    found = re.fullmatch(r"\s*(.*?)(?:_|\s*[(\[])([a-zµμ]+)[)\]]?\s*", name)
+    if found and found[2] in _SPELT:
+        return found[1], found[2]
+    return name.strip(), None

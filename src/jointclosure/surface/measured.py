@@ -1,0 +1,238 @@
+"""Measured walls: from what was scanned to heights on the square grid of a joint.
+
+No files here: `jointclosure.scans` reads them. See docs/measured_walls.md.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.interpolate
+import scipy.ndimage
+import scipy.spatial
+
+from jointclosure.parameters import InputError
+
+LARGEST_TILT = 20.0
+"""Inclination of a scan's mean plane [degrees]: beyond it heights are no longer those of a wall."""
+REACH = 2.0
+"""Mean distances of points: a cell farther than that from every point has no height."""
+MISSING = ("refuse", "avoid", "nearest", "linear")
+LARGEST_FILLED_SHARE = 0.05
+"""Of the cells of a wall: more than that is not filled unless the user says so."""
+
+
+class Scan(NamedTuple):
+    """Heights (y, x) [m] on a regular grid, NaN where none was measured; spacing (dy, dx) [m]."""
+
+    heights: np.ndarray
+    spacing: tuple[float, float]
+
+
+class Cloud(NamedTuple):
+    """Points (n, 3) [m]: x, y and height, in no order."""
+
+    points: np.ndarray
+
+
+def point_distance(scan: Scan | Cloud) -> float:
+    """Distance of neighbouring points [m]: the larger of a grid's, the mean one of a cloud.
+
+    Raises
+    ------
+    InputError
+        A cloud of fewer than four points, or of points on one line.
+    """
+    if isinstance(scan, Scan):
+        return max(scan.spacing)
+    try:
+        area = scipy.spatial.ConvexHull(scan.points[:, :2]).volume
+    except (scipy.spatial.QhullError, ValueError):
+        raise InputError(
+            f"{len(scan.points)} points: they lie on one line or are too few for a wall"
+        ) from None
+    return float(np.sqrt(area / len(scan.points)))
+
+
+def wall_on_grid(scan: Scan | Cloud, spacing: float, bounds: np.ndarray | None = None):
+    """A scan on a square grid, its mean plane removed.
+
+    Parameters
+    ----------
+    scan : Scan or Cloud
+        A grid of the same spacing is taken as it is, one whose spacing divides it by
+        leaving cells out, others by cubic splines; points by linear interpolation in the
+        triangles between them.
+    spacing : float
+        Grid spacing of the joint [m].
+    bounds : array (2, 2)
+        For points: least and largest (x, y) of the grid [m]; by default those of the points.
+
+    Returns
+    -------
+    array (y, x)
+        Heights [m], NaN where none was measured.
+
+    Raises
+    ------
+    InputError
+        A grid finer than the scan, or a scan inclined by more than `LARGEST_TILT`.
+    """
+    distance = point_distance(scan)
+    if spacing < (0.99 if isinstance(scan, Scan) else 0.8) * distance:
+        raise InputError(
+            f"grid spacing {1e3 * spacing:g} mm: finer than the scan, whose points are "
+            f"{1e3 * distance:.4g} mm apart; what lies between them was not measured"
+        )
+    if isinstance(scan, Cloud):
+        return _gridded(scan.points, spacing, REACH * distance, bounds)
+    ny, nx = scan.heights.shape
+    y, x = np.meshgrid(
+        np.arange(ny) * scan.spacing[0], np.arange(nx) * scan.spacing[1], indexing="ij"
+    )
+    flat = _levelled(x.ravel(), y.ravel(), scan.heights.ravel()).reshape(ny, nx)
+    return _resampled(Scan(flat, scan.spacing), spacing)
+
+
+def _levelled(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
+    """Heights less their least-squares plane; NaN stay."""
+    known = np.isfinite(heights)
+    if known.sum() < 4:
+        raise InputError(f"{int(known.sum())} heights: too few for a wall")
+    terms = np.stack([np.ones(heights.size), x - x[known].mean(), y - y[known].mean()], axis=1)
+    plane = np.linalg.lstsq(terms[known], heights[known], rcond=None)[0]
+    tilt = np.degrees(np.arctan(np.hypot(plane[1], plane[2])))
+    if tilt > LARGEST_TILT:
+        raise InputError(
+            f"the mean plane is inclined by {tilt:.1f} degrees: at most {LARGEST_TILT:g}; "
+            "turn the scan so that its mean plane is about horizontal"
+        )
+    return heights - terms @ plane
+
+
+def _gridded(points: np.ndarray, spacing: float, reach: float, bounds) -> np.ndarray:
+    x, y, heights = points.T
+    heights = _levelled(x, y, heights)
+    low, high = (points[:, :2].min(axis=0), points[:, :2].max(axis=0)) if bounds is None else bounds
+    nx, ny = (np.floor((high - low) / spacing + 1e-6).astype(int) + 1).tolist()
+    nodes = np.stack(
+        np.meshgrid(low[0] + spacing * np.arange(nx), low[1] + spacing * np.arange(ny)), axis=-1
+    )
+    # Delaunay's triangles are found best for coordinates of order one about zero
+    centre, scale = points[:, :2].mean(axis=0), np.ptp(points[:, :2])
+    between = scipy.interpolate.LinearNDInterpolator((points[:, :2] - centre) / scale, heights)
+    wall = between((nodes - centre) / scale)
+    nearest = scipy.spatial.cKDTree(points[:, :2]).query(nodes, distance_upper_bound=reach)[0]
+    return np.where(np.isfinite(nearest), wall, np.nan)
+
+
+def _resampled(scan: Scan, spacing: float) -> np.ndarray:
+    heights = scan.heights
+    ratios = [spacing / own for own in scan.spacing]
+    steps = [round(ratio) for ratio in ratios]
+    if all(abs(ratio - step) < 1e-6 * ratio for ratio, step in zip(ratios, steps, strict=True)):
+        return heights[:: steps[0], :: steps[1]].copy()
+    if min(heights.shape) < 4:
+        raise InputError(f"{heights.shape} heights: too few to be brought to another spacing")
+    missing = ~np.isfinite(heights)
+    axes = [np.arange(n, dtype=float) for n in heights.shape]
+    wanted = [
+        np.arange(int(np.floor((n - 1) / ratio + 1e-9)) + 1) * ratio
+        for n, ratio in zip(heights.shape, ratios, strict=True)
+    ]
+    wall = scipy.interpolate.RectBivariateSpline(*axes, _nearest(heights))(*wanted)
+    nodes = np.meshgrid(*wanted, indexing="ij")
+    touched = scipy.ndimage.map_coordinates(missing.astype(float), nodes, order=1, mode="nearest")
+    return np.where(touched > 1e-9, np.nan, wall)
+
+
+def filled(wall: np.ndarray, missing: str, largest_share: float = LARGEST_FILLED_SHARE):
+    """A wall (y, x) whose missing cells are treated as told.
+
+    Parameters
+    ----------
+    wall : array (y, x)
+        NaN where no height is known.
+    missing : {"refuse", "avoid", "nearest", "linear"}
+        An error; left, so that joints are cut where nothing is missing; the height of the
+        nearest cell; or linear between the cells around, beyond them the nearest.
+    largest_share : float
+        Of the cells that may be filled.
+
+    Raises
+    ------
+    InputError
+        Cells are missing and are refused, or more are than may be filled.
+    """
+    holes = ~np.isfinite(wall)
+    if missing not in MISSING:
+        raise InputError(f"missing = {missing!r}: must be one of {', '.join(MISSING)}")
+    if not holes.any() or missing == "avoid":
+        return wall
+    said = f"{int(holes.sum())} of {holes.size} cells have no height"
+    if missing == "refuse":
+        first = ", ".join(str(index) for index in np.argwhere(holes)[0])
+        raise InputError(
+            f"{said}, the first at (y, x) = ({first}); choose missing: avoid (joints are cut "
+            "where none is missing), nearest or linear (they are filled)"
+        )
+    if holes.mean() > largest_share:
+        raise InputError(
+            f"{said}: a share of {holes.mean():.3f}, and at most {largest_share:g} may be filled "
+            "(largest_filled_share); choose missing: avoid, or crop the scan"
+        )
+    near = _nearest(wall)
+    if missing == "nearest":
+        return near
+    rim = scipy.ndimage.binary_dilation(holes, iterations=2) & ~holes
+    inside = scipy.interpolate.griddata(np.argwhere(rim), wall[rim], np.argwhere(holes))
+    result = wall.copy()
+    result[holes] = np.where(np.isfinite(inside), inside, near[holes])
+    return result
+
+
+def _nearest(heights: np.ndarray) -> np.ndarray:
+    """Heights with the nearest known one where none is known."""
+    holes = ~np.isfinite(heights)
+    if not holes.any():
+        return heights
+    where = scipy.ndimage.distance_transform_edt(holes, return_distances=False, return_indices=True)
+    return heights[tuple(where)]
+
+
+def windows(wall: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+    """Offsets (k, 2) of all windows of a shape in which no cell is missing, row by row.
+
+    Raises
+    ------
+    InputError
+        There is none; the message says what would fit.
+    """
+    found = _full_windows(wall, *shape)
+    if not len(found):
+        size = min(wall.shape)
+        while size > 0 and not len(_full_windows(wall, size, size)):
+            size -= 1
+        raise InputError(
+            f"no room for {shape[0]} x {shape[1]} cells (y, x): the wall has {wall.shape[0]} x "
+            f"{wall.shape[1]} at the grid's spacing, and its largest full square is {size} x {size}"
+        )
+    return found
+
+
+def _full_windows(wall: np.ndarray, ny: int, nx: int) -> np.ndarray:
+    if wall.shape[0] < ny or wall.shape[1] < nx:
+        return np.empty((0, 2), int)
+    holes = np.zeros((wall.shape[0] + 1, wall.shape[1] + 1), int)
+    holes[1:, 1:] = np.cumsum(np.cumsum(~np.isfinite(wall), axis=0), axis=1)
+    inside = holes[ny:, nx:] - holes[:-ny, nx:] - holes[ny:, :-nx] + holes[:-ny, :-nx]
+    return np.argwhere(inside == 0)
+
+
+def disjoint(offsets: np.ndarray, shape: tuple[int, int]) -> int:
+    """How many of the windows fit side by side, taken in their order: a lower bound of the most."""
+    count = 0
+    while len(offsets):
+        apart = np.abs(offsets - offsets[0])
+        offsets = offsets[(apart[:, 0] >= shape[0]) | (apart[:, 1] >= shape[1])]
+        count += 1
+    return count

@@ -1,0 +1,268 @@
+"""What a wall's roughness is, with an uncertainty: slopes, JRC, Hurst exponent, curvature, peaks.
+
+Curvature and peaks are made of means over cells, and these of sums over tiles of the wall. Tiles
+are drawn again and again (a block bootstrap): cells are not independent, tiles nearly are.
+Heights, slopes, JRC and Hurst exponents have a part in what is as long as the wall, of which tiles
+know nothing: synthetic walls of the same slope and exponent tell how they scatter.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from jointclosure.parameters import InputError
+from jointclosure.randomness import generator, seed_of
+from jointclosure.surface.differences import (
+    difference,
+    mean_curvature,
+    peak_cells,
+    second_difference,
+)
+from jointclosure.surface.roughness import RELATIONS, Relation
+from jointclosure.surface.synthesis import synthetic_wall
+
+TILES = 6
+"""Tiles along the shorter side."""
+SMALLEST_WALL = 24
+"""Cells along the shorter side: four for each tile."""
+DRAWS, LARGEST_DRAW = 100, 400
+"""Synthetic walls, and the largest number of cells along their sides: smaller ones scatter more."""
+_SLOPES = ("Z2 along x", "Z2 along y", "Z2, both directions")
+
+
+class Measure(NamedTuple):
+    """A measured quantity with the limits of its confidence interval."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+    unit: str
+    remark: str = ""
+
+
+class Increments(NamedTuple):
+    """RMS differences of heights over distances, all [m]: the root structure function.
+
+    ``x`` and ``y`` are those of two heights along each axis, ``second_x`` and ``second_y`` second
+    differences, of three heights at equal distances.
+    """
+
+    distances: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    second_x: np.ndarray
+    second_y: np.ndarray
+
+
+def lags_of(cells: int) -> np.ndarray:
+    """Distances in cells, about evenly spaced in their logarithm, up to a quarter of the wall."""
+    return np.unique(np.round(np.geomspace(1.0, max(cells // 4, 2), 14)).astype(int))
+
+
+def measure_wall(
+    heights: np.ndarray,
+    spacing: float,
+    *,
+    resamples: int = 1000,
+    confidence: float = 0.95,
+    seed: int = 1,
+) -> list[Measure]:
+    """All measures of a wall.
+
+    Parameters
+    ----------
+    heights : array (y, x)
+        Plane-detrended heights [m], outwards, NaN where missing.
+    spacing : float
+        Grid spacing [m].
+    resamples, confidence, seed
+        Of the block bootstrap.
+
+    Returns
+    -------
+    list of Measure
+        See docs/measured_walls.md for the definition of each.
+
+    Raises
+    ------
+    InputError
+        Fewer cells along a side than `SMALLEST_WALL`.
+    """
+    if min(heights.shape) < SMALLEST_WALL:
+        raise InputError(
+            f"{heights.shape[0]} x {heights.shape[1]} cells (y, x): "
+            f"measures need at least {SMALLEST_WALL} along each side"
+        )
+    if not np.nanstd(heights) > 0.0:
+        raise InputError("all heights are the same: there is no roughness to be measured")
+    means = _resampled_means(heights, spacing, resamples, seed)
+    tail = 50.0 * (1.0 - confidence)
+
+    def of(name: str, values: np.ndarray, unit: str, remark: str = "") -> Measure:
+        low, high = np.nanpercentile(values[1:], [tail, 100.0 - tail])
+        return Measure(name, float(values[0]), float(low), float(high), unit, remark)
+
+    long = _scaling(heights, spacing)
+    scatter = _scatter(long, heights.shape, spacing, seed)
+    reach = "over {:g} to {:g} mm".format(*1e3 * spacing * _fitted_lags(heights)[[0, -1]])
+    found = [of("rms height", 1e3 * scatter["rms height"], "mm")]
+    found += [of(name, scatter[name], "1") for name in _SLOPES]
+    for name in ("H along x", "H along y", "H, both directions"):
+        found.append(of(name, scatter[name], "1", reach))
+    first = scatter["H by first differences"]
+    found.append(of("H by first differences", first, "1", f"{reach}; lower, see the docs"))
+    for name, relation in RELATIONS.items():
+        values, remark = _jrc(relation, scatter, spacing, first[0])
+        found.append(of(f"JRC, {name}", values, "1", remark))
+    for axis in "xy":
+        found.append(of(f"rms curvature along {axis}", 1e-3 * np.sqrt(means["bend", axis]), "1/mm"))
+    share = np.where(means["peak"] > 0.0, means["peak"], np.nan)
+    density = 1e-6 * means["peak"] / spacing**2
+    found.append(of("peaks", density, "1/mm2", "higher than all eight neighbours"))
+    if share[0] > 0.0:
+        found += [
+            of(
+                "mean height of peaks",
+                means["peak height"] / share / np.sqrt(means["square"]),
+                "rms height",
+            ),
+            of("mean curvature of peaks", 1e-3 * means["peak bend"] / share, "1/mm"),
+        ]
+    return found
+
+
+def increments(heights: np.ndarray, spacing: float) -> Increments:
+    """RMS height differences of a wall (y, x) [m] over all of `lags_of`."""
+    lags = lags_of(min(heights.shape))
+    rms = [
+        np.array([np.sqrt(np.nanmean(order(heights, axis, lag) ** 2)) for lag in lags])
+        for order in (difference, second_difference)
+        for axis in "xy"
+    ]
+    return Increments(lags * spacing, *rms)
+
+
+def hurst_of(heights: np.ndarray) -> float:
+    """Hurst exponent of a wall (y, x), both directions together, by second differences.
+
+    H is the slope of the logarithm of their rms over that of their distance, from two cells to a
+    quarter of the wall. Unlike first differences they know nothing of the plane that was
+    removed, nor of what is longer than the wall, which make H come out low by 0.1 and more
+    (Kent & Wood 1997; docs/measured_walls.md).
+    """
+    return _scaling(heights, 1.0)["H, both directions"]
+
+
+def _fitted_lags(heights: np.ndarray) -> np.ndarray:
+    return lags_of(min(heights.shape))[1:]
+
+
+def _scaling(heights: np.ndarray, spacing: float) -> dict[str, float]:
+    """Measures of what is as long as the wall: rms height [m], slopes and Hurst exponents."""
+    found = increments(heights, spacing)
+    distances = found.distances[1:]
+    squares = {
+        "H along x": found.second_x**2,
+        "H along y": found.second_y**2,
+        "H, both directions": found.second_x**2 + found.second_y**2,
+        "H by first differences": found.x**2 + found.y**2,
+    }
+    exponents = {name: float(_slope(distances, values[1:])) for name, values in squares.items()}
+    slopes = np.array([found.x[0], found.y[0], np.hypot(found.x[0], found.y[0]) / np.sqrt(2.0)])
+    lengths = {"rms height": float(np.nanstd(heights))}
+    lengths |= dict(zip(_SLOPES, (slopes / spacing).tolist(), strict=True))
+    for lag in _relation_lags(heights.shape, spacing):
+        squares = [np.nanmean(difference(heights, axis, lag) ** 2) for axis in "xy"]
+        lengths[f"Z2 at {lag}"] = float(np.sqrt(np.mean(squares))) / (lag * spacing)
+    return lengths | exponents
+
+
+def _scatter(long: dict, shape, spacing: float, seed: int) -> dict[str, np.ndarray]:
+    """`_scaling` with its scatter over synthetic walls: (1 + DRAWS,), the wall's own first.
+
+    Heights and slopes scatter by factors, exponents by differences.
+    """
+    hurst = min(max(long["H, both directions"], 0.05), 1.0)
+    shape = tuple(min(cells, LARGEST_DRAW) for cells in shape)
+    draws = []
+    for number in range(DRAWS):
+        random = generator(seed_of(seed, "scatter", number))
+        wall = synthetic_wall(long[_SLOPES[2]], shape, spacing, hurst, random, "expectation")
+        draws.append(_scaling(wall, spacing))
+    scatter = {}
+    for name, own in long.items():
+        values = np.array([draw[name] for draw in draws])
+        exponent = name.startswith("H")
+        around = own + values - values.mean() if exponent else own * values / values.mean()
+        scatter[name] = np.insert(around, 0, own)
+    return scatter
+
+
+def _fields(heights: np.ndarray, spacing: float):
+    """(name, values at cells (y, x), NaN where there is none), one after the other."""
+    yield "square", (heights - np.nanmean(heights)) ** 2
+    for axis in "xy":
+        yield ("bend", axis), (second_difference(heights, axis, 1) / spacing**2) ** 2
+    curvature = mean_curvature(heights, spacing)
+    peaks = peak_cells(heights)
+    known = np.isfinite(curvature)
+    above = np.where(np.isfinite(heights), heights - np.nanmean(heights), 0.0)
+    yield "peak", np.where(known, peaks, np.nan)
+    yield "peak height", np.where(known, peaks * above, np.nan)
+    yield "peak bend", np.where(known, np.where(peaks, curvature, 0.0), np.nan)
+
+
+def _resampled_means(heights: np.ndarray, spacing: float, resamples: int, seed: int) -> dict:
+    """Means of all fields: (1 + resamples,), the wall's own first."""
+    side = min(heights.shape) // TILES
+    rows, columns = (-(-n // side) for n in heights.shape)
+    tiles = rows * columns
+    drawn = generator(seed_of(seed, "tiles")).multinomial(
+        tiles, np.full(tiles, 1.0 / tiles), resamples
+    )
+    weights = np.vstack([np.ones(tiles), drawn])
+    means = {}
+    for name, values in _fields(heights, spacing):
+        y, x = np.indices(values.shape) // side
+        tile = (y * columns + x).ravel()
+        known = np.isfinite(values).ravel()
+        sums = np.bincount(tile[known], values.ravel()[known], tiles)
+        counts = np.bincount(tile[known], minlength=tiles)
+        with np.errstate(invalid="ignore"):
+            means[name] = (weights @ sums) / (weights @ counts)
+    return means
+
+
+def _slope(distances: np.ndarray, squares) -> np.ndarray:
+    """H by least squares: half the slope of log mean square difference over log distance."""
+    logs = np.log(distances) - np.mean(np.log(distances))
+    return 0.5 * np.tensordot(logs, np.log(np.asarray(squares)), axes=1) / np.sum(logs**2)
+
+
+def _lag(relation: Relation, spacing: float) -> int:
+    """The relation's interval in cells, 0 where it is no whole number of them."""
+    ratio = relation.interval / spacing
+    return round(ratio) if ratio > 0.5 and abs(ratio - round(ratio)) < 1e-6 * ratio else 0
+
+
+def _relation_lags(shape: tuple[int, int], spacing: float) -> list[int]:
+    """Intervals of the relations that are whole numbers of cells, up to a quarter of the wall."""
+    found = {_lag(relation, spacing) for relation in RELATIONS.values()}
+    return sorted(lag for lag in found if 0 < lag <= lags_of(min(shape))[-1])
+
+
+def _jrc(relation: Relation, scatter: dict, spacing: float, hurst: float):
+    """JRC (n,) by a relation with the scatter of its slope, and how it was come by."""
+    lag = _lag(relation, spacing)
+    if f"Z2 at {lag}" in scatter:
+        slope = scatter[f"Z2 at {lag}"]
+        how = f"Z2 at its {1e3 * relation.interval:g} mm"
+    else:
+        carried = (relation.interval / spacing) ** (hurst - 1.0)
+        slope = scatter[_SLOPES[2]] * carried
+        how = f"Z2 carried from {1e3 * spacing:g} to its {1e3 * relation.interval:g} mm by H"
+    jrc = relation.jrc(slope)
+    inside = relation.smallest_jrc <= jrc[0] <= relation.largest_jrc
+    range_ = f"{relation.smallest_jrc:g} to {relation.largest_jrc:g}"
+    return jrc, f"{how}; holds for JRC {range_}" + ("" if inside else ": OUTSIDE")

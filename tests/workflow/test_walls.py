@@ -1,0 +1,103 @@
+"""A study of measured walls, from the scan to the tables."""
+
+import hashlib
+import json
+import os
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+import jointclosure as jc
+from jointclosure.dataset import read_netcdf
+from tests.conftest import SPACING
+from tests.workflow.test_pipeline import TINY, checkout, planned, snakemake
+
+pytestmark = pytest.mark.slow
+
+WALLS = {"lower": "scans/lower.npz", "upper": "mirrored", "missing": "avoid"}
+
+
+def configured(folder, name="walls.yaml", **changes):
+    """A tiny study whose slate has measured walls."""
+    study = yaml.safe_load(TINY.read_text())
+    rock = {"jrc": None, "walls": WALLS | changes, "max_normal_stress_MPa": 1}
+    rock["levels"] = {"jrc": None}
+    study["rocks"] = {"slate": rock}
+    (folder / name).write_text(yaml.safe_dump(study))
+    return name
+
+
+def scanned(folder, seed):
+    (folder / "scans").mkdir(exist_ok=True)
+    wall = 1e3 * jc.wall_pair(9.0, (40, 36), SPACING, seed)[0] + 0.01 * np.arange(36)
+    wall[:3, :3] = np.nan
+    np.savez(folder / "scans/lower.npz", Z_mm=wall, spacing_mm=1e3 * SPACING)
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    folder = checkout(tmp_path_factory.mktemp("walls"))
+    scanned(folder, 1)
+    answer = snakemake(folder, config=configured(folder))
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    return folder
+
+
+def test_a_study_of_measured_walls_runs_to_its_end(study):
+    results = study / "results/tiny"
+    dataset = read_netcdf(results / "study.nc")
+    assert dataset.sizes["case"] == 7
+    assert np.isnan(dataset.jrc.values).all()
+    assert (dataset.max_closure.values > 0.0).all()
+    digest = hashlib.sha256((study / "scans/lower.npz").read_bytes()).hexdigest()
+    told = json.loads(dataset.attrs["walls"])["slate"]
+    assert told["lower"]["sha256"] == digest
+    assert told["partner"] == "mirrored"
+    surfaces = read_netcdf(results / "cases/slate-base.0.surfaces.nc")
+    places = set(zip(surfaces.lower_origin_y.values, surfaces.lower_origin_x.values, strict=True))
+    assert len(places) == 3
+    table = pd.read_csv(results / "tables/table_3_indifference.csv")
+    assert set(table.parameter) == {"poisson_ratio", "youngs_modulus", "compressive_strength"}
+    assert pd.read_csv(results / "tables/table_1_rocks.csv").lower_wall[0] == "scans/lower.npz"
+    checks = pd.read_csv(results / "tables/checks.csv").set_index("check").found
+    assert checks["realisations of slate that share no part of a scan"] == "at most 3 of 3"
+
+
+def test_a_scan_whose_contents_change_reruns_its_cases_and_a_touch_does_not(study):
+    assert planned(study, config="walls.yaml") == {}
+    file = study / "scans/lower.npz"
+    whole = file.read_bytes()
+    os.utime(file)
+    assert planned(study, config="walls.yaml") == {}
+    scanned(study, 2)
+    # older than the results: its contents count all the same
+    os.utime(file, (1e9, 1e9))
+    jobs = planned(study, config="walls.yaml")
+    assert (jobs["prepare_walls"], jobs["cut_surfaces"], jobs["close_surfaces"]) == (1, 1, 7)
+    assert "compile_kernels" not in jobs
+    file.write_bytes(whole)
+    assert planned(study, config="walls.yaml") == {}
+
+
+def test_a_file_that_is_not_there_is_refused_before_any_job(study):
+    answer = snakemake(study, config=configured(study, "bad.yaml", lower="scans/lowr.npz"))
+    assert answer.returncode != 0
+    said = answer.stdout + answer.stderr
+    assert "rocks.slate.walls.lower = 'scans/lowr.npz': there is no such file" in said
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"units": "um"}, "scans/lower.npz: units = 'um': the file says that its heights are in"),
+        ({"missing": "refuse"}, "scans/lower.npz: 9 of 1440 cells have no height"),
+        ({"spacing_mm": 0.5}, "scans/lower.npz: spacing = 0.5 mm: the file says 0.25 mm"),
+    ],
+)
+def test_a_scan_that_cannot_be_used_stops_its_cases_before_they_are_closed(study, change, said):
+    answer = snakemake(study, config=configured(study, "bad.yaml", **change))
+    assert answer.returncode != 0
+    assert said in answer.stdout + answer.stderr
+    assert "Close the surface pairs" not in answer.stdout + answer.stderr

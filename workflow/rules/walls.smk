@@ -1,0 +1,62 @@
+# Cases whose walls were measured (`rocks.<rock>.walls`): scans are read, checked and cut into joints.
+import re
+
+MEASURED = [case for case in SURFACES if ROCKS[CASES[case].rock].get("walls")]
+
+
+def wall_files(wildcards):
+    """The scans of a rock."""
+    return wall_settings.wall_files(ROCKS[wildcards.rock]["walls"])
+
+
+rule prepare_walls:
+    input:
+        # contents count and not the time of a file: they are among the parameters
+        lambda wildcards: [ancient(file) for file in wall_files(wildcards).values()],
+    output:
+        f"{RESULTS}/walls/{{rock}}.nc",
+    log:
+        f"{RESULTS}/logs/prepare_walls/{{rock}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/prepare_walls/{{rock}}.tsv"
+    priority: 1
+    conda:
+        ENVIRONMENT
+    params:
+        walls=lambda wildcards: ROCKS[wildcards.rock]["walls"],
+        digests=lambda wildcards: settings.wall_digests(ROCKS[wildcards.rock]["walls"]),
+        grid=config["grid"],
+        jrc_relation=config["surface"]["jrc_relation"],
+        realizations=config["study"]["realizations"],
+        code=SURFACE_CODE,
+    message:
+        "Read and check the measured walls of {wildcards.rock}"
+    script:
+        "../scripts/prepare_walls.py"
+
+
+rule cut_surfaces:
+    input:
+        lambda wildcards: f"{RESULTS}/walls/{CASES[wildcards.case].rock}.nc",
+    output:
+        f"{RESULTS}/cases/{{case}}.{{first}}.surfaces.nc",
+    log:
+        f"{RESULTS}/logs/cut_surfaces/{{case}}.{{first}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/cut_surfaces/{{case}}.{{first}}.tsv"
+    wildcard_constraints:
+        case="|".join(map(re.escape, MEASURED)) or "(?!)",
+    conda:
+        ENVIRONMENT
+    params:
+        settings=lambda wildcards: settings.surface_settings(
+            config, CASES[wildcards.case], BLOCKS[wildcards.first], SURFACE_CODE
+        ),
+    message:
+        "Cut the surface pairs of {wildcards.case} from realisation {wildcards.first} on"
+    script:
+        "../scripts/cut_surfaces.py"
+
+
+# the file of a case's surfaces is made by one or the other
+ruleorder: cut_surfaces > make_surfaces
