@@ -1,4 +1,4 @@
-"""The pipeline on a real Slurm, where there is one: docs/clusters.md says how to get one to test on."""
+"""The pipeline on a real Slurm, where there is one (docs/clusters.md: how to get one to test on)."""
 
 import importlib.util
 import shutil
