@@ -1,4 +1,4 @@
-"""The pipeline on a real Slurm, where there is one (docs/clusters.md: how to get one to test on)."""
+"""The pipeline on a real Slurm, where there is one (to get one: docs/clusters.md)."""
 
 import importlib.util
 import shutil
