@@ -6,6 +6,7 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from jointclosure.study.accuracy import BASE
 from jointclosure.study.accuracy_cost import OTHER_JOINTS, pareto
@@ -78,12 +79,16 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> None:
         line = part[(part.knob == knob) & (part.mean_error_percent != 0.0)]
         if line.empty:
             continue
+        # settings with names of their own are in no order, and named in the table
+        numbers = pd.to_numeric(line["value"], errors="coerce").notna().all()
         axes.plot(
             line.relative_time,
             line["size"],
-            "-",
+            "-" if numbers else "",
+            marker="" if numbers else "o",
             color=colour,
             lw=1,
+            ms=5,
             label=KNOB_TITLES.get(knob, knob),
         )
         known = (line.mean_low > 0.0) | (line.mean_high < 0.0)
@@ -91,9 +96,9 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> None:
         axes.plot(
             line.relative_time[~known], line["size"][~known], "o", color=colour, mfc="w", ms=5
         )
-        for entry in line.itertuples():
+        for entry in line.itertuples() if numbers else ():
             axes.annotate(
-                f"{entry.value:g}" if isinstance(entry.value, float | int) else str(entry.value),
+                f"{float(entry.value):g}",
                 (entry.relative_time, entry.size),
                 textcoords="offset points",
                 xytext=(4, 3),
@@ -111,6 +116,10 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> None:
         zorder=0, label="not beaten in both",
     )  # fmt: skip
     axes.set(xscale="log", yscale="log")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axis.set_minor_formatter(NullFormatter())
     axes.axhline(1.0, color="0.8", lw=0.8, zorder=0)
 
 
