@@ -74,7 +74,9 @@ def sources() -> str:
                 "low": table.low.round(1),
                 "high": table.high.round(1),
             }
-        ).fillna("")
+        )
+        .astype(object)
+        .fillna("")
     )
 
 
@@ -82,13 +84,18 @@ def orders() -> str:
     """Observed orders of convergence, or why there is none."""
     table = read_csv(ACCURACY / "tables/accuracy_orders.csv")
     return markdown(
-        table[["scene", "rock", "knob", "cycle", "order", "error", "remark"]].round(2).fillna("")
+        table[["scene", "rock", "knob", "cycle", "order", "error", "remark"]]
+        .round(2)
+        .astype(object)
+        .fillna("")
     )
 
 
 def choice() -> str:
     """How the chosen effects held."""
-    return markdown(read_csv(EFFECTS / "tables/effects_auto_summary.csv").round(1).fillna(""))
+    return markdown(
+        read_csv(EFFECTS / "tables/effects_auto_summary.csv").round(1).astype(object).fillna("")
+    )
 
 
 def contributions() -> str:

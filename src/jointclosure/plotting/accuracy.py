@@ -84,7 +84,7 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> None:
         axes.plot(
             line.relative_time,
             line["size"],
-            "-" if numbers else "",
+            linestyle="-" if numbers else "none",
             marker="" if numbers else "o",
             color=colour,
             lw=1,
