@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 
 from jointclosure.compilation import PACKAGE, source_digest
 from jointclosure.files import atomically, check_seal, seal
+from jointclosure.parameters import InputError
 
 _CHUNK_CACHE = 1_000_000
 """Bytes of a variable that netCDF keeps in memory while blocks are written, instead of 64 MB."""
@@ -177,6 +178,14 @@ def write_csv(frame: pd.DataFrame, path: str | Path) -> None:
 def read_csv(path: str | Path) -> pd.DataFrame:
     """A table written by `write_csv`, or an input in the same form."""
     return pd.read_csv(path, comment="#")
+
+
+def read_text(path: str | Path) -> str:
+    """A text file; `InputError` where it is no UTF-8 text."""
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: is no UTF-8 text ({error.reason} at {error.start})") from None
 
 
 def write_text(text: str, path: str | Path) -> None:

@@ -19,6 +19,7 @@ with what differs: lists replace lists, everything else is merged. `make study C
 - `accuracy.yaml`: what accuracy costs in time (`make accuracy`).
 - `effects.yaml`: what each effect adds, and what it costs (`make effects`).
 - `hard_cases.yaml`: joints that are hard on a solver (`make hard-cases`); it has a schema of its own.
+- `my_rock.yaml`: a worked example of a study of one's own, with a measured curve ([how to](../docs/own_rock.md)).
 
 A rock of your own is an entry under `rocks` and its name in `study.rocks`:
 
