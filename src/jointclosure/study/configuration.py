@@ -1,5 +1,6 @@
 """Check a merged configuration, before anything is computed from it."""
 
+import copy
 import difflib
 import itertools
 from collections.abc import Iterator
@@ -24,10 +25,65 @@ from jointclosure.surface.roughness import relation_of
 
 _AUTO_TOLERANCE = 0.02
 """Of `effects: auto`, which names none."""
+_DEFAULT, _SCHEMA = "config/default.yaml", "workflow/schemas/config.schema.yaml"
+"""From the project's folder."""
 
 
 class ConfigurationError(InputError):
     """A configuration that cannot be run; the message lists all that is wrong."""
+
+
+def merged(*settings: dict) -> dict:
+    """Nested settings, later ones over earlier ones."""
+    answer: dict = {}
+    for each in settings:
+        for key, value in each.items():
+            nested = isinstance(value, dict) and isinstance(answer.get(key), dict)
+            answer[key] = merged(answer[key], value) if nested else copy.deepcopy(value)
+    return answer
+
+
+def project_folder(*near: Path) -> Path:
+    """The project's folder, that of ``config/default.yaml``: the first found at or above a path."""
+    for path in near:
+        for folder in (path.resolve(), *path.resolve().parents):
+            if (folder / _DEFAULT).is_file() and (folder / _SCHEMA).is_file():
+                return folder
+    raise InputError(
+        f"found no {_DEFAULT} at or above {', '.join(str(path.resolve()) for path in near)}: "
+        "run this in the project's folder"
+    )
+
+
+def schema_of(project: Path) -> dict:
+    """The schema of a study's configuration."""
+    return read_schema(project / _SCHEMA)
+
+
+def read_study(project: Path, path: Path | None) -> dict:
+    """A study's configuration: the default and a file over it, checked.
+
+    Raises
+    ------
+    ConfigurationError
+        As `checked`.
+    InputError
+        The file is not there.
+    """
+    files = [project / _DEFAULT] + ([path] if path else [])
+    for file in files:
+        if not file.is_file():
+            raise InputError(f"{file}: there is no such file")
+    settings = merged(*(written_out(read_plain(file)) for file in files))
+    return checked(settings, schema_of(project))
+
+
+def value_of(text: str) -> object:
+    """A value as a configuration would have it: a number, a word, a list."""
+    try:
+        return yaml.safe_load(text)
+    except yaml.YAMLError:
+        raise InputError(f"{text!r}: is no value of a configuration") from None
 
 
 def read_schema(path: str | Path) -> dict:
@@ -82,11 +138,9 @@ def checked(configuration: dict, schema: dict) -> dict:
 def schema_problems(configuration: dict, schema: dict) -> list[str]:
     """What a configuration has against its schema, one line each."""
     validator = jsonschema.Draft202012Validator(schema)
-    return [
-        line
-        for error in sorted(validator.iter_errors(configuration), key=lambda e: list(e.path))
-        for line in _explained(error)
-    ]
+    errors = sorted(validator.iter_errors(configuration), key=lambda e: list(e.path))
+    # a line lists all that a section lacks, of which each is an error
+    return list(dict.fromkeys(line for error in errors for line in _explained(error)))
 
 
 def effects_of(configuration: dict, rock: str | None = None) -> Effects:
