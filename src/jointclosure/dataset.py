@@ -181,7 +181,7 @@ def read_csv(path: str | Path) -> pd.DataFrame:
 
 
 def read_text(path: str | Path) -> str:
-    """A text file; `InputError` where it is no UTF-8 text."""
+    """A text, such as a log or a CSV; `InputError` where it is no UTF-8."""
     try:
         return Path(path).read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
@@ -191,11 +191,6 @@ def read_text(path: str | Path) -> str:
 def write_text(text: str, path: str | Path) -> None:
     """Write a text, whole or not at all."""
     atomically(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
-
-
-def read_text(path: str | Path) -> str:
-    """A text, such as a log."""
-    return Path(path).read_text(encoding="utf-8")
 
 
 def save_figure(figure: Figure, path: str | Path) -> None:
