@@ -12,8 +12,9 @@ import xarray as xr
 import yaml
 
 from jointclosure import cli
-from jointclosure.dataset import read_text, write_netcdf
+from jointclosure.dataset import read_csv, read_text, write_netcdf
 from jointclosure.study import configuration, ensemble
+from jointclosure.study import project as studies
 from jointclosure.study.cases import cases_of
 from jointclosure.study.measured import measured_curves
 
@@ -54,6 +55,11 @@ def samples(language: str) -> list:
     return found
 
 
+def study_of(path: str) -> dict:
+    """The configuration of a study of the project."""
+    return studies.settled(studies.merged_study(ROOT, ROOT / path), ROOT, read_csv)
+
+
 @pytest.fixture
 def project(tmp_path, monkeypatch):
     """A folder with the project's configurations, in which samples may write."""
@@ -66,7 +72,7 @@ def project(tmp_path, monkeypatch):
 @pytest.fixture
 def smoke_study(project):
     """The base case of the smoke study, smaller still, where that study has its results."""
-    settings = configuration.read_study(ROOT, ROOT / "config/smoke.yaml")
+    settings = study_of("config/smoke.yaml")
     case = cases_of(settings)[0]
     pairs = ensemble.make_surfaces([1, 2], case.jrc, (12, 12), 0.25e-3, settings["surface"])
     closed = ensemble.close_surfaces(
@@ -94,9 +100,9 @@ def test_python_samples_run(code, smoke_study, capsys):
 
 @pytest.mark.parametrize("code", samples("yaml"))
 def test_yaml_samples_are_valid_studies(code):
-    default = configuration.read_study(ROOT, None)
-    settings = configuration.merged(default, yaml.safe_load(code))
-    configuration.checked(settings, configuration.schema_of(ROOT))
+    default = studies.merged_study(ROOT, None)
+    settings = configuration.merged(default, configuration.written_out(yaml.safe_load(code)))
+    studies.settled(settings, ROOT, read_csv)
 
 
 def command_lines(code: str) -> list[list[str]]:
@@ -140,7 +146,7 @@ def test_the_worked_example_is_what_its_page_explains():
     page = (ROOT / "docs/own_rock.md").read_text(encoding="utf-8")
     shown = yaml.safe_load(re.search(r"```yaml\n(.*?)```", page, re.S).group(1))
     assert shown == yaml.safe_load((ROOT / "config/my_rock.yaml").read_text(encoding="utf-8"))
-    settings = configuration.read_study(ROOT, ROOT / "config/my_rock.yaml")
+    settings = study_of("config/my_rock.yaml")
     curves = measured_curves(settings, lambda path: read_text(ROOT / path))
     assert curves["granite"].cycles == [1, 2]
 

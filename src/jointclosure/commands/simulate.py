@@ -7,13 +7,13 @@ from pathlib import Path
 import xarray as xr
 
 from jointclosure.compilation import PACKAGE
-from jointclosure.dataset import provenance, save_figure, write_netcdf
+from jointclosure.dataset import provenance, read_csv, save_figure, write_netcdf
 from jointclosure.parameters import Effects, InputError, Rock, to_si
 from jointclosure.plotting.joint import closure_curve
 from jointclosure.progress import bar, duration
 from jointclosure.protocol import FAILURE, LOADING
 from jointclosure.simulation import simulate
-from jointclosure.study import configuration
+from jointclosure.study import configuration, project
 from jointclosure.study.cases import Case, cases_of
 from jointclosure.surface.synthesis import wall_pair
 
@@ -134,15 +134,16 @@ def run(arguments) -> int:
 def _settings(arguments) -> dict:
     """The whole configuration that the arguments describe, checked."""
     near = [arguments.config.parent] if arguments.config else []
-    project = configuration.project_folder(*near, Path.cwd(), PACKAGE)
-    base = configuration.read_study(project, arguments.config)
+    folder = project.project_folder(*near, Path.cwd(), PACKAGE)
+    base = project.merged_study(folder, arguments.config)
+    project.settled(base, folder, read_csv)
     if arguments.rock and arguments.rock not in base["rocks"]:
         raise InputError(f"--rock {arguments.rock}: must be one of {', '.join(base['rocks'])}")
     if arguments.seed < 0:
         raise InputError(f"--seed {arguments.seed}: must be 0 or above")
+    base["rocks"].setdefault(arguments.rock or _UNNAMED, {})["levels"] = {}
     settings = configuration.merged(base, _changes(arguments), *arguments.set)
-    settings["rocks"][arguments.rock or _UNNAMED]["levels"] = {}
-    return configuration.checked(settings, configuration.schema_of(project))
+    return project.settled(settings, folder, read_csv)
 
 
 def _changes(arguments) -> dict:
@@ -231,7 +232,7 @@ def _setting(text: str) -> dict:
     key, equals, value = text.partition("=")
     if not equals or not key:
         raise argparse.ArgumentTypeError(f"{text!r}: must be as in numerics.breakage=resolved")
-    setting = configuration.value_of(value)
+    setting = project.value_of(value)
     for part in reversed(key.split(".")):
         setting = {part: setting}
     return setting

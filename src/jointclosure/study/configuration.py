@@ -25,8 +25,6 @@ from jointclosure.surface.roughness import relation_of
 
 _AUTO_TOLERANCE = 0.02
 """Of `effects: auto`, which names none."""
-_DEFAULT, _SCHEMA = "config/default.yaml", "workflow/schemas/config.schema.yaml"
-"""From the project's folder."""
 
 
 class ConfigurationError(InputError):
@@ -41,49 +39,6 @@ def merged(*settings: dict) -> dict:
             nested = isinstance(value, dict) and isinstance(answer.get(key), dict)
             answer[key] = merged(answer[key], value) if nested else copy.deepcopy(value)
     return answer
-
-
-def project_folder(*near: Path) -> Path:
-    """The project's folder, that of ``config/default.yaml``: the first found at or above a path."""
-    for path in near:
-        for folder in (path.resolve(), *path.resolve().parents):
-            if (folder / _DEFAULT).is_file() and (folder / _SCHEMA).is_file():
-                return folder
-    raise InputError(
-        f"found no {_DEFAULT} at or above {', '.join(str(path.resolve()) for path in near)}: "
-        "run this in the project's folder"
-    )
-
-
-def schema_of(project: Path) -> dict:
-    """The schema of a study's configuration."""
-    return read_schema(project / _SCHEMA)
-
-
-def read_study(project: Path, path: Path | None) -> dict:
-    """A study's configuration: the default and a file over it, checked.
-
-    Raises
-    ------
-    ConfigurationError
-        As `checked`.
-    InputError
-        The file is not there.
-    """
-    files = [project / _DEFAULT] + ([path] if path else [])
-    for file in files:
-        if not file.is_file():
-            raise InputError(f"{file}: there is no such file")
-    settings = merged(*(written_out(read_plain(file)) for file in files))
-    return checked(settings, schema_of(project))
-
-
-def value_of(text: str) -> object:
-    """A value as a configuration would have it: a number, a word, a list."""
-    try:
-        return yaml.safe_load(text)
-    except yaml.YAMLError:
-        raise InputError(f"{text!r}: is no value of a configuration") from None
 
 
 def read_schema(path: str | Path) -> dict:
