@@ -353,3 +353,17 @@ def test_a_tilted_ridge_is_flat_though_rounding_leaves_it_a_curvature(breakage):
         effects=jc.Effects(breakage=breakage, gouge=False),
     )
     assert float(closed.flat_share.max()) > 0.5
+
+
+def test_every_step_is_reported_as_it_is_taken(rock, small_joint):
+    told = []
+    closed = jc.simulate(
+        *small_joint,
+        spacing=SPACING,
+        rock=rock,
+        max_normal_stress=1e6,
+        report=lambda *step: told.append(step),
+    )
+    assert [step[0] for step in told] == closed.cycle.values.tolist()
+    assert [step[1] for step in told] == closed.branch.values.tolist()
+    np.testing.assert_allclose([step[2] for step in told], closed.normal_stress / 1e6, rtol=1e-12)

@@ -1,7 +1,14 @@
 import pandas as pd
 import pytest
 
-from jointclosure.tables import interval_text, significant, table_3_latex, table_3_markdown
+from jointclosure.tables import (
+    interval_text,
+    rock_table,
+    significant,
+    table_3_latex,
+    table_3_markdown,
+    with_paper,
+)
 
 
 @pytest.mark.parametrize(
@@ -23,7 +30,7 @@ def test_table_3_has_the_papers_layout():
     rows = [
         {"rock": rock, "parameter": parameter, "cycle": cycle, "length": 1.5, "percent": 15.0,
          "length_net": 1.0, "percent_net": 10.0, "paper_length": float("nan"),
-         "paper_percent": float("nan")}
+         "paper_percent": float("nan"), "in_paper": True}
         for rock in ("a", "b") for parameter in ("poisson_ratio", "jrc") for cycle in (1, 2)
     ]  # fmt: skip
     table, titles = pd.DataFrame(rows), {"a": "Rock A", "b": "Rock B"}
@@ -38,3 +45,48 @@ def test_table_3_has_the_papers_layout():
     assert r"\multicolumn{2}{c}{First loading cycle}" in latex
     assert latex.count(r"1.50 (15\%)") == 8
     assert "n = 20" in markdown
+
+
+KEYS = {"parameter": "jrc", "length": 1.5, "percent": 15.0, "length_net": 1.0, "percent_net": 10.0}
+PAPER = pd.DataFrame(
+    [{"rock": "slate", "parameter": "jrc", "cycle": 1, "paper_length": 0.726, "paper_percent": 11}]
+)
+
+
+def test_a_study_of_other_rocks_has_no_columns_of_the_paper():
+    table = pd.DataFrame([{"rock": "granite", "cycle": 1} | KEYS])
+    own = with_paper(table, PAPER)
+    pd.testing.assert_frame_equal(own, table)
+    markdown = table_3_markdown(own, {"granite": "Granite"}, 20)
+    assert "The paper" not in markdown
+    assert "1.50 (15%)" in markdown
+
+
+def test_the_papers_part_shows_the_papers_rocks_alone():
+    table = pd.DataFrame([{"rock": rock, "cycle": 1} | KEYS for rock in ("granite", "slate")])
+    both = with_paper(table, PAPER)
+    assert both.in_paper.tolist() == [False, True]
+    ours, paper = table_3_markdown(both, {"granite": "Granite", "slate": "Slate"}, 20).split(
+        "**The paper**"
+    )
+    assert "| Granite, cycle 1 | Slate, cycle 1 |" in ours
+    assert "| Parameter | Slate, cycle 1 |" in paper
+    assert "0.726 (11%)" in paper
+    assert "Granite" not in paper
+
+
+def test_a_study_that_varies_nothing_says_so():
+    nothing = pd.DataFrame(columns=["rock", "parameter", "cycle", "length"])
+    assert "No parameter is varied" in table_3_markdown(nothing, {"a": "A"}, 20)
+    assert "No parameter is varied" in table_3_latex(nothing, {"a": "A"}, 20)
+
+
+def test_the_table_of_rocks_names_the_file_of_a_measured_curve():
+    rock = {"title": "A", "jrc": 8, "levels": {"jrc": [6, 9]}}
+    settings = {
+        "study": {"rocks": ["a", "b"]},
+        "rocks": {"a": rock, "b": rock | {"measured": {"file": "a.csv", "stress_unit": "MPa"}}},
+    }
+    table = rock_table(settings)
+    assert table.measured.tolist()[1] == "a.csv"
+    assert "levels" not in table

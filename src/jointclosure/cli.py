@@ -2,16 +2,26 @@
 
 import argparse
 import sys
+from typing import NoReturn
 
-from jointclosure.commands import compare, repeat, roughness
+from jointclosure import __version__
+from jointclosure.commands import compare, doctor, repeat, roughness, simulate
 from jointclosure.parameters import InputError
 
-COMMANDS = (compare, repeat, roughness)
+COMMANDS = (simulate, roughness, compare, repeat, doctor)
+
+
+class Parser(argparse.ArgumentParser):
+    """Says what is wrong with its arguments in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
 
 
 def parser() -> argparse.ArgumentParser:
     """Commands and their arguments."""
-    program = argparse.ArgumentParser(prog="jointclosure", description="Closure of rock joints.")
+    program = Parser(prog="jointclosure", description="Closure of rock joints.")
+    program.add_argument("--version", action="version", version=__version__)
     commands = program.add_subparsers(required=True, metavar="command")
     for command in COMMANDS:
         command.add_to(commands)
@@ -24,8 +34,12 @@ def main(words: list[str] | None = None) -> int:
     try:
         return arguments.run(arguments)
     except (InputError, OSError, ValueError) as error:
-        print(f"jointclosure: {error}", file=sys.stderr)
+        said = "; ".join(line.strip() for line in str(error).splitlines())
+        print(f"jointclosure: {said.replace(':;', ':')}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        print("jointclosure: interrupted", file=sys.stderr)
+        return 130
 
 
 if __name__ == "__main__":

@@ -70,14 +70,14 @@ numba.config.CACHE_DIR = str(cache_folder())
 
 
 class _Announcement(event.Listener):
-    """Says once that kernels are being compiled, as nothing else happens meanwhile."""
+    """Says once that kernels are being compiled, as nothing else happens meanwhile; counts them."""
 
     def __init__(self):
-        self.said = False
+        self.count = 0
 
     def on_start(self, event):
-        if not self.said:
-            self.said = True
+        self.count += 1
+        if self.count == 1:
             logging.getLogger("jointclosure").warning(
                 "jointclosure: compiling kernels, once for this version (up to a minute)"
             )
@@ -86,7 +86,13 @@ class _Announcement(event.Listener):
         pass
 
 
-event.register("numba:compile", _Announcement())
+_announcement = _Announcement()
+event.register("numba:compile", _announcement)
+
+
+def compiles() -> int:
+    """How often this process has compiled, rather than found machine code in the cache."""
+    return _announcement.count
 
 
 def kernel(function: Callable) -> Callable:

@@ -23,6 +23,7 @@ from matplotlib.figure import Figure
 
 from jointclosure.compilation import PACKAGE, source_digest
 from jointclosure.files import atomically, check_seal, seal
+from jointclosure.parameters import InputError
 
 _CHUNK_CACHE = 1_000_000
 """Bytes of a variable that netCDF keeps in memory while blocks are written, instead of 64 MB."""
@@ -201,14 +202,17 @@ def read_benchmarks(folder: str | Path) -> pd.DataFrame:
     return pd.concat(rows)[columns] if rows else pd.DataFrame(columns=columns)
 
 
+def read_text(path: str | Path) -> str:
+    """A text, such as a log or a CSV; `InputError` where it is no UTF-8."""
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: is no UTF-8 text ({error.reason} at {error.start})") from None
+
+
 def write_text(text: str, path: str | Path) -> None:
     """Write a text, whole or not at all."""
     atomically(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
-
-
-def read_text(path: str | Path) -> str:
-    """A text, such as a log."""
-    return Path(path).read_text(encoding="utf-8")
 
 
 def save_figure(figure: Figure, path: str | Path) -> None:

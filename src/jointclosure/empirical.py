@@ -27,6 +27,14 @@ _CONSTANTS = {
 }
 
 
+_LEAST_JRC, _LARGEST_JRC = 5.0, 15.0
+
+
+def law_holds(jrc: float) -> bool:
+    """Whether a roughness is in the law's range, JRC 5 to 15."""
+    return _LEAST_JRC <= jrc <= _LARGEST_JRC
+
+
 def barton_bandis(
     jrc: float, compressive_strength: float, strength_ratio: float, cycle: int
 ) -> BartonBandis:

@@ -3,6 +3,7 @@
 Works with any solver of the registry. See docs/decisions/0005-protocol.md.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -40,6 +41,9 @@ LARGEST_UNBREAKABLE_SHARE = 0.1
 """Beyond this share of force on contacts that cannot break the model is out of its range."""
 
 LOADING, UNLOADING = "loading", "unloading"
+Report = Callable[[int, str, float], None]
+"""Is told of every accepted step: its cycle, its branch, and its force over the target's."""
+
 _SMALLEST_STEP = 1e-6
 """Fraction of a displacement step below which a jump of the stress is accepted as one, and of
 the closure reached, where that is less: a step may be far longer than all that is needed."""
@@ -75,8 +79,16 @@ class History(NamedTuple):
 class _Run:
     """Mutable bookkeeping of `run_cycles`."""
 
-    def __init__(self, joint: Joint, solver: Solver, numerics: Numerics, target_force: float):
+    def __init__(
+        self,
+        joint: Joint,
+        solver: Solver,
+        numerics: Numerics,
+        target_force: float,
+        report: Report | None,
+    ):
         self.joint, self.solver, self.numerics = joint, solver, numerics
+        self.report = report
         self.target_force = target_force
         self.closure, self.total_force = 0.0, 0.0
         self.cycle_start = 0.0
@@ -100,6 +112,8 @@ class _Run:
     def accept(self, cycle: int, branch: str, settled: Settled) -> None:
         self.closure, self.total_force = settled.closure, settled.total_force
         self.steps.append(Step(cycle, branch, settled))
+        if self.report:
+            self.report(cycle, branch, settled.total_force / self.target_force)
 
 
 def run_cycles(
@@ -109,6 +123,7 @@ def run_cycles(
     target_force: float,
     cycles: int,
     extra_force: float = 0.0,
+    report: Report | None = None,
 ) -> History:
     """Load to a force and unload to last contact, repeatedly.
 
@@ -126,6 +141,8 @@ def run_cycles(
     extra_force : float
         A force [N] below the target to stop at on an elastic curve, besides
         its evenly spaced ones, such as that of seating; 0 for none.
+    report : Report, optional
+        Told of every step but those of an elastic curve, which is solved at once.
 
     Returns
     -------
@@ -135,7 +152,7 @@ def run_cycles(
     """
     if not joint.effects.breakage and solver.elastic_curve is not None:
         return _elastic_cycles(joint, solver, numerics, target_force, cycles, extra_force)
-    run = _Run(joint, solver, numerics, target_force)
+    run = _Run(joint, solver, numerics, target_force, report)
     run.accept(1, LOADING, _untouched(joint))
     for cycle in range(1, cycles + 1):
         first = cycle == 1

@@ -22,7 +22,14 @@ from jointclosure.parameters import (
     in_double,
     real_array,
 )
-from jointclosure.protocol import FLAG_OF_OUTCOME, FLAGS, UNLOADING, History, run_cycles
+from jointclosure.protocol import (
+    FLAG_OF_OUTCOME,
+    FLAGS,
+    UNLOADING,
+    History,
+    Report,
+    run_cycles,
+)
 from jointclosure.readings import cycle_readings, unloading_excess
 from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import Joint, Solver
@@ -82,6 +89,7 @@ def simulate(
     effects: Effects = Effects(),
     choices: Choices = Choices(),
     numerics: Numerics = Numerics(),
+    report: Report | None = None,
 ) -> xr.Dataset:
     """Press two walls together to a normal stress and release them, repeatedly.
 
@@ -107,6 +115,9 @@ def simulate(
     effects : Effects
     choices : Choices
     numerics : Numerics
+    report : callable, optional
+        Told of every step, with its cycle, its branch ("loading" or "unloading") and
+        its stress over the maximum.
 
     Returns
     -------
@@ -146,6 +157,7 @@ def simulate(
         effects=effects,
         choices=choices,
         numerics=numerics,
+        report=report,
     )
 
 
@@ -162,6 +174,7 @@ def simulate_by(
     effects: Effects,
     choices: Choices,
     numerics: Numerics,
+    report: Report | None = None,
 ) -> xr.Dataset:
     """`simulate` with a solver of one's own: ``solver_of`` its name gives it."""
     upper, lower = _checked_walls(upper, lower)
@@ -191,6 +204,7 @@ def simulate_by(
         max_normal_stress * area,
         int(cycles),
         seating_stress * area,
+        report,
     )
     joint.upper += datums[0]
     joint.lower += datums[1]

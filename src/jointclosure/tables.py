@@ -30,10 +30,11 @@ def rock_table(configuration: dict) -> pd.DataFrame:
     for name in configuration["study"]["rocks"]:
         rock = configuration["rocks"][name]
         flag = {"max_normal_stress_is_assumed": rock.get("max_normal_stress_is_assumed", False)}
-        shown = {key: rock[key] for key in rock if key not in ("levels", "walls")}
+        own = {key: value for key, value in rock.items() if not isinstance(value, dict)}
+        own |= {"measured": rock["measured"]["file"]} if "measured" in rock else {}
         if rock.get("walls"):
-            shown |= {f"{side}_wall": rock["walls"][side] for side in ("upper", "lower")}
-        rows.append({"rock": name} | shown | flag)
+            own |= {f"{side}_wall": rock["walls"][side] for side in ("upper", "lower")}
+        rows.append({"rock": name} | own | flag)
     return pd.DataFrame(rows)
 
 
@@ -62,15 +63,23 @@ def case_table(configuration: dict) -> pd.DataFrame:
                         "unit": key.removeprefix(parameter).strip("_") or "1",
                     }
                 )
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows, columns=["rock", "parameter", "level", "value", "unit"])
 
 
 def with_paper(intervals: pd.DataFrame, paper: pd.DataFrame) -> pd.DataFrame:
-    """Intervals with the paper's lengths beside them, where it has that rock."""
+    """Intervals with the paper's lengths beside them, and whether it has that row.
+
+    A study of other rocks only is given back as it is, without such columns.
+    """
     keys = ["rock", "parameter", "cycle"]
-    return intervals.merge(
-        paper[[*keys, "paper_length", "paper_percent"]], on=keys, how="left", validate="1:1"
+    beside = intervals.merge(
+        paper[[*keys, "paper_length", "paper_percent"]].assign(in_paper=True),
+        on=keys,
+        how="left",
+        validate="1:1",
     )
+    beside["in_paper"] = beside.in_paper.eq(True)
+    return beside if beside.in_paper.any() else intervals
 
 
 def interval_text(length: float, percent: float, mark: str = "") -> str:
@@ -141,9 +150,17 @@ def table_3_markdown(table: pd.DataFrame, titles: dict[str, str], samples: int) 
         ("This study, net of bulk indentation", "_net"),
         ("The paper", "paper_"),
     ]
+    if table.empty:
+        return "No parameter is varied in this study: there is no indifference interval.\n"
     lines = []
     for heading, column in parts:
-        frame = table_3(table, titles, column)
+        shown = table
+        if column == "paper_":
+            if "paper_length" not in table:
+                continue
+            shown = table[table.in_paper]
+        of = {rock: title for rock, title in titles.items() if (shown.rock == rock).any()}
+        frame = table_3(shown, of, column)
         names = [f"{title}, cycle {cycle}" for cycle, title in frame.columns]
         lines += [f"**{heading}**", "", "| Parameter | " + " | ".join(names) + " |"]
         lines.append("|---" * (len(names) + 1) + "|")
@@ -156,6 +173,9 @@ def table_3_markdown(table: pd.DataFrame, titles: dict[str, str], samples: int) 
 
 def table_3_latex(table: pd.DataFrame, titles: dict[str, str], samples: int) -> str:
     """Table 3 in the paper's layout, as a LaTeX table (booktabs)."""
+    if table.empty:
+        return "% No parameter is varied in this study: there is no indifference interval.\n"
+    titles = {rock: title for rock, title in titles.items() if (table.rock == rock).any()}
     frame = table_3(table, titles)
     cycles = sorted({cycle for cycle, _ in frame.columns})
     words = {1: "First", 2: "Second", 3: "Third"}

@@ -7,6 +7,8 @@ import pytest
 import xarray as xr
 
 from jointclosure.plotting import study as plotting
+from jointclosure.plotting.measured import Measurements
+from jointclosure.study.measured import fit_table, parsed_curve
 
 ROCK = {"title": "Rock", "jrc": 8, "compressive_strength_MPa": 160, "max_normal_stress_MPa": 2}
 
@@ -79,3 +81,49 @@ def test_the_fit_of_eq_23_lies_on_the_maxima_of_eq_21():
         maxima.get_ydata(),
         atol=2e-4,
     )
+
+
+MEASURED = "stress_MPa,closure_mm,cycle\n0,0,1\n0.5,0.2,1\n1,0.25,1\n2,0.29,1\n1,0.28,1\n"
+
+
+def test_a_measured_curve_is_drawn_from_its_seating_with_what_fits_it_best(study):
+    curves = {"one": parsed_curve(MEASURED, "lab.csv")}
+    fits = fit_table(study, curves, 5e5)
+    figure = plotting.closure_figure(study, {"one": ROCK}, 5e5, 1.5, Measurements(curves, fits))
+    axes = figure.axes[0]
+    (measured,) = [line for line in axes.lines if line.get_color() == "k"]
+    np.testing.assert_allclose(measured.get_xdata(), [0.0, 0.05, 0.09, 0.08], atol=1e-12)
+    np.testing.assert_allclose(measured.get_ydata(), [0.5, 1.0, 2.0, 1.0])
+    best = [line for line in axes.lines if line.get_marker() == "o"]
+    assert len(best) == 2  # loading and unloading of the one cycle that was measured
+    (row,) = fits.itertuples()
+    assert f"cycle 1 {row.misfit_mm:.2g} mm ({row.misfit_percent:.2g} %)" in axes.get_title()
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "measured" in labels
+    assert "surface that fits cycle 1 best" in labels
+
+
+def test_without_a_measured_curve_nothing_is_said_of_one(study):
+    figure = plotting.closure_figure(study, {"one": ROCK}, 5e5, 1.5)
+    assert "misfit" not in figure.axes[0].get_title()
+    assert "measured" not in [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+@pytest.mark.parametrize(("jrc", "drawn"), [(8, True), (4, False), (16, False), (0, False)])
+def test_the_barton_bandis_law_is_drawn_where_it_holds(study, jrc, drawn):
+    figure = plotting.closure_figure(study, {"one": ROCK | {"jrc": jrc}}, 5e5, 1.5)
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert any("Barton-Bandis" in label for label in labels) == drawn
+    dotted = [line for line in figure.axes[0].lines if line.get_color() == "0.2"]
+    assert len(dotted) == (2 if drawn else 0)
+
+
+def test_other_rocks_intervals_are_drawn_without_the_papers_and_without_what_was_not_varied():
+    own = {"cycle": 1, "unit": 1, "length": 2.0, "length_low": 1.0, "length_high": 3.0,
+           "length_net": 2.0, "extrapolated": False}  # fmt: skip
+    table = pd.DataFrame([{"rock": "one", "parameter": "jrc"} | own])
+    figure = plotting.interval_figure(table, {"one": ROCK, "two": ROCK})
+    assert "the paper" not in [text.get_text() for text in figure.legends[0].get_texts()]
+    markers = [line.get_marker() for line in figure.axes[0].lines]
+    # one interval with its bar, and its net; nothing for the rock whose JRC is its own only
+    assert sorted(markers) == sorted(["None", "o", "^"])

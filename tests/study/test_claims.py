@@ -23,6 +23,7 @@ def evidence(percents, closures=None):
                         "percent_net": percent,
                         "length": percent / 100,
                         "paper_percent": np.nan,
+                        "in_paper": True,
                     }
                 )
         cases.append(f"{rock}-base")
@@ -120,3 +121,29 @@ def test_a_parameter_that_was_not_varied_cannot_be_judged():
     )
     assert verdicts(without)["2a"] == "cannot be judged"
     assert verdicts(without)["5a"] == "cannot be judged"
+
+
+def test_other_rocks_are_asked_whether_the_claims_hold_without_the_papers_figures():
+    found = evidence(AS_THE_PAPER_SAYS, TRENDS)
+    own = found._replace(intervals=found.intervals.drop(columns=["paper_percent", "in_paper"]))
+    table = judge_claims(own)
+    assert list(table.columns) == ["number", "claim", "ours", "verdict"]
+    assert set(table.verdict) == {"holds"}
+    assert not {"7", "8"} & set(table.number)
+    jrc = own._replace(
+        intervals=own.intervals[own.intervals.parameter == "jrc"],
+        closures=own.closures[own.closures.parameter.isin(["jrc", "base"])],
+    )
+    assert judge_claims(jrc).number.tolist() == ["4", "5c", "5d", "6a", "6b"]
+    nothing = own._replace(
+        intervals=own.intervals[:0], closures=own.closures[own.closures.parameter == "base"]
+    )
+    assert judge_claims(nothing).number.tolist() == ["6a", "6b"]
+
+
+def test_of_rocks_that_the_paper_does_not_have_it_says_nothing():
+    found = evidence(AS_THE_PAPER_SAYS, TRENDS)
+    table = found.intervals.assign(in_paper=found.intervals.rock == "one")
+    claims = judge_claims(found._replace(intervals=table)).set_index("number")
+    assert claims.paper["2a"] == "cycle 2: one none"
+    assert "two: " in claims.ours["2a"]

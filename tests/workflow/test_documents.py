@@ -1,21 +1,33 @@
 """What the documents say, held against the project."""
 
+import html
 import importlib.util
 import re
+import shlex
 from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray as xr
+import yaml
+
+from jointclosure import cli
+from jointclosure.dataset import read_csv, read_text, write_netcdf
+from jointclosure.study import configuration, ensemble
+from jointclosure.study import project as studies
+from jointclosure.study.cases import cases_of
+from jointclosure.study.measured import measured_curves
 
 ROOT = Path(__file__).parents[2]
-DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")), ROOT / "config/README.md"]
+DOCUMENTS = [
+    *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "config/README.md")),
+    *sorted((ROOT / "docs").rglob("*.md")),
+]
 
 
 def test_the_key_table_is_that_of_the_schema():
-    path = ROOT / "workflow/scripts/key_table.py"
-    spec = importlib.util.spec_from_file_location("key_table", path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    assert (ROOT / "config/README.md").read_text(encoding="utf-8") == module.main()
+    page = (ROOT / "config/README.md").read_text(encoding="utf-8")
+    assert page == script("key_table").main()
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda p: p.relative_to(ROOT).as_posix())
@@ -31,11 +43,128 @@ def test_decisions_named_in_docstrings_exist():
             assert (ROOT / named).exists(), f"{source}: {named}"
 
 
-def test_the_python_of_the_readme_runs():
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    samples = re.findall(r"```python\n(.*?)```", text, re.S)
-    assert samples
-    for sample in samples:
-        namespace = {}
-        exec(compile(sample, "README.md", "exec"), namespace)
-    assert float(namespace["joint"].max_closure[0]) > 0.0
+def samples(language: str) -> list:
+    """Fenced code of a language in all documents, each with its document."""
+    found = []
+    for document in DOCUMENTS:
+        name = document.relative_to(ROOT).as_posix()
+        text = document.read_text(encoding="utf-8")
+        fences = re.findall(r"^```(\w*)\n(.*?)^```", text, re.S | re.M)
+        codes = [code for kind, code in fences if kind == language]
+        found += [pytest.param(code, id=f"{name}-{i}") for i, code in enumerate(codes)]
+    return found
+
+
+def study_of(path: str) -> dict:
+    """The configuration of a study of the project."""
+    return studies.settled(studies.merged_study(ROOT, ROOT / path), ROOT, read_csv)
+
+
+@pytest.fixture
+def project(tmp_path, monkeypatch):
+    """A folder with the project's configurations, in which samples may write."""
+    for name in ("config", "workflow"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def smoke_study(project):
+    """The base case of the smoke study, smaller still, where that study has its results."""
+    settings = study_of("config/smoke.yaml")
+    case = cases_of(settings)[0]
+    pairs = ensemble.make_surfaces([1, 2], case.jrc, (12, 12), 0.25e-3, settings["surface"])
+    closed = ensemble.close_surfaces(
+        xr.concat(pairs, "realization"),
+        case,
+        cycles=2,
+        seating_stress=0.1e6,
+        effects=configuration.effects_of(settings),
+        choices=configuration.choices_of(settings),
+        numerics=configuration.numerics_of(settings),
+        stresses=np.linspace(0.0, 1e6, 5),
+    )
+    folder = project / "results/smoke"
+    folder.mkdir(parents=True)
+    write_netcdf(
+        ensemble.join_cases([case], [xr.concat(closed, "realization")]), folder / "study.nc"
+    )
+
+
+@pytest.mark.parametrize("code", samples("python"))
+def test_python_samples_run(code, smoke_study, capsys):
+    exec(compile(code, "sample", "exec"), {})
+    assert capsys.readouterr().out
+
+
+@pytest.mark.parametrize("code", samples("yaml"))
+def test_yaml_samples_are_valid_studies(code):
+    default = studies.merged_study(ROOT, None)
+    settings = configuration.merged(default, configuration.written_out(yaml.safe_load(code)))
+    studies.settled(settings, ROOT, read_csv)
+
+
+def command_lines(code: str) -> list[list[str]]:
+    """Words of each command of a sample, without comments."""
+    lines = [shlex.split(line, comments=True) for line in code.splitlines()]
+    return [words for words in lines if words]
+
+
+@pytest.mark.parametrize("code", [*samples("bash"), *samples("sh")])
+def test_shell_samples_name_what_there_is_and_joints_are_closed(code, project, capsys):
+    targets = re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.M)
+    for program, *words in command_lines(code):
+        program = program.removeprefix(".venv/bin/")
+        if program == "make":
+            assert words[0] in targets
+            for word in words[1:]:
+                key, _, value = word.partition("=")
+                assert key in ("CONFIG", "CORES", "PYTHON")
+                assert key != "CONFIG" or (ROOT / value).is_file()
+        elif program == "jointclosure":
+            arguments = cli.parser().parse_args(words)
+            if words[0] == "simulate":
+                assert arguments.run(arguments) == 0
+        elif program == "python":
+            assert (ROOT / words[0]).is_file()
+        elif program == "snakemake":
+            paths = [words[words.index(option) + 1] for option in words if option == "--configfile"]
+            assert all((ROOT / path).is_file() for path in paths)
+        else:
+            raise AssertionError(f"who is to run {program}?")
+
+
+def test_the_tutorial_shows_what_simulate_prints(project, capsys):
+    assert cli.main(["simulate", "--rock", "dolerite", "--cells", "32", "--stress", "10"]) == 0
+    printed = capsys.readouterr().out.splitlines()
+    tutorial = (ROOT / "docs/tutorial.md").read_text(encoding="utf-8")
+    assert "\n".join(printed[:3]) in tutorial
+
+
+def test_the_worked_example_is_what_its_page_explains():
+    page = (ROOT / "docs/own_rock.md").read_text(encoding="utf-8")
+    shown = yaml.safe_load(re.search(r"```yaml\n(.*?)```", page, re.S).group(1))
+    assert shown == yaml.safe_load((ROOT / "config/my_rock.yaml").read_text(encoding="utf-8"))
+    settings = study_of("config/my_rock.yaml")
+    curves = measured_curves(settings, lambda path: read_text(ROOT / path))
+    assert curves["granite"].cycles == [1, 2]
+
+
+def test_reference_pages_have_every_key_and_function(tmp_path, monkeypatch):
+    module = script("reference_pages")
+    monkeypatch.setattr(module, "OUTPUT", tmp_path)
+    page = module.configuration_page()
+    keys = re.findall(r"^\| `([^`]+)`", (ROOT / "config/README.md").read_text(), re.M)
+    assert len(keys) > 60
+    for key in keys:
+        assert html.escape(key) in page
+    assert "](" not in page
+
+
+def script(name: str):
+    """A script of the workflow, as a module."""
+    spec = importlib.util.spec_from_file_location(name, ROOT / f"workflow/scripts/{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module

@@ -44,6 +44,29 @@ rule find_indifference_intervals:
         "../scripts/find_indifference_intervals.py"
 
 
+rule fit_measured:
+    input:
+        study=f"{RESULTS}/study.nc",
+        curves=list(MEASURED.values()),
+    output:
+        f"{RESULTS}/tables/measured_fit.csv",
+    log:
+        f"{RESULTS}/logs/fit_measured.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/fit_measured.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        study=config["study"],
+        rocks=ROCKS,
+        seating_stress_MPa=config["seating_stress_MPa"],
+        code=ANALYSIS_CODE,
+    message:
+        "Find the realisations that fit the measured curves best"
+    script:
+        "../scripts/fit_measured.py"
+
+
 rule judge_claims:
     input:
         study=f"{RESULTS}/study.nc",

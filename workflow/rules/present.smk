@@ -28,9 +28,11 @@ rule write_tables:
 rule draw_figures:
     input:
         study=f"{RESULTS}/study.nc",
-        intervals=f"{RESULTS}/tables/table_3_indifference.csv" if VARIED else [],
+        intervals=f"{RESULTS}/tables/table_3_indifference.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
         surfaces=f"{RESULTS}/cases/{next(iter(CASES))}.0.surfaces.nc",
+        curves=list(MEASURED.values()),
+        fits=f"{RESULTS}/tables/measured_fit.csv" if MEASURED else [],
     output:
         *[
             report(
@@ -48,6 +50,7 @@ rule draw_figures:
     conda:
         ENVIRONMENT
     params:
+        study=config["study"],
         rocks=ROCKS,
         seating_stress_MPa=config["seating_stress_MPa"],
         wall_strength_ratio=config["output"]["wall_strength_ratio"],

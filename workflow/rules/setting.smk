@@ -2,8 +2,15 @@
 from pathlib import Path
 
 from jointclosure.compilation import source_digest
-from jointclosure.dataset import read_csv
-from jointclosure.study import cases, configuration, presets, settings, wall_settings
+from jointclosure.dataset import read_csv, read_text
+from jointclosure.study import (
+    cases,
+    configuration,
+    measured,
+    presets,
+    settings,
+    wall_settings,
+)
 
 ROOT = Path(workflow.basedir)
 for file in workflow.configfiles:
@@ -28,6 +35,11 @@ BLOCKS = {str(block.start): block for block in cases.blocks_of(config)}
 SURFACES = {case.surface for case in CASES.values()}
 ROCKS = {name: config["rocks"][name] for name in config["study"]["rocks"]}
 AUTO = configuration.choice_tolerance(config) is not None
+# measured curves are read here, so that what is wrong with one is said before any job
+MEASURED = {
+    name: config["rocks"][name]["measured"]["file"]
+    for name in measured.measured_curves(config, read_text)
+}
 VARIED = any(values for rock in ROCKS.values() for values in rock["levels"].values())
 TABLES = [
     "table_1_rocks.csv",
@@ -39,17 +51,14 @@ TABLES = [
     "max_closure.csv",
     "claims.csv",
     "checks.csv",
+    *(["measured_fit.csv"] if MEASURED else []),
 ]
 FIGURES = [
     "fig_3_equivalent_stress",
     "fig_5_closure",
     "wall_pair",
-    "table_3_intervals",
-    "trends_max_closure",
+    *(["table_3_intervals", "trends_max_closure"] if VARIED else []),
 ]
-if not VARIED:  # no intervals to be found
-    TABLES = ["max_closure.csv", "checks.csv"]
-    FIGURES = ["fig_3_equivalent_stress", "fig_5_closure", "wall_pair"]
 
 # An edit in the package re-runs the rules whose parts of it changed.
 SURFACE_CODE = source_digest(

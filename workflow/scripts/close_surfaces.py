@@ -7,6 +7,7 @@ from jointclosure import Effects
 from jointclosure.dataset import read_text, reading_netcdf, write_netcdf_blocks
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.parameters import scene_name
+from jointclosure.progress import Countdown
 from jointclosure.study.cases import Case
 from jointclosure.study.ensemble import close_surfaces, closing_arguments
 from jointclosure.study.settings import as_text, check_settings
@@ -20,11 +21,12 @@ def main(surfaces: str, chosen: str | None, settings: dict, output: str, log: Lo
     case = Case(**settings["case"])
     with reading_netcdf(surfaces) as pairs:
         check_settings(surfaces, pairs.attrs, settings["surfaces"])
+        countdown = Countdown(case.label, pairs.sizes["realization"])
         closed = close_surfaces(
             pairs,
             case,
             **closing_arguments(told),
-            report=log,
+            report=lambda line: log(f"{line}; {countdown()}"),
             repeated_by=f"jointclosure repeat {Path(output).parents[1]} {case.label}",
         )
         marked = (block.assign_attrs(settings=as_text(settings), scene=scene) for block in closed)

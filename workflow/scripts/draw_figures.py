@@ -2,37 +2,48 @@
 
 from pathlib import Path
 
-from jointclosure.dataset import read_csv, read_netcdf, reading_netcdf, save_figure
+import numpy as np
+
+from jointclosure.dataset import read_csv, read_netcdf, read_text, reading_netcdf, save_figure
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.plotting import study as plotting
+from jointclosure.plotting.measured import Measurements
+from jointclosure.study.measured import measured_curves
 from jointclosure.tables import roughness_title
 
 
 def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None:
     """Write each figure to those of the outputs that bear its name."""
+    measured = Measurements()
+    if inputs["fits"]:
+        measured = Measurements(measured_curves(settings, read_text), read_csv(inputs["fits"]))
     with reading_netcdf(inputs["study"]) as dataset:
-        study = dataset.isel(realization=slice(plotting.MOST_DRAWN)).load()
+        drawn = np.union1d(dataset.realization.values[: plotting.MOST_DRAWN], measured.best)
+        study = dataset.sel(realization=drawn.astype(int)).load()
         log(f"curves of {study.sizes['realization']} of {dataset.sizes['realization']} surfaces")
-    closures = read_csv(inputs["closures"])
+    closures, intervals = read_csv(inputs["closures"]), read_csv(inputs["intervals"])
     surfaces = read_netcdf(inputs["surfaces"])
     rocks = settings["rocks"]
     first = next(iter(rocks.values()))
-    figures = {
-        "fig_3_equivalent_stress": plotting.equivalent_stress(),
-        "fig_5_closure": plotting.closure_figure(
-            study, rocks, 1e6 * settings["seating_stress_MPa"], settings["wall_strength_ratio"]
+    draw = {
+        "fig_3_equivalent_stress": plotting.equivalent_stress,
+        "fig_5_closure": lambda: plotting.closure_figure(
+            study,
+            rocks,
+            1e6 * settings["seating_stress_MPa"],
+            settings["wall_strength_ratio"],
+            measured,
         ),
-        "wall_pair": plotting.wall_pair_figure(
+        "wall_pair": lambda: plotting.wall_pair_figure(
             surfaces.upper.values[0],
             surfaces.lower.values[0],
             surfaces.attrs["spacing_m"],
             f"{first['title']}, {roughness_title(first)}, realisation 0",
         ),
+        "table_3_intervals": lambda: plotting.interval_figure(intervals, rocks),
+        "trends_max_closure": lambda: plotting.trend_figure(closures, study, rocks),
     }
-    if inputs["intervals"]:
-        intervals = read_csv(inputs["intervals"])
-        figures["table_3_intervals"] = plotting.interval_figure(intervals, rocks)
-        figures["trends_max_closure"] = plotting.trend_figure(closures, study, rocks)
+    figures = {name: draw[name]() for name in {Path(output).stem for output in outputs}}
     for output in outputs:
         save_figure(figures[Path(output).stem], output)
         log(f"drew {output}")

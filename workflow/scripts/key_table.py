@@ -21,6 +21,7 @@ with what differs: lists replace lists, everything else is merged. `make study C
 - `many_realizations.yaml`: 100,000 small joints of one case ([docs/clusters.md](../docs/clusters.md)).
 - `measured_wall.yaml`: a rock whose walls were scanned ([measured walls](../docs/measured_walls.md)).
 - `hard_cases.yaml`: joints that are hard on a solver (`make hard-cases`); it has a schema of its own.
+- `my_rock.yaml`: a worked example of a study of one's own, with a measured curve ([how to](../docs/own_rock.md)).
 
 A rock of your own is an entry under `rocks` and its name in `study.rocks`:
 

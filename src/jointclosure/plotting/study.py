@@ -7,9 +7,10 @@ import seaborn as sns
 import xarray as xr
 from matplotlib.figure import Figure
 
-from jointclosure.empirical import barton_bandis
+from jointclosure.empirical import barton_bandis, law_holds
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
-from jointclosure.study.ensemble import succeeded
+from jointclosure.plotting.measured import Measurements, draw_measured, measured_handles
+from jointclosure.study.ensemble import seats, succeeded
 from jointclosure.tables import PARAMETER_TITLES, roughness_title
 
 _CYCLE_COLOURS = dict(enumerate(sns.color_palette("colorblind", 8), start=1))
@@ -71,14 +72,18 @@ def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title
 def closest_to_mean(study: xr.Dataset, case: str, seating_stress: float) -> int:
     """Realisation of least RMS distance to the mean curve of the first cycle, since seating."""
     base = study.sel(case=case).where(succeeded(study).sel(case=case))
-    curves = (base.closure - _seats(base)).isel(cycle=0)
+    curves = (base.closure - seats(base)).isel(cycle=0)
     curves = curves.where(curves.stress > seating_stress)
     distance = np.square(curves - curves.mean("realization")).mean(("branch", "stress"))
     return int(study.realization.values[int(distance.argmin("realization"))])
 
 
 def closure_figure(
-    study: xr.Dataset, rocks: dict[str, dict], seating_stress: float, strength_ratio: float
+    study: xr.Dataset,
+    rocks: dict[str, dict],
+    seating_stress: float,
+    strength_ratio: float,
+    measured: Measurements = Measurements(),
 ) -> Figure:
     """Closure curves of each rock's base case, as in the paper's Fig. 5.
 
@@ -91,11 +96,14 @@ def closure_figure(
     seating_stress : float
         From which each cycle's loading counts [Pa].
     strength_ratio : float
-        sigma_c/JCS of the Barton-Bandis law.
+        sigma_c/JCS of the Barton-Bandis law, drawn where it holds.
+    measured : Measurements
+        Measured curves, and the realisations that fit them best.
     """
     columns = min(2, len(rocks))
     rows = -(-len(rocks) // columns)
-    cycles = [int(c) for c in study.cycle.values[:2]]
+    cycles = [int(c) for c in study.cycle.values[: max(2, measured.cycles)]]
+    lawful = False
     figure, panels = plt.subplots(
         rows, columns, figsize=(5.6 * columns, 4.2 * rows), layout="constrained", squeeze=False
     )
@@ -106,9 +114,9 @@ def closure_figure(
         chosen = closest_to_mean(study, case, seating_stress)
         base = study.sel(case=case).where(succeeded(study).sel(case=case))
         stress = 1e-6 * study.stress.values
-        seats = _seats(base)
+        seated = seats(base)
         for cycle in cycles:
-            curves = base.closure.sel(cycle=cycle) - seats.sel(cycle=cycle)
+            curves = base.closure.sel(cycle=cycle) - seated.sel(cycle=cycle)
             colour = _CYCLE_COLOURS[cycle]
             for branch in ("loading", "unloading"):
                 every = 1e3 * curves.sel(branch=branch)
@@ -124,15 +132,18 @@ def closure_figure(
                     )
                 axes.plot(x.T, y, color=colour, lw=0.4, alpha=0.25)
                 axes.plot(line, y, color=colour, lw=2.0, ls="-" if branch == "loading" else "--")
-        for cycle in cycles if not rock.get("walls") else []:
+        if rock_has_law := not rock.get("walls") and law_holds(rock["jrc"]):
+            lawful = True
+        for cycle in cycles[:2] if rock_has_law else ():
             law = barton_bandis(
                 rock["jrc"], 1e6 * rock["compressive_strength_MPa"], strength_ratio, cycle
             )
             axes.plot(
                 1e3 * law.closure(1e6 * stress), stress, color="0.2", lw=1.2, ls=(0, (1, 1.5))
             )
+        fitted = draw_measured(axes, measured, name, base, seating_stress)
         axes.set(
-            title=f"{rock['title']}, {roughness_title(rock)}{_assumed(rock)}",
+            title=f"{rock['title']}, {roughness_title(rock)}{_assumed(rock)}{fitted}",
             ylim=(0.0, 1.02 * float(rock["max_normal_stress_MPa"])),
             xlabel=f"closure since {1e-6 * seating_stress:g} MPa of the cycle's loading (mm)",
             ylabel="normal stress (MPa)",
@@ -146,10 +157,15 @@ def closure_figure(
         plt.Line2D([], [], color="0.5", lw=0.6, alpha=0.6, label=_surfaces(study)),
         plt.Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="mean ± 1 standard deviation"),
     ]
-    if not all(rock.get("walls") for rock in rocks.values()):  # the law needs a JRC
+    if lawful:
         label = "Barton-Bandis law, cycles 1 and 2 (empirical, for mated joints)"
         handles.append(plt.Line2D([], [], color="0.2", lw=1.2, ls=(0, (1, 1.5)), label=label))
-    figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
+    handles += measured_handles(measured)
+    place = {"loc": "outside lower center", "ncols": 3}
+    if columns == 1:  # one rock: the legend has the place of the second
+        figure.set_figwidth(2 * figure.get_figwidth())
+        place = {"loc": "outside right center"}
+    figure.legend(handles=handles, frameon=False, **place)
     sns.despine(figure)
     return figure
 
@@ -160,14 +176,8 @@ def _assumed(rock: dict) -> str:
     return f" (maximum of {rock['max_normal_stress_MPa']:g} MPa is an assumption)"
 
 
-def _seats(base: xr.Dataset) -> xr.DataArray:
-    """Closures (realization, cycle) from first touch at which cycles' loadings seat [m]."""
-    start = base.residual_closure.shift(cycle=1, fill_value=0.0)
-    return start + base.max_closure - base.max_closure_seated
-
-
 def interval_figure(table: pd.DataFrame, rocks: dict[str, dict]) -> Figure:
-    """Indifference intervals, ours against the paper's, by parameter and cycle."""
+    """Indifference intervals, ours against the paper's where it has any, by parameter and cycle."""
     parameters = list(dict.fromkeys(table.parameter))
     cycles = sorted(table.cycle.unique())
     figure, panels = plt.subplots(
@@ -182,32 +192,33 @@ def interval_figure(table: pd.DataFrame, rocks: dict[str, dict]) -> Figure:
     for row, cycle in zip(panels, cycles, strict=True):
         for axes, parameter in zip(row, parameters, strict=True):
             part = table[(table.parameter == parameter) & (table.cycle == cycle)].set_index("rock")
-            part = part.reindex(names)
-            _draw_intervals(axes, part)
+            _draw_intervals(axes, part.reindex(names))
             axes.set_xticks(range(len(names)), [rocks[n]["title"] for n in names], rotation=35)
             axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=9)
-            unit = part.unit.dropna()
-            axes.set_ylabel(f"length{_UNITS[unit.iloc[0]] if unit.size else ''}")
+            axes.set_ylabel(f"length{_UNITS[str(part.unit.iloc[0])] if len(part) else ''}")
     handles = [
         plt.Line2D([], [], marker="o", ls="", color="C0", label="this study, with 95 % bootstrap"),
         plt.Line2D(
             [], [], marker="o", ls="", mfc="none", color="C0", label="the same, extrapolated root"
         ),
         plt.Line2D([], [], marker="^", ls="", color="C2", ms=5, label="net of bulk indentation"),
-        plt.Line2D([], [], marker="D", ls="", color="C1", label="the paper"),
         plt.Line2D([], [], marker="x", ls="", color="0.4", label="no real root"),
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=5, frameon=False)
+    if "paper_length" in table:
+        handles.insert(3, plt.Line2D([], [], marker="D", ls="", color="C1", label="the paper"))
+    columns = min(len(handles), max(1, int(1.4 * len(parameters))))
+    figure.legend(handles=handles, loc="outside lower center", ncols=columns, frameon=False)
     sns.despine(figure)
     return figure
 
 
 def _draw_intervals(axes, part: pd.DataFrame) -> None:
-    highest = np.nanmax(
-        part[["length", "length_net", "paper_length"]].to_numpy(dtype=float), initial=0.0
-    )
+    drawn = part.columns.intersection(["length", "length_net", "paper_length"])
+    highest = np.nanmax(part[drawn].to_numpy(dtype=float), initial=0.0)
     top = 1.35 * highest if highest > 0.0 else 1.0
     for i, row in enumerate(part.itertuples()):
+        if pd.isna(row.unit):  # the parameter is not varied for that rock
+            continue
         if pd.notna(getattr(row, "paper_length", np.nan)):
             axes.plot(i + 0.22, row.paper_length, "D", color="C1", ms=5)
         if pd.isna(row.length):

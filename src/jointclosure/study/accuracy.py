@@ -7,7 +7,6 @@ surfaces at all levels of one rock property, so that its indifference interval
 can be followed too.
 """
 
-import copy
 import json
 import re
 from collections.abc import Callable, Iterator
@@ -28,6 +27,7 @@ from jointclosure.study.configuration import (
     ConfigurationError,
     choices_of,
     effects_of,
+    merged,
     numerics_of,
 )
 from jointclosure.study.timing import timed_simulation, walls_of
@@ -55,16 +55,6 @@ class Setting(NamedTuple):
     value: float | str
     run: str
     configuration: dict
-
-
-def merged(*settings: dict) -> dict:
-    """Nested settings, later ones over earlier ones."""
-    answer: dict = {}
-    for each in settings:
-        for key, value in each.items():
-            nested = isinstance(value, dict) and isinstance(answer.get(key), dict)
-            answer[key] = merged(answer[key], value) if nested else copy.deepcopy(value)
-    return answer
 
 
 def settings_of(configuration: dict) -> list[Setting]:

@@ -13,7 +13,14 @@ PARAMETERS = ("poisson_ratio", "youngs_modulus", "compressive_strength", "jrc")
 """In the order of the paper's Table 3."""
 
 
-_NOT_PHYSICAL = ("title", "levels", "effects", "max_normal_stress_is_assumed", "walls")
+_NOT_PHYSICAL = (
+    "title",
+    "levels",
+    "effects",
+    "measured",
+    "walls",
+    "max_normal_stress_is_assumed",
+)
 
 
 class Case(NamedTuple):

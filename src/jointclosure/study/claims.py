@@ -17,11 +17,14 @@ REPRODUCED, NOT_REPRODUCED, CANNOT_BE_JUDGED = (
     "cannot be judged",
 )
 
+HOLDS, DOES_NOT_HOLD = "holds", "does not hold"
+"""Verdicts where none of the study's rocks is the paper's: there is nothing to reproduce."""
+
 
 class Evidence(NamedTuple):
     """What claims are judged by.
 
-    ``intervals``: the indifference table, with the paper's lengths;
+    ``intervals``: the indifference table, with the paper's lengths where it has a rock of it;
     ``closures``: the maximum-closure table; ``study``: the dataset.
     """
 
@@ -31,15 +34,27 @@ class Evidence(NamedTuple):
 
     @property
     def rocks(self) -> list[str]:
-        return list(dict.fromkeys(self.intervals.rock))
+        return list(dict.fromkeys(self.study.rock.values.tolist()))
+
+    @property
+    def has_the_papers_rocks(self) -> bool:
+        return "paper_percent" in self.intervals
 
 
 def judge_claims(evidence: Evidence) -> pd.DataFrame:
-    """All claims with the paper's figures, ours, and a verdict."""
-    return pd.DataFrame(
+    """All claims with the paper's figures, ours, and a verdict.
+
+    In a study of other rocks only, the same rules ask whether the paper's claims
+    hold for these: without its figures, and without what cannot be judged.
+    """
+    table = pd.DataFrame(
         [row for claims in _CLAIMS for row in claims(evidence)],
         columns=["number", "claim", "paper", "ours", "verdict"],
     )
+    if evidence.has_the_papers_rocks:
+        return table
+    table = table[table.verdict != CANNOT_BE_JUDGED].drop(columns="paper")
+    return table.replace({"verdict": {REPRODUCED: HOLDS, NOT_REPRODUCED: DOES_NOT_HOLD}})
 
 
 def _row(number: str, claim: str, paper: str, holds: dict[str, tuple[bool | None, str]]) -> dict:
@@ -74,7 +89,9 @@ def _listed(percents: dict) -> str:
 
 
 def _paper_percents(evidence: Evidence, parameter: str, cycle: int) -> str:
-    table = evidence.intervals
+    if not evidence.has_the_papers_rocks:
+        return ""
+    table = evidence.intervals[evidence.intervals.in_paper]
     part = table[(table.parameter == parameter) & (table.cycle == cycle)]
     shown = [
         f"{row.rock} {'none' if np.isnan(row.paper_percent) else f'{row.paper_percent:g} %'}"

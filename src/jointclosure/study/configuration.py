@@ -1,5 +1,6 @@
 """Check a merged configuration, before anything is computed from it."""
 
+import copy
 import difflib
 import itertools
 from collections.abc import Iterator
@@ -29,6 +30,16 @@ _AUTO_TOLERANCE = 0.02
 
 class ConfigurationError(InputError):
     """A configuration that cannot be run; the message lists all that is wrong."""
+
+
+def merged(*settings: dict) -> dict:
+    """Nested settings, later ones over earlier ones."""
+    answer: dict = {}
+    for each in settings:
+        for key, value in each.items():
+            nested = isinstance(value, dict) and isinstance(answer.get(key), dict)
+            answer[key] = merged(answer[key], value) if nested else copy.deepcopy(value)
+    return answer
 
 
 def read_schema(path: str | Path) -> dict:
@@ -83,11 +94,9 @@ def checked(configuration: dict, schema: dict) -> dict:
 def schema_problems(configuration: dict, schema: dict) -> list[str]:
     """What a configuration has against its schema, one line each."""
     validator = jsonschema.Draft202012Validator(schema)
-    return [
-        line
-        for error in sorted(validator.iter_errors(configuration), key=lambda e: list(e.path))
-        for line in _explained(error)
-    ]
+    errors = sorted(validator.iter_errors(configuration), key=lambda e: list(e.path))
+    # a line lists all that a section lacks, of which each is an error
+    return list(dict.fromkeys(line for error in errors for line in _explained(error)))
 
 
 def effects_of(configuration: dict, rock: str | None = None) -> Effects:

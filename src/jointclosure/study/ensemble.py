@@ -255,6 +255,12 @@ def succeeded(study: xr.Dataset) -> xr.DataArray:
     return study.status < FAILURE
 
 
+def seats(study: xr.Dataset) -> xr.DataArray:
+    """Closures (..., cycle) from first touch at which cycles' loadings seat [m]."""
+    start = study.residual_closure.shift(cycle=1, fill_value=0.0)
+    return start + study.max_closure - study.max_closure_seated
+
+
 def _row(
     closed: xr.Dataset,
     stresses: np.ndarray,

@@ -23,6 +23,23 @@ SHOWN_UNITS = {
 """Unit of each parameter in tables, and its size in SI."""
 
 
+_ROW = ("rock", "parameter", "cycle", "unit", "base", "samples")
+_CORRELATION = ("rock", "parameter", "unit", "cycle", "samples", "b", "c", "d", "b_s", "c_s", "d_s")
+_CORRELATION += ("lack_of_fit_p",)
+_FOUND = (
+    "length",
+    "percent",
+    "root",
+    "extrapolated",
+    "status",
+    "length_low",
+    "length_high",
+    "share_without_root",
+    "linear_length",
+)
+"""Columns of an interval, with the suffix ``_net`` those net of bulk indentation."""
+
+
 class Response(NamedTuple):
     """A target (level, realization) [m] against one parameter of one rock, in SI.
 
@@ -127,7 +144,7 @@ def correlation_table(study: xr.Dataset) -> pd.DataFrame:
                 ),
             }
         )
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows, columns=_CORRELATION)
 
 
 def indifference_table(study: xr.Dataset, statistics: dict, root_seed: int, paired: bool):
@@ -163,7 +180,8 @@ def indifference_table(study: xr.Dataset, statistics: dict, root_seed: int, pair
         for suffix, response in (("", gross), ("_net", net)):
             row |= _interval(response, size, statistics, root_seed, paired, suffix)
         rows.append(row)
-    return pd.DataFrame(rows)
+    columns = [*_ROW, *(f"{name}{suffix}" for suffix in ("", "_net") for name in _FOUND)]
+    return pd.DataFrame(rows, columns=columns)
 
 
 def _interval(response, size, statistics, root_seed, paired, suffix) -> dict:

@@ -1,0 +1,189 @@
+"""`jointclosure doctor`: is the environment fit for a study, and what to do where it is not."""
+
+import importlib.metadata
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import psutil
+
+from jointclosure import Choices, Effects
+from jointclosure.compilation import cache_folder, compiles
+from jointclosure.progress import duration
+from jointclosure.warmup import compile_kernels
+
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+_PACKAGES = ("numpy", "numba", "scipy", "xarray", "netCDF4", "pandas", "matplotlib", "snakemake")
+_PYTHONS = ((3, 11), (3, 13))
+_MEMORY_OF_A_JOB = 0.5e9
+"""Bytes of a job of the paper's study, 331 to 386 MB measured, rounded up."""
+_DISK_OF_A_STUDY = 1e9
+"""Bytes that a study may take: the paper's takes 0.2 GB, most of it surfaces."""
+
+
+class Finding(NamedTuple):
+    """What was looked at, what was found, and what to do if that is not well."""
+
+    what: str
+    found: str
+    advice: str = ""
+
+
+def add_to(commands) -> None:
+    """Declare the command and its arguments."""
+    command = commands.add_parser(
+        "doctor",
+        help="is the environment fit for a study, and what to do where it is not",
+        description="Versions, cores, thread settings, compiled kernels, memory, results folder "
+        "and Snakemake, each with advice where it is not well. Run it where `make study` is run; "
+        "it changes nothing, and fails where something is not well.",
+    )
+    command.add_argument(
+        "--try",
+        dest="attempt",
+        action="store_true",
+        help="close a small joint too (which compiles its kernels, if they are not: a minute)",
+    )
+    command.set_defaults(run=run)
+
+
+def run(arguments) -> int:
+    """Print all findings; 1 where any has an advice."""
+    unwell = 0
+    for finding in findings(Path.cwd(), arguments.attempt):
+        mark = "!" if finding.advice else " "
+        print(f"{mark} {finding.what + ':':<18}{finding.found}", flush=True)
+        if finding.advice:
+            unwell += 1
+            print(f"{'':20}-> {finding.advice}")
+    print(f"\n{unwell} to look at" if unwell else "\nall is well")
+    return 1 if unwell else 0
+
+
+def findings(folder: Path, attempt: bool) -> Iterator[Finding]:
+    """All that is looked at, one by one, for a study run in a folder."""
+    yield _python()
+    yield _versions()
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    yield Finding("cores", f"{cores} for this process, {os.cpu_count()} of the machine")
+    yield _threads(cores)
+    yield _memory(cores)
+    yield _cache()
+    if attempt:
+        yield _attempt()
+    yield _results(folder)
+    yield _snakemake(folder)
+
+
+def _python() -> Finding:
+    found = f"{platform.python_version()} at {sys.executable}"
+    low, high = _PYTHONS
+    if low <= sys.version_info[:2] <= high:
+        return Finding("python", found)
+    return Finding("python", found, "use Python 3.11 to 3.13: make clean setup PYTHON=python3.12")
+
+
+def _versions() -> Finding:
+    own = importlib.metadata.version("jointclosure")
+    versions = {name: importlib.metadata.version(name) for name in _PACKAGES}
+    listed = ", ".join(f"{name} {version}" for name, version in versions.items())
+    return Finding("packages", f"jointclosure {own}; {listed}")
+
+
+def _threads(cores: int) -> Finding:
+    told = {name: os.environ.get(name) for name in THREADS}
+    found = ", ".join(f"{name}={value or 'unset'}" for name, value in told.items())
+    if cores == 1 or all(value == "1" for value in told.values()):
+        return Finding("threads", found)
+    return Finding(
+        "threads",
+        found,
+        "jobs that run side by side slow each other down unless each has one thread: set all to "
+        "1 (make does that by itself; .ci/environment has the line for a shell)",
+    )
+
+
+def _memory(cores: int) -> Finding:
+    memory = psutil.virtual_memory()
+    found = f"{memory.available / 1e9:.1f} of {memory.total / 1e9:.1f} GB free"
+    jobs = int(memory.available / _MEMORY_OF_A_JOB)
+    if jobs >= cores:
+        return Finding("memory", found)
+    return Finding(
+        "memory",
+        found,
+        f"a job takes up to {_MEMORY_OF_A_JOB / 1e9:g} GB: make study CORES={max(jobs, 1)}",
+    )
+
+
+def _cache() -> Finding:
+    folder = cache_folder()
+    found = f"{folder}: {_kernels(folder)}"
+    older = [path for path in folder.parent.glob("numba-*") if path != folder]
+    if older:
+        size = sum(_size(path) for path in older)
+        found += f"; {len(older)} of other versions, {size / 1e6:.0f} MB, can be deleted"
+    place = next(path for path in (folder, *folder.parents) if path.exists())
+    if not os.access(place, os.W_OK):
+        return Finding(
+            "compiled kernels", found, "not writable: set JOINTCLOSURE_CACHE to a folder that is"
+        )
+    return Finding("compiled kernels", found)
+
+
+def _kernels(folder: Path) -> str:
+    number = sum(1 for _ in folder.rglob("*.nbi")) if folder.is_dir() else 0
+    if not number:
+        return "cold; the first joint compiles them, which takes up to a minute"
+    return f"warm, {number} kernels, {_size(folder) / 1e6:.0f} MB"
+
+
+def _size(folder: Path) -> int:
+    return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
+
+
+def _attempt() -> Finding:
+    start, before = time.perf_counter(), compiles()
+    compile_kernels(Effects(), Choices(), "fast", "fixed_step")
+    took = f"a small joint closed in {duration(time.perf_counter() - start)}"
+    return Finding("trial", took + (", kernels compiled" if compiles() > before else ""))
+
+
+def _results(folder: Path) -> Finding:
+    results = folder / "results"
+    place = results if results.exists() else folder
+    free = shutil.disk_usage(place).free
+    found = f"{results}, {free / 1e9:.1f} GB free"
+    try:
+        with tempfile.NamedTemporaryFile(dir=place):
+            pass
+    except OSError as error:
+        return Finding("results", f"{found}, {error.strerror}", f"make {place} writable")
+    if free < _DISK_OF_A_STUDY:
+        return Finding("results", found, "a study may take a gigabyte: make room")
+    return Finding("results", found)
+
+
+def _snakemake(folder: Path) -> Finding:
+    """Whether it starts, and plans the smoke study where its Snakefile is."""
+    start = time.perf_counter()
+    command = [sys.executable, "-m", "snakemake", "--version"]
+    here = (folder / "Snakefile").is_file() and (folder / "config/smoke.yaml").is_file()
+    if here:
+        profile = ["--workflow-profile", "workflow/profiles/default"]
+        smoke = ["--configfile", "config/smoke.yaml", "--dry-run", "--quiet", "all"]
+        command = [*command[:-1], *profile, *smoke]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder)
+    took = duration(time.perf_counter() - start)
+    if answer.returncode == 0:
+        did = "plans the smoke study" if here else f"{answer.stdout.strip()} starts; no study here"
+        return Finding("snakemake", f"{did}, in {took}")
+    said = (answer.stderr.strip() or answer.stdout.strip() or "said nothing").splitlines()
+    return Finding("snakemake", said[-1], "make clean setup sets up the environment again")

@@ -1,0 +1,106 @@
+"""Measured closure curves in a panel of the closure figure, and what fits them best."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import NamedTuple
+
+import matplotlib.pyplot as plt
+import pandas as pd
+import seaborn as sns
+import xarray as xr
+
+from jointclosure.study.ensemble import seats
+from jointclosure.study.measured import FIT_COLUMNS, MeasuredCurve, best_fits
+
+_MARKERS = "osD^v"
+_DARK = dict(enumerate(sns.color_palette("dark", 8), start=1))
+
+
+class Measurements(NamedTuple):
+    """Measured curves by rock, and the fits of `jointclosure.study.measured.fit_table`."""
+
+    curves: Mapping[str, MeasuredCurve] = MappingProxyType({})
+    fits: pd.DataFrame = pd.DataFrame(columns=FIT_COLUMNS)
+
+    @property
+    def cycles(self) -> int:
+        """The last cycle that was measured, 0 where none was."""
+        return max((curve.cycles[-1] for curve in self.curves.values()), default=0)
+
+    @property
+    def best(self) -> list[int]:
+        """Realisations that fit some curve best: these are drawn, however many there are."""
+        return self.fits.best_realization.dropna().astype(int).tolist()
+
+
+def draw_measured(
+    axes, measured: Measurements, rock: str, base: xr.Dataset, seating_stress: float
+) -> str:
+    """Draw a rock's measured curve and each cycle's best realisation; what to say of its misfit.
+
+    Parameters
+    ----------
+    axes : Axes
+        Closure [mm] since seating, and stress [MPa].
+    measured : Measurements
+    rock : str
+        Draws nothing for one without a measured curve.
+    base : Dataset
+        The rock's base case, over (realization, cycle, branch, stress).
+    seating_stress : float
+        From which each cycle's loading counts [Pa].
+
+    Returns
+    -------
+    str
+        A line for the title, empty where nothing was measured.
+    """
+    if rock not in measured.curves:
+        return ""
+    curve = measured.curves[rock]
+    for cycle in curve.cycles:
+        closures, stresses = [0.0], [seating_stress]
+        for _, stress, closure in curve.since_seating(cycle, seating_stress):
+            closures += closure.tolist()
+            stresses += stress.tolist()
+        axes.plot([1e3 * c for c in closures], [1e-6 * s for s in stresses], "k-", lw=1.6, zorder=5)
+    seated, said = seats(base), []
+    for cycle, realization, misfit, percent in best_fits(measured.fits, rock):
+        best = base.closure.sel(cycle=cycle, realization=realization)
+        best = 1e3 * (best - seated.sel(cycle=cycle, realization=realization))
+        for branch in ("loading", "unloading"):
+            shown = base.stress.values > (seating_stress if branch == "loading" else -1.0)
+            axes.plot(
+                best.sel(branch=branch).values[shown],
+                1e-6 * base.stress.values[shown],
+                **_style(cycle),
+            )
+        said.append(f"cycle {cycle} {misfit:.2g} mm ({percent:.2g} %)")
+    if not said:
+        return "\nno realisation reaches all measured stresses"
+    return f"\nRMS misfit of the best: {', '.join(said)}"
+
+
+def _style(cycle: int) -> dict:
+    return {
+        "color": _DARK[1 + (cycle - 1) % len(_DARK)],
+        "ls": "",
+        "marker": _MARKERS[(cycle - 1) % len(_MARKERS)],
+        "ms": 3.2,
+        "markevery": 2,
+        "zorder": 4,
+    }
+
+
+def measured_handles(measured: Measurements) -> list:
+    """Entries of the legend: nothing where nothing was measured."""
+    if not measured.curves:
+        return []
+    cycles = range(1, measured.cycles + 1)
+    return [
+        plt.Line2D([], [], color="k", lw=1.6, label="measured"),
+        *(
+            plt.Line2D([], [], label=f"surface that fits cycle {cycle} best", **_style(cycle))
+            for cycle in cycles
+        ),
+    ]

@@ -1,0 +1,92 @@
+"""`jointclosure doctor`: says what it found, and what to do where something is not well."""
+
+import pytest
+
+from jointclosure import cli
+from jointclosure.commands import doctor
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    """Without the start of Snakemake, which takes seconds and is tested by itself."""
+    monkeypatch.setattr(doctor, "_snakemake", lambda folder: doctor.Finding("snakemake", "starts"))
+
+
+@pytest.fixture
+def one_thread(monkeypatch):
+    for name in doctor.THREADS:
+        monkeypatch.setenv(name, "1")
+
+
+def test_a_sound_environment_has_no_advice(quick, one_thread, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["doctor"]) == 0
+    out = capsys.readouterr().out
+    assert "all is well" in out
+    assert "->" not in out
+    for what in ("python", "packages", "cores", "threads", "memory", "compiled kernels", "results"):
+        assert f"{what}:" in out
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_threads_that_are_not_set_get_an_advice(quick, one_thread, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(doctor.os, "sched_getaffinity", lambda process: {0, 1}, raising=False)
+    monkeypatch.delenv("OMP_NUM_THREADS")
+    assert cli.main(["doctor"]) == 1
+    out = capsys.readouterr().out
+    assert "OMP_NUM_THREADS=unset" in out
+    assert "set all to 1" in out
+    assert "1 to look at" in out
+
+
+def test_a_core_of_its_own_needs_no_setting(one_thread, monkeypatch):
+    monkeypatch.delenv("OMP_NUM_THREADS")
+    assert doctor._threads(1).advice == ""
+
+
+def test_little_memory_means_fewer_jobs(monkeypatch):
+    class Memory:
+        available, total = 1.2e9, 4e9
+
+    monkeypatch.setattr(doctor.psutil, "virtual_memory", Memory)
+    assert doctor._memory(2).advice == ""
+    assert "CORES=2" in doctor._memory(8).advice
+
+
+def test_results_that_cannot_be_written_get_an_advice(tmp_path, monkeypatch):
+    def refuse(dir):
+        raise OSError(30, "Read-only file system")
+
+    monkeypatch.setattr(doctor.tempfile, "NamedTemporaryFile", refuse)
+    finding = doctor._results(tmp_path)
+    assert "Read-only file system" in finding.found
+    assert "writable" in finding.advice
+
+
+def test_a_cold_cache_is_said_and_older_ones_are_counted(tmp_path, monkeypatch):
+    folder = tmp_path / "numba-now"
+    monkeypatch.setattr(doctor, "cache_folder", lambda: folder)
+    assert "cold" in doctor._cache().found
+    older = tmp_path / "numba-before"
+    older.mkdir()
+    (older / "a.nbi").write_bytes(b"x" * 2_000_000)
+    folder.mkdir()
+    (folder / "b.nbi").write_bytes(b"x" * 1_000_000)
+    found = doctor._cache().found
+    assert "warm, 1 kernels, 1 MB" in found
+    assert "1 of other versions, 2 MB" in found
+
+
+def test_snakemake_starts(tmp_path):
+    finding = doctor._snakemake(tmp_path)
+    assert finding.advice == ""
+    assert "starts" in finding.found
+
+
+def test_the_last_line_of_a_snakemake_that_does_not_start_is_said(tmp_path):
+    (tmp_path / "config").mkdir()
+    (tmp_path / "config/smoke.yaml").write_text("")
+    (tmp_path / "Snakefile").write_text("this is no rule\n")
+    finding = doctor._snakemake(tmp_path)
+    assert finding.advice

@@ -1,0 +1,71 @@
+"""Progress: shown on a terminal, silent elsewhere."""
+
+import io
+
+import pytest
+
+from jointclosure import progress
+from jointclosure.progress import Countdown, bar, duration
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """A clock that goes on by two seconds at each look."""
+    seconds = iter(range(0, 1000, 2))
+    monkeypatch.setattr(progress.time, "monotonic", lambda: float(next(seconds)))
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(0.4, "0 s"), (59.4, "59 s"), (59.6, "1 min 0 s"), (125, "2 min 5 s"), (3600, "1 h 0 min"),
+     (12000, "3 h 20 min")],
+)  # fmt: skip
+def test_durations_are_said_as_people_say_them(seconds, text):
+    assert duration(seconds) == text
+
+
+def test_the_rest_is_estimated_from_what_is_done(clock):
+    count = Countdown("one", 10, io.StringIO())
+    assert count() == "1 of 10 done, about 18 s left"
+    assert count() == "2 of 10 done, about 16 s left"
+
+
+def test_a_terminal_gets_a_line_every_ten_seconds(clock):
+    terminal = Terminal()
+    count = Countdown("one", 12, terminal)
+    for _ in range(12):
+        count()
+    assert terminal.getvalue().splitlines() == [
+        "one: 6 of 12 done, about 12 s left",
+        "one: 12 of 12 done, about 0 s left",
+    ]
+
+
+def test_what_is_no_terminal_gets_nothing(clock):
+    stream = io.StringIO()
+    count = Countdown("one", 50, stream)
+    for _ in range(50):
+        count()
+    assert stream.getvalue() == ""
+
+
+def test_a_bar_is_drawn_on_a_terminal_alone(capfd, monkeypatch):
+    for terminal in (False, True):
+        monkeypatch.setattr(progress, "Console", console(terminal))
+        with bar("closing") as show:
+            show(0.5, "cycle 1 of 2, loading")
+        out, err = capfd.readouterr()
+        assert out == ""
+        assert ("cycle 1 of 2, loading" in err) == terminal
+        assert bool(err) == terminal
+
+
+def console(terminal):
+    from rich.console import Console
+
+    return lambda stderr: Console(stderr=stderr, force_terminal=terminal)

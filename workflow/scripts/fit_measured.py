@@ -1,0 +1,23 @@
+"""Find the realisations that fit the measured curves best."""
+
+from jointclosure.dataset import read_text, reading_netcdf, write_csv
+from jointclosure.logbook import Logbook, logging_to
+from jointclosure.study.measured import fit_table, measured_curves
+
+
+def main(study: str, settings: dict, output: str, log: Logbook) -> None:
+    """Write the best fit of each rock with a measured curve, cycle by cycle."""
+    curves = measured_curves(settings, read_text)
+    with reading_netcdf(study) as dataset:
+        fits = fit_table(dataset, curves, 1e6 * settings["seating_stress_MPa"])
+    write_csv(fits, output)
+    for row in fits.itertuples():
+        log(
+            f"{row.rock}, cycle {row.cycle}: realisation {row.best_realization}, "
+            f"misfit {row.misfit_mm:.3g} mm, {row.samples} samples"
+        )
+
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as logbook:
+        main(snakemake.input.study, dict(snakemake.params), snakemake.output[0], logbook)
