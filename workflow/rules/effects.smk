@@ -91,10 +91,7 @@ rule close_scene:
     conda:
         ENVIRONMENT
     params:
-        configuration=lambda wildcards: {
-            key: value for key, value in config.items() if key != "rocks"
-        }
-        | {"rocks": {wildcards.rock: config["rocks"][wildcards.rock]}},
+        configuration=lambda wildcards: configuration.of_rock(config, wildcards.rock),
         code=SOLVER_CODE,
         ablation=source_digest("study/ablation", "study/timing"),
     message:

@@ -1,7 +1,7 @@
 # Cases whose walls were measured (`rocks.<rock>.walls`): scans are read, checked and cut into joints.
 import re
 
-MEASURED = [case for case in SURFACES if ROCKS[CASES[case].rock].get("walls")]
+SCANNED = [case for case in SURFACES if ROCKS[CASES[case].rock].get("walls")]
 
 
 def wall_files(wildcards):
@@ -45,7 +45,7 @@ rule cut_surfaces:
     benchmark:
         f"{RESULTS}/benchmarks/cut_surfaces/{{case}}.{{first}}.tsv"
     wildcard_constraints:
-        case="|".join(map(re.escape, MEASURED)) or "(?!)",
+        case="|".join(map(re.escape, SCANNED)) or "(?!)",
     conda:
         ENVIRONMENT
     params:
