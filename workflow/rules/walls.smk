@@ -4,15 +4,15 @@ import re
 SCANNED = [case for case in SURFACES if ROCKS[CASES[case].rock].get("walls")]
 
 
-def wall_files(wildcards):
-    """The scans of a rock."""
-    return wall_settings.wall_files(ROCKS[wildcards.rock]["walls"])
-
-
 rule prepare_walls:
     input:
         # contents count and not the time of a file: they are among the parameters
-        lambda wildcards: [ancient(file) for file in wall_files(wildcards).values()],
+        lambda wildcards: [
+            ancient(file)
+            for file in wall_settings.wall_files(
+                ROCKS[wildcards.rock]["walls"]
+            ).values()
+        ],
     output:
         f"{RESULTS}/walls/{{rock}}.nc",
     log:
