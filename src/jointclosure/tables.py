@@ -143,7 +143,7 @@ def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd
     return pd.DataFrame.from_dict(rows, orient="index")
 
 
-def table_3_markdown(table: pd.DataFrame, titles: dict[str, str], samples: int) -> str:
+def table_3_markdown(table: pd.DataFrame, titles: dict[str, str]) -> str:
     """Table 3 of ours, ours net of bulk indentation, and the paper's, in Markdown."""
     parts = [
         ("This study", ""),
@@ -167,11 +167,11 @@ def table_3_markdown(table: pd.DataFrame, titles: dict[str, str], samples: int) 
         for parameter, row in frame.iterrows():
             lines.append(f"| {_SYMBOLS[parameter]} | " + " | ".join(row) + " |")
         lines.append("")
-    lines.append(_note(samples, "√"))
+    lines.append(_note(table, "√"))
     return "\n".join(lines) + "\n"
 
 
-def table_3_latex(table: pd.DataFrame, titles: dict[str, str], samples: int) -> str:
+def table_3_latex(table: pd.DataFrame, titles: dict[str, str]) -> str:
     """Table 3 in the paper's layout, as a LaTeX table (booktabs)."""
     if table.empty:
         return "% No parameter is varied in this study: there is no indifference interval.\n"
@@ -183,7 +183,7 @@ def table_3_latex(table: pd.DataFrame, titles: dict[str, str], samples: int) -> 
         rf"\multicolumn{{{len(titles)}}}{{c}}{{{words.get(c, f'Cycle {c}:')} loading cycle}}"
         for c in cycles
     )
-    names = " & ".join(title for _, title in frame.columns)
+    names = " & ".join(_plain_latex(title) for _, title in frame.columns)
     body = []
     for parameter, row in frame.iterrows():
         cells = [_latex(cell) for cell in row]
@@ -191,7 +191,7 @@ def table_3_latex(table: pd.DataFrame, titles: dict[str, str], samples: int) -> 
     return "\n".join(
         [
             r"\begin{table}",
-            rf"\caption{{Length of indifference intervals. {_note(samples, 'root ')}}}",
+            rf"\caption{{Length of indifference intervals. {_note(table, 'root ')}}}",
             rf"\begin{{tabular}}{{l{'c' * len(frame.columns)}}}",
             r"\toprule",
             rf" & {heads} \\",
@@ -206,13 +206,23 @@ def table_3_latex(table: pd.DataFrame, titles: dict[str, str], samples: int) -> 
     )
 
 
+def _plain_latex(title: str) -> str:
+    """A title as text, whatever commands of LaTeX it may look like."""
+    special = {character: f"\\{character}" for character in "&%$#_{}"}
+    special |= {"~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
+    special |= {"\\": r"\textbackslash{}"}
+    return "".join(special.get(character, character) for character in title)
+
+
 def _latex(cell: str) -> str:
     for plain, coded in (("%", r"\%"), ("–", "--"), ("*", "$^*$"), ("†", r"$^\dagger$")):
         cell = cell.replace(plain, coded)
     return cell
 
 
-def _note(samples: int, root: str) -> str:
+def _note(table: pd.DataFrame, root: str) -> str:
+    fewest, most = int(table.samples.min()), int(table.samples.max())
+    samples = f"{most}" if fewest == most else f"{fewest} to {most} successful"
     return (
         f"A dash: no change is significant (no real root). With n = {samples} realisations a "
         f"length is close to t S {root}(2/n) / |slope| where the response is nearly linear: it "

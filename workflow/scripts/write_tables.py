@@ -10,11 +10,10 @@ def main(intervals: str, settings: dict, outputs: dict, log: Logbook) -> None:
     configuration = {"study": settings["study"], "rocks": settings["rocks"]}
     titles = {name: rock["title"] for name, rock in settings["rocks"].items()}
     table = read_csv(intervals)
-    samples = settings["study"]["realizations"]
     write_csv(rock_table(configuration), outputs["rocks"])
     write_csv(case_table(configuration), outputs["cases"])
-    write_text(table_3_latex(table, titles, samples), outputs["latex"])
-    write_text(table_3_markdown(table, titles, samples), outputs["markdown"])
+    write_text(table_3_latex(table, titles), outputs["latex"])
+    write_text(table_3_markdown(table, titles), outputs["markdown"])
     log(f"wrote {', '.join(outputs.values())}")
 
 
