@@ -83,11 +83,26 @@ def sources() -> str:
 def orders() -> str:
     """Observed orders of convergence, or why there is none."""
     table = read_csv(ACCURACY / "tables/accuracy_orders.csv")
+    table = table[~table.knob.str.contains("tolerance")]
     return markdown(
         table[["scene", "rock", "knob", "cycle", "order", "error", "remark"]]
         .round(2)
         .astype(object)
         .fillna("")
+    )
+
+
+def joints() -> str:
+    """What grid spacing and patch size do: other joints, not errors."""
+    table = read_csv(ACCURACY / "tables/accuracy_cost.csv")
+    table = table[table.knob.isin(["spacing", "patch"])]
+    change = [f"{row.mean_error_percent:+.0f} ({row.mean_low:+.0f} to {row.mean_high:+.0f})"
+              for row in table.itertuples()]  # fmt: skip
+    shown = table[["rock", "knob", "value", "cycle"]].assign(change=change)
+    return markdown(
+        shown.assign(time=table.relative_time.round(1)).rename(
+            columns={"change": "change of mean max. closure (%)", "time": "time / base"}
+        )
     )
 
 
@@ -115,7 +130,7 @@ def contributions() -> str:
 PLACES = {
     "accuracy": (
         ROOT / "docs/accuracy.md",
-        {"presets": presets, "sources": sources, "orders": orders},
+        {"presets": presets, "sources": sources, "orders": orders, "joints": joints},
     ),
     "effects": (ROOT / "docs/effects.md", {"choice": choice, "contributions": contributions}),
 }
