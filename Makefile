@@ -63,6 +63,7 @@ define run
 	@if [ -n "$(2)" ] && [ ! -f "$(2)" ]; then echo "CONFIG=$(2): there is no such file"; exit 1; fi
 	@$(BIN)/python workflow/scripts/results_folder.py $(2) >/dev/null
 	$(call unlock,$(1))
+	$(if $(3),$(SNAKEMAKE) $(3) --configfile $(2))
 	$(SNAKEMAKE) $(1)
 	@echo "Results are in $$($(BIN)/python workflow/scripts/results_folder.py $(2))"
 endef
@@ -83,10 +84,10 @@ hard-cases: $(STAMP) ## Close joints that are hard on a solver, and have an orac
 	@$(BIN)/python workflow/scripts/count_hard_cases.py results/hard_cases/tables/hard_cases.csv
 
 accuracy: $(STAMP) ## Measure what accuracy costs in time (about an hour on two cores)
-	$(call run,accuracy --configfile $(or $(CONFIG),config/accuracy.yaml),$(or $(CONFIG),config/accuracy.yaml))
+	$(call run,accuracy --configfile $(or $(CONFIG),config/accuracy.yaml),$(or $(CONFIG),config/accuracy.yaml),estimate_accuracy)
 
 effects: $(STAMP) ## Measure what each effect adds, and what it costs (up to an hour on two cores)
-	$(call run,effects --configfile $(or $(CONFIG),config/effects.yaml),$(or $(CONFIG),config/effects.yaml))
+	$(call run,effects --configfile $(or $(CONFIG),config/effects.yaml),$(or $(CONFIG),config/effects.yaml),estimate_effects)
 
 docs: $(STAMP) ## Write reference pages from the docstrings and the schema to build/docs
 	@$(BIN)/python workflow/scripts/reference_pages.py

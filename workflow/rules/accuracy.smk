@@ -17,6 +17,7 @@ wildcard_constraints:
 
 rule accuracy:
     input:
+        f"{RESULTS}/tables/accuracy_estimate.csv",
         f"{RESULTS}/tables/accuracy_cost.csv",
         f"{RESULTS}/tables/accuracy_orders.csv",
         f"{RESULTS}/tables/accuracy_sources.csv",
@@ -39,29 +40,26 @@ rule compile_accuracy:
     conda:
         ENVIRONMENT
     params:
-        scenes=lambda wildcards: [
-            {
-                section: setting.configuration[section]
-                for section in ("effects", "choices", "numerics")
-            }
-            for setting in ACCURACY_RUNS.values()
-        ],
+        kernels=configuration.kernels_of(
+            setting.configuration for setting in ACCURACY_RUNS.values()
+        ),
         code=SOLVER_CODE,
     message:
         "Compile the kernels of all settings"
     script:
-        "../scripts/compile_scenes.py"
+        "../scripts/compile_kernels.py"
 
 
 rule estimate_accuracy:
     input:
-        ancient(f"{RESULTS}/logs/accuracy_kernels.txt"),
+        f"{RESULTS}/logs/accuracy_kernels.txt",
     output:
         f"{RESULTS}/tables/accuracy_estimate.csv",
     log:
         f"{RESULTS}/logs/estimate_accuracy.log",
     benchmark:
         f"{RESULTS}/benchmarks/estimate_accuracy.tsv"
+    priority: 100
     conda:
         ENVIRONMENT
     params:
@@ -76,7 +74,7 @@ rule estimate_accuracy:
 
 rule close_accuracy:
     input:
-        ancient(f"{RESULTS}/tables/accuracy_estimate.csv"),
+        f"{RESULTS}/logs/accuracy_kernels.txt",
     output:
         f"{RESULTS}/accuracy/{{run}}.nc",
     log:

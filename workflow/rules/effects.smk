@@ -17,6 +17,7 @@ wildcard_constraints:
 
 rule effects:
     input:
+        f"{RESULTS}/tables/effects_estimate.csv",
         f"{RESULTS}/tables/effects.csv",
         expand(f"{RESULTS}/figures/effects.{{format}}", format=["png", "pdf"]),
         expand(
@@ -44,30 +45,27 @@ rule compile_effects:
     conda:
         ENVIRONMENT
     params:
-        scenes=lambda wildcards: [
-            {
-                "effects": effects._asdict(),
-                "choices": config["choices"],
-                "numerics": config["numerics"],
-            }
+        kernels=configuration.kernels_of(
+            config | {"effects": effects._asdict()}
             for effects in ablation.SCENES.values()
-        ],
+        ),
         code=SOLVER_CODE,
     message:
         "Compile the kernels of all scenes"
     script:
-        "../scripts/compile_scenes.py"
+        "../scripts/compile_kernels.py"
 
 
 rule estimate_effects:
     input:
-        ancient(f"{RESULTS}/logs/effect_kernels.txt"),
+        f"{RESULTS}/logs/effect_kernels.txt",
     output:
         f"{RESULTS}/tables/effects_estimate.csv",
     log:
         f"{RESULTS}/logs/estimate_effects.log",
     benchmark:
         f"{RESULTS}/benchmarks/estimate_effects.tsv"
+    priority: 100
     conda:
         ENVIRONMENT
     params:
@@ -81,7 +79,7 @@ rule estimate_effects:
 
 rule close_scene:
     input:
-        ancient(f"{RESULTS}/tables/effects_estimate.csv"),
+        f"{RESULTS}/logs/effect_kernels.txt",
     output:
         f"{RESULTS}/effects/{{rock}}.{{scene}}.nc",
     log:
@@ -145,7 +143,7 @@ rule draw_effects:
 
 rule validate_choice:
     input:
-        ancient(f"{RESULTS}/logs/effect_kernels.txt"),
+        f"{RESULTS}/logs/effect_kernels.txt",
     output:
         f"{RESULTS}/effects/random_scene_{{number}}.csv",
     log:

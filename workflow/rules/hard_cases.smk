@@ -1,6 +1,6 @@
 # Joints that are hard on a solver, closed and judged by an oracle: `snakemake hard_cases`.
 # A study of its own, which no other rule depends on.
-from jointclosure.verification.hard_cases import merged_cases
+from jointclosure.verification.hard_cases import kernels_of_cases, merged_cases
 
 HARD_RESULTS = "results/hard_cases"
 HARD_CASES = merged_cases(
@@ -36,17 +36,17 @@ rule compile_hard_cases:
     conda:
         ENVIRONMENT
     params:
-        cases=list(HARD_CASES.values()),
+        kernels=kernels_of_cases(HARD_CASES.values()),
         code=HARD_CODE,
     message:
         "Compile the kernels of all scenes (two minutes when they are new)"
     script:
-        "../scripts/compile_hard_cases.py"
+        "../scripts/compile_kernels.py"
 
 
 rule close_hard_cases:
     input:
-        ancient(f"{HARD_RESULTS}/logs/kernels.txt"),
+        f"{HARD_RESULTS}/logs/kernels.txt",
     output:
         table=f"{HARD_RESULTS}/cases/{{hard_group}}.csv",
         curves=f"{HARD_RESULTS}/cases/{{hard_group}}.curves.csv",

@@ -14,7 +14,7 @@ NUMERICS_CODE = source_digest(
 
 rule measure_numerics:
     input:
-        ancient(f"{NUMERICS}/logs/kernels.txt"),
+        f"{NUMERICS}/logs/kernels.txt",
     output:
         numerics=f"{NUMERICS}/tables/numerics.csv",
         loads=f"{NUMERICS}/tables/sweep_loads.csv",

@@ -1,5 +1,4 @@
 # Surfaces of each case, and their closure: in blocks of realisations, named by their first.
-from jointclosure.parameters import scene_name
 from jointclosure.study.scene_choice import possible_scenes
 
 
@@ -13,20 +12,13 @@ rule compile_kernels:
     conda:
         ENVIRONMENT
     params:
-        scenes=sorted(
-            {
-                scene_name(scene)
-                for name in ROCKS
-                for scene in (
-                    possible_scenes(configuration.effects_of(config, name))
-                    if AUTO
-                    else [configuration.effects_of(config, name)]
-                )
-            }
+        kernels=configuration.kernels_of(
+            config | {"effects": scene._asdict()}
+            for name in ROCKS
+            for scene in possible_scenes(
+                configuration.effects_of(config, name), chosen=AUTO
+            )
         ),
-        choices=config["choices"],
-        solver=config["numerics"]["solver"],
-        breakage=config["numerics"]["breakage"],
         code=SOLVER_CODE,
     message:
         "Compile the kernels (about half a minute when they are new, else a second)"
@@ -55,7 +47,7 @@ rule make_surfaces:
 
 rule choose_effects:
     input:
-        ancient(f"{RESULTS}/logs/kernels.txt"),
+        f"{RESULTS}/logs/kernels.txt",
     output:
         f"{RESULTS}/effects_of/{{rock}}.json",
     log:
@@ -80,7 +72,7 @@ rule close_surfaces:
             f"{RESULTS}/effects_of/{CASES[wildcards.case].rock}.json" if AUTO else []
         ),
         surfaces=lambda wildcards: f"{RESULTS}/cases/{CASES[wildcards.case].surface}.{wildcards.first}.surfaces.nc",
-        kernels=ancient(f"{RESULTS}/logs/kernels.txt"),
+        kernels=f"{RESULTS}/logs/kernels.txt",
     output:
         f"{RESULTS}/cases/{{case}}.{{first}}.nc",
     log:

@@ -19,7 +19,8 @@ ACCURACY, EFFECTS = ROOT / "results/accuracy", ROOT / "results/effects"
 
 def markdown(table: pd.DataFrame) -> str:
     """A table whose columns are its headings."""
-    rows = [table.columns, ["---"] * table.shape[1], *table.astype(str).to_numpy()]
+    cells = [["" if pd.isna(cell) else str(cell) for cell in row] for row in table.to_numpy()]
+    rows = [table.columns, ["---"] * table.shape[1], *cells]
     return "".join("| " + " | ".join(row) + " |\n" for row in rows)
 
 
@@ -75,8 +76,6 @@ def sources() -> str:
                 "high": table.high.round(1),
             }
         )
-        .astype(object)
-        .fillna("")
     )
 
 
@@ -84,12 +83,7 @@ def orders() -> str:
     """Observed orders of convergence, or why there is none."""
     table = read_csv(ACCURACY / "tables/accuracy_orders.csv")
     table = table[~table.knob.str.contains("tolerance")]
-    return markdown(
-        table[["scene", "rock", "knob", "cycle", "order", "error", "remark"]]
-        .round(2)
-        .astype(object)
-        .fillna("")
-    )
+    return markdown(table[["scene", "rock", "knob", "cycle", "order", "error", "remark"]].round(2))
 
 
 def joints() -> str:
@@ -108,9 +102,7 @@ def joints() -> str:
 
 def choice() -> str:
     """How the chosen effects held."""
-    return markdown(
-        read_csv(EFFECTS / "tables/effects_auto_summary.csv").round(1).astype(object).fillna("")
-    )
+    return markdown(read_csv(EFFECTS / "tables/effects_auto_summary.csv").round(2))
 
 
 def contributions() -> str:

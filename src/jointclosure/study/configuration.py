@@ -3,7 +3,7 @@
 import copy
 import difflib
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import jsonschema
@@ -17,6 +17,7 @@ from jointclosure.parameters import (
     check_choices,
     check_numerics,
     check_scene,
+    scene_name,
     to_si,
 )
 from jointclosure.solvers.registry import SOLVERS
@@ -112,6 +113,26 @@ def effects_of(configuration: dict, rock: str | None = None) -> Effects:
 def choice_tolerance(configuration: dict) -> float | None:
     """The tolerance by which effects are chosen; None where they are as configured."""
     return configuration["effects"].get("auto")
+
+
+def kernels_of(settings: Iterable[dict]) -> list[list[str]]:
+    """What the kernels of some settings depend on: scene, peaks, solver and breakage, each once.
+
+    Parameters
+    ----------
+    settings : iterable of dict
+        Each with ``effects``, ``choices`` and ``numerics`` as in a configuration.
+    """
+    found = {
+        (
+            scene_name(effects_of(each)),
+            each["choices"]["peaks"],
+            each["numerics"]["solver"],
+            each["numerics"]["breakage"],
+        )
+        for each in settings
+    }
+    return [list(each) for each in sorted(found)]
 
 
 def of_rock(configuration: dict, rock: str) -> dict:

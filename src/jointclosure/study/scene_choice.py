@@ -38,10 +38,13 @@ _FIRST, _CLEAR = 2, 4.0
 """Pieces that are closed first; where each of these changes by so many tolerances, no more are."""
 
 
-def possible_scenes(effects: Effects) -> list[Effects]:
-    """Scenes that may be chosen where these effects may act, themselves the first."""
+def possible_scenes(effects: Effects, chosen: bool = True) -> list[Effects]:
+    """Scenes that may be chosen where these effects may act, themselves the first.
+
+    Themselves alone where none is ``chosen``.
+    """
     found = [effects]
-    for scene in found:
+    for scene in found if chosen else ():
         for names in DROPS:
             fewer = scene._replace(**dict.fromkeys(names, False))
             if fewer in well_posed_scenes() and fewer not in found:

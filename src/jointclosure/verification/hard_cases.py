@@ -11,6 +11,7 @@ import json
 import math
 import time
 import warnings
+from collections.abc import Iterable
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -18,7 +19,15 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.parameters import Choices, Effects, InputError, Numerics, Rock, to_si
+from jointclosure.parameters import (
+    Choices,
+    Effects,
+    InputError,
+    Numerics,
+    Rock,
+    scene_name,
+    to_si,
+)
 from jointclosure.protocol import FAILURE, FLAGS
 from jointclosure.simulation import equilibrium, height_datum, simulate_by
 from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
@@ -243,6 +252,21 @@ def curve_of(outcome: Outcome) -> pd.DataFrame:
             "normal_stress_Pa": data.normal_stress.values,
         }
     )
+
+
+def kernels_of_cases(cases: Iterable[dict]) -> list[list[str]]:
+    """Scene, peaks, solver and breakage of every kernel that cases need, each once."""
+    found = {
+        (
+            scene_name(Effects(**case["effects"])),
+            case["choices"]["peaks"],
+            case["numerics"]["solver"],
+            case["numerics"]["breakage"],
+        )
+        for case in cases
+        if case["expect"] != "refused"
+    }
+    return [list(each) for each in sorted(found)]
 
 
 def compile_for(case: dict) -> None:
