@@ -6,6 +6,7 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from jointclosure.parameters import Effects
 
@@ -57,6 +58,10 @@ def effect_figure(table: pd.DataFrame) -> Figure:
             axes.axvline(1.0, color="0.8", lw=0.8, zorder=0)
             axes.axhline(1.0, color="0.8", lw=0.8, zorder=0)
             axes.set(xscale="log", yscale="log")
+            for axis in (axes.xaxis, axes.yaxis):
+                axis.set_major_locator(LogLocator(numticks=5))
+                axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+                axis.set_minor_formatter(NullFormatter())
         row[0].set_ylabel(f"change of max. closure\nof cycle {cycle} (%)")
     for axes, effect in zip(panels[0], effects, strict=True):
         axes.set_title(effect.replace("_", " "))
@@ -118,9 +123,11 @@ def choice_figure(table: pd.DataFrame) -> Figure:
         upper.set(title=f"tolerance {100.0 * tolerance:g} %", xscale="log", yscale="log")
         lower.axhline(0.0, color="0.8", lw=0.8, zorder=0)
         lower.set(xscale="log", xlabel="maximum normal stress (MPa)")
+        for axis in (upper.yaxis, lower.xaxis):
+            axis.set_major_formatter(StrMethodFormatter("{x:g}"))
         lower.set_ylim(bottom=max(-100.0, table.saved_percent.min() - 5.0), top=105.0)
-    panels[0, 0].set_ylabel("change of mean max. closure (%)")
-    panels[1, 0].set_ylabel("time saved, pilot counted (%)")
+    panels[0, 0].set_ylabel("change of mean\nmax. closure (%)")
+    panels[1, 0].set_ylabel("time saved,\npilot counted (%)")
     handles = [
         plt.Line2D([], [], ls="", marker="o", color=colours[name], label=_left_out(name))
         for name in names
