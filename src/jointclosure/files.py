@@ -13,10 +13,11 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
-
 _SEAL = b"\nsha256 of all before this line: "
 _SEAL_BYTES = len(_SEAL) + 64
+
+_READ_BYTES = 1_000_000
+"""Read at a time: mapped whole, a file would count as memory."""
 
 
 class DamagedFileError(OSError):
@@ -80,10 +81,13 @@ def seal(path: Path) -> None:
 
 def check_seal(path: Path) -> None:
     """Raise `DamagedFileError` if a sealed file is not as it was written, in any bit."""
+    left = os.path.getsize(path) - _SEAL_BYTES
+    digest = hashlib.sha256()
     with open(path, "rb") as file:
-        view = np.memmap(file, mode="r") if os.fstat(file.fileno()).st_size else b""
-        found = hashlib.sha256(view[:-_SEAL_BYTES]).hexdigest()
-        if bytes(view[-_SEAL_BYTES:]) != _SEAL + found.encode():
+        while left > 0 and (part := file.read(min(left, _READ_BYTES))):
+            digest.update(part)
+            left -= len(part)
+        if file.read() != _SEAL + digest.hexdigest().encode():
             raise DamagedFileError(
                 f"{path}: the file is not as jointclosure wrote it (its checksum is not met): "
                 "delete it and start again, what is missing is made anew"

@@ -1,0 +1,95 @@
+"""The memory that puts a study together does not grow with its realisations."""
+
+import importlib.util
+import resource
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from jointclosure.dataset import read_netcdf, write_netcdf
+from jointclosure.study.cases import blocks_of, cases_of
+from jointclosure.study.configuration import read_plain
+from jointclosure.study.settings import as_text
+from tests.study.test_settings import ELASTIC, closed_block, settings_of
+
+ROOT = Path(__file__).parents[2]
+PER_JOB = 2500
+
+pytestmark = pytest.mark.slow
+
+
+def configuration_of(realizations: int) -> dict:
+    """One case of joints that do not break, with 50 points of stress."""
+    found = read_plain(ROOT / "config/default.yaml")
+    found["grid"] |= {"cells_x": 8, "cells_y": 8}
+    found["effects"] |= ELASTIC
+    found["numerics"] |= {"curve_points": 5}
+    found["output"] |= {"stress_points": 50}
+    found["rocks"]["slate"]["levels"] = {}
+    found["study"] |= {"rocks": ["slate"], "realizations": realizations}
+    found["study"]["realizations_per_job"] = PER_JOB
+    return found
+
+
+def case_files(configuration: dict, folder: Path) -> list[Path]:
+    """Files of every block: one joint's numbers, and in two variables the realisation's own."""
+    (case,) = cases_of(configuration)
+    (one,) = closed_block(settings_of(configuration, case.label, range(1)))
+    paths = []
+    for block in blocks_of(configuration):
+        many = one.isel(realization=np.zeros(len(block), dtype=int))
+        many = many.assign_coords(realization=np.array(block))
+        random = np.random.default_rng(block.start).random(many.closure.shape)
+        many = many.assign(closure=(many.closure.dims, random, many.closure.attrs))
+        many["breakage_steps"] = ("realization", np.array(block), one.breakage_steps.attrs)
+        text = as_text(settings_of(configuration, case.label, block))
+        paths.append(folder / f"{block.start}.nc")
+        write_netcdf(many.assign_attrs(settings=text, scene="elastic"), paths[-1])
+    return paths
+
+
+def aggregate(realizations: int, folder: Path) -> int:
+    """Put the study together as its rule does; the peak memory [kB] of this process."""
+    spec = importlib.util.spec_from_file_location(
+        "aggregate", ROOT / "workflow/scripts/aggregate.py"
+    )
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    configuration = configuration_of(realizations)
+    paths = [str(folder / f"{block.start}.nc") for block in blocks_of(configuration)]
+    codes = ("surfaces", "solver")
+    script.main(paths, [], [], configuration, codes, f"{folder}/study.nc", lambda line: None)
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
+def memory(realizations: int, folder: Path) -> int:
+    folder.mkdir()
+    case_files(configuration_of(realizations), folder)
+    command = (
+        "import sys, pathlib; from tests.workflow.test_many_realizations import aggregate; "
+        "print(aggregate(int(sys.argv[1]), pathlib.Path(sys.argv[2])))"
+    )
+    answer = subprocess.run(
+        [sys.executable, "-c", command, str(realizations), str(folder)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert answer.returncode == 0, answer.stderr
+    return int(answer.stdout.splitlines()[-1])
+
+
+def test_ten_times_the_realisations_take_no_more_memory(tmp_path):
+    few, many = memory(2_500, tmp_path / "few"), memory(25_000, tmp_path / "many")
+    study = read_netcdf(tmp_path / "many/study.nc")
+    # but for what netCDF keeps of each variable, which is bounded
+    assert 1024 * (many - few) < 0.2 * study.nbytes, f"{few} and {many} kB"
+    steps = study.breakage_steps.values
+    np.testing.assert_array_equal(steps, np.arange(25_000)[np.newaxis])
+    last = read_netcdf(tmp_path / "many/22500.nc")
+    there = study.closure.isel(case=0, realization=slice(22_500, None))
+    np.testing.assert_array_equal(there.values, last.closure.values)
