@@ -141,6 +141,8 @@ def _settings(arguments) -> dict:
         raise InputError(f"--rock {arguments.rock}: must be one of {', '.join(base['rocks'])}")
     if arguments.seed < 0:
         raise InputError(f"--seed {arguments.seed}: must be 0 or above")
+    if base["rocks"].get(arguments.rock, {}).get("walls"):
+        raise InputError(f"--rock {arguments.rock}: has measured walls; this closes random ones")
     base["rocks"].setdefault(arguments.rock or _UNNAMED, {})["levels"] = {}
     settings = configuration.merged(base, _changes(arguments), *arguments.set)
     return project.settled(settings, folder, read_csv)
