@@ -12,11 +12,13 @@ from jointclosure.parameters import InputError
 from jointclosure.study.accuracy import merged, settings_of
 from jointclosure.study.configuration import (
     checked,
+    choice_tolerance,
     numerics_in_full,
     numerics_of,
     read_schema,
 )
 from jointclosure.study.presets import SCENE, chosen_numerics, setting_table
+from jointclosure.study.project import decided
 
 ROOT = Path(__file__).parents[2]
 DEFAULT = yaml.safe_load((ROOT / "config/default.yaml").read_text())
@@ -84,6 +86,15 @@ def test_where_nothing_breaks_there_is_nothing_to_choose():
     found = chosen(accuracy=0.02, radius=None, effects=elastic)
     assert numerics_in_full({"numerics": found.numerics}) == DEFAULT["numerics"]
     assert "1e-10" in found.said
+
+
+def test_words_are_settled_in_an_order_that_lets_them_stand_together():
+    both = merged(DEFAULT, {"numerics": {"accuracy": 0.02}, "choices": {"largest_radius_mm": 20.0}})
+    settings, said = decided(both | {"effects": "auto"}, ROOT, lambda path: TABLE)
+    assert choice_tolerance(settings) == 0.02
+    assert settings["numerics"]["tolerance"] == 0.02
+    assert "1 %" in said
+    assert decided(DEFAULT | {"numerics": "fast"}, ROOT, read_csv)[1] == ""
 
 
 @pytest.mark.parametrize(

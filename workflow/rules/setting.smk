@@ -7,7 +7,7 @@ from jointclosure.study import (
     cases,
     configuration,
     measured,
-    presets,
+    project,
     settings,
     wall_settings,
 )
@@ -15,12 +15,8 @@ from jointclosure.study import (
 ROOT = Path(workflow.basedir)
 for file in workflow.configfiles:
     configuration.read_plain(file)
-config["numerics"], NUMERICS_SAID = presets.chosen_numerics(
-    config,
-    configuration.read_plain(ROOT / "config/default.yaml")["numerics"],
-    lambda: read_csv(ROOT / "workflow/resources/accuracy_settings.csv"),
-)
-config["effects"] = configuration.written_out(config)["effects"]
+DECIDED, NUMERICS_SAID = project.decided(config, ROOT, read_csv)
+config.update(DECIDED)
 configuration.checked(
     config, configuration.read_schema(ROOT / "workflow/schemas/config.schema.yaml")
 )

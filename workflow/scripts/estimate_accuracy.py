@@ -6,7 +6,8 @@ import pandas as pd
 
 from jointclosure.dataset import write_csv
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.study.accuracy import Setting, close_at, merged
+from jointclosure.study.accuracy import Setting, close_at
+from jointclosure.study.configuration import merged
 
 
 def main(runs: list[list], parameter: str, output: str, log: Logbook) -> None:

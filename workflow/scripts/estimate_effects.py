@@ -7,7 +7,7 @@ import pandas as pd
 from jointclosure.dataset import write_csv
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.study.ablation import SCENES, close_scene
-from jointclosure.study.accuracy import merged
+from jointclosure.study.configuration import merged
 
 
 def main(configuration: dict, output: str, log: Logbook) -> None:

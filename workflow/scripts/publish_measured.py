@@ -4,12 +4,12 @@ Run by hand after `make accuracy` or `make effects`: `publish_measured.py accura
 presets come from is copied too (workflow/resources/accuracy_settings.csv).
 """
 
-import re
 import shutil
 import sys
 from pathlib import Path
 
 import pandas as pd
+from markers import fill
 
 from jointclosure.dataset import read_csv
 
@@ -135,13 +135,7 @@ FIGURES = {
 def main(study: str) -> None:
     """Fill the document of a study, and copy its figures."""
     path, parts = PLACES[study]
-    text = path.read_text(encoding="utf-8")
-    for name, content in parts.items():
-        pattern = rf"(<!-- {name} -->\n).*?(<!-- end -->)"
-        text, count = re.subn(pattern, lambda m, c=content(): m[1] + c + m[2], text, flags=re.S)
-        if count != 1:
-            raise SystemExit(f"{path}: no place for {name}")
-    path.write_text(text, encoding="utf-8")
+    fill(path, {name: content() for name, content in parts.items()})
     for figure, image in FIGURES[study].items():
         source = ROOT / f"results/{study}/figures/{figure}.png"
         shutil.copy(source, ROOT / f"docs/images/{image}.png")

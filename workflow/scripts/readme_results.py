@@ -8,6 +8,7 @@ import shutil
 from pathlib import Path
 
 import pandas as pd
+from markers import fill
 
 from jointclosure.dataset import read_csv, read_netcdf
 
@@ -57,18 +58,8 @@ def facts() -> str:
 
 def main() -> None:
     """Fill the README and copy its figure."""
-    path = ROOT / "README.md"
-    text = path.read_text(encoding="utf-8")
-    for name, content in (
-        ("intervals", interval_table()),
-        ("claims", claim_table()),
-        ("facts", facts()),
-    ):
-        pattern = rf"(<!-- {name} -->\n).*?(<!-- end -->)"
-        text, count = re.subn(pattern, lambda m, c=content: m[1] + c + m[2], text, flags=re.S)
-        if count != 1:
-            raise SystemExit(f"README.md: no place for {name}")
-    path.write_text(text, encoding="utf-8")
+    parts = {"intervals": interval_table(), "claims": claim_table(), "facts": facts()}
+    fill(ROOT / "README.md", parts)
     shutil.copy(PAPER / "figures/fig_5_closure.png", ROOT / "docs/images/fig_5_closure.png")
 
 

@@ -13,11 +13,9 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.parameters import Effects, Rock, scene_name, to_si
-from jointclosure.protocol import FAILURE
 from jointclosure.randomness import generator, seed_of
-from jointclosure.simulation import simulate
 from jointclosure.study.configuration import choices_of, numerics_of
-from jointclosure.study.scene_choice import choose_effects
+from jointclosure.study.scene_choice import choose_effects, max_closures
 from jointclosure.surface.synthesis import wall_pair
 
 
@@ -127,12 +125,8 @@ def validate(
 def _closed(walls: list, effects: Effects, load: dict) -> tuple[np.ndarray, float]:
     """Maximum closures (realization, cycle) [m], NaN where one failed, and the seconds."""
     start = time.perf_counter()
-    rows = []
-    for pair in walls:
-        closed = simulate(*pair, effects=effects, **load)
-        failed = int(closed.status) >= FAILURE
-        rows.append(np.where(failed, np.nan, closed.max_closure.values))
-    return np.array(rows), time.perf_counter() - start
+    closures = np.array([max_closures(pair, effects, load) for pair in walls])
+    return closures, time.perf_counter() - start
 
 
 def validation_summary(table: pd.DataFrame) -> pd.DataFrame:

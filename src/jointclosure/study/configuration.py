@@ -25,6 +25,8 @@ from jointclosure.study.cases import cases_of
 from jointclosure.study.wall_settings import has_roughness, wall_problems
 from jointclosure.surface.roughness import relation_of
 
+CHOSEN_BY = ("preset", "accuracy")
+"""Keys of ``numerics`` that stand for others."""
 _AUTO_TOLERANCE = 0.02
 """Of `effects: auto`, which names none."""
 
@@ -161,11 +163,7 @@ def numerics_of(configuration: dict) -> Numerics:
 
 def numerics_in_full(configuration: dict) -> dict:
     """Numerics of a study without the preset or accuracy that chose them."""
-    return {
-        key: value
-        for key, value in configuration["numerics"].items()
-        if key not in ("preset", "accuracy")
-    }
+    return {key: value for key, value in configuration["numerics"].items() if key not in CHOSEN_BY}
 
 
 def _explained(error: jsonschema.ValidationError) -> Iterator[str]:

@@ -15,9 +15,8 @@ import pandas as pd
 
 from jointclosure.parameters import InputError
 from jointclosure.study.accuracy import BASE, Setting
+from jointclosure.study.configuration import CHOSEN_BY
 
-CHOSEN_BY = ("preset", "accuracy")
-"""Keys of ``numerics`` that stand for others."""
 SCENE = "regularised"
 """Scene whose limit an accuracy is held against: the model as stated has none."""
 

@@ -55,22 +55,46 @@ def settled(settings: dict, project: Path, read: Callable[[Path], pd.DataFrame])
 
     Parameters
     ----------
-    settings : dict
-    project : path
-    read : callable
-        Reads the table that ``numerics.preset`` and ``accuracy`` choose from.
+    settings, project, read
+        As for `decided`.
 
     Raises
     ------
     ConfigurationError
         As `checked`.
     """
+    return checked(decided(settings, project, read)[0], read_schema(project / _SCHEMA))
+
+
+def decided(
+    settings: dict, project: Path, read: Callable[[Path], pd.DataFrame]
+) -> tuple[dict, str]:
+    """A merged configuration whose words stand for numbers, not yet checked.
+
+    Parameters
+    ----------
+    settings : dict
+    project : path
+    read : callable
+        Reads the table that ``numerics.preset`` and ``accuracy`` choose from.
+
+    Returns
+    -------
+    settings : dict
+    said : str
+        A sentence on the numerics that were chosen, empty where none were.
+
+    Raises
+    ------
+    InputError
+        As `jointclosure.study.presets.chosen_numerics`.
+    """
     settings = written_out(settings)
-    if isinstance(settings["numerics"], dict):  # else the schema says what it must be
-        default = read_plain(project / _DEFAULT)["numerics"]
-        chosen = chosen_numerics(settings, default, lambda: read(project / _MEASURED))
-        settings = settings | {"numerics": chosen.numerics}
-    return checked(settings, read_schema(project / _SCHEMA))
+    if not isinstance(settings["numerics"], dict):  # the schema says what it must be
+        return settings, ""
+    default = read_plain(project / _DEFAULT)["numerics"]
+    chosen = chosen_numerics(settings, default, lambda: read(project / _MEASURED))
+    return settings | {"numerics": chosen.numerics}, chosen.said
 
 
 def value_of(text: str) -> object:

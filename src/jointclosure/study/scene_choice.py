@@ -188,7 +188,7 @@ class _Pilot:
 
     def _closures(self, scene: Effects, count: int) -> np.ndarray:
         rows = self._known.setdefault(scene, [])
-        rows += [_closed(piece, scene, self.load) for piece in self.pieces[len(rows) : count]]
+        rows += [max_closures(piece, scene, self.load) for piece in self.pieces[len(rows) : count]]
         return np.array(rows[:count])
 
     def _bulk_missed(self, count: int) -> np.ndarray:
@@ -203,7 +203,12 @@ class _Pilot:
             "numerics": self.load["numerics"]._replace(curve_points=1, solver="fast")
         }
         whole, piece = (
-            np.array([_closed(p, elastic, load) - _closed(p, alone, load) for p in some[:count]])
+            np.array(
+                [
+                    max_closures(p, elastic, load) - max_closures(p, alone, load)
+                    for p in some[:count]
+                ]
+            )
             for some in (self.pairs, self.pieces)
         )
         return whole - piece
@@ -218,8 +223,11 @@ def _piece(wall: np.ndarray) -> np.ndarray:
     return wall[tuple(cuts)]
 
 
-def _closed(pair: tuple, effects: Effects, load: dict) -> np.ndarray:
-    """Maximum closures (cycle,) [m] of a pair of walls; NaN where the simulation failed."""
+def max_closures(pair: tuple, effects: Effects, load: dict) -> np.ndarray:
+    """Maximum closures (cycle,) [m] of a pair of walls; NaN where the simulation failed.
+
+    ``load`` has the other arguments of `jointclosure.simulate`.
+    """
     closed = simulate(*pair, effects=effects, **load)
     return np.where(int(closed.status) >= FAILURE, np.nan, closed.max_closure.values)
 

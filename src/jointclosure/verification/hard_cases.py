@@ -25,7 +25,6 @@ from jointclosure.parameters import (
     InputError,
     Numerics,
     Rock,
-    scene_name,
     to_si,
 )
 from jointclosure.protocol import FAILURE, FLAGS
@@ -34,7 +33,7 @@ from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import CONVERGED, Joint, Settled
 from jointclosure.solvers.registry import SOLVERS, solver_named
-from jointclosure.study.configuration import schema_problems
+from jointclosure.study.configuration import kernels_of, schema_problems
 from jointclosure.verification import oracle
 from jointclosure.verification.hard_walls import hard_walls
 from jointclosure.verification.requirements import EXTRA, broken_requirements, limits_of
@@ -255,18 +254,8 @@ def curve_of(outcome: Outcome) -> pd.DataFrame:
 
 
 def kernels_of_cases(cases: Iterable[dict]) -> list[list[str]]:
-    """Scene, peaks, solver and breakage of every kernel that cases need, each once."""
-    found = {
-        (
-            scene_name(Effects(**case["effects"])),
-            case["choices"]["peaks"],
-            case["numerics"]["solver"],
-            case["numerics"]["breakage"],
-        )
-        for case in cases
-        if case["expect"] != "refused"
-    }
-    return [list(each) for each in sorted(found)]
+    """`jointclosure.study.configuration.kernels_of` of the cases that are closed."""
+    return kernels_of(case for case in cases if case["expect"] != "refused")
 
 
 def compile_for(case: dict) -> None:
