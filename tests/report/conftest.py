@@ -137,6 +137,7 @@ def material(study, configuration, default, pictures):
         ),
         measured=None,
         accuracy=None,
+        presets=read_csv(ROOT / "workflow/resources/accuracy_settings.csv"),
     )
 
 

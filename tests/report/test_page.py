@@ -3,6 +3,7 @@
 import base64
 import hashlib
 import itertools
+import json
 import re
 from html.parser import HTMLParser
 
@@ -197,6 +198,24 @@ def test_accuracy_that_was_not_measured_is_said_to_be_so(material, outline):
     measured = Outline(render(content(material._replace(accuracy=costs)))).read()
     assert "is not measured here" not in measured
     assert "Error and time of every setting that was tried" in measured
+
+
+def test_the_preset_that_a_study_has_is_told_from_the_others(material):
+    def own(change):
+        study = material.study.copy()
+        settings = json.loads(study.attrs["configuration"])
+        for section, keys in change.items():
+            settings[section] |= keys
+        study.attrs["configuration"] = json.dumps(settings)
+        rows = content(material._replace(study=study))["sheets"]["presets"].rows
+        return [(row[0].text, row[1].text) for row in rows if row[5].text == "yes"]
+
+    assert own({"numerics": material.default["numerics"]}) == [("as the paper has them", "paper")]
+    accurate = material.default["numerics"] | {"breakage": "resolved", "tolerance": 0.02}
+    bounded = {"choices": {"largest_radius_mm": 20.0}}
+    assert own({"numerics": accurate} | bounded) == [("bounded", "accurate")]
+    assert own({"numerics": accurate | {"tolerance": 0.03}} | bounded) == []
+    assert own({"numerics": accurate, "effects": {"breakage": False, "gouge": False}}) == []
 
 
 def test_provenance_and_times_are_there(material, outline):

@@ -36,6 +36,7 @@ rule write_report:
         schema=ROOT / "workflow/schemas/config.schema.yaml",
         # what `make accuracy` measured, where it was run
         accuracy=ancient(ACCURACY_TABLE) if Path(ACCURACY_TABLE).exists() else [],
+        presets=ROOT / "workflow/resources/accuracy_settings.csv",
     output:
         f"{RESULTS}/report.html",
     log:

@@ -58,6 +58,7 @@ def material_of(study: xr.Dataset, inputs: dict, settings: dict) -> Material:
         benchmarks=read_benchmarks(settings["benchmarks"]),
         measured=where_there_is(inputs["measured"]),
         accuracy=where_there_is(inputs["accuracy"]),
+        presets=read_csv(inputs["presets"]),
     )
 
 

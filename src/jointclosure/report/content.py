@@ -21,7 +21,7 @@ class Material(NamedTuple):
     ``paper``: the paper's Table 3; ``default`` and ``schema``: the paper's configuration, and what
     keys mean; ``pictures``; ``benchmarks``: of the workflow's jobs; ``measured``: fits of measured
     curves, None where there are none; ``accuracy``: the table of `make accuracy`, None where
-    it was not made.
+    it was not made; ``presets``: what the presets of the numerics were measured to be off by.
     """
 
     study: xr.Dataset
@@ -36,6 +36,7 @@ class Material(NamedTuple):
     benchmarks: pd.DataFrame
     measured: pd.DataFrame | None
     accuracy: pd.DataFrame | None
+    presets: pd.DataFrame
 
 
 def content(material: Material) -> dict:
@@ -95,6 +96,9 @@ def _sheets(material: Material, titles: dict, of_paper: set, rows: pd.DataFrame)
     sheets = [
         findings.closure_sheet(material.closures, titles),
         running.check_sheet(material.checks),
+        running.preset_sheet(
+            material.presets, json.loads(study.attrs["configuration"]), material.default
+        ),
         running.status_sheet(study, titles),
         running.failure_sheet(study),
         running.simulation_time_sheet(study, titles),

@@ -9,11 +9,14 @@ import xarray as xr
 
 from jointclosure.protocol import FAILURE
 from jointclosure.report.sheets import Sheet, sheet
+from jointclosure.study.configuration import numerics_in_full
 from jointclosure.study.ensemble import succeeded
 from jointclosure.tables import PARAMETER_TITLES
 
 MOST_FAILURES = 500
 """Failed simulations that are listed one by one."""
+_LIMITS = {"full": False, "regularised": True}
+"""Scenes of the study of accuracy in which contacts break, and whether radii are bounded there."""
 
 
 def check_sheet(checks: pd.DataFrame) -> Sheet:
@@ -38,6 +41,41 @@ def accuracy_sheet(costs: pd.DataFrame) -> Sheet:
         "relative_time": "Time over the scene's base",
     }
     return sheet("accuracy-cost", "Error and time of every setting that was tried", costs, columns)
+
+
+def preset_sheet(measured: pd.DataFrame, configuration: dict, default: dict) -> Sheet:
+    """What the presets of the numerics were off by, and which of them a study runs at.
+
+    Parameters
+    ----------
+    measured : DataFrame
+        As from `jointclosure.study.presets.setting_table`.
+    configuration, default : dict
+        Of the study, and the paper's.
+    """
+    mine = numerics_in_full(configuration)
+    changed = {key: value for key, value in mine.items() if value != default["numerics"][key]}
+    bounded = configuration["choices"]["largest_radius_mm"] is not None
+    rows = measured[measured.scene.isin(_LIMITS) & measured.preset.fillna("").ne("")]
+    here = configuration["effects"]["breakage"] & (rows.scene.map(_LIMITS) == bounded)
+    same = rows.numerics.map(json.loads).map(lambda each: each == changed)
+    columns = {
+        "scene": "Radii",
+        "preset": "Preset",
+        "error_percent": "Error of the mean closure (%)",
+        "bound_percent": "At most, by its confidence interval (%)",
+        "relative_time": "Time over the paper's steps",
+        "mine": "This study's",
+    }
+    return sheet(
+        "presets",
+        "Presets of the numerics: the larger error of both cycles, in the mean of two rocks",
+        rows.assign(
+            scene=np.where(rows.scene.map(_LIMITS), "bounded", "as the paper has them"),
+            mine=np.where(here & same, "yes", ""),
+        ),
+        columns,
+    )
 
 
 def flag_names(study: xr.Dataset) -> dict[int, str]:
