@@ -3,6 +3,7 @@
 import contextlib
 import sys
 import time
+import traceback
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -28,6 +29,7 @@ def logging_to(path: str | Path) -> Iterator[Logbook]:
         try:
             yield Logbook(stream)
         except BaseException as error:
-            print(f"failed: {error}", file=stream, flush=True)
+            traceback.print_exception(error, file=stream)
+            print(f"failed: {type(error).__name__}: {error}", file=stream, flush=True)
             print(f"{path}: {error}", file=sys.__stderr__, flush=True)
             raise
