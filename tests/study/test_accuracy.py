@@ -77,6 +77,7 @@ def test_a_run_closes_the_same_surfaces_at_all_levels():
     # elastic: a stiffer rock closes less, on every surface
     assert np.all(np.diff(found.max_closure.values, axis=0) < 0.0)
     assert np.all(found.timing_simulation > 0.0)
+    assert np.all(found.max_closure_net < found.max_closure)  # contacts push each other down
 
 
 def fake_setting(knob, value, scene="full"):
@@ -90,10 +91,12 @@ def fake_run(error, seconds, n=12, noise=0.0):
     surfaces = surfaces + noise * np.random.default_rng(int(1e6 * error)).standard_normal(n)
     levels = np.array([1.1, 1.0, 0.9])[:, None]
     closures = 1e-3 * (1.0 + error) * levels * surfaces
+    net = 1e-3 * (0.5 + error) * levels * surfaces
     shape = (3, n)
     return xr.Dataset(
         {
             "max_closure": (("level", "realization", "cycle"), closures[..., None]),
+            "max_closure_net": (("level", "realization", "cycle"), net[..., None]),
             "status": (("level", "realization"), np.zeros(shape, np.int16)),
             "timing_simulation": (("level", "realization"), np.full(shape, seconds)),
             "timing_pair": (("level", "realization"), np.full(shape, 2e-4)),
@@ -125,6 +128,7 @@ def test_errors_times_and_order_are_those_put_in():
     steps = costs[costs.knob == "steps"]
     np.testing.assert_allclose(steps.mean_error_percent, [0.25, 1.0, 4.0, 16.0], rtol=1e-9)
     np.testing.assert_allclose(steps.deviation_error_percent, [0.25, 1.0, 4.0, 16.0], rtol=1e-9)
+    np.testing.assert_allclose(steps.net_error_percent, [0.5, 2.0, 8.0, 32.0], rtol=1e-9)
     np.testing.assert_allclose(steps.interval_error_percent, 0.0, atol=1e-6)
     np.testing.assert_allclose(steps.relative_time, [2.0, 1.0, 0.5, 0.25])
     assert np.all(steps.mean_low <= steps.mean_error_percent + 1e-9)
@@ -149,6 +153,7 @@ def test_failed_realisations_are_left_out_and_counted():
     runs = {s.run: fake_run(0.1 * (s.knob == "base"), 1.0) for s in settings}
     runs[settings[0].run].status[1, 4] = 16
     runs[settings[0].run].max_closure[:, 4] = np.nan
+    runs[settings[0].run].max_closure_net[:, 4] = np.nan
     finest = {"full": {"knob": "resolved", "value": 0.005}}
     costs = cost_table(settings, runs, finest, np.random.default_rng(3), 50, 0.95)
     base = costs[costs.knob == "base"].iloc[0]

@@ -90,14 +90,17 @@ def joints() -> str:
     """What grid spacing and patch size do: other joints, not errors."""
     table = read_csv(ACCURACY / "tables/accuracy_cost.csv")
     table = table[table.knob.isin(["spacing", "patch"])]
-    change = [f"{row.mean_error_percent:+.0f} ({row.mean_low:+.0f} to {row.mean_high:+.0f})"
-              for row in table.itertuples()]  # fmt: skip
-    shown = table[["rock", "knob", "value", "cycle"]].assign(change=change)
-    return markdown(
-        shown.assign(time=table.relative_time.round(1)).rename(
-            columns={"change": "change of mean max. closure (%)", "time": "time / base"}
-        )
-    )
+    shown = table[["rock", "knob", "value", "cycle"]].copy()
+    for measure, title in (
+        ("mean", "change of mean max. closure (%)"),
+        ("net", "net of bulk indentation (%)"),
+    ):
+        parts = table[[f"{measure}_{part}" for part in ("error_percent", "low", "high")]]
+        shown[title] = [
+            f"{change:+.0f} ({low:+.0f} to {high:+.0f})"
+            for change, low, high in parts.itertuples(index=False)
+        ]
+    return markdown(shown.assign(**{"time / base": table.relative_time.round(1)}))
 
 
 def choice() -> str:

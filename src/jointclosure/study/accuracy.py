@@ -178,7 +178,7 @@ def close_at(
     Returns
     -------
     Dataset
-        ``max_closure`` [m] over (level, realization, cycle), ``status``,
+        ``max_closure`` and ``max_closure_net`` [m] over (level, realization, cycle), ``status``,
         ``timing_simulation`` [s] and ``timing_pair`` [s], the time of one FFT pair
         (`scipy.fft.rfft2` and `irfft2` of 200 x 200) beside each simulation.
     """
@@ -186,7 +186,7 @@ def close_at(
     study = whole["study"]
     cases = cases_of_run(setting, parameter)
     shape = (len(cases), study["realizations"])
-    closure = np.full((*shape, study["cycles"]), np.nan)
+    closure, net = np.full((2, *shape, study["cycles"]), np.nan)
     status = np.zeros(shape, np.int16)
     seconds, pairs = np.zeros(shape), np.zeros(shape)
     for realization in range(study["realizations"]):
@@ -194,6 +194,8 @@ def close_at(
         for level, case in enumerate(cases):
             timed = timed_simulation(whole, case, walls)
             closure[level, realization] = timed.closed.max_closure.values
+            bulk = timed.closed.max_bulk_indentation.values
+            net[level, realization] = timed.closed.max_closure.values - bulk
             status[level, realization] = timed.closed.status
             seconds[level, realization] = timed.seconds
             pairs[level, realization] = timed.pair
@@ -202,6 +204,7 @@ def close_at(
     return xr.Dataset(
         {
             "max_closure": ((*dimensions, "cycle"), closure, {"units": "m"}),
+            "max_closure_net": ((*dimensions, "cycle"), net, {"units": "m"}),
             "status": (dimensions, status),
             "timing_simulation": (dimensions, seconds, {"units": "s"}),
             "timing_pair": (dimensions, pairs, {"units": "s"}),

@@ -18,35 +18,43 @@ from jointclosure.protocol import FAILURE
 from jointclosure.statistics.indifference import indifference_interval
 from jointclosure.study.accuracy import BASE, Setting
 
-MEASURES = ("mean", "deviation", "interval")
+MEASURES = ("mean", "deviation", "interval", "net")
 OTHER_JOINTS = ("surface_rule", "spacing", "patch")
 """Knobs that change the joints themselves: a difference there is no numerical error."""
 
 
 class _Sample(NamedTuple):
-    """Closures (level, realization) of a run at one cycle that succeeded, and where."""
+    """Closures (level, realization) of a run at one cycle, as they are and net of the bulk
+    indentation, where all levels succeeded, and where.
+    """
 
     closures: np.ndarray
+    net: np.ndarray
     levels: np.ndarray
     base: float
     good: np.ndarray
 
-    def measures(self, index: np.ndarray) -> tuple[float, float, float]:
-        """Mean and deviation at the base level [m], length of the interval, of chosen surfaces."""
+    def measures(self, index: np.ndarray) -> tuple[float, float, float, float]:
+        """`MEASURES` of chosen surfaces: mean and deviation at the base level [m], length of the
+        interval, mean net of the bulk indentation [m].
+        """
         chosen = self.closures[:, index]
-        at_base = chosen[list(self.levels).index(self.base)]
+        own = list(self.levels).index(self.base)
+        at_base = chosen[own]
         length = np.nan
         if len(self.levels) > 2 and index.size > 1 and np.ptp(index) > 0:
             means, deviations = chosen.mean(axis=1), chosen.std(axis=1, ddof=1)
             length = indifference_interval(
                 self.levels, means, deviations, index.size, 0.05, self.base
             ).length
-        return at_base.mean(), at_base.std(ddof=1) if index.size > 1 else np.nan, length
+        deviation = at_base.std(ddof=1) if index.size > 1 else np.nan
+        return at_base.mean(), deviation, length, self.net[own, index].mean()
 
 
 def _sample(run: xr.Dataset, cycle: int) -> _Sample:
     return _Sample(
         run.max_closure.sel(cycle=cycle).values,
+        run.max_closure_net.sel(cycle=cycle).values,
         run.level.values,
         float(run.attrs["base"]),
         (run.status.values < FAILURE).all(axis=0),
@@ -124,6 +132,7 @@ def _errors(own: _Sample, truth: _Sample, random, resamples, confidence, other) 
     exact = truth.measures(theirs)
     found = own.measures(mine)
     row |= {"mean_mm": 1e3 * found[0], "deviation_mm": 1e3 * found[1], "interval": found[2]}
+    row |= {"net_mm": 1e3 * found[3]}
     drawn = np.empty((resamples, len(MEASURES)))
     for i in range(resamples):
         index = random.integers(0, mine.size, mine.size)
