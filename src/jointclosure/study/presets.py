@@ -148,7 +148,8 @@ def chosen_numerics(
     if row is None:
         return Chosen(numerics, "numerics.accuracy: nothing breaks, all is solved to 1e-10")
     changed = json.loads(row.numerics)
-    touched = set().union(*(json.loads(each) for each in table.numerics))
+    here = table[table.scene == SCENE]
+    touched = set().union(*(json.loads(each) for each in here.numerics))
     for key in touched:
         if numerics[key] != default[key]:
             name = "preset" if accuracy is None else "accuracy"
