@@ -49,6 +49,12 @@ def test_the_surface_closest_to_the_mean_is_among_those_that_succeeded(study):
     assert plotting.closest_to_mean(study, "one-base", 5e5) == 2
 
 
+def test_curves_without_a_point_beyond_seating_are_drawn_as_none(study):
+    study["closure"][...] = np.nan
+    assert plotting.closest_to_mean(study, "one-base", 5e5) == 0
+    plotting.closure_figure(study, {"one": ROCK}, 5e5, 1.5)
+
+
 def test_closures_are_drawn_since_seating_for_every_success(study):
     figure = plotting.closure_figure(study, {"one": ROCK}, 5e5, 1.5)
     axes = figure.axes[0]

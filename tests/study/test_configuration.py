@@ -12,6 +12,7 @@ from jointclosure.study.configuration import (
     choice_tolerance,
     choices_of,
     effects_of,
+    end_of_stress_axis,
     numerics_of,
     read_plain,
     read_schema,
@@ -34,6 +35,14 @@ STUDIES = sorted(set((ROOT / "config").glob("*.yaml")) - {ROOT / "config/hard_ca
 @pytest.mark.parametrize("path", STUDIES, ids=lambda p: p.stem)
 def test_every_configuration_in_the_project_is_valid(path):
     checked(merged(yaml.safe_load(path.read_text())), SCHEMA)
+
+
+def test_the_stress_axis_ends_at_the_largest_maximum_of_the_studys_rocks_or_as_set():
+    assert end_of_stress_axis(DEFAULT) == 30
+    changed = {"slate": {"max_normal_stress_MPa": 3}, "dolerite": {"max_normal_stress_MPa": 40}}
+    study = merged({"study": {"rocks": ["slate"]}, "rocks": changed})
+    assert end_of_stress_axis(study) == 3
+    assert end_of_stress_axis(study | {"output": {"largest_stress_MPa": 7}}) == 7
 
 
 def test_the_default_is_the_papers_study():
@@ -73,7 +82,7 @@ def test_the_library_and_the_configuration_have_the_same_defaults():
         ({"rocks": {"slate": {"levels": {"jrc": [5]}}}}, "needs at least 2 values"),
         ({"rocks": {"slate": {"max_normal_stress_MPa": 0}}}, "max_normal_stress_MPa = 0: must be above 0"),
         ({"rocks": {"slate": {"max_normal_stress_MPa": 0.4}}}, "seating_stress_MPa = 0.5: must be below"),
-        ({"rocks": {"slate": {"max_normal_stress_MPa": 40}}}, "output.largest_stress_MPa = 30: must be at least"),
+        ({"rocks": {"slate": {"max_normal_stress_MPa": 40}}, "output": {"largest_stress_MPa": 30}}, "output.largest_stress_MPa = 30: must be at least"),
         ({"rocks": {"slate": {"youngs_modulus_GPa": 0.02, "levels": {"youngs_modulus_GPa": [0.01, 0.03]}}}}, "must be below Young's modulus, 10 MPa"),
         ({"rocks": {"gneiss": {"jrc": 8}}}, "rocks.gneiss: lacks title"),
         ({"study": {"realizations": 1}}, "study.realizations = 1: must be at least 2"),

@@ -20,7 +20,7 @@ rocks:
     levels: {}
     measured: {file: measured.csv}
 grid: {cells_x: 12, cells_y: 16}
-output: {stress_points: 5, largest_stress_MPa: 1}
+output: {stress_points: 5}
 """
 CURVE = "stress_MPa,closure_mm,cycle\n0,0,1\n0.5,0.05,1\n0.8,0.07,1\n0.4,0.065,1\n"
 

@@ -70,12 +70,15 @@ def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title
 
 
 def closest_to_mean(study: xr.Dataset, case: str, seating_stress: float) -> int:
-    """Realisation of least RMS distance to the mean curve of the first cycle, since seating."""
+    """Realisation of least RMS distance to the mean curve of the first cycle, since seating.
+
+    The first where no curve has a point beyond the seating stress.
+    """
     base = study.sel(case=case).where(succeeded(study).sel(case=case))
     curves = (base.closure - seats(base)).isel(cycle=0)
     curves = curves.where(curves.stress > seating_stress)
     distance = np.square(curves - curves.mean("realization")).mean(("branch", "stress"))
-    return int(study.realization.values[int(distance.argmin("realization"))])
+    return int(study.realization.values[int(distance.fillna(np.inf).argmin("realization"))])
 
 
 def closure_figure(
@@ -121,6 +124,7 @@ def closure_figure(
             for branch in ("loading", "unloading"):
                 every = 1e3 * curves.sel(branch=branch)
                 shown = stress > 1e-6 * seating_stress if branch == "loading" else stress >= 0.0
+                shown &= np.isfinite(every.values).any(axis=0)
                 x, y = every.values[:, shown], stress[shown]
                 line = every.sel(realization=chosen).values[shown]
                 if branch == "loading":  # which starts at the seating, by definition

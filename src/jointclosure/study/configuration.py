@@ -117,6 +117,15 @@ def choice_tolerance(configuration: dict) -> float | None:
     return configuration["effects"].get("auto")
 
 
+def end_of_stress_axis(configuration: dict) -> float:
+    """End of the closure curves' stress axis [MPa]: as set, or the largest of the rocks' maxima."""
+    end = configuration["output"]["largest_stress_MPa"]
+    if end is not None:
+        return end
+    rocks = configuration["rocks"]
+    return max(rocks[name]["max_normal_stress_MPa"] for name in configuration["study"]["rocks"])
+
+
 def kernels_of(settings: Iterable[dict]) -> list[list[str]]:
     """What the kernels of some settings depend on: scene, peaks, solver and breakage, each once.
 
@@ -249,7 +258,7 @@ def _contradictions(configuration: dict) -> Iterator[str]:
             )
         stress, end = rock["max_normal_stress_MPa"], configuration["output"]["largest_stress_MPa"]
         where = f"rocks.{name}.max_normal_stress_MPa = {stress!r}"
-        if end < stress:
+        if end is not None and end < stress:
             yield f"output.largest_stress_MPa = {end!r}: must be at least {where}"
         moduli = [rock["youngs_modulus_GPa"], *(rock["levels"].get("youngs_modulus_GPa") or [])]
         if stress >= 1e3 * min(moduli):

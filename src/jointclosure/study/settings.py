@@ -10,7 +10,12 @@ from pathlib import Path
 from jointclosure.parameters import InputError
 from jointclosure.scans import file_digest
 from jointclosure.study.cases import Case, wall_name
-from jointclosure.study.configuration import choice_tolerance, effects_of, numerics_in_full
+from jointclosure.study.configuration import (
+    choice_tolerance,
+    effects_of,
+    end_of_stress_axis,
+    numerics_in_full,
+)
 from jointclosure.study.wall_settings import wall_files
 
 
@@ -67,7 +72,7 @@ def closure_settings(configuration: dict, case: Case, surfaces: dict, code: str)
         "cycles": configuration["study"]["cycles"],
         "seating_stress_MPa": configuration["seating_stress_MPa"],
         "stress_points": output["stress_points"],
-        "largest_stress_MPa": output["largest_stress_MPa"],
+        "largest_stress_MPa": end_of_stress_axis(configuration),
         "surfaces": surfaces,
         "code": code,
         "effects": effects_of(configuration, case.rock)._asdict(),
