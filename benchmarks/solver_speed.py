@@ -3,7 +3,8 @@
 elastic     one cycle to 30 MPa without breakage in 20 stresses, dolerite, JRC 8, dataset
             included: 100 x 100 cells, 512 x 512 (or --cells), and as many of nearly mated walls
             (lower = -upper + 0.1 um of white noise), with the peak memory of a process of its own
-study       the base case of each rock of config/default.yaml, both cycles, as the study closes it
+study       the base case of each rock of config/default.yaml, both cycles, as the study closes it,
+            or to another residual of equilibrium (--residual), and where the time goes
 reference   the paper's own loop against the fast solver, on the same walls, one cycle to 3 MPa,
             on the largest square grid whose first surface the loop closes within a minute (or
             --minute seconds), with breakage and without. A ratio of times means what it says only
@@ -27,6 +28,7 @@ os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"
 os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
 
 import argparse
+import contextlib
 import subprocess
 import tempfile
 from pathlib import Path
@@ -60,6 +62,7 @@ from yardstick import (
 import jointclosure as jc
 from jointclosure.dataset import reading_netcdf, write_netcdf_blocks
 from jointclosure.parameters import to_si
+from jointclosure.solvers.fast import FastSolver
 from jointclosure.study.cases import Case, wall_seed
 from jointclosure.study.configuration import choices_of, effects_of, numerics_of
 from jointclosure.study.ensemble import close_surfaces, make_surfaces
@@ -129,24 +132,51 @@ def base_case(configuration: dict, case: Case, realization: int) -> tuple[float,
     )
 
 
+@contextlib.contextmanager
+def timing_parts():
+    """Seconds that the fast solver spends in breaking, and in equilibrium, while this holds."""
+    spent = dict.fromkeys(("_break_to_rest", "_equilibrate"), 0.0)
+    own = {name: getattr(FastSolver, name) for name in spent}
+
+    def timing(name):
+        def part(*arguments):
+            seconds, answer = timed(lambda: own[name](*arguments))
+            spent[name] += seconds
+            return answer
+
+        return staticmethod(part)
+
+    for name in spent:
+        setattr(FastSolver, name, timing(name))
+    try:
+        yield spent
+    finally:
+        for name, method in own.items():
+            setattr(FastSolver, name, staticmethod(method))
+
+
 def study(arguments) -> tuple[pd.DataFrame, tuple]:
     """The base cases of the paper's study."""
     configuration, cases = paper_study()
+    configuration["numerics"]["force_tolerance"] = arguments.residual
     small = configuration | {"grid": configuration["grid"] | {"cells_x": 24, "cells_y": 24}}
     rows = []
     for case in cases:
         base_case(small, case, 0)  # to compile
-        pair, times, closed = Pair(), [], []
+        pair, times, closed, parts = Pair(), [], [], []
         for realization in range(arguments.repeats):
             pair.sample()
-            seconds, found = base_case(configuration, case, realization)
+            with timing_parts() as spent:
+                seconds, found = base_case(configuration, case, realization)
             times.append(seconds)
             closed.append(found)
+            parts.append([100.0 * each / seconds for each in spent.values()])
         steps = np.array([int(found.breakage_steps) for found in closed])
         row = {"rock": case.rock} | spread(times, "ms", 1e3)
         row |= spread(times, "pairs", 1.0 / pair.seconds)
         row |= {"breakage steps": np.median(steps)}
         row["ns of all time per step"] = 1e9 * np.median(times / steps)
+        row["breaking %"], row["equilibrium %"] = np.median(parts, axis=0)
         row["products"] = np.median([int(found.solver_iterations) for found in closed])
         row["worst status"] = max(int(found.status) for found in closed)
         rows.append(row | {"pair ms": 1e3 * pair.seconds})
@@ -270,6 +300,7 @@ if __name__ == "__main__":
     )
     parser.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS))
     parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--residual", type=float, default=jc.Numerics().force_tolerance)
     parser.add_argument("--cells", type=int, default=512, help="along the large elastic grids")
     parser.add_argument("--minute", type=float, default=60.0, help="for the reference [s]")
     parser.add_argument("--output", type=Path, help="folder for a CSV of each table")

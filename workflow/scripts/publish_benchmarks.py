@@ -1,0 +1,126 @@
+"""Renew what README.md and docs/speed.md show of the benchmarks.
+
+Run by hand after these, which write to build/benchmarks:
+
+    python benchmarks/solver_speed.py --output build/benchmarks
+    python benchmarks/growth.py --output build/benchmarks
+    python benchmarks/peers.py --output build/benchmarks/peers.csv
+"""
+
+import shutil
+
+import pandas as pd
+from markers import fill
+from publish_measured import ROOT, markdown
+
+from jointclosure.dataset import read_csv
+
+MEASURED = ROOT / "build/benchmarks"
+AXES = {
+    "cells": "cells along a square grid",
+    "stress_mpa": "maximum normal stress (MPa)",
+    "realisations": "realisations of a case",
+    "jrc": "JRC",
+}
+
+
+def span(row: pd.Series, name: str) -> str:
+    """A median, and the extremes behind it."""
+    low, high = row[f"{name} min"], row[f"{name} max"]
+    return f"{round_to_three(row[name])} ({round_to_three(low)} to {round_to_three(high)})"
+
+
+def round_to_three(value: float) -> str:
+    """A number to three figures, without an exponent."""
+    return f"{float(f'{value:.3g}'):,.15g}"
+
+
+def study() -> str:
+    """A simulation of the paper's study, by rock."""
+    table = read_csv(MEASURED / "study.csv")
+    shown = {
+        "rock": table.rock,
+        "FFT pairs": [span(row, "pairs") for _, row in table.iterrows()],
+        "ms": [span(row, "ms") for _, row in table.iterrows()],
+        "of it breaking": [f"{share:.0f} %" for share in table["breaking %"]],
+        "equilibrium": [f"{share:.0f} %" for share in table["equilibrium %"]],
+        "breakage steps": [f"{steps / 1e6:.1f} million" for steps in table["breakage steps"]],
+        "products with the interaction": table.products.map(round_to_three),
+    }
+    return markdown(pd.DataFrame(shown))
+
+
+def elastic() -> str:
+    """Closure curves without breakage."""
+    table = read_csv(MEASURED / "elastic.csv")
+    shown = {
+        "walls": table.walls,
+        "cells": [f"{cells} x {cells}" for cells in table.cells],
+        "ms": [span(row, "ms") for _, row in table.iterrows()],
+        "FFT pairs": table.pairs.map(round_to_three),
+        "FFT pairs of its own size": table["pairs of own size"].map(round_to_three),
+        "products a stress": table["products per stress"].map(round_to_three),
+        "largest memory (MB)": table["peak MB"].map(round_to_three),
+    }
+    return markdown(pd.DataFrame(shown))
+
+
+def reference() -> str:
+    """The paper's loop against the fast solver."""
+    table = read_csv(MEASURED / "reference.csv")
+    shown = {
+        "scene": table.scene,
+        "cells": [f"{cells} x {cells}" for cells in table.cells],
+        "the paper's loop (s)": [span(row, "reference s") for _, row in table.iterrows()],
+        "fast solver (ms)": [span(row, "fast ms") for _, row in table.iterrows()],
+        "ratio": [span(row, "ratio") for _, row in table.iterrows()],
+        "fast less reference (% of closure)": [
+            f"{row['difference %']:+.2f} ± {row['standard error %']:.2f}"
+            for _, row in table.iterrows()
+        ],
+    }
+    return markdown(pd.DataFrame(shown))
+
+
+def growth() -> str:
+    """Exponents of time."""
+    table = read_csv(MEASURED / "growth.csv")
+    rows = []
+    for (axis, scene), part in table.groupby(["axis", "scene"], sort=False):
+        first, last = part.iloc[0], part.iloc[-1]
+        rows.append(
+            {
+                "what grows": AXES[axis],
+                "scene": scene,
+                "from": f"{first['value']:g}: {round_to_three(first.ms)} ms",
+                "to": f"{last['value']:g}: {round_to_three(last.ms)} ms",
+                "exponent": f"{first.exponent:.2f} ± {first['standard error']:.2f}",
+            }
+        )
+    return markdown(pd.DataFrame(rows))
+
+
+def peers() -> str:
+    """Other codes on the same walls."""
+    table = read_csv(MEASURED / "peers.csv")
+    shown = {
+        "code": [f"{row.code} {row.version}".removesuffix(" -") for row in table.itertuples()],
+        "solves": table.solves,
+        "error": [f"{error:.0e}" for error in table.error],
+        "ms": table.ms.map(round_to_three),
+        "FFT pairs": table.pairs.map("{:.0f}".format),
+        "closure at 30 MPa (um)": table["um at 30 MPa"].map("{:.1f}".format),
+    }
+    return markdown(pd.DataFrame(shown))
+
+
+def main() -> None:
+    """Fill both documents, and copy the figure."""
+    parts = (study, elastic, reference, growth)
+    fill(ROOT / "docs/speed.md", {part.__name__: part() for part in parts})
+    fill(ROOT / "README.md", {"peers": peers()})
+    shutil.copy(MEASURED / "growth.png", ROOT / "docs/images/growth.png")
+
+
+if __name__ == "__main__":
+    main()
