@@ -6,6 +6,7 @@ import pandas as pd
 import seaborn as sns
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from jointclosure.empirical import barton_bandis, law_holds
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
@@ -16,6 +17,9 @@ from jointclosure.tables import PARAMETER_TITLES, roughness_title
 _CYCLE_COLOURS = dict(enumerate(sns.color_palette("colorblind", 8), start=1))
 MOST_DRAWN = 500
 """Surfaces whose curves are drawn; of a larger study the first ones."""
+_FEW_LINES = 20
+"""Curves of which each can be seen; more are fainter, so that the mean is seen through them."""
+_OUTLINE = [withStroke(linewidth=3.5, foreground="white")]
 
 _UNITS = {"1": "", "GPa": " (GPa)", "MPa": " (MPa)"}
 
@@ -107,6 +111,7 @@ def closure_figure(
     rows = -(-len(rocks) // columns)
     cycles = [int(c) for c in study.cycle.values[: max(2, measured.cycles)]]
     lawful = False
+    faint = 0.25 * min(1.0, _FEW_LINES / study.sizes["realization"]) ** 0.5
     figure, panels = plt.subplots(
         rows, columns, figsize=(5.6 * columns, 4.2 * rows), layout="constrained", squeeze=False
     )
@@ -134,8 +139,9 @@ def closure_figure(
                     axes.fill_betweenx(
                         y, mean - spread, mean + spread, color=colour, alpha=0.18, lw=0
                     )
-                axes.plot(x.T, y, color=colour, lw=0.4, alpha=0.25)
-                axes.plot(line, y, color=colour, lw=2.0, ls="-" if branch == "loading" else "--")
+                axes.plot(x.T, y, color=colour, lw=0.4, alpha=faint)
+                style = "-" if branch == "loading" else "--"
+                axes.plot(line, y, color=colour, lw=2.0, ls=style, path_effects=_OUTLINE)
         if rock_has_law := not rock.get("walls") and law_holds(rock["jrc"]):
             lawful = True
         for cycle in cycles[:2] if rock_has_law else ():
@@ -162,7 +168,8 @@ def closure_figure(
         plt.Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="mean ± 1 standard deviation"),
     ]
     if lawful:
-        label = "Barton-Bandis law, cycles 1 and 2 (empirical, for mated joints)"
+        drawn = " and ".join(f"cycle {cycle}" for cycle in cycles[:2])
+        label = f"Barton-Bandis law, {drawn} (empirical, for mated joints)"
         handles.append(plt.Line2D([], [], color="0.2", lw=1.2, ls=(0, (1, 1.5)), label=label))
     handles += measured_handles(measured)
     place = {"loc": "outside lower center", "ncols": 3}
