@@ -160,15 +160,24 @@ def real_roots(coefficients: np.ndarray) -> np.ndarray:
         if before * after < 0.0:
             roots.append(
                 scipy.optimize.brentq(
-                    lambda u: np.polyval(coefficients, u),
+                    _horner,
                     left,
                     right,
+                    (coefficients.tolist(),),
                     xtol=1e-300,
                     rtol=1e-15,
                     maxiter=5000,  # an end may be 1e17 times as far as the root
                 )
             )
     return np.array(sorted(set(roots)))
+
+
+def _horner(u: float, coefficients: list[float]) -> float:
+    """`numpy.polyval` of one number, to the last bit, in a tenth of its time."""
+    value = 0.0
+    for coefficient in coefficients:
+        value = value * u + coefficient
+    return value
 
 
 def _checked(levels, means, deviations, samples, significance, base) -> float:
