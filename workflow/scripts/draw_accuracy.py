@@ -4,7 +4,7 @@ from pathlib import Path
 
 from jointclosure.dataset import read_csv, save_figure
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.plotting.accuracy import error_sources, work_precision
+from jointclosure.plotting.accuracy import SCENE_TITLES, error_sources, work_precision
 
 
 def main(inputs: dict, outputs: list[str], log: Logbook) -> None:
@@ -19,7 +19,7 @@ def main(inputs: dict, outputs: list[str], log: Logbook) -> None:
             shown = sources[with_rules] if with_rules.any() else sources
             figure = error_sources(shown, "Where the error of the configured setting comes from")
         else:
-            title = f"Scene {name.replace('_', ' ')}: what accuracy costs"
+            title = f"What accuracy costs: {SCENE_TITLES.get(name, name.replace('_', ' '))}"
             figure = work_precision(
                 costs[costs.scene == name], title, "as configured (the paper's)"
             )

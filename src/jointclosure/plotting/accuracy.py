@@ -19,10 +19,20 @@ KNOB_TITLES = {
     "resolved": "resolved breakage, tolerance",
     "paper_resolved": "resolved breakage, tolerance",
     "force_tolerance": "residual of equilibrium",
+    "paper_tolerances": "tight tolerances",
     "stress_tolerance": "landing on the maximum",
     "sweep_tolerance": "the paper's own loop, change of a sweep",
 }
+SCENE_TITLES = {
+    "contacts_alone": "contacts that do not feel each other",
+    "elastic": "nothing breaks",
+    "full": "the model as stated",
+    "regularised": "radii bounded",
+    "paper_size": "the paper's size and stress",
+}
 _FLOOR = 0.01
+_BESIDE_STAR = 0.08
+"""Distance [decades] to the star within which marks bear no value: the labels would cover it."""
 
 
 def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
@@ -66,6 +76,8 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
     for row in panels:
         row[0].set_ylabel("error of mean max. closure (%)")
     handles, labels = panels[0, 0].get_legend_handles_labels()
+    handles.append(plt.Line2D([], [], ls="", marker="o", color="0.3", mfc="w", ms=5))
+    labels.append("not told from no error")
     figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
     figure.suptitle(title, x=0.01, ha="left")
     sns.despine(figure)
@@ -75,6 +87,7 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
 def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> None:
     size = part.mean_error_percent.abs().clip(lower=_FLOOR)
     part = part.assign(size=size)
+    base = part[part.knob == BASE].iloc[0]
     for knob, colour in colours.items():
         line = part[(part.knob == knob) & (part.mean_error_percent != 0.0)]
         if line.empty:
@@ -96,7 +109,10 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> None:
         axes.plot(
             line.relative_time[~known], line["size"][~known], "o", color=colour, mfc="w", ms=5
         )
-        for entry in line.itertuples() if numbers else ():
+        away = np.hypot(
+            np.log10(line.relative_time / base.relative_time), np.log10(line["size"] / base["size"])
+        )
+        for entry in line[away > _BESIDE_STAR].itertuples() if numbers else ():
             axes.annotate(
                 f"{float(entry.value):g}",
                 (entry.relative_time, entry.size),
@@ -105,7 +121,6 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> None:
                 fontsize=6,
                 color=colour,
             )
-    base = part[part.knob == BASE].iloc[0]
     axes.plot([base.relative_time], [base["size"]], "k*", ms=13, zorder=4, label=paper)
     # the finest is what the others are held against: its error is not known from here
     part = part[part.mean_error_percent != 0.0]
@@ -120,7 +135,6 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> None:
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
         axis.set_minor_formatter(NullFormatter())
-    axes.axhline(1.0, color="0.8", lw=0.8, zorder=0)
 
 
 def error_sources(sources: pd.DataFrame, title: str) -> Figure:
@@ -153,7 +167,7 @@ def error_sources(sources: pd.DataFrame, title: str) -> Figure:
                 axes.plot([x, x], [low, span[1]], color="k", lw=1)
     names = [f"{rock.replace('_', ' ').capitalize()}\ncycle {cycle}" for (rock, cycle), _ in groups]
     axes.set_xticks(range(len(groups)), names)
-    axes.set(ylabel="share of the mean max. closure (%)", title=title)
+    axes.set(ylabel="size of the error (% of mean max. closure)", title=title)
     axes.legend(frameon=False)
     sns.despine(figure)
     return figure

@@ -196,9 +196,10 @@ def order_table(costs: pd.DataFrame) -> pd.DataFrame:
 def source_table(costs: pd.DataFrame, scene: str, realizations: int) -> pd.DataFrame:
     """Where the error of the paper's own setting in a scene comes from, in percent of the mean.
 
-    ``steps``: that of its steps; ``sampling``: the standard error of a mean over
-    so many ``realizations``; ``surface rule``: the largest change among the
-    rules tried, which no computing takes away.
+    ``steps``: that of its steps; ``tolerances``: what tight ones (knob
+    ``paper_tolerances``, where it is turned) move; ``sampling``: the standard error
+    of a mean over so many ``realizations``; ``surface rule``: the largest change
+    among the rules tried, which no computing takes away.
     """
     rows = []
     chosen = costs[costs.scene == scene]
@@ -207,6 +208,10 @@ def source_table(costs: pd.DataFrame, scene: str, realizations: int) -> pd.DataF
         rule = part[part.knob == "surface_rule"]
         sampling = 100.0 * base.deviation_mm / base.mean_mm / np.sqrt(realizations)
         sources = {"steps": (base.mean_error_percent, base.mean_low, base.mean_high)}
+        tight = part[part.knob == "paper_tolerances"]
+        if len(tight):
+            change = 100.0 * (base.mean_mm / tight.mean_mm.iloc[0] - 1.0)
+            sources["tolerances"] = (change, np.nan, np.nan)
         sources["sampling"] = (sampling, np.nan, np.nan)
         if len(rule):
             worst = rule.loc[rule.mean_error_percent.abs().idxmax()]
