@@ -8,7 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.protocol import FAILURE
-from jointclosure.report.sheets import Sheet, sheet
+from jointclosure.report.sheets import Sheet, given, sheet
 from jointclosure.study.configuration import effects_of, numerics_in_full
 from jointclosure.study.ensemble import succeeded
 from jointclosure.tables import PARAMETER_TITLES
@@ -78,7 +78,7 @@ def preset_sheet(measured: pd.DataFrame, configuration: dict, default: dict) -> 
         rows.assign(
             scene=rows.scene.map(_RADII),
             mine=np.where(bounded & same & breaks, "yes", ""),
-            **{name: rows[name].map(lambda value: float(f"{value:.2g}")) for name in errors},
+            **{name: rows[name].map(lambda value: given(float(f"{value:.2g}"))) for name in errors},
         ),
         columns,
     )
