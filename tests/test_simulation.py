@@ -284,6 +284,8 @@ def test_there_are_18_scenes():
         ({"effects": jc.Effects(substrate=False)}, "interaction"),
         ({"effects": jc.Effects(breakage=False)}, "gouge"),
         ({"choices": jc.Choices(base_radius_in_cells=1.5)}, "base_radius_in_cells = 1.5"),
+        ({"choices": jc.Choices(largest_radius=1e-4)}, "0.0001 m: must be at least the grid"),
+        ({"choices": jc.Choices(largest_radius=1e30)}, r"largest_radius = 1e\+30 m: must lie in"),
         ({"choices": jc.Choices(peaks="some")}, "peaks = 'some'"),
         ({"numerics": jc.Numerics(breakage_step=12.5e-6)}, "breakage_step = 1.25e-05"),
         ({"numerics": jc.Numerics(later_breakage_step=7e-6)}, "later_breakage_step = 7e-06"),

@@ -283,9 +283,22 @@ def check_choices(choices: Choices) -> None:
     _one_of("concave", choices.concave, ("magnitude",))
     _one_of("peaks", choices.peaks, ("pristine", "current"))
     if choices.largest_radius is not None:
-        _positive("largest_radius", choices.largest_radius, "m")
+        check_length("largest_radius", choices.largest_radius)
     if not 0.0 < choices.tie_tolerance < 1e-3:
         raise InputError(f"tie_tolerance = {choices.tie_tolerance!r}: must lie in (0, 0.001)")
+
+
+def check_radius(choices: Choices, spacing: float) -> None:
+    """Raise `InputError` where radii are bounded below the grid spacing [m].
+
+    An asperity is a cell; of sharper ones strength is next to none, and resolved breakage
+    takes them down in ever smaller losses.
+    """
+    if choices.largest_radius is not None and choices.largest_radius < spacing:
+        raise InputError(
+            f"largest_radius = {choices.largest_radius!r} m: must be at least the grid spacing, "
+            f"{spacing!r} m, as an asperity is a cell (or None: unbounded)"
+        )
 
 
 def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:

@@ -18,6 +18,7 @@ from jointclosure.parameters import (
     check_length,
     check_number,
     check_numerics,
+    check_radius,
     check_scene,
     in_double,
     real_array,
@@ -183,6 +184,7 @@ def simulate_by(
     check_choices(choices)
     check_numerics(numerics, tuple(SOLVERS))
     _check_load(spacing, max_normal_stress, cycles, seating_stress)
+    check_radius(choices, spacing)
     stiffness = min(wall.youngs_modulus for wall in rock)
     if max_normal_stress >= stiffness:
         raise InputError(
@@ -269,6 +271,7 @@ def equilibrium(
     check_choices(choices)
     check_numerics(numerics, tuple(SOLVERS))
     check_length("spacing", spacing)
+    check_radius(choices, spacing)
     check_number("closure", closure)
     if not abs(closure) <= LENGTHS[1]:
         raise InputError(f"closure = {closure!r} m: must be at most {LENGTHS[1]:g} m")

@@ -29,10 +29,14 @@ def test_a_sound_environment_has_no_advice(quick, one_thread, tmp_path, monkeypa
     assert list(tmp_path.iterdir()) == []
 
 
-def test_threads_that_are_not_set_get_an_advice(quick, one_thread, tmp_path, monkeypatch, capsys):
+def test_threads_set_otherwise_get_an_advice(quick, one_thread, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(doctor.os, "sched_getaffinity", lambda process: {0, 1}, raising=False)
-    monkeypatch.delenv("OMP_NUM_THREADS")
+    for name in doctor.THREADS:  # as in any shell: make sets them
+        monkeypatch.delenv(name)
+    assert cli.main(["doctor"]) == 0
+    assert "make sets each to 1" in capsys.readouterr().out
+    monkeypatch.setenv("MKL_NUM_THREADS", "2")
     assert cli.main(["doctor"]) == 1
     out = capsys.readouterr().out
     assert "OMP_NUM_THREADS=unset" in out

@@ -213,9 +213,20 @@ def test_the_preset_that_a_study_has_is_told_from_the_others(material):
     assert own({"numerics": material.default["numerics"]}) == [("as the paper has them", "paper")]
     accurate = material.default["numerics"] | {"breakage": "resolved", "tolerance": 0.02}
     bounded = {"choices": {"largest_radius_mm": 20.0}}
-    assert own({"numerics": accurate} | bounded) == [("bounded", "accurate")]
+    assert own({"numerics": accurate} | bounded) == [("bounded to 20 mm", "accurate")]
     assert own({"numerics": accurate | {"tolerance": 0.03}} | bounded) == []
     assert own({"numerics": accurate, "effects": {"breakage": False, "gouge": False}}) == []
+
+
+def test_intervals_of_rocks_that_the_paper_has_not_are_a_page_without_its_lengths(material):
+    columns = ["paper_length", "paper_percent", "in_paper"]
+    intervals = material.intervals.drop(columns=columns)
+    own = material._replace(intervals=intervals, paper=material.paper[:0])
+    sheets = content(own)["sheets"]
+    assert "paper" not in sheets["table-3"].caption
+    assert not any("paper" in cell.text for row in sheets["table-3"].rows for cell in row)
+    assert "The paper's length" not in sheets["intervals"].titles
+    render(content(own))
 
 
 def test_provenance_and_times_are_there(material, outline):

@@ -61,3 +61,16 @@ def test_a_study_that_varies_nothing_has_a_page(material, pictures, configuratio
     settings = {"configuration": configuration, "benchmarks": tmp_path / "none"}
     script().main(inputs, settings, tmp_path / "report.html", lambda line: None)
     assert "No property was varied" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_study_whose_numerics_were_chosen_by_a_word_has_a_page(
+    material, pictures, configuration, tmp_path
+):
+    numerics = configuration["numerics"] | {"preset": "accurate"}
+    settings = {
+        "configuration": configuration | {"numerics": numerics},
+        "benchmarks": tmp_path / "none",
+    }
+    inputs = files_of(material, pictures, tmp_path)
+    script().main(inputs, settings, tmp_path / "report.html", lambda line: None)
+    assert (tmp_path / "report.html").is_file()

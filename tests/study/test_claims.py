@@ -113,6 +113,16 @@ def test_contrary_evidence_is_not_reproduced(number, percents, trends):
     assert verdicts(evidence(percents, trends))[number] == "not reproduced"
 
 
+def test_where_no_change_is_significant_nothing_is_ranked():
+    none = [np.nan] * 4
+    found = verdicts(evidence([none, none], TRENDS))
+    ranked = ("1a, cycle 1", "1a, cycle 2", "2a", "2a, net", "2b", "3", "4")
+    assert {found[number] for number in ranked} == {"cannot be judged"}
+    # a parameter without an interval is not the most sensitive, beside one that has one
+    found = verdicts(evidence([none, [np.nan, np.nan, np.nan, 8.0]], TRENDS))
+    assert {found[number] for number in ("2a", "3")} == {"not reproduced"}
+
+
 def test_a_parameter_that_was_not_varied_cannot_be_judged():
     found = evidence(AS_THE_PAPER_SAYS, TRENDS)
     without = found._replace(

@@ -82,6 +82,8 @@ def test_the_library_and_the_configuration_have_the_same_defaults():
         ({"rocks": {"slate": {"levels": {"jrc": [5]}}}}, "needs at least 2 values"),
         ({"rocks": {"slate": {"max_normal_stress_MPa": 0}}}, "max_normal_stress_MPa = 0: must be above 0"),
         ({"rocks": {"slate": {"max_normal_stress_MPa": 0.4}}}, "seating_stress_MPa = 0.5: must be below"),
+        ({"effects": "autom"}, "effects = 'autom': must be auto, or effects with true or false"),
+        ({"choices": {"largest_radius_mm": 0.2}}, "largest_radius = 0.0002 m: must be at least the grid spacing"),
         ({"rocks": {"slate": {"max_normal_stress_MPa": 40}}, "output": {"largest_stress_MPa": 30}}, "output.largest_stress_MPa = 30: must be at least"),
         ({"rocks": {"slate": {"youngs_modulus_GPa": 0.02, "levels": {"youngs_modulus_GPa": [0.01, 0.03]}}}}, "must be below Young's modulus, 10 MPa"),
         ({"rocks": {"gneiss": {"jrc": 8}}}, "rocks.gneiss: lacks title"),

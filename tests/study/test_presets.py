@@ -95,6 +95,25 @@ def test_words_are_settled_in_an_order_that_lets_them_stand_together():
     assert settings["numerics"]["tolerance"] == 0.02
     assert "1 %" in said
     assert decided(DEFAULT | {"numerics": "fast"}, ROOT, read_csv)[1] == ""
+    assert decided(both | {"effects": "autom"}, ROOT, read_csv)[1] == ""
+
+
+def test_it_is_the_rocks_own_effects_that_break_or_not():
+    elastic, breaking = ({"breakage": on, "gouge": on} for on in (False, True))
+    own = {name: {"effects": elastic} for name in DEFAULT["study"]["rocks"]}
+    assert "1e-10" in chosen(accuracy=0.02, radius=None, effects={"rocks": own}).said
+    own = {"effects": elastic, "rocks": {"slate": {"effects": breaking}}}
+    with pytest.raises(InputError, match="has no limit"):
+        chosen(accuracy=0.02, radius=None, effects=own)
+    assert "1 %" in chosen(accuracy=0.02, effects=own).said
+
+
+def test_a_preset_is_said_to_be_off_by_what_was_measured_of_the_same_model():
+    stated = TABLE.assign(scene="full", error_percent=7.0)
+    both = pd.concat([TABLE, stated], ignore_index=True)
+    assert "by 7 %" in chosen(both, radius=None, preset="accurate").said
+    assert "radii are the paper's" in chosen(both, radius=None, preset="accurate").said
+    assert "by 1 %" in chosen(both, preset="accurate").said
 
 
 @pytest.mark.parametrize(

@@ -5,15 +5,13 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 
-from jointclosure import Numerics
 from jointclosure.dataset import read_benchmarks, read_csv, reading_netcdf, write_text
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.parameters import to_si
 from jointclosure.report.captions import read_caption
 from jointclosure.report.content import Material, content
 from jointclosure.report.page import Picture, render
 from jointclosure.study.checks import check_results
-from jointclosure.study.configuration import read_schema
+from jointclosure.study.configuration import numerics_of, read_schema
 
 
 def pictures(figures: list[str], captions: list[str], configuration: dict) -> list[Picture]:
@@ -48,7 +46,7 @@ def material_of(study: xr.Dataset, inputs: dict, settings: dict) -> Material:
         # made again rather than read: where a check fails its table is not written
         checks=check_results(
             study,
-            Numerics(**to_si(configuration["numerics"])),
+            numerics_of(configuration),
             configuration["study"]["realizations"],
         ),
         paper=read_csv(inputs["paper"]),

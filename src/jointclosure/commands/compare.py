@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pandas as pd
+
 from jointclosure.dataset import read_csv, read_netcdf
 from jointclosure.parameters import InputError
 from jointclosure.study import comparison
@@ -36,13 +38,19 @@ def run(arguments) -> int:
     print("Mean closures, over the cases of each rock")
     print(comparison.by_rock(changes).round(4).to_string(index=False))
     intervals = comparison.interval_changes(_table(arguments.first), _table(arguments.second))
-    print("\nLength of the indifference intervals, with bootstrap confidence intervals")
-    print(comparison.shown_intervals(intervals).round(3).to_string(index=False))
+    if len(intervals):
+        print("\nLength of the indifference intervals, with bootstrap confidence intervals")
+        shown = comparison.shown_intervals(intervals).round(3)
+        print(shown.to_string(index=False, na_rep="–"))
+    else:
+        print("\nNo indifference interval in common")
     claims = [_claims(folder) for folder in (arguments.first, arguments.second)]
-    moved = claims[0].compare(claims[1], result_names=("first", "second"))
+    both = {name: claim.verdict for name, claim in zip(("first", "second"), claims, strict=True)}
+    verdicts = pd.DataFrame(both).fillna("not judged")
+    moved = verdicts[verdicts["first"] != verdicts["second"]]
     print("\nVerdicts that differ" if len(moved) else "\nNo verdict differs")
     if len(moved):
-        print(moved.verdict.to_string())
+        print(moved.to_string())
     return 0
 
 

@@ -102,6 +102,8 @@ def _threads(cores: int) -> Finding:
     found = ", ".join(f"{name}={value or 'unset'}" for name, value in told.items())
     if cores == 1 or all(value == "1" for value in told.values()):
         return Finding("threads", found)
+    if not any(told.values()):  # as in any shell
+        return Finding("threads", f"{found}; make sets each to 1, which own scripts should, too")
     return Finding(
         "threads",
         found,

@@ -62,7 +62,8 @@ def ranking_sheet(intervals: pd.DataFrame, titles: dict[str, str]) -> Sheet:
 
 def layout_sheet(intervals: pd.DataFrame, titles: dict[str, str], of_paper: set[str]) -> Sheet:
     """Table 3 in the paper's layout, the paper's length below ours where it has the rock."""
-    ours, theirs = table_3(intervals, titles), table_3(intervals, titles, "paper_")
+    ours = table_3(intervals, titles)
+    theirs = table_3(intervals, titles, "paper_") if of_paper else None
     with_paper = {titles[rock] for rock in of_paper}
     heads = ["Parameter", "Cycle", *titles.values()]
     rows = []

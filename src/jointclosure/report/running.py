@@ -8,15 +8,16 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.protocol import FAILURE
-from jointclosure.report.sheets import Sheet, sheet
-from jointclosure.study.configuration import numerics_in_full
+from jointclosure.report.sheets import Sheet, given, sheet
+from jointclosure.study.configuration import effects_of, numerics_in_full
 from jointclosure.study.ensemble import succeeded
 from jointclosure.tables import PARAMETER_TITLES
 
 MOST_FAILURES = 500
 """Failed simulations that are listed one by one."""
-_LIMITS = {"full": False, "regularised": True}
-"""Scenes of the study of accuracy in which contacts break, and whether radii are bounded there."""
+_LIMITS = {"full": None, "regularised": 20.0}
+"""Scenes of the study of accuracy in which contacts break, and the largest radius there [mm]."""
+_RADII = {"full": "as the paper has them", "regularised": "bounded to 20 mm"}
 
 
 def check_sheet(checks: pd.DataFrame) -> Sheet:
@@ -55,10 +56,13 @@ def preset_sheet(measured: pd.DataFrame, configuration: dict, default: dict) -> 
     """
     mine = numerics_in_full(configuration)
     changed = {key: value for key, value in mine.items() if value != default["numerics"][key]}
-    bounded = configuration["choices"]["largest_radius_mm"] is not None
+    rocks = configuration["study"]["rocks"]
+    breaks = any(effects_of(configuration, rock).breakage for rock in rocks)
     rows = measured[measured.scene.isin(_LIMITS) & measured.preset.fillna("").ne("")]
-    here = configuration["effects"]["breakage"] & (rows.scene.map(_LIMITS) == bounded)
+    radius = configuration["choices"]["largest_radius_mm"]
+    bounded = np.array([_LIMITS[scene] == radius for scene in rows.scene], dtype=bool)
     same = rows.numerics.map(json.loads).map(lambda each: each == changed)
+    errors = ["error_percent", "bound_percent", "relative_time"]
     columns = {
         "scene": "Radii",
         "preset": "Preset",
@@ -69,10 +73,12 @@ def preset_sheet(measured: pd.DataFrame, configuration: dict, default: dict) -> 
     }
     return sheet(
         "presets",
-        "Presets of the numerics: the larger error of both cycles, in the mean of two rocks",
+        "Presets of the numerics: the larger error of both cycles, in the mean of dolerite and "
+        "siltstone",
         rows.assign(
-            scene=np.where(rows.scene.map(_LIMITS), "bounded", "as the paper has them"),
-            mine=np.where(here & same, "yes", ""),
+            scene=rows.scene.map(_RADII),
+            mine=np.where(bounded & same & breaks, "yes", ""),
+            **{name: rows[name].map(lambda value: given(float(f"{value:.2g}"))) for name in errors},
         ),
         columns,
     )

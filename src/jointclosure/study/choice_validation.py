@@ -65,7 +65,8 @@ def validate(
         and ``actual_percent`` (the largest change of a cycle's mean maximum closure),
         ``holds``; ``full_s`` and ``chosen_s`` of all surfaces, ``pilot_s``, and
         ``saved_percent`` of the full time, the pilot counted. Surfaces on which the
-        full model fails are left out (``samples`` are left).
+        full model fails are left out (``samples`` are left); where the chosen effects
+        fail on others (``failed``) there is no error, and the scene does not hold.
     """
     scene = random_scene(configuration, number)
     report(f"scene {number}: {scene}")
@@ -102,6 +103,7 @@ def validate(
             runs[choice.effects] = _closed(walls, choice.effects, load)
         found, seconds = runs[choice.effects]
         good = np.isfinite(full).all(axis=1)
+        failed = int((~np.isfinite(found[good])).any(axis=1).sum())
         off = np.abs(found[good].mean(axis=0) / full[good].mean(axis=0) - 1.0).max()
         rows.append(
             {"scene": number, "tolerance": tolerance}
@@ -109,6 +111,7 @@ def validate(
             | {
                 "chosen": scene_name(choice.effects),
                 "samples": int(good.sum()),
+                "failed": failed,
                 "estimated_percent": 100.0 * choice.error,
                 "actual_percent": 100.0 * off,
                 "holds": bool(off <= tolerance),
@@ -144,6 +147,7 @@ def validation_summary(table: pd.DataFrame) -> pd.DataFrame:
         row["held_percent"] = 100.0 * part.holds.mean()
         row["held_of_changed_percent"] = 100.0 * changed.holds.mean() if len(changed) else np.nan
         row["largest_error_percent"] = part.actual_percent.max()
+        row["scenes_without_error"] = int(part.actual_percent.isna().sum())
         for name, some in (("saved_percent", part), ("saved_where_changed_percent", changed)):
             spent = (some.chosen_s + some.pilot_s).sum()
             row[name] = 100.0 * (1.0 - spent / some.full_s.sum()) if len(some) else np.nan

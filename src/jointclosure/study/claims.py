@@ -101,12 +101,12 @@ def _paper_percents(evidence: Evidence, parameter: str, cycle: int) -> str:
 
 
 def _ranked(evidence: Evidence, cycle: int, judge: Callable[[dict], bool], column="percent"):
-    """A rule over the percent intervals of each rock that has all of them."""
+    """A rule over the percent intervals of each rock that has all four, not all of them none."""
     holds = {}
     for rock in evidence.rocks:
         percents = _percents(evidence, rock, cycle, column)
-        complete = len(percents) == 4
-        holds[rock] = (judge(percents) if complete else None, _listed(percents))
+        known = len(percents) == 4 and min(percents.values()) < np.inf
+        holds[rock] = (judge(percents) if known else None, _listed(percents))
     return holds
 
 
@@ -174,7 +174,10 @@ def _strength(evidence: Evidence) -> Iterator[dict]:
         _ranked(
             evidence,
             2,
-            lambda p: sorted(p, key=p.get).index("compressive_strength") == 1,
+            lambda p: (
+                p["compressive_strength"] < np.inf
+                and sorted(p, key=p.get).index("compressive_strength") == 1
+            ),
         ),
     )
 
@@ -191,7 +194,7 @@ def _roughness(evidence: Evidence) -> Iterator[dict]:
             f"cycle {cycle} {'none' if np.isinf(value) else f'{value:.3g}'}"
             for cycle, value in length.items()
         )
-        known = {1, 2} <= set(length)
+        known = {1, 2} <= set(length) and min(length.values()) < np.inf
         holds[rock] = (length[2] > length[1] if known else None, shown)
     yield _row(
         "4",

@@ -16,6 +16,7 @@ from jointclosure.parameters import (
     Numerics,
     check_choices,
     check_numerics,
+    check_radius,
     check_scene,
     scene_name,
     to_si,
@@ -199,6 +200,8 @@ def _explained(error: jsonschema.ValidationError) -> Iterator[str]:
 
 def _allowed(error: jsonschema.ValidationError) -> str:
     rule, value = error.validator, error.validator_value
+    if rule == "type" and list(error.absolute_path) == ["effects"]:
+        return "must be auto, or effects with true or false"
     close = ""
     if rule == "enum" and isinstance(error.instance, str):
         found = difflib.get_close_matches(error.instance, [str(v) for v in value], n=1)
@@ -235,6 +238,7 @@ def _contradictions(configuration: dict) -> Iterator[str]:
             if name is None or "effects" in rocks.get(name, {})
         ),
         lambda: check_choices(choices_of(configuration)),
+        lambda: check_radius(choices_of(configuration), to_si(configuration["grid"])["spacing"]),
         lambda: check_numerics(numerics_of(configuration), tuple(SOLVERS)),
     ):
         try:

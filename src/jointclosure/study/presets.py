@@ -15,7 +15,7 @@ import pandas as pd
 
 from jointclosure.parameters import InputError
 from jointclosure.study.accuracy import BASE, Setting
-from jointclosure.study.configuration import CHOSEN_BY
+from jointclosure.study.configuration import CHOSEN_BY, effects_of
 
 SCENE = "regularised"
 """Scene whose limit an accuracy is held against: the model as stated has none."""
@@ -144,7 +144,10 @@ def chosen_numerics(
             f"numerics.preset = {preset!r}, numerics.accuracy = {accuracy!r}: give one of them"
         )
     table = measured()
-    row = _preset(table, preset) if accuracy is None else _accurate(configuration, table, accuracy)
+    if accuracy is None:
+        row = _preset(table, preset, _scene(configuration))
+    else:
+        row = _accurate(configuration, table, accuracy)
     if row is None:
         return Chosen(numerics, "numerics.accuracy: nothing breaks, all is solved to 1e-10")
     changed = json.loads(row.numerics)
@@ -159,8 +162,13 @@ def chosen_numerics(
     return Chosen(numerics | changed, _said(row, preset, accuracy))
 
 
-def _preset(table: pd.DataFrame, name: object) -> pd.Series:
-    known = table[(table.preset.fillna("") != "") & (table.scene == SCENE)].set_index(
+def _scene(configuration: dict) -> str:
+    """Scene of the measurements that a study's model is: its radii are bounded, or not."""
+    return "full" if configuration["choices"]["largest_radius_mm"] is None else SCENE
+
+
+def _preset(table: pd.DataFrame, name: object, scene: str) -> pd.Series:
+    known = table[(table.preset.fillna("") != "") & (table.scene == scene)].set_index(
         "preset", drop=False
     )
     if name not in known.index:
@@ -172,7 +180,8 @@ def _accurate(configuration: dict, table: pd.DataFrame, accuracy: object) -> pd.
     """The cheapest setting found to be within an accuracy; None where nothing breaks."""
     if isinstance(accuracy, bool) or not isinstance(accuracy, int | float) or not 0 < accuracy < 1:
         raise InputError(f"numerics.accuracy = {accuracy!r}: must be a number between 0 and 1")
-    if not configuration["effects"]["breakage"]:
+    rocks = [name for name in configuration["study"]["rocks"] if name in configuration["rocks"]]
+    if not any(effects_of(configuration, rock).breakage for rock in rocks):
         return None
     if configuration["choices"]["largest_radius_mm"] is None:
         raise InputError(
@@ -192,8 +201,9 @@ def _accurate(configuration: dict, table: pd.DataFrame, accuracy: object) -> pd.
 
 def _said(row: pd.Series, preset: object, accuracy: object) -> str:
     what = f"preset {preset}" if accuracy is None else f"accuracy {accuracy:g}"
+    radii = "radii are bounded" if row.scene == SCENE else "radii are the paper's"
     return (
-        f"numerics: {what} is {row.knob} {row['value']}: {row.numerics}; measured off by "
-        f"{row.error_percent:.2g} % (confidence up to {row.bound_percent:.2g} %) where radii are "
-        f"bounded, at {row.relative_time:.2g} times the time of the paper's steps"
+        f"numerics: {what} is {row.knob} {row['value']}: {row.numerics}; the mean of two rocks was "
+        f"off by {row.error_percent:.2g} % (confidence up to {row.bound_percent:.2g} %) where "
+        f"{radii}, at {row.relative_time:.2g} times the time of the paper's steps"
     ).replace(" nan", "")

@@ -90,8 +90,8 @@ def decided(
         As `jointclosure.study.presets.chosen_numerics`.
     """
     settings = written_out(settings)
-    if not isinstance(settings["numerics"], dict):  # the schema says what it must be
-        return settings, ""
+    if not all(isinstance(settings[key], dict) for key in ("numerics", "effects", "rocks")):
+        return settings, ""  # the schema says what they must be
     default = read_plain(project / _DEFAULT)["numerics"]
     chosen = chosen_numerics(settings, default, lambda: read(project / _MEASURED))
     return settings | {"numerics": chosen.numerics}, chosen.said
