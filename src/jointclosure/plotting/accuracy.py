@@ -31,6 +31,8 @@ SCENE_TITLES = {
     "paper_size": "the paper's size and stress",
 }
 _FLOOR = 0.01
+_HARDLY_SEEN = 1.0
+"""Percent below which a bar bears its value."""
 _BESIDE_STAR = 0.08
 """Distance [decades] to the star within which marks bear no value: the labels would cover it."""
 
@@ -161,13 +163,17 @@ def error_sources(sources: pd.DataFrame, title: str) -> Figure:
             axes.bar(
                 x, abs(row.error_percent), width, color=f"C{k}", label=kind if g == 0 else None
             )
+            if abs(row.error_percent) < _HARDLY_SEEN:
+                size = f"{abs(row.error_percent):.1f}"
+                side = "right" if np.isfinite(row.low) else "center"  # beside the interval
+                axes.annotate(size, (x, 0.0), (0, 3), textcoords="offset points", ha=side)
             if np.isfinite(row.low):
                 span = np.sort(np.abs([row.low, row.high]))
                 low = 0.0 if row.low * row.high < 0.0 else span[0]
                 axes.plot([x, x], [low, span[1]], color="k", lw=1)
     names = [f"{rock.replace('_', ' ').capitalize()}\ncycle {cycle}" for (rock, cycle), _ in groups]
     axes.set_xticks(range(len(groups)), names)
-    axes.set(ylabel="size of the error (% of mean max. closure)", title=title)
+    axes.set(ylabel="error, either sign (% of the mean)", title=title)
     axes.legend(frameon=False)
     sns.despine(figure)
     return figure
