@@ -40,7 +40,8 @@ def test_a_valley_counts_as_the_peak_that_mirrors_it(z):
     assert gaussian_curvature(*z, h) == gaussian_curvature(*[-v for v in z], h)
 
 
-@given(st.lists(heights, min_size=5, max_size=5))
+# products of heights far below any length would round as subnormal numbers do
+@given(st.lists(heights.map(lambda z: z if abs(z) > 1e-30 else 0.0), min_size=5, max_size=5))
 def test_curvature_scales_exactly_with_powers_of_64(z):
     h = 0.25e-3
     assert gaussian_curvature(*[64.0 * v for v in z], 64.0 * h) == (
