@@ -83,7 +83,7 @@ hard-cases: $(STAMP) ## Close joints that are hard on a solver, and have an orac
 	@echo "Results are in results/hard_cases"
 	@$(BIN)/python workflow/scripts/count_hard_cases.py results/hard_cases/tables/hard_cases.csv
 
-accuracy: $(STAMP) ## Measure what accuracy costs in time (about an hour on two cores)
+accuracy: $(STAMP) ## Measure what accuracy costs in time (40 minutes on two cores)
 	$(call run,accuracy --configfile $(or $(CONFIG),config/accuracy.yaml),$(or $(CONFIG),config/accuracy.yaml),estimate_accuracy)
 
 effects: $(STAMP) ## Measure what each effect adds, and what it costs (up to an hour on two cores)
