@@ -267,8 +267,12 @@ def well_posed_scenes() -> Iterator[Effects]:
                 yield Effects(substrate, interaction, breakage, gouge, soft_peaks)
 
 
-def check_choices(choices: Choices) -> None:
-    """Raise `InputError` where a choice is not among those allowed."""
+def check_choices(choices: Choices, spacing: float) -> None:
+    """Raise `InputError` where a choice is not among those allowed on a grid of a spacing [m].
+
+    Radii may not be bounded below the spacing: an asperity is a cell; of sharper ones
+    strength is next to none, and resolved breakage takes them down in ever smaller losses.
+    """
     if not isinstance(choices, Choices):
         raise InputError(f"choices = {choices!r}: must be a Choices")
     for name in ("base_radius_in_cells", "peak_modulus_ratio", "tie_tolerance"):
@@ -284,21 +288,13 @@ def check_choices(choices: Choices) -> None:
     _one_of("peaks", choices.peaks, ("pristine", "current"))
     if choices.largest_radius is not None:
         check_length("largest_radius", choices.largest_radius)
+        if choices.largest_radius < spacing:
+            raise InputError(
+                f"largest_radius = {choices.largest_radius!r} m: must be at least the grid "
+                f"spacing, {spacing!r} m, as an asperity is a cell (or None: unbounded)"
+            )
     if not 0.0 < choices.tie_tolerance < 1e-3:
         raise InputError(f"tie_tolerance = {choices.tie_tolerance!r}: must lie in (0, 0.001)")
-
-
-def check_radius(choices: Choices, spacing: float) -> None:
-    """Raise `InputError` where radii are bounded below the grid spacing [m].
-
-    An asperity is a cell; of sharper ones strength is next to none, and resolved breakage
-    takes them down in ever smaller losses.
-    """
-    if choices.largest_radius is not None and choices.largest_radius < spacing:
-        raise InputError(
-            f"largest_radius = {choices.largest_radius!r} m: must be at least the grid spacing, "
-            f"{spacing!r} m, as an asperity is a cell (or None: unbounded)"
-        )
 
 
 def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:

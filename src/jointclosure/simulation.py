@@ -18,7 +18,6 @@ from jointclosure.parameters import (
     check_length,
     check_number,
     check_numerics,
-    check_radius,
     check_scene,
     in_double,
     real_array,
@@ -181,10 +180,9 @@ def simulate_by(
     upper, lower = _checked_walls(upper, lower)
     rock = both_walls(rock)
     check_scene(effects)
-    check_choices(choices)
     check_numerics(numerics, tuple(SOLVERS))
     _check_load(spacing, max_normal_stress, cycles, seating_stress)
-    check_radius(choices, spacing)
+    check_choices(choices, spacing)
     stiffness = min(wall.youngs_modulus for wall in rock)
     if max_normal_stress >= stiffness:
         raise InputError(
@@ -268,10 +266,9 @@ def equilibrium(
     rock = both_walls(rock)
     effects = effects._replace(breakage=False, gouge=False)
     check_scene(effects)
-    check_choices(choices)
     check_numerics(numerics, tuple(SOLVERS))
     check_length("spacing", spacing)
-    check_radius(choices, spacing)
+    check_choices(choices, spacing)
     check_number("closure", closure)
     if not abs(closure) <= LENGTHS[1]:
         raise InputError(f"closure = {closure!r} m: must be at most {LENGTHS[1]:g} m")

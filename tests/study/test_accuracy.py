@@ -59,6 +59,10 @@ def test_every_setting_of_the_accuracy_study_can_be_run():
         ({"knobs": {"steps": {"scale": ["numerics.stp_um"]}}}, "there is no such key"),
         ({"knobs": {"resolved": {"set": {"numeric": {}}}}}, "numeric = {}: unknown key"),
         ({"scenes": {"full": {"finest": {"knob": "sweep_tolerance"}}}}, "not turned in this"),
+        (
+            {"scenes": {"full": {"choices": {"largest_radius_mm": 0.1}}}},
+            "at least the grid spacing",
+        ),
         ({"knobs": {"resolved": {"values": [0.5]}}}, "resolved 0.5: tolerance = 0.5: must lie"),
         ({"knobs": {"surface_rule": {"values": [1.0]}}}, "without key or scale it needs"),
     ],

@@ -20,6 +20,7 @@ from jointclosure.parameters import (
     check_choices,
     check_numerics,
     check_scene,
+    to_si,
 )
 from jointclosure.solvers.registry import SOLVERS
 from jointclosure.study.cases import Case, cases_of
@@ -92,7 +93,8 @@ def checked_settings(configuration: dict) -> list[Setting]:
         for setting in settings_of(configuration):
             try:
                 check_scene(effects_of(setting.configuration))
-                check_choices(choices_of(setting.configuration))
+                spacing = to_si(setting.configuration["grid"])["spacing"]
+                check_choices(choices_of(setting.configuration), spacing)
                 check_numerics(numerics_of(setting.configuration), tuple(SOLVERS))
             except InputError as error:
                 where = f"scene {setting.scene}, {setting.knob} {setting.value}"

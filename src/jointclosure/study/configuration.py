@@ -16,7 +16,6 @@ from jointclosure.parameters import (
     Numerics,
     check_choices,
     check_numerics,
-    check_radius,
     check_scene,
     scene_name,
     to_si,
@@ -237,8 +236,7 @@ def _contradictions(configuration: dict) -> Iterator[str]:
             for name in (None, *study["rocks"])
             if name is None or "effects" in rocks.get(name, {})
         ),
-        lambda: check_choices(choices_of(configuration)),
-        lambda: check_radius(choices_of(configuration), to_si(configuration["grid"])["spacing"]),
+        lambda: check_choices(choices_of(configuration), to_si(configuration["grid"])["spacing"]),
         lambda: check_numerics(numerics_of(configuration), tuple(SOLVERS)),
     ):
         try:
