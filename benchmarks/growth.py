@@ -45,8 +45,9 @@ from yardstick import (
 )
 
 import jointclosure as jc
-from jointclosure.study.cases import Case
-from jointclosure.study.ensemble import close_surfaces, make_surfaces
+from jointclosure.ensemble.cases import Case
+from jointclosure.ensemble.closing import close_surfaces
+from jointclosure.ensemble.surfaces import make_surfaces
 
 BASE = {"cells": 100, "stress_mpa": 30.0, "jrc": 8.0}
 VALUES = {

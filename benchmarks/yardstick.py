@@ -24,7 +24,7 @@ import scipy.fft
 import yaml
 
 import jointclosure as jc
-from jointclosure.study.cases import Case, cases_of
+from jointclosure.ensemble.cases import Case, cases_of
 
 SPACING = 0.25e-3
 DOLERITE = jc.Rock(78e9, 0.2, 165e6)

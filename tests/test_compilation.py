@@ -1,39 +1,24 @@
 import itertools
 import os
-import shutil
 import subprocess
 import sys
 
-import pytest
-
-from jointclosure import compilation
+from jointclosure import compilation, sources
 from jointclosure.solvers.breakage import breakage_kernel
 from jointclosure.solvers.reference import reference_kernel
+from jointclosure.sources import PACKAGE
 
 
-def test_the_digest_follows_the_content_of_the_named_parts(tmp_path, monkeypatch):
-    copy = tmp_path / "jointclosure"
-    shutil.copytree(compilation.PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(compilation, "PACKAGE", copy)
-    whole, physics, tables = (
-        compilation.source_digest(*parts) for parts in ((), ("mechanics",), ("tables",))
-    )
-    (copy / "mechanics/contact.py").touch()
-    assert compilation.source_digest() == whole
-    with open(copy / "mechanics/contact.py", "a") as file:
-        file.write("# a word\n")
-    assert compilation.source_digest() != whole
-    assert compilation.source_digest("mechanics") != physics
-    assert compilation.source_digest("tables") == tables
+def test_the_cache_folder_is_named_by_the_code_of_the_kernels():
+    code = sources.code_digest(*compilation.KERNEL_PARTS)
+    assert compilation.cache_folder().name == f"numba-{code}"
 
 
-def test_an_unknown_part_is_an_error():
-    with pytest.raises(FileNotFoundError, match="mechanic"):
-        compilation.source_digest("mechanic")
-
-
-def test_the_cache_folder_is_named_by_the_sources():
-    assert compilation.cache_folder().name.endswith(compilation.source_digest())
+def test_every_kernel_is_in_the_parts_that_name_the_cache_folder():
+    parts = tuple(PACKAGE / part for part in compilation.KERNEL_PARTS)
+    for file in PACKAGE.rglob("*.py"):
+        if "import kernel" in file.read_text(encoding="utf-8"):
+            assert any(file.is_relative_to(part) for part in parts), file
 
 
 COLD_START = """

@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.compilation import PACKAGE
 from jointclosure.parameters import well_posed_scenes
+from jointclosure.sources import PACKAGE
 from tests.conftest import DOLERITE, SPACING
 
 ROOT = Path(__file__).parents[1]

@@ -7,10 +7,16 @@ docs/model.md. SI units throughout.
 
 from importlib.metadata import version
 
-from jointclosure.parameters import Choices, Effects, InputError, Numerics, Rock
+from jointclosure.inputs import InputError
+from jointclosure.parameters import (
+    Choices,
+    Effects,
+    Numerics,
+    Rock,
+)
 from jointclosure.simulation import equilibrium, simulate
 from jointclosure.statistics.indifference import indifference_interval
-from jointclosure.study.scene_choice import choose_effects
+from jointclosure.studies.effects.choice import choose_effects
 from jointclosure.surface.synthesis import wall_pair
 
 __version__ = version("jointclosure")

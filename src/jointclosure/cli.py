@@ -6,7 +6,7 @@ from typing import NoReturn
 
 from jointclosure import __version__
 from jointclosure.commands import compare, doctor, repeat, roughness, simulate
-from jointclosure.parameters import InputError
+from jointclosure.inputs import InputError
 
 COMMANDS = (simulate, roughness, compare, repeat, doctor)
 

@@ -3,12 +3,12 @@
 Numba's own check of its disk cache looks at the file of a function only: an
 edit in another module that the function calls goes unnoticed and yields
 silently wrong numbers. The cache folder is therefore named by a digest of
-all sources of the package. It lies beside the sources, or in the user's
+the code that kernels are made of. It lies beside the sources, or in the user's
 cache folder where that is read-only; ``JOINTCLOSURE_CACHE`` overrides both.
 The first compilation of a process is announced by the logger ``jointclosure``.
 """
 
-import hashlib
+import contextlib
 import logging
 import os
 from collections.abc import Callable
@@ -18,52 +18,36 @@ import numba
 import numpy as np
 from numba.core import event
 
-PACKAGE = Path(__file__).parent
+from jointclosure.sources import PACKAGE, code_digest, raw_digest
 
-
-def source_digest(*parts: str) -> str:
-    """Digest of the package's sources: what a result depends on.
-
-    Parameters
-    ----------
-    *parts
-        Names of modules or sub-packages ("mechanics", "protocol"). All of
-        the package when none is given.
-
-    Returns
-    -------
-    str
-        16 hexadecimal digits over names and contents; time stamps do not
-        count.
-
-    Raises
-    ------
-    FileNotFoundError
-        A part that does not exist.
-    """
-    files: list[Path] = []
-    for part in parts or (".",):
-        folder, module = PACKAGE / part, PACKAGE / f"{part}.py"
-        if not folder.is_dir() and not module.is_file():
-            raise FileNotFoundError(f"jointclosure has no part {part!r}")
-        files += folder.rglob("*.py") if folder.is_dir() else [module]
-    digest = hashlib.sha256()
-    for file in sorted(set(files)):
-        digest.update(file.relative_to(PACKAGE).as_posix().encode() + b"\0")
-        digest.update(file.read_bytes() + b"\0")
-    return digest.hexdigest()[:16]
+KERNEL_PARTS = ("mechanics", "solvers", "compilation")
+"""Where kernels are; what these import counts too."""
 
 
 def cache_folder() -> Path:
-    """Folder of the compiled kernels for the sources as they are now."""
-    name = f"numba-{source_digest()}"
+    """Folder of the compiled kernels for their code as it is now."""
+    root = _cache_root()
+    # the digest of the code takes longer than all else at the start of a job: it is kept
+    known = root / f"kernels-of-{raw_digest()}"
+    if known.is_file() and (code := known.read_text(encoding="utf-8")):
+        return root / f"numba-{code}"
+    code = code_digest(*KERNEL_PARTS)
+    with contextlib.suppress(OSError):  # without it the next start takes longer, and no more
+        root.mkdir(parents=True, exist_ok=True)
+        temporary = known.with_suffix(f".{os.getpid()}")
+        temporary.write_text(code, encoding="utf-8")
+        temporary.replace(known)
+    return root / f"numba-{code}"
+
+
+def _cache_root() -> Path:
     if chosen := os.environ.get("JOINTCLOSURE_CACHE"):
-        return Path(chosen) / name
+        return Path(chosen)
     beside = PACKAGE / "__pycache__"
     if os.access(beside if beside.exists() else PACKAGE, os.W_OK):
-        return beside / name
+        return beside
     home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(home) / "jointclosure" / name
+    return Path(home) / "jointclosure"
 
 
 numba.config.CACHE_DIR = str(cache_folder())

@@ -21,9 +21,9 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
-from jointclosure.compilation import PACKAGE, source_digest
 from jointclosure.files import atomically, check_seal, seal
-from jointclosure.parameters import InputError
+from jointclosure.inputs import InputError
+from jointclosure.sources import PACKAGE, package_digest
 
 _CHUNK_CACHE = 1_000_000
 """Bytes of a variable that netCDF keeps in memory while blocks are written, instead of 64 MB."""
@@ -237,7 +237,7 @@ def provenance(configuration: dict) -> dict[str, str]:
         "Conventions": "CF-1.11",
         "configuration": json.dumps(configuration, sort_keys=True),
         "root_seed": str(configuration["study"]["root_seed"]),
-        "source_digest": source_digest(),
+        "source_digest": package_digest(),
         "provenance_versions": json.dumps({"python": platform.python_version()} | versions),
         "provenance_commit": _commit(),
         "provenance_realizations_per_job": str(split),

@@ -1,60 +1,14 @@
-"""What a simulation is told: rocks, effects, choices and numerics, all in SI.
+"""What a simulation is told: rocks, effects, choices and numerics, all in SI."""
 
-`SI_FACTORS` is the one place where the units of a configuration (the suffix
-of a key's name) become SI.
-"""
-
-import math
-import sys
 from collections.abc import Iterator
-from decimal import Decimal
 from typing import Literal, NamedTuple
 
 import numpy as np
 
-from jointclosure.mechanics.contact import (
-    equivalent_modulus,
-    plane_strain_modulus,
-    substrate_compliance,
-)
-from jointclosure.mechanics.strength import breaking_bend, strength_factor
-
-LENGTHS = (1e-15, 1e15)
-"""Smallest and largest length [m] that spacings may have, and largest height."""
+from jointclosure.inputs import InputError, check_length, check_number, check_one_of, check_positive
 
 SMALLEST_TOLERANCE = 1e-14
 """Of what is to be met relatively: about fifty roundings."""
-
-SI_FACTORS = {"GPa": 1e9, "MPa": 1e6, "mm": 1e-3, "um": 1e-6, "m": 1.0, "Pa": 1.0}
-
-
-def to_si(settings: dict) -> dict:
-    """Settings with unit suffixes in their keys, as SI under the bare names.
-
-    ``{"youngs_modulus_GPa": 78}`` becomes ``{"youngs_modulus": 78e9}``; a key
-    without a known unit is kept, lists and nested settings are converted too.
-    """
-    converted = {}
-    for key, value in settings.items():
-        name, _, unit = key.rpartition("_")
-        factor = SI_FACTORS.get(unit) if name else None
-        if isinstance(value, dict):
-            converted[key] = to_si(value)
-        elif factor is None:
-            converted[key] = value
-        elif value is None:
-            converted[name] = None
-        elif isinstance(value, list | tuple):
-            converted[name] = [_scaled(item, unit) for item in value]
-        else:
-            converted[name] = _scaled(value, unit)
-    return converted
-
-
-def _scaled(value: float, unit: str) -> float:
-    """Value times its unit, rounded as the decimal number that was written."""
-    written = Decimal(f"{float(value):.15g}")
-    return float(written.scaleb(round(math.log10(SI_FACTORS[unit]))))
 
 
 class Rock(NamedTuple):
@@ -141,54 +95,6 @@ class Numerics(NamedTuple):
     tolerance: float = 0.02
 
 
-class ContactLaw(NamedTuple):
-    """Constants of every pair of cells, derived from rock, choices and grid.
-
-    The arrays have four entries, by the pair's state: 2 x (upper cell is a
-    soft peak) + (lower cell is one).
-    """
-
-    spacing: float
-    base_radius: float
-    least_curvature: float
-    substrate_modulus: float  # 1/(1/E_t* + 1/E_b*) [Pa]
-    substrate: float  # compliance A [m/N], 0 without substrate
-    asperity_modulus: np.ndarray  # E_a* [Pa], Eq. (4)
-    bend: np.ndarray  # q = delta_break/R_a, Eq. (22)
-    breaking_force: np.ndarray  # 4/3 E_a* q^(3/2) [Pa]
-
-
-class InputError(ValueError):
-    """A value that the model cannot take; the message names it."""
-
-
-def real_array(name: str, values) -> np.ndarray:
-    """Values as a new float64 array; `InputError` where they are no real numbers.
-
-    Floats of any size and integers are promoted (or rounded) to float64, in
-    any memory order. Complex, object, boolean, text and masked values are
-    refused, never converted, and so is what is not finite.
-    """
-    if np.ma.is_masked(values):
-        raise InputError(f"{name}: has masked values; fill or crop them first")
-    try:
-        given = np.asarray(values)
-    except ValueError as error:
-        raise InputError(f"{name}: is not an array of numbers ({error})") from None
-    if given.dtype.kind not in "fiu":
-        raise InputError(
-            f"{name}: values of type {given.dtype}, must be real numbers (floats or integers)"
-        )
-    with np.errstate(over="ignore"):  # a long double may not fit, and is then not finite
-        numbers = np.array(given, dtype=np.float64, order="C")
-    bad = np.argwhere(~np.isfinite(numbers))
-    if bad.size:
-        where = ", ".join(str(index) for index in bad[0])
-        axes = " (y, x) =" if numbers.ndim == 2 else ""
-        raise InputError(f"{name}: {len(bad)} values are not finite, the first at{axes} ({where})")
-    return numbers
-
-
 def in_double(settings):
     """A `Rock`, `Choices` or `Numerics` with its numbers as Python's own.
 
@@ -228,8 +134,8 @@ def both_walls(rock) -> tuple[Rock, Rock]:
 
 def check_rock(rock: Rock) -> None:
     """Raise `InputError` where a property of the rock is out of its range."""
-    _positive("youngs_modulus", rock.youngs_modulus, "Pa")
-    _positive("compressive_strength", rock.compressive_strength, "Pa", may_be_infinite=True)
+    check_positive("youngs_modulus", rock.youngs_modulus, "Pa")
+    check_positive("compressive_strength", rock.compressive_strength, "Pa", may_be_infinite=True)
     check_number("poisson_ratio", rock.poisson_ratio)
     if not 0.0 <= rock.poisson_ratio <= 0.5:
         raise InputError(f"poisson_ratio = {rock.poisson_ratio!r}: must lie in [0, 0.5]")
@@ -284,8 +190,8 @@ def check_choices(choices: Choices, spacing: float) -> None:
         )
     if not 0.0 < choices.peak_modulus_ratio <= 1.0:
         raise InputError(f"peak_modulus_ratio = {choices.peak_modulus_ratio!r}: must be in (0, 1]")
-    _one_of("concave", choices.concave, ("magnitude",))
-    _one_of("peaks", choices.peaks, ("pristine", "current"))
+    check_one_of("concave", choices.concave, ("magnitude",))
+    check_one_of("peaks", choices.peaks, ("pristine", "current"))
     if choices.largest_radius is not None:
         check_length("largest_radius", choices.largest_radius)
         if choices.largest_radius < spacing:
@@ -304,8 +210,8 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
     for prefix in ("", "later_"):
         step = getattr(numerics, f"{prefix}displacement_step")
         loss = getattr(numerics, f"{prefix}breakage_step")
-        _positive(f"{prefix}displacement_step", step, "m")
-        _positive(f"{prefix}breakage_step", loss, "m")
+        check_positive(f"{prefix}displacement_step", step, "m")
+        check_positive(f"{prefix}breakage_step", loss, "m")
         if loss >= step:
             raise InputError(
                 f"{prefix}breakage_step = {loss!r} m: must be smaller than "
@@ -314,7 +220,7 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
     check_number("curve_points", numerics.curve_points, whole=True)
     if numerics.curve_points < 1:
         raise InputError(f"curve_points = {numerics.curve_points!r}: must be at least 1")
-    _one_of("breakage", numerics.breakage, ("fixed_step", "resolved"))
+    check_one_of("breakage", numerics.breakage, ("fixed_step", "resolved"))
     check_number("tolerance", numerics.tolerance)
     if not 0.0 < numerics.tolerance <= 0.1:
         raise InputError(f"tolerance = {numerics.tolerance!r}: must lie in (0, 0.1]")
@@ -325,8 +231,8 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
         )
     if numerics.breakage == "resolved" and numerics.target != "equilibrate":
         raise InputError("breakage = 'resolved': not with target = 'interpolate'; use equilibrate")
-    _one_of("target", numerics.target, ("equilibrate", "interpolate"))
-    _one_of("solver", numerics.solver, solvers)
+    check_one_of("target", numerics.target, ("equilibrate", "interpolate"))
+    check_one_of("solver", numerics.solver, solvers)
     for name in ("stress_tolerance", "force_tolerance", "sweep_tolerance"):
         check_number(name, getattr(numerics, name))
         if not SMALLEST_TOLERANCE <= getattr(numerics, name) < 1.0:
@@ -334,61 +240,3 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
                 f"{name} = {getattr(numerics, name)!r}: must lie in [{SMALLEST_TOLERANCE:g}, 1); "
                 "rounding allows no less"
             )
-
-
-def contact_law(
-    spacing: float, rock: tuple[Rock, Rock], effects: Effects, choices: Choices
-) -> ContactLaw:
-    """Constants of the contact law of both walls on a grid of this spacing [m]."""
-    moduli = [plane_strain_modulus(wall.youngs_modulus, wall.poisson_ratio) for wall in rock]
-    ratio = choices.peak_modulus_ratio if effects.soft_peaks else 1.0
-    softness = [(1.0, 1.0), (1.0, ratio), (ratio, 1.0), (ratio, ratio)]
-    asperity_modulus = np.array(
-        [equivalent_modulus(moduli[0] * upper, moduli[1] * lower) for upper, lower in softness]
-    )
-    limit = min(wall.compressive_strength / strength_factor(wall.poisson_ratio) for wall in rock)
-    bend = np.array([breaking_bend(limit, modulus) for modulus in asperity_modulus])
-    substrate_modulus = equivalent_modulus(*moduli)
-    base_radius = choices.base_radius_in_cells * spacing
-    return ContactLaw(
-        spacing=float(spacing),
-        base_radius=float(base_radius),
-        least_curvature=1.0 / choices.largest_radius if choices.largest_radius else 0.0,
-        substrate_modulus=float(substrate_modulus),
-        substrate=float(substrate_compliance(base_radius, substrate_modulus))
-        if effects.substrate
-        else 0.0,
-        asperity_modulus=asperity_modulus,
-        bend=bend,
-        breaking_force=4.0 / 3.0 * asperity_modulus * bend * np.sqrt(bend),
-    )
-
-
-def check_number(name: str, value: object, whole: bool = False) -> None:
-    """Raise `InputError` unless a value is a real number (a whole one), and not a boolean."""
-    kinds = (int, np.integer) if whole else (int, float, np.integer, np.floating)
-    if isinstance(value, bool | np.bool_) or not isinstance(value, kinds):
-        raise InputError(f"{name} = {value!r}: must be a {'whole ' if whole else ''}number")
-    if not whole and isinstance(value, int) and abs(value) > sys.float_info.max:
-        raise InputError(f"{name} = {value!r}: must be a number that fits in double precision")
-
-
-def check_length(name: str, value: float) -> None:
-    """Raise `InputError` unless a length [m] is positive and within `LENGTHS`."""
-    _positive(name, value, "m")
-    if not LENGTHS[0] <= value <= LENGTHS[1]:
-        raise InputError(
-            f"{name} = {value!r} m: must lie in [{LENGTHS[0]:g}, {LENGTHS[1]:g}] m; the "
-            "curvature's twelfth powers of lengths do not fit in double precision beyond"
-        )
-
-
-def _positive(name: str, value: float, unit: str, may_be_infinite: bool = False) -> None:
-    check_number(name, value)
-    if not value > 0.0 or (math.isinf(value) and not may_be_infinite):
-        raise InputError(f"{name} = {value!r} {unit}: must be positive and finite")
-
-
-def _one_of(name: str, value: str, allowed: tuple[str, ...]) -> None:
-    if not isinstance(value, str) or value not in allowed:
-        raise InputError(f"{name} = {value!r}: must be one of {', '.join(allowed)}")

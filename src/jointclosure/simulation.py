@@ -7,20 +7,22 @@ from collections.abc import Callable
 import numpy as np
 import xarray as xr
 
-from jointclosure.parameters import (
+from jointclosure.inputs import (
     LENGTHS,
+    InputError,
+    check_length,
+    check_number,
+    real_array,
+)
+from jointclosure.parameters import (
     Choices,
     Effects,
-    InputError,
     Numerics,
     both_walls,
     check_choices,
-    check_length,
-    check_number,
     check_numerics,
     check_scene,
     in_double,
-    real_array,
 )
 from jointclosure.protocol import (
     FLAG_OF_OUTCOME,

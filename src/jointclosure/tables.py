@@ -2,7 +2,12 @@
 
 import pandas as pd
 
-from jointclosure.study.cases import PARAMETERS, configuration_key, level_names, levels_of
+from jointclosure.ensemble.cases import (
+    PARAMETERS,
+    configuration_key,
+    level_names,
+    levels_of,
+)
 
 PARAMETER_TITLES = {
     "poisson_ratio": "Poisson's ratio",

@@ -5,7 +5,13 @@ code, so one process compiles all that the others will need.
 """
 
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
-from jointclosure.parameters import Choices, Effects, Numerics, Rock, well_posed_scenes
+from jointclosure.parameters import (
+    Choices,
+    Effects,
+    Numerics,
+    Rock,
+    well_posed_scenes,
+)
 from jointclosure.simulation import equilibrium, simulate
 from jointclosure.surface.synthesis import wall_pair
 

@@ -8,7 +8,7 @@ import xarray as xr
 
 from jointclosure.plotting import study as plotting
 from jointclosure.plotting.measured import Measurements
-from jointclosure.study.measured import fit_table, parsed_curve
+from jointclosure.studies.measured.curves import fit_table, parsed_curve
 
 ROCK = {"title": "Rock", "jrc": 8, "compressive_strength_MPa": 160, "max_normal_stress_MPa": 2}
 

@@ -10,18 +10,19 @@ import pytest
 import xarray as xr
 
 from jointclosure import Numerics
+from jointclosure.config.configuration import read_schema
+from jointclosure.config.units import to_si
 from jointclosure.dataset import provenance, read_csv
-from jointclosure.parameters import Effects, scene_name, to_si
+from jointclosure.ensemble.aggregation import join_cases
+from jointclosure.ensemble.cases import cases_of
+from jointclosure.ensemble.checks import check_results
+from jointclosure.parameters import Effects, scene_name
 from jointclosure.report.captions import read_caption
 from jointclosure.report.content import Material, content
 from jointclosure.report.page import Picture, render
 from jointclosure.simulation import ATTRIBUTES
-from jointclosure.study.cases import cases_of
-from jointclosure.study.checks import check_results
-from jointclosure.study.claims import Evidence, judge_claims
-from jointclosure.study.configuration import read_schema
-from jointclosure.study.ensemble import join_cases
-from jointclosure.study.sensitivity import indifference_table, max_closure_table
+from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
+from jointclosure.studies.sensitivity.responses import indifference_table, max_closure_table
 from jointclosure.tables import with_paper
 
 ROOT = Path(__file__).parents[2]

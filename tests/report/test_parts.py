@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from jointclosure.config.configuration import read_schema
 from jointclosure.report import curves
 from jointclosure.report.captions import read_caption
 from jointclosure.report.curves import MOST_JOINTS, explorer_data
 from jointclosure.report.settings import departures, setting_rows
 from jointclosure.report.sheets import Cell, Sheet, cell, duration, number_text
-from jointclosure.study.configuration import read_schema
 from tests.report.conftest import FAILED, JOINTS, JUMPED
 
 ROOT = Path(__file__).parents[2]

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
+from jointclosure.mechanics.contact_law import contact_law
 from jointclosure.mechanics.strength import is_overstressed
-from jointclosure.parameters import Choices, Effects, Numerics, contact_law
+from jointclosure.parameters import Choices, Effects, Numerics
 from jointclosure.solvers import pair_batch as pb
 from jointclosure.solvers.breakage import strength_limits
 from jointclosure.solvers.cells import overlapping_cells, peak_map

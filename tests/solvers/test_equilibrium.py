@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.parameters import Choices, Effects, contact_law
+from jointclosure.mechanics.contact_law import contact_law
+from jointclosure.parameters import Choices, Effects
 from jointclosure.solvers.cells import overlapping_cells, peak_map
 from jointclosure.solvers.contacts import Contacts, coordinate_sweep
 from jointclosure.solvers.equilibrium import solve_equilibrium

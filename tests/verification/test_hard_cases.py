@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import jointclosure as jc
-from jointclosure.study.configuration import read_schema
+from jointclosure.config.configuration import read_schema
 from jointclosure.verification.hard_cases import failed_requirements, merged_cases, run_case
 
 ROOT = Path(__file__).parents[2]

@@ -12,11 +12,12 @@ import xarray as xr
 import yaml
 
 from jointclosure import cli
+from jointclosure.config import configuration
+from jointclosure.config import project as studies
 from jointclosure.dataset import read_csv, read_text, write_netcdf
-from jointclosure.study import configuration, ensemble
-from jointclosure.study import project as studies
-from jointclosure.study.cases import cases_of
-from jointclosure.study.measured import measured_curves
+from jointclosure.ensemble import closing as ensemble
+from jointclosure.ensemble.cases import cases_of
+from jointclosure.studies.measured.curves import measured_curves
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = [

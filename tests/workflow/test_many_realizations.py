@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from jointclosure.config.configuration import read_plain
 from jointclosure.dataset import read_netcdf, write_netcdf
-from jointclosure.study.cases import blocks_of, cases_of
-from jointclosure.study.configuration import read_plain
-from jointclosure.study.settings import as_text
-from tests.study.test_settings import ELASTIC, closed_block, settings_of
+from jointclosure.ensemble.cases import blocks_of, cases_of
+from jointclosure.ensemble.settings import as_text
+from tests.ensemble.test_settings import ELASTIC, closed_block, settings_of
 
 ROOT = Path(__file__).parents[2]
 PER_JOB = 2500

@@ -1,14 +1,11 @@
 # What accuracy costs: `snakemake accuracy --configfile config/accuracy.yaml`. Settings are those of
 # the configuration's `accuracy` section; without it there are none, and no rule here has work.
-from jointclosure.study import accuracy
+from jointclosure.studies.accuracy import design as accuracy
 
 ACCURACY = config.get("accuracy")
 ACCURACY_SETTINGS = accuracy.checked_settings(config) if ACCURACY else []
 ACCURACY_RUNS = {setting.run: setting for setting in ACCURACY_SETTINGS}
 ACCURACY_FIGURES = sorted({setting.scene for setting in ACCURACY_SETTINGS})
-ACCURACY_CODE = source_digest(
-    "study/accuracy_cost", "study/accuracy", "statistics", "dataset", "plotting"
-)
 
 
 wildcard_constraints:
@@ -43,7 +40,7 @@ rule compile_accuracy:
         kernels=configuration.kernels_of(
             setting.configuration for setting in ACCURACY_RUNS.values()
         ),
-        code=SOLVER_CODE,
+        code=code_of("compile_kernels"),
     message:
         "Compile the kernels of all settings"
     script:
@@ -65,7 +62,7 @@ rule estimate_accuracy:
     params:
         runs=lambda wildcards: [list(run) for run in ACCURACY_RUNS.values()],
         parameter=ACCURACY["parameter"] if ACCURACY else "",
-        code=SOLVER_CODE,
+        code=code_of("estimate_accuracy"),
     message:
         "Estimate the core-hours, by one joint at every setting"
     script:
@@ -86,7 +83,7 @@ rule close_accuracy:
     params:
         setting=lambda wildcards: list(ACCURACY_RUNS[wildcards.run]),
         parameter=ACCURACY["parameter"] if ACCURACY else "",
-        code=SOLVER_CODE,
+        code=code_of("close_accuracy"),
     message:
         "Close the surfaces of {wildcards.run}"
     script:
@@ -113,7 +110,7 @@ rule weigh_accuracy:
         design=ACCURACY,
         root_seed=config["study"]["root_seed"],
         realizations=config["study"]["realizations"],
-        code=ACCURACY_CODE,
+        code=code_of("weigh_accuracy"),
     message:
         "Weigh error against time"
     script:
@@ -137,7 +134,7 @@ rule draw_accuracy:
     conda:
         ENVIRONMENT
     params:
-        code=ACCURACY_CODE,
+        code=code_of("draw_accuracy"),
     message:
         "Draw error against time"
     script:

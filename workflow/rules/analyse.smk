@@ -14,7 +14,7 @@ rule fit_correlations:
     conda:
         ENVIRONMENT
     params:
-        code=ANALYSIS_CODE,
+        code=code_of("fit_correlations"),
     message:
         "Fit the correlations of mean and standard deviation"
     script:
@@ -37,7 +37,7 @@ rule find_indifference_intervals:
         statistics=config["statistics"],
         root_seed=config["study"]["root_seed"],
         draws=config["study"]["draws"],
-        code=ANALYSIS_CODE,
+        code=code_of("find_indifference_intervals"),
     message:
         "Find the indifference intervals and their confidence intervals"
     script:
@@ -60,7 +60,7 @@ rule fit_measured:
         study=config["study"],
         rocks=ROCKS,
         seating_stress_MPa=config["seating_stress_MPa"],
-        code=ANALYSIS_CODE,
+        code=code_of("fit_measured"),
     message:
         "Find the realisations that fit the measured curves best"
     script:
@@ -81,7 +81,7 @@ rule judge_claims:
     conda:
         ENVIRONMENT
     params:
-        code=ANALYSIS_CODE,
+        code=code_of("judge_claims"),
     message:
         "Hold the paper's claims against this study"
     script:
@@ -102,7 +102,7 @@ rule check_results:
     params:
         numerics=config["numerics"],
         realizations=config["study"]["realizations"],
-        code=ANALYSIS_CODE,
+        code=code_of("check_results"),
     message:
         "Check the results"
     script:

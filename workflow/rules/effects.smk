@@ -1,12 +1,10 @@
 # What each effect adds, and what it costs: `snakemake effects --configfile config/effects.yaml`.
 # Without an `ablation` section there are no runs, and no rule here has work.
-from jointclosure.study import ablation
+from jointclosure.studies.effects import ablation
 
 ABLATION = config.get("ablation")
 SCENES = list(ablation.SCENES) if ABLATION else []
 VALIDATION = ABLATION.get("validation") if ABLATION else None
-EFFECTS_CODE = source_digest("study/ablation", "readings", "dataset", "plotting")
-CHOICE_CODE = source_digest("study/scene_choice", "study/choice_validation")
 CHOICE_TABLES = ["effects_auto.csv", "effects_auto_summary.csv"]
 
 
@@ -49,7 +47,7 @@ rule compile_effects:
             config | {"effects": effects._asdict()}
             for effects in ablation.SCENES.values()
         ),
-        code=SOLVER_CODE,
+        code=code_of("compile_kernels"),
     message:
         "Compile the kernels of all scenes"
     script:
@@ -70,7 +68,7 @@ rule estimate_effects:
         ENVIRONMENT
     params:
         configuration=config,
-        code=SOLVER_CODE,
+        code=code_of("estimate_effects"),
     message:
         "Estimate the core-hours, by one joint of the first rock in every scene"
     script:
@@ -90,8 +88,7 @@ rule close_scene:
         ENVIRONMENT
     params:
         configuration=lambda wildcards: configuration.of_rock(config, wildcards.rock),
-        code=SOLVER_CODE,
-        ablation=source_digest("study/ablation", "study/timing"),
+        code=code_of("close_scene"),
     message:
         "Close the surfaces of {wildcards.rock} with {wildcards.scene}"
     script:
@@ -115,7 +112,7 @@ rule weigh_effects:
         ENVIRONMENT
     params:
         runs=[[rock, scene] for rock in config["study"]["rocks"] for scene in SCENES],
-        code=EFFECTS_CODE,
+        code=code_of("weigh_effects"),
     message:
         "Weigh what each effect adds against what it costs"
     script:
@@ -134,7 +131,7 @@ rule draw_effects:
     conda:
         ENVIRONMENT
     params:
-        code=EFFECTS_CODE,
+        code=code_of("draw_effects"),
     message:
         "Draw what each effect adds against what it costs"
     script:
@@ -156,8 +153,7 @@ rule validate_choice:
         ENVIRONMENT
     params:
         configuration=config,
-        code=SOLVER_CODE,
-        choice=CHOICE_CODE,
+        code=code_of("validate_choice"),
     message:
         "Hold chosen effects against all of them in random scene {wildcards.number}"
     script:
@@ -183,8 +179,7 @@ rule sum_up_choices:
     conda:
         ENVIRONMENT
     params:
-        code=EFFECTS_CODE,
-        choice=CHOICE_CODE,
+        code=code_of("sum_up_choices"),
     message:
         "Sum up how well effects were chosen"
     script:

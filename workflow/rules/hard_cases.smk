@@ -8,7 +8,6 @@ HARD_CASES = merged_cases(
     configuration.read_schema(ROOT / "workflow/schemas/hard_cases.schema.yaml"),
 )
 HARD_GROUPS = sorted({case["group"] for case in HARD_CASES.values()})
-HARD_CODE = source_digest()
 
 
 wildcard_constraints:
@@ -37,7 +36,7 @@ rule compile_hard_cases:
         ENVIRONMENT
     params:
         kernels=kernels_of_cases(HARD_CASES.values()),
-        code=HARD_CODE,
+        code=code_of("compile_kernels"),
     message:
         "Compile the kernels of all scenes (two minutes when they are new)"
     script:
@@ -58,7 +57,7 @@ rule close_hard_cases:
         ENVIRONMENT
     params:
         cases=HARD_CASES,
-        code=HARD_CODE,
+        code=code_of("close_hard_cases"),
     message:
         "Close the hard cases of {wildcards.hard_group}"
     script:
@@ -84,7 +83,7 @@ rule present_hard_cases:
         ENVIRONMENT
     params:
         order=list(HARD_CASES),
-        code=HARD_CODE,
+        code=code_of("present_hard_cases"),
     message:
         "Write the table and the page of pictures of the hard cases"
     script:

@@ -1,15 +1,6 @@
 # Numerical stability: the paper's formulas and sweep beside ours, docs/numerical_stability.md.
 
 NUMERICS = "results/hard_cases"
-NUMERICS_CODE = source_digest(
-    "verification",
-    "mechanics",
-    "statistics",
-    "solvers",
-    "surface",
-    "parameters",
-    "dataset",
-)
 
 
 rule measure_numerics:
@@ -25,7 +16,7 @@ rule measure_numerics:
     conda:
         ENVIRONMENT
     params:
-        code=NUMERICS_CODE,
+        code=code_of("measure_numerics"),
     message:
         "Measure the paper's formulas and sweep, and ours, against exact values"
     script:
@@ -44,7 +35,7 @@ rule draw_numerics:
     conda:
         ENVIRONMENT
     params:
-        code=source_digest("plotting", "dataset"),
+        code=code_of("draw_numerics"),
     message:
         "Draw what the paper's formulas lose, and how its sweep converges"
     script:

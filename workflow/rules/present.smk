@@ -18,7 +18,7 @@ rule write_tables:
     params:
         study=config["study"],
         rocks=ROCKS,
-        code=ANALYSIS_CODE,
+        code=code_of("write_tables"),
     message:
         "Write Tables 1 to 3"
     script:
@@ -54,7 +54,7 @@ rule draw_figures:
         rocks=ROCKS,
         seating_stress_MPa=config["seating_stress_MPa"],
         wall_strength_ratio=config["output"]["wall_strength_ratio"],
-        code=FIGURE_CODE,
+        code=code_of("draw_figures"),
     message:
         "Draw the figures"
     script:

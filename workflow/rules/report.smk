@@ -48,7 +48,7 @@ rule write_report:
     params:
         configuration=config,
         benchmarks=f"{RESULTS}/benchmarks",
-        code=[REPORT_CODE, template_digest()],
+        code=[code_of("write_report"), template_digest()],
     message:
         "Write the report"
     script:

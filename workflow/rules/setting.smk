@@ -1,16 +1,14 @@
 # What all rules share: the checked configuration and its cases. No rules here.
 from pathlib import Path
 
-from jointclosure.compilation import source_digest
+from jointclosure.sources import code_digest
 from jointclosure.dataset import read_csv, read_text
-from jointclosure.study import (
-    cases,
-    configuration,
-    measured,
-    project,
-    settings,
-    wall_settings,
-)
+from jointclosure.ensemble import cases
+from jointclosure.config import configuration
+from jointclosure.studies.measured import curves as measured
+from jointclosure.config import project
+from jointclosure.ensemble import settings
+from jointclosure.config import walls as wall_settings
 
 ROOT = Path(workflow.basedir)
 for file in workflow.configfiles:
@@ -56,34 +54,15 @@ FIGURES = [
     *(["table_3_intervals", "trends_max_closure"] if VARIED else []),
 ]
 
-# An edit in the package re-runs the rules whose parts of it changed.
-SURFACE_CODE = source_digest(
-    "surface",
-    "randomness",
-    "scans",
-    "study/ensemble",
-    "study/cases",
-    "study/measured_walls",
-    "dataset",
-    "files",
-)
-SOLVER_CODE = source_digest(
-    "compilation",
-    "parameters",
-    "mechanics",
-    "solvers",
-    "protocol",
-    "readings",
-    "simulation",
-    "study/ensemble",
-    "study/scene_choice",
-    "study/configuration",
-    "dataset",
-    "files",
-)
-ANALYSIS_CODE = source_digest("statistics", "study", "tables", "randomness", "dataset")
-REPORT_CODE = source_digest("report", "tables", "study", "dataset")
-FIGURE_CODE = source_digest("plotting", "empirical", "tables", "readings", "dataset")
+
+def code_of(*scripts):
+    """Digest of scripts and of all that they import: an edit there re-runs their rules."""
+    return code_digest(*(str(ROOT / f"workflow/scripts/{name}.py") for name in scripts))
+
+
+# files of surfaces and closures bear these, and are refused where they differ
+SURFACE_CODE = code_of("make_surfaces", "cut_surfaces")
+SOLVER_CODE = code_of("close_surfaces")
 
 
 wildcard_constraints:

@@ -1,5 +1,5 @@
 # Surfaces of each case, and their closure: in blocks of realisations, named by their first.
-from jointclosure.study.scene_choice import possible_scenes
+from jointclosure.studies.effects.choice import possible_scenes
 
 
 rule compile_kernels:
@@ -19,7 +19,7 @@ rule compile_kernels:
                 configuration.effects_of(config, name), chosen=AUTO
             )
         ),
-        code=SOLVER_CODE,
+        code=code_of("compile_kernels"),
     message:
         "Compile the kernels (about half a minute when they are new, else a second)"
     script:
@@ -60,6 +60,7 @@ rule choose_effects:
         configuration=lambda wildcards: configuration.of_rock(config, wildcards.rock),
         surface_code=SURFACE_CODE,
         solver_code=SOLVER_CODE,
+        code=code_of("choose_effects"),
     message:
         "Choose the effects that matter for {wildcards.rock}, by a pilot"
     script:
@@ -117,6 +118,7 @@ rule aggregate:
         configuration=config,
         surface_code=SURFACE_CODE,
         solver_code=SOLVER_CODE,
+        code=code_of("aggregate"),
     message:
         "Put all cases into one dataset"
     script:

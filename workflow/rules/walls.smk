@@ -28,7 +28,7 @@ rule prepare_walls:
         grid=config["grid"],
         jrc_relation=config["surface"]["jrc_relation"],
         realizations=config["study"]["realizations"],
-        code=SURFACE_CODE,
+        code=code_of("prepare_walls"),
     message:
         "Read and check the measured walls of {wildcards.rock}"
     script:

@@ -14,11 +14,11 @@ from jointclosure.dataset import (
     reading_netcdf,
     write_netcdf_regions,
 )
+from jointclosure.ensemble.aggregation import join_cases, succeeded
+from jointclosure.ensemble.cases import blocks_of, cases_of
+from jointclosure.ensemble.measured_walls import described
+from jointclosure.ensemble.settings import block_settings, check_settings
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.study.cases import blocks_of, cases_of
-from jointclosure.study.ensemble import join_cases, succeeded
-from jointclosure.study.measured_walls import described
-from jointclosure.study.settings import block_settings, check_settings
 
 ROWS = 256
 """Realisations in memory at a time, and compressed together."""

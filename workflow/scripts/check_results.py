@@ -1,10 +1,10 @@
 """Check the results; what must hold and does not is an error."""
 
+from jointclosure.config.configuration import numerics_of
 from jointclosure.dataset import read_netcdf, write_csv
+from jointclosure.ensemble.aggregation import CURVES
+from jointclosure.ensemble.checks import check_results
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.study.checks import check_results
-from jointclosure.study.configuration import numerics_of
-from jointclosure.study.ensemble import CURVES
 
 
 def main(study: str, settings: dict, output: str, log: Logbook) -> None:

@@ -2,13 +2,13 @@
 
 import json
 
-from jointclosure import Effects
+from jointclosure.config.configuration import effects_of
 from jointclosure.dataset import write_text
+from jointclosure.ensemble.cases import cases_of
+from jointclosure.ensemble.settings import block_settings
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.study.cases import cases_of
-from jointclosure.study.configuration import effects_of
-from jointclosure.study.scene_choice import choose_for_case
-from jointclosure.study.settings import block_settings
+from jointclosure.parameters import Effects
+from jointclosure.studies.effects.choice import choose_for_case
 
 
 def main(configuration: dict, codes: tuple[str, str], output: str, log: Logbook) -> None:

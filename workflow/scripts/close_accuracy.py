@@ -2,7 +2,7 @@
 
 from jointclosure.dataset import write_netcdf
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.study.accuracy import Setting, close_at
+from jointclosure.studies.accuracy.design import Setting, close_at
 
 
 def main(setting: Setting, parameter: str, output: str, log: Logbook) -> None:

@@ -2,7 +2,7 @@
 
 from jointclosure.dataset import write_netcdf
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.study.ablation import SCENES, close_scene
+from jointclosure.studies.effects.ablation import SCENES, close_scene
 
 
 def main(configuration: dict, rock: str, scene: str, output: str, log: Logbook) -> None:

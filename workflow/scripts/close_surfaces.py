@@ -3,14 +3,13 @@
 import json
 from pathlib import Path
 
-from jointclosure import Effects
 from jointclosure.dataset import read_text, reading_netcdf, write_netcdf_blocks
+from jointclosure.ensemble.cases import Case
+from jointclosure.ensemble.closing import close_surfaces, closing_arguments
+from jointclosure.ensemble.settings import as_text, check_settings
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.parameters import scene_name
+from jointclosure.parameters import Effects, scene_name
 from jointclosure.progress import Countdown
-from jointclosure.study.cases import Case
-from jointclosure.study.ensemble import close_surfaces, closing_arguments
-from jointclosure.study.settings import as_text, check_settings
 
 
 def main(surfaces: str, chosen: str | None, settings: dict, output: str, log: Logbook) -> None:

@@ -8,7 +8,7 @@ from jointclosure.dataset import read_csv, read_netcdf, read_text, reading_netcd
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.plotting import study as plotting
 from jointclosure.plotting.measured import Measurements
-from jointclosure.study.measured import measured_curves
+from jointclosure.studies.measured.curves import measured_curves
 from jointclosure.tables import roughness_title
 
 

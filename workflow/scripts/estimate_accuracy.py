@@ -4,10 +4,10 @@ import sys
 
 import pandas as pd
 
+from jointclosure.config.configuration import merged
 from jointclosure.dataset import write_csv
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.study.accuracy import Setting, close_at
-from jointclosure.study.configuration import merged
+from jointclosure.studies.accuracy.design import Setting, close_at
 
 
 def main(runs: list[list], parameter: str, output: str, log: Logbook) -> None:

@@ -4,10 +4,10 @@ import sys
 
 import pandas as pd
 
+from jointclosure.config.configuration import merged
 from jointclosure.dataset import write_csv
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.study.ablation import SCENES, close_scene
-from jointclosure.study.configuration import merged
+from jointclosure.studies.effects.ablation import SCENES, close_scene
 
 
 def main(configuration: dict, output: str, log: Logbook) -> None:

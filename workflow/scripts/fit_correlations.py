@@ -1,9 +1,9 @@
 """Fit the correlations of mean and standard deviation, Eqs. (24) to (27)."""
 
 from jointclosure.dataset import read_netcdf, write_csv
+from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.study.ensemble import CURVES
-from jointclosure.study.sensitivity import correlation_table, max_closure_table
+from jointclosure.studies.sensitivity.responses import correlation_table, max_closure_table
 
 
 def main(study: str, correlations: str, closures: str, log: Logbook) -> None:

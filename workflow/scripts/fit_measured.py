@@ -2,7 +2,7 @@
 
 from jointclosure.dataset import read_text, reading_netcdf, write_csv
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.study.measured import fit_table, measured_curves
+from jointclosure.studies.measured.curves import fit_table, measured_curves
 
 
 def main(study: str, settings: dict, output: str, log: Logbook) -> None:

@@ -2,7 +2,7 @@
 
 from jointclosure.dataset import read_csv, reading_netcdf, write_csv
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.study.claims import Evidence, judge_claims
+from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
 
 
 def main(study: str, intervals: str, closures: str, output: str, log: Logbook) -> None:

@@ -1,11 +1,11 @@
 """Read the measured walls of a rock, bring them to the grid, and check that there is room."""
 
+from jointclosure.config.units import to_si
+from jointclosure.config.walls import wall_files, wall_settings
 from jointclosure.dataset import write_netcdf
+from jointclosure.ensemble.measured_walls import cutter_of, prepared_walls, room
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.parameters import to_si
 from jointclosure.scans import read_scan
-from jointclosure.study.measured_walls import cutter_of, prepared_walls, room
-from jointclosure.study.wall_settings import wall_files, wall_settings
 
 
 def main(settings: dict, output: str, log: Logbook) -> None:

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from jointclosure.study.configuration import ConfigurationError, read_plain
+from jointclosure.config.configuration import ConfigurationError, read_plain
 
 ROOT = Path(__file__).parents[2]
 

@@ -5,7 +5,7 @@ import pandas as pd
 from jointclosure.dataset import read_csv, save_figure, write_csv
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.plotting.effects import choice_figure
-from jointclosure.study.choice_validation import validation_summary
+from jointclosure.studies.effects.validation import validation_summary
 
 
 def main(inputs: list[str], outputs, log: Logbook) -> None:

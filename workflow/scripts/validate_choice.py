@@ -2,7 +2,7 @@
 
 from jointclosure.dataset import write_csv
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.study.choice_validation import validate
+from jointclosure.studies.effects.validation import validate
 
 
 def main(configuration: dict, number: int, output: str, log: Logbook) -> None:

@@ -5,9 +5,9 @@ import pandas as pd
 from jointclosure.dataset import read_netcdf, write_csv
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.randomness import generator, seed_of
-from jointclosure.study.accuracy import Setting
-from jointclosure.study.accuracy_cost import cost_table, order_table, source_table
-from jointclosure.study.presets import setting_table
+from jointclosure.studies.accuracy.cost import cost_table, order_table, source_table
+from jointclosure.studies.accuracy.design import Setting
+from jointclosure.studies.accuracy.presets_table import setting_table
 
 
 def main(inputs: list[str], settings: dict, outputs: dict, log: Logbook) -> None:

@@ -2,7 +2,7 @@
 
 from jointclosure.dataset import read_netcdf, write_csv
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.study.ablation import effect_table
+from jointclosure.studies.effects.ablation import effect_table
 
 
 def main(inputs: list[str], runs: list[list[str]], output: str, log: Logbook) -> None:

@@ -5,8 +5,8 @@ from pathlib import Path
 import pandas as pd
 
 from jointclosure.dataset import read_csv, read_netcdf
-from jointclosure.parameters import InputError
-from jointclosure.study import comparison
+from jointclosure.ensemble import comparison
+from jointclosure.inputs import InputError
 
 
 def add_to(commands) -> None:

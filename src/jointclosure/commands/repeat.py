@@ -7,9 +7,9 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.dataset import read_text, reading_netcdf
-from jointclosure.parameters import InputError
-from jointclosure.study.comparison import differences
-from jointclosure.study.repetition import repeated
+from jointclosure.ensemble.comparison import differences
+from jointclosure.ensemble.repetition import repeated
+from jointclosure.inputs import InputError
 
 _SETTINGS = "settings: "
 

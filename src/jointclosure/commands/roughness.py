@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from jointclosure.dataset import save_figure, write_csv
-from jointclosure.parameters import InputError
+from jointclosure.inputs import InputError
 from jointclosure.scans import read_scan
 from jointclosure.scans.units import UNITS
 from jointclosure.surface.measured import (

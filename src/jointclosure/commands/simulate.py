@@ -6,15 +6,17 @@ from pathlib import Path
 
 import xarray as xr
 
-from jointclosure.compilation import PACKAGE
+from jointclosure.config import configuration, project
+from jointclosure.config.units import to_si
 from jointclosure.dataset import provenance, read_csv, save_figure, write_netcdf
-from jointclosure.parameters import Effects, InputError, Rock, to_si
+from jointclosure.ensemble.cases import Case, cases_of
+from jointclosure.inputs import InputError
+from jointclosure.parameters import Effects, Rock
 from jointclosure.plotting.joint import closure_curve
 from jointclosure.progress import bar, duration
 from jointclosure.protocol import FAILURE, LOADING
 from jointclosure.simulation import simulate
-from jointclosure.study import configuration, project
-from jointclosure.study.cases import Case, cases_of
+from jointclosure.sources import PACKAGE
 from jointclosure.surface.synthesis import wall_pair
 
 _OF_ROCK = {

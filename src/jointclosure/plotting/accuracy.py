@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from jointclosure.study.accuracy import BASE
-from jointclosure.study.accuracy_cost import OTHER_JOINTS, pareto
+from jointclosure.studies.accuracy.cost import OTHER_JOINTS, pareto
+from jointclosure.studies.accuracy.design import BASE
 
 KNOB_TITLES = {
     "steps": "both steps",
@@ -43,7 +43,7 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
     Parameters
     ----------
     costs : DataFrame
-        Rows of one scene from `jointclosure.study.accuracy_cost.cost_table`.
+        Rows of one scene from `jointclosure.studies.accuracy.cost.cost_table`.
     title : str
     paper : str
         Name of the setting that is marked with a star.
@@ -145,7 +145,7 @@ def error_sources(sources: pd.DataFrame, title: str) -> Figure:
     Parameters
     ----------
     sources : DataFrame
-        As from `jointclosure.study.accuracy_cost.source_table`.
+        As from `jointclosure.studies.accuracy.cost.source_table`.
     title : str
     """
     sources = sources.assign(kind=sources.source.str.split(" (", regex=False).str[0])

@@ -21,7 +21,7 @@ def effect_figure(table: pd.DataFrame) -> Figure:
     Parameters
     ----------
     table : DataFrame
-        As from `jointclosure.study.ablation.effect_table`.
+        As from `jointclosure.studies.effects.ablation.effect_table`.
 
     Notes
     -----
@@ -90,7 +90,7 @@ def choice_figure(table: pd.DataFrame) -> Figure:
     Parameters
     ----------
     table : DataFrame
-        Rows as from `jointclosure.study.choice_validation.validate`.
+        Rows as from `jointclosure.studies.effects.validation.validate`.
 
     Notes
     -----

@@ -9,15 +9,15 @@ import pandas as pd
 import seaborn as sns
 import xarray as xr
 
-from jointclosure.study.ensemble import seats
-from jointclosure.study.measured import FIT_COLUMNS, MeasuredCurve, best_fits
+from jointclosure.ensemble.aggregation import seats
+from jointclosure.studies.measured.curves import FIT_COLUMNS, MeasuredCurve, best_fits
 
 _MARKERS = "osD^v"
 _DARK = dict(enumerate(sns.color_palette("dark", 8), start=1))
 
 
 class Measurements(NamedTuple):
-    """Measured curves by rock, and the fits of `jointclosure.study.measured.fit_table`."""
+    """Measured curves by rock, and the fits of `jointclosure.studies.measured.curves.fit_table`."""
 
     curves: Mapping[str, MeasuredCurve] = MappingProxyType({})
     fits: pd.DataFrame = pd.DataFrame(columns=FIT_COLUMNS)

@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from jointclosure.empirical import barton_bandis, law_holds
+from jointclosure.ensemble.aggregation import seats, succeeded
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.plotting.measured import Measurements, draw_measured, measured_handles
-from jointclosure.study.ensemble import seats, succeeded
 from jointclosure.tables import PARAMETER_TITLES, roughness_title
 
 _CYCLE_COLOURS = dict(enumerate(sns.color_palette("colorblind", 8), start=1))
@@ -97,7 +97,7 @@ def closure_figure(
     Parameters
     ----------
     study : Dataset
-        As from `jointclosure.study.ensemble.join_cases`.
+        As from `jointclosure.ensemble.aggregation.join_cases`.
     rocks : dict
         Settings of the rocks by name, in order.
     seating_stress : float
@@ -251,7 +251,7 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, dic
     Parameters
     ----------
     closures : DataFrame
-        As from `jointclosure.study.sensitivity.max_closure_table`.
+        As from `jointclosure.studies.sensitivity.responses.max_closure_table`.
     study : Dataset
         Gives the parameters of the cases.
     rocks : dict

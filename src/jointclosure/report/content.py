@@ -6,11 +6,11 @@ from typing import NamedTuple
 import pandas as pd
 import xarray as xr
 
+from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.report import findings, running, settings
 from jointclosure.report.curves import MOST_JOINTS, explorer_data
 from jointclosure.report.page import Picture
 from jointclosure.report.sheets import duration
-from jointclosure.study.ensemble import succeeded
 
 
 class Material(NamedTuple):

@@ -5,9 +5,8 @@ import math
 import numpy as np
 import xarray as xr
 
-from jointclosure.study.cases import PARAMETERS
-from jointclosure.study.ensemble import succeeded
-from jointclosure.study.sensitivity import SHOWN_UNITS
+from jointclosure.ensemble.aggregation import succeeded
+from jointclosure.ensemble.cases import PARAMETERS, SHOWN_UNITS
 from jointclosure.tables import PARAMETER_TITLES
 
 MOST_JOINTS = 20
@@ -25,7 +24,7 @@ def explorer_data(study: xr.Dataset, titles: dict[str, str], seating_stress: flo
     Parameters
     ----------
     study : Dataset
-        As from `jointclosure.study.ensemble.join_cases`.
+        As from `jointclosure.ensemble.aggregation.join_cases`.
     titles : dict
         Titles of the rocks, in order.
     seating_stress : float

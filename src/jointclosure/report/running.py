@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.config.configuration import effects_of, numerics_in_full
+from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.protocol import FAILURE
 from jointclosure.report.sheets import Sheet, given, sheet
-from jointclosure.study.configuration import effects_of, numerics_in_full
-from jointclosure.study.ensemble import succeeded
 from jointclosure.tables import PARAMETER_TITLES
 
 MOST_FAILURES = 500
@@ -50,7 +50,7 @@ def preset_sheet(measured: pd.DataFrame, configuration: dict, default: dict) -> 
     Parameters
     ----------
     measured : DataFrame
-        As from `jointclosure.study.presets.setting_table`.
+        As from `jointclosure.studies.accuracy.presets_table.setting_table`.
     configuration, default : dict
         Of the study, and the paper's.
     """

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jointclosure.parameters import InputError
+from jointclosure.inputs import InputError
 from jointclosure.scans import grids, instruments, meshes, points
 from jointclosure.scans.contents import Contents
 from jointclosure.scans.units import settled, size_of

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from jointclosure.parameters import InputError
+from jointclosure.inputs import InputError
 from jointclosure.scans.contents import Contents
 from jointclosure.scans.units import split_name
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jointclosure.parameters import InputError
+from jointclosure.inputs import InputError
 from jointclosure.scans.contents import Contents
 
 

@@ -2,7 +2,7 @@
 
 import re
 
-from jointclosure.parameters import InputError
+from jointclosure.inputs import InputError
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
 """Those that a user may state."""

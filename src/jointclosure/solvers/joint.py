@@ -7,7 +7,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from jointclosure.parameters import Choices, ContactLaw, Effects, Numerics, contact_law
+from jointclosure.mechanics.contact_law import ContactLaw, contact_law
+from jointclosure.parameters import Choices, Effects, Numerics
 from jointclosure.solvers.cells import overlapping_cells, peak_map
 from jointclosure.solvers.contacts import Contacts, separate_equilibrium
 from jointclosure.solvers.interaction_operator import (

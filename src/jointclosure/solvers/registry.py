@@ -1,6 +1,6 @@
 """The solvers there are, by name: each inherits every test of the registry."""
 
-from jointclosure.parameters import InputError
+from jointclosure.inputs import InputError
 from jointclosure.solvers.fast import FastSolver
 from jointclosure.solvers.joint import Solver
 from jointclosure.solvers.reference import ReferenceSolver

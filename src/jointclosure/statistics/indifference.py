@@ -11,7 +11,7 @@ import numpy as np
 import scipy.optimize
 import scipy.stats
 
-from jointclosure.parameters import InputError, check_number, real_array
+from jointclosure.inputs import InputError, check_number, real_array
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
 
 

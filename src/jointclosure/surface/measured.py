@@ -10,7 +10,7 @@ import scipy.interpolate
 import scipy.ndimage
 import scipy.spatial
 
-from jointclosure.parameters import InputError
+from jointclosure.inputs import InputError
 
 LARGEST_TILT = 20.0
 """Inclination of a scan's mean plane [degrees]: beyond it heights are no longer those of a wall."""

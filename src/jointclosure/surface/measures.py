@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.parameters import InputError
+from jointclosure.inputs import InputError
 from jointclosure.randomness import generator, seed_of
 from jointclosure.surface.differences import (
     difference,

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.parameters import InputError
+from jointclosure.inputs import InputError
 
 
 class Relation(NamedTuple):

@@ -8,7 +8,7 @@ a published relation gives for the JRC: docs/decisions/0007-surfaces.md.
 import numpy as np
 import scipy.fft
 
-from jointclosure.parameters import InputError, check_number
+from jointclosure.inputs import InputError, check_number
 from jointclosure.randomness import generator, seed_of
 from jointclosure.surface.roughness import DEFAULT_RELATION, detrended, rms_slope, z2_of_jrc
 

@@ -19,13 +19,14 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.config.configuration import kernels_of, schema_problems
+from jointclosure.config.units import to_si
+from jointclosure.inputs import InputError
 from jointclosure.parameters import (
     Choices,
     Effects,
-    InputError,
     Numerics,
     Rock,
-    to_si,
 )
 from jointclosure.protocol import FAILURE, FLAGS
 from jointclosure.simulation import equilibrium, height_datum, simulate_by
@@ -33,7 +34,6 @@ from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import CONVERGED, Joint, Settled
 from jointclosure.solvers.registry import SOLVERS, solver_named
-from jointclosure.study.configuration import kernels_of, schema_problems
 from jointclosure.verification import oracle
 from jointclosure.verification.hard_walls import hard_walls
 from jointclosure.verification.requirements import EXTRA, broken_requirements, limits_of
@@ -254,7 +254,7 @@ def curve_of(outcome: Outcome) -> pd.DataFrame:
 
 
 def kernels_of_cases(cases: Iterable[dict]) -> list[list[str]]:
-    """`jointclosure.study.configuration.kernels_of` of the cases that are closed."""
+    """`jointclosure.config.configuration.kernels_of` of the cases that are closed."""
     return kernels_of(case for case in cases if case["expect"] != "refused")
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from jointclosure.parameters import InputError
+from jointclosure.inputs import InputError
 from jointclosure.surface.synthesis import wall_pair
 
 

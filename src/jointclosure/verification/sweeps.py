@@ -16,7 +16,8 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from jointclosure.parameters import Choices, ContactLaw, Effects, Rock, contact_law
+from jointclosure.mechanics.contact_law import ContactLaw, contact_law
+from jointclosure.parameters import Choices, Effects, Rock
 from jointclosure.solvers.cells import overlapping_cells, peak_map
 from jointclosure.solvers.contacts import Contacts, coordinate_sweep
 from jointclosure.solvers.equilibrium import solve_equilibrium

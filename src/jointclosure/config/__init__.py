@@ -1,0 +1,1 @@
+"""The configuration of a study: merged, checked, and turned into SI."""

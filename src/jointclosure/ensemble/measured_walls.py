@@ -1,0 +1,160 @@
+"""Measured walls of a rock: brought to the joint's grid, and cut into joints."""
+
+import json
+from collections.abc import Iterator
+
+import numpy as np
+import xarray as xr
+
+from jointclosure.ensemble.surfaces import surface_pair
+from jointclosure.inputs import InputError
+from jointclosure.randomness import seed_of
+from jointclosure.surface.measured import Cloud, Scan, disjoint, filled, wall_on_grid
+from jointclosure.surface.measured_pairs import Cutter, MeasuredWalls
+from jointclosure.surface.measures import hurst_of
+from jointclosure.surface.roughness import jrc_of_z2, rms_slope
+
+
+def prepared_walls(
+    scans: dict[str, Scan | Cloud], settings: dict, spacing: float, jrc_relation: str
+) -> xr.Dataset:
+    """Measured walls on the grid of the joint, as large as they were scanned.
+
+    Parameters
+    ----------
+    scans : dict
+        Of "upper", "lower" or both.
+    settings : dict
+        As from `jointclosure.config.walls.wall_settings`.
+    spacing : float
+        Grid spacing of the joint [m].
+    jrc_relation : str
+        Key of `jointclosure.surface.roughness.RELATIONS`: the JRC that is reported.
+
+    Returns
+    -------
+    Dataset
+        ``upper``, ``lower`` or both over (y, x) [m], heights towards the other wall, with slope,
+        Hurst exponent and JRC of each, and the shares of cells that were missing.
+    """
+    bounds = _common_bounds(scans)
+    walls = xr.Dataset(attrs={"spacing_m": spacing, "partner": ""})
+    for side, scan in scans.items():
+        try:
+            wall = wall_on_grid(scan, spacing, bounds)
+            share = float(np.mean(~np.isfinite(wall)))
+            wall = filled(wall, settings["missing"], settings["largest_filled_share"])
+        except InputError as error:
+            raise InputError(f"{settings[side]}: {error}") from None
+        if any(other.shape != wall.shape for other in walls.data_vars.values()):
+            sizes = [one.shape for one in (*walls.data_vars.values(), wall)]
+            raise InputError(
+                f"{settings['upper']} and {settings['lower']}: {sizes[0]} and {sizes[1]} cells "
+                "(y, x) at the grid's spacing; both scans must cover the same, cell by cell"
+            )
+        sign = -1.0 if side in settings["inverted"] else 1.0
+        # the relations and the synthesis know no H beyond 1, where walls are smooth at the grid
+        z2, hurst = _slope(wall, spacing), float(np.clip(hurst_of(wall), 0.05, 1.0))
+        about = {
+            "units": "m",
+            "long_name": f"measured height of the {side} wall towards the other",
+            "missing_share": share,
+            "z2": z2,
+            "hurst": hurst,
+            "jrc": jrc_of_z2(z2, spacing, hurst, jrc_relation),
+            "jrc_relation": jrc_relation,
+        }
+        walls[side] = (("y", "x"), sign * wall, about)
+    missing = {"upper", "lower"} - set(scans)
+    if missing:
+        walls.attrs["partner"] = settings[missing.pop()]
+    return walls
+
+
+def cutter_of(walls: xr.Dataset, shape: tuple[int, int], order_seed: int, normalise: str) -> Cutter:
+    """What cuts joints out of the walls of `prepared_walls`."""
+    first = next(iter(walls.data_vars.values()))
+    measured = MeasuredWalls(
+        {str(name): wall.values for name, wall in walls.data_vars.items()},
+        walls.attrs["partner"],
+        float(walls.attrs["spacing_m"]),
+        float(first.attrs["z2"]),
+        float(first.attrs["hurst"]),
+    )
+    return Cutter(measured, shape, order_seed, normalise)
+
+
+def cutter_for(walls: xr.Dataset, settings: dict) -> Cutter:
+    """The cutter of `jointclosure.ensemble.settings.surface_settings`."""
+    grid = settings["grid"]
+    order = seed_of(settings["root_seed"], *settings["seeds_named_by"], "windows")
+    normalise = settings["surface"]["normalise"]
+    return cutter_of(walls, (grid["cells_y"], grid["cells_x"]), order, normalise)
+
+
+def cut_surfaces(cutter: Cutter, seeds: list[int], first: int = 0) -> Iterator[xr.Dataset]:
+    """Surface pairs as of `ensemble.surfaces.make_surfaces`, cut out of measured walls.
+
+    Parameters
+    ----------
+    cutter : Cutter
+    seeds : list of int
+        One for each realisation.
+    first : int
+        Number of the first realisation.
+
+    Yields
+    ------
+    Dataset
+        Besides the walls the cells of the scan at which they begin, -1 for a synthetic wall.
+    """
+    for realization, seed in enumerate(seeds, start=first):
+        joint = cutter.joint(realization, seed)
+        attributes = {"spacing_m": cutter.walls.spacing, "jrc": float("nan")}
+        pair = surface_pair((joint.upper, joint.lower), realization, seed, attributes)
+        for side, origin in (("upper", joint.upper_origin), ("lower", joint.lower_origin)):
+            for axis, cell in zip(("y", "x"), origin, strict=True):
+                about = {"long_name": f"{axis} of the scan's cell where the {side} wall begins"}
+                pair[f"{side}_origin_{axis}"] = ("realization", np.array([cell]), about)
+        yield pair
+
+
+def room(cutter: Cutter) -> dict[str, int]:
+    """How many joints the walls have room for, and how many beside each other, sharing no cell."""
+    return {
+        "windows": len(cutter.windows),
+        "windows_side_by_side": disjoint(cutter.windows, cutter.shape),
+    }
+
+
+def described(walls: dict[str, xr.Dataset]) -> str:
+    """JSON of what is known of the measured walls of each rock: files, digests, roughness."""
+    return json.dumps(
+        {
+            rock: dict(dataset.attrs)
+            | {str(k): dict(v.attrs) for k, v in dataset.data_vars.items()}
+            for rock, dataset in walls.items()
+        },
+        default=float,
+        sort_keys=True,
+    )
+
+
+def _slope(wall: np.ndarray, spacing: float) -> float:
+    """RMS slope of a wall in which cells may be missing."""
+    if np.isfinite(wall).all():
+        return rms_slope(wall, spacing)
+    steps = np.concatenate([np.diff(wall, axis=axis).ravel() for axis in (0, 1)])
+    return float(np.sqrt(np.nanmean(steps**2))) / spacing
+
+
+def _common_bounds(scans: dict[str, Scan | Cloud]) -> np.ndarray | None:
+    """Least and largest (x, y) that both clouds of points cover, None for one of them or grids."""
+    clouds = [scan.points[:, :2] for scan in scans.values() if isinstance(scan, Cloud)]
+    if len(clouds) < 2:
+        return None
+    low = np.max([points.min(axis=0) for points in clouds], axis=0)
+    high = np.min([points.max(axis=0) for points in clouds], axis=0)
+    if not (high > low).all():
+        raise InputError("upper and lower: the scans' points do not overlap in x and y")
+    return np.array([low, high])

@@ -1,0 +1,70 @@
+"""What is given is checked: numbers, lengths, arrays, words."""
+
+import math
+import sys
+
+import numpy as np
+
+LENGTHS = (1e-15, 1e15)
+"""Smallest and largest length [m] that spacings may have, and largest height."""
+
+
+class InputError(ValueError):
+    """A value that the model cannot take; the message names it."""
+
+
+def real_array(name: str, values) -> np.ndarray:
+    """Values as a new float64 array; `InputError` where they are no real numbers.
+
+    Floats of any size and integers are promoted (or rounded) to float64, in
+    any memory order. Complex, object, boolean, text and masked values are
+    refused, never converted, and so is what is not finite.
+    """
+    if np.ma.is_masked(values):
+        raise InputError(f"{name}: has masked values; fill or crop them first")
+    try:
+        given = np.asarray(values)
+    except ValueError as error:
+        raise InputError(f"{name}: is not an array of numbers ({error})") from None
+    if given.dtype.kind not in "fiu":
+        raise InputError(
+            f"{name}: values of type {given.dtype}, must be real numbers (floats or integers)"
+        )
+    with np.errstate(over="ignore"):  # a long double may not fit, and is then not finite
+        numbers = np.array(given, dtype=np.float64, order="C")
+    bad = np.argwhere(~np.isfinite(numbers))
+    if bad.size:
+        where = ", ".join(str(index) for index in bad[0])
+        axes = " (y, x) =" if numbers.ndim == 2 else ""
+        raise InputError(f"{name}: {len(bad)} values are not finite, the first at{axes} ({where})")
+    return numbers
+
+
+def check_number(name: str, value: object, whole: bool = False) -> None:
+    """Raise `InputError` unless a value is a real number (a whole one), and not a boolean."""
+    kinds = (int, np.integer) if whole else (int, float, np.integer, np.floating)
+    if isinstance(value, bool | np.bool_) or not isinstance(value, kinds):
+        raise InputError(f"{name} = {value!r}: must be a {'whole ' if whole else ''}number")
+    if not whole and isinstance(value, int) and abs(value) > sys.float_info.max:
+        raise InputError(f"{name} = {value!r}: must be a number that fits in double precision")
+
+
+def check_length(name: str, value: float) -> None:
+    """Raise `InputError` unless a length [m] is positive and within `LENGTHS`."""
+    check_positive(name, value, "m")
+    if not LENGTHS[0] <= value <= LENGTHS[1]:
+        raise InputError(
+            f"{name} = {value!r} m: must lie in [{LENGTHS[0]:g}, {LENGTHS[1]:g}] m; the "
+            "curvature's twelfth powers of lengths do not fit in double precision beyond"
+        )
+
+
+def check_positive(name: str, value: float, unit: str, may_be_infinite: bool = False) -> None:
+    check_number(name, value)
+    if not value > 0.0 or (math.isinf(value) and not may_be_infinite):
+        raise InputError(f"{name} = {value!r} {unit}: must be positive and finite")
+
+
+def check_one_of(name: str, value: str, allowed: tuple[str, ...]) -> None:
+    if not isinstance(value, str) or value not in allowed:
+        raise InputError(f"{name} = {value!r}: must be one of {', '.join(allowed)}")

@@ -1,0 +1,58 @@
+"""The contact law that the equations make of two rocks, on a grid."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from jointclosure.mechanics.contact import (
+    equivalent_modulus,
+    plane_strain_modulus,
+    substrate_compliance,
+)
+from jointclosure.mechanics.strength import breaking_bend, strength_factor
+from jointclosure.parameters import Choices, Effects, Rock
+
+
+class ContactLaw(NamedTuple):
+    """Constants of every pair of cells, derived from rock, choices and grid.
+
+    The arrays have four entries, by the pair's state: 2 x (upper cell is a
+    soft peak) + (lower cell is one).
+    """
+
+    spacing: float
+    base_radius: float
+    least_curvature: float
+    substrate_modulus: float  # 1/(1/E_t* + 1/E_b*) [Pa]
+    substrate: float  # compliance A [m/N], 0 without substrate
+    asperity_modulus: np.ndarray  # E_a* [Pa], Eq. (4)
+    bend: np.ndarray  # q = delta_break/R_a, Eq. (22)
+    breaking_force: np.ndarray  # 4/3 E_a* q^(3/2) [Pa]
+
+
+def contact_law(
+    spacing: float, rock: tuple[Rock, Rock], effects: Effects, choices: Choices
+) -> ContactLaw:
+    """Constants of the contact law of both walls on a grid of this spacing [m]."""
+    moduli = [plane_strain_modulus(wall.youngs_modulus, wall.poisson_ratio) for wall in rock]
+    ratio = choices.peak_modulus_ratio if effects.soft_peaks else 1.0
+    softness = [(1.0, 1.0), (1.0, ratio), (ratio, 1.0), (ratio, ratio)]
+    asperity_modulus = np.array(
+        [equivalent_modulus(moduli[0] * upper, moduli[1] * lower) for upper, lower in softness]
+    )
+    limit = min(wall.compressive_strength / strength_factor(wall.poisson_ratio) for wall in rock)
+    bend = np.array([breaking_bend(limit, modulus) for modulus in asperity_modulus])
+    substrate_modulus = equivalent_modulus(*moduli)
+    base_radius = choices.base_radius_in_cells * spacing
+    return ContactLaw(
+        spacing=float(spacing),
+        base_radius=float(base_radius),
+        least_curvature=1.0 / choices.largest_radius if choices.largest_radius else 0.0,
+        substrate_modulus=float(substrate_modulus),
+        substrate=float(substrate_compliance(base_radius, substrate_modulus))
+        if effects.substrate
+        else 0.0,
+        asperity_modulus=asperity_modulus,
+        bend=bend,
+        breaking_force=4.0 / 3.0 * asperity_modulus * bend * np.sqrt(bend),
+    )

@@ -1,0 +1,1 @@
+"""What accuracy costs: designs, errors, times, and the table of presets."""

@@ -1,0 +1,233 @@
+"""From the runs of an accuracy study to errors, orders of convergence, and what they cost.
+
+Errors are those of a setting's results on the same surfaces as the scene's
+finest setting: of the mean maximum closure, of its standard deviation over the
+surfaces, and of the indifference interval of the parameter that is followed.
+Confidence intervals are percentiles over resampled surfaces.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import scipy.stats
+import xarray as xr
+
+from jointclosure.protocol import FAILURE
+from jointclosure.statistics.indifference import indifference_interval
+from jointclosure.studies.accuracy.design import BASE, Setting
+
+MEASURES = ("mean", "deviation", "interval", "net")
+OTHER_JOINTS = ("surface_rule", "spacing", "patch")
+"""Knobs that change the joints themselves: a difference there is no numerical error."""
+
+
+class _Sample(NamedTuple):
+    """Closures (level, realization) of a run at one cycle, as they are and net of the bulk
+    indentation, where all levels succeeded, and where.
+    """
+
+    closures: np.ndarray
+    net: np.ndarray
+    levels: np.ndarray
+    base: float
+    good: np.ndarray
+
+    def measures(self, index: np.ndarray) -> tuple[float, float, float, float]:
+        """`MEASURES` of chosen surfaces: mean and deviation at the base level [m], length of the
+        interval, mean net of the bulk indentation [m].
+        """
+        chosen = self.closures[:, index]
+        own = list(self.levels).index(self.base)
+        at_base = chosen[own]
+        length = np.nan
+        if len(self.levels) > 2 and index.size > 1 and np.ptp(index) > 0:
+            means, deviations = chosen.mean(axis=1), chosen.std(axis=1, ddof=1)
+            length = indifference_interval(
+                self.levels, means, deviations, index.size, 0.05, self.base
+            ).length
+        deviation = at_base.std(ddof=1) if index.size > 1 else np.nan
+        return at_base.mean(), deviation, length, self.net[own, index].mean()
+
+
+def _sample(run: xr.Dataset, cycle: int) -> _Sample:
+    return _Sample(
+        run.max_closure.sel(cycle=cycle).values,
+        run.max_closure_net.sel(cycle=cycle).values,
+        run.level.values,
+        float(run.attrs["base"]),
+        (run.status.values < FAILURE).all(axis=0),
+    )
+
+
+def cost_table(
+    settings: list[Setting],
+    runs: Mapping[str, xr.Dataset],
+    finest: Mapping[str, dict],
+    random: np.random.Generator,
+    resamples: int,
+    confidence: float,
+) -> pd.DataFrame:
+    """Error and time of every setting, cycle by cycle.
+
+    Parameters
+    ----------
+    settings : list of Setting
+    runs : mapping
+        Datasets as from `jointclosure.studies.accuracy.design.close_at` by the name of
+        their run.
+    finest : mapping
+        Knob and value that the settings of each scene are held against.
+    random : Generator
+    resamples : int
+    confidence : float
+
+    Returns
+    -------
+    DataFrame
+        ``<measure>_error_percent`` with ``_low`` and ``_high`` for each of
+        `MEASURES`; ``seconds`` a simulation (median, with quartiles), ``pairs``
+        of FFTs, and ``relative_time`` to the scene's base setting. Of knobs that
+        change the joints (`OTHER_JOINTS`) the errors are changes to the base
+        setting, between other surfaces.
+    """
+    rows = []
+    for setting in settings:
+        run = runs[setting.run]
+        other = setting.knob in OTHER_JOINTS
+        against = finest[setting.scene] if not other else {"knob": BASE, "value": ""}
+        truth = runs[_run_of(settings, setting, against)]
+        base = runs[_run_of(settings, setting, {"knob": BASE, "value": ""})]
+        for cycle in run.cycle.values.tolist():
+            row = {"scene": setting.scene, "rock": setting.rock, "knob": setting.knob}
+            row |= {"value": setting.value, "cycle": cycle, "run": setting.run}
+            row |= _errors(
+                _sample(run, cycle), _sample(truth, cycle), random, resamples, confidence, other
+            )
+            rows.append(row | _times(run, base))
+    return pd.DataFrame(rows)
+
+
+def _run_of(settings: list[Setting], like: Setting, wanted: dict) -> str:
+    for setting in settings:
+        same = setting.scene == like.scene and setting.rock == like.rock
+        if same and setting.knob == wanted["knob"] and setting.value == wanted["value"]:
+            return setting.run
+    raise ValueError(
+        f"accuracy.scenes.{like.scene}.finest: no knob {wanted['knob']!r} "
+        f"with value {wanted['value']!r} is turned there"
+    )
+
+
+def _errors(own: _Sample, truth: _Sample, random, resamples, confidence, other) -> dict:
+    """Relative errors in percent, and their confidence intervals."""
+    if other:
+        mine, theirs = np.flatnonzero(own.good), np.flatnonzero(truth.good)
+    else:
+        mine = theirs = np.flatnonzero(own.good & truth.good)
+    row = {"samples": mine.size, "failed": int((~own.good).sum())}
+    if mine.size < 2:
+        return row
+    exact = truth.measures(theirs)
+    found = own.measures(mine)
+    row |= {"mean_mm": 1e3 * found[0], "deviation_mm": 1e3 * found[1], "interval": found[2]}
+    row |= {"net_mm": 1e3 * found[3]}
+    drawn = np.empty((resamples, len(MEASURES)))
+    for i in range(resamples):
+        index = random.integers(0, mine.size, mine.size)
+        again = random.integers(0, theirs.size, theirs.size) if other else index
+        one, two = own.measures(mine[index]), truth.measures(theirs[again])
+        drawn[i] = [100.0 * (a / b - 1.0) for a, b in zip(one, two, strict=True)]
+    tail = 50.0 * (1.0 - confidence)
+    for k, measure in enumerate(MEASURES):
+        row[f"{measure}_error_percent"] = 100.0 * (found[k] / exact[k] - 1.0)
+        known = drawn[np.isfinite(drawn[:, k]), k]
+        # an interval that is absent in many resamples has no confidence interval
+        enough = known.size > 0.9 * resamples
+        low, high = np.percentile(known, [tail, 100.0 - tail]) if enough else (np.nan, np.nan)
+        row |= {f"{measure}_low": low, f"{measure}_high": high}
+    return row
+
+
+def _times(run: xr.Dataset, base: xr.Dataset) -> dict:
+    seconds, pairs = run.timing_simulation.values, run.timing_pair.values
+    middle, low, high = np.quantile(seconds, (0.5, 0.25, 0.75))
+    own = float(np.median(seconds / pairs))
+    of_base = float(np.median(base.timing_simulation.values / base.timing_pair.values))
+    return {
+        "seconds": middle,
+        "seconds_low": low,
+        "seconds_high": high,
+        "pairs": own,
+        "relative_time": own / of_base,
+    }
+
+
+def order_table(costs: pd.DataFrame) -> pd.DataFrame:
+    """Observed order of convergence of the mean closure in every knob that is a number.
+
+    The slope of log |error| over log value, among the values whose confidence
+    interval excludes zero; with fewer than three of these, or errors of both
+    signs, there is no clean order, and the remark says why.
+    """
+    rows = []
+    for keys, part in costs.groupby(["scene", "rock", "knob", "cycle"], sort=False):
+        scene, rock, knob, cycle = keys
+        numbers = pd.to_numeric(part["value"], errors="coerce")
+        if knob == BASE or knob in OTHER_JOINTS or numbers.isna().any():
+            continue
+        part = part.assign(number=numbers)
+        sure = part[(part.mean_low > 0.0) | (part.mean_high < 0.0)]
+        row = {"scene": scene, "rock": rock, "knob": knob, "cycle": cycle}
+        row |= {"values": len(part), "beyond_noise": len(sure), "order": np.nan, "error": np.nan}
+        if len(sure) < 3:
+            row["remark"] = "fewer than three errors beyond the noise of the surfaces"
+        elif np.ptp(np.sign(sure.mean_error_percent)) > 0:
+            row["remark"] = "errors of both signs"
+        else:
+            size = sure.mean_error_percent.abs()
+            fit = scipy.stats.linregress(np.log(sure.number), np.log(size))
+            row |= {"order": fit.slope, "error": fit.stderr, "remark": ""}
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def source_table(costs: pd.DataFrame, scene: str, realizations: int) -> pd.DataFrame:
+    """Where the error of the paper's own setting in a scene comes from, in percent of the mean.
+
+    ``steps``: that of its steps; ``tolerances``: what tight ones (knob
+    ``paper_tolerances``, where it is turned) move; ``sampling``: the standard error
+    of a mean over so many ``realizations``; ``surface rule``: the largest change
+    among the rules tried, which no computing takes away.
+    """
+    rows = []
+    chosen = costs[costs.scene == scene]
+    for (rock, cycle), part in chosen.groupby(["rock", "cycle"], sort=False):
+        base = part[part.knob == BASE].iloc[0]
+        rule = part[part.knob == "surface_rule"]
+        sampling = 100.0 * base.deviation_mm / base.mean_mm / np.sqrt(realizations)
+        sources = {"steps": (base.mean_error_percent, base.mean_low, base.mean_high)}
+        tight = part[part.knob == "paper_tolerances"]
+        if len(tight):
+            change = 100.0 * (base.mean_mm / tight.mean_mm.iloc[0] - 1.0)
+            sources["tolerances"] = (change, np.nan, np.nan)
+        sources["sampling"] = (sampling, np.nan, np.nan)
+        if len(rule):
+            worst = rule.loc[rule.mean_error_percent.abs().idxmax()]
+            name = f"surface rule ({worst['value']})"
+            sources[name] = (worst.mean_error_percent, worst.mean_low, worst.mean_high)
+        for source, (error, low, high) in sources.items():
+            row = {"scene": scene, "rock": rock, "cycle": cycle, "source": source}
+            rows.append(row | {"error_percent": error, "low": low, "high": high})
+    return pd.DataFrame(rows)
+
+
+def pareto(times: np.ndarray, errors: np.ndarray) -> np.ndarray:
+    """Which of some settings no other beats in both time and error (n,), as booleans."""
+    return np.array(
+        [
+            not np.any((times <= t) & (errors <= e) & ((times < t) | (errors < e)))
+            for t, e in zip(times, errors, strict=True)
+        ]
+    )

@@ -1,0 +1,1 @@
+"""What each effect adds and costs, and which ones a case calls for."""

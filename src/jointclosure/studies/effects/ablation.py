@@ -1,0 +1,177 @@
+"""What each effect adds to closure, and what it costs: all scenes on the same joints.
+
+The conditions are those of the configuration's ``ablation`` section: rocks,
+roughnesses, stresses. Every well-posed scene closes the same surfaces at every
+condition.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.ensemble.cases import Case, cases_of
+from jointclosure.ensemble.timing import timed_simulation, walls_of
+from jointclosure.parameters import Effects, scene_name, well_posed_scenes
+from jointclosure.protocol import FAILURE, LOADING, UNLOADING
+from jointclosure.readings import branch_of
+
+TARGETS = ("max_closure", "residual_closure", "hysteresis")
+
+
+class Contribution(NamedTuple):
+    """An effect, and the scenes with and without it that tell what it adds."""
+
+    effect: str
+    with_it: Effects
+    without_it: Effects
+
+
+FULL = Effects()
+CONTRIBUTIONS = (
+    # the substrate's is that to a scene without interaction, which needs it
+    Contribution("substrate", FULL._replace(interaction=False), Effects(False, False)),
+    Contribution("interaction", FULL, FULL._replace(interaction=False)),
+    Contribution("breakage", FULL, FULL._replace(breakage=False, gouge=False)),
+    Contribution("gouge", FULL, FULL._replace(gouge=False)),
+    Contribution("soft_peaks", FULL, FULL._replace(soft_peaks=False)),
+)
+
+
+SCENES = {scene_name(effects): effects for effects in well_posed_scenes()}
+
+
+def conditions_of(configuration: dict, rock: str) -> Iterator[Case]:
+    """Cases of a rock at every roughness and stress [Pa] of the design."""
+    base = next(case for case in cases_of(configuration) if case.label == f"{rock}-base")
+    for jrc in configuration["ablation"]["jrc"]:
+        for stress in configuration["ablation"]["stress_MPa"]:
+            yield base._replace(jrc=float(jrc), max_normal_stress=1e6 * stress)
+
+
+def close_scene(
+    configuration: dict,
+    rock: str,
+    effects: Effects,
+    report: Callable[[str], None] = lambda line: None,
+) -> xr.Dataset:
+    """Close the surfaces of a rock in one scene, at every condition.
+
+    Returns
+    -------
+    Dataset
+        Over (jrc, stress, realization, cycle): ``max_closure`` and
+        ``residual_closure`` [m]; ``hysteresis``, the share of the work of loading
+        that unloading does not give back; ``status``, and times [s].
+    """
+    study, design = configuration["study"], configuration["ablation"]
+    conditions = list(conditions_of(configuration, rock))
+    shape = (len(design["jrc"]), len(design["stress_MPa"]), study["realizations"])
+    values = {name: np.full((*shape, study["cycles"]), np.nan) for name in TARGETS}
+    status = np.zeros(shape, np.int16)
+    seconds, pairs = np.zeros(shape), np.zeros(shape)
+    for number, case in enumerate(conditions):
+        at = np.unravel_index(number, shape[:2])
+        for realization in range(study["realizations"]):
+            here = (*at, realization)
+            walls = walls_of(configuration, case, realization)
+            timed = timed_simulation(configuration, case, walls, effects)
+            values["max_closure"][here] = timed.closed.max_closure
+            values["residual_closure"][here] = timed.closed.residual_closure
+            values["hysteresis"][here] = hysteresis(timed.closed)
+            status[here] = timed.closed.status
+            seconds[here], pairs[here] = timed.seconds, timed.pair
+        report(
+            f"JRC {case.jrc:g}, {1e-6 * case.max_normal_stress:g} MPa: "
+            f"{seconds[at].mean():.2f} s a simulation, statuses {np.unique(status[at]).tolist()}"
+        )
+    dimensions = ("jrc", "stress", "realization")
+    units = {"max_closure": "m", "residual_closure": "m", "hysteresis": "1"}
+    return xr.Dataset(
+        {
+            name: ((*dimensions, "cycle"), values[name], {"units": unit})
+            for name, unit in units.items()
+        }
+        | {
+            "status": (dimensions, status),
+            "timing_simulation": (dimensions, seconds, {"units": "s"}),
+            "timing_pair": (dimensions, pairs, {"units": "s"}),
+        },
+        coords={
+            "jrc": [float(jrc) for jrc in design["jrc"]],
+            "stress": ("stress", 1e6 * np.array(design["stress_MPa"]), {"units": "Pa"}),
+            "cycle": np.arange(1, study["cycles"] + 1),
+        },
+    )
+
+
+def hysteresis(closed: xr.Dataset) -> np.ndarray:
+    """Share of each cycle's work of loading that unloading does not give back (cycles,)."""
+    closure, stress = closed.closure.values, closed.normal_stress.values
+    cycle, branch = closed.cycle.values, closed.branch.values
+    shares = np.full(closed.max_closure.size, np.nan)
+    for index in range(shares.size):
+        loading = branch_of(cycle, branch, index + 1, LOADING)
+        unloading = branch_of(cycle, branch, index + 1, UNLOADING)
+        if loading.size > 1 and unloading.size > 1:
+            given = np.trapezoid(stress[loading], closure[loading])
+            back = -np.trapezoid(stress[unloading], closure[unloading])
+            shares[index] = 1.0 - back / given
+    return shares
+
+
+def effect_table(runs: Mapping[tuple[str, str], xr.Dataset]) -> pd.DataFrame:
+    """What each effect adds at each condition, and what it costs.
+
+    Parameters
+    ----------
+    runs : mapping
+        Datasets as from `close_scene` by (rock, scene).
+
+    Returns
+    -------
+    DataFrame
+        For each rock, roughness, stress, effect and cycle: of each of `TARGETS`
+        the mean with and without the effect, the change that the effect makes
+        (closures in percent of the mean with it, hysteresis in percent of the
+        work) with the standard error of the paired differences, and the time
+        with the effect over that without, in FFT pairs.
+    """
+    rows = []
+    for rock in dict.fromkeys(rock for rock, _ in runs):
+        for effect, with_it, without_it in CONTRIBUTIONS:
+            one, two = (runs[rock, scene_name(effects)] for effects in (with_it, without_it))
+            for jrc in one.jrc.values:
+                for stress in one.stress.values:
+                    pair = tuple(part.sel(jrc=jrc, stress=stress) for part in (one, two))
+                    about = {"rock": rock, "jrc": jrc, "stress_MPa": 1e-6 * stress}
+                    about |= {"effect": effect} | _cost(*pair)
+                    for cycle in one.cycle.values.tolist():
+                        rows.append(about | {"cycle": cycle} | _added(*pair, cycle))
+    return pd.DataFrame(rows)
+
+
+def _cost(one: xr.Dataset, two: xr.Dataset) -> dict:
+    pairs = [float(np.median(part.timing_simulation / part.timing_pair)) for part in (one, two)]
+    return {"pairs_with": pairs[0], "pairs_without": pairs[1], "time_ratio": pairs[0] / pairs[1]}
+
+
+def _added(one: xr.Dataset, two: xr.Dataset, cycle: int) -> dict:
+    """Changes by an effect at one condition and cycle, over the surfaces that both closed."""
+    good = ((one.status < FAILURE) & (two.status < FAILURE)).values
+    row: dict = {"samples": int(good.sum()), "failed_without": int((two.status >= FAILURE).sum())}
+    for target in TARGETS:
+        a, b = (part[target].sel(cycle=cycle).values[good] for part in (one, two))
+        scale = 1e3 if target != "hysteresis" else 1.0
+        base = a.mean() if target != "hysteresis" and a.size else 1.0
+        row[f"{target}_with"] = scale * a.mean() if a.size else np.nan
+        row[f"{target}_without"] = scale * b.mean() if b.size else np.nan
+        change = 100.0 * (a - b) / base
+        row[f"{target}_added_percent"] = change.mean() if a.size else np.nan
+        enough = change.size > 1
+        row[f"{target}_standard_error"] = (
+            change.std(ddof=1) / np.sqrt(change.size) if enough else np.nan
+        )
+    return row

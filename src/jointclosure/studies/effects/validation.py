@@ -1,0 +1,157 @@
+"""The chosen effects held against the full model, on scenes that no choice was designed on.
+
+Rock, roughness, stress and size of each scene are random. Its surfaces are
+closed with all effects, and with those that `choose_effects` finds to matter
+at each tolerance; the change of the mean is what the choice was off by.
+"""
+
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from jointclosure.config.configuration import choices_of, numerics_of
+from jointclosure.config.units import to_si
+from jointclosure.parameters import Effects, Rock, scene_name
+from jointclosure.randomness import generator, seed_of
+from jointclosure.studies.effects.choice import choose_effects, max_closures
+from jointclosure.surface.synthesis import wall_pair
+
+
+class RandomScene(NamedTuple):
+    """A rock, a roughness, a maximum stress [Pa], and cells along a square joint."""
+
+    rock: Rock
+    jrc: float
+    max_normal_stress: float
+    cells: int
+
+
+def random_scene(configuration: dict, number: int) -> RandomScene:
+    """The scene of a number, from the ranges of the configuration's ``ablation.validation``.
+
+    Young's modulus, strength and stress are uniform in their logarithm; the stress
+    is at most the strength.
+    """
+    ranges = to_si(configuration["ablation"]["validation"])
+    random = generator(seed_of(configuration["study"]["root_seed"], "validation", number))
+
+    def uniform(name: str, logarithmic: bool = False) -> float:
+        low, high = ranges[name]
+        if logarithmic:
+            return float(np.exp(random.uniform(np.log(low), np.log(high))))
+        return float(random.uniform(low, high))
+
+    rock = Rock(
+        uniform("youngs_modulus", True),
+        uniform("poisson_ratio"),
+        uniform("compressive_strength", True),
+    )
+    jrc, stress = uniform("jrc"), uniform("stress", True)
+    cells = round(uniform("cells"))
+    return RandomScene(rock, jrc, min(stress, rock.compressive_strength), cells)
+
+
+def validate(
+    configuration: dict, number: int, report: Callable[[str], None] = lambda line: None
+) -> pd.DataFrame:
+    """Close a random scene in full and as chosen, at every tolerance.
+
+    Returns
+    -------
+    DataFrame
+        For each tolerance: the scene, the ``chosen`` effects, ``estimated_percent``
+        and ``actual_percent`` (the largest change of a cycle's mean maximum closure),
+        ``holds``; ``full_s`` and ``chosen_s`` of all surfaces, ``pilot_s``, and
+        ``saved_percent`` of the full time, the pilot counted. Surfaces on which the
+        full model fails are left out (``samples`` are left); where the chosen effects
+        fail on others (``failed``) there is no error, and the scene does not hold.
+    """
+    scene = random_scene(configuration, number)
+    report(f"scene {number}: {scene}")
+    design, study = configuration["ablation"]["validation"], configuration["study"]
+    spacing = to_si(configuration["grid"])["spacing"]
+    walls = [
+        wall_pair(
+            scene.jrc,
+            (scene.cells, scene.cells),
+            spacing,
+            seed_of(study["root_seed"], "validation", number, realization),
+            **configuration["surface"],
+        )
+        for realization in range(design["realizations"])
+    ]
+    load = {
+        "spacing": spacing,
+        "rock": scene.rock,
+        "max_normal_stress": scene.max_normal_stress,
+        "cycles": study["cycles"],
+        "choices": choices_of(configuration),
+        "numerics": numerics_of(configuration),
+    }
+    full, full_seconds = _closed(walls, Effects(), load)
+    runs = {Effects(): (full, full_seconds)}
+    about = scene.rock._asdict() | scene._asdict()
+    del about["rock"]
+    rows = []
+    for tolerance in design["tolerances"]:
+        start = time.perf_counter()
+        choice = choose_effects(walls, **load, tolerance=tolerance, report=report)
+        pilot = time.perf_counter() - start
+        if choice.effects not in runs:
+            runs[choice.effects] = _closed(walls, choice.effects, load)
+        found, seconds = runs[choice.effects]
+        good = np.isfinite(full).all(axis=1)
+        failed = int((~np.isfinite(found[good])).any(axis=1).sum())
+        off = np.abs(found[good].mean(axis=0) / full[good].mean(axis=0) - 1.0).max()
+        rows.append(
+            {"scene": number, "tolerance": tolerance}
+            | about
+            | {
+                "chosen": scene_name(choice.effects),
+                "samples": int(good.sum()),
+                "failed": failed,
+                "estimated_percent": 100.0 * choice.error,
+                "actual_percent": 100.0 * off,
+                "holds": bool(off <= tolerance),
+                "full_s": full_seconds,
+                "chosen_s": seconds,
+                "pilot_s": pilot,
+                "saved_percent": 100.0 * (1.0 - (seconds + pilot) / full_seconds),
+            }
+        )
+        report(f"tolerance {tolerance:g}: {rows[-1]}")
+    return pd.DataFrame(rows)
+
+
+def _closed(walls: list, effects: Effects, load: dict) -> tuple[np.ndarray, float]:
+    """Maximum closures (realization, cycle) [m], NaN where one failed, and the seconds."""
+    start = time.perf_counter()
+    closures = np.array([max_closures(pair, effects, load) for pair in walls])
+    return closures, time.perf_counter() - start
+
+
+def validation_summary(table: pd.DataFrame) -> pd.DataFrame:
+    """At each tolerance: in how many scenes the error stayed below it, and what was saved.
+
+    ``changed`` scenes are those in which anything was left out; ``held_percent`` is
+    of all scenes, ``held_of_changed_percent`` of these. ``saved_percent`` is of the time
+    of all scenes together, ``saved_where_changed_percent`` of that of the changed ones,
+    pilots counted in both; ``pilot_percent`` is the pilots' share of the full time.
+    """
+    rows = []
+    for tolerance, part in table.groupby("tolerance"):
+        changed = part[part.chosen != scene_name(Effects())]
+        row = {"tolerance": tolerance, "scenes": len(part), "changed": len(changed)}
+        row["held_percent"] = 100.0 * part.holds.mean()
+        row["held_of_changed_percent"] = 100.0 * changed.holds.mean() if len(changed) else np.nan
+        row["largest_error_percent"] = part.actual_percent.max()
+        row["scenes_without_error"] = int(part.actual_percent.isna().sum())
+        for name, some in (("saved_percent", part), ("saved_where_changed_percent", changed)):
+            spent = (some.chosen_s + some.pilot_s).sum()
+            row[name] = 100.0 * (1.0 - spent / some.full_s.sum()) if len(some) else np.nan
+        row["pilot_percent"] = 100.0 * part.pilot_s.sum() / part.full_s.sum()
+        rows.append(row)
+    return pd.DataFrame(rows)

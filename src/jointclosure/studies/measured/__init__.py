@@ -1,0 +1,1 @@
+"""Curves of a laboratory held against a study."""

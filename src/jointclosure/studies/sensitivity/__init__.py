@@ -1,0 +1,1 @@
+"""Which rock properties matter: responses, indifference intervals, claims."""

@@ -1,1 +1,0 @@
-"""A study: cases from a configuration, their ensembles, and what they claim."""

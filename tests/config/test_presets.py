@@ -1,0 +1,214 @@
+"""Numerics by a word, or by the accuracy wanted: taken from what was measured, or refused."""
+
+import json
+from pathlib import Path
+
+import pandas as pd
+import pytest
+import yaml
+
+from jointclosure.config.configuration import (
+    checked,
+    choice_tolerance,
+    numerics_in_full,
+    numerics_of,
+    read_schema,
+)
+from jointclosure.config.presets import SCENE, chosen_numerics
+from jointclosure.config.project import decided
+from jointclosure.dataset import read_csv
+from jointclosure.inputs import InputError
+from jointclosure.studies.accuracy.design import merged, settings_of
+from jointclosure.studies.accuracy.presets_table import setting_table
+
+ROOT = Path(__file__).parents[2]
+DEFAULT = yaml.safe_load((ROOT / "config/default.yaml").read_text())
+
+
+def row(preset, error, pairs, **numerics):
+    return {
+        "scene": SCENE,
+        "preset": preset,
+        "knob": "some",
+        "value": 1.0,
+        "error_percent": error,
+        "bound_percent": 2.0 * error,
+        "relative_time": 1e-3 * pairs,
+        "pairs": pairs,
+        "seconds": 1.0,
+        "numerics": json.dumps(numerics),
+    }
+
+
+TABLE = pd.DataFrame(
+    [
+        row("paper", 20.0, 1000.0),
+        row("", 1.9, 1500.0, breakage="resolved", tolerance=0.05),
+        row("accurate", 1.0, 1200.0, breakage="resolved", tolerance=0.02),
+        row("converged", 0.3, 9000.0, breakage="resolved", tolerance=0.005),
+    ]
+)
+
+
+def chosen(table=TABLE, radius=20.0, effects=None, **numerics):
+    configuration = merged(
+        DEFAULT, {"numerics": numerics, "choices": {"largest_radius_mm": radius}}
+    )
+    return chosen_numerics(merged(configuration, effects or {}), DEFAULT["numerics"], lambda: table)
+
+
+def test_without_a_word_nothing_is_chosen():
+    assert chosen() == (DEFAULT["numerics"], "")
+
+
+def test_a_preset_stands_for_its_numerics_and_is_kept_in_the_configuration():
+    found = chosen(preset="converged")
+    assert found.numerics == DEFAULT["numerics"] | {
+        "preset": "converged",
+        "breakage": "resolved",
+        "tolerance": 0.005,
+    }
+    assert "0.3 % (confidence up to 0.6 %)" in found.said
+    assert numerics_of({"numerics": found.numerics}).tolerance == 0.005
+    assert "preset" not in numerics_in_full({"numerics": found.numerics})
+
+
+@pytest.mark.parametrize(
+    ("accuracy", "tolerance"), [(0.02, 0.02), (0.011, 0.02), (0.005, 0.005), (0.5, None)]
+)
+def test_the_cheapest_setting_that_reaches_an_accuracy_is_taken(accuracy, tolerance):
+    found = chosen(accuracy=accuracy).numerics
+    assert found["breakage"] == ("resolved" if tolerance else "fixed_step")
+    assert tolerance is None or found["tolerance"] == tolerance
+
+
+def test_where_nothing_breaks_there_is_nothing_to_choose():
+    elastic = {"effects": {"breakage": False, "gouge": False}}
+    found = chosen(accuracy=0.02, radius=None, effects=elastic)
+    assert numerics_in_full({"numerics": found.numerics}) == DEFAULT["numerics"]
+    assert "1e-10" in found.said
+
+
+def test_words_are_settled_in_an_order_that_lets_them_stand_together():
+    both = merged(DEFAULT, {"numerics": {"accuracy": 0.02}, "choices": {"largest_radius_mm": 20.0}})
+    settings, said = decided(both | {"effects": "auto"}, ROOT, lambda path: TABLE)
+    assert choice_tolerance(settings) == 0.02
+    assert settings["numerics"]["tolerance"] == 0.02
+    assert "1 %" in said
+    assert decided(DEFAULT | {"numerics": "fast"}, ROOT, read_csv)[1] == ""
+    assert decided(both | {"effects": "autom"}, ROOT, read_csv)[1] == ""
+
+
+def test_it_is_the_rocks_own_effects_that_break_or_not():
+    elastic, breaking = ({"breakage": on, "gouge": on} for on in (False, True))
+    own = {name: {"effects": elastic} for name in DEFAULT["study"]["rocks"]}
+    assert "1e-10" in chosen(accuracy=0.02, radius=None, effects={"rocks": own}).said
+    own = {"effects": elastic, "rocks": {"slate": {"effects": breaking}}}
+    with pytest.raises(InputError, match="has no limit"):
+        chosen(accuracy=0.02, radius=None, effects=own)
+    assert "1 %" in chosen(accuracy=0.02, effects=own).said
+
+
+def test_a_preset_is_said_to_be_off_by_what_was_measured_of_the_same_model():
+    stated = TABLE.assign(scene="full", error_percent=7.0)
+    both = pd.concat([TABLE, stated], ignore_index=True)
+    assert "by 7 %" in chosen(both, radius=None, preset="accurate").said
+    assert "radii are the paper's" in chosen(both, radius=None, preset="accurate").said
+    assert "by 1 %" in chosen(both, preset="accurate").said
+
+
+@pytest.mark.parametrize(
+    ("told", "said"),
+    [
+        ({"preset": "best"}, "numerics.preset = 'best': must be one of paper, accurate, converged"),
+        ({"preset": "paper", "accuracy": 0.1}, "give one of them"),
+        ({"accuracy": 0.001}, "the best that was measured is 0.003"),
+        ({"accuracy": 3}, "numerics.accuracy = 3: must be a number between 0 and 1"),
+        ({"accuracy": 0.1, "radius": None}, "choices.largest_radius_mm"),
+        ({"preset": "accurate", "tolerance": 0.07}, "numerics.tolerance = 0.07: leave it out"),
+    ],
+)
+def test_what_cannot_be_chosen_is_refused(told, said):
+    with pytest.raises(InputError) as error:
+        chosen(**told)
+    assert said in str(error.value)
+
+
+def test_the_committed_table_has_every_preset_of_the_study_and_they_can_be_run():
+    study = yaml.safe_load((ROOT / "config/accuracy.yaml").read_text())
+    schema = read_schema(ROOT / "workflow/schemas/config.schema.yaml")
+    measured = read_csv(ROOT / "workflow/resources/accuracy_settings.csv")
+    turned = settings_of(merged(DEFAULT, study))
+    for name, point in study["accuracy"]["presets"].items():
+        found = chosen(measured, preset=name)
+        configuration = merged(DEFAULT, {}) | {"numerics": found.numerics}
+        checked(configuration, schema)
+        like = next(
+            each
+            for each in turned
+            if (each.scene, each.knob, each.value) == (SCENE, point["knob"], point["value"])
+        )
+        assert numerics_of(configuration) == numerics_of(like.configuration)
+    assert chosen(measured, preset="paper").numerics == DEFAULT["numerics"] | {"preset": "paper"}
+
+
+def test_settings_are_judged_by_their_worst_rock_and_cycle_and_the_finest_by_another_integrator():
+    study = {
+        "study": {"rocks": ["dolerite", "slate"]},
+        "accuracy": {
+            "scenes": {
+                SCENE: {
+                    "finest": {"knob": "steps", "value": 0.5},
+                    "cross": {"knob": "resolved", "value": 0.01},
+                }
+            },
+            "presets": {"paper": {"knob": "base", "value": ""}},
+            "knobs": {
+                "steps": {
+                    "scenes": [SCENE],
+                    "scale": ["numerics.breakage_step_um"],
+                    "values": [0.5],
+                },
+                "resolved": {
+                    "scenes": [SCENE],
+                    "set": {"numerics": {"breakage": "resolved"}},
+                    "key": "numerics.tolerance",
+                    "values": [0.01],
+                },
+                "spacing": {
+                    "scenes": [SCENE],
+                    "values": [{"value": "fine", "set": {"grid": {"spacing_mm": 0.125}}}],
+                },
+            },
+        },
+    }
+    settings = settings_of(merged(DEFAULT, study))
+    errors = {"base": -8.0, "steps": 0.0, "resolved": 1.5, "spacing": 99.0}
+    costs = pd.DataFrame(
+        {
+            "scene": SCENE,
+            "rock": each.rock,
+            "cycle": 1,
+            "knob": each.knob,
+            "value": each.value,
+            "mean_error_percent": errors[each.knob] * (1.0 if each.rock == "slate" else 0.5),
+            "mean_low": errors[each.knob] - 1.0,
+            "mean_high": errors[each.knob] + 1.0,
+            "relative_time": 2.0,
+            "pairs": 10.0 if each.rock == "slate" else 20.0,
+            "seconds": 1.0,
+        }
+        for each in settings
+    )
+    design = merged(DEFAULT, study)["accuracy"]
+    table = setting_table(costs, settings, design["scenes"], design["presets"]).set_index("knob")
+    assert table.index.tolist() == ["base", "steps", "resolved"]
+    assert table.loc["base", "preset"] == "paper"
+    # -8 and -4 %, each +-1 %
+    assert table.loc["base", "error_percent"] == 6.0
+    assert table.loc["base", "bound_percent"] == pytest.approx(6.0 + 0.5**0.5)
+    assert table.loc["base", "worst_percent"] == 8.0
+    assert table.loc["steps", "error_percent"] == pytest.approx(1.125)
+    assert table.loc["steps", "pairs"] == 15.0
+    assert json.loads(table.loc["steps", "numerics"]) == {"breakage_step_um": 2.5}
+    assert json.loads(table.loc["base", "numerics"]) == {}

@@ -1,0 +1,184 @@
+"""What accuracy costs: settings from a design, and errors, orders and sources from known data."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+import yaml
+
+from jointclosure.config.configuration import ConfigurationError
+from jointclosure.studies.accuracy.cost import (
+    cost_table,
+    order_table,
+    pareto,
+    source_table,
+)
+from jointclosure.studies.accuracy.design import (
+    Setting,
+    checked_settings,
+    close_at,
+    label_of,
+    merged,
+    settings_of,
+)
+
+ROOT = Path(__file__).parents[2]
+DEFAULT = yaml.safe_load((ROOT / "config/default.yaml").read_text())
+TINY = yaml.safe_load((ROOT / "tests/workflow/tiny_accuracy.yaml").read_text())
+DESIGN = yaml.safe_load((ROOT / "config/accuracy.yaml").read_text())
+LEVELS = [60e9, 66e9, 72e9]
+
+
+def changed(**accuracy):
+    return merged(DEFAULT, TINY, {"accuracy": accuracy})
+
+
+def test_knobs_scale_set_and_bring_settings_and_equal_ones_share_a_run():
+    found = {(s.scene, s.knob, s.value): s for s in settings_of(merged(DEFAULT, TINY))}
+    half = found["full", "steps", 0.5].configuration["numerics"]
+    assert half["displacement_step_um"] == 6.25
+    assert half["later_displacement_step_um"] == 6.25  # not scaled by this design
+    assert found["full", "resolved", 0.05].configuration["numerics"]["breakage"] == "resolved"
+    rule = found["full", "surface_rule", "hurst 0.6"]
+    assert rule.configuration["surface"]["hurst"] == 0.6
+    assert found["elastic", "base", ""].configuration["effects"]["breakage"] is False
+    assert ("elastic", "steps", 1) not in found
+    assert found["full", "steps", 1].run == found["full", "base", ""].run
+    assert len({s.run for s in found.values()}) == len(found) - 1
+
+
+def test_every_setting_of_the_accuracy_study_can_be_run():
+    settings = checked_settings(merged(DEFAULT, DESIGN))
+    for setting in settings:
+        assert setting.run == label_of(setting.scene, setting.rock, "", "") + setting.run[
+            len(f"{setting.scene}-{setting.rock}") :
+        ]  # fmt: skip
+    assert len({s.run for s in settings}) > 100
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"knobs": {"steps": {"scenes": ["fulll"]}}}, "scenes = 'fulll': must be one of"),
+        ({"knobs": {"steps": {"scale": ["numerics.stp_um"]}}}, "there is no such key"),
+        ({"knobs": {"resolved": {"set": {"numeric": {}}}}}, "numeric = {}: unknown key"),
+        ({"scenes": {"full": {"finest": {"knob": "sweep_tolerance"}}}}, "not turned in this"),
+        (
+            {"scenes": {"full": {"choices": {"largest_radius_mm": 0.1}}}},
+            "at least the grid spacing",
+        ),
+        ({"knobs": {"resolved": {"values": [0.5]}}}, "resolved 0.5: tolerance = 0.5: must lie"),
+        ({"knobs": {"surface_rule": {"values": [1.0]}}}, "without key or scale it needs"),
+    ],
+)
+def test_a_design_that_cannot_be_run_is_refused_by_name(change, message):
+    with pytest.raises(ConfigurationError, match=message):
+        checked_settings(changed(**change))
+
+
+def test_a_run_closes_the_same_surfaces_at_all_levels():
+    settings = settings_of(merged(DEFAULT, TINY))
+    found = close_at(settings[0], "youngs_modulus")
+    assert dict(found.sizes) == {"level": 3, "realization": 3, "cycle": 2}
+    assert found.level.values.tolist() == LEVELS
+    assert found.attrs["base"] == 66e9
+    # elastic: a stiffer rock closes less, on every surface
+    assert np.all(np.diff(found.max_closure.values, axis=0) < 0.0)
+    assert np.all(found.timing_simulation > 0.0)
+    assert np.all(found.max_closure_net < found.max_closure)  # contacts push each other down
+
+
+def fake_setting(knob, value, scene="full"):
+    return Setting(scene, "slate", knob, value, f"{scene}-{knob}-{value}", {})
+
+
+def fake_run(error, seconds, n=12, noise=0.0):
+    """Closures whose mean is off by a share, on the same random surfaces."""
+    rng = np.random.default_rng(1)
+    surfaces = 1.0 + 0.2 * rng.standard_normal(n)
+    surfaces = surfaces + noise * np.random.default_rng(int(1e6 * error)).standard_normal(n)
+    levels = np.array([1.1, 1.0, 0.9])[:, None]
+    closures = 1e-3 * (1.0 + error) * levels * surfaces
+    net = 1e-3 * (0.5 + error) * levels * surfaces
+    shape = (3, n)
+    return xr.Dataset(
+        {
+            "max_closure": (("level", "realization", "cycle"), closures[..., None]),
+            "max_closure_net": (("level", "realization", "cycle"), net[..., None]),
+            "status": (("level", "realization"), np.zeros(shape, np.int16)),
+            "timing_simulation": (("level", "realization"), np.full(shape, seconds)),
+            "timing_pair": (("level", "realization"), np.full(shape, 2e-4)),
+        },
+        coords={"level": LEVELS, "cycle": [1]},
+        attrs={"base": 66e9},
+    )
+
+
+def weighed(noise=0.0):
+    """A knob of second order, held against its exact result."""
+    values = [0.5, 1.0, 2.0, 4.0]
+    settings = [fake_setting("base", ""), *(fake_setting("steps", value) for value in values)]
+    settings.append(fake_setting("resolved", 0.005))
+    settings.append(fake_setting("surface_rule", "hurst 0.6"))
+    runs = {
+        fake_setting("steps", value).run: fake_run(0.01 * value**2, 1.0 / value, noise=noise)
+        for value in values
+    }
+    runs[fake_setting("base", "").run] = fake_run(0.01, 1.0, noise=noise)
+    runs[fake_setting("resolved", 0.005).run] = fake_run(0.0, 3.0)
+    runs[fake_setting("surface_rule", "hurst 0.6").run] = fake_run(0.4, 1.0)
+    finest = {"full": {"knob": "resolved", "value": 0.005}}
+    return cost_table(settings, runs, finest, np.random.default_rng(3), 200, 0.95)
+
+
+def test_errors_times_and_order_are_those_put_in():
+    costs = weighed()
+    steps = costs[costs.knob == "steps"]
+    np.testing.assert_allclose(steps.mean_error_percent, [0.25, 1.0, 4.0, 16.0], rtol=1e-9)
+    np.testing.assert_allclose(steps.deviation_error_percent, [0.25, 1.0, 4.0, 16.0], rtol=1e-9)
+    np.testing.assert_allclose(steps.net_error_percent, [0.5, 2.0, 8.0, 32.0], rtol=1e-9)
+    np.testing.assert_allclose(steps.interval_error_percent, 0.0, atol=1e-6)
+    np.testing.assert_allclose(steps.relative_time, [2.0, 1.0, 0.5, 0.25])
+    assert np.all(steps.mean_low <= steps.mean_error_percent + 1e-9)
+    orders = order_table(costs).set_index("knob")
+    assert orders.loc["steps", "order"] == pytest.approx(2.0, abs=1e-6)
+    assert "surface_rule" not in orders.index
+    assert "fewer than three" in orders.loc["resolved", "remark"]
+    rule = costs[costs.knob == "surface_rule"].iloc[0]
+    # other joints: held against the base setting, and with the scatter of both
+    assert rule.mean_error_percent == pytest.approx(100 * (1.4 / 1.01 - 1.0))
+    assert rule.mean_high - rule.mean_low > 5.0
+
+
+def test_noise_makes_an_order_unclear_and_is_said():
+    orders = order_table(weighed(noise=0.5)).set_index("knob")
+    assert np.isnan(orders.loc["steps", "order"])
+    assert orders.loc["steps", "remark"]
+
+
+def test_failed_realisations_are_left_out_and_counted():
+    settings = [fake_setting("base", ""), fake_setting("resolved", 0.005)]
+    runs = {s.run: fake_run(0.1 * (s.knob == "base"), 1.0) for s in settings}
+    runs[settings[0].run].status[1, 4] = 16
+    runs[settings[0].run].max_closure[:, 4] = np.nan
+    runs[settings[0].run].max_closure_net[:, 4] = np.nan
+    finest = {"full": {"knob": "resolved", "value": 0.005}}
+    costs = cost_table(settings, runs, finest, np.random.default_rng(3), 50, 0.95)
+    base = costs[costs.knob == "base"].iloc[0]
+    assert (base.samples, base.failed) == (11, 1)
+    assert base.mean_error_percent == pytest.approx(10.0)
+
+
+def test_sources_of_the_configured_setting():
+    sources = source_table(weighed(), "full", 20).set_index("source")
+    assert sources.loc["steps", "error_percent"] == pytest.approx(1.0)
+    assert sources.loc["surface rule (hurst 0.6)", "error_percent"] > 30.0
+    base = weighed().iloc[0]
+    expected = 100.0 * base.deviation_mm / base.mean_mm / np.sqrt(20)
+    assert sources.loc["sampling", "error_percent"] == pytest.approx(expected)
+
+
+def test_pareto_keeps_what_nothing_beats():
+    times, errors = np.array([1.0, 2.0, 3.0, 2.0]), np.array([4.0, 2.0, 3.0, 5.0])
+    assert pareto(times, errors).tolist() == [True, True, False, False]
