@@ -100,3 +100,37 @@ def lack_of_fit(
         return float("nan")
     misfit = samples * float(np.sum((np.asarray(means) - quadratic.at(levels)) ** 2)) / freedom
     return float(scipy.stats.f.sf(misfit / scatter, freedom, len(levels) * (samples - 1)))
+
+
+def paired_lack_of_fit(levels: np.ndarray, samples: np.ndarray) -> float:
+    """p value of the hypothesis that a quadratic fits the means, of the same surfaces at k levels.
+
+    Parameters
+    ----------
+    levels : array (k,)
+    samples : array (k, n)
+        The target at every level (rows) on every surface (columns).
+
+    Returns
+    -------
+    float
+        NaN for three levels, where the fit is exact, and where n <= k - 3.
+
+    Notes
+    -----
+    Hotelling's T^2 of the k - 3 contrasts between levels that are 0 for every quadratic,
+    taken on each surface: what surfaces have in common at all levels cancels.
+    """
+    levels, samples = np.asarray(levels, dtype=float), np.asarray(samples, dtype=float)
+    k, n = samples.shape
+    count = k - 3
+    if count < 1 or n <= count:
+        return float("nan")
+    u = (levels - levels.mean()) / (levels[-1] - levels[0])
+    contrasts = np.linalg.qr(np.vander(u, 3), mode="complete")[0][:, 3:].T @ samples
+    mean = contrasts.mean(axis=1)
+    covariance = np.atleast_2d(np.cov(contrasts))
+    if np.linalg.matrix_rank(covariance) != count:
+        return float("nan")
+    statistic = n * float(mean @ np.linalg.solve(covariance, mean))
+    return float(scipy.stats.f.sf(statistic * (n - count) / (count * (n - 1)), count, n - count))
