@@ -73,7 +73,7 @@ def joint_test(lengths, observed) -> JointTest:
     return JointTest(
         log_likelihood=float(log_likelihoods(lengths, observed[None])[0]),
         standard_error=float(np.sqrt((GROUPS - 1) * np.var(parts))),
-        p=(1 + as_unlikely) / (lengths.shape[0] + 1),
+        p=float((1 + as_unlikely) / (lengths.shape[0] + 1)),
     )
 
 

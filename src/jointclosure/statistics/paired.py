@@ -101,7 +101,7 @@ def paired_indifference_interval(
         Levels out of order or fewer than three, samples of another shape or not
         finite, a base that is no level, a degree that is not 1 or 2.
     """
-    levels, samples, base = _checked(levels, samples, significance, base)
+    levels, samples, base = checked_samples(levels, samples, significance, base)
     mean = fit_quadratic(levels, samples.mean(axis=1), base)
     scatter = difference_scatter(levels, samples, base, degree)
     n = samples.shape[1]
@@ -204,7 +204,8 @@ def _closest_root(mean: Quadratic, scatter: DifferenceScatter, n: int, critical:
     return closest_to_zero(quartic, scatter_at_zero=irregular > 0.0)
 
 
-def _checked(levels, samples, significance, base):
+def checked_samples(levels, samples, significance, base):
+    """Levels (k,), samples (k, n) and base as floats; `InputError` names what is wrong."""
     levels, samples = real_array("levels", levels), real_array("samples", samples)
     if levels.ndim != 1 or levels.size < 3 or not np.all(np.diff(levels) > 0.0):
         raise InputError(f"levels = {levels.tolist()}: must be three or more, strictly ascending")
