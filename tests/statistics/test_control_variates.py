@@ -85,7 +85,7 @@ def test_adjusted_deviations_are_unbiased_with_honest_errors_and_better_than_pla
     found, plain, inside = [], [], []
     for _ in range(1500):
         values, covariates = surfaces(random, n)
-        one = adjusted_deviation(values, covariates, MEANS, COVARIANCE)
+        one = adjusted_deviation(values, covariates, MEANS, np.diag(COVARIANCE))
         low, high = t_interval(one, n)
         inside.append(low <= DEVIATION <= high)
         found.append(one)

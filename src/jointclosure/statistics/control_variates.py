@@ -43,8 +43,9 @@ def adjusted_values(values, covariates, known_means) -> np.ndarray:
     Notes
     -----
     Its 95 % intervals cover 93 to 97 % from 20 surfaces on for two covariates, also where the
-    relation is curved; there 92 % with 10. With the least-squares coefficients beta of all surfaces, residuals e and leverages h,
-    those without surface i are beta - (X'X)^-1 x_i e_i/(1 - h_i).
+    relation is curved; there 92 % with 10. With the least-squares coefficients beta of all
+    surfaces, residuals e and leverages h, those without surface i are
+    beta - (X'X)^-1 x_i e_i/(1 - h_i).
     """
     values, covariates, known_means = _checked(values, covariates, known_means)
     # scaled, so that the rank of the columns does not depend on their units
@@ -63,14 +64,14 @@ def adjusted_values(values, covariates, known_means) -> np.ndarray:
     return values - np.einsum("ij,ji->i", offsets, without_one[1:])
 
 
-def adjusted_deviation(values, covariates, known_means, known_covariance) -> Estimate:
-    """Standard deviation of a target, adjusted by covariates of known means and covariance.
+def adjusted_deviation(values, covariates, known_means, known_variances) -> Estimate:
+    """Standard deviation of a target, adjusted by covariates of known means and variances.
 
     Parameters
     ----------
     values, covariates, known_means
         As for `adjusted_values`; 2 m + 3 surfaces or more.
-    known_covariance : array (m, m)
+    known_variances : array (m,)
         Of the covariates over all surfaces.
 
     Returns
@@ -86,16 +87,17 @@ def adjusted_deviation(values, covariates, known_means, known_covariance) -> Est
     (c - mean of c)^2, whose means are the known variances.
     """
     values, covariates, known_means = _checked(values, covariates, known_means)
-    known_covariance = real_array("known_covariance", known_covariance)
-    if known_covariance.shape != (known_means.size,) * 2:
+    known_variances = real_array("known_variances", known_variances)
+    if known_variances.shape != known_means.shape:
         raise InputError(
-            f"known_covariance {known_covariance.shape}: must be square, one row a covariate"
+            f"known_variances {known_variances.shape}: must be one for each of the "
+            f"{known_means.size} covariates"
         )
     n = values.size
     centred = adjusted_values(values, covariates, known_means)
     squares = (values - centred.mean()) ** 2 + centred.var(ddof=1) / n
     wider = np.column_stack([covariates, (covariates - known_means) ** 2])
-    means = np.concatenate([known_means, np.diag(known_covariance)])
+    means = np.concatenate([known_means, known_variances])
     adjusted = adjusted_values(squares, wider, means)
     variance = float(adjusted.mean())
     if variance <= 0.0:  # more taken off than was there: the covariates do not help

@@ -108,7 +108,8 @@ def draw_studies(
         for level, pool in zip(sensitivity.levels, sensitivity.pools, strict=True):
             size, name = pool.values.shape[1], pool.surfaces
             if name not in resampled:
-                resampled[name] = random.integers(size, size=(repetitions, size))
+                smallest = np.min_scalar_type(size)
+                resampled[name] = random.integers(size, size=(repetitions, size), dtype=smallest)
             index = random.integers(size, size=(repetitions, design.draws))
             if design.shared_base and level == sensitivity.base:
                 index = at_base.setdefault(name, index)
