@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from jointclosure.parameters import InputError
+from jointclosure.inputs import InputError
 from jointclosure.scans.units import is_unit, split_name
 
 COMMENTS = ("#", "%", "//", "!")

@@ -10,7 +10,7 @@ adjusted values tells their error, with what fitting beta costs.
 
 import numpy as np
 
-from jointclosure.parameters import InputError, real_array
+from jointclosure.inputs import InputError, real_array
 from jointclosure.statistics.standard_errors import Estimate
 
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.parameters import InputError, check_number, real_array
+from jointclosure.inputs import InputError, check_number, real_array
 from jointclosure.statistics.indifference import indifference_lengths
 
 Key = tuple[str, ...] | str

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.stats
 
-from jointclosure.parameters import InputError
+from jointclosure.inputs import InputError
 
 TAIL_SHARE = 0.01
 """Share of the density that is a Student t with 3 degrees of freedom and not the kernel

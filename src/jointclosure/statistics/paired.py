@@ -32,7 +32,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.stats
 
-from jointclosure.parameters import InputError, check_number, real_array
+from jointclosure.inputs import InputError, check_number, real_array
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
 from jointclosure.statistics.indifference import closest_to_zero
 

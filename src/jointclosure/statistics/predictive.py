@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.parameters import InputError
+from jointclosure.inputs import InputError
 
 
 class LengthDistribution(NamedTuple):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.stats
 
-from jointclosure.parameters import InputError
+from jointclosure.inputs import InputError
 from jointclosure.statistics.drawn_studies import DrawnResponse, Key
 
 STANDS = "stands"
