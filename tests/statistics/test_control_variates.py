@@ -97,6 +97,16 @@ def test_adjusted_deviations_are_unbiased_with_honest_errors_and_better_than_pla
     assert np.var(plain) / np.var(found[:, 0]) > 1.5
 
 
+def test_an_adjusted_variance_is_unbiased_where_covariates_say_nothing():
+    random = generator(6)
+    found = []
+    for _ in range(4000):
+        _, covariates = surfaces(random, 20)
+        values = random.normal(size=20)
+        found.append(adjusted_deviation(values, covariates[:, :1], MEANS[:1], [1.0]).value ** 2)
+    assert np.mean(found) == pytest.approx(1.0, abs=0.025)
+
+
 @pytest.mark.parametrize(
     ("change", "named"),
     [

@@ -35,6 +35,10 @@ def test_the_likelihood_of_log_normal_lengths_and_dashes_is_the_known_one():
     tables = np.column_stack([at, np.full(9, np.inf)])
     expected = scipy.stats.norm.logpdf(np.log(at), 2.0, 0.5) + np.log(0.25)
     np.testing.assert_allclose(log_likelihoods(drawn, tables), expected, atol=0.08)
+    roots = scipy.stats.norm.logpdf(np.log(at), 2.0, 0.5) + np.log(0.75)
+    roots += scipy.stats.norm.logpdf(2.0, 2.0, 0.5)
+    tables[:, 1] = np.exp(2.0)
+    np.testing.assert_allclose(log_likelihoods(drawn, tables), roots, atol=0.1)
     assert log_likelihoods(drawn, np.array([[1e9, 7.0]]))[0] < -10.0
 
 

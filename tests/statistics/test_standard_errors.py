@@ -46,6 +46,20 @@ def test_errors_of_coefficients_are_their_scatter_over_studies(paired, levels):
     np.testing.assert_allclose(np.sqrt(np.mean(told, axis=0)), np.std(fits, axis=0), rtol=0.1)
 
 
+def test_errors_in_the_parameter_are_those_of_the_coefficients_that_it_has():
+    # exact for a linear map: coefficients of values that are 0 but at one level
+    levels = np.array([60.0, 78.0, 85.0])
+    random = generator(5)
+    shape = random.normal(size=(3, 3))
+    covariance = shape @ shape.T
+    columns = [fit_quadratic(levels, row, 78.0).in_parameter() for row in np.eye(3)]
+    matrix = np.array(columns).T
+    expected = np.sqrt(np.diag(matrix @ covariance @ matrix.T))
+    np.testing.assert_allclose(
+        quadratic_errors(levels, covariance, 78.0).in_parameter, expected, rtol=1e-9
+    )
+
+
 @pytest.mark.parametrize("paired", [True, False])
 def test_elasticity_is_that_of_the_response_and_its_error_its_scatter(paired):
     found = np.array([elasticity(LEVELS, s, 78.0, paired) for s in studies(2000, paired)])
