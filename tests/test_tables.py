@@ -5,6 +5,7 @@ import pytest
 
 from jointclosure.dataset import write_csv
 from jointclosure.tables import (
+    case_table,
     interval_text,
     rock_table,
     significant,
@@ -12,6 +13,7 @@ from jointclosure.tables import (
     table_3_markdown,
     with_paper,
 )
+from tests.studied import study_of
 
 
 @pytest.mark.parametrize(
@@ -134,11 +136,18 @@ def test_a_study_that_varies_nothing_says_so():
 
 
 def test_the_table_of_rocks_names_the_file_of_a_measured_curve():
-    rock = {"title": "A", "jrc": 8, "levels": {"jrc": [6, 9]}}
-    settings = {
-        "study": {"rocks": ["a", "b"]},
-        "rocks": {"a": rock, "b": rock | {"measured": {"file": "a.csv", "stress_unit": "MPa"}}},
-    }
-    table = rock_table(settings)
-    assert table.measured.tolist()[1] == "a.csv"
+    told = {"rocks": {"slate": {"measured": {"file": "a.csv", "stress_unit": "MPa"}}}}
+    table = rock_table(study_of(told).rocks).set_index("rock")
+    assert table.measured["slate"] == "a.csv"
+    assert table.measured.isna().sum() == 3
+    assert table.youngs_modulus_GPa["siltstone"] == 28.5
     assert "levels" not in table
+
+
+def test_the_table_of_cases_has_every_level_in_the_unit_that_it_was_written_in():
+    table = case_table(study_of().rocks)
+    assert len(table) == 4 * 4 * 3
+    own = table[(table.rock == "siltstone") & (table.parameter == "youngs_modulus")]
+    assert own.value.tolist() == [25, 28.5, 32]
+    assert own.level.tolist() == ["low", "base", "high"]
+    assert set(own.unit) == {"GPa"}
