@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.ndimage
 
-from jointclosure.parameters import InputError
+from jointclosure.inputs import InputError
 from jointclosure.surface.measured import LARGEST_TILT, REACH, filled, heights_between
 from jointclosure.surface.roughness import detrended
 

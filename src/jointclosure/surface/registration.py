@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.parameters import InputError
+from jointclosure.inputs import InputError
 from jointclosure.surface.mating import (
     Mating,
     best_shift,
