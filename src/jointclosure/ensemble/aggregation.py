@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from jointclosure.ensemble.cases import Case
+from jointclosure.ensemble.settings import Case
 from jointclosure.parameters import Rock
 from jointclosure.protocol import FAILURE
 
