@@ -28,7 +28,12 @@ from jointclosure.config.typed import (
 )
 from jointclosure.config.units import to_si
 from jointclosure.inputs import InputError
-from jointclosure.parameters import Choices, Effects, Numerics, Rock
+from jointclosure.parameters import (
+    Choices,
+    Effects,
+    Numerics,
+    Rock,
+)
 
 _AUTO_TOLERANCE = 0.02
 """Of `effects: auto`, which names none."""

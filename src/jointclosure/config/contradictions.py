@@ -9,11 +9,7 @@ from jointclosure.config.units import in_unit, name_and_unit
 from jointclosure.config.walls import wall_problems
 from jointclosure.inputs import InputError
 from jointclosure.parameters import USUAL as _OF_ROCK
-from jointclosure.parameters import (
-    check_choices,
-    check_numerics,
-    check_scene,
-)
+from jointclosure.parameters import check_choices, check_numerics, check_scene
 from jointclosure.solvers.registry import SOLVERS
 from jointclosure.surface.roughness import relation_of
 

@@ -88,8 +88,8 @@ class RockEffectKeys(Keys):
 
 _WALL = (
     "A file, relative to where the study is run (or absolute); or, where the other wall is a file: "
-    "rotated (that wall, turned by 180 degrees), mirrored, or matching (synthetic, of its slope "
-    "and Hurst exponent)."
+    "rotated (that wall, turned by 180 degrees), mirrored, or synthetic (a wall of its slope "
+    "and Hurst exponent, independent of it)."
 )
 
 

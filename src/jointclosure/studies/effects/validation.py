@@ -14,7 +14,13 @@ import pandas as pd
 
 from jointclosure.config.typed import Grid, Surface, Validation
 from jointclosure.ensemble.settings import Conditions
-from jointclosure.parameters import Choices, Effects, Numerics, Rock, scene_name
+from jointclosure.parameters import (
+    Choices,
+    Effects,
+    Numerics,
+    Rock,
+    scene_name,
+)
 from jointclosure.randomness import generator, seed_of
 from jointclosure.studies.effects.choice import choose_among, max_closures
 from jointclosure.surface.synthesis import wall_pair
