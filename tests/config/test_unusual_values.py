@@ -42,7 +42,7 @@ def test_what_is_no_finite_number_is_refused_by_its_key(key, written):
 @pytest.mark.parametrize("written", [".nan", ".inf"])
 def test_levels_are_finite_too(written):
     levels = {"youngs_modulus_GPa": [60, value_of(written)]}
-    with pytest.raises(ConfigurationError, match=r"levels.youngs_modulus_GPa.1 = .*finite"):
+    with pytest.raises(ConfigurationError, match=r"levels.youngs_modulus_GPa = .*finite"):
         study_of({"rocks": {"slate": {"levels": levels}}})
 
 
