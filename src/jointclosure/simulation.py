@@ -62,6 +62,9 @@ ATTRIBUTES: dict[str, dict] = {
         ("flat_share", "1", "share of the force on flat contacts at the maximum"),
         ("upper_final", "m", "upper wall at the end, towards the lower"),
         ("lower_final", "m", "lower wall at the end, towards the upper"),
+        ("settled_states", "1", "states brought to rest, those thrown away included"),
+        ("equilibria", "1", "equilibria solved on the way (reference: sweeps)"),
+        ("newton_steps", "1", "steps of Newton's method"),
         ("breakage_steps", "1", "breakage steps taken"),
         ("confined_contacts", "1", "largest number of confined contacts at a step"),
         ("solver_iterations", "1", "products with the interaction, or sweeps (reference)"),
@@ -323,9 +326,12 @@ def _history_dataset(
     once = {
         "status": np.int16(history.status),
         "least_force": min(point.least_force for point in settled),
-        "breakage_steps": history.breakage_steps,
+        "settled_states": history.effort.settled,
+        "equilibria": history.effort.rounds,
+        "newton_steps": history.effort.newton_steps,
+        "breakage_steps": history.effort.breakage_steps,
         "confined_contacts": max(point.confined_contacts for point in settled),
-        "solver_iterations": history.iterations,
+        "solver_iterations": history.effort.products,
     }
     walls = {"upper_final": joint.upper, "lower_final": joint.lower}
     variables = {

@@ -229,11 +229,11 @@ def test_limited_forces_are_complementary_and_no_contact_carries_more_than_its_s
     found = solve_equilibrium(influence_of(table), contacts, 0.0 * overlap, np.nan, 1e-11)
     force = np.zeros(upper.size)
     force[cells] = found.force
-    pushed = oracle.interaction(
+    elastic_displacement = oracle.interaction(
         force.reshape(upper.shape), SPACING, law.base_radius, law.substrate_modulus
     ).ravel()[cells]
     elastic = law.substrate * found.force + compliance * np.cbrt(found.force) ** 2
-    gap = overlap - pushed - elastic
+    gap = overlap - elastic_displacement - elastic
     at_limit = found.force >= limit
     assert 0 < at_limit.sum() < at_limit.size
     assert np.all(gap[at_limit] >= -1e-12)  # would carry more, were it stronger
