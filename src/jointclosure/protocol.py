@@ -54,7 +54,7 @@ the closure reached, where that is less: a step may be far longer than all that 
 _CORRECTION, _RISE = 40.0, 10.0
 """What an adapted step may miss its predicted force by, and raise the force by, both relative and
 over `Numerics.tolerance`: docs/decisions/0010-resolved-breakage.md."""
-_LARGEST_STEP, _SMALLEST_ADAPTED = 8.0, 1.0 / 64.0
+LARGEST_STEP, _SMALLEST_ADAPTED = 8.0, 1.0 / 64.0
 """Bounds of an adapted displacement step over the given one."""
 _RETRY = 0.4
 """A step is taken again where the next would be this much shorter."""
@@ -239,7 +239,7 @@ def _next_step(run: _Run, settled: Settled, step: float, given: float, cycle: in
     missed = settled.correction / (_CORRECTION * tolerance * scale)
     risen = (settled.total_force - run.total_force) / (_RISE * tolerance * run.target_force)
     factor = 0.8 / max(missed, risen, 0.01)
-    largest = given * (_LARGEST_STEP if cycle == 1 else 1.0)
+    largest = given * (LARGEST_STEP if cycle == 1 else 1.0)
     smallest = given * _SMALLEST_ADAPTED
     return min(max(step * min(max(factor, 0.25), 2.0), smallest), largest)
 

@@ -40,10 +40,12 @@ def settled(name, walls, effects=Effects(), choices=Choices(), closures=CLOSURES
         METHODS[name]._replace(force_tolerance=1e-8, sweep_tolerance=1e-8),
     )
     solver = solver_named(METHODS[name].solver)
+    broken = 0
     for closure in closures:
         outcome = solver.settle(joint, float(closure), 5e-6)
         assert outcome.outcome == CONVERGED
-    return joint, outcome
+        broken += outcome.effort.breakage_steps
+    return joint, broken
 
 
 @pytest.fixture(params=METHODS)
@@ -53,15 +55,16 @@ def solver(request):
 
 @pytest.mark.parametrize("peaks", ["pristine", "current"])
 def test_at_rest_every_contact_holds_or_is_confined(solver, small_joint, peaks):
-    joint, outcome = settled(solver, small_joint, choices=Choices(peaks=peaks))
+    joint, broken = settled(solver, small_joint, choices=Choices(peaks=peaks))
     upper, lower = small_joint if peaks == "pristine" else (joint.upper, joint.lower)
     maps = (oracle.peaks(upper), oracle.peaks(lower))
     load = oracle.pressures_over_limit(
         joint.upper, joint.lower, joint.force, h=SPACING, rock=DOLERITE, peak_maps=maps
     )
     held = (load <= 1.0 + EXCESS[solver]) | oracle.confined(joint.upper, joint.lower)
-    assert outcome.breakage_steps >= 0
-    assert np.any(joint.upper != small_joint[0])  # something did break
+    # something did break: at least a step for each cell that lost height and got none
+    lowered = (joint.upper < small_joint[0]) | (joint.lower < small_joint[1])
+    assert broken >= np.count_nonzero(lowered) > 0
     assert held[joint.force > 0.0].all()
 
 
