@@ -41,6 +41,7 @@ from jointclosure.solvers.joint import (
     Settled,
 )
 from jointclosure.solvers.newton import ROUNDING
+from jointclosure.solvers.pair_batch import batch_memory
 
 PROVISIONAL_TOLERANCES = (1e-2, 1e-4)
 """Residuals that suffice to find what breaks next, stage by stage."""
@@ -104,6 +105,7 @@ class _PathToRest:
         self.confined = np.zeros(joint.upper.shape, dtype=bool)
         self.solved_to = np.inf
         self.effort = Effort(settled=1)
+        self._memory = batch_memory()
 
     def described(self, outcome: int) -> Settled:
         """The joint as it is now."""
@@ -161,6 +163,7 @@ class _PathToRest:
             _band(joint),
             joint.tie_tolerance,
             most,
+            self._memory,
         )
         self.effort = self.effort.plus(Effort(breakage_steps=steps))
         if self.effort.breakage_steps >= most:
