@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.protocol import FLAGS
+from jointclosure.protocol import FAILURE, FLAGS
 from jointclosure.solvers.equilibrium import ROUNDING, solve_equilibrium
 from jointclosure.solvers.interaction_operator import influence_of
 from tests.conftest import DOLERITE, SPACING
@@ -119,6 +119,22 @@ def test_forces_that_nothing_answers_are_no_equilibrium(small_joint, monkeypatch
     closed = jc.simulate(*small_joint, spacing=SPACING, rock=DOLERITE, max_normal_stress=1e6)
     assert FLAGS[int(closed.status)] == "not_converged"
     assert np.isnan(closed.max_closure).all()
+
+
+@pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
+@pytest.mark.parametrize("tolerance", [1e-14, 0.01, 0.03, 0.1, 0.3, 0.9])
+def test_success_means_that_every_step_is_within_the_tolerance(tolerance, breakage):
+    """Also a coarse one, at which forces and what answers them differ in sum."""
+    for seed in range(3):
+        closed = jc.simulate(
+            *jc.wall_pair(8.0, (24, 24), SPACING, seed=seed),
+            spacing=SPACING,
+            rock=DOLERITE,
+            max_normal_stress=4e6,
+            numerics=jc.Numerics(breakage=breakage, force_tolerance=tolerance),
+        )
+        assert int(closed.status) < FAILURE
+        assert float(closed.equilibrium_residual.max()) <= tolerance
 
 
 @pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
