@@ -15,15 +15,18 @@ import subprocess
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import netCDF4
 import pandas as pd
 import xarray as xr
-from matplotlib.figure import Figure
 
 from jointclosure.files import atomically, check_seal, seal
 from jointclosure.inputs import InputError
 from jointclosure.sources import PACKAGE, package_digest
+
+if TYPE_CHECKING:  # a job that draws nothing does not load it
+    from matplotlib.figure import Figure
 
 _CHUNK_CACHE = 1_000_000
 """Bytes of a variable that netCDF keeps in memory while blocks are written, instead of 64 MB."""
@@ -215,7 +218,7 @@ def write_text(text: str, path: str | Path) -> None:
     atomically(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
 
 
-def save_figure(figure: Figure, path: str | Path) -> None:
+def save_figure(figure: "Figure", path: str | Path) -> None:
     """Write a figure in the format of its path, without the time of day in it."""
     metadata = {"CreationDate": None} if Path(path).suffix == ".pdf" else None
     atomically(path, lambda temporary: figure.savefig(temporary, metadata=metadata))

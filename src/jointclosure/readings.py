@@ -4,7 +4,7 @@ Seating never changes the history; it is a way of reading it.
 """
 
 import numpy as np
-import scipy.interpolate
+import scipy
 
 from jointclosure.protocol import LOADING, UNLOADING
 

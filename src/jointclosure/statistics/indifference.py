@@ -8,8 +8,7 @@ they span 40 decades. See docs/decisions/0008-quartic.md.
 from typing import NamedTuple
 
 import numpy as np
-import scipy.optimize
-import scipy.stats
+import scipy
 
 from jointclosure.inputs import InputError, check_number, real_array
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic

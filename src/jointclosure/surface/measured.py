@@ -6,9 +6,7 @@ No files here: `jointclosure.scans` reads them. See docs/measured_walls.md.
 from typing import NamedTuple
 
 import numpy as np
-import scipy.interpolate
-import scipy.ndimage
-import scipy.spatial
+import scipy
 
 from jointclosure.inputs import InputError
 
