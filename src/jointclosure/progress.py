@@ -63,7 +63,7 @@ class Countdown:
     def __init__(self, title: str, total: int, terminal: TextIO | None = None):
         self.title, self.total, self.done = title, total, 0
         self._start = self._said = time.monotonic()
-        self._terminal = sys.__stderr__ if terminal is None else terminal
+        self._terminal = terminal or sys.__stderr__ or sys.stderr
 
     def __call__(self) -> str:
         self.done += 1

@@ -132,7 +132,7 @@ def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd
     )
     found = {(row.parameter, row.cycle, row.rock): row for _, row in table.iterrows()}
     cycles = sorted(table.cycle.unique())
-    rows = {}
+    rows: dict[str, dict[tuple[int, str], str]] = {}
     for parameter in PARAMETERS:
         if not (table.parameter == parameter).any():
             continue

@@ -71,8 +71,9 @@ def findings(folder: Path, attempt: bool) -> Iterator[Finding]:
     """All that is looked at, one by one, for a study run in a folder."""
     yield _python()
     yield _versions()
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    yield Finding("cores", f"{cores} for this process, {os.cpu_count()} of the machine")
+    machine = os.cpu_count() or 1
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else machine
+    yield Finding("cores", f"{cores} for this process, {machine} of the machine")
     yield _threads(cores)
     yield _memory(cores)
     yield _cache()

@@ -95,10 +95,9 @@ def _in_metres(found: Contents, units: str | None, spacing: float | None) -> Sca
         across = size_of(settled("x and y", found.length_units, units))
         values = _real(found.points) * np.array([across, across, height])
         return Cloud(values[np.isfinite(values).all(axis=1)])
-    steps = (spacing, spacing)
     if found.spacing is not None:
         across = size_of(settled("distances", found.length_units, units))
-        steps = tuple(float(step) * across for step in found.spacing)
+        steps = (float(found.spacing[0]) * across, float(found.spacing[1]) * across)
         if spacing is not None and any(abs(step - spacing) > 1e-6 * spacing for step in steps):
             own = " and ".join(f"{1e3 * step:g}" for step in dict.fromkeys(steps))
             raise InputError(
@@ -106,6 +105,8 @@ def _in_metres(found: Contents, units: str | None, spacing: float | None) -> Sca
             )
     elif spacing is None:
         raise InputError("does not say the spacing of its grid: give it (spacing_mm)")
+    else:
+        steps = (spacing, spacing)
     if not all(np.isfinite(step) and step > 0.0 for step in steps):
         raise InputError(f"spacing {steps}: must be positive")
     heights = _real(found.heights)

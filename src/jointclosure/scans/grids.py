@@ -63,7 +63,8 @@ def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
     coordinates = [field[dimension] for dimension in field.dims if dimension in field.coords]
     spacing = length_units = None
     if len(coordinates) == 2:
-        spacing = tuple(_step(str(c.name), c.values) for c in coordinates)
+        along_y, along_x = (_step(str(c.name), c.values) for c in coordinates)
+        spacing = along_y, along_x
         written = {c.attrs.get("units") for c in coordinates}
         if len(written) > 1:
             raise InputError(f"the coordinates are in different units: {written}")
@@ -80,7 +81,7 @@ def read_tiff(path: Path, variable: str | None) -> Contents:
         raise InputError("TIFF needs the extra: pip install 'jointclosure[walls]'") from None
     try:
         with tifffile.TiffFile(path) as file:
-            page = file.pages[0]
+            page = file.pages.first
             heights, geo = page.asarray(), page.geotiff_tags or {}
             nothing = page.tags.valueof("GDAL_NODATA")
     except Exception as error:  # of a damaged file the library raises what its bytes lead to

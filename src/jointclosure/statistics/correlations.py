@@ -1,6 +1,6 @@
 """Second-order correlations of mean and standard deviation, Eqs. (24) to (27)."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -19,7 +19,7 @@ class Quadratic(NamedTuple):
     base: float
     half_range: float
 
-    def at(self, parameter):
+    def at(self, parameter: float | np.ndarray) -> Any:
         """Fitted value at a parameter (or an array of them)."""
         u = (np.asarray(parameter) - self.base) / self.half_range
         return (self.b * u + self.c) * u + self.d

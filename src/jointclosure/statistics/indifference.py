@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
+from numpy.typing import ArrayLike
 
 from jointclosure.inputs import InputError, check_number, real_array
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
@@ -32,9 +33,9 @@ class IndifferenceInterval(NamedTuple):
 
 
 def indifference_interval(
-    levels,
-    means,
-    standard_deviations,
+    levels: ArrayLike,
+    means: ArrayLike,
+    standard_deviations: ArrayLike,
     samples: int,
     significance: float = 0.05,
     base: float | None = None,
@@ -120,7 +121,7 @@ def closest_root(mean: Quadratic, deviation: Quadratic, samples: int, critical: 
         return float("nan")
     coefficients = quartic(
         Quadratic(mean.b / scale, mean.c / scale, 0.0, 0.0, 1.0),
-        Quadratic(*(value / scale for value in deviation[:3]), 0.0, 1.0),
+        Quadratic(deviation.b / scale, deviation.c / scale, deviation.d / scale, 0.0, 1.0),
         samples,
         critical,
     )
@@ -179,7 +180,14 @@ def _horner(u: float, coefficients: list[float]) -> float:
     return value
 
 
-def _checked(levels, means, deviations, samples, significance, base) -> float:
+def _checked(
+    levels: np.ndarray,
+    means: np.ndarray,
+    deviations: np.ndarray,
+    samples: int,
+    significance: float,
+    base: float | None,
+) -> float:
     if levels.ndim != 1 or levels.size < 3:
         raise InputError(f"levels = {levels.tolist()}: needs at least three")
     if means.shape != levels.shape or deviations.shape != levels.shape:

@@ -51,7 +51,9 @@ def point_distance(scan: Scan | Cloud) -> float:
     return float(np.sqrt(area / len(scan.points)))
 
 
-def wall_on_grid(scan: Scan | Cloud, spacing: float, bounds: np.ndarray | None = None):
+def wall_on_grid(
+    scan: Scan | Cloud, spacing: float, bounds: np.ndarray | None = None
+) -> np.ndarray:
     """A scan on a square grid, its mean plane removed.
 
     Parameters
@@ -107,7 +109,9 @@ def _levelled(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
     return heights - terms @ plane
 
 
-def _gridded(points: np.ndarray, spacing: float, reach: float, bounds) -> np.ndarray:
+def _gridded(
+    points: np.ndarray, spacing: float, reach: float, bounds: np.ndarray | None
+) -> np.ndarray:
     x, y, heights = points.T
     heights = _levelled(x, y, heights)
     low, high = (points[:, :2].min(axis=0), points[:, :2].max(axis=0)) if bounds is None else bounds
@@ -143,7 +147,9 @@ def _resampled(scan: Scan, spacing: float) -> np.ndarray:
     return np.where(touched > 1e-9, np.nan, wall)
 
 
-def filled(wall: np.ndarray, missing: str, largest_share: float = LARGEST_FILLED_SHARE):
+def filled(
+    wall: np.ndarray, missing: str, largest_share: float = LARGEST_FILLED_SHARE
+) -> np.ndarray:
     """A wall (y, x) whose missing cells are treated as told.
 
     Parameters

@@ -142,7 +142,13 @@ def wall_pair(
     return pair[0], pair[1]
 
 
-def _check(shape, spacing, hurst, correlation, shift_in_cells) -> None:
+def _check(
+    shape: tuple[int, int],
+    spacing: float,
+    hurst: float,
+    correlation: float,
+    shift_in_cells: int,
+) -> None:
     if not isinstance(shape, tuple | list) or len(shape) != 2:
         raise InputError(f"shape = {shape!r}: must be (cells along y, cells along x)")
     for size in shape:
