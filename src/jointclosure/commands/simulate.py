@@ -12,7 +12,6 @@ from jointclosure.dataset import provenance, read_csv, save_figure, write_netcdf
 from jointclosure.ensemble.cases import Case, cases_of
 from jointclosure.inputs import InputError
 from jointclosure.parameters import Effects, Rock
-from jointclosure.plotting.joint import closure_curve
 from jointclosure.progress import bar, duration
 from jointclosure.protocol import FAILURE, LOADING
 from jointclosure.simulation import simulate
@@ -109,6 +108,8 @@ def run(arguments) -> int:
     """Close the joint; 1 where the simulation failed."""
     _check_destination(arguments.output, (".nc",))
     _check_destination(arguments.picture, _PICTURES)
+    if arguments.picture:  # drawing takes a second to load, and an extra that may be missing
+        from jointclosure.plotting.joint import closure_curve
     settings = _settings(arguments)
     case = cases_of(settings)[0]
     grid, study = to_si(settings["grid"]), settings["study"]

@@ -18,14 +18,20 @@ from jointclosure.config.configuration import (
 )
 from jointclosure.config.presets import chosen_numerics
 from jointclosure.inputs import InputError
+from jointclosure.sources import PACKAGE
 
 _DEFAULT, _SCHEMA = "config/default.yaml", "workflow/schemas/config.schema.yaml"
 _MEASURED = "workflow/resources/accuracy_settings.csv"
+SHIPPED = PACKAGE / "shipped"
+"""Copies of these three in a package that was installed from a wheel (pyproject.toml)."""
 
 
 def project_folder(*near: Path) -> Path:
-    """The project's folder, that of ``config/default.yaml``: the first found at or above a path."""
-    for path in near:
+    """The project's folder, that of ``config/default.yaml``: the first found at or above a path.
+
+    Outside of a project it is the copy that the package bears.
+    """
+    for path in (*near, SHIPPED):
         for folder in (path.resolve(), *path.resolve().parents):
             if (folder / _DEFAULT).is_file() and (folder / _SCHEMA).is_file():
                 return folder

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from jointclosure.extras import needs
 from jointclosure.inputs import InputError
 from jointclosure.scans.contents import Contents
 from jointclosure.scans.units import split_name
@@ -75,10 +76,8 @@ def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
 def read_tiff(path: Path, variable: str | None) -> Contents:
     """The first page of a TIFF; of a GeoTIFF its pixel size, its units and what is no data."""
     _no_variable(variable)
-    try:
+    with needs("walls", "TIFF"):
         import tifffile
-    except ImportError:
-        raise InputError("TIFF needs the extra: pip install 'jointclosure[walls]'") from None
     try:
         with tifffile.TiffFile(path) as file:
             page = file.pages.first
