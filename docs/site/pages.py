@@ -31,6 +31,8 @@ OUTSIDE = {
     "config/README.md": "keys.md",
 }
 """Documents outside of docs/, and what their pages are called."""
+SHOWN = ["image/svg+xml", "image/png", "text/markdown", "text/plain"]
+"""What is shown of a cell's value: the first that it has. HTML would bring scripts and styles."""
 _LINK = re.compile(r"(\]\()([^)\s#]+)(#[^)\s]*)?(\))")
 _EQUATION = re.compile(r'<(span|div) class="arithmatex">\\([\[(])(.*?)\\[\])]</\1>', re.S)
 
@@ -110,7 +112,8 @@ def notebook(source: Path) -> dict[str, str | bytes]:
     local = Config({"KernelManager": {"transport": "ipc"}})  # no port is opened
     where = {"metadata": {"path": str(ROOT)}}
     NotebookClient(book, kernel_name="python3", resources=where, config=local).execute()
-    page, parts = MarkdownExporter().from_notebook_node(book)
+    shown = Config({"NbConvertBase": {"display_data_priority": SHOWN}})
+    page, parts = MarkdownExporter(config=shown).from_notebook_node(book)
     files: dict[str, str | bytes] = {}
     for name, picture in parts["outputs"].items():
         own = f"{source.stem}_{name}"
