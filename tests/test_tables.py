@@ -1,6 +1,9 @@
+import re
+
 import pandas as pd
 import pytest
 
+from jointclosure.dataset import write_csv
 from jointclosure.tables import (
     interval_text,
     rock_table,
@@ -55,6 +58,44 @@ def test_a_title_is_no_command_of_latex():
     latex = table_3_latex(pd.DataFrame([row]), {"a": r"\input{/etc/passwd} 50 % & $x_1^2$"})
     assert r"\input" not in latex
     assert r"\textbackslash{}input\{/etc/passwd\} 50 \% \& \$x\_1\textasciicircum{}2\$" in latex
+
+
+def test_a_title_does_not_end_a_line_of_latex():
+    row = {"rock": "a", "parameter": "jrc", "cycle": 1, "length": 1.5, "percent": 15.0,
+           "samples": 20}  # fmt: skip
+    latex = table_3_latex(pd.DataFrame([row]), {"a": "wet\n\n<'a'> | b"})
+    inside = r"wet \textless{}'a'\textgreater{} \textbar{} b \\"
+    assert f" & {inside}\n" in latex
+
+
+def test_a_title_neither_splits_a_markdown_table_nor_marks_it_up():
+    row = {"rock": "a", "parameter": "jrc", "cycle": 1, "length": 1.5, "percent": 15.0,
+           "length_net": 1.0, "percent_net": 10.0, "samples": 20}  # fmt: skip
+    title = "wet|dry\n<script>alert(1)</script> *a* _b_ `c` [d](e) \\| $f$"
+    lines = table_3_markdown(pd.DataFrame([row]), {"a": title}).splitlines()
+    head = next(line for line in lines if line.startswith("| Parameter"))
+    assert head.endswith(", cycle 1 |")
+    # what Markdown ends a cell at, or takes for a mark, is preceded by a backslash
+    assert len(re.findall(r"(?<!\\)(?:\\\\)*\|", head)) == 3
+    inside = head.removeprefix("| Parameter | ").removesuffix(" |")
+    assert not re.search(r"(?<!\\)(?:\\\\)*[<>*_`\[\]$]", inside)
+    assert re.sub(r"\\(.)", r"\1", inside) == title.replace("\n", " ") + ", cycle 1"
+
+
+@pytest.mark.parametrize("title", ['=HYPERLINK("a")', "+1", "-1", "@SUM(A1)", "\t=1"])
+def test_a_title_is_no_formula_of_a_spreadsheet(title):
+    rock = {"title": title, "jrc": 8, "levels": {}}
+    settings = {"study": {"rocks": ["a"]}, "rocks": {"a": rock}}
+    assert rock_table(settings).title.tolist() == ["'" + title]
+
+
+def test_a_title_with_commas_and_lines_is_one_cell_of_a_csv(tmp_path):
+    rock = {"title": 'a, "b"\nc', "jrc": -8, "levels": {}}
+    settings = {"study": {"rocks": ["a"]}, "rocks": {"a": rock}}
+    write_csv(rock_table(settings), tmp_path / "rocks.csv")
+    again = pd.read_csv(tmp_path / "rocks.csv")
+    assert again.title.tolist() == ['a, "b"\nc']
+    assert again.jrc.tolist() == [-8]
 
 
 KEYS = {"parameter": "jrc", "length": 1.5, "percent": 15.0, "length_net": 1.0, "percent_net": 10.0}

@@ -1,4 +1,9 @@
-"""Tables of a study: frames and texts, no computing and no files."""
+"""Tables of a study: frames and texts, no computing and no files.
+
+Titles are the user's words: each kind of table shows them as they are, whatever they look like.
+"""
+
+import re
 
 import pandas as pd
 
@@ -40,7 +45,7 @@ def rock_table(configuration: dict) -> pd.DataFrame:
         if rock.get("walls"):
             own |= {f"{side}_wall": rock["walls"][side] for side in ("upper", "lower")}
         rows.append({"rock": name} | own | flag)
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows).map(_plain_csv)
 
 
 def roughness_title(rock: dict) -> str:
@@ -166,7 +171,7 @@ def table_3_markdown(table: pd.DataFrame, titles: dict[str, str]) -> str:
             shown = table[table.in_paper]
         of = {rock: title for rock, title in titles.items() if (shown.rock == rock).any()}
         frame = table_3(shown, of, column)
-        names = [f"{title}, cycle {cycle}" for cycle, title in frame.columns]
+        names = [f"{_plain_markdown(title)}, cycle {cycle}" for cycle, title in frame.columns]
         lines += [f"**{heading}**", "", "| Parameter | " + " | ".join(names) + " |"]
         lines.append("|---" * (len(names) + 1) + "|")
         for parameter, row in frame.iterrows():
@@ -215,8 +220,25 @@ def _plain_latex(title: str) -> str:
     """A title as text, whatever commands of LaTeX it may look like."""
     special = {character: f"\\{character}" for character in "&%$#_{}"}
     special |= {"~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
-    special |= {"\\": r"\textbackslash{}"}
-    return "".join(special.get(character, character) for character in title)
+    special |= {"\\": r"\textbackslash{}", "|": r"\textbar{}"}
+    special |= {"<": r"\textless{}", ">": r"\textgreater{}"}
+    return "".join(special.get(character, character) for character in _one_line(title))
+
+
+def _plain_markdown(title: str) -> str:
+    """A title as text in a cell of a table, whatever marks of Markdown or HTML it may hold."""
+    return re.sub(r"([\\`*_{}\[\]<>|#&~$!])", r"\\\1", _one_line(title))
+
+
+def _plain_csv(cell):
+    """A cell that no spreadsheet takes for a formula: an apostrophe is put before such a text."""
+    if isinstance(cell, str) and cell.startswith(("=", "+", "-", "@", "\t", "\r")):
+        return "'" + cell
+    return cell
+
+
+def _one_line(title: str) -> str:
+    return " ".join(title.split())
 
 
 def _latex(cell: str) -> str:

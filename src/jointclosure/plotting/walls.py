@@ -37,7 +37,7 @@ def roughness_figure(heights: np.ndarray, spacing: float, found: Increments, tit
     panels[0].set(title="heights, mean plane removed", xlabel="x (mm)", ylabel="y (mm)")
     _draw_profiles(panels[1], heights, spacing)
     _draw_increments(panels[2], found)
-    figure.suptitle(title)
+    figure.suptitle(title, parse_math=False)  # a file's name is no formula
     sns.despine(figure)
     layout = figure.get_layout_engine()
     if isinstance(layout, ConstrainedLayoutEngine):

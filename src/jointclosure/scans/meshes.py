@@ -7,6 +7,7 @@ import numpy as np
 from jointclosure.extras import needs
 from jointclosure.inputs import InputError
 from jointclosure.scans.contents import Contents
+from jointclosure.scans.points import cleaned
 
 
 def read_stl(path: Path, variable: str | None) -> Contents:
@@ -23,4 +24,5 @@ def read_stl(path: Path, variable: str | None) -> Contents:
         raise InputError(f"cannot be read as STL ({error})") from None
     if len(points) < 4:
         raise InputError(f"an STL file of {len(points)} vertices: too few for a wall")
-    return Contents(points=points)
+    points, remarks = cleaned(points)
+    return Contents(points=points, remarks=remarks)

@@ -14,22 +14,31 @@ LARGEST_TILT = 20.0
 """Inclination of a scan's mean plane [degrees]: beyond it heights are no longer those of a wall."""
 REACH = 2.0
 """Mean distances of points: a cell farther than that from every point has no height."""
+MOST_CELLS_PER_POINT = 100
+"""Of a grid: more than that, and nearly all of it lies beyond the points."""
 MISSING = ("refuse", "avoid", "nearest", "linear")
 LARGEST_FILLED_SHARE = 0.05
 """Of the cells of a wall: more than that is not filled unless the user says so."""
 
 
 class Scan(NamedTuple):
-    """Heights (y, x) [m] on a regular grid, NaN where none was measured; spacing (dy, dx) [m]."""
+    """Heights (y, x) [m] on a regular grid, NaN where none was measured; spacing (dy, dx) [m].
+
+    ``origin`` is (y, x) of the first cell [m], None where it is not known; ``remarks`` are
+    sentences on what was left out in reading.
+    """
 
     heights: np.ndarray
     spacing: tuple[float, float]
+    origin: tuple[float, float] | None = None
+    remarks: tuple[str, ...] = ()
 
 
 class Cloud(NamedTuple):
-    """Points (n, 3) [m]: x, y and height, in no order."""
+    """Points (n, 3) [m]: x, y and height, in no order; ``remarks`` as of `Scan`."""
 
     points: np.ndarray
+    remarks: tuple[str, ...] = ()
 
 
 def point_distance(scan: Scan | Cloud) -> float:
@@ -116,6 +125,12 @@ def _gridded(
     heights = _levelled(x, y, heights)
     low, high = (points[:, :2].min(axis=0), points[:, :2].max(axis=0)) if bounds is None else bounds
     nx, ny = (np.floor((high - low) / spacing + 1e-6).astype(int) + 1).tolist()
+    if nx * ny > MOST_CELLS_PER_POINT * len(points):
+        raise InputError(
+            f"{len(points)} points lie in {1e3 * (high[0] - low[0]):.4g} x "
+            f"{1e3 * (high[1] - low[1]):.4g} mm (x, y), {ny} x {nx} cells of the grid: too few "
+            f"for it, or some lie far off; at most {MOST_CELLS_PER_POINT} cells for each point"
+        )
     nodes = np.stack(
         np.meshgrid(low[0] + spacing * np.arange(nx), low[1] + spacing * np.arange(ny)), axis=-1
     )
