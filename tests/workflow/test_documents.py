@@ -15,7 +15,9 @@ from jointclosure.config import configuration
 from jointclosure.config import project as studies
 from jointclosure.dataset import read_csv, read_text, write_netcdf
 from jointclosure.ensemble import closing as ensemble
+from jointclosure.ensemble.aggregation import join_cases
 from jointclosure.ensemble.cases import cases_of
+from jointclosure.ensemble.surfaces import make_surfaces
 from jointclosure.studies.measured.curves import measured_curves
 
 ROOT = Path(__file__).parents[2]
@@ -74,7 +76,7 @@ def smoke_study(project):
     """The base case of the smoke study, smaller still, where that study has its results."""
     settings = study_of("config/smoke.yaml")
     case = cases_of(settings)[0]
-    pairs = ensemble.make_surfaces([1, 2], case.jrc, (12, 12), 0.25e-3, settings["surface"])
+    pairs = make_surfaces([1, 2], case.jrc, (12, 12), 0.25e-3, settings["surface"])
     closed = ensemble.close_surfaces(
         xr.concat(pairs, "realization"),
         case,
@@ -87,9 +89,7 @@ def smoke_study(project):
     )
     folder = project / "results/smoke"
     folder.mkdir(parents=True)
-    write_netcdf(
-        ensemble.join_cases([case], [xr.concat(closed, "realization")]), folder / "study.nc"
-    )
+    write_netcdf(join_cases([case], [xr.concat(closed, "realization")]), folder / "study.nc")
 
 
 WITH_PYTHON = [path for path in DOCUMENTS if "```python" in path.read_text(encoding="utf-8")]
