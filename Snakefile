@@ -1,10 +1,12 @@
 # Entry of the pipeline: configuration, rules, targets. See README.md for the commands.
 from snakemake.utils import min_version
 
+from jointclosure.config.files import DEFAULT
+
 min_version("9.27")
 
 
-configfile: "config/default.yaml"
+configfile: DEFAULT
 
 
 include: "workflow/rules/setting.smk"

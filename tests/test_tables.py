@@ -5,6 +5,7 @@ import pytest
 
 from jointclosure.dataset import write_csv
 from jointclosure.tables import (
+    case_table,
     interval_text,
     rock_table,
     significant,
@@ -12,6 +13,7 @@ from jointclosure.tables import (
     table_3_markdown,
     with_paper,
 )
+from tests.studied import study_of
 
 
 @pytest.mark.parametrize(
@@ -82,20 +84,22 @@ def test_a_title_neither_splits_a_markdown_table_nor_marks_it_up():
     assert re.sub(r"\\(.)", r"\1", inside) == title.replace("\n", " ") + ", cycle 1"
 
 
+def titled(title):
+    """Slate under another title."""
+    rocks = study_of({"study": {"rocks": ["slate"]}, "rocks": {"slate": {"title": title}}}).rocks
+    return {"slate": rocks["slate"]}
+
+
 @pytest.mark.parametrize("title", ['=HYPERLINK("a")', "+1", "-1", "@SUM(A1)", "\t=1"])
 def test_a_title_is_no_formula_of_a_spreadsheet(title):
-    rock = {"title": title, "jrc": 8, "levels": {}}
-    settings = {"study": {"rocks": ["a"]}, "rocks": {"a": rock}}
-    assert rock_table(settings).title.tolist() == ["'" + title]
+    assert rock_table(titled(title)).title.tolist() == ["'" + title]
 
 
 def test_a_title_with_commas_and_lines_is_one_cell_of_a_csv(tmp_path):
-    rock = {"title": 'a, "b"\nc', "jrc": -8, "levels": {}}
-    settings = {"study": {"rocks": ["a"]}, "rocks": {"a": rock}}
-    write_csv(rock_table(settings), tmp_path / "rocks.csv")
+    write_csv(rock_table(titled('a, "b"\nc')), tmp_path / "rocks.csv")
     again = pd.read_csv(tmp_path / "rocks.csv")
     assert again.title.tolist() == ['a, "b"\nc']
-    assert again.jrc.tolist() == [-8]
+    assert again.jrc.tolist() == [6.5]
 
 
 KEYS = {"parameter": "jrc", "length": 1.5, "percent": 15.0, "length_net": 1.0, "percent_net": 10.0}
@@ -134,11 +138,18 @@ def test_a_study_that_varies_nothing_says_so():
 
 
 def test_the_table_of_rocks_names_the_file_of_a_measured_curve():
-    rock = {"title": "A", "jrc": 8, "levels": {"jrc": [6, 9]}}
-    settings = {
-        "study": {"rocks": ["a", "b"]},
-        "rocks": {"a": rock, "b": rock | {"measured": {"file": "a.csv", "stress_unit": "MPa"}}},
-    }
-    table = rock_table(settings)
-    assert table.measured.tolist()[1] == "a.csv"
+    told = {"rocks": {"slate": {"measured": {"file": "a.csv", "stress_unit": "MPa"}}}}
+    table = rock_table(study_of(told).rocks).set_index("rock")
+    assert table.measured["slate"] == "a.csv"
+    assert table.measured.isna().sum() == 3
+    assert table.youngs_modulus_GPa["siltstone"] == 28.5
     assert "levels" not in table
+
+
+def test_the_table_of_cases_has_every_level_in_the_unit_that_it_was_written_in():
+    table = case_table(study_of().rocks)
+    assert len(table) == 4 * 4 * 3
+    own = table[(table.rock == "siltstone") & (table.parameter == "youngs_modulus")]
+    assert own.value.tolist() == [25, 28.5, 32]
+    assert own.level.tolist() == ["low", "base", "high"]
+    assert set(own.unit) == {"GPa"}

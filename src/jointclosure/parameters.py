@@ -11,6 +11,16 @@ SMALLEST_TOLERANCE = 1e-14
 """Of what is to be met relatively: about fifty roundings."""
 
 
+USUAL = {
+    "youngs_modulus": (1e8, 3e11, "Pa"),
+    "compressive_strength": (2.5e5, 1e9, "Pa"),
+    "max_normal_stress": (1e3, 1e9, "Pa"),
+    "spacing": (1e-6, 0.1, "m"),
+}
+"""Least and largest values that are usual of rock and its joints, and their unit: what lies
+beyond is more often a slip of units."""
+
+
 class Rock(NamedTuple):
     """Intact rock of a wall: Young's modulus [Pa], nu [-], sigma_c [Pa]."""
 
@@ -142,6 +152,25 @@ def check_rock(rock: Rock) -> None:
     check_number("poisson_ratio", rock.poisson_ratio)
     if not 0.0 <= rock.poisson_ratio <= 0.5:
         raise InputError(f"poisson_ratio = {rock.poisson_ratio!r}: must lie in [0, 0.5]")
+
+
+def check_usual(rocks: tuple[Rock, ...], **values: float) -> None:
+    """Raise `InputError` where a number is not usual of rock and its joints, see `USUAL`.
+
+    Parameters
+    ----------
+    rocks : tuple of Rock
+    **values : float
+        Others by name, [SI].
+    """
+    for given in (*(rock._asdict() for rock in rocks), values):
+        for name, value in given.items():
+            low, high, unit = USUAL.get(name, (-np.inf, np.inf, ""))
+            if not low <= value <= high and not np.isinf(value):
+                raise InputError(
+                    f"{name} = {value!r} {unit}: not usual of rock ({low:g} to {high:g} {unit}); "
+                    "is the unit right? unusual_values=True takes it as it is"
+                )
 
 
 def check_scene(effects: Effects) -> None:

@@ -25,6 +25,7 @@ from jointclosure.parameters import (
     check_choices,
     check_numerics,
     check_scene,
+    check_usual,
     in_double,
 )
 from jointclosure.protocol import (
@@ -94,6 +95,7 @@ def simulate(
     effects: Effects = Effects(),
     choices: Choices = Choices(),
     numerics: Numerics = Numerics(),
+    unusual_values: bool = False,
     report: Report | None = None,
 ) -> xr.Dataset:
     """Press two walls together to a normal stress and release them, repeatedly.
@@ -120,6 +122,9 @@ def simulate(
     effects : Effects
     choices : Choices
     numerics : Numerics
+    unusual_values : bool
+        Whether numbers may be far from what is usual of rock: a modulus of 78 Pa is
+        refused otherwise, as it is more often one of 78 GPa.
     report : callable, optional
         Told of every step, with its cycle, its branch ("loading" or "unloading") and
         its stress over the maximum.
@@ -162,6 +167,7 @@ def simulate(
         effects=effects,
         choices=choices,
         numerics=numerics,
+        unusual_values=unusual_values,
         report=report,
     )
 
@@ -179,6 +185,7 @@ def simulate_by(
     effects: Effects,
     choices: Choices,
     numerics: Numerics,
+    unusual_values: bool = True,
     report: Report | None = None,
 ) -> xr.Dataset:
     """`simulate` with a solver of one's own: ``solver_of`` its name gives it."""
@@ -188,6 +195,8 @@ def simulate_by(
     check_numerics(numerics, tuple(SOLVERS))
     _check_load(spacing, max_normal_stress, cycles, seating_stress)
     check_choices(choices, spacing)
+    if not unusual_values:
+        check_usual(rock, spacing=spacing, max_normal_stress=max_normal_stress)
     stiffness = min(wall.youngs_modulus for wall in rock)
     if max_normal_stress >= stiffness:
         raise InputError(
@@ -243,12 +252,13 @@ def equilibrium(
     effects: Effects = Effects(breakage=False, gouge=False),
     choices: Choices = Choices(),
     numerics: Numerics = Numerics(),
+    unusual_values: bool = False,
 ) -> xr.Dataset:
     """Forces between two walls at a closure, without breakage.
 
     Parameters
     ----------
-    upper, lower, spacing, rock, choices, numerics
+    upper, lower, spacing, rock, choices, numerics, unusual_values
         As for `simulate`.
     closure : float
         Approach from first touch [m].
@@ -274,6 +284,8 @@ def equilibrium(
     check_numerics(numerics, tuple(SOLVERS))
     check_length("spacing", spacing)
     check_choices(choices, spacing)
+    if not unusual_values:
+        check_usual(rock, spacing=spacing)
     check_number("closure", closure)
     if not abs(closure) <= LENGTHS[1]:
         raise InputError(f"closure = {closure!r} m: must be at most {LENGTHS[1]:g} m")

@@ -9,8 +9,9 @@ import xarray as xr
 from jointclosure.plotting import study as plotting
 from jointclosure.plotting.measured import Measurements
 from jointclosure.studies.measured.curves import fit_table, parsed_curve
+from tests.studied import study_of
 
-ROCK = {"title": "Rock", "jrc": 8, "compressive_strength_MPa": 160, "max_normal_stress_MPa": 2}
+ROCK = study_of().rocks["slate"]._replace(max_normal_stress=2e6)
 
 
 @pytest.fixture(autouse=True)

@@ -9,9 +9,10 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from jointclosure import Numerics
-from jointclosure.config.configuration import read_schema
-from jointclosure.config.units import to_si
+from jointclosure.config.configuration import resolved
+from jointclosure.config.files import MEASURED
+from jointclosure.config.keys import ConfigurationKeys
+from jointclosure.config.schema import json_schema
 from jointclosure.dataset import provenance, read_csv
 from jointclosure.ensemble.aggregation import join_cases
 from jointclosure.ensemble.cases import cases_of
@@ -24,6 +25,7 @@ from jointclosure.simulation import ATTRIBUTES
 from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
 from jointclosure.studies.sensitivity.responses import indifference_table, max_closure_table
 from jointclosure.tables import with_paper
+from tests.studied import DEFAULT
 
 ROOT = Path(__file__).parents[2]
 GRANITE = "Granite </script><b>of & sons"
@@ -34,7 +36,7 @@ SCENE = scene_name(Effects())
 
 @pytest.fixture(scope="session")
 def default():
-    return read_schema(ROOT / "config/default.yaml")
+    return DEFAULT
 
 
 @pytest.fixture(scope="session")
@@ -54,7 +56,7 @@ def configuration(default):
 @pytest.fixture(scope="session")
 def study(configuration):
     """Curves of a made-up law; in every case one joint failed, and one jumped over the target."""
-    cases = cases_of(configuration)
+    cases = cases_of(resolved(configuration))
     joined = join_cases(cases, [_closed(case, i) for i, case in enumerate(cases)])
     joined = joined.assign_coords(scene=("case", [SCENE] * len(cases)))
     joined.attrs = {"references": "the paper"} | provenance(configuration)
@@ -64,7 +66,7 @@ def study(configuration):
 def _closed(case, number: int) -> xr.Dataset:
     random = np.random.default_rng(number)
     stress = np.linspace(0.0, 30e6, 13)
-    scale = (random.lognormal(0.0, 0.1, JOINTS) * case.jrc / case.youngs_modulus)[:, None]
+    scale = (random.lognormal(0.0, 0.1, JOINTS) * case.jrc / case.intact.youngs_modulus)[:, None]
     loading = 1e6 * scale * stress / (stress + 1e7)
     closure = np.empty((JOINTS, 2, 2, stress.size))
     closure[:, 0, 0], closure[:, 0, 1] = loading, 0.5 * (loading + loading[:, -1:])
@@ -116,8 +118,10 @@ def pictures(tmp_path_factory, configuration):
 def material(study, configuration, default, pictures):
     paper = read_csv(ROOT / "workflow/resources/paper_table_3.csv")
     closures = max_closure_table(study)
-    intervals = with_paper(indifference_table(study, configuration["statistics"], 1, True), paper)
-    numerics = Numerics(**to_si(configuration["numerics"]))
+    intervals = with_paper(
+        indifference_table(study, resolved(configuration).statistics, 1, True), paper
+    )
+    numerics = resolved(configuration).numerics
     return Material(
         study=study,
         closures=closures,
@@ -126,7 +130,7 @@ def material(study, configuration, default, pictures):
         checks=check_results(study, numerics, JOINTS),
         paper=paper,
         default=default,
-        schema=read_schema(ROOT / "workflow/schemas/config.schema.yaml"),
+        schema=json_schema(ConfigurationKeys),
         pictures=pictures,
         benchmarks=pd.DataFrame(
             {
@@ -138,7 +142,7 @@ def material(study, configuration, default, pictures):
         ),
         measured=None,
         accuracy=None,
-        presets=read_csv(ROOT / "workflow/resources/accuracy_settings.csv"),
+        presets=read_csv(MEASURED),
     )
 
 

@@ -32,10 +32,7 @@ def files_of(material, pictures, folder: Path) -> dict:
         "accuracy": [],
         "figures": [str(folder / f"{picture.name}.png") for picture in pictures],
         "captions": [str(ROOT / f"workflow/report/{picture.name}.rst") for picture in pictures],
-        "presets": ROOT / "workflow/resources/accuracy_settings.csv",
         "paper": ROOT / "workflow/resources/paper_table_3.csv",
-        "default": ROOT / "config/default.yaml",
-        "schema": ROOT / "workflow/schemas/config.schema.yaml",
     }
 
 

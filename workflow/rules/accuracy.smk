@@ -3,8 +3,7 @@
 from jointclosure.studies.accuracy import design as accuracy
 
 ACCURACY = config.get("accuracy")
-ACCURACY_SETTINGS = accuracy.checked_settings(config) if ACCURACY else []
-ACCURACY_RUNS = {setting.run: setting for setting in ACCURACY_SETTINGS}
+ACCURACY_SETTINGS, ACCURACY_RUNS = accuracy.design_of(config) if ACCURACY else ([], {})
 ACCURACY_FIGURES = sorted({setting.scene for setting in ACCURACY_SETTINGS})
 
 
@@ -37,8 +36,10 @@ rule compile_accuracy:
     conda:
         ENVIRONMENT
     params:
-        kernels=configuration.kernels_of(
-            setting.configuration for setting in ACCURACY_RUNS.values()
+        kernels=kernels_of(
+            (level.case.effects, level.choices, level.numerics)
+            for run in ACCURACY_RUNS.values()
+            for level in run.levels
         ),
         code=code_of("compile_kernels"),
     message:
@@ -60,8 +61,7 @@ rule estimate_accuracy:
     conda:
         ENVIRONMENT
     params:
-        runs=lambda wildcards: [list(run) for run in ACCURACY_RUNS.values()],
-        parameter=ACCURACY["parameter"] if ACCURACY else "",
+        runs=lambda wildcards: to_plain(ACCURACY_RUNS),
         code=code_of("estimate_accuracy"),
     message:
         "Estimate the core-hours, by one joint at every setting"
@@ -81,8 +81,7 @@ rule close_accuracy:
     conda:
         ENVIRONMENT
     params:
-        setting=lambda wildcards: list(ACCURACY_RUNS[wildcards.run]),
-        parameter=ACCURACY["parameter"] if ACCURACY else "",
+        run=lambda wildcards: to_plain(ACCURACY_RUNS[wildcards.run]),
         code=code_of("close_accuracy"),
     message:
         "Close the surfaces of {wildcards.run}"
@@ -105,11 +104,12 @@ rule weigh_accuracy:
     conda:
         ENVIRONMENT
     params:
-        settings=lambda wildcards: [list(setting) for setting in ACCURACY_SETTINGS],
+        settings=lambda wildcards: to_plain(ACCURACY_SETTINGS),
         runs=list(ACCURACY_RUNS),
         design=ACCURACY,
-        root_seed=config["study"]["root_seed"],
-        realizations=config["study"]["realizations"],
+        root_seed=CONFIGURATION.study.root_seed,
+        realizations=CONFIGURATION.study.realizations,
+        significance=CONFIGURATION.statistics.significance,
         code=code_of("weigh_accuracy"),
     message:
         "Weigh error against time"

@@ -34,9 +34,9 @@ rule find_indifference_intervals:
     conda:
         ENVIRONMENT
     params:
-        statistics=config["statistics"],
-        root_seed=config["study"]["root_seed"],
-        draws=config["study"]["draws"],
+        statistics=to_plain(CONFIGURATION.statistics),
+        root_seed=CONFIGURATION.study.root_seed,
+        draws=CONFIGURATION.study.draws,
         code=code_of("find_indifference_intervals"),
     message:
         "Find the indifference intervals and their confidence intervals"
@@ -47,7 +47,7 @@ rule find_indifference_intervals:
 rule fit_measured:
     input:
         study=f"{RESULTS}/study.nc",
-        curves=list(MEASURED.values()),
+        curves=CURVE_FILES,
     output:
         f"{RESULTS}/tables/measured_fit.csv",
     log:
@@ -57,9 +57,8 @@ rule fit_measured:
     conda:
         ENVIRONMENT
     params:
-        study=config["study"],
-        rocks=ROCKS,
-        seating_stress_MPa=config["seating_stress_MPa"],
+        curves=to_plain(CURVES),
+        seating_stress=CONFIGURATION.seating_stress,
         code=code_of("fit_measured"),
     message:
         "Find the realisations that fit the measured curves best"
@@ -100,8 +99,8 @@ rule check_results:
     conda:
         ENVIRONMENT
     params:
-        numerics=config["numerics"],
-        realizations=config["study"]["realizations"],
+        numerics=to_plain(CONFIGURATION.numerics),
+        realizations=CONFIGURATION.study.realizations,
         code=code_of("check_results"),
     message:
         "Check the results"

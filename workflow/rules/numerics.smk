@@ -35,8 +35,9 @@ rule draw_numerics:
     conda:
         ENVIRONMENT
     params:
-        code=code_of("draw_numerics"),
+        figure="numerics",
+        code=code_of("draw_table"),
     message:
         "Draw what the paper's formulas lose, and how its sweep converges"
     script:
-        "../scripts/draw_numerics.py"
+        "../scripts/draw_table.py"

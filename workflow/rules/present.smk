@@ -16,8 +16,7 @@ rule write_tables:
     conda:
         ENVIRONMENT
     params:
-        study=config["study"],
-        rocks=ROCKS,
+        rocks=to_plain(ROCKS),
         code=code_of("write_tables"),
     message:
         "Write Tables 1 to 3"
@@ -31,8 +30,8 @@ rule draw_figures:
         intervals=f"{RESULTS}/tables/table_3_indifference.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
         surfaces=f"{RESULTS}/cases/{next(iter(CASES))}.0.surfaces.nc",
-        curves=list(MEASURED.values()),
-        fits=f"{RESULTS}/tables/measured_fit.csv" if MEASURED else [],
+        curves=CURVE_FILES,
+        fits=f"{RESULTS}/tables/measured_fit.csv" if CURVES else [],
     output:
         *[
             report(
@@ -50,10 +49,10 @@ rule draw_figures:
     conda:
         ENVIRONMENT
     params:
-        study=config["study"],
-        rocks=ROCKS,
-        seating_stress_MPa=config["seating_stress_MPa"],
-        wall_strength_ratio=config["output"]["wall_strength_ratio"],
+        rocks=to_plain(ROCKS),
+        curves=to_plain(CURVES),
+        seating_stress=CONFIGURATION.seating_stress,
+        wall_strength_ratio=CONFIGURATION.output.wall_strength_ratio,
         code=code_of("draw_figures"),
     message:
         "Draw the figures"

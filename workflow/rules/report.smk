@@ -1,4 +1,5 @@
 # The study as one page to read: `snakemake report`.
+from jointclosure.config.files import MEASURED as MEASURED_SETTINGS
 from jointclosure.report.page import template_digest
 
 ACCURACY_TABLE = "results/accuracy/tables/accuracy_cost.csv"
@@ -32,11 +33,10 @@ rule write_report:
             "{folder}/workflow/report/{figure}.rst", folder=ROOT, figure=FIGURES
         ),
         paper=PAPER_TABLE_3,
-        default=ROOT / "config/default.yaml",
-        schema=ROOT / "workflow/schemas/config.schema.yaml",
+        default=DEFAULT,
+        presets=MEASURED_SETTINGS,
         # what `make accuracy` measured, where it was run
         accuracy=ancient(ACCURACY_TABLE) if Path(ACCURACY_TABLE).exists() else [],
-        presets=ROOT / "workflow/resources/accuracy_settings.csv",
     output:
         f"{RESULTS}/report.html",
     log:

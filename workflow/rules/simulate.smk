@@ -12,12 +12,10 @@ rule compile_kernels:
     conda:
         ENVIRONMENT
     params:
-        kernels=configuration.kernels_of(
-            config | {"effects": scene._asdict()}
-            for name in ROCKS
-            for scene in possible_scenes(
-                configuration.effects_of(config, name), chosen=AUTO
-            )
+        kernels=kernels_of(
+            (scene, CONFIGURATION.choices, CONFIGURATION.numerics)
+            for rock in ROCKS.values()
+            for scene in possible_scenes(rock.effects, chosen=AUTO)
         ),
         code=code_of("compile_kernels"),
     message:
@@ -36,9 +34,7 @@ rule make_surfaces:
     conda:
         ENVIRONMENT
     params:
-        settings=lambda wildcards: settings.surface_settings(
-            config, CASES[wildcards.case], BLOCKS[wildcards.first], SURFACE_CODE
-        ),
+        settings=lambda wildcards: surfaces_of(wildcards.case, BLOCKS[wildcards.first]),
     message:
         "Generate the surface pairs of {wildcards.case} from realisation {wildcards.first} on"
     script:
@@ -57,9 +53,11 @@ rule choose_effects:
     conda:
         ENVIRONMENT
     params:
-        configuration=lambda wildcards: configuration.of_rock(config, wildcards.rock),
-        surface_code=SURFACE_CODE,
-        solver_code=SOLVER_CODE,
+        settings=lambda wildcards: {
+            label: to_plain(closure_of(label, range(CONFIGURATION.study.realizations)))
+            for label, case in CASES.items()
+            if case.rock == wildcards.rock
+        },
         code=code_of("choose_effects"),
     message:
         "Choose the effects that matter for {wildcards.rock}, by a pilot"
@@ -83,13 +81,8 @@ rule close_surfaces:
     conda:
         ENVIRONMENT
     params:
-        settings=lambda wildcards: settings.block_settings(
-            config,
-            CASES,
-            wildcards.case,
-            BLOCKS[wildcards.first],
-            SURFACE_CODE,
-            SOLVER_CODE,
+        settings=lambda wildcards: to_plain(
+            closure_of(wildcards.case, BLOCKS[wildcards.first])
         ),
     message:
         "Close the surface pairs of {wildcards.case} from realisation {wildcards.first} on"
@@ -104,7 +97,7 @@ rule aggregate:
             f"{RESULTS}/effects_of/{{rock}}.json", rock=ROCKS if AUTO else []
         ),
         walls=[
-            f"{RESULTS}/walls/{rock}.nc" for rock in ROCKS if ROCKS[rock].get("walls")
+            f"{RESULTS}/walls/{name}.nc" for name, rock in ROCKS.items() if rock.walls
         ],
     output:
         f"{RESULTS}/study.nc",

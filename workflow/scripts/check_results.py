@@ -1,17 +1,18 @@
 """Check the results; what must hold and does not is an error."""
 
-from jointclosure.config.configuration import numerics_of
+from jointclosure.config.plain import from_plain
 from jointclosure.dataset import read_netcdf, write_csv
 from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.ensemble.checks import check_results
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.parameters import Numerics
 
 
 def main(study: str, settings: dict, output: str, log: Logbook) -> None:
     """Write the table of checks, or raise with those that failed."""
     checks = check_results(
         read_netcdf(study, without=CURVES),
-        numerics_of(settings),
+        from_plain(Numerics, settings["numerics"]),
         settings["realizations"],
     )
     for row in checks.itertuples():

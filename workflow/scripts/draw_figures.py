@@ -4,11 +4,13 @@ from pathlib import Path
 
 import numpy as np
 
+from jointclosure.config.plain import from_plain
+from jointclosure.config.typed import StudyRock
 from jointclosure.dataset import read_csv, read_netcdf, read_text, reading_netcdf, save_figure
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.plotting import study as plotting
 from jointclosure.plotting.measured import Measurements
-from jointclosure.studies.measured.curves import measured_curves
+from jointclosure.studies.measured.curves import CurveSettings, measured_curves
 from jointclosure.tables import roughness_title
 
 
@@ -16,21 +18,24 @@ def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None
     """Write each figure to those of the outputs that bear its name."""
     measured = Measurements()
     if inputs["fits"]:
-        measured = Measurements(measured_curves(settings, read_text), read_csv(inputs["fits"]))
+        curves = measured_curves(
+            from_plain(dict[str, CurveSettings], settings["curves"]), read_text
+        )
+        measured = Measurements(curves, read_csv(inputs["fits"]))
     with reading_netcdf(inputs["study"]) as dataset:
         drawn = np.union1d(dataset.realization.values[: plotting.MOST_DRAWN], measured.best)
         study = dataset.sel(realization=drawn.astype(int)).load()
         log(f"curves of {study.sizes['realization']} of {dataset.sizes['realization']} surfaces")
     closures, intervals = read_csv(inputs["closures"]), read_csv(inputs["intervals"])
     surfaces = read_netcdf(inputs["surfaces"])
-    rocks = settings["rocks"]
+    rocks = from_plain(dict[str, StudyRock], settings["rocks"])
     first = next(iter(rocks.values()))
     draw = {
         "fig_3_equivalent_stress": plotting.equivalent_stress,
         "fig_5_closure": lambda: plotting.closure_figure(
             study,
             rocks,
-            1e6 * settings["seating_stress_MPa"],
+            settings["seating_stress"],
             settings["wall_strength_ratio"],
             measured,
         ),
@@ -38,7 +43,7 @@ def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None
             surfaces.upper.values[0],
             surfaces.lower.values[0],
             surfaces.attrs["spacing_m"],
-            f"{first['title']}, {roughness_title(first)}, realisation 0",
+            f"{first.title}, {roughness_title(first)}, realisation 0",
         ),
         "table_3_intervals": lambda: plotting.interval_figure(intervals, rocks),
         "trends_max_closure": lambda: plotting.trend_figure(closures, study, rocks),

@@ -4,22 +4,20 @@ import sys
 
 import pandas as pd
 
-from jointclosure.config.configuration import merged
+from jointclosure.config.plain import from_plain
 from jointclosure.dataset import write_csv
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.studies.accuracy.design import Setting, close_at
+from jointclosure.studies.accuracy.design import Run, close_run, one_joint
 
 
-def main(runs: list[list], parameter: str, output: str, log: Logbook) -> None:
+def main(runs: dict[str, Run], output: str, log: Logbook) -> None:
     """Write seconds for each run, and say the sum where the user sees it."""
     rows = []
-    for run in (Setting(*each) for each in runs):
-        realizations = run.configuration["study"]["realizations"]
-        one = merged(run.configuration, {"study": {"realizations": 1}})
-        timing = close_at(run._replace(configuration=one), parameter).timing_simulation
-        seconds = float(timing.sum()) * realizations
-        rows.append({"run": run.run, "realizations": realizations, "seconds": seconds})
-        log(f"{run.run}: about {seconds:.0f} s")
+    for name, run in runs.items():
+        realizations = run.levels[0].surfaces.realizations
+        seconds = float(close_run(one_joint(run)).timing_simulation.sum()) * realizations
+        rows.append({"run": name, "realizations": realizations, "seconds": seconds})
+        log(f"{name}: about {seconds:.0f} s")
     table = pd.DataFrame(rows)
     write_csv(table, output)
     said = f"{len(table)} runs will take about {table.seconds.sum() / 3600:.1f} core-hours"
@@ -29,4 +27,4 @@ def main(runs: list[list], parameter: str, output: str, log: Logbook) -> None:
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]) as logbook:
-        main(snakemake.params.runs, snakemake.params.parameter, snakemake.output[0], logbook)
+        main(from_plain(dict[str, Run], snakemake.params.runs), snakemake.output[0], logbook)

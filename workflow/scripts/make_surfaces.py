@@ -1,12 +1,13 @@
 """Generate the surface pairs of a case, or of a block of its realisations."""
 
+from jointclosure.config.plain import from_plain
 from jointclosure.dataset import write_netcdf_blocks
-from jointclosure.ensemble.settings import as_text
+from jointclosure.ensemble.settings import SurfaceSettings, as_text
 from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.logbook import Logbook, logging_to
 
 
-def main(settings: dict, output: str, log: Logbook) -> None:
+def main(settings: SurfaceSettings, output: str, log: Logbook) -> None:
     """Write walls (realization, y, x)."""
     log(f"settings: {as_text(settings)}")
     surfaces = surfaces_of(settings)
@@ -17,4 +18,5 @@ def main(settings: dict, output: str, log: Logbook) -> None:
 
 if __name__ == "__main__":
     with logging_to(snakemake.log[0]) as logbook:
-        main(snakemake.params.settings, snakemake.output[0], logbook)
+        settings = from_plain(SurfaceSettings, snakemake.params.settings)
+        main(settings, snakemake.output[0], logbook)

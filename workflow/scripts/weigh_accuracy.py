@@ -2,6 +2,7 @@
 
 import pandas as pd
 
+from jointclosure.config.plain import from_plain
 from jointclosure.dataset import read_netcdf, write_csv
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.randomness import generator, seed_of
@@ -14,7 +15,7 @@ def main(inputs: list[str], settings: dict, outputs: dict, log: Logbook) -> None
     """Write costs, orders of convergence and sources of error."""
     design = settings["design"]
     runs = dict(zip(settings["runs"], map(read_netcdf, inputs), strict=True))
-    turned = [Setting(*each) for each in settings["settings"]]
+    turned = from_plain(list[Setting], settings["settings"])
     costs = cost_table(
         turned,
         runs,
@@ -22,6 +23,7 @@ def main(inputs: list[str], settings: dict, outputs: dict, log: Logbook) -> None
         generator(seed_of(settings["root_seed"], "accuracy")),
         design["resamples"],
         design["confidence"],
+        settings["significance"],
     )
     write_csv(costs, outputs["costs"])
     write_csv(order_table(costs), outputs["orders"])

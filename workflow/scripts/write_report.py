@@ -5,7 +5,10 @@ from pathlib import Path
 import pandas as pd
 import xarray as xr
 
-from jointclosure.config.configuration import numerics_of, read_schema
+from jointclosure.config.configuration import resolved
+from jointclosure.config.files import DEFAULT, MEASURED, read_plain
+from jointclosure.config.keys import ConfigurationKeys
+from jointclosure.config.schema import json_schema
 from jointclosure.dataset import read_benchmarks, read_csv, reading_netcdf, write_text
 from jointclosure.ensemble.checks import check_results
 from jointclosure.logbook import Logbook, logging_to
@@ -46,17 +49,17 @@ def material_of(study: xr.Dataset, inputs: dict, settings: dict) -> Material:
         # made again rather than read: where a check fails its table is not written
         checks=check_results(
             study,
-            numerics_of(configuration),
+            resolved(configuration).numerics,
             configuration["study"]["realizations"],
         ),
         paper=read_csv(inputs["paper"]),
-        default=read_schema(inputs["default"]),
-        schema=read_schema(inputs["schema"]),
+        default=read_plain(DEFAULT),
+        schema=json_schema(ConfigurationKeys),
         pictures=pictures(inputs["figures"], inputs["captions"], configuration),
         benchmarks=read_benchmarks(settings["benchmarks"]),
         measured=where_there_is(inputs["measured"]),
         accuracy=where_there_is(inputs["accuracy"]),
-        presets=read_csv(inputs["presets"]),
+        presets=read_csv(MEASURED),
     )
 
 

@@ -15,13 +15,12 @@ from typing import NamedTuple
 import psutil
 
 from jointclosure.compilation import cache_folder, compiles
-from jointclosure.config.project import merged_study, project_folder, settled
+from jointclosure.config.configuration import DEFAULT, configured, merged_study
 from jointclosure.dataset import read_csv, versions_of
 from jointclosure.extras import EXTRAS, installed
 from jointclosure.inputs import InputError
 from jointclosure.parameters import Choices, Effects
 from jointclosure.progress import duration
-from jointclosure.sources import PACKAGE
 from jointclosure.warmup import compile_kernels
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -77,7 +76,7 @@ def findings(folder: Path, attempt: bool) -> Iterator[Finding]:
     yield _python()
     yield _versions()
     yield _extras()
-    yield _configuration(folder)
+    yield _configuration()
     machine = os.cpu_count() or 1
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else machine
     yield Finding("cores", f"{cores} for this process, {machine} of the machine")
@@ -112,15 +111,13 @@ def _extras() -> Finding:
     return Finding("extras", found)
 
 
-def _configuration(folder: Path) -> Finding:
+def _configuration() -> Finding:
     """Whether `jointclosure simulate` finds the defaults and they can be run."""
     try:
-        place = project_folder(folder, PACKAGE)
-        rocks = settled(merged_study(place, None), place, read_csv)["rocks"]
+        rocks = configured(merged_study(), read_csv).typed.rocks
     except (InputError, OSError) as error:
-        said = str(error).splitlines()
-        return Finding("configuration", said[-1], "install jointclosure again")
-    return Finding("configuration", f"{place}, rocks {', '.join(rocks)}")
+        return Finding("configuration", str(error).splitlines()[-1], "install jointclosure again")
+    return Finding("configuration", f"{DEFAULT}, rocks {', '.join(rocks)}")
 
 
 def _threads(cores: int) -> Finding:

@@ -1,7 +1,7 @@
 """Numerics by one word, or by the accuracy that is wanted, from what was measured.
 
 The study of accuracy (config/accuracy.yaml) writes `setting_table`, of which the
-project keeps a copy in workflow/resources: what each setting was off by, and what
+package keeps a copy (accuracy_settings.csv): what each setting was off by, and what
 it took. A configuration names one of its presets, or an accuracy; then the
 cheapest setting that was found to reach it is taken.
 """
@@ -12,11 +12,18 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from jointclosure.config.configuration import CHOSEN_BY, effects_of
 from jointclosure.inputs import InputError
+
+CHOSEN_BY = ("preset", "accuracy")
+"""Keys of ``numerics`` that stand for others."""
 
 SCENE = "regularised"
 """Scene whose limit an accuracy is held against: the model as stated has none."""
+
+
+def numerics_in_full(keys: dict) -> dict:
+    """Numerics without the preset or accuracy that chose them."""
+    return {key: value for key, value in keys["numerics"].items() if key not in CHOSEN_BY}
 
 
 class Chosen(NamedTuple):
@@ -84,6 +91,14 @@ def _scene(configuration: dict) -> str:
     return "full" if configuration["choices"]["largest_radius_mm"] is None else SCENE
 
 
+def anything_breaks(configuration: dict) -> bool:
+    """Whether breakage acts in a rock of the study, which may have its own effects."""
+    rocks = (configuration["rocks"].get(name, {}) for name in configuration["study"]["rocks"])
+    own = ((rock.get("effects") or {}).get("breakage") for rock in rocks)
+    usual = configuration["effects"]["breakage"]
+    return any(usual if breaks is None else breaks for breaks in own)
+
+
 def _preset(table: pd.DataFrame, name: object, scene: str) -> pd.Series:
     known = table[(table.preset.fillna("") != "") & (table.scene == scene)].set_index(
         "preset", drop=False
@@ -93,12 +108,9 @@ def _preset(table: pd.DataFrame, name: object, scene: str) -> pd.Series:
     return known.loc[name]
 
 
-def _accurate(configuration: dict, table: pd.DataFrame, accuracy: object) -> pd.Series | None:
+def _accurate(configuration: dict, table: pd.DataFrame, accuracy: float) -> pd.Series | None:
     """The cheapest setting found to be within an accuracy; None where nothing breaks."""
-    if isinstance(accuracy, bool) or not isinstance(accuracy, int | float) or not 0 < accuracy < 1:
-        raise InputError(f"numerics.accuracy = {accuracy!r}: must be a number between 0 and 1")
-    rocks = [name for name in configuration["study"]["rocks"] if name in configuration["rocks"]]
-    if not any(effects_of(configuration, rock).breakage for rock in rocks):
+    if not anything_breaks(configuration):
         return None
     if configuration["choices"]["largest_radius_mm"] is None:
         raise InputError(

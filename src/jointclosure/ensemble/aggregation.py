@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.ensemble.cases import Case
+from jointclosure.parameters import Rock
 from jointclosure.protocol import FAILURE
 
 CURVES = ("closure", "bulk_indentation")
@@ -30,7 +31,10 @@ def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:
     for name in ("rock", "parameter", "level"):
         coordinates[name] = ("case", columns[name], {"long_name": f"{name} of the case"})
     for name, text in numbers.items():
-        values = np.array([getattr(case, name) for case in cases], dtype=float)
+        of_rock = name in Rock._fields
+        values = np.array(
+            [case.property(name) if of_rock else getattr(case, name) for case in cases], dtype=float
+        )
         about = {"long_name": text}
         if name != "value":
             about["units"] = units.get(name, "1")

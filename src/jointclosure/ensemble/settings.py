@@ -6,16 +6,18 @@ which it should have; `check_settings` names the first one that differs.
 
 import json
 from pathlib import Path
+from typing import NamedTuple
 
-from jointclosure.config.configuration import (
-    choice_tolerance,
-    effects_of,
-    end_of_stress_axis,
-    numerics_in_full,
-)
-from jointclosure.config.walls import wall_files
+from jointclosure.config.plain import to_plain
+from jointclosure.config.typed import Configuration, Grid, Surface, Walls
 from jointclosure.ensemble.cases import Case, wall_name
 from jointclosure.inputs import InputError
+from jointclosure.parameters import (
+    Choices,
+    Effects,
+    Numerics,
+    Rock,
+)
 from jointclosure.scans import file_digest
 
 
@@ -23,92 +25,167 @@ class OtherSettingsError(InputError):
     """A file that was made with other settings, or by other code."""
 
 
-def surface_settings(configuration: dict, case: Case, block: range, code: str) -> dict:
+class SurfaceSettings(NamedTuple):
     """What the surface pairs of a case and a block of realisations depend on.
+
+    ``seeds_named_by`` and ``root_seed`` give their seeds, ``code`` is a digest of the sources
+    that make them; ``sha256`` are digests of the files of measured ``walls``, by side.
+    """
+
+    jrc: float
+    walls: Walls | None
+    sha256: dict[str, str]
+    root_seed: int
+    seeds_named_by: tuple[str, ...]
+    first_realization: int
+    realizations: int
+    grid: Grid
+    surface: Surface
+    code: str
+
+
+class Conditions(NamedTuple):
+    """What a joint is told besides its walls: the arguments of `jointclosure.simulate`, in SI."""
+
+    spacing: float
+    rock: Rock
+    max_normal_stress: float
+    cycles: int
+    seating_stress: float
+    effects: Effects
+    choices: Choices
+    numerics: Numerics
+
+
+class ClosureSettings(NamedTuple):
+    """What the closures of a case and a block of realisations depend on, in SI.
+
+    ``stress_points`` and ``largest_stress`` are those of the common stress axis;
+    ``effects_chosen_to`` is the tolerance by which a pilot chooses among the case's effects.
+    """
+
+    case: Case
+    surfaces: SurfaceSettings
+    cycles: int
+    seating_stress: float
+    choices: Choices
+    numerics: Numerics
+    stress_points: int
+    largest_stress: float
+    effects_chosen_to: float | None
+    code: str
+
+    def conditions(self) -> Conditions:
+        """Those at which the walls of the case are closed."""
+        return Conditions(
+            self.surfaces.grid.spacing,
+            self.case.intact,
+            self.case.max_normal_stress,
+            self.cycles,
+            self.seating_stress,
+            self.case.effects,
+            self.choices,
+            self.numerics,
+        )
+
+    def with_effects(self, effects: Effects) -> "ClosureSettings":
+        """The same with other effects."""
+        return self._replace(case=self.case._replace(effects=effects))
+
+
+def surface_settings(
+    configuration: Configuration, case: Case, block: range, code: str = ""
+) -> SurfaceSettings:
+    """Settings of the surface pairs of a case.
 
     Parameters
     ----------
-    configuration : dict
+    configuration : Configuration
     case : Case
         Whose ``surface`` is its own label.
     block : range
         Of realisations, see `jointclosure.ensemble.cases.blocks_of`.
     code : str
-        Digest of the sources that make surfaces.
+        Digest of the sources that make surfaces, for those that go to a file.
     """
-    walls = configuration["rocks"][case.rock].get("walls")
-    roughness = {"walls": walls | {"sha256": wall_digests(walls)}} if walls else {"jrc": case.jrc}
-    return roughness | {
-        "root_seed": configuration["study"]["root_seed"],
-        "seeds_named_by": wall_name(configuration, case),
-        "first_realization": block.start,
-        "realizations": len(block),
-        "grid": dict(configuration["grid"]),
-        "surface": dict(configuration["surface"]),
-        "code": code,
-    }
+    walls = configuration.rocks[case.rock].walls
+    return SurfaceSettings(
+        jrc=case.jrc,
+        walls=walls,
+        sha256=wall_digests(walls) if walls else {},
+        root_seed=configuration.study.root_seed,
+        seeds_named_by=tuple(wall_name(configuration.study, case)),
+        first_realization=block.start,
+        realizations=len(block),
+        grid=configuration.grid,
+        surface=configuration.surface,
+        code=code,
+    )
 
 
-def wall_digests(walls: dict) -> dict[str, str]:
+def wall_digests(walls: Walls) -> dict[str, str]:
     """SHA-256 of the files of measured walls: their contents count, and not their time."""
-    return {side: file_digest(file) for side, file in wall_files(walls).items()}
+    return {side: file_digest(file) for side, file in walls.files().items()}
 
 
-def closure_settings(configuration: dict, case: Case, surfaces: dict, code: str) -> dict:
-    """What the closures of a case and a block of realisations depend on.
+def closure_settings(
+    configuration: Configuration, case: Case, surfaces: SurfaceSettings, code: str = ""
+) -> ClosureSettings:
+    """Settings of the closures of a case.
 
     Parameters
     ----------
-    configuration : dict
+    configuration : Configuration
     case : Case
-    surfaces : dict
-        `surface_settings` of the surface pairs that are closed.
+    surfaces : SurfaceSettings
+        Of the surface pairs that are closed.
     code : str
-        Digest of the sources that close them.
+        Digest of the sources that close them, for those that go to a file.
     """
-    output = configuration["output"]
-    return {
-        "case": case._asdict(),
-        "cycles": configuration["study"]["cycles"],
-        "seating_stress_MPa": configuration["seating_stress_MPa"],
-        "stress_points": output["stress_points"],
-        "largest_stress_MPa": end_of_stress_axis(configuration),
-        "surfaces": surfaces,
-        "code": code,
-        "effects": effects_of(configuration, case.rock)._asdict(),
-        "effects_chosen_to": choice_tolerance(configuration),
-        "choices": dict(configuration["choices"]),
-        "numerics": numerics_in_full(configuration),
-    }
+    return ClosureSettings(
+        case=case,
+        surfaces=surfaces,
+        cycles=configuration.study.cycles,
+        seating_stress=configuration.seating_stress,
+        choices=configuration.choices,
+        numerics=configuration.numerics,
+        stress_points=configuration.output.stress_points,
+        largest_stress=configuration.output.largest_stress,
+        effects_chosen_to=configuration.effects_chosen_to,
+        code=code,
+    )
 
 
 def block_settings(
-    configuration: dict,
+    configuration: Configuration,
     cases: dict[str, Case],
     label: str,
     block: range,
-    surface_code: str,
-    solver_code: str,
-) -> dict:
+    surface_code: str = "",
+    solver_code: str = "",
+) -> ClosureSettings:
     """`closure_settings` of a case and a block, with those of the surfaces that it closes."""
     case = cases[label]
     surfaces = surface_settings(configuration, cases[case.surface], block, surface_code)
     return closure_settings(configuration, case, surfaces, solver_code)
 
 
-def as_text(settings: dict) -> str:
+def as_text(settings: SurfaceSettings | ClosureSettings) -> str:
     """Settings as JSON, the same text for the same settings."""
-    return json.dumps(settings, sort_keys=True)
+    return json.dumps(to_plain(settings), sort_keys=True)
 
 
-def check_settings(path: str | Path, attributes: dict, expected: dict) -> None:
+def check_settings(
+    path: str | Path, attributes: dict, expected: SurfaceSettings | ClosureSettings
+) -> None:
     """Raise `OtherSettingsError` unless a file's attributes are of the expected settings."""
     text = attributes.get("settings")
     if text == as_text(expected):
         return
-    said = (
-        "it does not say which" if text is None else _first_difference(json.loads(text), expected)
-    )
+    if text is None:
+        said = "it does not say which"
+    else:
+        said = _first_difference(json.loads(text), json.loads(as_text(expected)))
     raise OtherSettingsError(
         f"{path}: the file was made with other settings ({said}): "
         "delete it and start again, what is missing is made anew"
@@ -118,7 +195,7 @@ def check_settings(path: str | Path, attributes: dict, expected: dict) -> None:
 def _first_difference(found: dict, expected: dict, prefix: str = "") -> str:
     for key in sorted({*found, *expected}):
         one, other = found.get(key), expected.get(key)
-        if as_text({key: one}) == as_text({key: other}):
+        if json.dumps(one, sort_keys=True) == json.dumps(other, sort_keys=True):
             continue
         if isinstance(one, dict) and isinstance(other, dict):
             return _first_difference(one, other, f"{prefix}{key}.")

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from jointclosure.studies.accuracy.design import BASE, Setting
+from jointclosure.studies.accuracy.design import Setting
 
 
 def setting_table(
@@ -41,7 +41,7 @@ def setting_table(
         for setting, changed in _numerical(settings, scene):
             point = _point(setting.knob, setting.value)
             # the finest is held against the finest of another integrator
-            judged = about.get("cross", point) if point == about["finest"] else point
+            judged = (about.get("cross") or point) if point == about["finest"] else point
             part, timed = (_rows_of(costs, scene, each) for each in (judged, point))
             names = [name for name, each in presets.items() if each == point]
             rows.append(
@@ -82,9 +82,6 @@ def _numerical(settings: list[Setting], scene: str) -> Iterator[tuple[Setting, d
     """Settings of a scene's first rock that differ from its base in the numerics only, and how."""
     mine = [each for each in settings if each.scene == scene]
     mine = [each for each in mine if each.rock == mine[0].rock]
-    base = next(each for each in mine if each.knob == BASE).configuration
     for setting in mine:
-        own = setting.configuration
-        if all(own[name] == base[name] for name in base if name != "numerics"):
-            numerics, usual = own["numerics"], base["numerics"]
-            yield setting, {key: numerics[key] for key in usual if numerics[key] != usual[key]}
+        if setting.numerics is not None:
+            yield setting, setting.numerics
