@@ -268,7 +268,11 @@ def test_there_are_18_scenes():
         ({"rock": 3.0}, "rock"),
         ({"rock": jc.Rock(1e9, "a", 1e8)}, "poisson_ratio = 'a': must be a number"),
         ({"rock": jc.Rock(True, 0.2, 1e8)}, "youngs_modulus = True"),
-        ({"rock": jc.Rock(78, 0.2, 165)}, "max_normal_stress = 1000000.0 Pa: must be below"),
+        ({"rock": jc.Rock(78, 0.2, 165)}, "youngs_modulus = 78 Pa: not usual of rock"),
+        (
+            {"rock": jc.Rock(78, 0.2, 165), "unusual_values": True},
+            "max_normal_stress = 1000000.0 Pa: must be below",
+        ),
         ({"spacing": 0.0}, "spacing = 0.0"),
         ({"spacing": "x"}, "spacing = 'x'"),
         ({"max_normal_stress": None}, "max_normal_stress = None"),

@@ -152,7 +152,7 @@ def table_3_markdown(table: pd.DataFrame, titles: dict[str, str]) -> str:
         lines += [f"**{heading}**", "", "| Parameter | " + " | ".join(names) + " |"]
         lines.append("|---" * (len(names) + 1) + "|")
         for parameter, row in frame.iterrows():
-            lines.append(f"| {PROPERTIES[parameter].symbol} | " + " | ".join(row) + " |")
+            lines.append(f"| {PROPERTIES[parameter].label} | " + " | ".join(row) + " |")
         lines.append("")
     lines.append(_note(table, "√"))
     return "\n".join(lines) + "\n"

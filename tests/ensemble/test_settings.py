@@ -22,9 +22,9 @@ from jointclosure.ensemble.settings import (
     ClosureSettings,
     OtherSettingsError,
     as_text,
-    block_settings,
     check_settings,
 )
+from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.studies.effects.choice import choose_for_case
 from jointclosure.studies.sensitivity.responses import max_closure_table

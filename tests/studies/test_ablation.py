@@ -11,9 +11,9 @@ from jointclosure.studies.effects.ablation import (
     FULL,
     SCENES,
     close_scene,
-    conditions_of,
     effect_table,
 )
+from jointclosure.studies.effects.design import conditions_of
 from tests.studied import study_of
 
 TINY = {

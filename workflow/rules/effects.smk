@@ -1,6 +1,6 @@
 # What each effect adds, and what it costs: `snakemake effects --configfile config/effects.yaml`.
 # Without an `ablation` section there are no runs, and no rule here has work.
-from jointclosure.studies.effects import ablation, validation
+from jointclosure.studies.effects import ablation, design
 
 ABLATION = CONFIGURATION.ablation
 SCENES = list(ablation.SCENES) if ABLATION else []
@@ -10,7 +10,7 @@ CHOICE_TABLES = ["effects_auto.csv", "effects_auto_summary.csv"]
 
 def conditions_of(rock):
     """Settings of a rock's closures at every condition, as plain data."""
-    return to_plain(ablation.conditions_of(CONFIGURATION, rock))
+    return to_plain(design.conditions_of(CONFIGURATION, rock))
 
 
 wildcard_constraints:
@@ -161,9 +161,7 @@ rule validate_choice:
     conda:
         ENVIRONMENT
     params:
-        settings=lambda wildcards: to_plain(
-            validation.validation_settings(CONFIGURATION)
-        ),
+        settings=lambda wildcards: to_plain(design.validation_settings(CONFIGURATION)),
         code=code_of("validate_choice"),
     message:
         "Hold chosen effects against all of them in random scene {wildcards.number}"

@@ -4,10 +4,10 @@ from pathlib import Path
 from jointclosure.config import configuration
 from jointclosure.config.files import read_plain
 from jointclosure.config.plain import to_plain
-from jointclosure.config.walls import check_files
+from jointclosure.config.walls import check_files, wall_files
 from jointclosure.dataset import read_csv, read_text
 from jointclosure.ensemble import cases
-from jointclosure.ensemble import settings
+from jointclosure.ensemble import slices
 from jointclosure.sources import code_digest
 from jointclosure.studies.measured import curves as measured
 from jointclosure.warmup import kernels_of
@@ -66,7 +66,7 @@ SOLVER_CODE = code_of("close_surfaces")
 
 def closure_of(case, block):
     """Settings of the closures of a case and a block of realisations."""
-    return settings.block_settings(
+    return slices.block_settings(
         CONFIGURATION, CASES, case, block, SURFACE_CODE, SOLVER_CODE
     )
 
@@ -74,7 +74,7 @@ def closure_of(case, block):
 def surfaces_of(case, block):
     """Settings of the surface pairs of a case and a block of realisations, as plain data."""
     return to_plain(
-        settings.surface_settings(CONFIGURATION, CASES[case], block, SURFACE_CODE)
+        slices.surface_settings(CONFIGURATION, CASES[case], block, SURFACE_CODE)
     )
 
 

@@ -8,7 +8,7 @@ rule prepare_walls:
     input:
         # contents count and not the time of a file: they are among the parameters
         lambda wildcards: [
-            ancient(file) for file in ROCKS[wildcards.rock].walls.files().values()
+            ancient(file) for file in wall_files(ROCKS[wildcards.rock].walls).values()
         ],
     output:
         f"{RESULTS}/walls/{{rock}}.nc",
@@ -21,7 +21,7 @@ rule prepare_walls:
         ENVIRONMENT
     params:
         walls=lambda wildcards: to_plain(ROCKS[wildcards.rock].walls),
-        digests=lambda wildcards: settings.wall_digests(ROCKS[wildcards.rock].walls),
+        digests=lambda wildcards: slices.wall_digests(ROCKS[wildcards.rock].walls),
         grid=to_plain(CONFIGURATION.grid),
         jrc_relation=CONFIGURATION.surface.jrc_relation,
         realizations=CONFIGURATION.study.realizations,

@@ -19,7 +19,8 @@ from jointclosure.dataset import (
 from jointclosure.ensemble.aggregation import join_cases, succeeded
 from jointclosure.ensemble.cases import blocks_of, cases_of
 from jointclosure.ensemble.measured_walls import described
-from jointclosure.ensemble.settings import block_settings, check_settings
+from jointclosure.ensemble.settings import check_settings
+from jointclosure.ensemble.slices import block_settings
 from jointclosure.logbook import Logbook, logging_to
 
 ROWS = 256

@@ -3,7 +3,7 @@
 from jointclosure.config.plain import from_plain
 from jointclosure.dataset import write_netcdf
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.studies.accuracy.design import Run, close_run
+from jointclosure.studies.accuracy.runs import Run, close_run
 
 
 def main(run: Run, output: str, log: Logbook) -> None:

@@ -7,7 +7,7 @@ import pandas as pd
 from jointclosure.config.plain import from_plain
 from jointclosure.dataset import write_csv
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.studies.accuracy.design import Run, close_run, one_joint
+from jointclosure.studies.accuracy.runs import Run, close_run, one_joint
 
 
 def main(runs: dict[str, Run], output: str, log: Logbook) -> None:

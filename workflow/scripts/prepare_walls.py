@@ -2,6 +2,7 @@
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Grid, Walls
+from jointclosure.config.walls import wall_files
 from jointclosure.dataset import write_netcdf
 from jointclosure.ensemble.measured_walls import cutter_of, prepared_walls, room
 from jointclosure.logbook import Logbook, logging_to
@@ -11,7 +12,7 @@ from jointclosure.scans import read_scan
 def main(settings: dict, output: str, log: Logbook) -> None:
     """Write the walls (y, x) of a rock, with the digests of their files."""
     walls, grid = from_plain(Walls, settings["walls"]), from_plain(Grid, settings["grid"])
-    files = walls.files()
+    files = wall_files(walls)
     given = {"units": walls.units, "spacing": walls.spacing, "variable": walls.variable}
     scans = {side: read_scan(file, **given) for side, file in files.items()}
     prepared = prepared_walls(scans, walls, grid.spacing, settings["jrc_relation"])

@@ -11,9 +11,10 @@ from jointclosure.config.configuration import Configured, configured, merged, me
 from jointclosure.config.files import value_of
 from jointclosure.config.typed import Configuration
 from jointclosure.dataset import provenance, read_csv, save_figure, write_netcdf
-from jointclosure.ensemble.cases import Case, cases_of
+from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.closing import close_walls
-from jointclosure.ensemble.settings import closure_settings, surface_settings
+from jointclosure.ensemble.settings import Case
+from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.inputs import InputError
 from jointclosure.parameters import Effects
 from jointclosure.progress import bar, duration

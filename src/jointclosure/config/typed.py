@@ -6,13 +6,7 @@ needs of it goes through a rule's parameters by `jointclosure.config.plain`.
 
 from typing import NamedTuple
 
-from jointclosure.parameters import (
-    Choices,
-    Effects,
-    Numerics,
-    Rock,
-)
-from jointclosure.surface.measured_pairs import PARTNERS
+from jointclosure.parameters import Choices, Effects, Numerics, Rock
 
 SIDES = ("upper", "lower")
 
@@ -42,10 +36,6 @@ class Walls(NamedTuple):
     missing: str
     largest_filled_share: float
     inverted: tuple[str, ...]
-
-    def files(self) -> dict[str, str]:
-        """Files of the measured walls by "upper" and "lower"."""
-        return {side: getattr(self, side) for side in SIDES if getattr(self, side) not in PARTNERS}
 
 
 class MeasuredFile(NamedTuple):
