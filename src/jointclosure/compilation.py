@@ -13,6 +13,7 @@ import logging
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numba
 import numpy as np
@@ -50,28 +51,28 @@ def _cache_root() -> Path:
     return Path(home) / "jointclosure"
 
 
-numba.config.CACHE_DIR = str(cache_folder())
+numba.config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]
 
 
 class _Announcement(event.Listener):
     """Says once that kernels are being compiled, as nothing else happens meanwhile; counts them."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.count = 0
 
-    def on_start(self, event):
+    def on_start(self, event: event.Event) -> None:
         self.count += 1
         if self.count == 1:
             logging.getLogger("jointclosure").warning(
                 "jointclosure: compiling kernels, once for this version (up to a minute)"
             )
 
-    def on_end(self, event):
+    def on_end(self, event: event.Event) -> None:
         pass
 
 
 _announcement = _Announcement()
-event.register("numba:compile", _announcement)
+event.register("numba:compile", _announcement)  # type: ignore[no-untyped-call]
 
 
 def compiles() -> int:
@@ -79,7 +80,7 @@ def compiles() -> int:
     return _announcement.count
 
 
-def kernel(function: Callable) -> Callable:
+def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a numerical kernel: cached on disk, serial, IEEE arithmetic.
 
     Divisions follow numpy (no exception on 0/0), so a kernel guards its own
@@ -97,6 +98,6 @@ def kernel(function: Callable) -> Callable:
         f"_{name}_{value}" for name, value in flags if isinstance(value, bool)
     )
     compiled = numba.njit(function, cache=True, error_model="numpy", nogil=True, forceinline=True)
-    if numba.config.DISABLE_JIT:
+    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         return np.errstate(divide="ignore", invalid="ignore", over="ignore")(compiled)
     return compiled

@@ -15,15 +15,18 @@ import subprocess
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import netCDF4
 import pandas as pd
 import xarray as xr
-from matplotlib.figure import Figure
 
 from jointclosure.files import atomically, check_seal, seal
 from jointclosure.inputs import InputError
 from jointclosure.sources import PACKAGE, package_digest
+
+if TYPE_CHECKING:  # a job that draws nothing does not load it
+    from matplotlib.figure import Figure
 
 _CHUNK_CACHE = 1_000_000
 """Bytes of a variable that netCDF keeps in memory while blocks are written, instead of 64 MB."""
@@ -124,8 +127,8 @@ def _growing_netcdf(
         first.to_netcdf(path, engine="netcdf4", encoding=encoding, unlimited_dims=[dimension])
         file = netCDF4.Dataset(path, "a")
     try:
-        for variable in file.variables.values():
-            variable.set_var_chunk_cache(_CHUNK_CACHE)
+        for stored in file.variables.values():
+            stored.set_var_chunk_cache(_CHUNK_CACHE)
         yield file
     except BaseException:
         with contextlib.suppress(RuntimeError):  # the first error is the one to be told
@@ -138,14 +141,14 @@ def _growing_netcdf(
 def _put(file: netCDF4.Dataset, region: xr.Dataset, place: dict[str, slice | int]) -> None:
     """Write those variables of a dataset that have a dimension of its place."""
     for name, variable in region.variables.items():
-        dimensions = file[name].dimensions
+        dimensions = file[str(name)].dimensions
         if set(dimensions) & set(place) & set(variable.dims):
             index = tuple(place.get(size, slice(None)) for size in dimensions)
             with _netcdf_errors():
-                file[name][index] = variable.values
+                file[str(name)][index] = variable.values
 
 
-def _compression(dataset: xr.Dataset) -> dict:
+def _compression(dataset: xr.Dataset) -> dict[Any, dict[str, Any]]:
     return {
         name: {"zlib": True, "complevel": 1}
         for name, variable in dataset.variables.items()
@@ -215,13 +218,13 @@ def write_text(text: str, path: str | Path) -> None:
     atomically(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
 
 
-def save_figure(figure: Figure, path: str | Path) -> None:
+def save_figure(figure: "Figure", path: str | Path) -> None:
     """Write a figure in the format of its path, without the time of day in it."""
     metadata = {"CreationDate": None} if Path(path).suffix == ".pdf" else None
     atomically(path, lambda temporary: figure.savefig(temporary, metadata=metadata))
 
 
-def provenance(configuration: dict) -> dict[str, str]:
+def provenance(configuration: dict[str, Any]) -> dict[str, str]:
     """Attributes that say where a dataset comes from.
 
     Those with the prefix ``provenance_`` may differ between two runs of the
@@ -231,8 +234,9 @@ def provenance(configuration: dict) -> dict[str, str]:
     study = dict(configuration["study"])
     split = study.pop("realizations_per_job", None)
     configuration = configuration | {"study": study}
-    packages = ("jointclosure", "numpy", "numba", "scipy", "xarray", "netCDF4", "snakemake")
-    versions = {name: importlib.metadata.version(name) for name in packages}
+    versions = versions_of(
+        "jointclosure", "numpy", "numba", "scipy", "xarray", "netCDF4", "snakemake"
+    )
     return {
         "Conventions": "CF-1.11",
         "configuration": json.dumps(configuration, sort_keys=True),
@@ -243,6 +247,15 @@ def provenance(configuration: dict) -> dict[str, str]:
         "provenance_realizations_per_job": str(split),
         "provenance_machine": f"{platform.system()} {platform.machine()}, {_processor()}",
     }
+
+
+def versions_of(*packages: str) -> dict[str, str]:
+    """Versions of those of some packages that are installed."""
+    versions = {}
+    for name in packages:
+        with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # of an extra
+            versions[name] = importlib.metadata.version(name)
+    return versions
 
 
 def _commit() -> str:

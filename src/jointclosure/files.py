@@ -32,7 +32,7 @@ class DamagedFileError(OSError):
     """A file that is not as it was written."""
 
 
-def atomically(path: str | Path, write: Callable[[Path], None]) -> None:
+def atomically(path: str | Path, write: Callable[[Path], object]) -> None:
     """Call ``write`` with a temporary path, then rename it to ``path``.
 
     Where several processes write the same path, the last one to finish stays.

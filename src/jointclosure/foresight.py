@@ -48,10 +48,11 @@ def check_foreseen(joint: Joint, numerics: Numerics, max_normal_stress: float, c
             f"be at least {least:.3g} m, and later_displacement_step as much, or most_steps larger"
         )
     strength = largest_strength(joint, numerics)
-    if strength < max_normal_stress and numerics.most_breakage_steps < _CRUSHING:
-        least = joint.choices.largest_radius * math.sqrt(max_normal_stress / strength)
+    radius = joint.choices.largest_radius
+    if radius and strength < max_normal_stress and numerics.most_breakage_steps < _CRUSHING:
+        least = radius * math.sqrt(max_normal_stress / strength)
         raise InputError(
-            f"largest_radius = {joint.choices.largest_radius!r} m: all cells together bear "
+            f"largest_radius = {radius!r} m: all cells together bear "
             f"{strength:.3g} Pa at such radii, less than max_normal_stress = "
             f"{max_normal_stress:g} Pa, and resolved breakage takes practically for ever to crush "
             f"them; must be at least {least:.2g} m (or None, or breakage = 'fixed_step', or "

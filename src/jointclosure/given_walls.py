@@ -61,9 +61,9 @@ def _aligned(upper, lower) -> tuple:
     if set(upper.dims) != set(lower.dims):
         raise InputError(f"upper and lower: dimensions {upper.dims} and {lower.dims} must be equal")
     lower = lower.transpose(*upper.dims)
-    for name in upper.dims:
-        if name in upper.coords and name in lower.coords:
-            _check_coordinates(str(name), upper[name].values, lower[name].values)
+    for axis in upper.dims:
+        if axis in upper.coords and axis in lower.coords:
+            _check_coordinates(str(axis), upper[axis].values, lower[axis].values)
     return upper, lower
 
 

@@ -1,7 +1,7 @@
 """What a simulation is told: rocks, effects, choices and numerics, all in SI."""
 
-from collections.abc import Iterator
-from typing import Literal, NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import Literal, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -112,7 +112,10 @@ class Numerics(NamedTuple):
     most_breakage_steps: float = 1e6
 
 
-def in_double(settings):
+_Settings = TypeVar("_Settings", Rock, Choices, Numerics)
+
+
+def in_double(settings: _Settings) -> _Settings:
     """A `Rock`, `Choices` or `Numerics` with its numbers as Python's own.
 
     A numpy.float32 in it would otherwise make single precision of all that it
@@ -129,7 +132,7 @@ def in_double(settings):
     )
 
 
-def both_walls(rock) -> tuple[Rock, Rock]:
+def both_walls(rock: Rock | Sequence[Rock]) -> tuple[Rock, Rock]:
     """(upper, lower) rocks, from one rock or a pair of rocks.
 
     Raises

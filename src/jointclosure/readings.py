@@ -4,7 +4,7 @@ Seating never changes the history; it is a way of reading it.
 """
 
 import numpy as np
-import scipy.interpolate
+import scipy
 
 from jointclosure.protocol import LOADING, UNLOADING
 
@@ -47,7 +47,9 @@ def last_crossing(stress: np.ndarray, closure: np.ndarray, level: float) -> floa
     return _between(stress, closure, before, before + 1, level)
 
 
-def _between(stress, closure, before: int, after: int, level: float) -> float:
+def _between(
+    stress: np.ndarray, closure: np.ndarray, before: int, after: int, level: float
+) -> float:
     rise = stress[after] - stress[before]
     part = (level - stress[before]) / rise
     return float(closure[before] + part * (closure[after] - closure[before]))

@@ -2,10 +2,12 @@
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from jointclosure.foresight import check_foreseen
 from jointclosure.given_walls import checked_walls
@@ -19,6 +21,7 @@ from jointclosure.parameters import (
     Choices,
     Effects,
     Numerics,
+    Rock,
     both_walls,
     check_choices,
     check_numerics,
@@ -36,10 +39,10 @@ from jointclosure.protocol import (
 )
 from jointclosure.readings import cycle_readings, unloading_excess
 from jointclosure.solvers.interaction_operator import interaction_field
-from jointclosure.solvers.joint import Joint, Solver
+from jointclosure.solvers.joint import Joint, Settled, Solver
 from jointclosure.solvers.registry import SOLVERS, solver_named
 
-ATTRIBUTES: dict[str, dict] = {
+ATTRIBUTES: dict[str, dict[str, Any]] = {
     name: {"long_name": text, "units": unit}
     for name, unit, text in (
         ("closure", "m", "closure from first touch"),
@@ -85,11 +88,11 @@ ATTRIBUTES["status"] = {
 
 
 def simulate(
-    upper,
-    lower,
+    upper: ArrayLike,
+    lower: ArrayLike,
     *,
     spacing: float,
-    rock,
+    rock: Rock | Sequence[Rock],
     max_normal_stress: float,
     cycles: int = 2,
     seating_stress: float = 0.0,
@@ -177,11 +180,11 @@ def simulate(
 
 def simulate_by(
     solver_of: Callable[[str], Solver],
-    upper,
-    lower,
+    upper: ArrayLike,
+    lower: ArrayLike,
     *,
     spacing: float,
-    rock,
+    rock: Rock | Sequence[Rock],
     max_normal_stress: float,
     cycles: int,
     seating_stress: float,
@@ -249,11 +252,11 @@ def height_datum(wall: np.ndarray) -> float:
 
 
 def equilibrium(
-    upper,
-    lower,
+    upper: ArrayLike,
+    lower: ArrayLike,
     *,
     spacing: float,
-    rock,
+    rock: Rock | Sequence[Rock],
     closure: float,
     effects: Effects = Effects(breakage=False, gouge=False),
     choices: Choices = Choices(),
@@ -381,7 +384,9 @@ def _history_dataset(
     )
 
 
-def _at_maxima(settled: list, cycle: np.ndarray, branch: np.ndarray, cycles: int):
+def _at_maxima(
+    settled: list[Settled], cycle: np.ndarray, branch: np.ndarray, cycles: int
+) -> Callable[[str], np.ndarray]:
     """Reader of a field of `Settled` at the maxima (cycles,), NaN where not reached."""
     where = []
     for number in range(1, cycles + 1):
@@ -394,14 +399,14 @@ def _at_maxima(settled: list, cycle: np.ndarray, branch: np.ndarray, cycles: int
     return read
 
 
-def _grid(shape: tuple[int, int], spacing: float) -> dict:
+def _grid(shape: tuple[int, int], spacing: float) -> dict[str, Any]:
     return {
         name: (name, np.arange(size) * spacing, {"long_name": f"{name} of the cell", "units": "m"})
         for name, size in zip(("y", "x"), shape, strict=True)
     }
 
 
-def _check_steps(upper, lower, numerics: Numerics) -> None:
+def _check_steps(upper: np.ndarray, lower: np.ndarray, numerics: Numerics) -> None:
     """Refuse displacement steps that rounding of the heights would swallow."""
     resolution = float(np.spacing(np.abs(upper).max() + np.abs(lower).max()))
     for name in ("displacement_step", "later_displacement_step"):
@@ -412,7 +417,9 @@ def _check_steps(upper, lower, numerics: Numerics) -> None:
             )
 
 
-def _check_load(spacing, max_normal_stress, cycles, seating_stress) -> None:
+def _check_load(
+    spacing: float, max_normal_stress: float, cycles: int, seating_stress: float
+) -> None:
     check_length("spacing", spacing)
     check_number("max_normal_stress", max_normal_stress)
     if not 0.0 < max_normal_stress < math.inf:

@@ -18,7 +18,7 @@ def rock_table(rocks: dict[str, StudyRock]) -> pd.DataFrame:
     """The paper's Table 1: rocks and their properties, with the maximum stress."""
     rows = []
     for name, rock in rocks.items():
-        row = {"rock": name, "title": rock.title}
+        row: dict[str, object] = {"rock": name, "title": rock.title}
         row |= {
             key_of(each): in_unit(getattr(rock.intact, each), PROPERTIES[each].unit)
             for each in Rock._fields
@@ -48,8 +48,8 @@ def case_table(rocks: dict[str, StudyRock]) -> pd.DataFrame:
             levels, unit = rock.levels[parameter], PROPERTIES[parameter].unit
             own = base_case(name, rock).property(parameter)
             for level, value in zip(level_names(levels, own), levels, strict=True):
-                about = {"rock": name, "parameter": parameter, "level": level}
-                rows.append(about | {"value": in_unit(value, unit), "unit": unit})
+                where = {"rock": name, "parameter": parameter, "level": level}
+                rows.append({**where, "value": in_unit(value, unit), "unit": unit})
     return pd.DataFrame(rows, columns=["rock", "parameter", "level", "value", "unit"])
 
 
@@ -114,7 +114,7 @@ def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd
     )
     found = {(row.parameter, row.cycle, row.rock): row for _, row in table.iterrows()}
     cycles = sorted(table.cycle.unique())
-    rows = {}
+    rows: dict[str, dict[tuple[int, str], str]] = {}
     for parameter in PARAMETERS:
         if not (table.parameter == parameter).any():
             continue

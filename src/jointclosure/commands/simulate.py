@@ -3,6 +3,7 @@
 import argparse
 import time
 from pathlib import Path
+from typing import Any
 
 import xarray as xr
 
@@ -16,7 +17,6 @@ from jointclosure.ensemble.settings import Case
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.inputs import InputError
 from jointclosure.parameters import Effects
-from jointclosure.plotting.joint import closure_curve
 from jointclosure.progress import bar, duration
 from jointclosure.protocol import FAILURE, LOADING
 from jointclosure.surface.synthesis import wall_pair
@@ -111,6 +111,8 @@ def run(arguments) -> int:
     """Close the joint; 1 where the simulation failed."""
     _check_destination(arguments.output, (".nc",))
     _check_destination(arguments.picture, _PICTURES)
+    if arguments.picture:  # drawing takes a second to load, and an extra that may be missing
+        from jointclosure.plotting.joint import closure_curve
     settings = _settings(arguments)
     configuration = settings.typed
     case, grid = cases_of(configuration)[0], configuration.grid
@@ -161,7 +163,7 @@ def _changes(arguments) -> dict:
     if arguments.without:  # the rock's own settings go before the study's
         own["effects"] = dict.fromkeys(arguments.without, False)
     name = arguments.rock or _UNNAMED
-    changes = {
+    changes: dict = {
         "study": {"rocks": [name]},
         "rocks": {name: own},
         "grid": dict(zip(("cells_x", "cells_y"), given.get("cells", ()), strict=False)),
@@ -224,7 +226,7 @@ def _setting(text: str) -> dict:
     key, equals, value = text.partition("=")
     if not equals or not key:
         raise argparse.ArgumentTypeError(f"{text!r}: must be as in numerics.breakage=resolved")
-    setting = value_of(value)
+    setting: Any = value_of(value)
     for part in reversed(key.split(".")):
         setting = {part: setting}
     return setting

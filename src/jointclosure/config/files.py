@@ -21,7 +21,7 @@ class ConfigurationError(InputError):
     """A configuration that cannot be run; the message lists all that is wrong."""
 
 
-class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):
+class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
     """Plain YAML, without what YAML reads otherwise than it looks: said, and refused."""
 
     def construct_mapping(self, node, deep=False):
@@ -67,7 +67,7 @@ def read_plain(path: str | Path) -> dict:
     except FileNotFoundError:
         raise ConfigurationError(f"{path}: there is no such file") from None
     except OSError as error:
-        raise ConfigurationError(f"{path}: {error.strerror.lower()}") from None
+        raise ConfigurationError(f"{path}: {(error.strerror or str(error)).lower()}") from None
     except UnicodeDecodeError as error:
         raise ConfigurationError(
             f"{path}: is not UTF-8 text (byte {error.object[error.start]:#04x} at "

@@ -37,7 +37,7 @@ def problems(keys: type[pydantic.BaseModel], settings: dict) -> list[str]:
     try:
         keys.model_validate(settings)
     except pydantic.ValidationError as error:
-        found: dict[tuple, list[dict]] = {}
+        found: dict[tuple, list] = {}
         for each in error.errors(include_url=False):
             path, kind = _path(each["loc"], settings), _kind(each["type"])
             if kind == "missing":  # one line for all that a section lacks

@@ -85,10 +85,10 @@ def close_surfaces(
         few = slice(first, first + _TOGETHER)
         rows = []
         for number, realization in enumerate(realizations[few], start=first):
-            walls = [surfaces[name][number].values for name in ("upper", "lower")]
+            upper, lower = (surfaces[name][number].values for name in ("upper", "lower"))
             again = f"; to repeat it: {repeated_by} {realization}" if repeated_by else ""
             try:
-                row = close_pair(*walls, stresses, conditions)
+                row = close_pair(upper, lower, stresses, conditions)
             except Exception as error:
                 report(f"realisation {realization}: {type(error).__name__}: {error}{again}")
                 raise

@@ -47,8 +47,9 @@ def prepared_walls(
             wall = filled(wall, settings.missing, settings.largest_filled_share)
         except InputError as error:
             raise InputError(f"{getattr(settings, side)}: {error}") from None
-        if any(other.shape != wall.shape for other in walls.data_vars.values()):
-            sizes = [one.shape for one in (*walls.data_vars.values(), wall)]
+        others = [other.shape for other in walls.data_vars.values()]
+        if any(shape != wall.shape for shape in others):
+            sizes = [*others, wall.shape]
             raise InputError(
                 f"{settings.upper} and {settings.lower}: {sizes[0]} and {sizes[1]} cells "
                 "(y, x) at the grid's spacing; both scans must cover the same, cell by cell"

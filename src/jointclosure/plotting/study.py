@@ -1,10 +1,13 @@
 """Figures of a study. What it means is computed in `jointclosure.studies`."""
 
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import seaborn as sns
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
@@ -156,7 +159,7 @@ def closure_figure(
             xlabel=f"closure since {1e-6 * seating_stress:g} MPa of the cycle's loading (mm)",
             ylabel="normal stress (MPa)",
         )
-    handles = [
+    handles: list[Artist] = [
         plt.Line2D([], [], color=_CYCLE_COLOURS[c], lw=2, label=f"cycle {c}") for c in cycles
     ]
     handles += [
@@ -170,7 +173,7 @@ def closure_figure(
         label = f"Barton-Bandis law, {drawn} (empirical, for mated joints)"
         handles.append(plt.Line2D([], [], color="0.2", lw=1.2, ls=(0, (1, 1.5)), label=label))
     handles += measured_handles(measured)
-    place = {"loc": "outside lower center", "ncols": 3}
+    place: dict[str, Any] = {"loc": "outside lower center", "ncols": 3}
     if columns == 1:  # one rock: the legend has the place of the second
         figure.set_figwidth(2 * figure.get_figwidth())
         place = {"loc": "outside right center"}
@@ -205,7 +208,7 @@ def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
             axes.set_xticks(range(len(names)), [rocks[n].title for n in names], rotation=35)
             axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=9)
             axes.set_ylabel(f"length{PROPERTIES[parameter].in_brackets if len(part) else ''}")
-    handles = [
+    handles: list[Artist] = [
         plt.Line2D([], [], marker="o", ls="", color="C0", label="this study, with 95 % bootstrap"),
         plt.Line2D(
             [], [], marker="o", ls="", mfc="none", color="C0", label="the same, extrapolated root"

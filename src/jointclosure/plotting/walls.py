@@ -5,6 +5,7 @@ import matplotlib.ticker
 import numpy as np
 import seaborn as sns
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from jointclosure.surface.measures import Increments
 
@@ -38,7 +39,9 @@ def roughness_figure(heights: np.ndarray, spacing: float, found: Increments, tit
     _draw_increments(panels[2], found)
     figure.suptitle(title, parse_math=False)  # a file's name is no formula
     sns.despine(figure)
-    figure.get_layout_engine().set(wspace=0.06)
+    layout = figure.get_layout_engine()
+    if isinstance(layout, ConstrainedLayoutEngine):
+        layout.set(wspace=0.06)
     return figure
 
 

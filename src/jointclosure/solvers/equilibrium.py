@@ -21,7 +21,7 @@ Lagrange multiplier: the closure at which the joint carries that force.
 import math
 
 import numpy as np
-import scipy.optimize
+import scipy
 
 from jointclosure.solvers.contacts import (
     Contacts,

@@ -209,7 +209,9 @@ class Solver(Protocol):
     solver can only step.
     """
 
-    elastic_curve: Callable[["Joint", np.ndarray], list[Settled]] | None
+    @property
+    def elastic_curve(self) -> Callable[["Joint", np.ndarray], list[Settled]] | None:
+        """See above."""
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
         """Change the joint's walls and forces so that it rests at the closure [m]."""

@@ -1,6 +1,6 @@
 """How two walls fit each other: correlation of slopes over shifts, of heights over wavelengths."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.fft
@@ -125,7 +125,7 @@ def _slopes(field: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.diff(field, axis=1)[:-1], np.diff(field, axis=0)[:, :-1]
 
 
-def _masked_moments(fixed: np.ndarray, moved: np.ndarray, least_overlap: float):
+def _masked_moments(fixed: np.ndarray, moved: np.ndarray, least_overlap: float) -> Any:
     """Sums of the product and of the squares, less their means, where both are known."""
     size = [
         scipy.fft.next_fast_len(a + b - 1, True)

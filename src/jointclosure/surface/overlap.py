@@ -1,9 +1,9 @@
 """Two clouds of points in one frame, z upwards: the walls where both are known."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.ndimage
+import scipy
 
 from jointclosure.inputs import InputError
 from jointclosure.surface.measured import LARGEST_TILT, REACH, filled, heights_between
@@ -61,7 +61,7 @@ def overlap_of(
     nodes = np.stack(
         np.meshgrid(low[0] + spacing * np.arange(nx), low[1] + spacing * np.arange(ny)), axis=-1
     )
-    plane = 0.5 * sum(_plane(cloud, low, high) for cloud in (upper, lower))
+    plane = 0.5 * (_plane(upper, low, high) + _plane(lower, low, high))
     inclination = float(np.degrees(np.arctan(np.hypot(plane[0], plane[1]))))
     if inclination > LARGEST_TILT:
         raise InputError(
@@ -131,7 +131,7 @@ def _slope(wall: np.ndarray) -> np.ndarray:
     return np.array([plane[1, 0] - plane[0, 0], plane[0, 1] - plane[0, 0]])
 
 
-def _without_holes(walls: list[np.ndarray], largest_share: float):
+def _without_holes(walls: list[np.ndarray], largest_share: float) -> Any:
     """Walls whose holes are filled where they are few enough, and which cells of each were."""
     filled_walls, holes = [], []
     for wall in walls:

@@ -166,19 +166,24 @@ def registered(
         distances.append(point_distance(scan))
     spacing = max(distances) if spacing is None else float(spacing)
     placed = [_Placed.of(cloud, spacing) for cloud in clouds]
-    fits = _compared(*placed, spacing)
+    fits = _compared(placed[0], placed[1], spacing)
     name = _chosen(fits, orientation, report)
     whole_cells = all(isinstance(scan, Scan) for scan in (upper, lower))
-    best = _refined(*placed, spacing, next(fit for fit in fits if fit.orientation == name))
+    best = _refined(
+        placed[0], placed[1], spacing, next(fit for fit in fits if fit.orientation == name)
+    )
     mated = best.whole if whole_cells else best.exact
     moved = shift == "mated" or (shift is None and name != "common_frame")
     applied = mated if moved else (0.0, 0.0)
     report.append(_shift_said(mated, moved))
     turned = _oriented(clouds[0], placed[0], spacing, ORIENTATIONS[name])
     found = overlap_of(
-        turned + np.array([applied[1], applied[0], 0.0]), clouds[1], spacing, tuple(distances),
+        turned + np.array([applied[1], applied[0], 0.0]),
+        clouds[1],
+        spacing,
+        (distances[0], distances[1]),
         largest_filled_share,
-    )  # fmt: skip
+    )
     return _described(found, spacing, name, fits, applied, mated, report)
 
 

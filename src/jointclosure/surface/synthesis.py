@@ -25,12 +25,14 @@ def self_affine_field(
     ``oversize`` times as long, of which a corner is cropped, so that opposite
     edges are not neighbours.
     """
-    size = tuple(oversize * max(n, 2) for n in shape)
+    size = (oversize * max(shape[0], 2), oversize * max(shape[1], 2))
     waves = _self_affine_waves(size, hurst, random)
     return scipy.fft.irfft2(waves, s=size, workers=1)[: shape[0], : shape[1]]
 
 
-def _self_affine_waves(size: tuple[int, int], hurst: float, random: np.random.Generator):
+def _self_affine_waves(
+    size: tuple[int, int], hurst: float, random: np.random.Generator
+) -> np.ndarray:
     """Fourier coefficients of self-affine heights on a periodic grid, as of `scipy.fft.rfft2`."""
     wave = _wave_numbers(size)
     wave[0, 0] = np.inf
@@ -163,13 +165,13 @@ def wall_pair(
     lower = synthetic_wall(z2, wide, spacing, hurst, generator(seed_of(seed, "lower")), normalise)
     mated = -correlation * np.roll(upper, shift_in_cells, axis=1)
     lower = mated + np.sqrt(1.0 - correlation**2) * lower
-    pair = []
+    walls = []
     for wall in (upper, lower):
         cropped = detrended(wall[:, shift_in_cells:]) if shift_in_cells else wall
         if normalise == "wall" and (shift_in_cells or correlation):
             cropped = cropped * (z2 / rms_slope(cropped, spacing))
-        pair.append(np.ascontiguousarray(cropped))
-    return pair[0], pair[1]
+        walls.append(np.ascontiguousarray(cropped))
+    return walls[0], walls[1]
 
 
 def _partly_mated(
@@ -179,7 +181,7 @@ def _partly_mated(
 
     They are as wide as asked for less the shift, by which the upper wall's waves lie further on.
     """
-    size = tuple(2 * max(n, 2) for n in wide)
+    size = (2 * max(wide[0], 2), 2 * max(wide[1], 2))
     upper, other = (
         _self_affine_waves(size, hurst, generator(seed_of(seed, side)))
         for side in ("upper", "lower")
@@ -196,7 +198,13 @@ def _check_normalise(normalise: str) -> None:
         raise InputError(f"normalise = {normalise!r}: must be one of wall, expectation")
 
 
-def _check(shape, spacing, hurst, correlation, shift_in_cells) -> None:
+def _check(
+    shape: tuple[int, int],
+    spacing: float,
+    hurst: float,
+    correlation: float,
+    shift_in_cells: int,
+) -> None:
     if not isinstance(shape, tuple | list) or len(shape) != 2:
         raise InputError(f"shape = {shape!r}: must be (cells along y, cells along x)")
     for size in shape:

@@ -33,7 +33,7 @@ from jointclosure.simulation import equilibrium, height_datum, simulate_by
 from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import CONVERGED, Joint, Settled
-from jointclosure.solvers.registry import SOLVERS, solver_named
+from jointclosure.solvers.registry import solver_named
 from jointclosure.verification import oracle
 from jointclosure.verification.hard_case_keys import CaseKeys, HardCasesKeys
 from jointclosure.verification.hard_walls import hard_walls
@@ -394,7 +394,7 @@ def tolerances_of(case: dict) -> dict[str, float]:
     numerics = Numerics(**case["numerics"])
     residual = numerics.force_tolerance
     by_stress = not case["effects"]["breakage"] and case["closure"] is None
-    if by_stress and SOLVERS[numerics.solver].elastic_curve:
+    if by_stress and solver_named(numerics.solver).elastic_curve:
         residual = min(residual, ELASTIC_TOLERANCE)
     return {
         "residual": residual,

@@ -97,7 +97,8 @@ def hard_walls(
     jrc, seed
         Of the random kinds.
     """
-    shape = tuple(cells)
+    rows, columns = cells
+    shape = (rows, columns)
     if kind == "self_affine":
         return wall_pair(jrc, shape, spacing, seed=seed)
     if kind == "mated":
