@@ -65,6 +65,8 @@ def prepared_walls(
             "jrc": jrc_of_z2(z2, spacing, hurst, jrc_relation),
             "jrc_relation": jrc_relation,
         }
+        if scan.remarks:  # what was left out in reading is told beside the results
+            about["remarks"] = "; ".join(scan.remarks)
         walls[side] = (("y", "x"), sign * wall, about)
     missing = {"upper", "lower"} - set(scans)
     if missing:

@@ -14,7 +14,14 @@ from jointclosure.mechanics.contact import asperity_compliance, force_of_overlap
 from jointclosure.mechanics.gouge import drops, passed_share, shed, upper_share
 from jointclosure.mechanics.strength import is_overstressed
 from jointclosure.solvers.cells import is_peak, neighbourhood, overlapping_cells, wall_curvature
-from jointclosure.solvers.joint import CONVERGED, NOT_CONVERGED, RIGID_CONTACT, Joint, Settled
+from jointclosure.solvers.joint import (
+    CONVERGED,
+    NOT_CONVERGED,
+    RIGID_CONTACT,
+    Effort,
+    Joint,
+    Settled,
+)
 
 MOST_SWEEPS = 100_000
 
@@ -35,9 +42,9 @@ def displacement_by_others(table, force, y, x):
 def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_peaks: bool):
     """Kernel of steps 2 to 5 of the paper at one closure.
 
-    Signature ``(upper, lower, offset, peaks, force, pushed, table, law,
+    Signature ``(upper, lower, offset, peaks, force, elastic_displacement, table, law,
     breakage_step, tie_tolerance, tolerance, most_sweeps) -> (sweeps, breakage
-    steps, converged, confined)``; walls, forces [N] and interaction ``pushed``
+    steps, converged, confined)``; walls, forces [N] and interaction ``elastic_displacement``
     [m], all (y, x), are changed in place.
     """
 
@@ -48,7 +55,7 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
         offset,
         peaks,
         force,
-        pushed,
+        elastic_displacement,
         table,
         law,
         breakage_step,
@@ -75,13 +82,13 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
                 # 3. deformation, interaction and force of each
                 y, x = divmod(cells[i], nx)
                 if interaction:
-                    pushed[y, x] = displacement_by_others(table, force, y, x)
+                    elastic_displacement[y, x] = displacement_by_others(table, force, y, x)
                 neighbourhood(upper, y, x, around_upper)
                 neighbourhood(lower, y, x, around_lower)
                 steps = 0
                 confined[y, x] = False
                 while True:
-                    overlap = upper[y, x] + lower[y, x] + offset - pushed[y, x]
+                    overlap = upper[y, x] + lower[y, x] + offset - elastic_displacement[y, x]
                     state = peaks[y, x]
                     if current_peaks:
                         state = 2 * is_peak(upper[y, x], around_upper)
@@ -196,4 +203,5 @@ class ReferenceSolver:
         outcome = CONVERGED if converged else NOT_CONVERGED
         if not np.all(np.isfinite(joint.force)):
             outcome = RIGID_CONTACT
-        return joint.describe(closure, outcome, broken, confined, sweeps)
+        effort = Effort(settled=1, rounds=sweeps, products=sweeps, breakage_steps=broken)
+        return joint.describe(closure, outcome, confined, effort)

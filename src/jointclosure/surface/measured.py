@@ -132,11 +132,19 @@ def _gridded(points: np.ndarray, spacing: float, reach: float, bounds) -> np.nda
     nodes = np.stack(
         np.meshgrid(low[0] + spacing * np.arange(nx), low[1] + spacing * np.arange(ny)), axis=-1
     )
+    return heights_between(points[:, :2], heights, nodes, reach)
+
+
+def heights_between(places: np.ndarray, heights: np.ndarray, nodes: np.ndarray, reach: float):
+    """Heights at nodes (..., 2), linear in the triangles between places (n, 2) of known heights.
+
+    NaN beyond all triangles and farther than ``reach`` from every place; all in metres.
+    """
     # Delaunay's triangles are found best for coordinates of order one about zero
-    centre, scale = points[:, :2].mean(axis=0), np.ptp(points[:, :2])
-    between = scipy.interpolate.LinearNDInterpolator((points[:, :2] - centre) / scale, heights)
+    centre, scale = places.mean(axis=0), np.ptp(places)
+    between = scipy.interpolate.LinearNDInterpolator((places - centre) / scale, heights)
     wall = between((nodes - centre) / scale)
-    nearest = scipy.spatial.cKDTree(points[:, :2]).query(nodes, distance_upper_bound=reach)[0]
+    nearest = scipy.spatial.cKDTree(places).query(nodes, distance_upper_bound=reach)[0]
     return np.where(np.isfinite(nearest), wall, np.nan)
 
 

@@ -75,6 +75,8 @@ class NumericsKeys(Keys):
     sweep_tolerance: float = entry(_AS)
     tolerance: float = entry(_AS)
     curve_points: int = entry(_AS)
+    most_steps: float = entry(_AS)
+    most_breakage_steps: float = entry(_AS)
 
 
 class SameAsKeys(Keys):
