@@ -17,8 +17,8 @@ CELLS = (12, 12)
 def closed(walls=None, spacing=SPACING, stress=3e6, radius=None, **numerics):
     walls = jc.wall_pair(8.0, CELLS, SPACING, seed=1) if walls is None else walls
     return jc.simulate(
-        unusual_values=True,
         *walls,
+        unusual_values=True,
         spacing=spacing,
         rock=DOLERITE,
         max_normal_stress=stress,
@@ -59,8 +59,8 @@ def test_an_elastic_curve_takes_no_steps_and_is_never_refused():
     scale = 1e5
     walls = [scale * wall for wall in jc.wall_pair(8.0, CELLS, SPACING, seed=1)]
     found = jc.simulate(
-        unusual_values=True,
         *walls,
+        unusual_values=True,
         spacing=scale * SPACING,
         rock=DOLERITE,
         max_normal_stress=3e6,
