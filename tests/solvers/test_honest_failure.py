@@ -152,6 +152,7 @@ def test_a_step_far_longer_than_all_of_the_closure_still_lands(small_joint, step
             later_breakage_step=0.4 * step,
             breakage=breakage,
         ),
+        unusual_values=True,
     )
     assert int(closed.status) == 0
     assert closed.normal_stress.max() == pytest.approx(stress, rel=1e-3)
@@ -164,7 +165,13 @@ def test_a_target_below_what_rounding_resolves_is_a_failure_that_says_so():
     upper[:8] += 1e3
     lower[:8] += 1e3
     closed = jc.simulate(
-        upper, lower, spacing=SPACING, rock=DOLERITE, max_normal_stress=1e-9, cycles=1
+        upper,
+        lower,
+        spacing=SPACING,
+        rock=DOLERITE,
+        max_normal_stress=1e-9,
+        cycles=1,
+        unusual_values=True,
     )
     assert FLAGS[int(closed.status)] == "stress_not_reached"
     assert np.isnan(closed.max_closure).all()
