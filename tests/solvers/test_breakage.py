@@ -170,7 +170,7 @@ def test_the_returning_loss_brings_a_pair_back_to_its_strength_or_is_all_there_i
             heights[pb.UPPER, k, 0] = around[k - (k > pb.CENTRE)]
             heights[pb.LOWER, k, 0] = around[8 + k - (k > pb.CENTRE)]
     batch.approach[0] = overlap
-    batch.critical_indentation[0] = LAW.bend[0]
+    batch.critical_indentation[0] = LAW.critical_indentation[0]
     batch.substrate_strength[0] = LAW.substrate * LAW.breaking_force[0]
 
     def measured():
@@ -181,7 +181,7 @@ def test_the_returning_loss_brings_a_pair_back_to_its_strength_or_is_all_there_i
         overstressed = is_overstressed(
             batch.overlap[0],
             batch.curvature[:, 0].sum(),
-            LAW.bend[0],
+            LAW.critical_indentation[0],
             LAW.breaking_force[0],
             LAW.substrate,
         )

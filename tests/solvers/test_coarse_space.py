@@ -99,7 +99,7 @@ def test_a_given_interaction_saves_a_product_and_changes_nothing():
     )
     assert misled.residual <= 1e-11
     np.testing.assert_allclose(misled.force, solved.force, atol=1e-9 * solved.force.max())
-    # zero forces are in equilibrium with so large a push: not believed
+    # zero forces are in equilibrium with so large a displacement: not believed
     assert misled.force.sum() > 0.0
 
 

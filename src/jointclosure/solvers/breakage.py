@@ -122,7 +122,7 @@ def strength_limits(upper, lower, cells, curvature, compliance, peaks, law, goug
         if free and curvature[i] > 0.0:
             kind = peaks[y, x]
             square = curvature[i] * curvature[i]
-            strength = law.bend[kind] / curvature[i]
+            strength = law.critical_indentation[kind] / curvature[i]
             if law.substrate > 0.0:  # 0 times an infinite force is not a number
                 strength += law.substrate * law.breaking_force[kind] / square
             limit[i] = force_of_overlap(
@@ -196,7 +196,7 @@ def set_laws(batch, n, some, kind, law):
     """Strength of the pairs at some cells (n,), by whether their cells are soft peaks."""
     for i in range(n):
         own = kind[some[i]]
-        batch.critical_indentation[i] = law.bend[own]
+        batch.critical_indentation[i] = law.critical_indentation[own]
         batch.substrate_strength[i] = law.substrate * law.breaking_force[own]
 
 

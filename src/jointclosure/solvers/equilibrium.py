@@ -12,7 +12,7 @@ These are the optimality conditions of
 strictly convex as A + K is positive definite for a base radius of at most a
 cell (Choices.base_radius_in_cells). So the answer is unique and does not
 depend on the method: docs/decisions/0004-equilibrium.md. The limits C are
-infinite for elastic contacts, and a contact's strength where it may yield.
+infinite for elastic contacts, and a contact's strength where breakage is resolved.
 
 Either the shift is given (0), or the total force is, and the shift is its
 Lagrange multiplier: the closure at which the joint carries that force.

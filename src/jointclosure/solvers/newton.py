@@ -1,4 +1,4 @@
-"""Newton's method for the equilibrium of contacts that push each other down."""
+"""Newton's method for the equilibrium of contacts that displace each other elastically."""
 
 import math
 from typing import NamedTuple
@@ -21,9 +21,9 @@ ROUNDING = 2.0**-52
 class Equilibrium(NamedTuple):
     """Forces [N] and interaction [m] at the cells (n,), and how they came about.
 
-    ``shift`` D [m] is 0 where it was given. ``residual`` is
-    sum |F - psi(g + D - K F)| / sum F, recomputed from the forces returned, and
-    with a given total force T at least |sum F - T| / T. ``products`` counts
+    ``shift`` D [m] is 0 where it was given. ``residual`` is sum |F - G| / sum G with
+    the answers G = min(C, psi(g + D - K F)) to the forces returned, and with a given
+    total force T at least |sum F - T| / sum G. ``products`` counts
     the products with the interaction. ``field`` is the interaction (y, x) [m]
     at all cells of the grid where it came with those of the contacts, or empty.
     """

@@ -94,22 +94,26 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
                         state = 2 * is_peak(upper[y, x], around_upper)
                         state += is_peak(lower[y, x], around_lower)
                         peaks[y, x] = state
-                    bend_upper = wall_curvature(
+                    kappa_upper = wall_curvature(
                         upper[y, x], around_upper, law.least_curvature, law.spacing
                     )
-                    bend_lower = wall_curvature(
+                    kappa_lower = wall_curvature(
                         lower[y, x], around_lower, law.least_curvature, law.spacing
                     )
-                    bend = bend_upper + bend_lower
+                    kappa = kappa_upper + kappa_lower
                     # 4. breakage: 4.3 until the contact holds with its new geometry
                     if not breakage or not overlap > 0.0:
                         break
                     if not is_overstressed(
-                        overlap, bend, law.bend[state], law.breaking_force[state], law.substrate
+                        overlap,
+                        kappa,
+                        law.critical_indentation[state],
+                        law.breaking_force[state],
+                        law.substrate,
                     ):
                         break
                     # 4.1 the pair is lowered, the sharper asperity more
-                    share = upper_share(bend_upper, bend_lower)
+                    share = upper_share(kappa_upper, kappa_lower)
                     if gouge:
                         total_upper, least_upper = drops(
                             upper[y, x], around_upper, tie_tolerance, falls_upper
@@ -137,7 +141,7 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
                     upper[y, x] -= loss_upper
                     lower[y, x] -= loss_lower
                     steps += 1
-                compliance = asperity_compliance(bend, law.asperity_modulus[state])
+                compliance = asperity_compliance(kappa, law.asperity_modulus[state])
                 answer = force_of_overlap(overlap, law.substrate, compliance)[0]
                 if answer != force[y, x]:
                     difference = abs(answer - force[y, x])
