@@ -13,7 +13,12 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # type checkers and `jointclosure.sources` read these imports, Python does not
     from jointclosure.inputs import InputError
-    from jointclosure.parameters import Choices, Effects, Numerics, Rock
+    from jointclosure.parameters import (
+        Choices,
+        Effects,
+        Numerics,
+        Rock,
+    )
     from jointclosure.simulation import equilibrium, simulate
     from jointclosure.statistics.indifference import indifference_interval
     from jointclosure.studies.effects.choice import choose_effects

@@ -25,7 +25,7 @@ def real_array(name: str, values: ArrayLike) -> np.ndarray:
         raise InputError(f"{name}: has masked values; fill or crop them first")
     try:
         given = np.asarray(values)
-    except ValueError as error:
+    except (TypeError, ValueError) as error:
         raise InputError(f"{name}: is not an array of numbers ({error})") from None
     if given.dtype.kind not in "fiu":
         raise InputError(

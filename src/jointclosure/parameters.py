@@ -89,6 +89,11 @@ class Numerics(NamedTuple):
     Without breakage the fast solver takes no steps: it solves for
     ``curve_points`` evenly spaced stresses up to the maximum, to a residual of
     1e-10 or the ``force_tolerance``, whichever is smaller.
+
+    A simulation ends with a status that says so beyond ``most_steps`` displacement
+    steps, or ``most_breakage_steps`` breakage steps for each of its cells. Where it can
+    be foreseen that it will, it is refused; infinity lifts a bound. By default they are
+    some thousand times what the paper's joints take.
     """
 
     displacement_step: float = 12.5e-6
@@ -103,6 +108,8 @@ class Numerics(NamedTuple):
     curve_points: int = 20
     breakage: Literal["fixed_step", "resolved"] = "fixed_step"
     tolerance: float = 0.02
+    most_steps: float = 1e5
+    most_breakage_steps: float = 1e6
 
 
 _Settings = TypeVar("_Settings", Rock, Choices, Numerics)
@@ -265,6 +272,10 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
         raise InputError("breakage = 'resolved': not with target = 'interpolate'; use equilibrate")
     check_one_of("target", numerics.target, ("equilibrate", "interpolate"))
     check_one_of("solver", numerics.solver, solvers)
+    for name in ("most_steps", "most_breakage_steps"):
+        check_number(name, getattr(numerics, name))
+        if not getattr(numerics, name) >= 1.0:
+            raise InputError(f"{name} = {getattr(numerics, name)!r}: must be at least 1")
     for name in ("stress_tolerance", "force_tolerance", "sweep_tolerance"):
         check_number(name, getattr(numerics, name))
         if not SMALLEST_TOLERANCE <= getattr(numerics, name) < 1.0:

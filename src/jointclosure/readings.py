@@ -20,6 +20,11 @@ def branch_of(cycle: np.ndarray, branch: np.ndarray, number: int, name: str) -> 
     return here
 
 
+def _is_complete(loading: np.ndarray, unloading: np.ndarray, stress: np.ndarray) -> bool:
+    """Whether a cycle was loaded, and unloaded to nothing."""
+    return loading.size > 1 and unloading.size > 1 and float(stress[unloading[-1]]) == 0.0
+
+
 def first_crossing(stress: np.ndarray, closure: np.ndarray, level: float) -> float:
     """Closure [m] where the stress (n,) [Pa] first reaches a level; NaN if never."""
     reached = np.flatnonzero(stress >= level)
@@ -82,7 +87,7 @@ def cycle_readings(
     for index in range(cycles):
         loading = branch_of(cycle, branch, index + 1, LOADING)
         unloading = branch_of(cycle, branch, index + 1, UNLOADING)
-        if loading.size < 2 or unloading.size < 2:
+        if not _is_complete(loading, unloading, stress):
             continue
         seat = first_crossing(stress[loading], closure[loading], seating_stress)
         maximum, end = closure[loading[-1]], closure[unloading[-1]]
@@ -107,7 +112,7 @@ def unloading_excess(
     for index in range(cycles):
         loading = branch_of(cycle, branch, index + 1, LOADING)
         unloading = branch_of(cycle, branch, index + 1, UNLOADING)
-        if loading.size < 2 or unloading.size < 2:
+        if not _is_complete(loading, unloading, stress):
             continue
         # of steps at one closure the last
         at, last = np.unique(closure[loading][::-1], return_index=True)

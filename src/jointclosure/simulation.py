@@ -9,12 +9,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from jointclosure.foresight import check_foreseen
+from jointclosure.given_walls import checked_walls
 from jointclosure.inputs import (
     LENGTHS,
     InputError,
     check_length,
     check_number,
-    real_array,
 )
 from jointclosure.parameters import (
     Choices,
@@ -68,6 +69,9 @@ ATTRIBUTES: dict[str, dict[str, Any]] = {
         ("flat_share", "1", "share of the force on flat contacts at the maximum"),
         ("upper_final", "m", "upper wall at the end, towards the lower"),
         ("lower_final", "m", "lower wall at the end, towards the upper"),
+        ("settled_states", "1", "states brought to rest, those thrown away included"),
+        ("equilibria", "1", "equilibria solved on the way (reference: sweeps)"),
+        ("newton_steps", "1", "steps of Newton's method"),
         ("breakage_steps", "1", "breakage steps taken"),
         ("confined_contacts", "1", "largest number of confined contacts at a step"),
         ("solver_iterations", "1", "products with the interaction, or sweeps (reference)"),
@@ -107,7 +111,8 @@ def simulate(
         float or integer type is promoted to float64, which does not bring
         back digits: single precision resolves heights of 1e-3 m to 6e-11 m,
         a thousandth of the overlap at which a flank breaks. Complex, object,
-        boolean and masked heights are refused.
+        boolean and masked heights are refused. Of an `xarray.DataArray` the
+        dimensions count by name, and both walls' coordinates have to agree.
     spacing : float
         Grid spacing h [m].
     rock : Rock or (Rock, Rock)
@@ -145,7 +150,8 @@ def simulate(
     Raises
     ------
     InputError
-        An argument out of its range, before any computing.
+        An argument out of its range, or more steps to be foreseen than ``numerics``
+        allows, before any computing.
 
     Notes
     -----
@@ -189,7 +195,7 @@ def simulate_by(
     report: Report | None = None,
 ) -> xr.Dataset:
     """`simulate` with a solver of one's own: ``solver_of`` its name gives it."""
-    upper, lower = _checked_walls(upper, lower)
+    upper, lower = checked_walls(upper, lower)
     rock = both_walls(rock)
     check_scene(effects)
     check_numerics(numerics, tuple(SOLVERS))
@@ -210,10 +216,13 @@ def simulate_by(
     datums = height_datum(upper), height_datum(lower)
     upper, lower = upper - datums[0], lower - datums[1]
     joint = Joint(upper, lower, spacing, rock, effects, choices, numerics)
+    solver = solver_of(numerics.solver)
+    if effects.breakage or solver.elastic_curve is None:
+        check_foreseen(joint, numerics, max_normal_stress, int(cycles))
     area = upper.size * spacing**2
     history = run_cycles(
         joint,
-        solver_of(numerics.solver),
+        solver,
         numerics,
         max_normal_stress * area,
         int(cycles),
@@ -277,7 +286,7 @@ def equilibrium(
     InputError
         An argument out of its range, before any computing.
     """
-    upper, lower = _checked_walls(upper, lower)
+    upper, lower = checked_walls(upper, lower)
     rock = both_walls(rock)
     effects = effects._replace(breakage=False, gouge=False)
     check_scene(effects)
@@ -340,9 +349,12 @@ def _history_dataset(
     once = {
         "status": np.int16(history.status),
         "least_force": min(point.least_force for point in settled),
-        "breakage_steps": history.breakage_steps,
+        "settled_states": history.effort.settled,
+        "equilibria": history.effort.rounds,
+        "newton_steps": history.effort.newton_steps,
+        "breakage_steps": history.effort.breakage_steps,
         "confined_contacts": max(point.confined_contacts for point in settled),
-        "solver_iterations": history.iterations,
+        "solver_iterations": history.effort.products,
     }
     walls = {"upper_final": joint.upper, "lower_final": joint.lower}
     variables = {
@@ -392,25 +404,6 @@ def _grid(shape: tuple[int, int], spacing: float) -> dict[str, Any]:
         name: (name, np.arange(size) * spacing, {"long_name": f"{name} of the cell", "units": "m"})
         for name, size in zip(("y", "x"), shape, strict=True)
     }
-
-
-def _checked_walls(upper: ArrayLike, lower: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-    walls = []
-    for name, wall in (("upper", upper), ("lower", lower)):
-        heights = real_array(name, wall)
-        if heights.ndim != 2 or min(heights.shape) < 1 or max(heights.shape) < 3:
-            raise InputError(
-                f"{name}: shape {heights.shape}, must be (y, x) with at least 3 cells one way"
-            )
-        largest = float(np.abs(heights).max())
-        if largest > LENGTHS[1]:
-            raise InputError(f"{name}: a height of {largest!r} m, must be at most {LENGTHS[1]:g} m")
-        walls.append(heights)
-    if walls[0].shape != walls[1].shape:
-        raise InputError(
-            f"upper and lower: shapes {walls[0].shape} and {walls[1].shape} must be equal"
-        )
-    return walls[0], walls[1]
 
 
 def _check_steps(upper: np.ndarray, lower: np.ndarray, numerics: Numerics) -> None:

@@ -286,6 +286,16 @@ class NumericsKeys(Keys):
         ge=1,
         le=100_000,
     )
+    most_steps: float = entry(
+        "Displacement steps of a simulation, beyond which it is refused, or ends as "
+        "too_many_steps.",
+        ge=1,
+    )
+    most_breakage_steps: float = entry(
+        "Breakage steps of a simulation for each of its cells, beyond which it is refused, or "
+        "ends as breakage_not_at_rest.",
+        ge=1,
+    )
 
 
 class StatisticsKeys(Keys):

@@ -6,7 +6,12 @@ needs of it goes through a rule's parameters by `jointclosure.config.plain`.
 
 from typing import NamedTuple
 
-from jointclosure.parameters import Choices, Effects, Numerics, Rock
+from jointclosure.parameters import (
+    Choices,
+    Effects,
+    Numerics,
+    Rock,
+)
 
 SIDES = ("upper", "lower")
 

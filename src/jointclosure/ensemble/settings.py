@@ -12,7 +12,12 @@ from typing import NamedTuple
 from jointclosure.config.plain import to_plain
 from jointclosure.config.typed import Grid, Surface, Walls
 from jointclosure.inputs import InputError
-from jointclosure.parameters import Choices, Effects, Numerics, Rock
+from jointclosure.parameters import (
+    Choices,
+    Effects,
+    Numerics,
+    Rock,
+)
 
 
 class OtherSettingsError(InputError):

@@ -116,7 +116,9 @@ def measure_wall(
         values, remark = _jrc(relation, scatter, spacing, first[0])
         found.append(of(f"JRC, {name}", values, "1", remark))
     for axis in "xy":
-        found.append(of(f"rms curvature along {axis}", 1e-3 * np.sqrt(means["bend", axis]), "1/mm"))
+        found.append(
+            of(f"rms curvature along {axis}", 1e-3 * np.sqrt(means["curvature", axis]), "1/mm")
+        )
     share = np.where(means["peak"] > 0.0, means["peak"], np.nan)
     density = 1e-6 * means["peak"] / spacing**2
     found.append(of("peaks", density, "1/mm2", "higher than all eight neighbours"))
@@ -127,7 +129,7 @@ def measure_wall(
                 means["peak height"] / share / np.sqrt(means["square"]),
                 "rms height",
             ),
-            of("mean curvature of peaks", 1e-3 * means["peak bend"] / share, "1/mm"),
+            of("mean curvature of peaks", 1e-3 * means["peak curvature"] / share, "1/mm"),
         ]
     return found
 
@@ -205,14 +207,14 @@ def _fields(heights: np.ndarray, spacing: float) -> Any:
     """(name, values at cells (y, x), NaN where there is none), one after the other."""
     yield "square", (heights - np.nanmean(heights)) ** 2
     for axis in "xy":
-        yield ("bend", axis), (second_difference(heights, axis, 1) / spacing**2) ** 2
+        yield ("curvature", axis), (second_difference(heights, axis, 1) / spacing**2) ** 2
     curvature = mean_curvature(heights, spacing)
     peaks = peak_cells(heights)
     known = np.isfinite(curvature)
     above = np.where(np.isfinite(heights), heights - np.nanmean(heights), 0.0)
     yield "peak", np.where(known, peaks, np.nan)
     yield "peak height", np.where(known, peaks * above, np.nan)
-    yield "peak bend", np.where(known, np.where(peaks, curvature, 0.0), np.nan)
+    yield "peak curvature", np.where(known, np.where(peaks, curvature, 0.0), np.nan)
 
 
 def _resampled_means(
