@@ -140,6 +140,8 @@ def site_path(here: Path, link: str) -> str | None:
     path = target.relative_to(ROOT).as_posix()
     if path in OUTSIDE:
         return OUTSIDE[path]
+    if target.is_relative_to(ROOT / "docs/notebooks"):
+        return f"notebooks/{target.stem}.md"
     if target.is_relative_to(ROOT / "docs"):
         return target.relative_to(ROOT / "docs").as_posix()
     return f"files/{shown_as(path)}" if target.exists() else None

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from packaging.requirements import Requirement
 
+from jointclosure.commands.doctor import THREADS
 from jointclosure.extras import EXTRAS
 
 ROOT = Path(__file__).parents[2]
@@ -20,6 +21,7 @@ pytestmark = pytest.mark.slow
 
 def run(*words, cwd=None):
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "COV"))}
+    environment |= dict.fromkeys(THREADS, "1")
     return subprocess.run(
         words, cwd=cwd, env=environment, capture_output=True, text=True, check=False
     )

@@ -177,13 +177,9 @@ def registered(
     applied = mated if moved else (0.0, 0.0)
     report.append(_shift_said(mated, moved))
     turned = _oriented(clouds[0], placed[0], spacing, ORIENTATIONS[name])
-    found = overlap_of(
-        turned + np.array([applied[1], applied[0], 0.0]),
-        clouds[1],
-        spacing,
-        (distances[0], distances[1]),
-        largest_filled_share,
-    )
+    raised = turned + np.array([applied[1], applied[0], 0.0])
+    both = (distances[0], distances[1])
+    found = overlap_of(raised, clouds[1], spacing, both, largest_filled_share)
     return _described(found, spacing, name, fits, applied, mated, report)
 
 

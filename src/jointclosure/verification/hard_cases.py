@@ -247,6 +247,7 @@ def row_of(outcome: Outcome, failed: list[str]) -> dict:
         "message": outcome.message,
         "budget_s": case["seconds"],
         "seconds": round(outcome.seconds, 3),
+        "within_budget": outcome.seconds <= case["seconds"],
     }
 
 
