@@ -62,11 +62,11 @@ from yardstick import (
 import jointclosure as jc
 from jointclosure.config.configuration import choices_of, effects_of, numerics_of
 from jointclosure.config.units import to_si
-from jointclosure.dataset import reading_netcdf, write_netcdf_blocks
 from jointclosure.ensemble.cases import Case, wall_seed
 from jointclosure.ensemble.closing import close_surfaces
 from jointclosure.ensemble.surfaces import make_surfaces
 from jointclosure.solvers.fast import FastSolver
+from jointclosure.storage.netcdf import reading_netcdf, write_netcdf_blocks
 
 SIZES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)
 TARGETS = {

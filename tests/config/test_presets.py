@@ -16,8 +16,8 @@ from jointclosure.config.configuration import (
 )
 from jointclosure.config.presets import SCENE, chosen_numerics
 from jointclosure.config.project import decided
-from jointclosure.dataset import read_csv
 from jointclosure.inputs import InputError
+from jointclosure.storage.text import read_csv
 from jointclosure.studies.accuracy.design import merged, settings_of
 from jointclosure.studies.accuracy.presets_table import setting_table
 

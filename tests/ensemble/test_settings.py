@@ -11,7 +11,6 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointclosure.dataset import read_netcdf, write_netcdf_regions
 from jointclosure.ensemble.aggregation import join_cases
 from jointclosure.ensemble.cases import Case, blocks_of, cases_of
 from jointclosure.ensemble.closing import close_surfaces, closing_arguments
@@ -24,6 +23,7 @@ from jointclosure.ensemble.settings import (
     check_settings,
 )
 from jointclosure.ensemble.surfaces import surfaces_of
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf_regions
 from jointclosure.studies.effects.choice import choose_for_case
 from jointclosure.studies.sensitivity.responses import max_closure_table
 

@@ -12,7 +12,6 @@ import xarray as xr
 from jointclosure import Numerics
 from jointclosure.config.configuration import read_schema
 from jointclosure.config.units import to_si
-from jointclosure.dataset import provenance, read_csv
 from jointclosure.ensemble.aggregation import join_cases
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.checks import check_results
@@ -21,6 +20,8 @@ from jointclosure.report.captions import read_caption
 from jointclosure.report.content import Material, content
 from jointclosure.report.page import Picture, render
 from jointclosure.simulation import ATTRIBUTES
+from jointclosure.storage.provenance import provenance
+from jointclosure.storage.text import read_csv
 from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
 from jointclosure.studies.sensitivity.responses import indifference_table, max_closure_table
 from jointclosure.tables import with_paper

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from jointclosure.dataset import write_csv, write_netcdf
+from jointclosure.storage.netcdf import write_netcdf
+from jointclosure.storage.text import write_csv
 
 ROOT = Path(__file__).parents[2]
 PATH = ROOT / "workflow/scripts/write_report.py"

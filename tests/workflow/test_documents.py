@@ -14,9 +14,10 @@ import yaml
 from jointclosure import cli
 from jointclosure.config import configuration
 from jointclosure.config import project as studies
-from jointclosure.dataset import read_csv, read_text, write_netcdf
 from jointclosure.ensemble import closing as ensemble
 from jointclosure.ensemble.cases import cases_of
+from jointclosure.storage.netcdf import write_netcdf
+from jointclosure.storage.text import read_csv, read_text
 from jointclosure.studies.measured.curves import measured_curves
 
 ROOT = Path(__file__).parents[2]

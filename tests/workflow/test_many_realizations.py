@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from jointclosure.config.configuration import read_plain
-from jointclosure.dataset import read_netcdf, write_netcdf
 from jointclosure.ensemble.cases import blocks_of, cases_of
 from jointclosure.ensemble.settings import as_text
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from tests.ensemble.test_settings import ELASTIC, closed_block, settings_of
 
 ROOT = Path(__file__).parents[2]

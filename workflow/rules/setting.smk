@@ -2,7 +2,7 @@
 from pathlib import Path
 
 from jointclosure.sources import code_digest
-from jointclosure.dataset import read_csv, read_text
+from jointclosure.storage.text import read_csv, read_text
 from jointclosure.ensemble import cases
 from jointclosure.config import configuration
 from jointclosure.studies.measured import curves as measured

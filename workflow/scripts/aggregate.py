@@ -7,18 +7,14 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from jointclosure.dataset import (
-    provenance,
-    read_netcdf,
-    read_text,
-    reading_netcdf,
-    write_netcdf_regions,
-)
 from jointclosure.ensemble.aggregation import join_cases, succeeded
 from jointclosure.ensemble.cases import blocks_of, cases_of
 from jointclosure.ensemble.measured_walls import described
 from jointclosure.ensemble.settings import block_settings, check_settings
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf_regions
+from jointclosure.storage.provenance import provenance
+from jointclosure.storage.text import read_text
 
 ROWS = 256
 """Realisations in memory at a time, and compressed together."""

@@ -1,10 +1,11 @@
 """Check the results; what must hold and does not is an error."""
 
 from jointclosure.config.configuration import numerics_of
-from jointclosure.dataset import read_netcdf, write_csv
 from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.ensemble.checks import check_results
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.text import write_csv
 
 
 def main(study: str, settings: dict, output: str, log: Logbook) -> None:

@@ -3,11 +3,11 @@
 import json
 
 from jointclosure.config.configuration import effects_of
-from jointclosure.dataset import write_text
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.settings import block_settings
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.parameters import Effects
+from jointclosure.storage.text import write_text
 from jointclosure.studies.effects.choice import choose_for_case
 
 

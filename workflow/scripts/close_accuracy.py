@@ -1,7 +1,7 @@
 """Close the surfaces of one run of an accuracy study."""
 
-from jointclosure.dataset import write_netcdf
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.studies.accuracy.design import Setting, close_at
 
 

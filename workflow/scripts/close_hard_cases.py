@@ -5,8 +5,8 @@ import sys
 
 import pandas as pd
 
-from jointclosure.dataset import write_csv
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.storage.text import write_csv
 from jointclosure.verification.hard_cases import (
     curve_of,
     failed_requirements,

@@ -1,7 +1,7 @@
 """Close the surfaces of a rock in one scene, at all conditions."""
 
-from jointclosure.dataset import write_netcdf
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.studies.effects.ablation import SCENES, close_scene
 
 

@@ -3,13 +3,14 @@
 import json
 from pathlib import Path
 
-from jointclosure.dataset import read_text, reading_netcdf, write_netcdf_blocks
 from jointclosure.ensemble.cases import Case
 from jointclosure.ensemble.closing import close_surfaces, closing_arguments
 from jointclosure.ensemble.settings import as_text, check_settings
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.progress import Countdown
+from jointclosure.storage.netcdf import reading_netcdf, write_netcdf_blocks
+from jointclosure.storage.text import read_text
 
 
 def main(surfaces: str, chosen: str | None, settings: dict, output: str, log: Logbook) -> None:

@@ -1,9 +1,9 @@
 """Compile every kernel that is needed, before the jobs fan out."""
 
 from jointclosure.compilation import cache_folder
-from jointclosure.dataset import write_text
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.parameters import Choices, scene_of
+from jointclosure.storage.text import write_text
 from jointclosure.warmup import compile_kernels
 
 

@@ -1,10 +1,10 @@
 """Cut the surface pairs of a case, or of a block of its realisations, out of measured walls."""
 
-from jointclosure.dataset import read_netcdf, write_netcdf_blocks
 from jointclosure.ensemble.measured_walls import cut_surfaces, cutter_for
 from jointclosure.ensemble.settings import as_text
 from jointclosure.ensemble.surfaces import seeds_of
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf_blocks
 
 
 def main(walls: str, settings: dict, output: str, log: Logbook) -> None:

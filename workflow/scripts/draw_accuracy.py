@@ -2,9 +2,10 @@
 
 from pathlib import Path
 
-from jointclosure.dataset import read_csv, save_figure
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.plotting.accuracy import SCENE_TITLES, error_sources, work_precision
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import read_csv
 
 
 def main(inputs: dict, outputs: list[str], log: Logbook) -> None:

@@ -1,8 +1,9 @@
 """Draw what each effect adds against what it costs."""
 
-from jointclosure.dataset import read_csv, save_figure
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.plotting.effects import effect_figure
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import read_csv
 
 
 def main(table: str, outputs: list[str], log: Logbook) -> None:

@@ -4,10 +4,12 @@ from pathlib import Path
 
 import numpy as np
 
-from jointclosure.dataset import read_csv, read_netcdf, read_text, reading_netcdf, save_figure
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.plotting import study as plotting
 from jointclosure.plotting.measured import Measurements
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
+from jointclosure.storage.text import read_csv, read_text
 from jointclosure.studies.measured.curves import measured_curves
 from jointclosure.tables import roughness_title
 

@@ -1,8 +1,9 @@
 """Draw the figure of numerical stability, as PNG and PDF."""
 
-from jointclosure.dataset import read_csv, save_figure
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.plotting.numerics import numerics_figure
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import read_csv
 
 
 def main(numerics: str, outputs: list[str], log: Logbook) -> None:

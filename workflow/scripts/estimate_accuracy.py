@@ -5,8 +5,8 @@ import sys
 import pandas as pd
 
 from jointclosure.config.configuration import merged
-from jointclosure.dataset import write_csv
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.storage.text import write_csv
 from jointclosure.studies.accuracy.design import Setting, close_at
 
 

@@ -1,8 +1,9 @@
 """Find the indifference intervals, Eqs. (28) and (29), beside the paper's."""
 
-from jointclosure.dataset import read_csv, read_netcdf, write_csv
 from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.studies.sensitivity.responses import indifference_table
 from jointclosure.tables import with_paper
 

@@ -1,8 +1,9 @@
 """Fit the correlations of mean and standard deviation, Eqs. (24) to (27)."""
 
-from jointclosure.dataset import read_netcdf, write_csv
 from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.text import write_csv
 from jointclosure.studies.sensitivity.responses import correlation_table, max_closure_table
 
 

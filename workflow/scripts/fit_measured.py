@@ -1,7 +1,8 @@
 """Find the realisations that fit the measured curves best."""
 
-from jointclosure.dataset import read_text, reading_netcdf, write_csv
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.storage.netcdf import reading_netcdf
+from jointclosure.storage.text import read_text, write_csv
 from jointclosure.studies.measured.curves import fit_table, measured_curves
 
 

@@ -1,7 +1,8 @@
 """Hold the paper's claims against the study."""
 
-from jointclosure.dataset import read_csv, reading_netcdf, write_csv
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.storage.netcdf import reading_netcdf
+from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
 
 

@@ -1,9 +1,9 @@
 """Generate the surface pairs of a case, or of a block of its realisations."""
 
-from jointclosure.dataset import write_netcdf_blocks
 from jointclosure.ensemble.settings import as_text
 from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.storage.netcdf import write_netcdf_blocks
 
 
 def main(settings: dict, output: str, log: Logbook) -> None:

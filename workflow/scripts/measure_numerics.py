@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from jointclosure.dataset import write_csv
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.storage.text import write_csv
 from jointclosure.verification import printed, sweeps
 
 

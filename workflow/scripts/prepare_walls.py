@@ -2,10 +2,10 @@
 
 from jointclosure.config.units import to_si
 from jointclosure.config.walls import wall_files, wall_settings
-from jointclosure.dataset import write_netcdf
 from jointclosure.ensemble.measured_walls import cutter_of, prepared_walls, room
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.scans import read_scan
+from jointclosure.storage.netcdf import write_netcdf
 
 
 def main(settings: dict, output: str, log: Logbook) -> None:

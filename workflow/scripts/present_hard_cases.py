@@ -2,9 +2,10 @@
 
 import pandas as pd
 
-from jointclosure.dataset import read_csv, save_figure, write_csv
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.plotting.hard_cases import hard_case_page
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.verification.formulas import formula_rows
 
 INPUTS = ("tables", "curves", "formulas", "loads")

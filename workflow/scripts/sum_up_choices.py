@@ -2,9 +2,10 @@
 
 import pandas as pd
 
-from jointclosure.dataset import read_csv, save_figure, write_csv
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.plotting.effects import choice_figure
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.studies.effects.validation import validation_summary
 
 

@@ -1,7 +1,7 @@
 """Hold the chosen effects of a random scene against all of them."""
 
-from jointclosure.dataset import write_csv
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.storage.text import write_csv
 from jointclosure.studies.effects.validation import validate
 
 

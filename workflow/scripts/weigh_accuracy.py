@@ -2,9 +2,10 @@
 
 import pandas as pd
 
-from jointclosure.dataset import read_netcdf, write_csv
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.randomness import generator, seed_of
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.text import write_csv
 from jointclosure.studies.accuracy.cost import cost_table, order_table, source_table
 from jointclosure.studies.accuracy.design import Setting
 from jointclosure.studies.accuracy.presets_table import setting_table

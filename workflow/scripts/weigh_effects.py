@@ -1,7 +1,8 @@
 """Weigh what each effect adds against what it costs."""
 
-from jointclosure.dataset import read_netcdf, write_csv
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.text import write_csv
 from jointclosure.studies.effects.ablation import effect_table
 
 

@@ -6,12 +6,13 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.config.configuration import numerics_of, read_schema
-from jointclosure.dataset import read_benchmarks, read_csv, reading_netcdf, write_text
 from jointclosure.ensemble.checks import check_results
 from jointclosure.logbook import Logbook, logging_to
 from jointclosure.report.captions import read_caption
 from jointclosure.report.content import Material, content
 from jointclosure.report.page import Picture, render
+from jointclosure.storage.netcdf import reading_netcdf
+from jointclosure.storage.text import read_benchmarks, read_csv, write_text
 
 
 def pictures(figures: list[str], captions: list[str], configuration: dict) -> list[Picture]:

@@ -1,7 +1,7 @@
 """Write Tables 1 to 3 in the paper's layout."""
 
-from jointclosure.dataset import read_csv, write_csv, write_text
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.storage.text import read_csv, write_csv, write_text
 from jointclosure.tables import case_table, rock_table, table_3_latex, table_3_markdown
 
 

@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from jointclosure.dataset import read_text, reading_netcdf
 from jointclosure.ensemble.comparison import differences
 from jointclosure.ensemble.repetition import repeated
 from jointclosure.inputs import InputError
+from jointclosure.storage.netcdf import reading_netcdf
+from jointclosure.storage.text import read_text
 
 _SETTINGS = "settings: "
 

@@ -8,7 +8,6 @@ import xarray as xr
 
 from jointclosure.config import configuration, project
 from jointclosure.config.units import to_si
-from jointclosure.dataset import provenance, read_csv, save_figure, write_netcdf
 from jointclosure.ensemble.cases import Case, cases_of
 from jointclosure.inputs import InputError
 from jointclosure.parameters import Effects, Rock
@@ -17,6 +16,10 @@ from jointclosure.progress import bar, duration
 from jointclosure.protocol import FAILURE, LOADING
 from jointclosure.simulation import simulate
 from jointclosure.sources import PACKAGE
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.netcdf import write_netcdf
+from jointclosure.storage.provenance import provenance
+from jointclosure.storage.text import read_csv
 from jointclosure.surface.synthesis import wall_pair
 
 _OF_ROCK = {
