@@ -5,6 +5,16 @@ from jointclosure.studies.accuracy import design as accuracy
 ACCURACY = config.get("accuracy")
 ACCURACY_SETTINGS = accuracy.checked_settings(config) if ACCURACY else []
 ACCURACY_RUNS = {setting.run: setting for setting in ACCURACY_SETTINGS}
+ACCURACY_WITH = {
+    seals_of(f"close_accuracy/{name}")[0]: settings_digest(
+        {
+            "setting": list(run),
+            "parameter": ACCURACY["parameter"],
+            "code": code_of("close_accuracy"),
+        }
+    )
+    for name, run in ACCURACY_RUNS.items()
+}
 ACCURACY_FIGURES = sorted({setting.scene for setting in ACCURACY_SETTINGS})
 
 
@@ -52,6 +62,7 @@ rule estimate_accuracy:
         f"{RESULTS}/logs/accuracy_kernels.txt",
     output:
         f"{RESULTS}/tables/accuracy_estimate.csv",
+        seal=f"{RESULTS}/seals/estimate_accuracy.json",
     log:
         f"{RESULTS}/logs/estimate_accuracy.log",
     benchmark:
@@ -74,6 +85,7 @@ rule close_accuracy:
         f"{RESULTS}/logs/accuracy_kernels.txt",
     output:
         f"{RESULTS}/accuracy/{{run}}.nc",
+        seal=f"{RESULTS}/seals/close_accuracy/{{run}}.json",
     log:
         f"{RESULTS}/logs/close_accuracy/{{run}}.log",
     benchmark:
@@ -92,12 +104,14 @@ rule close_accuracy:
 
 rule weigh_accuracy:
     input:
-        expand(f"{RESULTS}/accuracy/{{run}}.nc", run=ACCURACY_RUNS),
+        runs=expand(f"{RESULTS}/accuracy/{{run}}.nc", run=ACCURACY_RUNS),
+        seals=list(ACCURACY_WITH),
     output:
         costs=f"{RESULTS}/tables/accuracy_cost.csv",
         orders=f"{RESULTS}/tables/accuracy_orders.csv",
         sources=f"{RESULTS}/tables/accuracy_sources.csv",
         settings=f"{RESULTS}/tables/accuracy_settings.csv",
+        seal=f"{RESULTS}/seals/weigh_accuracy.json",
     log:
         f"{RESULTS}/logs/weigh_accuracy.log",
     benchmark:
@@ -110,6 +124,7 @@ rule weigh_accuracy:
         design=ACCURACY,
         root_seed=config["study"]["root_seed"],
         realizations=config["study"]["realizations"],
+        made_with=ACCURACY_WITH,
         code=code_of("weigh_accuracy"),
     message:
         "Weigh error against time"
@@ -121,12 +136,14 @@ rule draw_accuracy:
     input:
         costs=f"{RESULTS}/tables/accuracy_cost.csv",
         sources=f"{RESULTS}/tables/accuracy_sources.csv",
+        seals=seals_of("weigh_accuracy"),
     output:
-        expand(
+        figures=expand(
             f"{RESULTS}/figures/accuracy_{{figure}}.{{format}}",
             figure=[*ACCURACY_FIGURES, "sources"],
             format=["png", "pdf"],
         ),
+        seal=f"{RESULTS}/seals/draw_accuracy.json",
     log:
         f"{RESULTS}/logs/draw_accuracy.log",
     benchmark:

@@ -4,9 +4,11 @@
 rule fit_correlations:
     input:
         f"{RESULTS}/study.nc",
+        seals=seals_of("aggregate"),
     output:
         correlations=f"{RESULTS}/tables/correlations.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
+        seal=f"{RESULTS}/seals/fit_correlations.json",
     log:
         f"{RESULTS}/logs/fit_correlations.log",
     benchmark:
@@ -14,6 +16,7 @@ rule fit_correlations:
     conda:
         ENVIRONMENT
     params:
+        made_with=STUDY_WITH,
         code=code_of("fit_correlations"),
     message:
         "Fit the correlations of mean and standard deviation"
@@ -25,8 +28,10 @@ rule find_indifference_intervals:
     input:
         study=f"{RESULTS}/study.nc",
         paper=PAPER_TABLE_3,
+        seals=seals_of("aggregate"),
     output:
         f"{RESULTS}/tables/table_3_indifference.csv",
+        seal=f"{RESULTS}/seals/find_indifference_intervals.json",
     log:
         f"{RESULTS}/logs/find_indifference_intervals.log",
     benchmark:
@@ -37,6 +42,7 @@ rule find_indifference_intervals:
         statistics=config["statistics"],
         root_seed=config["study"]["root_seed"],
         draws=config["study"]["draws"],
+        made_with=STUDY_WITH,
         code=code_of("find_indifference_intervals"),
     message:
         "Find the indifference intervals and their confidence intervals"
@@ -48,8 +54,10 @@ rule fit_measured:
     input:
         study=f"{RESULTS}/study.nc",
         curves=list(MEASURED.values()),
+        seals=seals_of("aggregate"),
     output:
         f"{RESULTS}/tables/measured_fit.csv",
+        seal=f"{RESULTS}/seals/fit_measured.json",
     log:
         f"{RESULTS}/logs/fit_measured.log",
     benchmark:
@@ -60,6 +68,7 @@ rule fit_measured:
         study=config["study"],
         rocks=ROCKS,
         seating_stress_MPa=config["seating_stress_MPa"],
+        made_with=STUDY_WITH,
         code=code_of("fit_measured"),
     message:
         "Find the realisations that fit the measured curves best"
@@ -72,8 +81,10 @@ rule judge_claims:
         study=f"{RESULTS}/study.nc",
         intervals=f"{RESULTS}/tables/table_3_indifference.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
+        seals=seals_of("aggregate", "find_indifference_intervals", "fit_correlations"),
     output:
         f"{RESULTS}/tables/claims.csv",
+        seal=f"{RESULTS}/seals/judge_claims.json",
     log:
         f"{RESULTS}/logs/judge_claims.log",
     benchmark:
@@ -81,6 +92,7 @@ rule judge_claims:
     conda:
         ENVIRONMENT
     params:
+        made_with=STUDY_WITH,
         code=code_of("judge_claims"),
     message:
         "Hold the paper's claims against this study"
@@ -91,8 +103,10 @@ rule judge_claims:
 rule check_results:
     input:
         f"{RESULTS}/study.nc",
+        seals=seals_of("aggregate"),
     output:
         f"{RESULTS}/tables/checks.csv",
+        seal=f"{RESULTS}/seals/check_results.json",
     log:
         f"{RESULTS}/logs/check_results.log",
     benchmark:
@@ -102,8 +116,30 @@ rule check_results:
     params:
         numerics=config["numerics"],
         realizations=config["study"]["realizations"],
+        made_with=STUDY_WITH,
         code=code_of("check_results"),
     message:
         "Check the results"
     script:
         "../scripts/check_results.py"
+
+
+# after the table is there to be read, also where a check fails
+rule require_checks:
+    input:
+        f"{RESULTS}/tables/checks.csv",
+        seals=seals_of("aggregate", "check_results"),
+    output:
+        f"{RESULTS}/logs/checks_passed.txt",
+    log:
+        f"{RESULTS}/logs/require_checks.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/require_checks.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        code=code_of("require_checks"),
+    message:
+        "See whether all checks passed"
+    script:
+        "../scripts/require_checks.py"

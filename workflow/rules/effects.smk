@@ -5,6 +5,22 @@ from jointclosure.studies.effects import ablation
 ABLATION = config.get("ablation")
 SCENES = list(ablation.SCENES) if ABLATION else []
 VALIDATION = ABLATION.get("validation") if ABLATION else None
+SCENES_WITH = {
+    seals_of(f"close_scene/{rock}.{scene}")[0]: settings_digest(
+        {
+            "configuration": configuration.of_rock(config, rock),
+            "code": code_of("close_scene"),
+        }
+    )
+    for rock in config["study"]["rocks"]
+    for scene in SCENES
+}
+VALIDATED_WITH = {
+    seals_of(f"validate_choice/{number}")[0]: settings_digest(
+        {"configuration": config, "code": code_of("validate_choice")}
+    )
+    for number in range(VALIDATION["scenes"] if VALIDATION else 0)
+}
 CHOICE_TABLES = ["effects_auto.csv", "effects_auto_summary.csv"]
 
 
@@ -59,6 +75,7 @@ rule estimate_effects:
         f"{RESULTS}/logs/effect_kernels.txt",
     output:
         f"{RESULTS}/tables/effects_estimate.csv",
+        seal=f"{RESULTS}/seals/estimate_effects.json",
     log:
         f"{RESULTS}/logs/estimate_effects.log",
     benchmark:
@@ -80,6 +97,7 @@ rule close_scene:
         f"{RESULTS}/logs/effect_kernels.txt",
     output:
         f"{RESULTS}/effects/{{rock}}.{{scene}}.nc",
+        seal=f"{RESULTS}/seals/close_scene/{{rock}}.{{scene}}.json",
     log:
         f"{RESULTS}/logs/close_scene/{{rock}}.{{scene}}.log",
     benchmark:
@@ -97,13 +115,15 @@ rule close_scene:
 
 rule weigh_effects:
     input:
-        expand(
+        runs=expand(
             f"{RESULTS}/effects/{{rock}}.{{scene}}.nc",
             rock=config["study"]["rocks"],
             scene=SCENES,
         ),
+        seals=list(SCENES_WITH),
     output:
         f"{RESULTS}/tables/effects.csv",
+        seal=f"{RESULTS}/seals/weigh_effects.json",
     log:
         f"{RESULTS}/logs/weigh_effects.log",
     benchmark:
@@ -112,6 +132,7 @@ rule weigh_effects:
         ENVIRONMENT
     params:
         runs=[[rock, scene] for rock in config["study"]["rocks"] for scene in SCENES],
+        made_with=SCENES_WITH,
         code=code_of("weigh_effects"),
     message:
         "Weigh what each effect adds against what it costs"
@@ -122,8 +143,10 @@ rule weigh_effects:
 rule draw_effects:
     input:
         f"{RESULTS}/tables/effects.csv",
+        seals=seals_of("weigh_effects"),
     output:
-        expand(f"{RESULTS}/figures/effects.{{format}}", format=["png", "pdf"]),
+        figures=expand(f"{RESULTS}/figures/effects.{{format}}", format=["png", "pdf"]),
+        seal=f"{RESULTS}/seals/draw_effects.json",
     log:
         f"{RESULTS}/logs/draw_effects.log",
     benchmark:
@@ -143,6 +166,7 @@ rule validate_choice:
         f"{RESULTS}/logs/effect_kernels.txt",
     output:
         f"{RESULTS}/effects/random_scene_{{number}}.csv",
+        seal=f"{RESULTS}/seals/validate_choice/{{number}}.json",
     log:
         f"{RESULTS}/logs/validate_choice/{{number}}.log",
     benchmark:
@@ -162,16 +186,18 @@ rule validate_choice:
 
 rule sum_up_choices:
     input:
-        expand(
+        scenes=expand(
             f"{RESULTS}/effects/random_scene_{{number}}.csv",
             number=range(VALIDATION["scenes"]) if VALIDATION else [],
         ),
+        seals=list(VALIDATED_WITH),
     output:
         scenes=f"{RESULTS}/tables/effects_auto.csv",
         summary=f"{RESULTS}/tables/effects_auto_summary.csv",
         figures=expand(
             f"{RESULTS}/figures/effects_auto.{{format}}", format=["png", "pdf"]
         ),
+        seal=f"{RESULTS}/seals/sum_up_choices.json",
     log:
         f"{RESULTS}/logs/sum_up_choices.log",
     benchmark:
@@ -179,6 +205,7 @@ rule sum_up_choices:
     conda:
         ENVIRONMENT
     params:
+        made_with=VALIDATED_WITH,
         code=code_of("sum_up_choices"),
     message:
         "Sum up how well effects were chosen"

@@ -4,11 +4,13 @@
 rule write_tables:
     input:
         f"{RESULTS}/tables/table_3_indifference.csv",
+        seals=seals_of("aggregate", "find_indifference_intervals"),
     output:
         rocks=f"{RESULTS}/tables/table_1_rocks.csv",
         cases=f"{RESULTS}/tables/table_2_cases.csv",
         latex=f"{RESULTS}/tables/table_3_indifference.tex",
         markdown=f"{RESULTS}/tables/table_3_indifference.md",
+        seal=f"{RESULTS}/seals/write_tables.json",
     log:
         f"{RESULTS}/logs/write_tables.log",
     benchmark:
@@ -18,6 +20,7 @@ rule write_tables:
     params:
         study=config["study"],
         rocks=ROCKS,
+        made_with=STUDY_WITH,
         code=code_of("write_tables"),
     message:
         "Write Tables 1 to 3"
@@ -33,16 +36,25 @@ rule draw_figures:
         surfaces=f"{RESULTS}/cases/{next(iter(CASES))}.0.surfaces.nc",
         curves=list(MEASURED.values()),
         fits=f"{RESULTS}/tables/measured_fit.csv" if MEASURED else [],
+        seals=seals_of(
+            "aggregate",
+            "find_indifference_intervals",
+            "fit_correlations",
+            *(["fit_measured"] if MEASURED else []),
+        ),
     output:
-        *[
-            report(
-                f"{RESULTS}/figures/{figure}.png",
-                caption=f"../report/{figure}.rst",
-                category="Figures",
-            )
-            for figure in FIGURES
+        figures=[
+            *[
+                report(
+                    f"{RESULTS}/figures/{figure}.png",
+                    caption=f"../report/{figure}.rst",
+                    category="Figures",
+                )
+                for figure in FIGURES
+            ],
+            *expand(f"{RESULTS}/figures/{{figure}}.pdf", figure=FIGURES),
         ],
-        expand(f"{RESULTS}/figures/{{figure}}.pdf", figure=FIGURES),
+        seal=f"{RESULTS}/seals/draw_figures.json",
     log:
         f"{RESULTS}/logs/draw_figures.log",
     benchmark:
@@ -54,6 +66,10 @@ rule draw_figures:
         rocks=ROCKS,
         seating_stress_MPa=config["seating_stress_MPa"],
         wall_strength_ratio=config["output"]["wall_strength_ratio"],
+        surfaces=settings.surface_settings(
+            config, next(iter(CASES.values())), BLOCKS["0"], SURFACE_CODE
+        ),
+        made_with=STUDY_WITH,
         code=code_of("draw_figures"),
     message:
         "Draw the figures"

@@ -2,6 +2,10 @@
 from jointclosure.report.page import template_digest
 
 ACCURACY_TABLE = "results/accuracy/tables/accuracy_cost.csv"
+ACCURACY_SEALS = seals_of("weigh_accuracy", study="results/accuracy")
+ACCURACY_MEASURED = all(
+    Path(path).exists() for path in [ACCURACY_TABLE, *ACCURACY_SEALS]
+)
 
 
 rule report:
@@ -14,19 +18,7 @@ rule report:
 rule write_report:
     input:
         study=f"{RESULTS}/study.nc",
-        closures=f"{RESULTS}/tables/max_closure.csv",
-        # those that a study has not are left out
-        intervals=(
-            f"{RESULTS}/tables/table_3_indifference.csv"
-            if "table_3_indifference.csv" in TABLES
-            else []
-        ),
-        claims=f"{RESULTS}/tables/claims.csv" if "claims.csv" in TABLES else [],
-        measured=(
-            f"{RESULTS}/tables/measured_fit.csv"
-            if "measured_fit.csv" in TABLES
-            else []
-        ),
+        tables=expand(f"{RESULTS}/tables/{{table}}", table=TABLES),
         figures=expand(f"{RESULTS}/figures/{{figure}}.png", figure=FIGURES),
         captions=expand(
             "{folder}/workflow/report/{figure}.rst", folder=ROOT, figure=FIGURES
@@ -35,10 +27,22 @@ rule write_report:
         default=ROOT / "config/default.yaml",
         schema=ROOT / "workflow/schemas/config.schema.yaml",
         # what `make accuracy` measured, where it was run
-        accuracy=ancient(ACCURACY_TABLE) if Path(ACCURACY_TABLE).exists() else [],
+        accuracy=ancient(ACCURACY_TABLE) if ACCURACY_MEASURED else [],
         presets=ROOT / "workflow/resources/accuracy_settings.csv",
+        seals=seals_of(
+            "aggregate",
+            "fit_correlations",
+            "find_indifference_intervals",
+            "judge_claims",
+            "check_results",
+            "write_tables",
+            "draw_figures",
+            *(["fit_measured"] if MEASURED else []),
+        )
+        + (ACCURACY_SEALS if ACCURACY_MEASURED else []),
     output:
         f"{RESULTS}/report.html",
+        seal=f"{RESULTS}/seals/write_report.json",
     log:
         f"{RESULTS}/logs/write_report.log",
     benchmark:
@@ -46,8 +50,8 @@ rule write_report:
     conda:
         ENVIRONMENT
     params:
-        configuration=config,
-        benchmarks=f"{RESULTS}/benchmarks",
+        project=str(ROOT),
+        made_with=STUDY_WITH,
         code=[code_of("write_report"), template_digest()],
     message:
         "Write the report"

@@ -9,6 +9,7 @@ from jointclosure.studies.measured import curves as measured
 from jointclosure.config import project
 from jointclosure.ensemble import settings
 from jointclosure.config import walls as wall_settings
+from jointclosure.storage.seals import settings_digest
 
 ROOT = Path(workflow.basedir)
 for file in workflow.configfiles:
@@ -58,6 +59,11 @@ FIGURES = [
 def code_of(*scripts):
     """Digest of scripts and of all that they import: an edit there re-runs their rules."""
     return code_digest(*(str(ROOT / f"workflow/scripts/{name}.py") for name in scripts))
+
+
+def seals_of(*jobs, study=RESULTS):
+    """Seals of jobs: what these wrote, from what, and with what settings."""
+    return [f"{study}/seals/{job}.json" for job in jobs]
 
 
 # files of surfaces and closures bear these, and are refused where they differ

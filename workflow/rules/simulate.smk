@@ -1,6 +1,50 @@
 # Surfaces of each case, and their closure: in blocks of realisations, named by their first.
 from jointclosure.studies.effects.choice import possible_scenes
 
+# what jobs are told whose seals are held against it
+AGGREGATED = {
+    "configuration": config,
+    "surface_code": SURFACE_CODE,
+    "solver_code": SOLVER_CODE,
+    "code": code_of("aggregate"),
+}
+STUDY_WITH = {seals_of("aggregate")[0]: settings_digest(AGGREGATED)}
+
+
+def choosing(rock):
+    """What the choice of a rock's effects is told."""
+    return {
+        "configuration": configuration.of_rock(config, rock),
+        "surface_code": SURFACE_CODE,
+        "solver_code": SOLVER_CODE,
+        "code": code_of("choose_effects"),
+    }
+
+
+CHOSEN_WITH = {
+    seals_of(f"choose_effects/{rock}")[0]: settings_digest(choosing(rock))
+    for rock in (ROCKS if AUTO else [])
+}
+
+
+def preparing(rock):
+    """What the reading of a rock's measured walls is told."""
+    return {
+        "walls": ROCKS[rock]["walls"],
+        "digests": settings.wall_digests(ROCKS[rock]["walls"]),
+        "grid": config["grid"],
+        "jrc_relation": config["surface"]["jrc_relation"],
+        "realizations": config["study"]["realizations"],
+        "code": code_of("prepare_walls"),
+    }
+
+
+WALLS_WITH = {
+    seals_of(f"prepare_walls/{rock}")[0]: settings_digest(preparing(rock))
+    for rock in ROCKS
+    if ROCKS[rock].get("walls")
+}
+
 
 rule compile_kernels:
     output:
@@ -50,6 +94,7 @@ rule choose_effects:
         f"{RESULTS}/logs/kernels.txt",
     output:
         f"{RESULTS}/effects_of/{{rock}}.json",
+        seal=f"{RESULTS}/seals/choose_effects/{{rock}}.json",
     log:
         f"{RESULTS}/logs/choose_effects/{{rock}}.log",
     benchmark:
@@ -74,6 +119,9 @@ rule close_surfaces:
         ),
         surfaces=lambda wildcards: f"{RESULTS}/cases/{CASES[wildcards.case].surface}.{wildcards.first}.surfaces.nc",
         kernels=f"{RESULTS}/logs/kernels.txt",
+        seals=lambda wildcards: (
+            seals_of(f"choose_effects/{CASES[wildcards.case].rock}") if AUTO else []
+        ),
     output:
         f"{RESULTS}/cases/{{case}}.{{first}}.nc",
     log:
@@ -91,6 +139,7 @@ rule close_surfaces:
             SURFACE_CODE,
             SOLVER_CODE,
         ),
+        made_with=lambda wildcards: CHOSEN_WITH,
     message:
         "Close the surface pairs of {wildcards.case} from realisation {wildcards.first} on"
     script:
@@ -106,8 +155,10 @@ rule aggregate:
         walls=[
             f"{RESULTS}/walls/{rock}.nc" for rock in ROCKS if ROCKS[rock].get("walls")
         ],
+        seals=[*CHOSEN_WITH, *WALLS_WITH],
     output:
         f"{RESULTS}/study.nc",
+        seal=f"{RESULTS}/seals/aggregate.json",
     log:
         f"{RESULTS}/logs/aggregate.log",
     benchmark:
@@ -115,10 +166,8 @@ rule aggregate:
     conda:
         ENVIRONMENT
     params:
-        configuration=config,
-        surface_code=SURFACE_CODE,
-        solver_code=SOLVER_CODE,
-        code=code_of("aggregate"),
+        **AGGREGATED,
+        made_with=CHOSEN_WITH | WALLS_WITH,
     message:
         "Put all cases into one dataset"
     script:

@@ -15,6 +15,7 @@ rule prepare_walls:
         ],
     output:
         f"{RESULTS}/walls/{{rock}}.nc",
+        seal=f"{RESULTS}/seals/prepare_walls/{{rock}}.json",
     log:
         f"{RESULTS}/logs/prepare_walls/{{rock}}.log",
     benchmark:
@@ -38,6 +39,7 @@ rule prepare_walls:
 rule cut_surfaces:
     input:
         lambda wildcards: f"{RESULTS}/walls/{CASES[wildcards.case].rock}.nc",
+        seals=lambda wildcards: seals_of(f"prepare_walls/{CASES[wildcards.case].rock}"),
     output:
         f"{RESULTS}/cases/{{case}}.{{first}}.surfaces.nc",
     log:
@@ -52,6 +54,7 @@ rule cut_surfaces:
         settings=lambda wildcards: settings.surface_settings(
             config, CASES[wildcards.case], BLOCKS[wildcards.first], SURFACE_CODE
         ),
+        made_with=WALLS_WITH,
     message:
         "Cut the surface pairs of {wildcards.case} from realisation {wildcards.first} on"
     script:

@@ -11,7 +11,8 @@ from jointclosure.ensemble.aggregation import join_cases, succeeded
 from jointclosure.ensemble.cases import blocks_of, cases_of
 from jointclosure.ensemble.measured_walls import described
 from jointclosure.ensemble.settings import block_settings, check_settings
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf_regions
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import read_text
@@ -85,7 +86,7 @@ def _slices(closed: xr.Dataset, block: range) -> Iterator[tuple[slice, xr.Datase
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(
             snakemake.input.cases,
             list(snakemake.input.effects),

@@ -5,7 +5,8 @@ import json
 from jointclosure.config.configuration import effects_of
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.settings import block_settings
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.parameters import Effects
 from jointclosure.storage.text import write_text
 from jointclosure.studies.effects.choice import choose_for_case
@@ -35,7 +36,7 @@ def main(configuration: dict, codes: tuple[str, str], output: str, log: Logbook)
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(
             snakemake.params.configuration,
             (snakemake.params.surface_code, snakemake.params.solver_code),

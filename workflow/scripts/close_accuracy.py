@@ -1,6 +1,7 @@
 """Close the surfaces of one run of an accuracy study."""
 
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.studies.accuracy.design import Setting, close_at
 
@@ -12,7 +13,7 @@ def main(setting: Setting, parameter: str, output: str, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(
             Setting(*snakemake.params.setting),
             snakemake.params.parameter,

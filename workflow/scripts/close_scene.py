@@ -1,6 +1,7 @@
 """Close the surfaces of a rock in one scene, at all conditions."""
 
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.studies.effects.ablation import SCENES, close_scene
 
@@ -12,7 +13,7 @@ def main(configuration: dict, rock: str, scene: str, output: str, log: Logbook) 
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(
             snakemake.params.configuration,
             snakemake.wildcards.rock,

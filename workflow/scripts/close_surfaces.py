@@ -6,7 +6,8 @@ from pathlib import Path
 from jointclosure.ensemble.cases import Case
 from jointclosure.ensemble.closing import close_surfaces, closing_arguments
 from jointclosure.ensemble.settings import as_text, check_settings
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.progress import Countdown
 from jointclosure.storage.netcdf import reading_netcdf, write_netcdf_blocks
@@ -40,7 +41,7 @@ def chosen_effects(path: str) -> dict:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         chosen = snakemake.input.get("effects") or None
         settings = snakemake.params.settings
         main(snakemake.input.surfaces, chosen, settings, snakemake.output[0], logbook)

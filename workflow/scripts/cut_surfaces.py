@@ -3,7 +3,8 @@
 from jointclosure.ensemble.measured_walls import cut_surfaces, cutter_for
 from jointclosure.ensemble.settings import as_text
 from jointclosure.ensemble.surfaces import seeds_of
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf_blocks
 
 
@@ -18,5 +19,5 @@ def main(walls: str, settings: dict, output: str, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(snakemake.input[0], snakemake.params.settings, snakemake.output[0], logbook)

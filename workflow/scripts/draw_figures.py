@@ -4,7 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.ensemble.settings import check_settings
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.plotting import study as plotting
 from jointclosure.plotting.measured import Measurements
 from jointclosure.storage.figures import save_figure
@@ -25,6 +27,7 @@ def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None
         log(f"curves of {study.sizes['realization']} of {dataset.sizes['realization']} surfaces")
     closures, intervals = read_csv(inputs["closures"]), read_csv(inputs["intervals"])
     surfaces = read_netcdf(inputs["surfaces"])
+    check_settings(inputs["surfaces"], surfaces.attrs, settings["surfaces"])
     rocks = settings["rocks"]
     first = next(iter(rocks.values()))
     draw = {
@@ -52,5 +55,5 @@ def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
-        main(dict(snakemake.input), snakemake.output, dict(snakemake.params), logbook)
+    with job(snakemake) as logbook:
+        main(dict(snakemake.input), list(snakemake.output.figures), dict(snakemake.params), logbook)

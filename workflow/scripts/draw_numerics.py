@@ -1,6 +1,7 @@
 """Draw the figure of numerical stability, as PNG and PDF."""
 
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.plotting.numerics import numerics_figure
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv
@@ -15,5 +16,5 @@ def main(numerics: str, outputs: list[str], log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
-        main(snakemake.input[0], snakemake.output, logbook)
+    with job(snakemake) as logbook:
+        main(snakemake.input[0], list(snakemake.output.figures), logbook)

@@ -5,7 +5,8 @@ import sys
 import pandas as pd
 
 from jointclosure.config.configuration import merged
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.storage.text import write_csv
 from jointclosure.studies.accuracy.design import Setting, close_at
 
@@ -24,9 +25,9 @@ def main(runs: list[list], parameter: str, output: str, log: Logbook) -> None:
     write_csv(table, output)
     said = f"{len(table)} runs will take about {table.seconds.sum() / 3600:.1f} core-hours"
     log(said)
-    print(said, file=sys.__stderr__, flush=True)
+    print(f"jointclosure: {said}", file=sys.__stderr__, flush=True)
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(snakemake.params.runs, snakemake.params.parameter, snakemake.output[0], logbook)

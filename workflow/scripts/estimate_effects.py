@@ -5,7 +5,8 @@ import sys
 import pandas as pd
 
 from jointclosure.config.configuration import merged
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.storage.text import write_csv
 from jointclosure.studies.effects.ablation import SCENES, close_scene
 
@@ -27,9 +28,9 @@ def main(configuration: dict, output: str, log: Logbook) -> None:
         f"{len(table)} scenes of {len(study['rocks'])} rocks will take about {hours:.1f} core-hours"
     )
     log(said)
-    print(said, file=sys.__stderr__, flush=True)
+    print(f"jointclosure: {said}", file=sys.__stderr__, flush=True)
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(snakemake.params.configuration, snakemake.output[0], logbook)

@@ -1,6 +1,7 @@
 """Find the realisations that fit the measured curves best."""
 
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_text, write_csv
 from jointclosure.studies.measured.curves import fit_table, measured_curves
@@ -20,5 +21,5 @@ def main(study: str, settings: dict, output: str, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(snakemake.input.study, dict(snakemake.params), snakemake.output[0], logbook)

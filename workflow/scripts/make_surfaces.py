@@ -2,7 +2,8 @@
 
 from jointclosure.ensemble.settings import as_text
 from jointclosure.ensemble.surfaces import surfaces_of
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.storage.netcdf import write_netcdf_blocks
 
 
@@ -16,5 +17,5 @@ def main(settings: dict, output: str, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(snakemake.params.settings, snakemake.output[0], logbook)

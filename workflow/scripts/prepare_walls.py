@@ -3,7 +3,8 @@
 from jointclosure.config.units import to_si
 from jointclosure.config.walls import wall_files, wall_settings
 from jointclosure.ensemble.measured_walls import cutter_of, prepared_walls, room
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.scans import read_scan
 from jointclosure.storage.netcdf import write_netcdf
 
@@ -29,5 +30,5 @@ def main(settings: dict, output: str, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(dict(snakemake.params), snakemake.output[0], logbook)

@@ -1,6 +1,7 @@
 """Hold the chosen effects of a random scene against all of them."""
 
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.storage.text import write_csv
 from jointclosure.studies.effects.validation import validate
 
@@ -12,7 +13,7 @@ def main(configuration: dict, number: int, output: str, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(
             snakemake.params.configuration,
             int(snakemake.wildcards.number),

@@ -2,7 +2,8 @@
 
 import pandas as pd
 
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.randomness import generator, seed_of
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import write_csv
@@ -37,5 +38,5 @@ def main(inputs: list[str], settings: dict, outputs: dict, log: Logbook) -> None
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
-        main(snakemake.input, dict(snakemake.params), dict(snakemake.output), logbook)
+    with job(snakemake) as logbook:
+        main(list(snakemake.input.runs), dict(snakemake.params), dict(snakemake.output), logbook)

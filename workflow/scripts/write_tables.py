@@ -1,6 +1,7 @@
 """Write Tables 1 to 3 in the paper's layout."""
 
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.storage.text import read_csv, write_csv, write_text
 from jointclosure.tables import case_table, rock_table, table_3_latex, table_3_markdown
 
@@ -18,5 +19,5 @@ def main(intervals: str, settings: dict, outputs: dict, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(snakemake.input[0], dict(snakemake.params), dict(snakemake.output), logbook)
