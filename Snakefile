@@ -46,6 +46,7 @@ rule all:
     input:
         f"{RESULTS}/study.nc",
         f"{RESULTS}/logs/checks_passed.txt",
+        STUDY_SEALS,
         expand(f"{RESULTS}/tables/{{table}}", table=TABLES),
         expand(
             f"{RESULTS}/figures/{{figure}}.{{format}}",

@@ -57,6 +57,22 @@ def test_a_title_is_no_command_of_latex():
     assert r"\textbackslash{}input\{/etc/passwd\} 50 \% \& \$x\_1\textasciicircum{}2\$" in latex
 
 
+def test_a_title_is_no_mark_of_markdown():
+    row = {"rock": "a", "parameter": "jrc", "cycle": 1, "length": 1.5, "percent": 15.0,
+           "length_net": 1.0, "percent_net": 10.0, "samples": 20}  # fmt: skip
+    markdown = table_3_markdown(pd.DataFrame([row]), {"a": "A | <b>*x*</b>\n[y](z)"})
+    heading = r"| Parameter | A \| \<b\>\*x\*\</b\> \[y\](z), cycle 1 |"
+    assert heading in markdown.splitlines()
+
+
+@pytest.mark.parametrize("title", ["=1+1", "+1", "-1", "@SUM(A1)"])
+def test_a_title_is_no_formula_of_a_spreadsheet(title):
+    rock = {"title": title, "youngs_modulus_GPa": 50.0, "levels": {}}
+    table = rock_table({"study": {"rocks": ["a"]}, "rocks": {"a": rock}})
+    assert table.title.item() == f"'{title}"
+    assert table.youngs_modulus_GPa.item() == 50.0
+
+
 KEYS = {"parameter": "jrc", "length": 1.5, "percent": 15.0, "length_net": 1.0, "percent_net": 10.0}
 KEYS |= {"samples": 20}
 PAPER = pd.DataFrame(

@@ -1,5 +1,7 @@
 """Tables of a study: frames and texts, no computing and no files."""
 
+import re
+
 import pandas as pd
 
 from jointclosure.ensemble.cases import (
@@ -39,7 +41,8 @@ def rock_table(configuration: dict) -> pd.DataFrame:
         own |= {"measured": rock["measured"]["file"]} if "measured" in rock else {}
         if rock.get("walls"):
             own |= {f"{side}_wall": rock["walls"][side] for side in ("upper", "lower")}
-        rows.append({"rock": name} | own | flag)
+        plain = {key: _plain_cell(value) for key, value in own.items()}
+        rows.append({"rock": name} | plain | flag)
     return pd.DataFrame(rows)
 
 
@@ -166,7 +169,7 @@ def table_3_markdown(table: pd.DataFrame, titles: dict[str, str]) -> str:
             shown = table[table.in_paper]
         of = {rock: title for rock, title in titles.items() if (shown.rock == rock).any()}
         frame = table_3(shown, of, column)
-        names = [f"{title}, cycle {cycle}" for cycle, title in frame.columns]
+        names = [f"{plain_markdown(title)}, cycle {cycle}" for cycle, title in frame.columns]
         lines += [f"**{heading}**", "", "| Parameter | " + " | ".join(names) + " |"]
         lines.append("|---" * (len(names) + 1) + "|")
         for parameter, row in frame.iterrows():
@@ -209,6 +212,17 @@ def table_3_latex(table: pd.DataFrame, titles: dict[str, str]) -> str:
             "",
         ]
     )
+
+
+def plain_markdown(title: str) -> str:
+    """A title as text, whatever marks of Markdown or HTML it may look like."""
+    return re.sub(r"([\\`*_\[\]|<>~&])", r"\\\1", " ".join(title.split()))
+
+
+def _plain_cell(value: object) -> object:
+    """A text that no spreadsheet takes for a formula: those get an apostrophe before them."""
+    formula = isinstance(value, str) and value.startswith(("=", "+", "-", "@", "\t", "\r"))
+    return f"'{value}" if formula else value
 
 
 def _plain_latex(title: str) -> str:

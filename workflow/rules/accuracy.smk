@@ -33,6 +33,7 @@ rule accuracy:
             figure=[*ACCURACY_FIGURES, "sources"],
             format=["png", "pdf"],
         ),
+        seals_of("estimate_accuracy", "weigh_accuracy", "draw_accuracy"),
     message:
         "What accuracy costs is known"
 

@@ -45,6 +45,12 @@ rule effects:
                 else []
             ),
         ),
+        seals_of(
+            "estimate_effects",
+            "weigh_effects",
+            "draw_effects",
+            *(["sum_up_choices"] if VALIDATION else []),
+        ),
     message:
         "What each effect adds and costs is known"
 

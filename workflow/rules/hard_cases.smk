@@ -34,6 +34,7 @@ rule hard_cases:
         f"{HARD_RESULTS}/figures/hard_cases.pdf",
         f"{HARD_RESULTS}/figures/numerics.png",
         f"{HARD_RESULTS}/figures/numerics.pdf",
+        seals_of("present_hard_cases", "draw_numerics", study=HARD_RESULTS),
     message:
         "The hard cases are closed and judged"
 

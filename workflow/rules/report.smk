@@ -11,8 +11,9 @@ ACCURACY_MEASURED = all(
 rule report:
     input:
         f"{RESULTS}/report.html",
+        seals_of("write_report"),
     message:
-        "The report of {STUDY} is {input}"
+        "The report of {STUDY} is {input[0]}"
 
 
 rule write_report:
@@ -29,17 +30,7 @@ rule write_report:
         # what `make accuracy` measured, where it was run
         accuracy=ancient(ACCURACY_TABLE) if ACCURACY_MEASURED else [],
         presets=ROOT / "workflow/resources/accuracy_settings.csv",
-        seals=seals_of(
-            "aggregate",
-            "fit_correlations",
-            "find_indifference_intervals",
-            "judge_claims",
-            "check_results",
-            "write_tables",
-            "draw_figures",
-            *(["fit_measured"] if MEASURED else []),
-        )
-        + (ACCURACY_SEALS if ACCURACY_MEASURED else []),
+        seals=STUDY_SEALS + (ACCURACY_SEALS if ACCURACY_MEASURED else []),
     output:
         f"{RESULTS}/report.html",
         seal=f"{RESULTS}/seals/write_report.json",

@@ -66,6 +66,19 @@ def seals_of(*jobs, study=RESULTS):
     return [f"{study}/seals/{job}.json" for job in jobs]
 
 
+# of all that a study's tables and figures are; a target asks for them, so that one missing is noticed
+STUDY_SEALS = seals_of(
+    "aggregate",
+    "fit_correlations",
+    "find_indifference_intervals",
+    "judge_claims",
+    "check_results",
+    "write_tables",
+    "draw_figures",
+    *(["fit_measured"] if MEASURED else []),
+)
+
+
 # files of surfaces and closures bear these, and are refused where they differ
 SURFACE_CODE = code_of("make_surfaces", "cut_surfaces")
 SOLVER_CODE = code_of("close_surfaces")
