@@ -30,7 +30,7 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects docs test test-all lint clean
+.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects test test-all lint docs coverage wheel lock clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -77,9 +77,6 @@ accuracy: $(STAMP) ## Measure what accuracy costs in time (40 minutes on two cor
 effects: $(STAMP) ## Measure what each effect adds, and what it costs (up to an hour on two cores)
 	$(RUN) effects
 
-docs: $(STAMP) ## Write reference pages from the docstrings and the schema to build/docs
-	@$(BIN)/python workflow/scripts/reference_pages.py
-
 test: $(STAMP) ## Pass the tests
 	@echo "Compiling the kernels of all scenes (two minutes when they are new) ..."
 	@$(BIN)/python -m jointclosure.warmup
@@ -90,13 +87,29 @@ test-all: $(STAMP) ## Pass the tests, the slow ones too
 	@$(BIN)/python -m jointclosure.warmup
 	$(BIN)/python -m pytest -n auto
 
-lint: $(STAMP) ## Check style, layers and workflow
+lint: $(STAMP) ## Check style, types, layers and workflow
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/snakefmt --check --compact-diff Snakefile workflow
+	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/snakemake --lint
 
+docs: $(STAMP) ## Build the documentation site, without a network, to build/docs/index.html
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
+	@$(BIN)/python docs/site/links.py build/docs
+
+coverage: $(STAMP) ## Measure which lines the fast tests run (build/coverage/index.html; half an hour)
+	$(BIN)/python -m pytest -m "not slow" --cov --cov-report=html:build/coverage --cov-report=term:skip-covered
+
+wheel: $(STAMP) ## Build the package to build/wheel
+	$(BIN)/python -m hatchling build -t wheel -d build/wheel
+
+LOCK := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --generate-hashes --no-header --no-annotate
+
+lock: $(STAMP) ## Write requirements.lock anew, keeping the versions that still fit (needs a network)
+	$(LOCK) --extra workflow --extra walls --group dev pyproject.toml --output-file requirements.lock
+
 clean: ## Remove the environment and all that was compiled, but no results
-	rm -rf $(VENV) .pytest_cache .hypothesis .ruff_cache .import_linter_cache
+	rm -rf $(VENV) .pytest_cache .hypothesis .ruff_cache .import_linter_cache .mypy_cache .coverage
 	find src tests workflow -name __pycache__ -prune -exec rm -rf {} +

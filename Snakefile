@@ -3,12 +3,13 @@ import sys
 
 from snakemake.utils import min_version
 
+from jointclosure.config.files import DEFAULT
 from jointclosure.storage.seals import unmet_seals
 
 min_version("9.27")
 
 
-configfile: "config/default.yaml"
+configfile: DEFAULT
 
 
 include: "workflow/rules/setting.smk"

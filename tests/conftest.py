@@ -1,6 +1,8 @@
 """What all tests share: a rock, a small joint, and fast property testing."""
 
 import faulthandler
+import os
+from pathlib import Path
 
 import hypothesis
 import numpy as np
@@ -13,7 +15,10 @@ hypothesis.settings.load_profile("default")
 
 DOLERITE = jc.Rock(78e9, 0.2, 165e6)
 SPACING = 0.25e-3
-
+TWO_WALLS = Path(
+    os.environ.get("JOINTCLOSURE_TWO_WALLS") or Path(__file__).parents[2] / "shared/data/two_walls"
+)
+"""Scans of both walls of a fracture, where they are at hand."""
 
 TEST_SECONDS = 1800
 """A test that takes longer loops: its worker is ended, and the traceback says where."""

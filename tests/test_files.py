@@ -155,6 +155,34 @@ def test_what_a_killed_writer_left_is_cleared_away(tmp_path):
     assert left[0].startswith(".study.tables.")
 
 
+def test_what_a_running_writer_writes_is_left_alone_by_another_of_the_same_file(tmp_path):
+    script = (
+        "import sys, pathlib\nfrom jointclosure.files import atomically\n"
+        "def write(path):\n    path.write_text('slow')\n    print('writing', flush=True)\n"
+        "    sys.stdin.readline()\n"
+        "atomically(pathlib.Path(sys.argv[1]), write)\n"
+    )
+    path = tmp_path / "study.nc"
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    orphan = subprocess.Popen([sys.executable, "-c", script, str(path)], text=True, **pipes)
+    assert orphan.stdout.readline() == "writing\n"
+    atomically(path, lambda temporary: temporary.write_text("quick"))
+    assert path.read_text() == "quick"
+    _, said = orphan.communicate("go on\n", timeout=60)
+    assert (orphan.returncode, said) == (0, "")
+    assert path.read_text() == "slow"
+    assert os.listdir(tmp_path) == ["study.nc"]
+
+
+def test_the_room_on_the_disk_is_said_only_where_it_may_be_the_reason(tmp_path):
+    def lose(temporary):
+        temporary.unlink()
+
+    with pytest.raises(OSError, match=r"a\.txt: could not be written .*No such file") as error:
+        atomically(tmp_path / "a.txt", lose)
+    assert "free" not in str(error.value)
+
+
 def test_an_error_of_what_is_written_is_passed_on(tmp_path):
     def blocks():
         yield some_dataset()

@@ -3,6 +3,7 @@
 import io
 
 import pytest
+from rich.console import Console
 
 from jointclosure import progress
 from jointclosure.progress import Countdown, WorkflowProgress, bar, duration
@@ -56,7 +57,7 @@ def test_what_is_no_terminal_gets_nothing(clock):
 
 def test_a_bar_is_drawn_on_a_terminal_alone(capfd, monkeypatch):
     for terminal in (False, True):
-        monkeypatch.setattr(progress, "Console", console(terminal))
+        monkeypatch.setattr("rich.console.Console", console(terminal))
         with bar("closing") as show:
             show(0.5, "cycle 1 of 2, loading")
         out, err = capfd.readouterr()
@@ -66,8 +67,6 @@ def test_a_bar_is_drawn_on_a_terminal_alone(capfd, monkeypatch):
 
 
 def console(terminal):
-    from rich.console import Console
-
     return lambda stderr: Console(stderr=stderr, force_terminal=terminal)
 
 

@@ -53,6 +53,7 @@ def closed(walls, effects, method=METHODS[0], *, lengths=1.0, stresses=1.0, load
         effects=effects,
         choices=jc.Choices(largest_radius=lengths * 20e-3),
         numerics=numerics,
+        unusual_values=True,
         **options,
     )
 

@@ -1,7 +1,11 @@
+import re
+
 import pandas as pd
 import pytest
 
+from jointclosure.storage.text import write_csv
 from jointclosure.tables import (
+    case_table,
     interval_text,
     rock_table,
     significant,
@@ -9,6 +13,7 @@ from jointclosure.tables import (
     table_3_markdown,
     with_paper,
 )
+from tests.studied import study_of
 
 
 @pytest.mark.parametrize(
@@ -57,20 +62,44 @@ def test_a_title_is_no_command_of_latex():
     assert r"\textbackslash{}input\{/etc/passwd\} 50 \% \& \$x\_1\textasciicircum{}2\$" in latex
 
 
-def test_a_title_is_no_mark_of_markdown():
+def test_a_title_does_not_end_a_line_of_latex():
+    row = {"rock": "a", "parameter": "jrc", "cycle": 1, "length": 1.5, "percent": 15.0,
+           "samples": 20}  # fmt: skip
+    latex = table_3_latex(pd.DataFrame([row]), {"a": "wet\n\n<'a'> | b"})
+    inside = r"wet \textless{}'a'\textgreater{} \textbar{} b \\"
+    assert f" & {inside}\n" in latex
+
+
+def test_a_title_neither_splits_a_markdown_table_nor_marks_it_up():
     row = {"rock": "a", "parameter": "jrc", "cycle": 1, "length": 1.5, "percent": 15.0,
            "length_net": 1.0, "percent_net": 10.0, "samples": 20}  # fmt: skip
-    markdown = table_3_markdown(pd.DataFrame([row]), {"a": "A | <b>*x*</b>\n[y](z)"})
-    heading = r"| Parameter | A \| \<b\>\*x\*\</b\> \[y\](z), cycle 1 |"
-    assert heading in markdown.splitlines()
+    title = "wet|dry\n<script>alert(1)</script> *a* _b_ `c` [d](e) \\| $f$"
+    lines = table_3_markdown(pd.DataFrame([row]), {"a": title}).splitlines()
+    head = next(line for line in lines if line.startswith("| Parameter"))
+    assert head.endswith(", cycle 1 |")
+    # what Markdown ends a cell at, or takes for a mark, is preceded by a backslash
+    assert len(re.findall(r"(?<!\\)(?:\\\\)*\|", head)) == 3
+    inside = head.removeprefix("| Parameter | ").removesuffix(" |")
+    assert not re.search(r"(?<!\\)(?:\\\\)*[<>*_`\[\]$]", inside)
+    assert re.sub(r"\\(.)", r"\1", inside) == title.replace("\n", " ") + ", cycle 1"
 
 
-@pytest.mark.parametrize("title", ["=1+1", "+1", "-1", "@SUM(A1)"])
+def titled(title):
+    """Slate under another title."""
+    rocks = study_of({"study": {"rocks": ["slate"]}, "rocks": {"slate": {"title": title}}}).rocks
+    return {"slate": rocks["slate"]}
+
+
+@pytest.mark.parametrize("title", ['=HYPERLINK("a")', "+1", "-1", "@SUM(A1)", "\t=1"])
 def test_a_title_is_no_formula_of_a_spreadsheet(title):
-    rock = {"title": title, "youngs_modulus_GPa": 50.0, "levels": {}}
-    table = rock_table({"study": {"rocks": ["a"]}, "rocks": {"a": rock}})
-    assert table.title.item() == f"'{title}"
-    assert table.youngs_modulus_GPa.item() == 50.0
+    assert rock_table(titled(title)).title.tolist() == ["'" + title]
+
+
+def test_a_title_with_commas_and_lines_is_one_cell_of_a_csv(tmp_path):
+    write_csv(rock_table(titled('a, "b"\nc')), tmp_path / "rocks.csv")
+    again = pd.read_csv(tmp_path / "rocks.csv")
+    assert again.title.tolist() == ['a, "b"\nc']
+    assert again.jrc.tolist() == [6.5]
 
 
 KEYS = {"parameter": "jrc", "length": 1.5, "percent": 15.0, "length_net": 1.0, "percent_net": 10.0}
@@ -109,11 +138,18 @@ def test_a_study_that_varies_nothing_says_so():
 
 
 def test_the_table_of_rocks_names_the_file_of_a_measured_curve():
-    rock = {"title": "A", "jrc": 8, "levels": {"jrc": [6, 9]}}
-    settings = {
-        "study": {"rocks": ["a", "b"]},
-        "rocks": {"a": rock, "b": rock | {"measured": {"file": "a.csv", "stress_unit": "MPa"}}},
-    }
-    table = rock_table(settings)
-    assert table.measured.tolist()[1] == "a.csv"
+    told = {"rocks": {"slate": {"measured": {"file": "a.csv", "stress_unit": "MPa"}}}}
+    table = rock_table(study_of(told).rocks).set_index("rock")
+    assert table.measured["slate"] == "a.csv"
+    assert table.measured.isna().sum() == 3
+    assert table.youngs_modulus_GPa["siltstone"] == 28.5
     assert "levels" not in table
+
+
+def test_the_table_of_cases_has_every_level_in_the_unit_that_it_was_written_in():
+    table = case_table(study_of().rocks)
+    assert len(table) == 4 * 4 * 3
+    own = table[(table.rock == "siltstone") & (table.parameter == "youngs_modulus")]
+    assert own.value.tolist() == [25, 28.5, 32]
+    assert own.level.tolist() == ["low", "base", "high"]
+    assert set(own.unit) == {"GPa"}

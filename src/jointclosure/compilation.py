@@ -16,6 +16,7 @@ import os
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numba
 import numpy as np
@@ -57,8 +58,8 @@ def _cache_root() -> Path:
 class _Folder(_CacheLocator):
     """A function's place in `cache_folder`, whose name says which code it is of."""
 
-    def __init__(self, function: Callable, file: str):
-        self._path = cache_folder() / self.get_suitable_cache_subpath(file)
+    def __init__(self, function: Callable[..., Any], file: str):
+        self._path = cache_folder() / self.get_suitable_cache_subpath(file)  # type: ignore[no-untyped-call]
         inside = Path(file).resolve().is_relative_to(PACKAGE)
         # the digest in the folder's name covers the package only
         self._stamp = "" if inside else hashlib.sha256(Path(file).read_bytes()).hexdigest()
@@ -73,17 +74,17 @@ class _Folder(_CacheLocator):
         return ""
 
     @classmethod
-    def from_function(cls, py_func: Callable, py_file: str) -> "_Folder":
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> "_Folder":
         return cls(py_func, py_file)
 
 
 class _InFolder(CompileResultCacheImpl):
     """Files named by the function alone: a comment above it moves its line, and not its code."""
 
-    _locator_classes = (_Folder,)
+    _locator_classes = (_Folder,)  # type: ignore[assignment]
 
     def get_filename_base(self, fullname: str, abiflags: str) -> str:
-        return super().get_filename_base(fullname, abiflags).replace(f"-{self._lineno}.", ".", 1)
+        return super().get_filename_base(fullname, abiflags).replace(f"-{self._lineno}.", ".", 1)  # type: ignore[no-untyped-call]
 
 
 class _KernelCache(FunctionCache):
@@ -92,16 +93,16 @@ class _KernelCache(FunctionCache):
     _impl_class = _InFolder
     misses = 0
 
-    def __init__(self, function: Callable):
-        super().__init__(function)
+    def __init__(self, function: Callable[..., Any]):
+        super().__init__(function)  # type: ignore[no-untyped-call]
         try:
             self._impl.locator.ensure_cache_path()
         except OSError:  # where nothing can be written, a process compiles what it needs
-            self.disable()
+            self.disable()  # type: ignore[no-untyped-call]
 
-    def load_overload(self, sig, target_context):
+    def load_overload(self, sig, target_context):  # type: ignore[no-untyped-def]
         """As `Cache.load_overload`: None where it is to be compiled."""
-        found = super().load_overload(sig, target_context)
+        found = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
         if found is None:
             _KernelCache.misses += 1
             if _KernelCache.misses == 1:  # as nothing else happens meanwhile
@@ -116,7 +117,7 @@ def compiles() -> int:
     return _KernelCache.misses
 
 
-def kernel(function: Callable) -> Callable:
+def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a numerical kernel: cached on disk, serial, IEEE arithmetic.
 
     Divisions follow numpy (no exception on 0/0), so a kernel guards its own
@@ -134,8 +135,8 @@ def kernel(function: Callable) -> Callable:
         f"_{name}_{value}" for name, value in flags if isinstance(value, bool)
     )
     compiled = numba.njit(function, error_model="numpy", nogil=True, forceinline=True)
-    if numba.config.DISABLE_JIT:
+    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         return np.errstate(divide="ignore", invalid="ignore", over="ignore")(compiled)
     # as `enable_caching` does, which would take the folder that is set for the whole process
-    compiled._cache = _KernelCache(function)
+    compiled._cache = _KernelCache(function)  # type: ignore[attr-defined]
     return compiled

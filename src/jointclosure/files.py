@@ -1,14 +1,18 @@
 """Files that are whole or absent, and that show when they were changed.
 
 A file is written under a temporary name in its folder, brought to the disk and
-then renamed. A sealed one ends with a digest of all before it, so that one
+then renamed. The name tells the computer and the process that write it: what a
+killed process left is removed, what a running one writes is not, even where two
+write the same file. A sealed one ends with a digest of all before it, so that one
 changed bit is an error and never a number.
 """
 
+import errno
 import glob
 import hashlib
 import os
 import shutil
+import socket
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -21,26 +25,33 @@ _SEAL_BYTES = len(_SEAL) + END_DIGEST
 _READ_BYTES = 1_000_000
 """Read at a time: mapped whole, a file would count as memory."""
 
+_NOT_OF_SPACE = (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EROFS, errno.ENAMETOOLONG)
+"""Errors that have nothing to do with a full disk. All others may: of one netCDF says that the
+permission is denied, or a number of its own."""
+
 
 class DamagedFileError(OSError):
     """A file that is not as it was written."""
 
 
-def atomically(path: str | Path, write: Callable[[Path], None]) -> None:
+def atomically(path: str | Path, write: Callable[[Path], object]) -> None:
     """Call ``write`` with a temporary path, then rename it to ``path``.
+
+    Where several processes write the same path, the last one to finish stays.
 
     Raises
     ------
     OSError
-        The file could not be written; says how much room its disk has. Errors
-        that ``write`` raises otherwise are passed on.
+        The file could not be written; says how much room its disk has where that may be the
+        reason. Errors that ``write`` raises otherwise are passed on.
     """
     path = Path(path)
     try:
-        for litter in path.parent.glob(f".{glob.escape(path.stem)}.{8 * '?'}{path.suffix}"):
-            litter.unlink(missing_ok=True)  # of a writer that was killed
+        _remove_litter(path)
         handle, name = tempfile.mkstemp(
-            dir=path.parent, prefix=f".{path.stem}.", suffix=path.suffix
+            dir=path.parent,
+            prefix=f".{path.stem}.{socket.gethostname()}-{os.getpid()}-",
+            suffix=path.suffix,
         )
     except OSError as error:
         raise _not_written(path, error) from error
@@ -60,6 +71,29 @@ def atomically(path: str | Path, write: Callable[[Path], None]) -> None:
         temporary.unlink(missing_ok=True)
 
 
+def _remove_litter(path: Path) -> None:
+    """Remove temporary files for a path whose writers were killed on this computer.
+
+    Those of other computers stay: whether their writers run cannot be seen from here.
+    """
+    written_here = f".{path.stem}.{socket.gethostname()}-"
+    for litter in path.parent.glob(f"{glob.escape(written_here)}*-{8 * '?'}{path.suffix}"):
+        pid = litter.name.removeprefix(written_here).split("-")[0]
+        if pid.isdecimal() and not _runs(int(pid)):
+            litter.unlink(missing_ok=True)
+
+
+def _runs(pid: int) -> bool:
+    import psutil  # only where there is litter
+
+    try:
+        return psutil.Process(pid).status() not in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)
+    except psutil.NoSuchProcess:
+        return False
+    except psutil.AccessDenied:
+        return True
+
+
 def _to_disk(path: Path) -> None:
     handle = os.open(path, os.O_RDONLY)
     try:
@@ -68,9 +102,13 @@ def _to_disk(path: Path) -> None:
         os.close(handle)
 
 
-def _not_written(path: Path, error: Exception) -> OSError:
+def _not_written(path: Path, error: OSError) -> OSError:
+    """The error to be raised, with the room on the disk where that may be the reason."""
+    said = f"{path}: could not be written ({error})"
+    if error.errno in _NOT_OF_SPACE:
+        return OSError(said)
     free = shutil.disk_usage(path.parent).free if path.parent.is_dir() else 0
-    return OSError(f"{path}: could not be written ({error}); {free / 1e6:.1f} MB are free there")
+    return OSError(f"{said}; {free / 1e6:.1f} MB are free there")
 
 
 def seal(path: Path) -> None:

@@ -1,7 +1,7 @@
 """What a simulation is told: rocks, effects, choices and numerics, all in SI."""
 
-from collections.abc import Iterator
-from typing import Literal, NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import Literal, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -9,6 +9,16 @@ from jointclosure.inputs import InputError, check_length, check_number, check_on
 
 SMALLEST_TOLERANCE = 1e-14
 """Of what is to be met relatively: about fifty roundings."""
+
+
+USUAL = {
+    "youngs_modulus": (1e8, 3e11, "Pa"),
+    "compressive_strength": (2.5e5, 1e9, "Pa"),
+    "max_normal_stress": (1e3, 1e9, "Pa"),
+    "spacing": (1e-6, 0.1, "m"),
+}
+"""Least and largest values that are usual of rock and its joints, and their unit: what lies
+beyond is more often a slip of units."""
 
 
 class Rock(NamedTuple):
@@ -79,6 +89,11 @@ class Numerics(NamedTuple):
     Without breakage the fast solver takes no steps: it solves for
     ``curve_points`` evenly spaced stresses up to the maximum, to a residual of
     1e-10 or the ``force_tolerance``, whichever is smaller.
+
+    A simulation ends with a status that says so beyond ``most_steps`` displacement
+    steps, or ``most_breakage_steps`` breakage steps for each of its cells. Where it can
+    be foreseen that it will, it is refused; infinity lifts a bound. By default they are
+    some thousand times what the paper's joints take.
     """
 
     displacement_step: float = 12.5e-6
@@ -93,9 +108,14 @@ class Numerics(NamedTuple):
     curve_points: int = 20
     breakage: Literal["fixed_step", "resolved"] = "fixed_step"
     tolerance: float = 0.02
+    most_steps: float = 1e5
+    most_breakage_steps: float = 1e6
 
 
-def in_double(settings):
+_Settings = TypeVar("_Settings", Rock, Choices, Numerics)
+
+
+def in_double(settings: _Settings) -> _Settings:
     """A `Rock`, `Choices` or `Numerics` with its numbers as Python's own.
 
     A numpy.float32 in it would otherwise make single precision of all that it
@@ -112,7 +132,7 @@ def in_double(settings):
     )
 
 
-def both_walls(rock) -> tuple[Rock, Rock]:
+def both_walls(rock: Rock | Sequence[Rock]) -> tuple[Rock, Rock]:
     """(upper, lower) rocks, from one rock or a pair of rocks.
 
     Raises
@@ -139,6 +159,25 @@ def check_rock(rock: Rock) -> None:
     check_number("poisson_ratio", rock.poisson_ratio)
     if not 0.0 <= rock.poisson_ratio <= 0.5:
         raise InputError(f"poisson_ratio = {rock.poisson_ratio!r}: must lie in [0, 0.5]")
+
+
+def check_usual(rocks: tuple[Rock, ...], **values: float) -> None:
+    """Raise `InputError` where a number is not usual of rock and its joints, see `USUAL`.
+
+    Parameters
+    ----------
+    rocks : tuple of Rock
+    **values : float
+        Others by name, [SI].
+    """
+    for given in (*(rock._asdict() for rock in rocks), values):
+        for name, value in given.items():
+            low, high, unit = USUAL.get(name, (-np.inf, np.inf, ""))
+            if not low <= value <= high and not np.isinf(value):
+                raise InputError(
+                    f"{name} = {value!r} {unit}: not usual of rock ({low:g} to {high:g} {unit}); "
+                    "is the unit right? unusual_values=True takes it as it is"
+                )
 
 
 def check_scene(effects: Effects) -> None:
@@ -233,6 +272,10 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
         raise InputError("breakage = 'resolved': not with target = 'interpolate'; use equilibrate")
     check_one_of("target", numerics.target, ("equilibrate", "interpolate"))
     check_one_of("solver", numerics.solver, solvers)
+    for name in ("most_steps", "most_breakage_steps"):
+        check_number(name, getattr(numerics, name))
+        if not getattr(numerics, name) >= 1.0:
+            raise InputError(f"{name} = {getattr(numerics, name)!r}: must be at least 1")
     for name in ("stress_tolerance", "force_tolerance", "sweep_tolerance"):
         check_number(name, getattr(numerics, name))
         if not SMALLEST_TOLERANCE <= getattr(numerics, name) < 1.0:

@@ -7,9 +7,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TextIO
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-
 _BETWEEN_LINES = 10.0
 """Seconds between two lines on a terminal."""
 
@@ -23,6 +20,16 @@ def bar(title: str) -> Iterator[Callable[[float, str], None]]:
     callable
         To be called with the part that is done, from 0 to 1, and a word on what is done now.
     """
+    # jobs count without it, and are started by the hundred
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
     console = Console(stderr=True)
     columns = (
         TextColumn("{task.description}"),
@@ -64,7 +71,7 @@ class Countdown:
     def __init__(self, title: str, total: int, terminal: TextIO | None = None):
         self.title, self.total, self.done = title, total, 0
         self._start = self._said = time.monotonic()
-        self._terminal = sys.__stderr__ if terminal is None else terminal
+        self._terminal = terminal or sys.__stderr__ or sys.stderr
 
     def __call__(self) -> str:
         self.done += 1

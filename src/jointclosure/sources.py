@@ -123,7 +123,7 @@ def _code(file: Path) -> str:
         body = getattr(node, "body", None)
         if isinstance(body, list):
             # bare texts have no effect: docstrings, and those that describe a constant
-            node.body = [
+            node.body = [  # type: ignore[attr-defined]
                 each
                 for each in body
                 if not (isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant))

@@ -1,76 +1,55 @@
-"""Tables of a study: frames and texts, no computing and no files."""
+"""Tables of a study: frames and texts, no computing and no files.
+
+Titles are the user's words: each kind of table shows them as they are, whatever they look like.
+"""
 
 import re
 
 import pandas as pd
 
-from jointclosure.ensemble.cases import (
-    PARAMETERS,
-    configuration_key,
-    level_names,
-    levels_of,
-)
-
-PARAMETER_TITLES = {
-    "poisson_ratio": "Poisson's ratio",
-    "youngs_modulus": "Young's modulus",
-    "compressive_strength": "Compressive strength",
-    "jrc": "JRC",
-}
-_SYMBOLS = {
-    "poisson_ratio": "Poisson's ratio ν",
-    "youngs_modulus": "Young's modulus E (GPa)",
-    "compressive_strength": "Compressive strength σc (MPa)",
-    "jrc": "Joint roughness coefficient (JRC)",
-}
-_LATEX = {
-    "poisson_ratio": r"Poisson's ratio $\nu$",
-    "youngs_modulus": r"Young's modulus $E$ (GPa)",
-    "compressive_strength": r"Compressive strength $\sigma_c$ (MPa)",
-    "jrc": "Joint roughness coefficient (JRC)",
-}
+from jointclosure.config.properties import PARAMETERS, PROPERTIES, key_of
+from jointclosure.config.typed import SIDES, StudyRock
+from jointclosure.config.units import in_unit
+from jointclosure.ensemble.cases import base_case, level_names
+from jointclosure.parameters import Rock
 
 
-def rock_table(configuration: dict) -> pd.DataFrame:
+def rock_table(rocks: dict[str, StudyRock]) -> pd.DataFrame:
     """The paper's Table 1: rocks and their properties, with the maximum stress."""
     rows = []
-    for name in configuration["study"]["rocks"]:
-        rock = configuration["rocks"][name]
-        flag = {"max_normal_stress_is_assumed": rock.get("max_normal_stress_is_assumed", False)}
-        own = {key: value for key, value in rock.items() if not isinstance(value, dict)}
-        own |= {"measured": rock["measured"]["file"]} if "measured" in rock else {}
-        if rock.get("walls"):
-            own |= {f"{side}_wall": rock["walls"][side] for side in ("upper", "lower")}
-        plain = {key: _plain_cell(value) for key, value in own.items()}
-        rows.append({"rock": name} | plain | flag)
-    return pd.DataFrame(rows)
+    for name, rock in rocks.items():
+        row: dict[str, object] = {"rock": name, "title": rock.title}
+        row |= {
+            key_of(each): in_unit(getattr(rock.intact, each), PROPERTIES[each].unit)
+            for each in Rock._fields
+        }
+        if not rock.walls:
+            row["jrc"] = in_unit(rock.jrc, "1")
+        row["max_normal_stress_MPa"] = in_unit(rock.max_normal_stress, "MPa")
+        row["max_normal_stress_is_assumed"] = rock.max_normal_stress_is_assumed
+        if rock.measured:
+            row["measured"] = rock.measured.file
+        if rock.walls:
+            row |= {f"{side}_wall": getattr(rock.walls, side) for side in SIDES}
+        rows.append(row)
+    return pd.DataFrame(rows).map(_plain_csv)
 
 
-def roughness_title(rock: dict) -> str:
+def roughness_title(rock: StudyRock) -> str:
     """What a rock's walls are, for a figure: their JRC, or that they were measured."""
-    return "measured walls" if rock.get("walls") else f"JRC {rock['jrc']:g}"
+    return "measured walls" if rock.walls else f"JRC {rock.jrc:g}"
 
 
-def case_table(configuration: dict) -> pd.DataFrame:
+def case_table(rocks: dict[str, StudyRock]) -> pd.DataFrame:
     """The paper's Table 2, one row per rock, parameter and level."""
     rows = []
-    for name in configuration["study"]["rocks"]:
-        rock = configuration["rocks"][name]
-        for parameter in PARAMETERS:
-            key = configuration_key(parameter, rock["levels"])
-            if key is None:
-                continue
-            levels = levels_of(rock, key)
-            for level, value in zip(level_names(levels, rock[key]), levels, strict=True):
-                rows.append(
-                    {
-                        "rock": name,
-                        "parameter": parameter,
-                        "level": level,
-                        "value": value,
-                        "unit": key.removeprefix(parameter).strip("_") or "1",
-                    }
-                )
+    for name, rock in rocks.items():
+        for parameter in (each for each in PARAMETERS if each in rock.levels):
+            levels, unit = rock.levels[parameter], PROPERTIES[parameter].unit
+            own = base_case(name, rock).property(parameter)
+            for level, value in zip(level_names(levels, own), levels, strict=True):
+                where = {"rock": name, "parameter": parameter, "level": level}
+                rows.append({**where, "value": in_unit(value, unit), "unit": unit})
     return pd.DataFrame(rows, columns=["rock", "parameter", "level", "value", "unit"])
 
 
@@ -135,7 +114,7 @@ def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd
     )
     found = {(row.parameter, row.cycle, row.rock): row for _, row in table.iterrows()}
     cycles = sorted(table.cycle.unique())
-    rows = {}
+    rows: dict[str, dict[tuple[int, str], str]] = {}
     for parameter in PARAMETERS:
         if not (table.parameter == parameter).any():
             continue
@@ -169,11 +148,11 @@ def table_3_markdown(table: pd.DataFrame, titles: dict[str, str]) -> str:
             shown = table[table.in_paper]
         of = {rock: title for rock, title in titles.items() if (shown.rock == rock).any()}
         frame = table_3(shown, of, column)
-        names = [f"{plain_markdown(title)}, cycle {cycle}" for cycle, title in frame.columns]
+        names = [f"{_plain_markdown(title)}, cycle {cycle}" for cycle, title in frame.columns]
         lines += [f"**{heading}**", "", "| Parameter | " + " | ".join(names) + " |"]
         lines.append("|---" * (len(names) + 1) + "|")
         for parameter, row in frame.iterrows():
-            lines.append(f"| {_SYMBOLS[parameter]} | " + " | ".join(row) + " |")
+            lines.append(f"| {PROPERTIES[parameter].label} | " + " | ".join(row) + " |")
         lines.append("")
     lines.append(_note(table, "√"))
     return "\n".join(lines) + "\n"
@@ -195,7 +174,7 @@ def table_3_latex(table: pd.DataFrame, titles: dict[str, str]) -> str:
     body = []
     for parameter, row in frame.iterrows():
         cells = [_latex(cell) for cell in row]
-        body.append(f"{_LATEX[parameter]} & " + " & ".join(cells) + r" \\")
+        body.append(f"{PROPERTIES[parameter].latex} & " + " & ".join(cells) + r" \\")
     return "\n".join(
         [
             r"\begin{table}",
@@ -214,23 +193,29 @@ def table_3_latex(table: pd.DataFrame, titles: dict[str, str]) -> str:
     )
 
 
-def plain_markdown(title: str) -> str:
-    """A title as text, whatever marks of Markdown or HTML it may look like."""
-    return re.sub(r"([\\`*_\[\]|<>~&])", r"\\\1", " ".join(title.split()))
-
-
-def _plain_cell(value: object) -> object:
-    """A text that no spreadsheet takes for a formula: those get an apostrophe before them."""
-    formula = isinstance(value, str) and value.startswith(("=", "+", "-", "@", "\t", "\r"))
-    return f"'{value}" if formula else value
-
-
 def _plain_latex(title: str) -> str:
     """A title as text, whatever commands of LaTeX it may look like."""
     special = {character: f"\\{character}" for character in "&%$#_{}"}
     special |= {"~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
-    special |= {"\\": r"\textbackslash{}"}
-    return "".join(special.get(character, character) for character in title)
+    special |= {"\\": r"\textbackslash{}", "|": r"\textbar{}"}
+    special |= {"<": r"\textless{}", ">": r"\textgreater{}"}
+    return "".join(special.get(character, character) for character in _one_line(title))
+
+
+def _plain_markdown(title: str) -> str:
+    """A title as text in a cell of a table, whatever marks of Markdown or HTML it may hold."""
+    return re.sub(r"([\\`*_{}\[\]<>|#&~$!])", r"\\\1", _one_line(title))
+
+
+def _plain_csv(cell):
+    """A cell that no spreadsheet takes for a formula: an apostrophe is put before such a text."""
+    if isinstance(cell, str) and cell.startswith(("=", "+", "-", "@", "\t", "\r")):
+        return "'" + cell
+    return cell
+
+
+def _one_line(title: str) -> str:
+    return " ".join(title.split())
 
 
 def _latex(cell: str) -> str:

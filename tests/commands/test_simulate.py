@@ -66,7 +66,7 @@ def test_a_failed_simulation_is_said_and_fails(capsys, monkeypatch):
         closed["status"] = closed.status.copy(data=np.int16(64 + 2))
         return closed
 
-    monkeypatch.setattr("jointclosure.commands.simulate.simulate", failing)
+    monkeypatch.setattr("jointclosure.ensemble.closing.simulate", failing)
     code, out, _ = said(capsys, "--rock", "slate", *SMALL)
     assert code == 1
     assert "failed: outside_model_range, rigid_contact" in out
@@ -80,6 +80,12 @@ def test_a_failed_simulation_is_said_and_fails(capsys, monkeypatch):
         (["--rock", "slate", "--jrc", "30"], "rocks.slate.jrc = 30.0: must be at most 20"),
         (["--rock", "slate", "--cells", "2"], "grid.cells_x = 2: must be at least 3; grid.cells_y"),
         (["--rock", "slate", "--stress", "0.4"], "seating_stress_MPa = 0.5: must be below"),
+        (["--rock", "slate", "--spacing", "0.00025"], "grid.spacing_mm = 0.00025: not usual"),
+        (["--rock", "slate", "--stress", "10e6"], "max_normal_stress_MPa = 10000000.0: not usual"),
+        (
+            ["--youngs-modulus", "55e9", *BY_NUMBERS[2:], "--stress", "2"],
+            "rocks.rock.youngs_modulus_GPa = 55000000000.0: not usual of rock (0.1 to 300 GPa)",
+        ),
         (["--rock", "slate", "--seed", "-1"], "--seed -1: must be 0 or above"),
         (["--rock", "slate", "--without", "breakage"], "gouge = True needs breakage = True"),
         (["--rock", "slate", "--set", "numerics.solver=refrence"], "did you mean reference?"),

@@ -1,71 +1,59 @@
-from pathlib import Path
+import json
 
 import pytest
-import yaml
 
-from jointclosure.config.configuration import (
-    ConfigurationError,
-    checked,
-    choice_tolerance,
-    choices_of,
-    effects_of,
-    end_of_stress_axis,
-    numerics_of,
-    read_plain,
-    read_schema,
-    written_out,
-)
-from jointclosure.config.units import to_si
-from jointclosure.ensemble.cases import cases_of, wall_seed
-from jointclosure.studies.accuracy import design as accuracy
-
-ROOT = Path(__file__).parents[2]
-SCHEMA = read_schema(ROOT / "workflow/schemas/config.schema.yaml")
-DEFAULT = yaml.safe_load((ROOT / "config/default.yaml").read_text())
-
-
-def merged(changes: dict) -> dict:
-    """The default configuration with overrides, merged as Snakemake does."""
-    return accuracy.merged(DEFAULT, changes)
-
+from jointclosure.config.configuration import resolved, written_out
+from jointclosure.config.files import ConfigurationError, read_plain
+from jointclosure.config.keys import ConfigurationKeys
+from jointclosure.config.plain import from_plain, to_plain
+from jointclosure.config.schema import json_schema
+from jointclosure.config.typed import Configuration
+from jointclosure.config.units import in_unit, to_si
+from jointclosure.ensemble.cases import cases_of
+from jointclosure.ensemble.settings import ClosureSettings
+from jointclosure.ensemble.slices import block_settings
+from jointclosure.ensemble.surfaces import seeds_of
+from jointclosure.parameters import Effects
+from tests.studied import DEFAULT, ROOT, checked_study, study_of
 
 STUDIES = sorted(set((ROOT / "config").glob("*.yaml")) - {ROOT / "config/hard_cases.yaml"})
 
 
 @pytest.mark.parametrize("path", STUDIES, ids=lambda p: p.stem)
 def test_every_configuration_in_the_project_is_valid(path):
-    checked(merged(yaml.safe_load(path.read_text())), SCHEMA)
+    assert study_of(read_plain(path)).study.name
 
 
 def test_the_stress_axis_ends_at_the_largest_maximum_of_the_studys_rocks_or_as_set():
-    assert end_of_stress_axis(DEFAULT) == 30
+    assert study_of().output.largest_stress == 30e6
     changed = {"slate": {"max_normal_stress_MPa": 3}, "dolerite": {"max_normal_stress_MPa": 40}}
-    study = merged({"study": {"rocks": ["slate"]}, "rocks": changed})
-    assert end_of_stress_axis(study) == 3
-    assert end_of_stress_axis(study | {"output": {"largest_stress_MPa": 7}}) == 7
+    change = {"study": {"rocks": ["slate"]}, "rocks": changed}
+    assert study_of(change).output.largest_stress == 3e6
+    assert study_of(change, {"output": {"largest_stress_MPa": 7}}).output.largest_stress == 7e6
 
 
 def test_the_default_is_the_papers_study():
-    cases = cases_of(DEFAULT)
+    study = study_of()
+    cases = cases_of(study)
     assert len(cases) == 36
-    assert DEFAULT["study"]["realizations"] == 20
+    assert study.study.realizations == 20
     assert len({case.label for case in cases}) == 36
-    assert choices_of(DEFAULT) == choices_of(DEFAULT)
     dolerite = cases[0]
-    assert (dolerite.youngs_modulus, dolerite.compressive_strength) == (78e9, 165e6)
+    assert (dolerite.intact.youngs_modulus, dolerite.intact.compressive_strength) == (78e9, 165e6)
     assert dolerite.max_normal_stress == 30e6
-    assert numerics_of(DEFAULT).later_breakage_step == 2.5e-6
-    assert all(effects_of(DEFAULT))
+    assert study.numerics.later_breakage_step == 2.5e-6
+    assert all(all(case.effects) for case in cases)
 
 
 def test_the_library_and_the_configuration_have_the_same_defaults():
     import jointclosure as jc
 
+    study = study_of()
     # but for the points of an elastic curve, which in a study meet the output's axis of stresses
-    points = DEFAULT["output"]["stress_points"] - 1
-    assert numerics_of(DEFAULT) == jc.Numerics(curve_points=points)
-    assert choices_of(DEFAULT) == jc.Choices()
-    assert effects_of(DEFAULT) == jc.Effects()
+    points = study.output.stress_points - 1
+    assert study.numerics == jc.Numerics(curve_points=points)
+    assert study.choices == jc.Choices()
+    assert study.rocks["slate"].effects == jc.Effects()
 
 
 @pytest.mark.parametrize(
@@ -85,7 +73,7 @@ def test_the_library_and_the_configuration_have_the_same_defaults():
         ({"effects": "autom"}, "effects = 'autom': must be auto, or effects with true or false"),
         ({"choices": {"largest_radius_mm": 0.2}}, "largest_radius = 0.0002 m: must be at least the grid spacing"),
         ({"rocks": {"slate": {"max_normal_stress_MPa": 40}}, "output": {"largest_stress_MPa": 30}}, "output.largest_stress_MPa = 30: must be at least"),
-        ({"rocks": {"slate": {"youngs_modulus_GPa": 0.02, "levels": {"youngs_modulus_GPa": [0.01, 0.03]}}}}, "must be below Young's modulus, 10 MPa"),
+        ({"study": {"unusual_values": "allow"}, "rocks": {"slate": {"youngs_modulus_GPa": 0.02, "levels": {"youngs_modulus_GPa": [0.01, 0.03]}}}}, "must be below Young's modulus, 10 MPa"),
         ({"rocks": {"gneiss": {"jrc": 8}}}, "rocks.gneiss: lacks title"),
         ({"study": {"realizations": 1}}, "study.realizations = 1: must be at least 2"),
         ({"study": {"realizations": "20"}}, "study.realizations = '20': must be of type integer"),
@@ -102,22 +90,23 @@ def test_the_library_and_the_configuration_have_the_same_defaults():
 )  # fmt: skip
 def test_an_error_names_the_key_its_value_and_what_is_allowed(change, said):
     with pytest.raises(ConfigurationError) as error:
-        checked(merged(change), SCHEMA)
+        study_of(change)
     assert said in str(error.value)
 
 
 def test_a_misspelt_rock_is_guessed():
     with pytest.raises(ConfigurationError, match="did you mean dolerite"):
-        checked(merged({"study": {"rocks": ["dolorite"]}}), SCHEMA)
+        study_of({"study": {"rocks": ["dolorite"]}})
 
 
-def test_all_errors_are_listed_at_once():
+def test_all_errors_are_listed_at_once_a_line_each():
     with pytest.raises(ConfigurationError) as error:
-        checked(merged({"grid": {"cells_x": 2}, "study": {"realizations": 1}}), SCHEMA)
+        study_of({"grid": {"cells_x": 2}, "study": {"realizations": 1}, "rocks": {"tuff": {}}})
     assert str(error.value).count("must be at least") == 2
+    assert len(str(error.value).splitlines()) == 4
 
 
-def test_every_key_of_the_schema_has_a_description():
+def test_every_key_has_a_description_and_every_section_is_closed():
     def keys(schema, path=""):
         for name, entry in schema.get("properties", {}).items():
             yield f"{path}{name}", entry
@@ -128,42 +117,65 @@ def test_every_key_of_the_schema_has_a_description():
         elif schema.get("properties"):
             assert extra is False, f"{path} is not closed"
 
-    described = dict(keys(SCHEMA))
-    assert len(described) > 50
+    described = dict(keys(json_schema(ConfigurationKeys)))
+    assert len(described) > 100
     assert all(entry.get("description") for entry in described.values())
 
 
+def test_what_is_typed_becomes_plain_data_and_comes_back():
+    study = study_of()
+    assert from_plain(Configuration, json.loads(json.dumps(to_plain(study)))) == study
+    cases = {case.label: case for case in cases_of(study)}
+    settings = block_settings(study, cases, "slate-jrc-low", range(3))
+    assert from_plain(ClosureSettings, json.loads(json.dumps(to_plain(settings)))) == settings
+    with pytest.raises(TypeError, match="hurts"):
+        from_plain(ClosureSettings, to_plain(settings) | {"hurts": 1})
+
+
+def test_a_study_is_read_again_from_the_keys_that_it_left():
+    keys = checked_study({"study": {"realizations_per_job": 3}}).keys
+    left = keys | {"study": {k: v for k, v in keys["study"].items() if k != "realizations_per_job"}}
+    assert resolved(left) == study_of()
+
+
 def test_levels_beyond_three_are_named_and_ordered():
-    cases = cases_of(merged({"rocks": {"slate": {"levels": {"jrc": [4, 5, 8, 9]}}}}))
+    cases = cases_of(study_of({"rocks": {"slate": {"levels": {"jrc": [4, 5, 8, 9]}}}}))
     jrc = [case for case in cases if case.rock == "slate" and case.parameter == "jrc"]
     assert [case.level for case in jrc] == ["level_1", "level_2", "level_4", "level_5"]
     assert [case.jrc for case in jrc] == [4, 5, 8, 9]
 
 
+def seeds_by_case(study, realization=3):
+    """Seeds of a realisation of all cases, by what the case is."""
+    cases = {case.label: case for case in cases_of(study)}
+    block = range(realization, realization + 1)
+    return {
+        (case.rock, case.parameter, case.level): seeds_of(
+            block_settings(
+                study, cases | {label: case._replace(surface=label)}, label, block
+            ).surfaces
+        )[0]
+        for label, case in cases.items()
+    }
+
+
+INDEPENDENT = {"study": {"draws": "independent"}}
+
+
 def test_common_draws_share_surfaces_where_the_roughness_is_the_same():
-    common = [case for case in cases_of(DEFAULT) if case.rock == "slate"]
+    common = [case for case in cases_of(study_of()) if case.rock == "slate"]
     assert len({case.surface for case in common}) == 3
-    independent = merged({"study": {"draws": "independent"}})
-    own = [case for case in cases_of(independent) if case.rock == "slate"]
+    own = [case for case in cases_of(study_of(INDEPENDENT)) if case.rock == "slate"]
     assert len({case.surface for case in own}) == 9
-    seeds = {wall_seed(independent, case, 0) for case in own}
-    assert len(seeds) == 9
-    assert len({wall_seed(DEFAULT, case, 0) for case in common}) == 1
+    assert len(set(seeds_by_case(study_of(INDEPENDENT)).values())) == 36
+    assert len(set(seeds_by_case(study_of()).values())) == 4
 
 
 def test_adding_reordering_or_dropping_cases_changes_no_surface():
-    fewer = merged({"study": {"rocks": ["slate", "dolerite"]},
-                    "rocks": {"slate": {"levels": {"jrc": [4, 5, 8]}}}})  # fmt: skip
-    for settings in (DEFAULT, merged({"study": {"draws": "independent"}})):
-        changed = fewer | {"study": settings["study"] | {"rocks": ["slate", "dolerite"]}}
-
-        def seeds(configuration):
-            return {
-                (case.rock, case.parameter, case.level): wall_seed(configuration, case, 3)
-                for case in cases_of(configuration)
-            }
-
-        before, after = seeds(settings), seeds(changed)
+    fewer = {"study": {"rocks": ["slate", "dolerite"]},
+             "rocks": {"slate": {"levels": {"jrc": [4, 5, 8]}}}}  # fmt: skip
+    for changes in ({}, INDEPENDENT):
+        before, after = (seeds_by_case(study_of(changes, each)) for each in ({}, fewer))
         shared = set(before) & set(after)
         assert len(shared) > 10
         assert all(before[key] == after[key] for key in shared)
@@ -176,6 +188,15 @@ def test_adding_reordering_or_dropping_cases_changes_no_surface():
 def test_a_value_with_a_unit_is_read_as_the_decimal_number_that_was_written(written, read):
     settings = to_si({"step_um": written, "steps_um": [written], "none_um": None})
     assert settings == {"step": read, "steps": [read], "none": None}
+
+
+@pytest.mark.parametrize(
+    ("value", "unit"), [(78e9, "GPa"), (28.5e9, "GPa"), (0.2, "1"), (6.5, "1")]
+)
+def test_a_value_is_shown_in_its_unit_as_it_was_written(value, unit):
+    shown = in_unit(value, unit)
+    assert to_si({f"value_{unit}" if unit != "1" else "value": shown})["value"] == value
+    assert str(shown) in ("78", "28.5", "0.2", "6.5")
 
 
 def test_an_infinite_strength_can_be_written():
@@ -193,7 +214,7 @@ def test_no_name_leads_out_of_the_results_folder(name):
         {"study": {"rocks": [name]}, "rocks": {name: rock}},
     ):
         with pytest.raises(ConfigurationError):
-            checked(merged(change), SCHEMA)
+            study_of(change)
 
 
 @pytest.mark.parametrize(
@@ -219,11 +240,18 @@ def test_a_configuration_is_plain_data_and_runs_nothing(tmp_path, monkeypatch, t
 
 
 def test_auto_is_short_for_all_effects_to_two_percent():
-    whole = written_out(merged({"effects": "auto"}))
-    assert choice_tolerance(checked(whole, SCHEMA)) == 0.02
-    assert all(effects_of(whole))
-    assert choice_tolerance(merged({})) is None
+    study = study_of(written_out({"effects": "auto"}))
+    assert study.effects_chosen_to == 0.02
+    assert all(study.rocks["slate"].effects)
+    assert study_of().effects_chosen_to is None
     assert written_out(DEFAULT) is DEFAULT
+
+
+def test_a_rock_may_have_its_own_effects():
+    own = {"rocks": {"slate": {"effects": {"interaction": False}}}}
+    cases = cases_of(study_of(own))
+    assert {case.effects for case in cases if case.rock == "slate"} == {Effects(interaction=False)}
+    assert {case.effects for case in cases if case.rock != "slate"} == {Effects()}
 
 
 @pytest.mark.parametrize(
@@ -240,5 +268,5 @@ def test_auto_is_short_for_all_effects_to_two_percent():
 )
 def test_effects_that_cannot_be_are_refused(changes, said):
     with pytest.raises(ConfigurationError) as error:
-        checked(merged(changes), SCHEMA)
+        study_of(changes)
     assert said in str(error.value)

@@ -1,28 +1,21 @@
 """Numerics by a word, or by the accuracy wanted: taken from what was measured, or refused."""
 
 import json
-from pathlib import Path
 
 import pandas as pd
 import pytest
-import yaml
 
-from jointclosure.config.configuration import (
-    checked,
-    choice_tolerance,
-    numerics_in_full,
-    numerics_of,
-    read_schema,
-)
-from jointclosure.config.presets import SCENE, chosen_numerics
-from jointclosure.config.project import decided
+from jointclosure.config.configuration import configured
+from jointclosure.config.files import MEASURED, ConfigurationError, read_plain
+from jointclosure.config.presets import SCENES, chosen_numerics, numerics_in_full
 from jointclosure.inputs import InputError
+from jointclosure.parameters import Numerics
 from jointclosure.storage.text import read_csv
-from jointclosure.studies.accuracy.design import merged, settings_of
+from jointclosure.studies.accuracy.design import design_of
 from jointclosure.studies.accuracy.presets_table import setting_table
+from tests.studied import DEFAULT, ROOT, checked_study, keys_of, study_of
 
-ROOT = Path(__file__).parents[2]
-DEFAULT = yaml.safe_load((ROOT / "config/default.yaml").read_text())
+SCENE = SCENES[20.0]
 
 
 def row(preset, error, pairs, **numerics):
@@ -51,10 +44,9 @@ TABLE = pd.DataFrame(
 
 
 def chosen(table=TABLE, radius=20.0, effects=None, **numerics):
-    configuration = merged(
-        DEFAULT, {"numerics": numerics, "choices": {"largest_radius_mm": radius}}
-    )
-    return chosen_numerics(merged(configuration, effects or {}), DEFAULT["numerics"], lambda: table)
+    choices = {"largest_radius_mm": radius}
+    keys = keys_of({"numerics": numerics, "choices": choices}, effects or {})
+    return chosen_numerics(keys, DEFAULT["numerics"], lambda: table)
 
 
 def test_without_a_word_nothing_is_chosen():
@@ -68,15 +60,14 @@ def test_a_preset_stands_for_its_numerics_and_is_kept_in_the_configuration():
         "breakage": "resolved",
         "tolerance": 0.005,
     }
-    assert "0.3 % (confidence up to 0.6 %)" in found.said
-    assert numerics_of({"numerics": found.numerics}).tolerance == 0.005
+    assert "0.3 % (95 % confidence: up to 0.6 %)" in found.said
     assert "preset" not in numerics_in_full({"numerics": found.numerics})
 
 
 @pytest.mark.parametrize(
-    ("accuracy", "tolerance"), [(0.02, 0.02), (0.011, 0.02), (0.005, 0.005), (0.5, None)]
+    ("accuracy", "tolerance"), [(0.02, 0.02), (0.019, 0.005), (0.006, 0.005), (0.5, None)]
 )
-def test_the_cheapest_setting_that_reaches_an_accuracy_is_taken(accuracy, tolerance):
+def test_the_cheapest_setting_whose_bound_is_within_an_accuracy_is_taken(accuracy, tolerance):
     found = chosen(accuracy=accuracy).numerics
     assert found["breakage"] == ("resolved" if tolerance else "fixed_step")
     assert tolerance is None or found["tolerance"] == tolerance
@@ -90,13 +81,17 @@ def test_where_nothing_breaks_there_is_nothing_to_choose():
 
 
 def test_words_are_settled_in_an_order_that_lets_them_stand_together():
-    both = merged(DEFAULT, {"numerics": {"accuracy": 0.02}, "choices": {"largest_radius_mm": 20.0}})
-    settings, said = decided(both | {"effects": "auto"}, ROOT, lambda path: TABLE)
-    assert choice_tolerance(settings) == 0.02
-    assert settings["numerics"]["tolerance"] == 0.02
-    assert "1 %" in said
-    assert decided(DEFAULT | {"numerics": "fast"}, ROOT, read_csv)[1] == ""
-    assert decided(both | {"effects": "autom"}, ROOT, read_csv)[1] == ""
+    both = keys_of({"numerics": {"accuracy": 0.02}, "choices": {"largest_radius_mm": 20.0}})
+    found = configured(both | {"effects": "auto"}, lambda path: TABLE)
+    assert found.typed.effects_chosen_to == 0.02
+    assert found.typed.numerics == Numerics(breakage="resolved", tolerance=0.02, curve_points=60)
+    assert "1 %" in found.said
+
+
+@pytest.mark.parametrize("numerics", ["fast", {"preset": ["quick"]}, {"accuracy": "high"}, []])
+def test_numerics_of_a_wrong_kind_are_said_to_be_so_before_anything_is_chosen(numerics):
+    with pytest.raises(ConfigurationError, match=r"numerics.*: must be of type"):
+        study_of({"numerics": numerics})
 
 
 def test_it_is_the_rocks_own_effects_that_break_or_not():
@@ -122,9 +117,13 @@ def test_a_preset_is_said_to_be_off_by_what_was_measured_of_the_same_model():
     [
         ({"preset": "best"}, "numerics.preset = 'best': must be one of paper, accurate, converged"),
         ({"preset": "paper", "accuracy": 0.1}, "give one of them"),
-        ({"accuracy": 0.001}, "the best that was measured is 0.003"),
-        ({"accuracy": 3}, "numerics.accuracy = 3: must be a number between 0 and 1"),
+        ({"accuracy": 0.001}, "must be at least 0.006, the best bound that was measured"),
         ({"accuracy": 0.1, "radius": None}, "choices.largest_radius_mm"),
+        (
+            {"accuracy": 0.1, "radius": 10.0},
+            "largest_radius_mm = 10.0: numerics.accuracy",
+        ),
+        ({"preset": "quick", "radius": 10.0}, "was measured for null, 20 only"),
         ({"preset": "accurate", "tolerance": 0.07}, "numerics.tolerance = 0.07: leave it out"),
     ],
 )
@@ -135,27 +134,24 @@ def test_what_cannot_be_chosen_is_refused(told, said):
 
 
 def test_the_committed_table_has_every_preset_of_the_study_and_they_can_be_run():
-    study = yaml.safe_load((ROOT / "config/accuracy.yaml").read_text())
-    schema = read_schema(ROOT / "workflow/schemas/config.schema.yaml")
-    measured = read_csv(ROOT / "workflow/resources/accuracy_settings.csv")
-    turned = settings_of(merged(DEFAULT, study))
+    study = read_plain(ROOT / "config/accuracy.yaml")
+    settings, runs = design_of(checked_study(study).keys)
+    turned = {(each.scene, each.knob, each.value): runs[each.run] for each in settings}
+    bounded = {"choices": {"largest_radius_mm": 20.0}}
     for name, point in study["accuracy"]["presets"].items():
-        found = chosen(measured, preset=name)
-        configuration = merged(DEFAULT, {}) | {"numerics": found.numerics}
-        checked(configuration, schema)
-        like = next(
-            each
-            for each in turned
-            if (each.scene, each.knob, each.value) == (SCENE, point["knob"], point["value"])
-        )
-        assert numerics_of(configuration) == numerics_of(like.configuration)
-    assert chosen(measured, preset="paper").numerics == DEFAULT["numerics"] | {"preset": "paper"}
+        like = turned[SCENE, point["knob"], point["value"]].levels[0]
+        assert study_of(bounded, {"numerics": {"preset": name}}).numerics == like.numerics
+    paper = chosen(read_csv(MEASURED), preset="paper").numerics
+    assert paper == DEFAULT["numerics"] | {"preset": "paper"}
 
 
 def test_settings_are_judged_by_their_worst_rock_and_cycle_and_the_finest_by_another_integrator():
     study = {
         "study": {"rocks": ["dolerite", "slate"]},
         "accuracy": {
+            "parameter": "youngs_modulus",
+            "resamples": 10,
+            "confidence": 0.9,
             "scenes": {
                 SCENE: {
                     "finest": {"knob": "steps", "value": 0.5},
@@ -182,7 +178,8 @@ def test_settings_are_judged_by_their_worst_rock_and_cycle_and_the_finest_by_ano
             },
         },
     }
-    settings = settings_of(merged(DEFAULT, study))
+    keys = checked_study(study).keys
+    settings, _ = design_of(keys)
     errors = {"base": -8.0, "steps": 0.0, "resolved": 1.5, "spacing": 99.0}
     costs = pd.DataFrame(
         {
@@ -200,15 +197,16 @@ def test_settings_are_judged_by_their_worst_rock_and_cycle_and_the_finest_by_ano
         }
         for each in settings
     )
-    design = merged(DEFAULT, study)["accuracy"]
+    design = keys["accuracy"]
     table = setting_table(costs, settings, design["scenes"], design["presets"]).set_index("knob")
     assert table.index.tolist() == ["base", "steps", "resolved"]
     assert table.loc["base", "preset"] == "paper"
-    # -8 and -4 %, each +-1 %
-    assert table.loc["base", "error_percent"] == 6.0
-    assert table.loc["base", "bound_percent"] == pytest.approx(6.0 + 0.5**0.5)
-    assert table.loc["base", "worst_percent"] == 8.0
-    assert table.loc["steps", "error_percent"] == pytest.approx(1.125)
+    # -8 and -4 %, each +-1 %: errors of two rocks do not cancel
+    assert table.loc["base", "error_percent"] == 8.0
+    assert table.loc["base", "bound_percent"] == 9.0
+    # the finest is what all are held against; its bound is that of the other integrator
+    assert table.loc["steps", "error_percent"] == 0.0
+    assert table.loc["steps", "bound_percent"] == 2.5
     assert table.loc["steps", "pairs"] == 15.0
     assert json.loads(table.loc["steps", "numerics"]) == {"breakage_step_um": 2.5}
     assert json.loads(table.loc["base", "numerics"]) == {}

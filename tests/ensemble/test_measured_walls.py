@@ -1,15 +1,14 @@
 """Measured walls in a study: what its configuration may say, and the joints that are cut."""
 
-import copy
 import json
 
 import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.config.configuration import ConfigurationError, checked
-from jointclosure.config.units import to_si
-from jointclosure.config.walls import check_files, wall_settings
+from jointclosure.config.files import ConfigurationError
+from jointclosure.config.typed import Walls
+from jointclosure.config.walls import check_files
 from jointclosure.ensemble.cases import cases_of, wall_name
 from jointclosure.ensemble.measured_walls import (
     cut_surfaces,
@@ -20,8 +19,8 @@ from jointclosure.ensemble.measured_walls import (
 )
 from jointclosure.surface.measured import Cloud, Scan
 from jointclosure.surface.roughness import detrended, rms_slope
-from tests.config.test_configuration import DEFAULT, SCHEMA, merged
 from tests.conftest import SPACING
+from tests.studied import study_of
 
 WALLS = {"lower": "scan.npz", "upper": "rotated", "units": "mm"}
 NO_JRC = {"jrc": None, "levels": {"jrc": None}}
@@ -30,7 +29,7 @@ RELATION = "yu_vayssade_linear_0.25mm"
 
 def with_walls(**changes):
     walls = {key: value for key, value in (WALLS | changes).items() if value != "absent"}
-    return merged({"study": {"rocks": ["slate"]}, "rocks": {"slate": NO_JRC | {"walls": walls}}})
+    return {"study": {"rocks": ["slate"]}, "rocks": {"slate": NO_JRC | {"walls": walls}}}
 
 
 @pytest.fixture
@@ -40,11 +39,12 @@ def scan():
 
 
 def prepared(scans, **changes):
-    return prepared_walls(scans, wall_settings(WALLS | changes), SPACING, RELATION)
+    walls = study_of(with_walls()).rocks["slate"].walls
+    return prepared_walls(scans, walls._replace(**changes), SPACING, RELATION)
 
 
 def test_measured_walls_take_the_place_of_a_jrc():
-    cases = cases_of(checked(with_walls(), SCHEMA))
+    cases = cases_of(study_of(with_walls()))
     assert [case.parameter for case in cases] == [
         "base", *["poisson_ratio"] * 2, *["youngs_modulus"] * 2, *["compressive_strength"] * 2,
     ]  # fmt: skip
@@ -73,36 +73,32 @@ def test_measured_walls_take_the_place_of_a_jrc():
 )
 def test_what_contradicts_measured_walls_is_named(rock, said):
     with pytest.raises(ConfigurationError) as error:
-        checked(merged({"study": {"rocks": ["slate"]}, "rocks": {"slate": rock}}), SCHEMA)
+        study_of({"study": {"rocks": ["slate"]}, "rocks": {"slate": rock}})
     assert said in str(error.value)
 
 
 def test_designs_that_draw_walls_of_a_jrc_refuse_measured_ones():
     design = {"jrc": [8], "stress_MPa": [1]}
     with pytest.raises(ConfigurationError, match=r"ablation: not with rocks.slate.walls"):
-        checked(with_walls() | {"ablation": design}, SCHEMA)
+        study_of(with_walls(), {"ablation": design})
 
 
 def test_a_file_that_is_not_there_is_named_with_its_key(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(jc.InputError, match=r"rocks.slate.walls.lower = 'scan.npz': there is no"):
-        check_files(with_walls())
+        check_files(study_of(with_walls()))
     (tmp_path / "scan.npz").write_bytes(b"")
-    check_files(with_walls())
+    check_files(study_of(with_walls()))
     (tmp_path / "folder").mkdir()
     with pytest.raises(jc.InputError, match=r"walls.upper = 'folder': there is no such file"):
-        check_files(with_walls(upper="folder"))
-    check_files(DEFAULT)
+        check_files(study_of(with_walls(upper="folder")))
+    check_files(study_of())
 
 
 def test_windows_follow_the_draws_of_the_study():
-    cases = cases_of(with_walls())
-    assert len({tuple(wall_name(with_walls(), case)) for case in cases}) == 1
-    independent = copy.deepcopy(with_walls())
-    independent["study"]["draws"] = "independent"
-    assert len({tuple(wall_name(independent, case)) for case in cases_of(independent)}) == len(
-        cases
-    )
+    for draws, different in (("common", 1), ("independent", 7)):
+        study = study_of(with_walls(), {"study": {"draws": draws}})
+        assert len({tuple(wall_name(study.study, case)) for case in cases_of(study)}) == different
 
 
 def test_prepared_walls_say_what_they_are(scan):
@@ -115,6 +111,12 @@ def test_prepared_walls_say_what_they_are(scan):
     assert 0.5 < about["hurst"] <= 1.0
     told = json.loads(described({"slate": walls}))
     assert told["slate"]["lower"]["z2"] == about["z2"]
+
+
+def test_what_was_left_out_of_a_scan_is_told_beside_the_walls(scan):
+    told = prepared({"lower": scan._replace(remarks=("1 stray point was cut", "so was a 2nd"))})
+    assert told.lower.attrs["remarks"] == "1 stray point was cut; so was a 2nd"
+    assert "remarks" not in prepared({"lower": scan}).lower.attrs
 
 
 def test_heights_that_point_into_the_rock_are_turned(scan):
@@ -169,7 +171,6 @@ def test_cut_surfaces_are_those_of_the_cutter_with_their_places(scan):
         assert origin == joint.lower_origin
 
 
-def test_settings_in_millimetres_become_metres():
-    assert wall_settings(WALLS | {"spacing_mm": 0.3})["spacing"] == pytest.approx(3e-4)
-    assert wall_settings(WALLS)["missing"] == "refuse"
-    assert to_si(WALLS) == WALLS
+def test_what_is_left_out_of_walls_has_its_usual_value_and_lengths_are_in_metres():
+    walls = study_of(with_walls(spacing_mm=0.3)).rocks["slate"].walls
+    assert walls == Walls("rotated", "scan.npz", "mm", 0.3e-3, None, "refuse", 0.05, ())

@@ -1,57 +1,62 @@
 """Files of other settings are noticed; a split of the work changes nothing."""
 
-import copy
 import itertools
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from jointclosure.config.plain import from_plain, to_plain
+from jointclosure.config.typed import Configuration
 from jointclosure.ensemble.aggregation import join_cases
-from jointclosure.ensemble.cases import Case, blocks_of, cases_of
-from jointclosure.ensemble.closing import close_surfaces, closing_arguments
+from jointclosure.ensemble.cases import blocks_of, cases_of
+from jointclosure.ensemble.closing import close_surfaces
 from jointclosure.ensemble.comparison import differences
 from jointclosure.ensemble.repetition import repeated
 from jointclosure.ensemble.settings import (
+    ClosureSettings,
     OtherSettingsError,
     as_text,
-    block_settings,
     check_settings,
 )
+from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf_regions
 from jointclosure.studies.effects.choice import choose_for_case
 from jointclosure.studies.sensitivity.responses import max_closure_table
+from tests.studied import study_of
 
-ROOT = Path(__file__).parents[2]
 ELASTIC = {"substrate": True, "interaction": True, "breakage": False, "gouge": False}
+
+
+SMALL = {
+    "grid": {"cells_x": 12, "cells_y": 12},
+    "effects": ELASTIC,
+    "numerics": {"curve_points": 5},
+    "output": {"stress_points": 4},
+    "study": {"rocks": ["slate"], "realizations": 7},
+}
+"""The paper's study of joints of 12 x 12 cells that do not break."""
 
 
 @pytest.fixture
 def configuration():
-    """The paper's study of joints of 12 x 12 cells that do not break."""
-    found = yaml.safe_load((ROOT / "config/default.yaml").read_text())
-    found["grid"] |= {"cells_x": 12, "cells_y": 12}
-    found["effects"] |= ELASTIC
-    found["numerics"] |= {"curve_points": 5}
-    found["output"] |= {"stress_points": 4}
-    found["study"] |= {"rocks": ["slate"], "realizations": 7}
-    return found
+    return study_of(SMALL)
 
 
-def settings_of(configuration: dict, label: str, block: range) -> dict:
+def settings_of(configuration: Configuration, label: str, block: range) -> ClosureSettings:
     cases = {case.label: case for case in cases_of(configuration)}
     return block_settings(configuration, cases, label, block, "surfaces", "solver")
 
 
 @given(st.integers(2, 500), st.integers(1, 600) | st.none())
 def test_blocks_have_every_realisation_once(realizations, per_job):
-    study = {"realizations": realizations, "realizations_per_job": per_job}
-    blocks = blocks_of({"study": study})
+    study = study_of().study._replace(realizations=realizations, realizations_per_job=per_job)
+    blocks = blocks_of(study)
     assert list(itertools.chain(*blocks)) == list(range(realizations))
     assert all(len(block) <= (per_job or realizations) for block in blocks)
 
@@ -59,10 +64,9 @@ def test_blocks_have_every_realisation_once(realizations, per_job):
 def test_the_same_settings_pass_and_a_change_is_named(configuration):
     settings = settings_of(configuration, "slate-jrc-low", range(4))
     attributes = {"settings": as_text(settings)}
-    check_settings("case.nc", attributes, copy.deepcopy(settings))
-    other = copy.deepcopy(configuration)
-    other["choices"]["largest_radius_mm"] = 20
-    said = r"case.nc: .*choices.largest_radius_mm is None there, and should be 20\): delete it"
+    check_settings("case.nc", attributes, settings_of(configuration, "slate-jrc-low", range(4)))
+    other = study_of(SMALL, {"choices": {"largest_radius_mm": 20}})
+    said = r"case.nc: .*choices.largest_radius is None there, and should be 0.02\): delete it"
     with pytest.raises(OtherSettingsError, match=said):
         check_settings("case.nc", attributes, settings_of(other, "slate-jrc-low", range(4)))
     with pytest.raises(OtherSettingsError, match="it does not say which"):
@@ -89,21 +93,12 @@ CHANGES = {
 }
 
 
-def merge(settings: dict, change: dict) -> None:
-    for key, value in change.items():
-        if isinstance(value, dict):
-            merge(settings[key], value)
-        else:
-            settings[key] = value
-
-
 @pytest.mark.parametrize("change", CHANGES)
 def test_all_that_a_result_depends_on_is_in_its_settings(configuration, change):
     attributes = {"settings": as_text(settings_of(configuration, "slate-jrc-low", range(4)))}
     label, block, edit = CHANGES[change]
-    merge(configuration, edit)
     with pytest.raises(OtherSettingsError):
-        check_settings("case.nc", attributes, settings_of(configuration, label, block))
+        check_settings("case.nc", attributes, settings_of(study_of(SMALL, edit), label, block))
 
 
 def test_other_code_is_named(configuration):
@@ -117,15 +112,15 @@ def test_other_code_is_named(configuration):
             check_settings("case.nc", {"settings": as_text(made[0])}, other)
 
 
-def closed_block(settings: dict) -> list[xr.Dataset]:
-    surfaces = xr.concat(list(surfaces_of(settings["surfaces"])), "realization", coords="minimal")
-    return list(close_surfaces(surfaces, Case(**settings["case"]), **closing_arguments(settings)))
+def closed_block(settings: ClosureSettings) -> list[xr.Dataset]:
+    surfaces = xr.concat(list(surfaces_of(settings.surfaces)), "realization", coords="minimal")
+    return list(close_surfaces(surfaces, settings))
 
 
-def whole_study(configuration: dict, path: Path) -> xr.Dataset:
+def whole_study(configuration: Configuration, path: Path) -> xr.Dataset:
     """Study of all cases, block by block through a file, as the workflow makes it."""
     cases = cases_of(configuration)
-    blocks = blocks_of(configuration)
+    blocks = blocks_of(configuration.study)
     made = {
         (number, block.start): closed_block(settings_of(configuration, case.label, block))
         for number, case in enumerate(cases)
@@ -146,8 +141,8 @@ def test_a_split_over_jobs_changes_no_bit(configuration, tmp_path):
     assert whole.realization.values.tolist() == list(range(7))
     assert np.isfinite(whole.max_closure.values).all()
     for per_job in (1, 3, 5):
-        configuration["study"]["realizations_per_job"] = per_job
-        split = whole_study(configuration, tmp_path / "split.nc")
+        parts = study_of(SMALL, {"study": {"realizations_per_job": per_job}})
+        split = whole_study(parts, tmp_path / "split.nc")
         assert differences(whole, split) == []
     cases = cases_of(configuration)
     at_once = [
@@ -164,19 +159,18 @@ def test_any_realisation_can_be_repeated_alone(configuration):
     assert differences(block.sel(realization=[5]), again) == []
 
 
-def test_a_realisation_that_fails_is_told_of_and_left_out(configuration):
+def test_a_realisation_that_fails_is_told_of_and_left_out():
     """Flat walls without substrate: a contact that nothing can carry."""
-    configuration["effects"] |= {"substrate": False, "interaction": False}
+    configuration = study_of(SMALL, {"effects": {"substrate": False, "interaction": False}})
     cases = {case.label: case for case in cases_of(configuration)}
     settings = settings_of(configuration, "slate-base", range(4))
-    pairs = list(surfaces_of(settings["surfaces"]))
+    pairs = list(surfaces_of(settings.surfaces))
     for wall in ("upper", "lower"):
         pairs[2][wall][:] = 0.0
     lines = []
     surfaces = xr.concat(pairs, "realization", coords="minimal")
-    arguments = closing_arguments(settings) | {"report": lines.append}
     (closed,) = close_surfaces(
-        surfaces, cases["slate-base"], **arguments, repeated_by="jointclosure repeat r slate-base"
+        surfaces, settings, report=lines.append, repeated_by="jointclosure repeat r slate-base"
     )
     assert closed.status.values.tolist() == [0, 0, 64, 0]
     assert "failed; to repeat it: jointclosure repeat r slate-base 2" in lines[2]
@@ -188,20 +182,30 @@ def test_a_realisation_that_fails_is_told_of_and_left_out(configuration):
     np.testing.assert_allclose(table.max_closure_mean_mm, 1e3 * good.mean(axis=0), rtol=1e-14)
 
 
-def test_a_rock_may_have_its_own_effects(configuration):
-    assert settings_of(configuration, "slate-base", range(2))["effects"]["interaction"]
-    configuration["rocks"]["slate"]["effects"] = {"interaction": False}
-    found = settings_of(configuration, "slate-base", range(2))
-    assert found["effects"] == ELASTIC | {"interaction": False, "soft_peaks": True}
-    assert found["effects_chosen_to"] is None
+def test_settings_that_went_through_json_close_the_same(configuration):
+    settings = settings_of(configuration, "slate-base", range(2))
+    again = from_plain(ClosureSettings, json.loads(json.dumps(to_plain(settings))))
+    (one,), (two,) = closed_block(settings), closed_block(again)
+    assert differences(one, two) == []
 
 
-def test_a_case_chooses_among_the_effects_of_its_rock_to_the_tolerance_given(configuration):
-    configuration["effects"]["auto"] = 0.9
-    case = next(case for case in cases_of(configuration) if case.label == "slate-base")
+def test_a_case_has_the_effects_of_its_rock_whatever_the_studys():
+    own = {"rocks": {"slate": {"effects": {"interaction": False}}}}
+    for changes, interaction in ((SMALL,), True), ((SMALL, own), False):
+        settings = settings_of(study_of(*changes), "slate-base", range(2))
+        assert settings.case.effects._asdict() == ELASTIC | {
+            "interaction": interaction,
+            "soft_peaks": True,
+        }
+        assert settings.conditions().effects == settings.case.effects
+        assert settings.effects_chosen_to is None
+
+
+def test_a_case_chooses_among_the_effects_of_its_rock_to_the_tolerance_given():
+    configuration = study_of(SMALL, {"effects": {"auto": 0.9}})
     settings = settings_of(configuration, "slate-base", range(4))
     lines = []
-    choice = choose_for_case(case, settings, lines.append)
+    choice = choose_for_case(settings, lines.append)
     assert not choice.effects.breakage
     assert not choice.effects.interaction
     assert 0.0 < choice.error < 0.9

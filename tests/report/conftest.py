@@ -9,9 +9,10 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from jointclosure import Numerics
-from jointclosure.config.configuration import read_schema
-from jointclosure.config.units import to_si
+from jointclosure.config.configuration import resolved
+from jointclosure.config.files import MEASURED, PAPER_TABLE_3
+from jointclosure.config.keys import ConfigurationKeys
+from jointclosure.config.schema import json_schema
 from jointclosure.ensemble.aggregation import join_cases
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.checks import check_results
@@ -20,11 +21,13 @@ from jointclosure.report.captions import read_caption
 from jointclosure.report.content import Material, content
 from jointclosure.report.page import Picture, render
 from jointclosure.simulation import ATTRIBUTES
+from jointclosure.sources import PACKAGE
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import read_csv
 from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
 from jointclosure.studies.sensitivity.responses import indifference_table, max_closure_table
 from jointclosure.tables import with_paper
+from tests.studied import DEFAULT
 
 ROOT = Path(__file__).parents[2]
 GRANITE = "Granite </script><b>of & sons"
@@ -35,7 +38,7 @@ SCENE = scene_name(Effects())
 
 @pytest.fixture(scope="session")
 def default():
-    return read_schema(ROOT / "config/default.yaml")
+    return DEFAULT
 
 
 @pytest.fixture(scope="session")
@@ -55,7 +58,7 @@ def configuration(default):
 @pytest.fixture(scope="session")
 def study(configuration):
     """Curves of a made-up law; in every case one joint failed, and one jumped over the target."""
-    cases = cases_of(configuration)
+    cases = cases_of(resolved(configuration))
     joined = join_cases(cases, [_closed(case, i) for i, case in enumerate(cases)])
     joined = joined.assign_coords(scene=("case", [SCENE] * len(cases)))
     joined.attrs = {"references": "the paper"} | provenance(configuration)
@@ -65,7 +68,7 @@ def study(configuration):
 def _closed(case, number: int) -> xr.Dataset:
     random = np.random.default_rng(number)
     stress = np.linspace(0.0, 30e6, 13)
-    scale = (random.lognormal(0.0, 0.1, JOINTS) * case.jrc / case.youngs_modulus)[:, None]
+    scale = (random.lognormal(0.0, 0.1, JOINTS) * case.jrc / case.intact.youngs_modulus)[:, None]
     loading = 1e6 * scale * stress / (stress + 1e7)
     closure = np.empty((JOINTS, 2, 2, stress.size))
     closure[:, 0, 0], closure[:, 0, 1] = loading, 0.5 * (loading + loading[:, -1:])
@@ -109,16 +112,18 @@ def pictures(tmp_path_factory, configuration):
     plt.close(figure)
     return [
         Picture(caption.stem, path.read_bytes(), read_caption(caption.read_text(), configuration))
-        for caption in sorted((ROOT / "workflow/report").glob("*.rst"))
+        for caption in sorted((PACKAGE / "report/texts").glob("*.rst"))
     ]
 
 
 @pytest.fixture(scope="session")
 def material(study, configuration, default, pictures):
-    paper = read_csv(ROOT / "workflow/resources/paper_table_3.csv")
+    paper = read_csv(PAPER_TABLE_3)
     closures = max_closure_table(study)
-    intervals = with_paper(indifference_table(study, configuration["statistics"], 1, True), paper)
-    numerics = Numerics(**to_si(configuration["numerics"]))
+    intervals = with_paper(
+        indifference_table(study, resolved(configuration).statistics, 1, True), paper
+    )
+    numerics = resolved(configuration).numerics
     return Material(
         study=study,
         closures=closures,
@@ -127,7 +132,7 @@ def material(study, configuration, default, pictures):
         checks=check_results(study, numerics, JOINTS),
         paper=paper,
         default=default,
-        schema=read_schema(ROOT / "workflow/schemas/config.schema.yaml"),
+        schema=json_schema(ConfigurationKeys),
         pictures=pictures,
         benchmarks=pd.DataFrame(
             {
@@ -139,7 +144,7 @@ def material(study, configuration, default, pictures):
         ),
         measured=None,
         accuracy=None,
-        presets=read_csv(ROOT / "workflow/resources/accuracy_settings.csv"),
+        presets=read_csv(MEASURED),
     )
 
 

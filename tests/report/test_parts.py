@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jointclosure.config.configuration import read_schema
+from jointclosure.config.keys import ConfigurationKeys
+from jointclosure.config.schema import json_schema
 from jointclosure.report import curves
 from jointclosure.report.captions import read_caption
 from jointclosure.report.curves import MOST_JOINTS, explorer_data
@@ -66,7 +67,7 @@ def test_a_caption_that_lacks_something_is_refused(text, lacking):
 
 
 def test_settings_that_differ_from_the_papers_are_found(configuration, default):
-    schema = read_schema(ROOT / "workflow/schemas/config.schema.yaml")
+    schema = json_schema(ConfigurationKeys)
     assert departures(setting_rows(default, default, schema)) == []
     rows = setting_rows(configuration, default, schema)
     found = departures(rows)

@@ -8,9 +8,9 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.scans import read_scan
-from jointclosure.surface.measured import Cloud, Scan, wall_on_grid
+from jointclosure.surface.measured import Cloud, Scan, point_distance, wall_on_grid
 from jointclosure.surface.roughness import detrended
-from tests.conftest import SPACING
+from tests.conftest import SPACING, TWO_WALLS
 
 STEP_MM = 1e3 * SPACING
 
@@ -224,6 +224,176 @@ def test_text_that_is_no_points_is_refused(text, said, tmp_path):
     with pytest.raises(jc.InputError) as error:
         wall_on_grid(read_scan(tmp_path / "a.csv", units="mm"), SPACING)
     assert said in str(error.value)
+
+
+def test_text_as_instruments_and_people_write_it_is_read(wall, tmp_path):
+    points = points_of(wall)
+    commas = [f"{x:.9f},{y:.9f},{z:.9f}" for x, y, z in points]
+    blanks = [f"{x:.9f} {y:.9f} {z:.9f}" for x, y, z in points]
+    written = {
+        "doubled header, trailing commas, DOS": "x,y,z\r\nx,y,z\r\n"
+        + "".join(f"{line},\r\n" for line in commas)
+        + "\r\n",
+        "header again in the middle": "\n".join(["x,y,z", *commas[:9], "x,y,z", *commas[9:]]),
+        "semicolons and decimal commas": "\n".join(
+            ["x;y;z", *(line.replace(" ", ";").replace(".", ",") for line in blanks)]
+        ),
+        "tabs": "\n".join(line.replace(" ", "\t") for line in blanks),
+        "blanks and decimal commas": "\n".join(line.replace(".", ",") for line in blanks),
+        "aligned": "\n".join("   " + line.replace(" ", "    ") for line in blanks),
+        "commas and blanks": "\n".join(line.replace(",", " , ") for line in commas),
+        "title, count of points, comments": "\n".join(
+            ["Scan 7", str(len(points)), "% by hand", *blanks[:4], "# half", *blanks[4:]]
+        ),
+        "further columns": "\n".join(
+            ["id,x,y,z,quality", *(f"{i},{line},good" for i, line in enumerate(commas))]
+        ).replace("good", "1"),
+        "byte order mark": "\ufeffX,Y,Z\n" + "\n".join(commas),
+    }
+    plain = tmp_path / "plain.txt"
+    plain.write_text("\n".join(commas))
+    expected = read_scan(plain, units="mm")
+    for number, (what, text) in enumerate(written.items()):
+        path = tmp_path / f"{number}.txt"
+        path.write_bytes(text.encode())
+        found = read_scan(path, units="mm")
+        assert isinstance(found, Scan), what
+        np.testing.assert_allclose(found.heights, expected.heights, err_msg=what)
+        assert found.spacing == pytest.approx((SPACING, SPACING)), what
+    path.write_bytes(text.removeprefix("\ufeff").encode("utf-16"))
+    np.testing.assert_allclose(read_scan(path, units="mm").heights, expected.heights)
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        "x_mm,y_mm,z_um",
+        "# x [mm], y [mm], z [um]",
+        "# x [mm] y [mm] z [um]",
+        "X (mm);Y (mm);Z (µm)",
+    ],
+)
+def test_a_head_says_the_units_also_as_a_comment(head, wall, tmp_path):
+    lines = [f"{x:.9f} {y:.9f} {1e3 * z:.9f}" for x, y, z in points_of(wall)]
+    (tmp_path / "a.txt").write_bytes("\n".join([head, *lines]).encode("latin-1"))
+    np.testing.assert_allclose(read_scan(tmp_path / "a.txt").heights, 1e-3 * wall, atol=1e-12)
+
+
+def test_a_line_of_units_below_the_names_is_read(wall, tmp_path):
+    lines = [f"{x:.9f},{y:.9f},{z:.9f}" for x, y, z in points_of(wall)]
+    (tmp_path / "a.csv").write_text("\n".join(["x,y,z", "mm,mm,mm", *lines]))
+    np.testing.assert_allclose(read_scan(tmp_path / "a.csv").heights, 1e-3 * wall, atol=1e-12)
+
+
+@pytest.mark.parametrize("head", ["", "depth,east,north,height\n"])
+@pytest.mark.parametrize("columns", ["2,3,4", "east,north,height"])
+def test_columns_are_chosen_by_number_or_name(head, columns, wall, tmp_path):
+    lines = [f"7,{x:.9f},{y:.9f},{z:.9f}" for x, y, z in points_of(wall)]
+    (tmp_path / "a.csv").write_text(head + "\n".join(lines))
+    if columns[0] == "e" and not head:
+        with pytest.raises(jc.InputError, match="there are numbers from 1 to 4"):
+            read_scan(tmp_path / "a.csv", units="mm", variable=columns)
+        return
+    found = read_scan(tmp_path / "a.csv", units="mm", variable=columns)
+    np.testing.assert_allclose(found.heights, 1e-3 * wall, atol=1e-12)
+
+
+def test_units_are_asked_for_with_what_would_be_plausible(tmp_path):
+    points = np.random.default_rng(2).random((500, 3)) * 65.0
+    np.savetxt(tmp_path / "a.xyz", points)
+    with pytest.raises(jc.InputError) as error:
+        read_scan(tmp_path / "a.xyz")
+    said = str(error.value)
+    assert "does not say the units" in said
+    x, y = np.ptp(points[:, :2], axis=0)
+    assert said.endswith(f"plausible in mm ({x:.4g} x {y:.4g} mm)")
+
+
+@pytest.mark.parametrize("name", ["a.npy", "a.npz", "a.csv", "a.xyz", "a.tif", "a.asc"])
+@pytest.mark.parametrize("sentinel", [-9999.0, 9999.0, 1e30])
+def test_an_undeclared_sentinel_is_no_height(name, sentinel, wall, tmp_path):
+    if sentinel == 1e30 and name in ("a.asc", "a.xyz"):
+        sentinel = -32768.0
+    coded, holed = wall.copy(), wall.copy()
+    coded[3:6, 10:14] = sentinel if name != "a.xyz" else 1e-3 * sentinel
+    holed[3:6, 10:14] = np.nan
+    scan = read_scan(tmp_path / name, **FORMATS[name](tmp_path / name, coded))
+    np.testing.assert_allclose(scan.heights, 1e-3 * holed, atol=1e-12)
+    assert f"{sentinel:g} were taken as missing" in " ".join(scan.remarks)
+    assert "12 " in " ".join(scan.remarks)
+
+
+def test_a_height_of_9999_among_others_is_a_height(wall, tmp_path):
+    heights = 9000.0 + 1000.0 * (wall - wall.min()) / np.ptp(wall) * 2.0
+    heights[4, 5] = 9999.0
+    np.save(tmp_path / "a.npy", heights)
+    scan = read_scan(tmp_path / "a.npy", units="um", spacing=SPACING)
+    np.testing.assert_allclose(scan.heights, 1e-6 * heights)
+    assert scan.remarks == ()
+
+
+@pytest.mark.parametrize("name", ["a.xyz", "a.stl"])
+def test_a_stray_point_is_cut_and_named(name, tmp_path):
+    points = np.random.default_rng(2).random((2000, 3)) * [10.0, 10.0, 0.1]
+    far = np.vstack([points, [1e6, -2e6, 0.05], [4.0, 5.0, 700.0]])
+    if name == "a.xyz":
+        np.savetxt(tmp_path / name, far)
+    else:
+        trimesh = pytest.importorskip("trimesh")
+        faces = np.arange(len(far)).reshape(-1, 2)
+        faces = np.column_stack([faces, np.roll(faces[:, 0], 1)])
+        mesh = trimesh.Trimesh(far, faces, process=False)
+        (tmp_path / name).write_bytes(mesh.export(file_type="stl"))
+    scan = read_scan(tmp_path / name, units="mm")
+    assert len(scan.points) == 2000
+    assert np.abs(scan.points).max() <= 10e-3
+    (said,) = scan.remarks
+    assert said.startswith("2 stray points were cut")
+    assert "(1e+06, -2e+06, 0.05), (4, 5, 700)" in said or name == "a.stl"
+
+
+def test_two_halves_of_a_wall_apart_are_both_the_wall(tmp_path):
+    points = np.random.default_rng(2).random((4000, 3)) * [10.0, 10.0, 0.1]
+    points[:1000, 0] += 30.0
+    np.savetxt(tmp_path / "a.xyz", points)
+    assert len(read_scan(tmp_path / "a.xyz", units="mm").points) == 4000
+
+
+def test_points_that_no_scan_has_so_far_apart_are_refused_and_no_terabyte_asked_for():
+    points = np.random.default_rng(2).random((400, 3)) * [1.0, 1.0, 1e-5]
+    points[:200, 1] += 1e6
+    points[:, 0] += points[:, 1]
+    with pytest.raises(jc.InputError, match="at most 100 cells for each point"):
+        wall_on_grid(Cloud(points), point_distance(Cloud(points)))
+
+
+@pytest.mark.parametrize("spacing", ["a", np.array("0.25"), 1j])
+def test_a_spacing_that_is_no_number_is_named(spacing, wall, tmp_path):
+    np.savez(tmp_path / "a.npz", Z_mm=wall, spacing_mm=spacing)
+    with pytest.raises(jc.InputError, match=r"a\.npz: spacing_mm = .*: must be a number"):
+        read_scan(tmp_path / "a.npz")
+
+
+@pytest.mark.parametrize(("word", "fails"), [("none", False), ("nan", False), ("lots", True)])
+def test_a_no_data_value_that_is_no_number_is_none_or_named(word, fails, wall, tmp_path):
+    tifffile = pytest.importorskip("tifffile")
+    tifffile.imwrite(tmp_path / "a.tif", wall, extratags=[(42113, "s", 0, word, True)])
+    if fails:
+        with pytest.raises(jc.InputError, match=r"a\.tif: GDAL_NODATA = 'lots': must be a number"):
+            read_scan(tmp_path / "a.tif", units="mm", spacing=SPACING)
+    else:
+        found = read_scan(tmp_path / "a.tif", units="mm", spacing=SPACING)
+        np.testing.assert_allclose(found.heights, 1e-3 * wall)
+
+
+def test_both_walls_of_a_published_fracture_are_read():
+    if not TWO_WALLS.is_dir():
+        pytest.skip("the two walls are not here")
+    for name in ("side_a_bottom.txt", "side_b_top.txt"):
+        scan = read_scan(TWO_WALLS / name, units="mm")
+        lines = (TWO_WALLS / name).read_text().splitlines()
+        assert len(scan.points) == sum(line.count(".") >= 2 for line in lines)
+        np.testing.assert_allclose(np.ptp(scan.points[:, :2], axis=0), 65e-3, rtol=0.002)
 
 
 def test_scattered_points_are_a_cloud(tmp_path):

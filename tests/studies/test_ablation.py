@@ -1,15 +1,11 @@
 """What each effect adds: scenes on the same joints, and contributions from known data."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
-import yaml
 
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.plotting.effects import effect_figure
-from jointclosure.studies.accuracy.design import merged
 from jointclosure.studies.effects.ablation import (
     CONTRIBUTIONS,
     FULL,
@@ -17,9 +13,9 @@ from jointclosure.studies.effects.ablation import (
     close_scene,
     effect_table,
 )
+from jointclosure.studies.effects.design import conditions_of
+from tests.studied import study_of
 
-ROOT = Path(__file__).parents[2]
-DEFAULT = yaml.safe_load((ROOT / "config/default.yaml").read_text())
 TINY = {
     "study": {"name": "tiny_effects", "rocks": ["slate"], "realizations": 2},
     "grid": {"cells_x": 10, "cells_y": 10},
@@ -35,13 +31,14 @@ def test_there_are_eighteen_scenes_and_every_contribution_is_between_two_of_them
 
 
 def test_a_scene_closes_the_same_surfaces_at_every_condition():
-    whole = merged(DEFAULT, TINY)
-    elastic = close_scene(whole, "slate", FULL._replace(breakage=False, gouge=False))
+    study = study_of(TINY)
+    conditions, design = conditions_of(study, "slate"), study.ablation
+    elastic = close_scene(conditions, design, FULL._replace(breakage=False, gouge=False))
     assert dict(elastic.sizes) == {"jrc": 2, "stress": 2, "realization": 2, "cycle": 2}
     assert np.all(elastic.max_closure.diff("stress") > 0.0)
     # without breakage loading and unloading are one curve
     np.testing.assert_allclose(elastic.hysteresis, 0.0, atol=1e-12)
-    full = close_scene(whole, "slate", FULL)
+    full = close_scene(conditions, design, FULL)
     # what breaks is not given back; single tiny joints have a handful of points only
     first = full.hysteresis.sel(cycle=1)
     assert float(first.mean()) > 0.2

@@ -1,13 +1,10 @@
 """What accuracy costs: settings from a design, and errors, orders and sources from known data."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
-import yaml
 
-from jointclosure.config.configuration import ConfigurationError
+from jointclosure.config.files import ConfigurationError, read_plain
 from jointclosure.studies.accuracy.cost import (
     cost_table,
     order_table,
@@ -16,45 +13,65 @@ from jointclosure.studies.accuracy.cost import (
 )
 from jointclosure.studies.accuracy.design import (
     Setting,
-    checked_settings,
-    close_at,
+    design_of,
     label_of,
-    merged,
-    settings_of,
 )
+from jointclosure.studies.accuracy.runs import close_run, one_joint
+from tests.studied import ROOT, checked_study
 
-ROOT = Path(__file__).parents[2]
-DEFAULT = yaml.safe_load((ROOT / "config/default.yaml").read_text())
-TINY = yaml.safe_load((ROOT / "tests/workflow/tiny_accuracy.yaml").read_text())
-DESIGN = yaml.safe_load((ROOT / "config/accuracy.yaml").read_text())
+TINY = read_plain(ROOT / "tests/workflow/tiny_accuracy.yaml")
+DESIGN = read_plain(ROOT / "config/accuracy.yaml")
 LEVELS = [60e9, 66e9, 72e9]
 
 
-def changed(**accuracy):
-    return merged(DEFAULT, TINY, {"accuracy": accuracy})
+def design(*changes):
+    """Settings and runs of a design, by scene, knob and value, and by name."""
+    settings, runs = design_of(checked_study(*changes).keys)
+    return {(s.scene, s.knob, s.value): s for s in settings}, runs
 
 
 def test_knobs_scale_set_and_bring_settings_and_equal_ones_share_a_run():
-    found = {(s.scene, s.knob, s.value): s for s in settings_of(merged(DEFAULT, TINY))}
-    half = found["full", "steps", 0.5].configuration["numerics"]
-    assert half["displacement_step_um"] == 6.25
-    assert half["later_displacement_step_um"] == 6.25  # not scaled by this design
-    assert found["full", "resolved", 0.05].configuration["numerics"]["breakage"] == "resolved"
-    rule = found["full", "surface_rule", "hurst 0.6"]
-    assert rule.configuration["surface"]["hurst"] == 0.6
-    assert found["elastic", "base", ""].configuration["effects"]["breakage"] is False
+    found, runs = design(TINY)
+
+    def level(*place):
+        return runs[found[place].run].levels[0]
+
+    half = level("full", "steps", 0.5).numerics
+    assert half.displacement_step == 6.25e-6
+    assert half.later_displacement_step == 6.25e-6  # not scaled by this design
+    assert level("full", "resolved", 0.05).numerics.breakage == "resolved"
+    assert level("full", "surface_rule", "hurst 0.6").surfaces.surface.hurst == 0.6
+    assert not level("elastic", "base", "").case.effects.breakage
     assert ("elastic", "steps", 1) not in found
     assert found["full", "steps", 1].run == found["full", "base", ""].run
-    assert len({s.run for s in found.values()}) == len(found) - 1
+    assert len(runs) == len(found) - 1
+    changed = {"displacement_step_um": 6.25, "breakage_step_um": 2.5}
+    assert found["full", "steps", 0.5].numerics == changed
+    assert found["full", "base", ""].numerics == {}
+    rule = found["full", "surface_rule", "hurst 0.6"]
+    assert rule.numerics is None
+    assert rule.other_joints
+
+
+def test_a_rocks_own_effects_are_those_that_the_accuracy_study_closes():
+    own = {"rocks": {"slate": {"effects": {"interaction": False}}}}
+    closed = []
+    for changes in ((TINY,), (TINY, own)):
+        found, runs = design(*changes)
+        closed.append(close_run(one_joint(runs[found["elastic", "base", ""].run])))
+    together, alone = closed
+    # contacts that do not push each other down have no bulk indentation
+    assert np.all(together.max_closure_net < together.max_closure)
+    assert np.all(alone.max_closure_net == alone.max_closure)
 
 
 def test_every_setting_of_the_accuracy_study_can_be_run():
-    settings = checked_settings(merged(DEFAULT, DESIGN))
+    settings, runs = design_of(checked_study(DESIGN).keys)
     for setting in settings:
         assert setting.run == label_of(setting.scene, setting.rock, "", "") + setting.run[
             len(f"{setting.scene}-{setting.rock}") :
         ]  # fmt: skip
-    assert len({s.run for s in settings}) > 100
+    assert len(runs) > 100
 
 
 @pytest.mark.parametrize(
@@ -68,18 +85,20 @@ def test_every_setting_of_the_accuracy_study_can_be_run():
             {"scenes": {"full": {"choices": {"largest_radius_mm": 0.1}}}},
             "at least the grid spacing",
         ),
-        ({"knobs": {"resolved": {"values": [0.5]}}}, "resolved 0.5: tolerance = 0.5: must lie"),
+        (
+            {"knobs": {"resolved": {"values": [0.5]}}},
+            "resolved 0.5: numerics.tolerance = 0.5: must be at most 0.1",
+        ),
         ({"knobs": {"surface_rule": {"values": [1.0]}}}, "without key or scale it needs"),
     ],
 )
 def test_a_design_that_cannot_be_run_is_refused_by_name(change, message):
     with pytest.raises(ConfigurationError, match=message):
-        checked_settings(changed(**change))
+        design(TINY, {"accuracy": change})
 
 
 def test_a_run_closes_the_same_surfaces_at_all_levels():
-    settings = settings_of(merged(DEFAULT, TINY))
-    found = close_at(settings[0], "youngs_modulus")
+    found = close_run(next(iter(design(TINY)[1].values())))
     assert dict(found.sizes) == {"level": 3, "realization": 3, "cycle": 2}
     assert found.level.values.tolist() == LEVELS
     assert found.attrs["base"] == 66e9
@@ -90,7 +109,9 @@ def test_a_run_closes_the_same_surfaces_at_all_levels():
 
 
 def fake_setting(knob, value, scene="full"):
-    return Setting(scene, "slate", knob, value, f"{scene}-{knob}-{value}", {})
+    return Setting(
+        scene, "slate", knob, value, f"{scene}-{knob}-{value}", knob == "surface_rule", {}
+    )
 
 
 def fake_run(error, seconds, n=12, noise=0.0):
@@ -129,7 +150,7 @@ def weighed(noise=0.0):
     runs[fake_setting("resolved", 0.005).run] = fake_run(0.0, 3.0)
     runs[fake_setting("surface_rule", "hurst 0.6").run] = fake_run(0.4, 1.0)
     finest = {"full": {"knob": "resolved", "value": 0.005}}
-    return cost_table(settings, runs, finest, np.random.default_rng(3), 200, 0.95)
+    return cost_table(settings, runs, finest, np.random.default_rng(3), 200, 0.95, 0.05)
 
 
 def test_errors_times_and_order_are_those_put_in():
@@ -164,7 +185,7 @@ def test_failed_realisations_are_left_out_and_counted():
     runs[settings[0].run].max_closure[:, 4] = np.nan
     runs[settings[0].run].max_closure_net[:, 4] = np.nan
     finest = {"full": {"knob": "resolved", "value": 0.005}}
-    costs = cost_table(settings, runs, finest, np.random.default_rng(3), 50, 0.95)
+    costs = cost_table(settings, runs, finest, np.random.default_rng(3), 50, 0.95, 0.05)
     base = costs[costs.knob == "base"].iloc[0]
     assert (base.samples, base.failed) == (11, 1)
     assert base.mean_error_percent == pytest.approx(10.0)

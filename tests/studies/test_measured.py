@@ -4,14 +4,18 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from jointclosure.config.typed import MeasuredFile
 from jointclosure.inputs import InputError
 from jointclosure.studies.measured.curves import (
+    CurveSettings,
     MeasuredCurve,
     best_fits,
+    curve_settings,
     fit_table,
     measured_curves,
     parsed_curve,
 )
+from tests.studied import study_of
 
 HEADER = "stress_MPa,closure_mm,cycle\n"
 GOOD = HEADER + "0,0,1\n1,0.1,1\n2,0.15,1\n1,0.14,1\n0,0.1,1\n"
@@ -73,15 +77,10 @@ def test_what_is_wrong_is_said_with_file_line_and_value(text, said):
     assert said in str(error.value)
 
 
-def configuration(tmp_path, text):
+def settings(tmp_path, text):
     path = tmp_path / "lab.csv"
     path.write_text(text)
-    rock = {"max_normal_stress_MPa": 2, "measured": {"file": str(path)}}
-    return {
-        "study": {"rocks": ["one", "two"], "cycles": 2},
-        "rocks": {"one": rock, "two": {"max_normal_stress_MPa": 2}},
-        "seating_stress_MPa": 0.5,
-    }
+    return {"one": CurveSettings(MeasuredFile(str(path), None, None), 2e6, 2, 0.5e6)}
 
 
 def read(path):
@@ -90,8 +89,10 @@ def read(path):
 
 
 def test_only_rocks_with_a_file_have_a_curve(tmp_path):
-    curves = measured_curves(configuration(tmp_path, GOOD), read)
-    assert list(curves) == ["one"]
+    assert list(measured_curves(settings(tmp_path, GOOD), read)) == ["one"]
+    rocks = {"slate": {"measured": {"file": "lab.csv", "stress_unit": "MPa"}}}
+    (told,) = curve_settings(study_of({"rocks": rocks})).values()
+    assert told == CurveSettings(MeasuredFile("lab.csv", "MPa", None), 30e6, 2, 0.5e6)
 
 
 @pytest.mark.parametrize(
@@ -106,14 +107,14 @@ def test_only_rocks_with_a_file_have_a_curve(tmp_path):
 )  # fmt: skip
 def test_a_curve_that_the_study_cannot_be_held_against_is_refused(tmp_path, text, said):
     with pytest.raises(InputError) as error:
-        measured_curves(configuration(tmp_path, text), read)
+        measured_curves(settings(tmp_path, text), read)
     assert said in str(error.value)
     assert "lab.csv" in str(error.value)
 
 
 def test_a_file_that_is_not_there_is_said_with_its_key(tmp_path):
-    told = configuration(tmp_path, GOOD)
-    told["rocks"]["one"]["measured"]["file"] = "nowhere.csv"
+    (told,) = settings(tmp_path, GOOD).values()
+    told = {"one": told._replace(measured=MeasuredFile("nowhere.csv", None, None))}
     with pytest.raises(InputError, match=r"rocks.one.measured.file = 'nowhere.csv': there is no"):
         measured_curves(told, read)
 

@@ -1,22 +1,24 @@
 """Effects chosen by a pilot: what matters stays, what does not goes, and the error is known."""
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
-import yaml
 
 import jointclosure as jc
+from jointclosure.config.files import read_plain
 from jointclosure.inputs import InputError
 from jointclosure.parameters import scene_name
 from jointclosure.plotting.effects import choice_figure
-from jointclosure.studies.accuracy.design import merged
 from jointclosure.studies.effects import choice as scene_choice
 from jointclosure.studies.effects.choice import choose_effects
-from jointclosure.studies.effects.validation import random_scene, validate, validation_summary
+from jointclosure.studies.effects.design import validation_settings
+from jointclosure.studies.effects.validation import (
+    random_scene,
+    validate,
+    validation_summary,
+)
+from tests.studied import ROOT, study_of
 
-ROOT = Path(__file__).parents[2]
 SPACING = 0.25e-3
 DOLERITE = jc.Rock(78e9, 0.2, 165e6)
 ELASTIC = jc.Effects(breakage=False, gouge=False)
@@ -88,17 +90,15 @@ def test_bad_input_is_refused():
 
 
 @pytest.fixture(scope="module")
-def configuration():
-    default = yaml.safe_load((ROOT / "config/default.yaml").read_text())
-    effects = yaml.safe_load((ROOT / "config/effects.yaml").read_text())
-    whole = merged(default, effects)
+def settings():
     small = {"scenes": 3, "realizations": 2, "tolerances": [0.05, 0.9], "cells": [10, 14]}
-    return merged(whole, {"ablation": {"validation": small}})
+    effects = read_plain(ROOT / "config/effects.yaml")
+    return validation_settings(study_of(effects, {"ablation": {"validation": small}}))
 
 
-def test_random_scenes_keep_to_their_ranges_and_do_not_depend_on_how_many_there_are(configuration):
-    scenes = [random_scene(configuration, number) for number in range(50)]
-    assert scenes == [random_scene(configuration, number) for number in range(50)]
+def test_random_scenes_keep_to_their_ranges_and_do_not_depend_on_how_many_there_are(settings):
+    scenes = [random_scene(settings, number) for number in range(50)]
+    assert scenes == [random_scene(settings, number) for number in range(50)]
     assert len(set(scenes)) == 50
     for scene in scenes:
         assert 10e9 <= scene.rock.youngs_modulus <= 100e9
@@ -106,8 +106,8 @@ def test_random_scenes_keep_to_their_ranges_and_do_not_depend_on_how_many_there_
         assert 10 <= scene.cells <= 14
 
 
-def test_a_choice_is_held_against_the_full_model(configuration):
-    table = validate(configuration, 1)
+def test_a_choice_is_held_against_the_full_model(settings):
+    table = validate(settings, 1)
     assert table.tolerance.tolist() == [0.05, 0.9]
     everything = table.chosen == scene_name(jc.Effects())
     assert (table.actual_percent[everything] == 0.0).all()

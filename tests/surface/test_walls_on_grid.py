@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
+from jointclosure.randomness import generator, seed_of
 from jointclosure.surface.measured import (
     Cloud,
     Scan,
@@ -15,6 +16,7 @@ from jointclosure.surface.measured import (
 )
 from jointclosure.surface.measured_pairs import Cutter, MeasuredWalls
 from jointclosure.surface.roughness import detrended, rms_slope
+from jointclosure.surface.synthesis import synthetic_wall
 from tests.conftest import SPACING
 
 
@@ -200,13 +202,16 @@ def test_two_scans_are_cut_at_the_same_place(wall):
     np.testing.assert_array_equal(joint.lower, detrended(other[y : y + 16, x : x + 20]))
 
 
-def test_a_matching_wall_is_synthetic_and_another_for_each_seed(wall):
-    whole = cutter({"upper": wall}, "matching")
+def test_a_synthetic_partner_is_another_for_each_seed(wall):
+    whole = cutter({"upper": wall}, "synthetic")
     one, same, other = (whole.joint(0, seed).lower for seed in (1, 1, 2))
     np.testing.assert_array_equal(one, same)
     assert np.abs(one - other).max() > 0.0
     assert rms_slope(one, SPACING) == pytest.approx(0.2, rel=1e-12)
     assert whole.joint(0, 1).lower_origin == (-1, -1)
+    # a renamed stream would draw other walls for the same study
+    drawn = synthetic_wall(0.2, (16, 20), SPACING, 0.8, generator(seed_of(1, "matching")))
+    np.testing.assert_array_equal(one, drawn)
 
 
 def test_realisations_have_different_windows_whatever_their_number(wall):
@@ -227,4 +232,4 @@ def test_more_realisations_than_windows_are_refused_unless_walls_are_drawn(wall)
     whole.check(2)
     with pytest.raises(jc.InputError, match=r"study.realizations = 3: .* room for 2 different"):
         whole.check(3)
-    cutter({"lower": wall}, "matching", (39, 52)).check(3)
+    cutter({"lower": wall}, "synthetic", (39, 52)).check(3)

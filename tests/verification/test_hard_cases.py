@@ -5,13 +5,12 @@ from pathlib import Path
 import pytest
 
 import jointclosure as jc
-from jointclosure.config.configuration import read_schema
+from jointclosure.config.files import read_plain
 from jointclosure.verification.hard_cases import failed_requirements, merged_cases, run_case
 
 ROOT = Path(__file__).parents[2]
-STUDY = read_schema(ROOT / "config/hard_cases.yaml")
-SCHEMA = read_schema(ROOT / "workflow/schemas/hard_cases.schema.yaml")
-CASES = merged_cases(STUDY, SCHEMA)
+STUDY = read_plain(ROOT / "config/hard_cases.yaml")
+CASES = merged_cases(STUDY)
 
 
 def marked(name):
@@ -48,7 +47,7 @@ def test_all_18_scenes_are_among_them():
 def test_a_wrong_case_is_refused_by_name(change, named):
     one = {"name": "one", "group": "some", "hard": "something", "must_hold": "something"} | change
     with pytest.raises(jc.InputError, match=named):
-        merged_cases(STUDY | {"cases": [*STUDY["cases"], one]}, SCHEMA)
+        merged_cases(STUDY | {"cases": [*STUDY["cases"], one]})
 
 
 @pytest.mark.parametrize(

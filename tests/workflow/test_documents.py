@@ -1,24 +1,25 @@
 """What the documents say, held against the project."""
 
-import html
 import importlib.util
 import re
 import shlex
 from pathlib import Path
 
-import numpy as np
 import pytest
 import xarray as xr
 import yaml
 
 from jointclosure import cli
-from jointclosure.config import configuration
-from jointclosure.config import project as studies
-from jointclosure.ensemble import closing as ensemble
+from jointclosure.config.configuration import merged, written_out
+from jointclosure.ensemble.aggregation import join_cases
 from jointclosure.ensemble.cases import cases_of
+from jointclosure.ensemble.closing import close_surfaces
+from jointclosure.ensemble.slices import block_settings
+from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.storage.netcdf import write_netcdf
-from jointclosure.storage.text import read_csv, read_text
-from jointclosure.studies.measured.curves import measured_curves
+from jointclosure.storage.text import read_text
+from jointclosure.studies.measured.curves import curve_settings, measured_curves
+from tests.studied import DEFAULT, file_study, study_of
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = [
@@ -27,9 +28,10 @@ DOCUMENTS = [
 ]
 
 
-def test_the_key_table_is_that_of_the_schema():
-    page = (ROOT / "config/README.md").read_text(encoding="utf-8")
-    assert page == script("key_table").main()
+def test_the_key_table_and_the_schema_are_those_of_the_keys():
+    for file, text in (("README.md", "main"), ("schema.json", "schema")):
+        page = (ROOT / "config" / file).read_text(encoding="utf-8")
+        assert page == getattr(script("key_table"), text)(), file
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda p: p.relative_to(ROOT).as_posix())
@@ -57,11 +59,6 @@ def samples(language: str) -> list:
     return found
 
 
-def study_of(path: str) -> dict:
-    """The configuration of a study of the project."""
-    return studies.settled(studies.merged_study(ROOT, ROOT / path), ROOT, read_csv)
-
-
 @pytest.fixture
 def project(tmp_path, monkeypatch):
     """A folder with the project's configurations, in which samples may write."""
@@ -74,24 +71,17 @@ def project(tmp_path, monkeypatch):
 @pytest.fixture
 def smoke_study(project):
     """The base case of the smoke study, smaller still, where that study has its results."""
-    settings = study_of("config/smoke.yaml")
-    case = cases_of(settings)[0]
-    pairs = ensemble.make_surfaces([1, 2], case.jrc, (12, 12), 0.25e-3, settings["surface"])
-    closed = ensemble.close_surfaces(
-        xr.concat(pairs, "realization"),
-        case,
-        cycles=2,
-        seating_stress=0.1e6,
-        effects=configuration.effects_of(settings),
-        choices=configuration.choices_of(settings),
-        numerics=configuration.numerics_of(settings),
-        stresses=np.linspace(0.0, 1e6, 5),
-    )
+    small = {"study": {"rocks": ["dolerite"]}, "grid": {"cells_x": 12, "cells_y": 12},
+             "rocks": {"dolerite": {"max_normal_stress_MPa": 1}}, "output": {"stress_points": 5},
+             "seating_stress_MPa": 0.1}  # fmt: skip
+    study = study_of(small)
+    case = cases_of(study)[0]
+    settings = block_settings(study, {case.label: case}, case.label, range(2))
+    pairs = xr.concat(surfaces_of(settings.surfaces), "realization")
+    closed = xr.concat(close_surfaces(pairs, settings), "realization")
     folder = project / "results/smoke"
     folder.mkdir(parents=True)
-    write_netcdf(
-        ensemble.join_cases([case], [xr.concat(closed, "realization")]), folder / "study.nc"
-    )
+    write_netcdf(join_cases([case], [closed]), folder / "study.nc")
 
 
 WITH_PYTHON = [path for path in DOCUMENTS if "```python" in path.read_text(encoding="utf-8")]
@@ -109,15 +99,14 @@ def test_python_samples_run_one_after_the_other(document, smoke_study, capsys):
 @pytest.mark.parametrize("code", samples("yaml"))
 def test_yaml_samples_are_valid_studies(code):
     """What a sample leaves out of a rock of its own is as in dolerite."""
-    sample, default = yaml.safe_load(code), studies.merged_study(ROOT, None)
+    sample = yaml.safe_load(code)
     for name, rock in sample.get("rocks", {}).items():
-        if name not in default["rocks"]:
-            usual = dict(default["rocks"]["dolerite"], levels={})
+        if name not in DEFAULT["rocks"]:
+            usual = dict(DEFAULT["rocks"]["dolerite"], levels={})
             if "walls" in rock:
                 del usual["jrc"]
-            sample["rocks"][name] = configuration.merged(usual, rock)
-    settings = configuration.merged(default, configuration.written_out(sample))
-    studies.settled(settings, ROOT, read_csv)
+            sample["rocks"][name] = merged(usual, rock)
+    study_of(written_out(sample))
 
 
 def command_lines(code: str) -> list[list[str]]:
@@ -161,20 +150,9 @@ def test_the_worked_example_is_what_its_page_explains():
     page = (ROOT / "docs/own_rock.md").read_text(encoding="utf-8")
     shown = yaml.safe_load(re.search(r"```yaml\n(.*?)```", page, re.S).group(1))
     assert shown == yaml.safe_load((ROOT / "config/my_rock.yaml").read_text(encoding="utf-8"))
-    settings = study_of("config/my_rock.yaml")
+    settings = curve_settings(file_study("config/my_rock.yaml"))
     curves = measured_curves(settings, lambda path: read_text(ROOT / path))
     assert curves["granite"].cycles == [1, 2]
-
-
-def test_reference_pages_have_every_key_and_function(tmp_path, monkeypatch):
-    module = script("reference_pages")
-    monkeypatch.setattr(module, "OUTPUT", tmp_path)
-    page = module.configuration_page()
-    keys = re.findall(r"^\| `([^`]+)`", (ROOT / "config/README.md").read_text(), re.M)
-    assert len(keys) > 60
-    for key in keys:
-        assert html.escape(key) in page
-    assert "](" not in page
 
 
 def script(name: str):

@@ -9,11 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from jointclosure.config.configuration import read_plain
+from jointclosure.config.configuration import resolved
+from jointclosure.config.typed import Configuration
 from jointclosure.ensemble.cases import blocks_of, cases_of
 from jointclosure.ensemble.settings import as_text
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from tests.ensemble.test_settings import ELASTIC, closed_block, settings_of
+from tests.studied import DEFAULT, checked_study
 
 ROOT = Path(__file__).parents[2]
 PER_JOB = 2500
@@ -21,25 +23,29 @@ PER_JOB = 2500
 pytestmark = pytest.mark.slow
 
 
-def configuration_of(realizations: int) -> dict:
+def keys_of_study(realizations: int) -> dict:
     """One case of joints that do not break, with 50 points of stress."""
-    found = read_plain(ROOT / "config/default.yaml")
-    found["grid"] |= {"cells_x": 8, "cells_y": 8}
-    found["effects"] |= ELASTIC
-    found["numerics"] |= {"curve_points": 5}
-    found["output"] |= {"stress_points": 50}
-    found["rocks"]["slate"]["levels"] = {}
-    found["study"] |= {"rocks": ["slate"], "realizations": realizations}
-    found["study"]["realizations_per_job"] = PER_JOB
-    return found
+    changes = {
+        "grid": {"cells_x": 8, "cells_y": 8},
+        "effects": ELASTIC,
+        "numerics": {"curve_points": 5},
+        "output": {"stress_points": 50},
+        "rocks": {"slate": {"levels": dict.fromkeys(DEFAULT["rocks"]["slate"]["levels"])}},
+        "study": {
+            "rocks": ["slate"],
+            "realizations": realizations,
+            "realizations_per_job": PER_JOB,
+        },
+    }
+    return checked_study(changes).keys
 
 
-def case_files(configuration: dict, folder: Path) -> list[Path]:
+def case_files(configuration: Configuration, folder: Path) -> list[Path]:
     """Files of every block: one joint's numbers, and in two variables the realisation's own."""
     (case,) = cases_of(configuration)
     (one,) = closed_block(settings_of(configuration, case.label, range(1)))
     paths = []
-    for block in blocks_of(configuration):
+    for block in blocks_of(configuration.study):
         many = one.isel(realization=np.zeros(len(block), dtype=int))
         many = many.assign_coords(realization=np.array(block))
         random = np.random.default_rng(block.start).random(many.closure.shape)
@@ -58,16 +64,17 @@ def aggregate(realizations: int, folder: Path) -> int:
     )
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
-    configuration = configuration_of(realizations)
-    paths = [str(folder / f"{block.start}.nc") for block in blocks_of(configuration)]
+    keys = keys_of_study(realizations)
+    configuration = resolved(keys)
+    paths = [str(folder / f"{block.start}.nc") for block in blocks_of(configuration.study)]
     codes = ("surfaces", "solver")
-    script.main(paths, [], [], configuration, codes, f"{folder}/study.nc", lambda line: None)
+    script.main(paths, [], [], keys, codes, f"{folder}/study.nc", lambda line: None)
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
 def memory(realizations: int, folder: Path) -> int:
     folder.mkdir()
-    case_files(configuration_of(realizations), folder)
+    case_files(resolved(keys_of_study(realizations)), folder)
     command = (
         "import sys, pathlib; from tests.workflow.test_many_realizations import aggregate; "
         "print(aggregate(int(sys.argv[1]), pathlib.Path(sys.argv[2])))"

@@ -3,15 +3,10 @@
 from jointclosure.studies.accuracy import design as accuracy
 
 ACCURACY = config.get("accuracy")
-ACCURACY_SETTINGS = accuracy.checked_settings(config) if ACCURACY else []
-ACCURACY_RUNS = {setting.run: setting for setting in ACCURACY_SETTINGS}
+ACCURACY_SETTINGS, ACCURACY_RUNS = accuracy.design_of(config) if ACCURACY else ([], {})
 ACCURACY_WITH = {
     seals_of(f"close_accuracy/{name}")[0]: settings_digest(
-        {
-            "setting": list(run),
-            "parameter": ACCURACY["parameter"],
-            "code": code_of("close_accuracy"),
-        }
+        {"run": to_plain(run), "code": code_of("close_accuracy")}
     )
     for name, run in ACCURACY_RUNS.items()
 }
@@ -48,8 +43,10 @@ rule compile_accuracy:
     conda:
         ENVIRONMENT
     params:
-        kernels=configuration.kernels_of(
-            setting.configuration for setting in ACCURACY_RUNS.values()
+        kernels=kernels_of(
+            (level.case.effects, level.choices, level.numerics)
+            for run in ACCURACY_RUNS.values()
+            for level in run.levels
         ),
         code=code_of("compile_kernels"),
     message:
@@ -72,8 +69,7 @@ rule estimate_accuracy:
     conda:
         ENVIRONMENT
     params:
-        runs=lambda wildcards: [list(run) for run in ACCURACY_RUNS.values()],
-        parameter=ACCURACY["parameter"] if ACCURACY else "",
+        runs=lambda wildcards: to_plain(ACCURACY_RUNS),
         code=code_of("estimate_accuracy"),
     message:
         "Estimate the core-hours, by one joint at every setting"
@@ -94,8 +90,7 @@ rule close_accuracy:
     conda:
         ENVIRONMENT
     params:
-        setting=lambda wildcards: list(ACCURACY_RUNS[wildcards.run]),
-        parameter=ACCURACY["parameter"] if ACCURACY else "",
+        run=lambda wildcards: to_plain(ACCURACY_RUNS[wildcards.run]),
         code=code_of("close_accuracy"),
     message:
         "Close the surfaces of {wildcards.run}"
@@ -120,11 +115,12 @@ rule weigh_accuracy:
     conda:
         ENVIRONMENT
     params:
-        settings=lambda wildcards: [list(setting) for setting in ACCURACY_SETTINGS],
+        settings=lambda wildcards: to_plain(ACCURACY_SETTINGS),
         runs=list(ACCURACY_RUNS),
         design=ACCURACY,
-        root_seed=config["study"]["root_seed"],
-        realizations=config["study"]["realizations"],
+        root_seed=CONFIGURATION.study.root_seed,
+        realizations=CONFIGURATION.study.realizations,
+        significance=CONFIGURATION.statistics.significance,
         made_with=ACCURACY_WITH,
         code=code_of("weigh_accuracy"),
     message:

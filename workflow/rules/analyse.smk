@@ -39,9 +39,9 @@ rule find_indifference_intervals:
     conda:
         ENVIRONMENT
     params:
-        statistics=config["statistics"],
-        root_seed=config["study"]["root_seed"],
-        draws=config["study"]["draws"],
+        statistics=to_plain(CONFIGURATION.statistics),
+        root_seed=CONFIGURATION.study.root_seed,
+        draws=CONFIGURATION.study.draws,
         made_with=STUDY_WITH,
         code=code_of("find_indifference_intervals"),
     message:
@@ -53,7 +53,7 @@ rule find_indifference_intervals:
 rule fit_measured:
     input:
         study=f"{RESULTS}/study.nc",
-        curves=list(MEASURED.values()),
+        curves=CURVE_FILES,
         seals=seals_of("aggregate"),
     output:
         f"{RESULTS}/tables/measured_fit.csv",
@@ -65,9 +65,8 @@ rule fit_measured:
     conda:
         ENVIRONMENT
     params:
-        study=config["study"],
-        rocks=ROCKS,
-        seating_stress_MPa=config["seating_stress_MPa"],
+        curves=to_plain(CURVES),
+        seating_stress=CONFIGURATION.seating_stress,
         made_with=STUDY_WITH,
         code=code_of("fit_measured"),
     message:
@@ -114,8 +113,8 @@ rule check_results:
     conda:
         ENVIRONMENT
     params:
-        numerics=config["numerics"],
-        realizations=config["study"]["realizations"],
+        numerics=to_plain(CONFIGURATION.numerics),
+        realizations=CONFIGURATION.study.realizations,
         made_with=STUDY_WITH,
         code=code_of("check_results"),
     message:

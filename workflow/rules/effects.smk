@@ -1,27 +1,38 @@
 # What each effect adds, and what it costs: `snakemake effects --configfile config/effects.yaml`.
 # Without an `ablation` section there are no runs, and no rule here has work.
-from jointclosure.studies.effects import ablation
+from jointclosure.studies.effects import ablation, design
 
-ABLATION = config.get("ablation")
+ABLATION = CONFIGURATION.ablation
 SCENES = list(ablation.SCENES) if ABLATION else []
-VALIDATION = ABLATION.get("validation") if ABLATION else None
+VALIDATION = ABLATION.validation if ABLATION else None
+CHOICE_TABLES = ["effects_auto.csv", "effects_auto_summary.csv"]
+
+
+def conditions_of(rock):
+    """Settings of a rock's closures at every condition, as plain data."""
+    return to_plain(design.conditions_of(CONFIGURATION, rock))
+
+
 SCENES_WITH = {
     seals_of(f"close_scene/{rock}.{scene}")[0]: settings_digest(
         {
-            "configuration": configuration.of_rock(config, rock),
+            "conditions": conditions_of(rock),
+            "design": to_plain(ABLATION),
             "code": code_of("close_scene"),
         }
     )
-    for rock in config["study"]["rocks"]
     for scene in SCENES
+    for rock in ROCKS
 }
 VALIDATED_WITH = {
     seals_of(f"validate_choice/{number}")[0]: settings_digest(
-        {"configuration": config, "code": code_of("validate_choice")}
+        {
+            "settings": to_plain(design.validation_settings(CONFIGURATION)),
+            "code": code_of("validate_choice"),
+        }
     )
-    for number in range(VALIDATION["scenes"] if VALIDATION else 0)
+    for number in range(VALIDATION.scenes if VALIDATION else 0)
 }
-CHOICE_TABLES = ["effects_auto.csv", "effects_auto_summary.csv"]
 
 
 wildcard_constraints:
@@ -65,8 +76,8 @@ rule compile_effects:
     conda:
         ENVIRONMENT
     params:
-        kernels=configuration.kernels_of(
-            config | {"effects": effects._asdict()}
+        kernels=kernels_of(
+            (effects, CONFIGURATION.choices, CONFIGURATION.numerics)
             for effects in ablation.SCENES.values()
         ),
         code=code_of("compile_kernels"),
@@ -90,7 +101,9 @@ rule estimate_effects:
     conda:
         ENVIRONMENT
     params:
-        configuration=config,
+        conditions=lambda wildcards: conditions_of(next(iter(ROCKS))),
+        design=to_plain(ABLATION),
+        rocks=len(ROCKS),
         code=code_of("estimate_effects"),
     message:
         "Estimate the core-hours, by one joint of the first rock in every scene"
@@ -111,7 +124,8 @@ rule close_scene:
     conda:
         ENVIRONMENT
     params:
-        configuration=lambda wildcards: configuration.of_rock(config, wildcards.rock),
+        conditions=lambda wildcards: conditions_of(wildcards.rock),
+        design=to_plain(ABLATION),
         code=code_of("close_scene"),
     message:
         "Close the surfaces of {wildcards.rock} with {wildcards.scene}"
@@ -123,7 +137,7 @@ rule weigh_effects:
     input:
         runs=expand(
             f"{RESULTS}/effects/{{rock}}.{{scene}}.nc",
-            rock=config["study"]["rocks"],
+            rock=list(ROCKS),
             scene=SCENES,
         ),
         seals=list(SCENES_WITH),
@@ -137,7 +151,7 @@ rule weigh_effects:
     conda:
         ENVIRONMENT
     params:
-        runs=[[rock, scene] for rock in config["study"]["rocks"] for scene in SCENES],
+        runs=[[rock, scene] for rock in list(ROCKS) for scene in SCENES],
         made_with=SCENES_WITH,
         code=code_of("weigh_effects"),
     message:
@@ -160,11 +174,12 @@ rule draw_effects:
     conda:
         ENVIRONMENT
     params:
-        code=code_of("draw_effects"),
+        figure="effects",
+        code=code_of("draw_table"),
     message:
         "Draw what each effect adds against what it costs"
     script:
-        "../scripts/draw_effects.py"
+        "../scripts/draw_table.py"
 
 
 rule validate_choice:
@@ -182,7 +197,7 @@ rule validate_choice:
     conda:
         ENVIRONMENT
     params:
-        configuration=config,
+        settings=lambda wildcards: to_plain(design.validation_settings(CONFIGURATION)),
         code=code_of("validate_choice"),
     message:
         "Hold chosen effects against all of them in random scene {wildcards.number}"
@@ -194,7 +209,7 @@ rule sum_up_choices:
     input:
         scenes=expand(
             f"{RESULTS}/effects/random_scene_{{number}}.csv",
-            number=range(VALIDATION["scenes"]) if VALIDATION else [],
+            number=range(VALIDATION.scenes) if VALIDATION else [],
         ),
         seals=list(VALIDATED_WITH),
     output:

@@ -38,9 +38,10 @@ rule draw_numerics:
     conda:
         ENVIRONMENT
     params:
+        figure="numerics",
         made_with=HARD_WITH,
-        code=code_of("draw_numerics"),
+        code=code_of("draw_table"),
     message:
         "Draw what the paper's formulas lose, and how its sweep converges"
     script:
-        "../scripts/draw_numerics.py"
+        "../scripts/draw_table.py"

@@ -18,8 +18,7 @@ rule write_tables:
     conda:
         ENVIRONMENT
     params:
-        study=config["study"],
-        rocks=ROCKS,
+        rocks=to_plain(ROCKS),
         made_with=STUDY_WITH,
         code=code_of("write_tables"),
     message:
@@ -34,20 +33,20 @@ rule draw_figures:
         intervals=f"{RESULTS}/tables/table_3_indifference.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
         surfaces=f"{RESULTS}/cases/{next(iter(CASES))}.0.surfaces.nc",
-        curves=list(MEASURED.values()),
-        fits=f"{RESULTS}/tables/measured_fit.csv" if MEASURED else [],
+        curves=CURVE_FILES,
+        fits=f"{RESULTS}/tables/measured_fit.csv" if CURVES else [],
         seals=seals_of(
             "aggregate",
             "find_indifference_intervals",
             "fit_correlations",
-            *(["fit_measured"] if MEASURED else []),
+            *(["fit_measured"] if CURVES else []),
         ),
     output:
         figures=[
             *[
                 report(
                     f"{RESULTS}/figures/{figure}.png",
-                    caption=f"../report/{figure}.rst",
+                    caption=CAPTIONS / f"{figure}.rst",
                     category="Figures",
                 )
                 for figure in FIGURES
@@ -62,13 +61,11 @@ rule draw_figures:
     conda:
         ENVIRONMENT
     params:
-        study=config["study"],
-        rocks=ROCKS,
-        seating_stress_MPa=config["seating_stress_MPa"],
-        wall_strength_ratio=config["output"]["wall_strength_ratio"],
-        surfaces=settings.surface_settings(
-            config, next(iter(CASES.values())), BLOCKS["0"], SURFACE_CODE
-        ),
+        rocks=to_plain(ROCKS),
+        curves=to_plain(CURVES),
+        seating_stress=CONFIGURATION.seating_stress,
+        wall_strength_ratio=CONFIGURATION.output.wall_strength_ratio,
+        surfaces=surfaces_of(next(iter(CASES)), BLOCKS["0"]),
         made_with=STUDY_WITH,
         code=code_of("draw_figures"),
     message:

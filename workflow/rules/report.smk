@@ -1,4 +1,5 @@
 # The study as one page to read: `snakemake report`.
+from jointclosure.config.files import MEASURED as MEASURED_SETTINGS
 from jointclosure.report.page import template_digest
 
 ACCURACY_TABLE = "results/accuracy/tables/accuracy_cost.csv"
@@ -21,15 +22,12 @@ rule write_report:
         study=f"{RESULTS}/study.nc",
         tables=expand(f"{RESULTS}/tables/{{table}}", table=TABLES),
         figures=expand(f"{RESULTS}/figures/{{figure}}.png", figure=FIGURES),
-        captions=expand(
-            "{folder}/workflow/report/{figure}.rst", folder=ROOT, figure=FIGURES
-        ),
+        captions=[CAPTIONS / f"{figure}.rst" for figure in FIGURES],
         paper=PAPER_TABLE_3,
-        default=ROOT / "config/default.yaml",
-        schema=ROOT / "workflow/schemas/config.schema.yaml",
+        default=DEFAULT,
+        presets=MEASURED_SETTINGS,
         # what `make accuracy` measured, where it was run
         accuracy=ancient(ACCURACY_TABLE) if ACCURACY_MEASURED else [],
-        presets=ROOT / "workflow/resources/accuracy_settings.csv",
         seals=STUDY_SEALS + (ACCURACY_SEALS if ACCURACY_MEASURED else []),
     output:
         f"{RESULTS}/report.html",
@@ -41,7 +39,6 @@ rule write_report:
     conda:
         ENVIRONMENT
     params:
-        project=str(ROOT),
         made_with=STUDY_WITH,
         code=[code_of("write_report"), template_digest()],
     message:

@@ -1,41 +1,40 @@
 # What all rules share: the checked configuration and its cases. No rules here.
 from pathlib import Path
 
-from jointclosure.sources import code_digest
-from jointclosure.storage.text import read_csv, read_text
-from jointclosure.ensemble import cases
 from jointclosure.config import configuration
-from jointclosure.studies.measured import curves as measured
-from jointclosure.config import project
-from jointclosure.ensemble import settings
-from jointclosure.config import walls as wall_settings
+from jointclosure.config.files import PAPER_TABLE_3, read_plain
+from jointclosure.config.plain import to_plain
+from jointclosure.config.walls import check_files, wall_files
+from jointclosure.ensemble import cases
+from jointclosure.ensemble import slices
+from jointclosure.sources import PACKAGE, code_digest
 from jointclosure.storage.seals import settings_digest
+from jointclosure.storage.text import read_csv, read_text
+from jointclosure.studies.measured import curves as measured
+from jointclosure.warmup import kernels_of
 
 ROOT = Path(workflow.basedir)
 for file in workflow.configfiles:
-    configuration.read_plain(file)
-DECIDED, NUMERICS_SAID = project.decided(config, ROOT, read_csv)
-config.update(DECIDED)
-configuration.checked(
-    config, configuration.read_schema(ROOT / "workflow/schemas/config.schema.yaml")
-)
-wall_settings.check_files(config)
+    read_plain(file)
+CONFIGURED = configuration.configured(config, read_csv)
+CONFIGURATION, NUMERICS_SAID = CONFIGURED.typed, CONFIGURED.said
+config.update(CONFIGURED.keys)
+check_files(CONFIGURATION)
 
-STUDY = config["study"]["name"]
+STUDY = CONFIGURATION.study.name
 RESULTS = f"results/{STUDY}"
 ENVIRONMENT = "../envs/jointclosure.yaml"
-PAPER_TABLE_3 = "workflow/resources/paper_table_3.csv"
-CASES = {case.label: case for case in cases.cases_of(config)}
-BLOCKS = {str(block.start): block for block in cases.blocks_of(config)}
+CAPTIONS = PACKAGE / "report/texts"
+CASES = {case.label: case for case in cases.cases_of(CONFIGURATION)}
+BLOCKS = {str(block.start): block for block in cases.blocks_of(CONFIGURATION.study)}
 SURFACES = {case.surface for case in CASES.values()}
-ROCKS = {name: config["rocks"][name] for name in config["study"]["rocks"]}
-AUTO = configuration.choice_tolerance(config) is not None
+ROCKS = CONFIGURATION.rocks
+AUTO = CONFIGURATION.effects_chosen_to is not None
+CURVES = measured.curve_settings(CONFIGURATION)
 # measured curves are read here, so that what is wrong with one is said before any job
-MEASURED = {
-    name: config["rocks"][name]["measured"]["file"]
-    for name in measured.measured_curves(config, read_text)
-}
-VARIED = any(values for rock in ROCKS.values() for values in rock["levels"].values())
+measured.measured_curves(CURVES, read_text)
+CURVE_FILES = [curve.measured.file for curve in CURVES.values()]
+VARIED = any(rock.levels for rock in ROCKS.values())
 TABLES = [
     "table_1_rocks.csv",
     "table_2_cases.csv",
@@ -46,7 +45,7 @@ TABLES = [
     "max_closure.csv",
     "claims.csv",
     "checks.csv",
-    *(["measured_fit.csv"] if MEASURED else []),
+    *(["measured_fit.csv"] if CURVES else []),
 ]
 FIGURES = [
     "fig_3_equivalent_stress",
@@ -75,13 +74,27 @@ STUDY_SEALS = seals_of(
     "check_results",
     "write_tables",
     "draw_figures",
-    *(["fit_measured"] if MEASURED else []),
+    *(["fit_measured"] if CURVES else []),
 )
 
 
 # files of surfaces and closures bear these, and are refused where they differ
 SURFACE_CODE = code_of("make_surfaces", "cut_surfaces")
 SOLVER_CODE = code_of("close_surfaces")
+
+
+def closure_of(case, block):
+    """Settings of the closures of a case and a block of realisations."""
+    return slices.block_settings(
+        CONFIGURATION, CASES, case, block, SURFACE_CODE, SOLVER_CODE
+    )
+
+
+def surfaces_of(case, block):
+    """Settings of the surface pairs of a case and a block of realisations, as plain data."""
+    return to_plain(
+        slices.surface_settings(CONFIGURATION, CASES[case], block, SURFACE_CODE)
+    )
 
 
 wildcard_constraints:

@@ -13,10 +13,13 @@ STUDY_WITH = {seals_of("aggregate")[0]: settings_digest(AGGREGATED)}
 
 def choosing(rock):
     """What the choice of a rock's effects is told."""
+    block = range(CONFIGURATION.study.realizations)
     return {
-        "configuration": configuration.of_rock(config, rock),
-        "surface_code": SURFACE_CODE,
-        "solver_code": SOLVER_CODE,
+        "settings": {
+            label: to_plain(closure_of(label, block))
+            for label, case in CASES.items()
+            if case.rock == rock
+        },
         "code": code_of("choose_effects"),
     }
 
@@ -30,19 +33,19 @@ CHOSEN_WITH = {
 def preparing(rock):
     """What the reading of a rock's measured walls is told."""
     return {
-        "walls": ROCKS[rock]["walls"],
-        "digests": settings.wall_digests(ROCKS[rock]["walls"]),
-        "grid": config["grid"],
-        "jrc_relation": config["surface"]["jrc_relation"],
-        "realizations": config["study"]["realizations"],
+        "walls": to_plain(ROCKS[rock].walls),
+        "digests": slices.wall_digests(ROCKS[rock].walls),
+        "grid": to_plain(CONFIGURATION.grid),
+        "jrc_relation": CONFIGURATION.surface.jrc_relation,
+        "realizations": CONFIGURATION.study.realizations,
         "code": code_of("prepare_walls"),
     }
 
 
 WALLS_WITH = {
-    seals_of(f"prepare_walls/{rock}")[0]: settings_digest(preparing(rock))
-    for rock in ROCKS
-    if ROCKS[rock].get("walls")
+    seals_of(f"prepare_walls/{name}")[0]: settings_digest(preparing(name))
+    for name, rock in ROCKS.items()
+    if rock.walls
 }
 
 
@@ -56,12 +59,10 @@ rule compile_kernels:
     conda:
         ENVIRONMENT
     params:
-        kernels=configuration.kernels_of(
-            config | {"effects": scene._asdict()}
-            for name in ROCKS
-            for scene in possible_scenes(
-                configuration.effects_of(config, name), chosen=AUTO
-            )
+        kernels=kernels_of(
+            (scene, CONFIGURATION.choices, CONFIGURATION.numerics)
+            for rock in ROCKS.values()
+            for scene in possible_scenes(rock.effects, chosen=AUTO)
         ),
         code=code_of("compile_kernels"),
     message:
@@ -80,9 +81,7 @@ rule make_surfaces:
     conda:
         ENVIRONMENT
     params:
-        settings=lambda wildcards: settings.surface_settings(
-            config, CASES[wildcards.case], BLOCKS[wildcards.first], SURFACE_CODE
-        ),
+        settings=lambda wildcards: surfaces_of(wildcards.case, BLOCKS[wildcards.first]),
     message:
         "Generate the surface pairs of {wildcards.case} from realisation {wildcards.first} on"
     script:
@@ -102,9 +101,7 @@ rule choose_effects:
     conda:
         ENVIRONMENT
     params:
-        configuration=lambda wildcards: configuration.of_rock(config, wildcards.rock),
-        surface_code=SURFACE_CODE,
-        solver_code=SOLVER_CODE,
+        settings=lambda wildcards: choosing(wildcards.rock)["settings"],
         code=code_of("choose_effects"),
     message:
         "Choose the effects that matter for {wildcards.rock}, by a pilot"
@@ -131,13 +128,8 @@ rule close_surfaces:
     conda:
         ENVIRONMENT
     params:
-        settings=lambda wildcards: settings.block_settings(
-            config,
-            CASES,
-            wildcards.case,
-            BLOCKS[wildcards.first],
-            SURFACE_CODE,
-            SOLVER_CODE,
+        settings=lambda wildcards: to_plain(
+            closure_of(wildcards.case, BLOCKS[wildcards.first])
         ),
         made_with=lambda wildcards: CHOSEN_WITH,
     message:
@@ -153,7 +145,7 @@ rule aggregate:
             f"{RESULTS}/effects_of/{{rock}}.json", rock=ROCKS if AUTO else []
         ),
         walls=[
-            f"{RESULTS}/walls/{rock}.nc" for rock in ROCKS if ROCKS[rock].get("walls")
+            f"{RESULTS}/walls/{name}.nc" for name, rock in ROCKS.items() if rock.walls
         ],
         seals=[*CHOSEN_WITH, *WALLS_WITH],
     output:

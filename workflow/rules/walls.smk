@@ -1,17 +1,14 @@
 # Cases whose walls were measured (`rocks.<rock>.walls`): scans are read, checked and cut into joints.
 import re
 
-SCANNED = [case for case in SURFACES if ROCKS[CASES[case].rock].get("walls")]
+SCANNED = [case for case in SURFACES if ROCKS[CASES[case].rock].walls]
 
 
 rule prepare_walls:
     input:
         # contents count and not the time of a file: they are among the parameters
         lambda wildcards: [
-            ancient(file)
-            for file in wall_settings.wall_files(
-                ROCKS[wildcards.rock]["walls"]
-            ).values()
+            ancient(file) for file in wall_files(ROCKS[wildcards.rock].walls).values()
         ],
     output:
         f"{RESULTS}/walls/{{rock}}.nc",
@@ -24,11 +21,11 @@ rule prepare_walls:
     conda:
         ENVIRONMENT
     params:
-        walls=lambda wildcards: ROCKS[wildcards.rock]["walls"],
-        digests=lambda wildcards: settings.wall_digests(ROCKS[wildcards.rock]["walls"]),
-        grid=config["grid"],
-        jrc_relation=config["surface"]["jrc_relation"],
-        realizations=config["study"]["realizations"],
+        walls=lambda wildcards: preparing(wildcards.rock)["walls"],
+        digests=lambda wildcards: preparing(wildcards.rock)["digests"],
+        grid=to_plain(CONFIGURATION.grid),
+        jrc_relation=CONFIGURATION.surface.jrc_relation,
+        realizations=CONFIGURATION.study.realizations,
         code=code_of("prepare_walls"),
     message:
         "Read and check the measured walls of {wildcards.rock}"
@@ -51,9 +48,7 @@ rule cut_surfaces:
     conda:
         ENVIRONMENT
     params:
-        settings=lambda wildcards: settings.surface_settings(
-            config, CASES[wildcards.case], BLOCKS[wildcards.first], SURFACE_CODE
-        ),
+        settings=lambda wildcards: surfaces_of(wildcards.case, BLOCKS[wildcards.first]),
         made_with=WALLS_WITH,
     message:
         "Cut the surface pairs of {wildcards.case} from realisation {wildcards.first} on"

@@ -7,10 +7,13 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from jointclosure.config.configuration import resolved
+from jointclosure.config.typed import Configuration
 from jointclosure.ensemble.aggregation import join_cases, succeeded
 from jointclosure.ensemble.cases import blocks_of, cases_of
 from jointclosure.ensemble.measured_walls import described
-from jointclosure.ensemble.settings import block_settings, check_settings
+from jointclosure.ensemble.settings import check_settings
+from jointclosure.ensemble.slices import block_settings
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf_regions
@@ -25,39 +28,40 @@ def main(
     inputs: list[str],
     choices: list[str],
     walls: list[str],
-    configuration: dict,
+    keys: dict,
     codes: tuple[str, str],
     output: str,
     log: Logbook,
 ):
     """Write the study's dataset, with its configuration and provenance as attributes."""
-    cases = cases_of(configuration)
+    configuration = resolved(keys)
+    cases, study = cases_of(configuration), configuration.study
     with reading_netcdf(inputs[0]) as first:
         frame = join_cases(cases, [first.isel(realization=slice(0, 1)).load()] * len(cases))
-    scenes = [_scene(path) for path in inputs[:: len(blocks_of(configuration))]]
+    scenes = [_scene(path) for path in inputs[:: len(blocks_of(study))]]
     about = {"long_name": "effects that were simulated"}
     frame = frame.assign_coords(scene=("case", np.array(scenes, dtype=object), about))
     frame.attrs = {
-        "title": f"closure of rough joints, study {configuration['study']['name']}",
+        "title": f"closure of rough joints, study {study.name}",
         "references": "Rezaei Niya & Selvadurai, Modeling the Approach of Non-mated Rock Fracture "
         "Surfaces Under Quasi-static Normal Load Cycles",
-    } | provenance(configuration)
+    } | provenance(keys)
     if choices:
         frame.attrs["effects_chosen"] = json.dumps(
             {Path(path).stem: json.loads(read_text(path)) for path in choices}
         )
     if walls:
         frame.attrs["walls"] = described({Path(path).stem: read_netcdf(path) for path in walls})
-    chunks = {"case": 1, "realization": min(ROWS, configuration["study"]["realizations"])}
+    chunks = {"case": 1, "realization": min(ROWS, study.realizations)}
     regions = _regions(inputs, configuration, codes, log)
     write_netcdf_regions(frame, regions, "realization", chunks, output)
     log(f"wrote {output}: {len(cases)} cases")
 
 
-def _regions(inputs: list[str], configuration: dict, codes: tuple[str, str], log: Logbook):
+def _regions(inputs: list[str], configuration: Configuration, codes: tuple[str, str], log: Logbook):
     """Place and content of every case and block, checked; the inputs are in that order."""
     cases = {case.label: case for case in cases_of(configuration)}
-    blocks = blocks_of(configuration)
+    blocks = blocks_of(configuration.study)
     paths = iter(inputs)
     for number, label in enumerate(cases):
         used = 0
@@ -69,7 +73,7 @@ def _regions(inputs: list[str], configuration: dict, codes: tuple[str, str], log
                 used += int(succeeded(closed).sum())
                 for rows, part in _slices(closed, block):
                     yield {"case": number, "realization": rows}, part
-        total = configuration["study"]["realizations"]
+        total = configuration.study.realizations
         log(f"{label}: {used} of {total} realisations are used, {total - used} failed")
 
 

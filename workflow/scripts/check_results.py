@@ -1,10 +1,11 @@
 """Check the results. What fails is in the table; `require_checks` makes it an error."""
 
-from jointclosure.config.configuration import numerics_of
+from jointclosure.config.plain import from_plain
 from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.ensemble.checks import check_results
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
+from jointclosure.parameters import Numerics
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import write_csv
 
@@ -13,7 +14,7 @@ def main(study: str, settings: dict, output: str, log: Logbook) -> None:
     """Write the table of checks, those that failed too."""
     checks = check_results(
         read_netcdf(study, without=CURVES),
-        numerics_of(settings),
+        from_plain(Numerics, settings["numerics"]),
         settings["realizations"],
     )
     for row in checks.itertuples():

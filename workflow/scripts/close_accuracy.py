@@ -1,22 +1,18 @@
 """Close the surfaces of one run of an accuracy study."""
 
+from jointclosure.config.plain import from_plain
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
 from jointclosure.storage.netcdf import write_netcdf
-from jointclosure.studies.accuracy.design import Setting, close_at
+from jointclosure.studies.accuracy.runs import Run, close_run
 
 
-def main(setting: Setting, parameter: str, output: str, log: Logbook) -> None:
+def main(run: Run, output: str, log: Logbook) -> None:
     """Write closures and times (level, realization, cycle)."""
-    log(f"{setting.run}")
-    write_netcdf(close_at(setting, parameter, log), output)
+    write_netcdf(close_run(run, log), output)
+    log(f"wrote {output}")
 
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:
-        main(
-            Setting(*snakemake.params.setting),
-            snakemake.params.parameter,
-            snakemake.output[0],
-            logbook,
-        )
+        main(from_plain(Run, snakemake.params.run), snakemake.output[0], logbook)

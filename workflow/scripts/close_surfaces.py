@@ -3,9 +3,9 @@
 import json
 from pathlib import Path
 
-from jointclosure.ensemble.cases import Case
-from jointclosure.ensemble.closing import close_surfaces, closing_arguments
-from jointclosure.ensemble.settings import as_text, check_settings
+from jointclosure.config.plain import from_plain
+from jointclosure.ensemble.closing import close_surfaces
+from jointclosure.ensemble.settings import ClosureSettings, as_text, check_settings
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
 from jointclosure.parameters import Effects, scene_name
@@ -14,34 +14,34 @@ from jointclosure.storage.netcdf import reading_netcdf, write_netcdf_blocks
 from jointclosure.storage.text import read_text
 
 
-def main(surfaces: str, chosen: str | None, settings: dict, output: str, log: Logbook) -> None:
+def main(
+    surfaces: str, chosen: str | None, settings: ClosureSettings, output: str, log: Logbook
+) -> None:
     """Write the closures (realization, cycle, branch, stress)."""
-    told = settings if chosen is None else settings | {"effects": chosen_effects(chosen)}
+    told = settings if chosen is None else settings.with_effects(chosen_effects(chosen))
     log(f"settings: {as_text(told)}")
-    scene = scene_name(Effects(**told["effects"]))
-    case = Case(**settings["case"])
+    scene, label = scene_name(told.case.effects), told.case.label
     with reading_netcdf(surfaces) as pairs:
-        check_settings(surfaces, pairs.attrs, settings["surfaces"])
-        countdown = Countdown(case.label, pairs.sizes["realization"])
+        check_settings(surfaces, pairs.attrs, settings.surfaces)
+        countdown = Countdown(label, pairs.sizes["realization"])
         closed = close_surfaces(
             pairs,
-            case,
-            **closing_arguments(told),
+            told,
             report=lambda line: log(f"{line}; {countdown()}"),
-            repeated_by=f"jointclosure repeat {Path(output).parents[1]} {case.label}",
+            repeated_by=f"jointclosure repeat {Path(output).parents[1]} {label}",
         )
         marked = (block.assign_attrs(settings=as_text(settings), scene=scene) for block in closed)
         write_netcdf_blocks(marked, "realization", output)
     log(f"wrote {output}")
 
 
-def chosen_effects(path: str) -> dict:
+def chosen_effects(path: str) -> Effects:
     """The effects that the pilot of the case's rock chose."""
-    return json.loads(read_text(path))["effects"]
+    return Effects(**json.loads(read_text(path))["effects"])
 
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:
         chosen = snakemake.input.get("effects") or None
-        settings = snakemake.params.settings
+        settings = from_plain(ClosureSettings, snakemake.params.settings)
         main(snakemake.input.surfaces, chosen, settings, snakemake.output[0], logbook)

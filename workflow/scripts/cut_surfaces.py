@@ -1,18 +1,19 @@
 """Cut the surface pairs of a case, or of a block of its realisations, out of measured walls."""
 
+from jointclosure.config.plain import from_plain
 from jointclosure.ensemble.measured_walls import cut_surfaces, cutter_for
-from jointclosure.ensemble.settings import as_text
+from jointclosure.ensemble.settings import SurfaceSettings, as_text
 from jointclosure.ensemble.surfaces import seeds_of
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf_blocks
 
 
-def main(walls: str, settings: dict, output: str, log: Logbook) -> None:
+def main(walls: str, settings: SurfaceSettings, output: str, log: Logbook) -> None:
     """Write walls (realization, y, x)."""
     log(f"settings: {as_text(settings)}")
     cutter = cutter_for(read_netcdf(walls), settings)
-    surfaces = cut_surfaces(cutter, seeds_of(settings), settings["first_realization"])
+    surfaces = cut_surfaces(cutter, seeds_of(settings), settings.first_realization)
     marked = (pair.assign_attrs(settings=as_text(settings)) for pair in surfaces)
     write_netcdf_blocks(marked, "realization", output)
     log(f"wrote {output}: of {len(cutter.windows)} windows of {cutter.shape} cells")
@@ -20,4 +21,5 @@ def main(walls: str, settings: dict, output: str, log: Logbook) -> None:
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:
-        main(snakemake.input[0], snakemake.params.settings, snakemake.output[0], logbook)
+        settings = from_plain(SurfaceSettings, snakemake.params.settings)
+        main(snakemake.input[0], settings, snakemake.output[0], logbook)

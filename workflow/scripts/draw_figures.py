@@ -4,7 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from jointclosure.ensemble.settings import check_settings
+from jointclosure.config.plain import from_plain
+from jointclosure.config.typed import StudyRock
+from jointclosure.ensemble.settings import SurfaceSettings, check_settings
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
 from jointclosure.plotting import study as plotting
@@ -12,7 +14,7 @@ from jointclosure.plotting.measured import Measurements
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
 from jointclosure.storage.text import read_csv, read_text
-from jointclosure.studies.measured.curves import measured_curves
+from jointclosure.studies.measured.curves import CurveSettings, measured_curves
 from jointclosure.tables import roughness_title
 
 
@@ -20,22 +22,26 @@ def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None
     """Write each figure to those of the outputs that bear its name."""
     measured = Measurements()
     if inputs["fits"]:
-        measured = Measurements(measured_curves(settings, read_text), read_csv(inputs["fits"]))
+        curves = measured_curves(
+            from_plain(dict[str, CurveSettings], settings["curves"]), read_text
+        )
+        measured = Measurements(curves, read_csv(inputs["fits"]))
     with reading_netcdf(inputs["study"]) as dataset:
         drawn = np.union1d(dataset.realization.values[: plotting.MOST_DRAWN], measured.best)
         study = dataset.sel(realization=drawn.astype(int)).load()
         log(f"curves of {study.sizes['realization']} of {dataset.sizes['realization']} surfaces")
     closures, intervals = read_csv(inputs["closures"]), read_csv(inputs["intervals"])
     surfaces = read_netcdf(inputs["surfaces"])
-    check_settings(inputs["surfaces"], surfaces.attrs, settings["surfaces"])
-    rocks = settings["rocks"]
+    expected = from_plain(SurfaceSettings, settings["surfaces"])
+    check_settings(inputs["surfaces"], surfaces.attrs, expected)
+    rocks = from_plain(dict[str, StudyRock], settings["rocks"])
     first = next(iter(rocks.values()))
     draw = {
         "fig_3_equivalent_stress": plotting.equivalent_stress,
         "fig_5_closure": lambda: plotting.closure_figure(
             study,
             rocks,
-            1e6 * settings["seating_stress_MPa"],
+            settings["seating_stress"],
             settings["wall_strength_ratio"],
             measured,
         ),
@@ -43,7 +49,7 @@ def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None
             surfaces.upper.values[0],
             surfaces.lower.values[0],
             surfaces.attrs["spacing_m"],
-            f"{first['title']}, {roughness_title(first)}, realisation 0",
+            f"{first.title}, {roughness_title(first)}, realisation 0",
         ),
         "table_3_intervals": lambda: plotting.interval_figure(intervals, rocks),
         "trends_max_closure": lambda: plotting.trend_figure(closures, study, rocks),

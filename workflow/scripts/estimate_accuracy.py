@@ -4,23 +4,21 @@ import sys
 
 import pandas as pd
 
-from jointclosure.config.configuration import merged
+from jointclosure.config.plain import from_plain
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
 from jointclosure.storage.text import write_csv
-from jointclosure.studies.accuracy.design import Setting, close_at
+from jointclosure.studies.accuracy.runs import Run, close_run, one_joint
 
 
-def main(runs: list[list], parameter: str, output: str, log: Logbook) -> None:
+def main(runs: dict[str, Run], output: str, log: Logbook) -> None:
     """Write seconds for each run, and say the sum where the user sees it."""
     rows = []
-    for run in (Setting(*each) for each in runs):
-        realizations = run.configuration["study"]["realizations"]
-        one = merged(run.configuration, {"study": {"realizations": 1}})
-        timing = close_at(run._replace(configuration=one), parameter).timing_simulation
-        seconds = float(timing.sum()) * realizations
-        rows.append({"run": run.run, "realizations": realizations, "seconds": seconds})
-        log(f"{run.run}: about {seconds:.0f} s")
+    for name, run in runs.items():
+        realizations = run.levels[0].surfaces.realizations
+        seconds = float(close_run(one_joint(run)).timing_simulation.sum()) * realizations
+        rows.append({"run": name, "realizations": realizations, "seconds": seconds})
+        log(f"{name}: about {seconds:.0f} s")
     table = pd.DataFrame(rows)
     write_csv(table, output)
     said = f"{len(table)} runs will take about {table.seconds.sum() / 3600:.1f} core-hours"
@@ -30,4 +28,4 @@ def main(runs: list[list], parameter: str, output: str, log: Logbook) -> None:
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:
-        main(snakemake.params.runs, snakemake.params.parameter, snakemake.output[0], logbook)
+        main(from_plain(dict[str, Run], snakemake.params.runs), snakemake.output[0], logbook)

@@ -1,5 +1,7 @@
 """Find the indifference intervals, Eqs. (28) and (29), beside the paper's."""
 
+from jointclosure.config.plain import from_plain
+from jointclosure.config.typed import Statistics
 from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
@@ -13,7 +15,7 @@ def main(study: str, paper: str, settings: dict, output: str, log: Logbook) -> N
     """Write Table 3 as one row per rock, parameter and cycle."""
     intervals = indifference_table(
         read_netcdf(study, without=CURVES),
-        settings["statistics"],
+        from_plain(Statistics, settings["statistics"]),
         settings["root_seed"],
         settings["draws"] == "common",
     )

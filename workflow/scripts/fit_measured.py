@@ -1,17 +1,18 @@
 """Find the realisations that fit the measured curves best."""
 
+from jointclosure.config.plain import from_plain
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_text, write_csv
-from jointclosure.studies.measured.curves import fit_table, measured_curves
+from jointclosure.studies.measured.curves import CurveSettings, fit_table, measured_curves
 
 
 def main(study: str, settings: dict, output: str, log: Logbook) -> None:
     """Write the best fit of each rock with a measured curve, cycle by cycle."""
-    curves = measured_curves(settings, read_text)
+    curves = measured_curves(from_plain(dict[str, CurveSettings], settings["curves"]), read_text)
     with reading_netcdf(study) as dataset:
-        fits = fit_table(dataset, curves, 1e6 * settings["seating_stress_MPa"])
+        fits = fit_table(dataset, curves, settings["seating_stress"])
     write_csv(fits, output)
     for row in fits.itertuples():
         log(

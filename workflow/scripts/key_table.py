@@ -1,8 +1,15 @@
-"""Write config/README.md: the keys of a configuration, from the schema and the defaults."""
+"""Write config/README.md and config/schema.json: the keys of a configuration, and the defaults."""
 
+import json
 from pathlib import Path
 
 import yaml
+
+from jointclosure.config.contradictions import USUAL
+from jointclosure.config.files import DEFAULT, read_plain
+from jointclosure.config.keys import ConfigurationKeys
+from jointclosure.config.schema import json_schema
+from jointclosure.config.units import in_unit, name_and_unit
 
 ROOT = Path(__file__).parents[2]
 
@@ -10,17 +17,18 @@ HEADER = """# Configuration
 
 `default.yaml` is the paper's study and holds every number of the model, each with its source. Another study is a small file
 with what differs: lists replace lists, everything else is merged. `make study CONFIG=config/mine.yaml` runs it, and writes to
-`results/<study.name>/`. Before any job starts the merged configuration is checked against the schema below
-(`workflow/schemas/config.schema.yaml`); an error names the key, its value and what is allowed.
+`results/<study.name>/`. Before any job starts the merged configuration is checked against the keys below; an error names the key,
+its value and what is allowed. Numbers beyond what is usual of rock are more often a slip of units than meant: they are refused, unless
+`study.unusual_values: allow` says that they are meant. `schema.json` is the same for editors that check YAML.
 
-- `default.yaml`: the paper's study.
+- `default.yaml`: the paper's study (a link to the package's file, so that it is in the wheel).
 - `smoke.yaml`: the same made small.
 - `regularised.yaml`: the model that has a limit, to 10 MPa; `paper_at_10_mpa.yaml`: what it is held against.
 - `accuracy.yaml`: what accuracy costs in time (`make accuracy`).
 - `effects.yaml`: what each effect adds, and what it costs (`make effects`).
 - `many_realizations.yaml`: 100,000 small joints of one case ([docs/clusters.md](../docs/clusters.md)).
 - `measured_wall.yaml`: a rock whose walls were scanned ([measured walls](../docs/measured_walls.md)).
-- `hard_cases.yaml`: joints that are hard on a solver (`make hard-cases`); it has a schema of its own.
+- `hard_cases.yaml`: joints that are hard on a solver (`make hard-cases`); its keys are in `verification/hard_case_keys.py`.
 - `my_rock.yaml`: a worked example of a study of one's own, with a measured curve ([how to](../docs/own_rock.md)).
 
 A rock of your own is an entry under `rocks` and its name in `study.rocks`:
@@ -42,7 +50,7 @@ rocks:
       jrc: [8, 12]
 ```
 
-The table is written by `python workflow/scripts/key_table.py`; `<rock>` and `<name>` stand for any name.
+The table is written by `python workflow/scripts/key_table.py` from `src/jointclosure/config/keys.py`; `<rock>` and `<name>` stand for any name.
 
 | key | default | allowed | what it is |
 |---|---|---|---|
@@ -51,9 +59,23 @@ The table is written by `python workflow/scripts/key_table.py`; `<rock>` and `<n
 
 def main() -> str:
     """The page's text."""
-    schema = yaml.safe_load((ROOT / "workflow/schemas/config.schema.yaml").read_text())
-    default = yaml.safe_load((ROOT / "config/default.yaml").read_text())
-    return HEADER + "".join(f"{row}\n" for row in rows(schema, default, ""))
+    return HEADER + "".join(
+        f"{row}\n" for row in rows(json_schema(ConfigurationKeys), read_plain(DEFAULT), "")
+    )
+
+
+def schema() -> str:
+    """The JSON schema's text; a file has what differs from the defaults, so it requires nothing."""
+    return json.dumps(_without_required(json_schema(ConfigurationKeys)), indent=1) + "\n"
+
+
+def _without_required(part: object) -> object:
+    if isinstance(part, list):
+        return [_without_required(each) for each in part]
+    if not isinstance(part, dict):
+        return part
+    kept = {name: each for name, each in part.items() if name != "required"}
+    return {name: _without_required(each) for name, each in kept.items()}
 
 
 def rows(schema: dict, default: object, path: str):
@@ -68,16 +90,16 @@ def rows(schema: dict, default: object, path: str):
             yield from rows(entry, value, f"{path}{name}.")
         else:
             shown = "" if "<rock>" in path else f"`{_shown(value)}`"
-            yield f"| `{path}{name}` | {shown} | {_allowed(entry)} | {entry['description']} |"
+            yield f"| `{path}{name}` | {shown} | {_allowed(name, entry)} | {entry['description']} |"
 
 
 def _shown(value: object) -> str:
     return yaml.safe_dump(value, default_flow_style=True, width=1000).replace("\n...", "").strip()
 
 
-def _allowed(entry: dict) -> str:
+def _allowed(name: str, entry: dict) -> str:
     if "enum" in entry:
-        return ", ".join(str(value) for value in entry["enum"])
+        return ", ".join("null" if value is None else str(value) for value in entry["enum"])
     kinds = entry.get("type", "")
     kinds = " or ".join(kinds) if isinstance(kinds, list) else kinds
     bounds = [
@@ -87,8 +109,13 @@ def _allowed(entry: dict) -> str:
         )
         if key in entry
     ]  # fmt: skip
+    bare, unit = name_and_unit(name)
+    if bare in USUAL:
+        low, high = (in_unit(bound, unit) for bound in USUAL[bare][:2])
+        bounds.append(f"usually {low:g} to {high:g}")
     return ", ".join([kinds, *bounds])
 
 
 if __name__ == "__main__":
     (ROOT / "config/README.md").write_text(main(), encoding="utf-8")
+    (ROOT / "config/schema.json").write_text(schema(), encoding="utf-8")

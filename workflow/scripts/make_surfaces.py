@@ -1,13 +1,14 @@
 """Generate the surface pairs of a case, or of a block of its realisations."""
 
-from jointclosure.ensemble.settings import as_text
+from jointclosure.config.plain import from_plain
+from jointclosure.ensemble.settings import SurfaceSettings, as_text
 from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
 from jointclosure.storage.netcdf import write_netcdf_blocks
 
 
-def main(settings: dict, output: str, log: Logbook) -> None:
+def main(settings: SurfaceSettings, output: str, log: Logbook) -> None:
     """Write walls (realization, y, x)."""
     log(f"settings: {as_text(settings)}")
     surfaces = surfaces_of(settings)
@@ -18,4 +19,5 @@ def main(settings: dict, output: str, log: Logbook) -> None:
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:
-        main(snakemake.params.settings, snakemake.output[0], logbook)
+        settings = from_plain(SurfaceSettings, snakemake.params.settings)
+        main(settings, snakemake.output[0], logbook)

@@ -1,7 +1,8 @@
 """Read the measured walls of a rock, bring them to the grid, and check that there is room."""
 
-from jointclosure.config.units import to_si
-from jointclosure.config.walls import wall_files, wall_settings
+from jointclosure.config.plain import from_plain
+from jointclosure.config.typed import Grid, Walls
+from jointclosure.config.walls import wall_files
 from jointclosure.ensemble.measured_walls import cutter_of, prepared_walls, room
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
@@ -11,17 +12,17 @@ from jointclosure.storage.netcdf import write_netcdf
 
 def main(settings: dict, output: str, log: Logbook) -> None:
     """Write the walls (y, x) of a rock, with the digests of their files."""
-    walls, grid = wall_settings(settings["walls"]), to_si(settings["grid"])
-    files = wall_files(settings["walls"])
-    given = {name: walls[name] for name in ("units", "spacing", "variable")}
+    walls, grid = from_plain(Walls, settings["walls"]), from_plain(Grid, settings["grid"])
+    files = wall_files(walls)
+    given = {"units": walls.units, "spacing": walls.spacing, "variable": walls.variable}
     scans = {side: read_scan(file, **given) for side, file in files.items()}
-    prepared = prepared_walls(scans, walls, grid["spacing"], settings["jrc_relation"])
+    prepared = prepared_walls(scans, walls, grid.spacing, settings["jrc_relation"])
     for side, file in files.items():
         about = prepared[side].attrs | {"file": file, "sha256": settings["digests"][side]}
         prepared[side].attrs = about
         log(f"{side}: {about}")
     # the check is the same whatever the order
-    cutter = cutter_of(prepared, (grid["cells_y"], grid["cells_x"]), 0, "wall")
+    cutter = cutter_of(prepared, grid.shape, 0, "wall")
     prepared.attrs |= room(cutter)
     log(str(room(cutter)))
     cutter.check(settings["realizations"])

@@ -1,7 +1,7 @@
 """Renew what the documents show of the studies of accuracy and effects.
 
 Run by hand after `make accuracy` or `make effects`: `publish_measured.py accuracy`. The table that
-presets come from is copied too (workflow/resources/accuracy_settings.csv).
+presets come from is copied too (src/jointclosure/config/accuracy_settings.csv).
 """
 
 import shutil
@@ -144,7 +144,7 @@ def main(study: str) -> None:
         shutil.copy(source, ROOT / f"docs/images/{image}.png")
     if study == "accuracy":
         table = ACCURACY / "tables/accuracy_settings.csv"
-        shutil.copy(table, ROOT / "workflow/resources/accuracy_settings.csv")
+        shutil.copy(table, ROOT / "src/jointclosure/config/accuracy_settings.csv")
 
 
 if __name__ == "__main__":

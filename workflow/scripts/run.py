@@ -18,9 +18,10 @@ from typing import NamedTuple, TextIO
 import psutil
 import yaml
 
-from jointclosure.config.configuration import read_plain
+from jointclosure.config.configuration import configured, merged_study
 from jointclosure.inputs import InputError
 from jointclosure.progress import WorkflowProgress
+from jointclosure.storage.text import read_csv
 
 SHOWN = "jointclosure: "
 """Lines of the log that start so are for the user."""
@@ -74,17 +75,11 @@ def main(name: str) -> int:
 
 
 def study_name(override: str) -> str:
-    """The name of the study that the default configuration and a file over it describe."""
+    """The name of the study that a file over the default configuration describes, if it can run."""
     if override and not Path(override).is_file():
         raise InputError(f"CONFIG={override}: there is no such file")
-    name = "paper"
-    for path in ("config/default.yaml", override):
-        study = read_plain(path).get("study") if path else None
-        if isinstance(study, dict):
-            name = study.get("name", name)
-    if not isinstance(name, str) or not re.fullmatch("[a-z][a-z0-9_]*", name):
-        raise InputError(f"study.name = {name!r}: must be lower-case letters, digits and _")
-    return name
+    keys = merged_study(*([Path(override)] if override else []))
+    return configured(keys, read_csv).typed.study.name
 
 
 def snakemake(profile: str, cores: str) -> list[str]:

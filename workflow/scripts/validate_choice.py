@@ -1,21 +1,22 @@
 """Hold the chosen effects of a random scene against all of them."""
 
+from jointclosure.config.plain import from_plain
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
 from jointclosure.storage.text import write_csv
-from jointclosure.studies.effects.validation import validate
+from jointclosure.studies.effects.validation import ValidationSettings, validate
 
 
-def main(configuration: dict, number: int, output: str, log: Logbook) -> None:
+def main(settings: ValidationSettings, number: int, output: str, log: Logbook) -> None:
     """Write a row for each tolerance."""
-    write_csv(validate(configuration, number, log), output)
+    write_csv(validate(settings, number, log), output)
     log(f"wrote {output}")
 
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:
         main(
-            snakemake.params.configuration,
+            from_plain(ValidationSettings, snakemake.params.settings),
             int(snakemake.wildcards.number),
             snakemake.output[0],
             logbook,

@@ -2,6 +2,7 @@
 
 import pandas as pd
 
+from jointclosure.config.plain import from_plain
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
 from jointclosure.randomness import generator, seed_of
@@ -16,7 +17,7 @@ def main(inputs: list[str], settings: dict, outputs: dict, log: Logbook) -> None
     """Write costs, orders of convergence and sources of error."""
     design = settings["design"]
     runs = dict(zip(settings["runs"], map(read_netcdf, inputs), strict=True))
-    turned = [Setting(*each) for each in settings["settings"]]
+    turned = from_plain(list[Setting], settings["settings"])
     costs = cost_table(
         turned,
         runs,
@@ -24,6 +25,7 @@ def main(inputs: list[str], settings: dict, outputs: dict, log: Logbook) -> None
         generator(seed_of(settings["root_seed"], "accuracy")),
         design["resamples"],
         design["confidence"],
+        settings["significance"],
     )
     write_csv(costs, outputs["costs"])
     write_csv(order_table(costs), outputs["orders"])

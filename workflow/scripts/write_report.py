@@ -8,5 +8,5 @@ from jointclosure.jobs import job
 if __name__ == "__main__":
     with job(snakemake) as logbook:
         output = Path(snakemake.output[0])
-        size = write_report(output.parent, output, Path(snakemake.params.project))
+        size = write_report(output.parent, output)
         logbook(f"wrote {output}: {size / 1e6:.1f} MB")

@@ -1,18 +1,19 @@
 """Write Tables 1 to 3 in the paper's layout."""
 
+from jointclosure.config.plain import from_plain
+from jointclosure.config.typed import StudyRock
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
 from jointclosure.storage.text import read_csv, write_csv, write_text
 from jointclosure.tables import case_table, rock_table, table_3_latex, table_3_markdown
 
 
-def main(intervals: str, settings: dict, outputs: dict, log: Logbook) -> None:
+def main(intervals: str, rocks: dict[str, StudyRock], outputs: dict, log: Logbook) -> None:
     """Write the tables of rocks and cases, and Table 3 as LaTeX and Markdown."""
-    configuration = {"study": settings["study"], "rocks": settings["rocks"]}
-    titles = {name: rock["title"] for name, rock in settings["rocks"].items()}
+    titles = {name: rock.title for name, rock in rocks.items()}
     table = read_csv(intervals)
-    write_csv(rock_table(configuration), outputs["rocks"])
-    write_csv(case_table(configuration), outputs["cases"])
+    write_csv(rock_table(rocks), outputs["rocks"])
+    write_csv(case_table(rocks), outputs["cases"])
     write_text(table_3_latex(table, titles), outputs["latex"])
     write_text(table_3_markdown(table, titles), outputs["markdown"])
     log(f"wrote {', '.join(outputs.values())}")
@@ -20,4 +21,5 @@ def main(intervals: str, settings: dict, outputs: dict, log: Logbook) -> None:
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:
-        main(snakemake.input[0], dict(snakemake.params), dict(snakemake.output), logbook)
+        rocks = from_plain(dict[str, StudyRock], snakemake.params.rocks)
+        main(snakemake.input[0], rocks, dict(snakemake.output), logbook)

@@ -6,8 +6,10 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from jointclosure.config.plain import from_plain
 from jointclosure.ensemble.comparison import differences
 from jointclosure.ensemble.repetition import repeated
+from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_text
@@ -33,8 +35,8 @@ def run(arguments) -> int:
     """Repeat a realisation; 1 if it is not as stored."""
     results, case, realization = arguments.results, arguments.case, arguments.realization
     settings = _settings(results, case, realization)
-    first = settings["surfaces"]["first_realization"]
-    surface = settings["case"]["surface"]
+    first = settings.surfaces.first_realization
+    surface = settings.case.surface
     walls = _stored(results / f"cases/{surface}.{first}.surfaces.nc", realization)
     print(f"realisation {realization} of {case}", flush=True)
     again = repeated(settings, realization, walls)
@@ -58,15 +60,15 @@ def _stored(path: Path, realization: int) -> xr.Dataset | None:
         return dataset.sel(realization=[realization]).load()
 
 
-def _settings(results: Path, case: str, realization: int) -> dict:
+def _settings(results: Path, case: str, realization: int) -> ClosureSettings:
     """Settings of the block of a case that has the realisation."""
     logs = sorted((results / "logs/close_surfaces").glob(f"{_plain(case)}.*.log"))
     for log in logs:
         lines = (line for line in read_text(log).splitlines() if _SETTINGS in line)
         for line in lines:
-            settings = json.loads(line.partition(_SETTINGS)[2])
-            first = settings["surfaces"]["first_realization"]
-            if first <= realization < first + settings["surfaces"]["realizations"]:
+            settings = from_plain(ClosureSettings, json.loads(line.partition(_SETTINGS)[2]))
+            first = settings.surfaces.first_realization
+            if first <= realization < first + settings.surfaces.realizations:
                 return settings
     raise InputError(
         f"{results}: no log in logs/close_surfaces tells of realisation {realization} of {case!r}"

@@ -15,6 +15,7 @@ from jointclosure.surface.measured import (
     wall_on_grid,
 )
 from jointclosure.surface.measures import increments, measure_wall
+from jointclosure.surface.outliers import without_spikes
 from jointclosure.tables import measure_table, measures_text
 
 
@@ -34,7 +35,9 @@ def add_to(commands) -> None:
     command.add_argument(
         "--spacing", type=float, metavar="MM", help="of its grid, where the file does not say it"
     )
-    command.add_argument("--variable", help="the array or channel, where the file has several")
+    command.add_argument(
+        "--variable", help="the array or channel, where the file has several; columns of a text"
+    )
     command.add_argument(
         "--grid-spacing", type=float, metavar="MM", help="bring it to this spacing first"
     )
@@ -43,6 +46,13 @@ def add_to(commands) -> None:
         choices=MISSING,
         default="avoid",
         help="cells without a height: an error (refuse), left out (avoid, the default), or filled",
+    )
+    command.add_argument(
+        "--spikes",
+        choices=("keep", "cut"),
+        default="keep",
+        help="points that stand out from all but one of their neighbours: told (keep, the "
+        "default), or left out (cut)",
     )
     command.add_argument("--picture", type=Path, metavar="PNG", help="draw it (png, pdf or svg)")
     command.add_argument("--table", type=Path, metavar="CSV", help="write the measures")
@@ -56,23 +66,30 @@ def run(arguments) -> int:
         if value is not None and not 0.0 < value < 1e18:
             raise InputError(f"--{name.replace('_', '-')} {value!r}: must be a positive number")
     _check_outputs(arguments)
+    if arguments.picture:  # drawing takes a second to load, and an extra that may be missing
+        from jointclosure.plotting.walls import roughness_figure
     spacing = None if arguments.spacing is None else 1e-3 * arguments.spacing
     scan = read_scan(
         arguments.file, units=arguments.units, spacing=spacing, variable=arguments.variable
     )
     try:
+        kept, spikes = without_spikes(scan)
+        if arguments.spikes == "cut":
+            scan = kept
         step = 1e-3 * arguments.grid_spacing if arguments.grid_spacing else point_distance(scan)
         wall = filled(wall_on_grid(scan, step), arguments.missing, LARGEST_FILLED_SHARE)
         measures = measure_wall(wall, step)
     except InputError as error:
         raise InputError(f"{arguments.file}: {error}") from None
     print(measures_text(measures, str(arguments.file), wall, step))
+    remarks = [*scan.remarks]
+    if spikes:
+        done = "they were cut" if arguments.spikes == "cut" else "they were kept (see --spikes)"
+        remarks.append(f"{spikes}; {done}")
+    print("".join(f"\nNote: {remark}." for remark in remarks), end="\n" if remarks else "")
     if arguments.table:
         write_csv(measure_table(measures), arguments.table)
     if arguments.picture:
-        # drawing takes a second to load, and is not always asked for
-        from jointclosure.plotting.walls import roughness_figure
-
         figure = roughness_figure(wall, step, increments(wall, step), arguments.file.name)
         save_figure(figure, arguments.picture)
     return 0

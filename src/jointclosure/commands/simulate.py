@@ -3,19 +3,21 @@
 import argparse
 import time
 from pathlib import Path
+from typing import Any
 
 import xarray as xr
 
-from jointclosure.config import configuration, project
-from jointclosure.config.units import to_si
-from jointclosure.ensemble.cases import Case, cases_of
+from jointclosure.config.configuration import Configured, configured, merged, merged_study
+from jointclosure.config.files import value_of
+from jointclosure.config.typed import Configuration
+from jointclosure.ensemble.cases import cases_of
+from jointclosure.ensemble.closing import close_walls
+from jointclosure.ensemble.settings import Case
+from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.inputs import InputError
-from jointclosure.parameters import Effects, Rock
-from jointclosure.plotting.joint import closure_curve
+from jointclosure.parameters import Effects
 from jointclosure.progress import bar, duration
 from jointclosure.protocol import FAILURE, LOADING
-from jointclosure.simulation import simulate
-from jointclosure.sources import PACKAGE
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.provenance import provenance
@@ -65,7 +67,7 @@ def add_to(commands) -> None:
         "--config",
         type=Path,
         metavar="FILE",
-        help="study whose rocks and settings are used, over config/default.yaml",
+        help="study whose rocks and settings are used, over the paper's",
     )
     rock.add_argument("--youngs-modulus", type=float, metavar="GPa", help="Young's modulus E")
     rock.add_argument("--poisson-ratio", type=float, metavar="NU", help="Poisson's ratio")
@@ -112,21 +114,23 @@ def run(arguments) -> int:
     """Close the joint; 1 where the simulation failed."""
     _check_destination(arguments.output, (".nc",))
     _check_destination(arguments.picture, _PICTURES)
+    if arguments.picture:  # drawing takes a second to load, and an extra that may be missing
+        from jointclosure.plotting.joint import closure_curve
     settings = _settings(arguments)
-    case = cases_of(settings)[0]
-    grid, study = to_si(settings["grid"]), settings["study"]
-    title = settings["rocks"][case.rock]["title"]
+    configuration = settings.typed
+    case, grid = cases_of(configuration)[0], configuration.grid
     about = (
-        f"{title}, JRC {case.jrc:g}, {grid['cells_x']} x {grid['cells_y']} cells of "
-        f"{1e3 * grid['spacing']:g} mm, seed {arguments.seed}"
+        f"{configuration.rocks[case.rock].title}, JRC {case.jrc:g}, {grid.cells_x} x "
+        f"{grid.cells_y} cells of {1e3 * grid.spacing:g} mm, seed {arguments.seed}"
     )
-    print(f"{about}: {1e-6 * case.max_normal_stress:g} MPa, {study['cycles']} cycles")
+    cycles = configuration.study.cycles
+    print(f"{about}: {1e-6 * case.max_normal_stress:g} MPa, {cycles} cycles")
     start = time.perf_counter()
-    closed = _close(settings, case, arguments.seed)
+    closed = _close(configuration, case, arguments.seed)
     print(_summary(closed))
     status = int(closed.status)
     print(f"{_status_text(closed)}; {duration(time.perf_counter() - start)}")
-    closed.attrs |= {"joint": about} | provenance(settings)
+    closed.attrs |= {"joint": about} | provenance(settings.keys)
     if arguments.output:
         write_netcdf(closed, arguments.output)
         print(f"wrote {arguments.output}")
@@ -136,12 +140,10 @@ def run(arguments) -> int:
     return 1 if status >= FAILURE else 0
 
 
-def _settings(arguments) -> dict:
+def _settings(arguments) -> Configured:
     """The whole configuration that the arguments describe, checked."""
-    near = [arguments.config.parent] if arguments.config else []
-    folder = project.project_folder(*near, Path.cwd(), PACKAGE)
-    base = project.merged_study(folder, arguments.config)
-    project.settled(base, folder, read_csv)
+    base = merged_study(*([arguments.config] if arguments.config else []))
+    configured(base, read_csv)
     if arguments.rock and arguments.rock not in base["rocks"]:
         raise InputError(f"--rock {arguments.rock}: must be one of {', '.join(base['rocks'])}")
     if arguments.seed < 0:
@@ -149,8 +151,7 @@ def _settings(arguments) -> dict:
     if base["rocks"].get(arguments.rock, {}).get("walls"):
         raise InputError(f"--rock {arguments.rock}: has measured walls; this closes random ones")
     base["rocks"].setdefault(arguments.rock or _UNNAMED, {})["levels"] = {}
-    settings = configuration.merged(base, _changes(arguments), *arguments.set)
-    return project.settled(settings, folder, read_csv)
+    return configured(merged(base, _changes(arguments), *arguments.set), read_csv)
 
 
 def _changes(arguments) -> dict:
@@ -165,7 +166,7 @@ def _changes(arguments) -> dict:
     if arguments.without:  # the rock's own settings go before the study's
         own["effects"] = dict.fromkeys(arguments.without, False)
     name = arguments.rock or _UNNAMED
-    changes = {
+    changes: dict = {
         "study": {"rocks": [name]},
         "rocks": {name: own},
         "grid": dict(zip(("cells_x", "cells_y"), given.get("cells", ()), strict=False)),
@@ -179,10 +180,12 @@ def _changes(arguments) -> dict:
     return changes
 
 
-def _close(settings: dict, case: Case, seed: int) -> xr.Dataset:
-    grid, cycles = to_si(settings["grid"]), settings["study"]["cycles"]
-    shape = (grid["cells_y"], grid["cells_x"])
-    walls = wall_pair(case.jrc, shape, grid["spacing"], seed, **settings["surface"])
+def _close(configuration: Configuration, case: Case, seed: int) -> xr.Dataset:
+    grid, cycles = configuration.grid, configuration.study.cycles
+    surfaces = surface_settings(configuration, case, range(1))
+    conditions = closure_settings(configuration, case, surfaces).conditions()
+    surface = configuration.surface._asdict()
+    walls = wall_pair(case.jrc, grid.shape, grid.spacing, seed, **surface)
     whole = _FIRST_LOADING + cycles - 1
     with bar("closing") as show:
 
@@ -191,18 +194,7 @@ def _close(settings: dict, case: Case, seed: int) -> xr.Dataset:
             done = _FIRST_LOADING * share if cycle == 1 else _FIRST_LOADING + cycle - 2 + share
             show(done / whole, f"cycle {cycle} of {cycles}, {branch}")
 
-        return simulate(
-            *walls,
-            spacing=grid["spacing"],
-            rock=Rock(case.youngs_modulus, case.poisson_ratio, case.compressive_strength),
-            max_normal_stress=case.max_normal_stress,
-            cycles=cycles,
-            seating_stress=1e6 * settings["seating_stress_MPa"],
-            effects=configuration.effects_of(settings, case.rock),
-            choices=configuration.choices_of(settings),
-            numerics=configuration.numerics_of(settings),
-            report=report,
-        )
+        return close_walls(*walls, conditions, report)
 
 
 def _summary(closed: xr.Dataset) -> str:
@@ -237,7 +229,7 @@ def _setting(text: str) -> dict:
     key, equals, value = text.partition("=")
     if not equals or not key:
         raise argparse.ArgumentTypeError(f"{text!r}: must be as in numerics.breakage=resolved")
-    setting = project.value_of(value)
+    setting: Any = value_of(value)
     for part in reversed(key.split(".")):
         setting = {part: setting}
     return setting

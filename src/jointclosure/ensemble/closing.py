@@ -6,15 +6,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import xarray as xr
 
-from jointclosure.config.units import to_si
-from jointclosure.ensemble.cases import Case
-from jointclosure.parameters import (
-    Choices,
-    Effects,
-    Numerics,
-    Rock,
-)
-from jointclosure.protocol import FAILURE, LOADING, UNLOADING
+from jointclosure.ensemble.settings import ClosureSettings, Conditions
+from jointclosure.protocol import FAILURE, LOADING, UNLOADING, Report
 from jointclosure.readings import branch_of, closure_at_stresses, first_crossing
 from jointclosure.simulation import ATTRIBUTES, simulate
 
@@ -43,29 +36,26 @@ _TOGETHER = 100
 """Realisations that are put together before they are written."""
 
 
-def closing_arguments(settings: dict) -> dict:
-    """Arguments of `close_surfaces` in SI, from `ensemble.settings.closure_settings`."""
-    end = 1e6 * settings["largest_stress_MPa"]
-    return {
-        "cycles": settings["cycles"],
-        "seating_stress": 1e6 * settings["seating_stress_MPa"],
-        "effects": Effects(**settings["effects"]),
-        "choices": Choices(**to_si(settings["choices"])),
-        "numerics": Numerics(**to_si(settings["numerics"])),
-        "stresses": np.linspace(0.0, end, settings["stress_points"]),
-    }
+def close_walls(
+    upper: np.ndarray, lower: np.ndarray, conditions: Conditions, report: Report | None = None
+) -> xr.Dataset:
+    """Close two walls (y, x) [m]: what every study does with the walls of a case.
+
+    Numbers that are unusual of rock are taken as they are: a configuration was asked
+    whether it means them (``study.unusual_values``).
+
+    Returns
+    -------
+    Dataset
+        As from `jointclosure.simulate`.
+    """
+    return simulate(upper, lower, **conditions._asdict(), unusual_values=True, report=report)
 
 
 def close_surfaces(
     surfaces: xr.Dataset,
-    case: Case,
+    settings: ClosureSettings,
     *,
-    cycles: int,
-    seating_stress: float,
-    effects: Effects,
-    choices: Choices,
-    numerics: Numerics,
-    stresses: np.ndarray,
     report: Callable[[str], None] = lambda line: None,
     repeated_by: str = "",
 ) -> Iterator[xr.Dataset]:
@@ -75,12 +65,7 @@ def close_surfaces(
     ----------
     surfaces : Dataset
         Those of `make_surfaces`, put together or read one at a time from a file.
-    case : Case
-        Gives rock and maximum stress.
-    cycles, seating_stress, effects, choices, numerics
-        As for `jointclosure.simulate`.
-    stresses : array (s,)
-        Common stress axis of the closure curves [Pa].
+    settings : ClosureSettings
     report : callable
         Receives a line for each realisation.
     repeated_by : str
@@ -93,35 +78,34 @@ def close_surfaces(
         Over (realization, cycle, branch, stress), up to a hundred realisations
         each; one that failed has a status of 16 or more, and NaN where it was not read.
     """
-    rock = Rock(case.youngs_modulus, case.poisson_ratio, case.compressive_strength)
-    common = {"spacing": float(surfaces.attrs["spacing_m"]), "rock": rock}
-    common |= {"max_normal_stress": case.max_normal_stress, "cycles": cycles}
-    common |= {"seating_stress": seating_stress, "effects": effects, "choices": choices}
+    conditions = settings.conditions()
+    stresses = np.linspace(0.0, settings.largest_stress, settings.stress_points)
     realizations, seeds = surfaces.realization.values, surfaces.seed.values
     for first in range(0, realizations.size, _TOGETHER):
         few = slice(first, first + _TOGETHER)
         rows = []
         for number, realization in enumerate(realizations[few], start=first):
-            walls = [surfaces[name][number].values for name in ("upper", "lower")]
+            upper, lower = (surfaces[name][number].values for name in ("upper", "lower"))
             again = f"; to repeat it: {repeated_by} {realization}" if repeated_by else ""
             try:
-                row = close_pair(*walls, stresses, numerics=numerics, **common)
+                row = close_pair(upper, lower, stresses, conditions)
             except Exception as error:
                 report(f"realisation {realization}: {type(error).__name__}: {error}{again}")
                 raise
             failed = f", failed{again}" if row["status"][1] >= FAILURE else ""
             report(f"realisation {realization}: {_said(row)}{failed}")
             rows.append(row)
-        yield _labelled(rows, realizations[few], seeds[few], cycles, stresses)
+        yield _labelled(rows, realizations[few], seeds[few], conditions.cycles, stresses)
 
 
-def close_pair(upper: np.ndarray, lower: np.ndarray, stresses: np.ndarray, **told) -> dict:
+def close_pair(
+    upper: np.ndarray, lower: np.ndarray, stresses: np.ndarray, conditions: Conditions
+) -> dict:
     """Close one surface pair (y, x), and read it: (dimensions, values) by name."""
     start = time.perf_counter()
-    closed = simulate(upper, lower, **told)
+    closed = close_walls(upper, lower, conditions)
     seconds = time.perf_counter() - start
-    tolerance = told["numerics"].stress_tolerance
-    row = _row(closed, stresses, told["cycles"], told["seating_stress"], tolerance)
+    row = _row(closed, stresses, conditions)
     row["volume_error"] = ((), _volume_error(upper, lower, closed))
     row["timing_simulation"] = ((), seconds)
     return row
@@ -154,20 +138,15 @@ def _labelled(rows: list[dict], realizations, seeds, cycles: int, stresses) -> x
     )
 
 
-def _row(
-    closed: xr.Dataset,
-    stresses: np.ndarray,
-    cycles: int,
-    seating_stress: float,
-    stress_tolerance: float,
-) -> dict:
+def _row(closed: xr.Dataset, stresses: np.ndarray, conditions: Conditions) -> dict:
+    cycles, seating_stress = conditions.cycles, conditions.seating_stress
     history = (closed.normal_stress.values, closed.cycle.values, closed.branch.values)
     stress, cycle, branch = history
     row: dict = {name: (("cycle",), closed[name].values) for name in PER_CYCLE}
     row |= {name: ((), closed[name].values) for name in PER_REALIZATION}
     for name in ("closure", "bulk_indentation"):
         curves = closure_at_stresses(
-            closed[name].values, *history, cycles, stresses, stress_tolerance
+            closed[name].values, *history, cycles, stresses, conditions.numerics.stress_tolerance
         )
         row[name] = (("cycle", "branch", "stress"), curves)
     at_seat = []

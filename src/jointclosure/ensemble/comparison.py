@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.config.properties import PROPERTIES
 from jointclosure.ensemble.aggregation import succeeded
-from jointclosure.ensemble.cases import SHOWN_UNITS
 
 TARGETS = ("max_closure", "max_closure_net", "residual_closure")
 MAY_DIFFER = ("provenance_", "timing_")
@@ -143,7 +143,7 @@ def shown_intervals(changes: pd.DataFrame) -> pd.DataFrame:
         return "–" if np.isnan(values[0]) else "{:.3g} ({:.3g} to {:.3g})".format(*values)
 
     shown = changes[["rock", "parameter", "cycle"]].copy()
-    shown["unit"] = [SHOWN_UNITS[name][0] for name in changes.parameter]
+    shown["unit"] = [PROPERTIES[name].unit for name in changes.parameter]
     for which in ("first", "second"):
         shown[which] = [text(row, which) for _, row in changes.iterrows()]
     shown["ratio"] = changes.ratio

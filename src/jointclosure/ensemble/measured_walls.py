@@ -6,6 +6,8 @@ from collections.abc import Iterator
 import numpy as np
 import xarray as xr
 
+from jointclosure.config.typed import Walls
+from jointclosure.ensemble.settings import SurfaceSettings
 from jointclosure.ensemble.surfaces import surface_pair
 from jointclosure.inputs import InputError
 from jointclosure.randomness import seed_of
@@ -16,7 +18,7 @@ from jointclosure.surface.roughness import jrc_of_z2, rms_slope
 
 
 def prepared_walls(
-    scans: dict[str, Scan | Cloud], settings: dict, spacing: float, jrc_relation: str
+    scans: dict[str, Scan | Cloud], settings: Walls, spacing: float, jrc_relation: str
 ) -> xr.Dataset:
     """Measured walls on the grid of the joint, as large as they were scanned.
 
@@ -24,8 +26,7 @@ def prepared_walls(
     ----------
     scans : dict
         Of "upper", "lower" or both.
-    settings : dict
-        As from `jointclosure.config.walls.wall_settings`.
+    settings : Walls
     spacing : float
         Grid spacing of the joint [m].
     jrc_relation : str
@@ -43,16 +44,17 @@ def prepared_walls(
         try:
             wall = wall_on_grid(scan, spacing, bounds)
             share = float(np.mean(~np.isfinite(wall)))
-            wall = filled(wall, settings["missing"], settings["largest_filled_share"])
+            wall = filled(wall, settings.missing, settings.largest_filled_share)
         except InputError as error:
-            raise InputError(f"{settings[side]}: {error}") from None
-        if any(other.shape != wall.shape for other in walls.data_vars.values()):
-            sizes = [one.shape for one in (*walls.data_vars.values(), wall)]
+            raise InputError(f"{getattr(settings, side)}: {error}") from None
+        others = [other.shape for other in walls.data_vars.values()]
+        if any(shape != wall.shape for shape in others):
+            sizes = [*others, wall.shape]
             raise InputError(
-                f"{settings['upper']} and {settings['lower']}: {sizes[0]} and {sizes[1]} cells "
+                f"{settings.upper} and {settings.lower}: {sizes[0]} and {sizes[1]} cells "
                 "(y, x) at the grid's spacing; both scans must cover the same, cell by cell"
             )
-        sign = -1.0 if side in settings["inverted"] else 1.0
+        sign = -1.0 if side in settings.inverted else 1.0
         # the relations and the synthesis know no H beyond 1, where walls are smooth at the grid
         z2, hurst = _slope(wall, spacing), float(np.clip(hurst_of(wall), 0.05, 1.0))
         about = {
@@ -64,10 +66,12 @@ def prepared_walls(
             "jrc": jrc_of_z2(z2, spacing, hurst, jrc_relation),
             "jrc_relation": jrc_relation,
         }
+        if scan.remarks:  # what was left out in reading is told beside the results
+            about["remarks"] = "; ".join(scan.remarks)
         walls[side] = (("y", "x"), sign * wall, about)
     missing = {"upper", "lower"} - set(scans)
     if missing:
-        walls.attrs["partner"] = settings[missing.pop()]
+        walls.attrs["partner"] = getattr(settings, missing.pop())
     return walls
 
 
@@ -84,12 +88,10 @@ def cutter_of(walls: xr.Dataset, shape: tuple[int, int], order_seed: int, normal
     return Cutter(measured, shape, order_seed, normalise)
 
 
-def cutter_for(walls: xr.Dataset, settings: dict) -> Cutter:
-    """The cutter of `jointclosure.ensemble.settings.surface_settings`."""
-    grid = settings["grid"]
-    order = seed_of(settings["root_seed"], *settings["seeds_named_by"], "windows")
-    normalise = settings["surface"]["normalise"]
-    return cutter_of(walls, (grid["cells_y"], grid["cells_x"]), order, normalise)
+def cutter_for(walls: xr.Dataset, settings: SurfaceSettings) -> Cutter:
+    """The cutter of the surfaces of a case."""
+    order = seed_of(settings.root_seed, *settings.seeds_named_by, "windows")
+    return cutter_of(walls, settings.grid.shape, order, settings.surface.normalise)
 
 
 def cut_surfaces(cutter: Cutter, seeds: list[int], first: int = 0) -> Iterator[xr.Dataset]:

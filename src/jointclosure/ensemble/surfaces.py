@@ -5,7 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 import xarray as xr
 
-from jointclosure.config.units import to_si
+from jointclosure.config.typed import Grid, Surface
+from jointclosure.ensemble.settings import SurfaceSettings
 from jointclosure.inputs import InputError
 from jointclosure.randomness import seed_of
 from jointclosure.surface.synthesis import wall_pair
@@ -14,9 +15,8 @@ from jointclosure.surface.synthesis import wall_pair
 def make_surfaces(
     seeds: list[int],
     jrc: float,
-    shape: tuple[int, int],
-    spacing: float,
-    surface: dict,
+    grid: Grid,
+    surface: Surface,
     first: int = 0,
 ) -> Iterator[xr.Dataset]:
     """Surface pairs (realization, y, x) of a case, one by one: each has one realisation.
@@ -24,17 +24,17 @@ def make_surfaces(
     Parameters
     ----------
     seeds : list of int
-        One for each realisation, see `jointclosure.ensemble.cases.wall_seed`.
-    jrc, shape, spacing
-        As for `jointclosure.wall_pair`, spacing in [m].
-    surface : dict
-        Its other arguments.
+        One for each realisation, see `seeds_of`.
+    jrc : float
+    grid : Grid
+    surface : Surface
+        As for `jointclosure.wall_pair`.
     first : int
         Number of the first realisation.
     """
     for realization, seed in enumerate(seeds, start=first):
-        pair = wall_pair(jrc, shape, spacing, seed, **surface)
-        yield surface_pair(pair, realization, seed, {"spacing_m": spacing, "jrc": jrc})
+        pair = wall_pair(jrc, grid.shape, grid.spacing, seed, **surface._asdict())
+        yield surface_pair(pair, realization, seed, {"spacing_m": grid.spacing, "jrc": jrc})
 
 
 def surface_pair(pair: tuple, realization: int, seed: int, attributes: dict) -> xr.Dataset:
@@ -56,24 +56,27 @@ def surface_pair(pair: tuple, realization: int, seed: int, attributes: dict) -> 
     )
 
 
-def seeds_of(settings: dict) -> list[int]:
-    """Seeds of the surface pairs of `jointclosure.ensemble.settings.surface_settings`."""
-    first = settings["first_realization"]
+def seeds_of(settings: SurfaceSettings) -> list[int]:
+    """Seeds of the surface pairs of a block."""
+    first = settings.first_realization
     return [
-        seed_of(settings["root_seed"], *settings["seeds_named_by"], realization)
-        for realization in range(first, first + settings["realizations"])
+        seed_of(settings.root_seed, *settings.seeds_named_by, realization)
+        for realization in range(first, first + settings.realizations)
     ]
 
 
-def surfaces_of(settings: dict) -> Iterator[xr.Dataset]:
-    """Surface pairs of `jointclosure.ensemble.settings.surface_settings`, one by one."""
-    if settings.get("walls"):
+def surfaces_of(settings: SurfaceSettings) -> Iterator[xr.Dataset]:
+    """Surface pairs of a block, one by one."""
+    if settings.walls:
         raise InputError(
             "surfaces of measured walls are not made from a seed: run the study again, which cuts "
             "them out of their scans"
         )
-    first = settings["first_realization"]
-    seeds = seeds_of(settings)
-    grid = to_si(settings["grid"])
-    shape = (grid["cells_y"], grid["cells_x"])
-    return make_surfaces(seeds, settings["jrc"], shape, grid["spacing"], settings["surface"], first)
+    first = settings.first_realization
+    return make_surfaces(seeds_of(settings), settings.jrc, settings.grid, settings.surface, first)
+
+
+def walls_of(settings: SurfaceSettings) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """`surfaces_of` as pairs of walls (upper, lower), each (y, x) [m]."""
+    for pair in surfaces_of(settings):
+        yield pair.upper.values[0], pair.lower.values[0]

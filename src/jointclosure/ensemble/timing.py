@@ -1,4 +1,4 @@
-"""Simulations of a configuration, timed beside the yardstick of the benchmarks."""
+"""Simulations timed beside the yardstick of the benchmarks."""
 
 import time
 from typing import NamedTuple
@@ -7,12 +7,8 @@ import numpy as np
 import scipy.fft
 import xarray as xr
 
-from jointclosure.config.configuration import choices_of, effects_of, numerics_of
-from jointclosure.config.units import to_si
-from jointclosure.ensemble.cases import Case, wall_seed
-from jointclosure.parameters import Effects, Rock
-from jointclosure.simulation import simulate
-from jointclosure.surface.synthesis import wall_pair
+from jointclosure.ensemble.closing import close_walls
+from jointclosure.ensemble.settings import Conditions
 
 
 class Timed(NamedTuple):
@@ -23,34 +19,11 @@ class Timed(NamedTuple):
     pair: float
 
 
-def walls_of(configuration: dict, case: Case, realization: int) -> tuple[np.ndarray, np.ndarray]:
-    """Walls (y, x) [m] of a realisation, as the study of that configuration draws them."""
-    grid = to_si(configuration["grid"])
-    return wall_pair(
-        case.jrc,
-        (grid["cells_y"], grid["cells_x"]),
-        grid["spacing"],
-        wall_seed(configuration, case, realization),
-        **configuration["surface"],
-    )
-
-
-def timed_simulation(
-    configuration: dict, case: Case, walls: tuple, effects: Effects | None = None
-) -> Timed:
-    """Close walls as a configuration says, or with other effects."""
+def timed_simulation(walls: tuple[np.ndarray, np.ndarray], conditions: Conditions) -> Timed:
+    """Close walls (upper, lower), each (y, x) [m], and tell the time."""
     pair = pair_seconds()
     start = time.perf_counter()
-    closed = simulate(
-        *walls,
-        spacing=to_si(configuration["grid"])["spacing"],
-        rock=Rock(case.youngs_modulus, case.poisson_ratio, case.compressive_strength),
-        max_normal_stress=case.max_normal_stress,
-        cycles=configuration["study"]["cycles"],
-        effects=effects or effects_of(configuration),
-        choices=choices_of(configuration),
-        numerics=numerics_of(configuration),
-    )
+    closed = close_walls(*walls, conditions)
     return Timed(closed, time.perf_counter() - start, pair)
 
 

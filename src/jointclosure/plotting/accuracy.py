@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from jointclosure.plotting.style import styled, subplots
-from jointclosure.studies.accuracy.cost import OTHER_JOINTS, pareto
+from jointclosure.studies.accuracy.cost import pareto
 from jointclosure.studies.accuracy.design import BASE
 
 KNOB_TITLES = {
@@ -57,7 +57,7 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
     percent are drawn there. The finest setting, which the others are held against, is not
     drawn. The grey line is what no setting beats in both.
     """
-    shown = costs[~costs.knob.isin(OTHER_JOINTS)]
+    shown = costs[~costs.other_joints]
     rocks, cycles = shown.rock.unique(), sorted(shown.cycle.unique())
     figure, panels = subplots(
         len(cycles),

@@ -1,5 +1,7 @@
 """The figure of numerical stability: errors and convergence in, a figure out."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import seaborn as sns
@@ -25,7 +27,7 @@ _TITLES = {
     "quartic": "indifference interval",
     "convergence": "1024 polished cells in touch, r = h",
 }
-_LEGENDS = {
+_LEGENDS: dict[str, dict[str, Any]] = {
     "cubic": {"loc": "center right", "bbox_to_anchor": (1.0, 0.6)},
     "far field": {"loc": "center left", "bbox_to_anchor": (0.03, 0.75)},
     "quartic": {"loc": "center left", "bbox_to_anchor": (0.03, 0.45)},

@@ -1,20 +1,25 @@
-"""Figures of a study. What it means is computed in `jointclosure.study`."""
+"""Figures of a study. What it means is computed in `jointclosure.studies`."""
+
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import seaborn as sns
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 
+from jointclosure.config.properties import PARAMETER_TITLES, PROPERTIES
+from jointclosure.config.typed import StudyRock
 from jointclosure.empirical import barton_bandis, law_holds
 from jointclosure.ensemble.aggregation import seats, succeeded
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.plotting.measured import Measurements, draw_measured, measured_handles
 from jointclosure.plotting.style import styled, subplots
-from jointclosure.tables import PARAMETER_TITLES, roughness_title
+from jointclosure.tables import roughness_title
 
 _CYCLE_COLOURS = dict(enumerate(sns.color_palette("colorblind", 8), start=1))
 MOST_DRAWN = 500
@@ -22,8 +27,6 @@ MOST_DRAWN = 500
 _FEW_LINES = 20
 """Curves of which each can be seen; more are fainter, so that the mean is seen through them."""
 _OUTLINE = [withStroke(linewidth=3.5, foreground="white")]
-
-_UNITS = {"1": "", "GPa": " (GPa)", "MPa": " (MPa)"}
 
 
 def _surfaces(study: xr.Dataset) -> str:
@@ -92,7 +95,7 @@ def closest_to_mean(study: xr.Dataset, case: str, seating_stress: float) -> int:
 @styled
 def closure_figure(
     study: xr.Dataset,
-    rocks: dict[str, dict],
+    rocks: dict[str, StudyRock],
     seating_stress: float,
     strength_ratio: float,
     measured: Measurements = Measurements(),
@@ -104,7 +107,7 @@ def closure_figure(
     study : Dataset
         As from `jointclosure.ensemble.aggregation.join_cases`.
     rocks : dict
-        Settings of the rocks by name, in order.
+        By name, in order.
     seating_stress : float
         From which each cycle's loading counts [Pa].
     strength_ratio : float
@@ -147,23 +150,23 @@ def closure_figure(
                 axes.plot(x.T, y, color=colour, lw=0.4, alpha=faint)
                 style = "-" if branch == "loading" else "--"
                 axes.plot(line, y, color=colour, lw=2.0, ls=style, path_effects=_OUTLINE)
-        if rock_has_law := not rock.get("walls") and law_holds(rock["jrc"]):
+        if rock_has_law := not rock.walls and law_holds(rock.jrc):
             lawful = True
         for cycle in cycles[:2] if rock_has_law else ():
-            law = barton_bandis(
-                rock["jrc"], 1e6 * rock["compressive_strength_MPa"], strength_ratio, cycle
-            )
+            law = barton_bandis(rock.jrc, rock.intact.compressive_strength, strength_ratio, cycle)
             axes.plot(
                 1e3 * law.closure(1e6 * stress), stress, color="0.2", lw=1.2, ls=(0, (1, 1.5))
             )
         fitted = draw_measured(axes, measured, name, base, seating_stress)
         axes.set(
-            title=f"{rock['title']}, {roughness_title(rock)}{_assumed(rock)}{fitted}",
-            ylim=(0.0, 1.02 * float(rock["max_normal_stress_MPa"])),
+            title=f"{rock.title}, {roughness_title(rock)}{_assumed(rock)}{fitted}",
+            ylim=(0.0, 1.02 * 1e-6 * rock.max_normal_stress),
             xlabel=f"closure since {1e-6 * seating_stress:g} MPa of the cycle's loading (mm)",
             ylabel="normal stress (MPa)",
         )
-    handles = [Line2D([], [], color=_CYCLE_COLOURS[c], lw=2, label=f"cycle {c}") for c in cycles]
+    handles: list[Artist] = [
+        Line2D([], [], color=_CYCLE_COLOURS[c], lw=2, label=f"cycle {c}") for c in cycles
+    ]
     handles += [
         Line2D([], [], color="0.5", lw=2, label="surface closest to the mean, loading"),
         Line2D([], [], color="0.5", lw=2, ls="--", label="the same, unloading"),
@@ -175,7 +178,7 @@ def closure_figure(
         label = f"Barton-Bandis law, {drawn} (empirical, for mated joints)"
         handles.append(Line2D([], [], color="0.2", lw=1.2, ls=(0, (1, 1.5)), label=label))
     handles += measured_handles(measured)
-    place = {"loc": "outside lower center", "ncols": 3}
+    place: dict[str, Any] = {"loc": "outside lower center", "ncols": 3}
     if columns == 1:  # one rock: the legend has the place of the second
         figure.set_figwidth(2 * figure.get_figwidth())
         place = {"loc": "outside right center"}
@@ -184,14 +187,14 @@ def closure_figure(
     return figure
 
 
-def _assumed(rock: dict) -> str:
-    if not rock.get("max_normal_stress_is_assumed", False):
+def _assumed(rock: StudyRock) -> str:
+    if not rock.max_normal_stress_is_assumed:
         return ""
-    return f" (maximum of {rock['max_normal_stress_MPa']:g} MPa is an assumption)"
+    return f" (maximum of {1e-6 * rock.max_normal_stress:g} MPa is an assumption)"
 
 
 @styled
-def interval_figure(table: pd.DataFrame, rocks: dict[str, dict]) -> Figure:
+def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
     """Indifference intervals, ours against the paper's where it has any, by parameter and cycle."""
     parameters = list(dict.fromkeys(table.parameter))
     cycles = sorted(table.cycle.unique())
@@ -208,10 +211,10 @@ def interval_figure(table: pd.DataFrame, rocks: dict[str, dict]) -> Figure:
         for axes, parameter in zip(row, parameters, strict=True):
             part = table[(table.parameter == parameter) & (table.cycle == cycle)].set_index("rock")
             _draw_intervals(axes, part.reindex(names))
-            axes.set_xticks(range(len(names)), [rocks[n]["title"] for n in names], rotation=35)
+            axes.set_xticks(range(len(names)), [rocks[n].title for n in names], rotation=35)
             axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=9)
-            axes.set_ylabel(f"length{_UNITS[str(part.unit.iloc[0])] if len(part) else ''}")
-    handles = [
+            axes.set_ylabel(f"length{PROPERTIES[parameter].in_brackets if len(part) else ''}")
+    handles: list[Artist] = [
         Line2D([], [], marker="o", ls="", color="C0", label="this study, with 95 % bootstrap"),
         Line2D(
             [], [], marker="o", ls="", mfc="none", color="C0", label="the same, extrapolated root"
@@ -250,7 +253,7 @@ def _draw_intervals(axes, part: pd.DataFrame) -> None:
 
 
 @styled
-def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, dict]) -> Figure:
+def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, StudyRock]) -> Figure:
     """Mean maximum closure against each parameter, relative to the base case.
 
     Parameters
@@ -260,7 +263,7 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, dic
     study : Dataset
         Gives the parameters of the cases.
     rocks : dict
-        Settings of the rocks by name, in order.
+        By name, in order.
     """
     parameters = [p for p in PARAMETER_TITLES if (closures.parameter == p).any()]
     cycles = sorted(closures.cycle.unique())
@@ -289,7 +292,7 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, dic
                 base = at[(part.parameter == "base").to_numpy()][0]
                 mean = part.max_closure_mean_mm.to_numpy()[order]
                 net = part.max_closure_net_mean_mm.to_numpy()[order]
-                axes.plot(at[order] / base, mean, "o-", color=f"C{i}", ms=4, label=rock["title"])
+                axes.plot(at[order] / base, mean, "o-", color=f"C{i}", ms=4, label=rock.title)
                 axes.plot(at[order] / base, net, "--", color=f"C{i}", lw=1.0)
             axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=9)
             if cycle == cycles[-1]:

@@ -4,6 +4,7 @@ import matplotlib.ticker
 import numpy as np
 import seaborn as sns
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from jointclosure.plotting.style import styled, subplots
 from jointclosure.surface.measures import Increments
@@ -37,9 +38,11 @@ def roughness_figure(heights: np.ndarray, spacing: float, found: Increments, tit
     panels[0].set(title="heights, mean plane removed", xlabel="x (mm)", ylabel="y (mm)")
     _draw_profiles(panels[1], heights, spacing)
     _draw_increments(panels[2], found)
-    figure.suptitle(title)
+    figure.suptitle(title, parse_math=False)  # a file's name is no formula
     sns.despine(figure)
-    figure.get_layout_engine().set(wspace=0.06)
+    layout = figure.get_layout_engine()
+    if isinstance(layout, ConstrainedLayoutEngine):
+        layout.set(wspace=0.06)
     return figure
 
 

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import pandas as pd
 import xarray as xr
 
+from jointclosure.config.configuration import resolved
 from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.report import findings, running, settings
 from jointclosure.report.curves import MOST_JOINTS, explorer_data
@@ -42,15 +43,15 @@ class Material(NamedTuple):
 def content(material: Material) -> dict:
     """Names and values for the template."""
     study = material.study
-    configuration = json.loads(study.attrs["configuration"])
-    rocks = {name: configuration["rocks"][name] for name in configuration["study"]["rocks"]}
-    titles = {name: rock["title"] for name, rock in rocks.items()}
+    keys = json.loads(study.attrs["configuration"])
+    configuration = resolved(keys)
+    titles = {name: rock.title for name, rock in configuration.rocks.items()}
     of_paper = set(titles) & set(material.paper.rock)
-    rows = settings.setting_rows(configuration, material.default, material.schema)
-    explored = explorer_data(study, titles, 1e6 * configuration["seating_stress_MPa"])
+    rows = settings.setting_rows(keys, material.default, material.schema)
+    explored = explorer_data(study, titles, configuration.seating_stress)
     return {
         "configuration": configuration,
-        "rocks": rocks,
+        "rocks": configuration.rocks,
         "cases": study.sizes["case"],
         "outcome": outcome(study),
         "verdicts": {} if material.claims is None else _counts(material.claims.verdict),

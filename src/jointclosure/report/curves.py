@@ -5,9 +5,8 @@ import math
 import numpy as np
 import xarray as xr
 
+from jointclosure.config.properties import PARAMETER_TITLES, PARAMETERS, PROPERTIES
 from jointclosure.ensemble.aggregation import succeeded
-from jointclosure.ensemble.cases import PARAMETERS, SHOWN_UNITS
-from jointclosure.tables import PARAMETER_TITLES
 
 MOST_JOINTS = 20
 """Joints of a case whose own curves are in the page; means are over all of them."""
@@ -136,7 +135,7 @@ class _Moments:
 
 def _value(parameter: str, value: float) -> str:
     """A parameter's value with its unit, as Table 1 has it."""
-    unit, size = SHOWN_UNITS[parameter]
+    unit, size = PROPERTIES[parameter].unit, PROPERTIES[parameter].size
     return f"{value / size:.6g}" + ("" if unit == "1" else f" {unit}")
 
 
@@ -149,4 +148,5 @@ def _digits(values: np.ndarray) -> int:
 def _listed(values: np.ndarray, digits: int | None) -> list:
     """Nested lists of rounded numbers, None for what is not known."""
     rounded = np.round(values, digits or 0).astype(object)
-    return np.where(np.isfinite(values), rounded, None).tolist()
+    unknown = np.array(None, dtype=object)
+    return np.where(np.isfinite(values), rounded, unknown).tolist()

@@ -2,10 +2,9 @@
 
 import pandas as pd
 
+from jointclosure.config.properties import PARAMETER_TITLES, PROPERTIES
 from jointclosure.report.sheets import Cell, Sheet, cell, given, number_text, sheet
-from jointclosure.tables import PARAMETER_TITLES, table_3
-
-_UNITS = {"1": "", "GPa": " (GPa)", "MPa": " (MPa)"}
+from jointclosure.tables import table_3
 
 
 def closure_sheet(closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
@@ -72,7 +71,7 @@ def layout_sheet(intervals: pd.DataFrame, titles: dict[str, str], of_paper: set[
             cells = [Cell(PARAMETER_TITLES[parameter], parameter), Cell(str(cycle), cycle)]
             for title in titles.values():
                 text = ours.loc[parameter, [(cycle, title)]].iloc[0]
-                if title in with_paper:
+                if theirs is not None and title in with_paper:
                     text += f"\npaper {theirs.loc[parameter, [(cycle, title)]].iloc[0]}"
                 cells.append(Cell(text, _percent(intervals, titles, parameter, cycle, title)))
             rows.append(cells)
@@ -91,10 +90,11 @@ def _percent(intervals, titles, parameter, cycle, title) -> float | str:
 
 def interval_sheet(intervals: pd.DataFrame, titles: dict[str, str], of_paper: set[str]) -> Sheet:
     """Every indifference interval with its confidence interval, and the paper's."""
+    titles_with_units = {p: about.title + about.in_brackets for p, about in PROPERTIES.items()}
     table = intervals.assign(
         rock=intervals.rock.map(titles),
         base=intervals.base.map(given),
-        parameter=intervals.parameter.map(PARAMETER_TITLES) + intervals.unit.map(_UNITS),
+        parameter=intervals.parameter.map(titles_with_units),
     )
     columns = {
         "rock": "Rock",

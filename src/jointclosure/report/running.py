@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.config.configuration import effects_of, numerics_in_full
+from jointclosure.config.presets import anything_breaks, numerics_in_full
+from jointclosure.config.properties import PARAMETER_TITLES
 from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.protocol import FAILURE
 from jointclosure.report.sheets import Sheet, given, sheet
-from jointclosure.tables import PARAMETER_TITLES
 
 MOST_FAILURES = 500
 """Failed simulations that are listed one by one."""
@@ -56,8 +56,7 @@ def preset_sheet(measured: pd.DataFrame, configuration: dict, default: dict) -> 
     """
     mine = numerics_in_full(configuration)
     changed = {key: value for key, value in mine.items() if value != default["numerics"][key]}
-    rocks = configuration["study"]["rocks"]
-    breaks = any(effects_of(configuration, rock).breakage for rock in rocks)
+    breaks = anything_breaks(configuration)
     rows = measured[measured.scene.isin(_LIMITS) & measured.preset.fillna("").ne("")]
     radius = configuration["choices"]["largest_radius_mm"]
     bounded = np.array([_LIMITS[scene] == radius for scene in rows.scene], dtype=bool)

@@ -14,6 +14,7 @@ import numpy as np
 from jointclosure.inputs import InputError
 from jointclosure.scans import grids, instruments, meshes, points
 from jointclosure.scans.contents import Contents
+from jointclosure.scans.sentinels import missing_values, said
 from jointclosure.scans.units import settled, size_of
 from jointclosure.surface.measured import Cloud, Scan
 
@@ -51,12 +52,13 @@ def read_scan(
     spacing : float, optional
         Of a grid whose file does not say it [m].
     variable : str, optional
-        Which array of an npz or netCDF file, or channel of a scanner's file.
+        Which array of an npz or netCDF file, channel of a scanner's file, or three columns of a
+        text ("x,y,height", "1,2,4").
 
     Returns
     -------
     Scan or Cloud
-        In metres.
+        In metres; its ``remarks`` tell what was missing, stray or passed over.
 
     Raises
     ------
@@ -88,17 +90,24 @@ def _digest(path: str, changed: int, size: int) -> str:
 
 
 def _in_metres(found: Contents, units: str | None, spacing: float | None) -> Scan | Cloud:
-    height = size_of(settled("heights", found.height_units, units))
+    sides = _sides(found)
+    height = size_of(settled("heights", found.height_units, units, sides))
     if found.points is not None:
         if spacing is not None:
             raise InputError(f"spacing = {1e3 * spacing:g} mm: these are points, and no grid")
-        across = size_of(settled("x and y", found.length_units, units))
-        values = _real(found.points) * np.array([across, across, height])
-        return Cloud(values[np.isfinite(values).all(axis=1)])
-    steps = (spacing, spacing)
+        across = size_of(settled("x and y", found.length_units, units, sides))
+        points = found.points[np.isfinite(found.points[:, 2])]
+        empty = len(found.points) - len(points)
+        remarks = (*found.remarks, f"{empty} points without a height were left out")
+        return Cloud(
+            points * np.array([across, across, height]), remarks if empty else found.remarks
+        )
+    origin = None
     if found.spacing is not None:
-        across = size_of(settled("distances", found.length_units, units))
-        steps = tuple(float(step) * across for step in found.spacing)
+        across = size_of(settled("distances", found.length_units, units, sides))
+        steps = (float(found.spacing[0]) * across, float(found.spacing[1]) * across)
+        if found.origin is not None:
+            origin = (float(found.origin[0]) * across, float(found.origin[1]) * across)
         if spacing is not None and any(abs(step - spacing) > 1e-6 * spacing for step in steps):
             own = " and ".join(f"{1e3 * step:g}" for step in dict.fromkeys(steps))
             raise InputError(
@@ -106,12 +115,35 @@ def _in_metres(found: Contents, units: str | None, spacing: float | None) -> Sca
             )
     elif spacing is None:
         raise InputError("does not say the spacing of its grid: give it (spacing_mm)")
+    else:
+        steps = (spacing, spacing)
     if not all(np.isfinite(step) and step > 0.0 for step in steps):
         raise InputError(f"spacing {steps}: must be positive")
     heights = _real(found.heights)
     if heights.ndim != 2 or min(heights.shape) < 3:
         raise InputError(f"heights of shape {heights.shape}: must be (y, x), at least 3 x 3")
-    return Scan(heights * height, steps)
+    heights, remarks = _without_sentinels(heights)
+    return Scan(heights * height, steps, origin, found.remarks + remarks)
+
+
+def _sides(found: Contents) -> tuple[float, float] | None:
+    """Of the wall along x and y in the file's units; None where they cannot be known."""
+    if found.points is not None:
+        x, y = np.ptp(found.points[:, :2], axis=0).tolist() if len(found.points) else (0.0, 0.0)
+        return x, y
+    if found.spacing is None or found.length_units is not None:
+        return None
+    if found.heights is None or np.ndim(found.heights) != 2:
+        return None
+    ny, nx = np.shape(found.heights)
+    return found.spacing[1] * (nx - 1), found.spacing[0] * (ny - 1)
+
+
+def _without_sentinels(heights: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+    missing, found = missing_values(heights)
+    if not missing.any():
+        return heights, ()
+    return np.where(missing, np.nan, heights), (said(int(missing.sum()), found, "heights"),)
 
 
 def _real(values) -> np.ndarray:

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from jointclosure.extras import needs
 from jointclosure.inputs import InputError
 from jointclosure.scans.contents import Contents
 from jointclosure.scans.units import split_name
@@ -41,6 +42,8 @@ def read_npz(path: Path, variable: str | None) -> Contents:
     for key, value in arrays.items():
         own, units = split_name(key)
         if own in _SPACINGS and value.ndim == 0:
+            if value.dtype.kind not in "fiu":
+                raise InputError(f"{key} = {value.item()!r}: must be a number")
             step = float(value)
             return Contents(arrays[name], (step, step), None, height_units, units)
     return Contents(arrays[name], None, None, height_units)
@@ -61,26 +64,27 @@ def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
     if field.ndim != 2:
         raise InputError(f"variable {name!r} has dimensions {field.dims}: must be over (y, x)")
     coordinates = [field[dimension] for dimension in field.dims if dimension in field.coords]
-    spacing = length_units = None
+    spacing = length_units = origin = None
     if len(coordinates) == 2:
-        spacing = tuple(_step(str(c.name), c.values) for c in coordinates)
+        along_y, along_x = (_step(str(c.name), c.values) for c in coordinates)
+        spacing = along_y, along_x
         written = {c.attrs.get("units") for c in coordinates}
         if len(written) > 1:
             raise InputError(f"the coordinates are in different units: {written}")
         length_units = written.pop()
-    return Contents(field.values, spacing, None, field.attrs.get("units"), length_units)
+        if all(c.values[-1] > c.values[0] for c in coordinates):
+            origin = (float(coordinates[0].values[0]), float(coordinates[1].values[0]))
+    return Contents(field.values, spacing, None, field.attrs.get("units"), length_units, origin)
 
 
 def read_tiff(path: Path, variable: str | None) -> Contents:
     """The first page of a TIFF; of a GeoTIFF its pixel size, its units and what is no data."""
     _no_variable(variable)
-    try:
+    with needs("walls", "TIFF"):
         import tifffile
-    except ImportError:
-        raise InputError("TIFF needs the extra: pip install 'jointclosure[walls]'") from None
     try:
         with tifffile.TiffFile(path) as file:
-            page = file.pages[0]
+            page = file.pages.first
             heights, geo = page.asarray(), page.geotiff_tags or {}
             nothing = page.tags.valueof("GDAL_NODATA")
     except Exception as error:  # of a damaged file the library raises what its bytes lead to
@@ -88,8 +92,8 @@ def read_tiff(path: Path, variable: str | None) -> Contents:
     if heights.ndim != 2 or heights.dtype.kind not in "fiu":
         raise InputError(f"a picture {heights.shape} of {heights.dtype}: must be heights (y, x)")
     heights = heights.astype(float)
-    if nothing is not None:
-        heights[heights == float(str(nothing).strip("\0 "))] = np.nan
+    if (value := _no_data(nothing)) is not None:
+        heights[heights == value] = np.nan
     spacing = None
     if "ModelPixelScale" in geo:
         across, down = (float(value) for value in geo["ModelPixelScale"][:2])
@@ -100,6 +104,17 @@ def read_tiff(path: Path, variable: str | None) -> Contents:
         if key in geo
     }
     return Contents(heights, spacing, None, units.get(_VERTICAL), units.get(_LINEAR))
+
+
+def _no_data(written) -> float | None:
+    """The value of pixels without a height, None where the file declares none."""
+    word = str("" if written is None else written).strip("\0 ")
+    if word.lower() in ("", "none", "null"):
+        return None
+    try:
+        return float(word)
+    except ValueError:
+        raise InputError(f"GDAL_NODATA = {word!r}: must be a number or none") from None
 
 
 @contextmanager

@@ -4,18 +4,18 @@ from pathlib import Path
 
 import numpy as np
 
+from jointclosure.extras import needs
 from jointclosure.inputs import InputError
 from jointclosure.scans.contents import Contents
+from jointclosure.scans.points import cleaned
 
 
 def read_stl(path: Path, variable: str | None) -> Contents:
     """Vertices of an STL file, binary or text; the format knows no units."""
     if variable is not None:
         raise InputError(f"variable = {variable!r}: an STL file has none")
-    try:
+    with needs("walls", "STL"):
         import trimesh
-    except ImportError:
-        raise InputError("STL needs the extra: pip install 'jointclosure[walls]'") from None
     try:
         with path.open("rb") as file:
             mesh = trimesh.load_mesh(file, file_type="stl")
@@ -24,4 +24,5 @@ def read_stl(path: Path, variable: str | None) -> Contents:
         raise InputError(f"cannot be read as STL ({error})") from None
     if len(points) < 4:
         raise InputError(f"an STL file of {len(points)} vertices: too few for a wall")
-    return Contents(points=points)
+    points, remarks = cleaned(points)
+    return Contents(points=points, remarks=remarks)

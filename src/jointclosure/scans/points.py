@@ -3,91 +3,138 @@
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from jointclosure.inputs import InputError
 from jointclosure.scans.contents import Contents
+from jointclosure.scans.sentinels import missing_values, said
+from jointclosure.scans.text import Table, read_table
 from jointclosure.scans.units import split_name
+from jointclosure.surface.outliers import strays
 
-_SEPARATORS = {",": ",", ";": ";", "\t": "\t"}
+NAMED = 3
+"""Stray points that are told by their places."""
 
 
 def read_text(path: Path, variable: str | None) -> Contents:
-    """Points from lines of x, y and z, separated by commas, semicolons or blanks.
+    """Points from lines of x, y and z, separated by commas, semicolons, tabs or blanks.
 
-    A first line of names may say the columns' units ("x_mm", "z (um)"); further columns are left
-    out where it names x, y and z. Lines that start with # are comments. Points that are all
-    cells of a regular grid are returned as that grid.
+    Lines of names may say the columns' units ("x_mm", "z (um)"); ``variable`` names three
+    columns, or counts them from 1 ("x,y,height", "1,2,4"), where they are not named x, y and z.
+    What is missing, stray or passed over is told in the remarks. Points that are all cells of a
+    regular grid are returned as that grid.
     """
-    if variable is not None:
-        raise InputError(f"variable = {variable!r}: of text the columns x, y and z are read")
     try:
-        table = _table(path)
-        names = _columns(table)
-        points = table[[names[axis] for axis in "xyz"]].to_numpy(dtype=float)
-    except (ValueError, UnicodeDecodeError) as error:
+        table = read_table(path)
+    except ValueError as error:
         if isinstance(error, InputError):
             raise
         raise InputError(f"cannot be read as points ({str(error).strip()})") from None
-    units = {axis: split_name(names[axis])[1] for axis in "xyz"}
-    nowhere = np.flatnonzero(~np.isfinite(points[:, :2]).all(axis=1))
-    if nowhere.size:
-        raise InputError(f"{nowhere.size} points lack x or y, the first is number {nowhere[0] + 1}")
-    if units["x"] != units["y"]:
-        raise InputError(f"x is in {units['x']} and y in {units['y']}: must be in the same units")
+    columns = _columns(table, variable)
+    values = table.values[:, columns]
+    names = [table.names[column] if table.names else "" for column in columns]
+    x, y, z = (split_name(name)[1] or table.units for name in names)
+    if x != y:
+        raise InputError(f"x is in {x} and y in {y}: must be in the same units")
+    points, remarks = cleaned(values)
+    remarks = table.remarks + remarks
     grid = _as_grid(points)
     if grid is not None:
-        heights, spacing = grid
-        return Contents(heights, spacing, None, units["z"], units["x"])
-    return Contents(points=points, height_units=units["z"], length_units=units["x"])
+        heights, spacing, origin = grid
+        return Contents(heights, spacing, None, z, x, origin, remarks)
+    return Contents(points=points, height_units=z, length_units=x, remarks=remarks)
 
 
-def _columns(table: pd.DataFrame) -> dict[str, str]:
-    """Columns by their names without units."""
-    names = {split_name(str(column))[0].lower(): str(column) for column in table.columns}
-    if not {"x", "y", "z"} <= set(names):
-        raise InputError(f"columns {', '.join(names)}: must name x, y and z")
-    return names
+def cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Points (n, 3) of a wall, NaN where a height is missing, and what was left out of them.
+
+    Raises
+    ------
+    InputError
+        A point has a height and lacks its place.
+    """
+    remarks = []
+    points = points.astype(float)
+    missing, found = zip(*(missing_values(column) for column in points.T), strict=True)
+    missing = np.stack(missing, axis=1)
+    if missing.any():
+        points[missing] = np.nan
+        values = np.unique(np.concatenate(found))
+        remarks.append(said(int(missing.any(axis=1).sum()), values, "points with a value"))
+    points[~np.isfinite(points)] = np.nan
+    placed = np.isfinite(points[:, :2]).all(axis=1)
+    nowhere = np.flatnonzero(~placed & np.isfinite(points[:, 2]) & ~missing.any(axis=1))
+    if nowhere.size:
+        raise InputError(f"{nowhere.size} points lack x or y, the first is number {nowhere[0] + 1}")
+    if not placed.all():
+        remarks.append(f"{int((~placed).sum())} lines without a place were passed over")
+        points = points[placed]
+    stray = strays(points)
+    if stray.any():
+        places = [f"({x:g}, {y:g}, {z:g})" for x, y, z in points[stray][:NAMED]]
+        more = ", ..." if stray.sum() > NAMED else ""
+        verb = "points were" if stray.sum() > 1 else "point was"
+        remarks.append(
+            f"{int(stray.sum())} stray {verb} cut, far from all others: {', '.join(places)}{more} "
+            "(x, y, z in the file's units)"
+        )
+        points = points[~stray]
+    return points, tuple(remarks)
 
 
-def _table(path: Path) -> pd.DataFrame:
-    with path.open(encoding="utf-8") as file:
-        lines = (line.strip() for line in file)
-        first = next((line for line in lines if line and not line.startswith("#")), None)
-    if first is None:
-        raise InputError("has no points")
-    separator = next((mark for mark in _SEPARATORS if mark in first), r"\s+")
-    words = first.split(separator) if separator in _SEPARATORS else first.split()
-    names = None
-    if all(_is_number(word) for word in words):
-        if len(words) != 3:
-            raise InputError(f"{len(words)} columns without names: must be three, x, y and z")
-        names = ["x", "y", "z"]
-    return pd.read_csv(
-        path, sep=separator, comment="#", names=names, skipinitialspace=True, encoding="utf-8"
-    )
+def _columns(table: Table, variable: str | None) -> list[int]:
+    """Numbers of the columns of x, y and z."""
+    width = table.values.shape[1]
+    bare = [split_name(name)[0].lower() for name in table.names]
+    if variable is not None:
+        return _stated_columns(table.names, bare, width, variable)
+    if table.names:
+        if not {"x", "y", "z"} <= set(bare):
+            raise InputError(
+                f"columns {', '.join(table.names)}: must name x, y and z, or say which they are "
+                "(variable: 1,2,3)"
+            )
+        return [bare.index(axis) for axis in "xyz"]
+    if width != 3:
+        raise InputError(
+            f"{width} columns without names: must be three, x, y and z, or say which they are "
+            "(variable: 1,2,3)"
+        )
+    return [0, 1, 2]
 
 
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
+def _stated_columns(names: list[str], bare: list[str], width: int, variable: str) -> list[int]:
+    found = []
+    for word in (word.strip() for word in variable.split(",")):
+        if word.isdecimal() and 1 <= int(word) <= width:
+            found.append(int(word) - 1)
+        elif word in names:
+            found.append(names.index(word))
+        elif word.lower() in bare:
+            found.append(bare.index(word.lower()))
+    if len(found) != 3 or len(set(found)) != 3 or len(variable.split(",")) != 3:
+        allowed = ", ".join(names) if names else f"numbers from 1 to {width}"
+        raise InputError(
+            f"variable = {variable!r}: must be three columns for x, y and z, as in 1,2,3; "
+            f"there are {allowed}"
+        )
+    return found
 
 
-def _as_grid(points: np.ndarray) -> tuple[np.ndarray, tuple[float, float]] | None:
-    """Heights (y, x) and spacing (dy, dx) of points that are all cells of a grid, else None."""
+def _as_grid(points: np.ndarray):
+    """Heights (y, x), spacing (dy, dx) and origin (y, x) of points that are all cells of a grid.
+
+    None where they are not.
+    """
     axes = []
     for values in points[:, :2].T:
         levels, index = np.unique(values, return_inverse=True)
         steps = np.diff(levels)
         if len(levels) < 3 or np.ptp(steps) > 1e-3 * steps.mean():
             return None
-        axes.append((index, len(levels), float(steps.mean())))
-    (x, nx, dx), (y, ny, dy) = axes
+        axes.append((index, len(levels), float(steps.mean()), float(levels[0])))
+    (x, nx, dx, x0), (y, ny, dy, y0) = axes
     if nx * ny != len(points) or len(np.unique(y * nx + x)) != len(points):
         return None
     heights = np.empty((ny, nx))
     heights[y, x] = points[:, 2]
-    return heights, (dy, dx)
+    return heights, (dy, dx), (y0, x0)

@@ -6,6 +6,8 @@ from jointclosure.inputs import InputError
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
 """Those that a user may state."""
+SMALLEST_SIDE, LARGEST_SIDE = 5e-3, 10.0
+"""Of a plausible wall [m]."""
 _SPELT = {
     **{name: name for name in UNITS},
     **dict.fromkeys(("µm", "μm", "micron", "microns", "micrometer", "micrometers"), "um"),
@@ -24,8 +26,29 @@ def size_of(units: str) -> float:
     return UNITS[name]
 
 
-def settled(what: str, own: str | None, stated: str | None) -> str:
+def is_unit(word: str) -> bool:
+    """Whether a word is a unit of length that is known here."""
+    return word.strip() in _SPELT
+
+
+def plausible(sides: tuple[float, float] | None) -> str:
+    """Which units make a wall of sides in the file's units one of a laboratory or an outcrop."""
+    if sides is None:
+        return ""
+    fitting = [
+        f"{name} ({1e3 * size * sides[0]:.4g} x {1e3 * size * sides[1]:.4g} mm)"
+        for name, size in UNITS.items()
+        if size * min(sides) >= SMALLEST_SIDE and size * max(sides) <= LARGEST_SIDE
+    ]
+    spans = f"; it spans {sides[0]:.4g} x {sides[1]:.4g}"
+    return f"{spans}, plausible in {' or '.join(fitting)}" if fitting else spans
+
+
+def settled(what: str, own: str | None, stated: str | None, sides=None) -> str:
     """The units of heights or distances, from the file's own and those stated by the user.
+
+    ``sides`` of the wall in the file's units tell which ones would be plausible where none are
+    known; they are never assumed.
 
     Raises
     ------
@@ -36,7 +59,9 @@ def settled(what: str, own: str | None, stated: str | None) -> str:
         size_of(stated)
     if own is None:
         if stated is None:
-            raise InputError(f"does not say the units of its {what}: give them (units)")
+            raise InputError(
+                f"does not say the units of its {what}: give them (units){plausible(sides)}"
+            )
         return stated
     if stated is not None and size_of(own) != size_of(stated):
         raise InputError(f"units = {stated!r}: the file says that its {what} are in {own!r}")

@@ -1,7 +1,7 @@
-"""A preconditioner of the interaction: patches of cells that are pushed down as one.
+"""A preconditioner of the interaction: patches of cells that are displaced as one.
 
 What makes the conjugate gradients of `jointclosure.solvers.newton` slow is
-smooth: many contacts push each other down over long distances. Patches of some
+smooth: many contacts displace each other over long distances. Patches of some
 cells each, whose contacts share one overlap, take most of that away: a small
 dense system between the patches, solved once and applied many times.
 """

@@ -61,8 +61,10 @@ def newton_direction(influence, matrix, cells, space, step, secant, shortfall, t
     if bound:
         normal = weight / size
         solution = normal * (shortfall / size)
-        pushed, _ = interaction_product(influence, matrix, cells, weight * solution, scratch)
-        rest -= solution + weight * pushed
+        elastic_displacement, _ = interaction_product(
+            influence, matrix, cells, weight * solution, scratch
+        )
+        rest -= solution + weight * elastic_displacement
         used += 1
     # the part of the residual along the normal is the shift's to take away
     shift = -np.dot(normal, rest) / size if bound else 0.0

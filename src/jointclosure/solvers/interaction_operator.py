@@ -132,8 +132,8 @@ def mean_displacement(table: np.ndarray) -> np.ndarray:
 def influence_of(table: np.ndarray) -> Influence:
     """The interaction on a grid, from its `influence_table` (ny, nx)."""
     ny, nx = table.shape
-    padded = tuple(scipy.fft.next_fast_len(2 * n - 1, real=True) for n in table.shape)
-    wrapped = np.zeros(padded)
+    rows, columns = (scipy.fft.next_fast_len(2 * n - 1, real=True) for n in table.shape)
+    wrapped = np.zeros((rows, columns))
     wrapped[:ny, :nx] = table
     if ny > 1:
         wrapped[1 - ny :, :nx] = table[:0:-1]
@@ -141,7 +141,7 @@ def influence_of(table: np.ndarray) -> Influence:
         wrapped[:, 1 - nx :] = wrapped[:, nx - 1 : 0 : -1]
     side = max(_PATCH, round(math.sqrt(table.size) / _PATCHES_ACROSS))
     patches = patch_influence(table, side)
-    return Influence(table, scipy.fft.rfft2(wrapped, workers=1), *padded, side, patches)
+    return Influence(table, scipy.fft.rfft2(wrapped, workers=1), rows, columns, side, patches)
 
 
 def dense_limit(shape: tuple[int, int]) -> int:

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.statistics.indifference import indifference_interval
+from jointclosure.statistics.paired import paired_indifference_interval
 
 
 class BootstrapInterval(NamedTuple):
@@ -55,7 +56,35 @@ def bootstrap_length(
         found = indifference_interval(
             levels, chosen.mean(axis=1), chosen.std(axis=1, ddof=1), n, significance, base
         )
-        lengths[i] = np.inf if np.isnan(found.length) else found.length
+        lengths[i] = found.length
+    return _percentiles(lengths, confidence)
+
+
+def bootstrap_paired_length(
+    levels: np.ndarray,
+    samples: np.ndarray,
+    random: np.random.Generator,
+    *,
+    base: float,
+    resamples: int,
+    confidence: float = 0.95,
+    significance: float = 0.05,
+    degree: int = 1,
+) -> BootstrapInterval:
+    """Percentile bootstrap of a `paired_indifference_interval`'s length, over surfaces.
+
+    Parameters are as for `bootstrap_length`; ``degree`` as for the interval.
+    """
+    n = samples.shape[1]
+    lengths = np.empty(resamples)
+    for i in range(resamples):
+        chosen = samples[:, random.integers(0, n, size=n)]
+        lengths[i] = paired_indifference_interval(levels, chosen, significance, base, degree).length
+    return _percentiles(lengths, confidence)
+
+
+def _percentiles(lengths: np.ndarray, confidence: float) -> BootstrapInterval:
+    lengths = np.where(np.isnan(lengths), np.inf, lengths)
     tail = 0.5 * (1.0 - confidence)
     low, high = np.quantile(lengths, [tail, 1.0 - tail], method="higher")
     return BootstrapInterval(float(low), float(high), float(np.mean(np.isinf(lengths))))

@@ -1,9 +1,9 @@
 """Second-order correlations of mean and standard deviation, Eqs. (24) to (27)."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.stats
+import scipy
 
 
 class Quadratic(NamedTuple):
@@ -13,13 +13,13 @@ class Quadratic(NamedTuple):
     fitted value at the base level.
     """
 
-    b: float
-    c: float
-    d: float
+    b: Any  # float or array, as the two below
+    c: Any
+    d: Any
     base: float
     half_range: float
 
-    def at(self, parameter):
+    def at(self, parameter: float | np.ndarray) -> Any:
         """Fitted value at a parameter (or an array of them)."""
         u = (np.asarray(parameter) - self.base) / self.half_range
         return (self.b * u + self.c) * u + self.d
@@ -42,8 +42,9 @@ def fit_quadratic(levels: np.ndarray, values: np.ndarray, base: float) -> Quadra
     ----------
     levels : array (k,)
         Parameter values, ascending, k >= 3.
-    values : array (k,)
-        Means or standard deviations at the levels.
+    values : array (k,) or (..., k)
+        Means or standard deviations at the levels; of many studies at once, the
+        coefficients are arrays (...).
     base : float
         The one of the levels about which u counts.
 
@@ -57,22 +58,28 @@ def fit_quadratic(levels: np.ndarray, values: np.ndarray, base: float) -> Quadra
     half_range = 0.5 * (levels[-1] - levels[0])
     others = levels != base
     u = (levels[others] - base) / half_range
-    start = float(values[~others][0])
-    rises = values[others] - start
+    start = values[..., ~others]
+    rises = values[..., others] - start
     if levels.size == 3:
-        (u1, u2), (s1, s2) = u, rises / u
-        coefficients = np.array([s2 - s1, u2 * s1 - u1 * s2, 0.0]) / (u2 - u1)
+        (u1, u2), s1, s2 = u, rises[..., 0] / u[0], rises[..., 1] / u[1]
+        b, c = (s2 - s1) / (u2 - u1), (u2 * s1 - u1 * s2) / (u2 - u1)
+        d = start[..., 0]
         weights = np.array([[1.0, 1.0], [abs(u2), abs(u1)]]) / (np.abs(u) * (u2 - u1))
     else:
         inverse = np.linalg.pinv(np.vander(np.append(u, 0.0), 3))
-        coefficients = inverse @ np.append(rises, 0.0)
+        moved = np.concatenate([rises, np.zeros_like(start)], axis=-1)
+        b, c, d = np.moveaxis((inverse @ moved[..., None])[..., 0], -1, 0)
+        d = start[..., 0] + d
         weights = np.abs(inverse[:2, :-1])
-    slopes = np.abs(2.0 * coefficients[0] * u) + abs(coefficients[1])
-    rounding = np.abs(values).max() + slopes * np.abs(levels).max() / half_range
-    noise = np.finfo(float).eps * (weights @ rounding)
-    b, c = np.where(np.abs(coefficients[:2]) > noise, coefficients[:2], 0.0)
-    d = start + coefficients[2]
-    return Quadratic(float(b), float(c), float(d), float(base), float(half_range))
+    slopes = np.abs(2.0 * b[..., None] * u) + np.abs(c)[..., None]
+    rounding = np.abs(values).max(axis=-1, keepdims=True)
+    rounding = rounding + slopes * np.abs(levels).max() / half_range
+    noise = np.finfo(float).eps * (weights @ rounding[..., None])[..., 0]
+    b = np.where(np.abs(b) > noise[..., 0], b, 0.0)
+    c = np.where(np.abs(c) > noise[..., 1], c, 0.0)
+    if values.ndim == 1:
+        return Quadratic(float(b), float(c), float(d), float(base), float(half_range))
+    return Quadratic(b, c, d, float(base), float(half_range))
 
 
 def lack_of_fit(
@@ -93,3 +100,37 @@ def lack_of_fit(
         return float("nan")
     misfit = samples * float(np.sum((np.asarray(means) - quadratic.at(levels)) ** 2)) / freedom
     return float(scipy.stats.f.sf(misfit / scatter, freedom, len(levels) * (samples - 1)))
+
+
+def paired_lack_of_fit(levels: np.ndarray, samples: np.ndarray) -> float:
+    """p value of the hypothesis that a quadratic fits the means, of the same surfaces at k levels.
+
+    Parameters
+    ----------
+    levels : array (k,)
+    samples : array (k, n)
+        The target at every level (rows) on every surface (columns).
+
+    Returns
+    -------
+    float
+        NaN for three levels, where the fit is exact, and where n <= k - 3.
+
+    Notes
+    -----
+    Hotelling's T^2 of the k - 3 contrasts between levels that are 0 for every quadratic,
+    taken on each surface: what surfaces have in common at all levels cancels.
+    """
+    levels, samples = np.asarray(levels, dtype=float), np.asarray(samples, dtype=float)
+    k, n = samples.shape
+    count = k - 3
+    if count < 1 or n <= count:
+        return float("nan")
+    u = (levels - levels.mean()) / (levels[-1] - levels[0])
+    contrasts = np.linalg.qr(np.vander(u, 3), mode="complete")[0][:, 3:].T @ samples
+    mean = contrasts.mean(axis=1)
+    covariance = np.atleast_2d(np.cov(contrasts))
+    if np.linalg.matrix_rank(covariance) != count:
+        return float("nan")
+    statistic = n * float(mean @ np.linalg.solve(covariance, mean))
+    return float(scipy.stats.f.sf(statistic * (n - count) / (count * (n - 1)), count, n - count))

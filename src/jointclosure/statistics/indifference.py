@@ -8,11 +8,12 @@ they span 40 decades. See docs/decisions/0008-quartic.md.
 from typing import NamedTuple
 
 import numpy as np
-import scipy.optimize
-import scipy.stats
+import scipy
+from numpy.typing import ArrayLike
 
 from jointclosure.inputs import InputError, check_number, real_array
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
+from jointclosure.statistics.roots import largest_real_roots, real_roots
 
 
 class IndifferenceInterval(NamedTuple):
@@ -33,9 +34,9 @@ class IndifferenceInterval(NamedTuple):
 
 
 def indifference_interval(
-    levels,
-    means,
-    standard_deviations,
+    levels: ArrayLike,
+    means: ArrayLike,
+    standard_deviations: ArrayLike,
     samples: int,
     significance: float = 0.05,
     base: float | None = None,
@@ -94,8 +95,66 @@ def indifference_interval(
     )
 
 
+def indifference_lengths(
+    levels: ArrayLike,
+    means: ArrayLike,
+    deviations: ArrayLike,
+    samples: int,
+    significance: float = 0.05,
+    base: float | None = None,
+) -> np.ndarray:
+    """Lengths of many indifference intervals at once, as of `indifference_interval`.
+
+    Parameters
+    ----------
+    levels : array (k,)
+    means, deviations : arrays (..., k)
+        Of many studies with these levels; finite, deviations not negative.
+    samples, significance, base
+        As for `indifference_interval`.
+
+    Returns
+    -------
+    array (...)
+        In the parameter's unit, NaN where there is no real root. Nearly double roots may
+        differ in their last digits from those of `indifference_interval`.
+
+    Raises
+    ------
+    InputError
+        As `indifference_interval`.
+    """
+    levels, means, deviations = (
+        real_array(name, values)
+        for name, values in (
+            ("levels", levels),
+            ("means", means),
+            ("standard_deviations", deviations),
+        )
+    )
+    base = _checked(levels, means, deviations, samples, significance, base, many=True)
+    shape = means.shape[:-1]
+    mean = fit_quadratic(levels, means.reshape(-1, levels.size), base)
+    deviation = fit_quadratic(levels, deviations.reshape(-1, levels.size), base)
+    critical = float(scipy.stats.t.ppf(1.0 - 0.5 * significance, 2 * samples - 2))
+    sizes = np.abs([mean.b, mean.c, deviation.b, deviation.c, deviation.d]).max(axis=0)
+    scale = np.where(sizes > 0.0, sizes, 1.0)
+    scaled_mean = Quadratic(mean.b / scale, mean.c / scale, 0.0, 0.0, 1.0)
+    b, c, d = (value / scale for value in deviation[:3])
+    scaled = Quadratic(b, c, d, 0.0, 1.0)
+    coefficients = quartic(scaled_mean, scaled, samples, critical).T
+    roots = np.full(scale.size, np.nan)
+    varies = (mean.b != 0.0) | (mean.c != 0.0)
+    usual = varies & (coefficients[:, 4] < 0.0)
+    # the closest root in u is the largest in 1/u, whose polynomial has the reversed coefficients
+    roots[usual] = 1.0 / largest_real_roots(coefficients[usual, ::-1])
+    for i in np.flatnonzero(varies & ~usual):
+        roots[i] = closest_to_zero(coefficients[i], scatter_at_zero=False)
+    return (np.abs(roots) * mean.half_range).reshape(shape)
+
+
 def quartic(mean: Quadratic, deviation: Quadratic, samples: int, critical: float) -> np.ndarray:
-    """Coefficients (5,) of Eq. (29) in u, highest power first; positive is significant."""
+    """Coefficients (5, ...) of Eq. (29) in u, highest power first; positive is significant."""
     n, t2 = float(samples), critical * critical
     b, c = mean.b, mean.c
     bs, cs, ds = deviation.b, deviation.c, deviation.d
@@ -111,21 +170,26 @@ def quartic(mean: Quadratic, deviation: Quadratic, samples: int, critical: float
 
 
 def closest_root(mean: Quadratic, deviation: Quadratic, samples: int, critical: float) -> float:
-    """Real root u of `quartic` closest to 0, NaN where there is none.
-
-    Without scatter at the base, u = 0 is a double root. It counts where an
-    arbitrarily small change is significant, else the next one does.
-    """
+    """Real root u of `quartic` closest to 0, NaN where there is none."""
     scale = max(abs(value) for value in (*mean[:2], *deviation[:3]))
     if scale == 0.0 or (mean.b == 0.0 and mean.c == 0.0):
         return float("nan")
     coefficients = quartic(
         Quadratic(mean.b / scale, mean.c / scale, 0.0, 0.0, 1.0),
-        Quadratic(*(value / scale for value in deviation[:3]), 0.0, 1.0),
+        Quadratic(deviation.b / scale, deviation.c / scale, deviation.d / scale, 0.0, 1.0),
         samples,
         critical,
     )
-    if deviation.d == 0.0:
+    return closest_to_zero(coefficients, scatter_at_zero=deviation.d != 0.0)
+
+
+def closest_to_zero(coefficients: np.ndarray, scatter_at_zero: bool) -> float:
+    """Real root closest to 0 of a quartic that is positive where a change is significant.
+
+    Without scatter at 0 the two lowest coefficients are 0: u = 0 is a double root,
+    which counts where an arbitrarily small change is significant. NaN without a root.
+    """
+    if not scatter_at_zero:
         coefficients = coefficients[:3]
         lowest = next((value for value in coefficients[::-1] if value != 0.0), 0.0)
         odd = coefficients[2] == 0.0 and coefficients[1] != 0.0
@@ -136,62 +200,30 @@ def closest_root(mean: Quadratic, deviation: Quadratic, samples: int, critical: 
     return float(roots[np.argmin(np.abs(roots))]) if roots.size else float("nan")
 
 
-def real_roots(coefficients: np.ndarray) -> np.ndarray:
-    """Real roots of a polynomial (highest power first), each once, ascending.
-
-    Between two neighbouring roots of the derivative a polynomial is monotone
-    and has one root or none, which bisection finds: no threshold on imaginary
-    parts decides whether a nearly double root is real.
-    """
-    coefficients = np.trim_zeros(np.asarray(coefficients, dtype=float), "f")
-    if coefficients.size < 2:
-        return np.empty(0)
-    if coefficients.size == 2:
-        return np.array([-coefficients[1] / coefficients[0]])
-    # Fujiwara's bound of all roots
-    ratios = np.abs(coefficients[1:] / coefficients[0])
-    bound = 2.0 * float(np.max(ratios ** (1.0 / np.arange(1, ratios.size + 1))))
-    turns = real_roots(np.polyder(coefficients))
-    ends = np.concatenate([[-bound], turns[np.abs(turns) < bound], [bound]])
-    values = np.polyval(coefficients, ends)
-    signs = np.sign(values)  # a product of values may underflow
-    roots = [end for end, value in zip(ends, values, strict=True) if value == 0.0]
-    for left, right, before, after in zip(ends[:-1], ends[1:], signs[:-1], signs[1:], strict=True):
-        if before * after < 0.0:
-            roots.append(
-                scipy.optimize.brentq(
-                    _horner,
-                    left,
-                    right,
-                    (coefficients.tolist(),),
-                    xtol=1e-300,
-                    rtol=1e-15,
-                    maxiter=5000,  # an end may be 1e17 times as far as the root
-                )
-            )
-    return np.array(sorted(set(roots)))
-
-
-def _horner(u: float, coefficients: list[float]) -> float:
-    """`numpy.polyval` of one number, to the last bit, in a tenth of its time."""
-    value = 0.0
-    for coefficient in coefficients:
-        value = value * u + coefficient
-    return value
-
-
-def _checked(levels, means, deviations, samples, significance, base) -> float:
+def _checked(
+    levels: np.ndarray,
+    means: np.ndarray,
+    deviations: np.ndarray,
+    samples: int,
+    significance: float,
+    base: float | None,
+    many: bool = False,
+) -> float:
     if levels.ndim != 1 or levels.size < 3:
         raise InputError(f"levels = {levels.tolist()}: needs at least three")
-    if means.shape != levels.shape or deviations.shape != levels.shape:
+    if not many and means.ndim != 1:
+        raise InputError(f"means {means.shape}: must have the shape {levels.shape} of levels")
+    if means.shape[-1:] != levels.shape or deviations.shape != means.shape:
         raise InputError(
             f"means {means.shape} and standard_deviations {deviations.shape}: "
-            f"must have the shape {levels.shape} of levels"
+            f"must have one value for each of the {levels.size} levels"
         )
     if not np.all(np.diff(levels) > 0.0):
         raise InputError(f"levels = {levels.tolist()}: must be strictly ascending")
     if np.any(deviations < 0.0):
-        raise InputError(f"standard_deviations = {deviations.tolist()}: must not be negative")
+        raise InputError(
+            f"standard_deviations: the lowest is {deviations.min()}, must not be negative"
+        )
     check_number("samples", samples, whole=True)
     check_number("significance", significance)
     if samples < 2:

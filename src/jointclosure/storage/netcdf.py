@@ -8,6 +8,7 @@ import contextlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import netCDF4
 import xarray as xr
@@ -113,8 +114,8 @@ def _growing_netcdf(
         first.to_netcdf(path, engine="netcdf4", encoding=encoding, unlimited_dims=[dimension])
         file = netCDF4.Dataset(path, "a")
     try:
-        for variable in file.variables.values():
-            variable.set_var_chunk_cache(_CHUNK_CACHE)
+        for stored in file.variables.values():
+            stored.set_var_chunk_cache(_CHUNK_CACHE)
         yield file
     except BaseException:
         with contextlib.suppress(RuntimeError):  # the first error is the one to be told
@@ -127,14 +128,14 @@ def _growing_netcdf(
 def _put(file: netCDF4.Dataset, region: xr.Dataset, place: dict[str, slice | int]) -> None:
     """Write those variables of a dataset that have a dimension of its place."""
     for name, variable in region.variables.items():
-        dimensions = file[name].dimensions
+        dimensions = file[str(name)].dimensions
         if set(dimensions) & set(place) & set(variable.dims):
             index = tuple(place.get(size, slice(None)) for size in dimensions)
             with _netcdf_errors():
-                file[name][index] = variable.values
+                file[str(name)][index] = variable.values
 
 
-def _compression(dataset: xr.Dataset) -> dict:
+def _compression(dataset: xr.Dataset) -> dict[Any, dict[str, Any]]:
     return {
         name: {"zlib": True, "complevel": 1}
         for name, variable in dataset.variables.items()

@@ -1,5 +1,6 @@
 """Where a dataset comes from: code, versions, machine."""
 
+import contextlib
 import importlib.metadata
 import json
 import os
@@ -7,11 +8,12 @@ import platform
 import re
 import subprocess
 from pathlib import Path
+from typing import Any
 
 from jointclosure.sources import PACKAGE, package_digest
 
 
-def provenance(configuration: dict) -> dict[str, str]:
+def provenance(configuration: dict[str, Any]) -> dict[str, str]:
     """Attributes that say where a dataset comes from.
 
     Those with the prefix ``provenance_`` may differ between two runs of the
@@ -21,8 +23,9 @@ def provenance(configuration: dict) -> dict[str, str]:
     study = dict(configuration["study"])
     split = study.pop("realizations_per_job", None)
     configuration = configuration | {"study": study}
-    packages = ("jointclosure", "numpy", "numba", "scipy", "xarray", "netCDF4", "snakemake")
-    versions = {name: importlib.metadata.version(name) for name in packages}
+    versions = versions_of(
+        "jointclosure", "numpy", "numba", "scipy", "xarray", "netCDF4", "snakemake"
+    )
     return {
         "Conventions": "CF-1.11",
         "configuration": json.dumps(configuration, sort_keys=True),
@@ -33,6 +36,15 @@ def provenance(configuration: dict) -> dict[str, str]:
         "provenance_realizations_per_job": str(split),
         "provenance_machine": f"{platform.system()} {platform.machine()}, {_processor()}",
     }
+
+
+def versions_of(*packages: str) -> dict[str, str]:
+    """Versions of those of some packages that are installed."""
+    versions = {}
+    for name in packages:
+        with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # of an extra
+            versions[name] = importlib.metadata.version(name)
+    return versions
 
 
 def _commit() -> str:

@@ -81,11 +81,11 @@ def check_inputs(
     made_with : mapping
         For some of the seals, the `settings_digest` that they must have.
     """
-    seals = [Path(seal) for seal in seals]
-    for seal in seals:
-        if reason := _reason(seal, seals, made_with):
+    paths = [Path(seal) for seal in seals]
+    for seal in paths:
+        if reason := _reason(seal, paths, made_with):
             raise ForeignFileError(reason)
-    listed = _listed(seals)
+    listed = _listed(paths)
     for path in map(os.path.normpath, inputs):
         if path not in listed and Path(path).suffix not in _NEED_NO_SEAL:
             raise ForeignFileError(f"{path}: no seal says what it was made from: {_AGAIN}")

@@ -6,9 +6,7 @@ No files here: `jointclosure.scans` reads them. See docs/measured_walls.md.
 from typing import NamedTuple
 
 import numpy as np
-import scipy.interpolate
-import scipy.ndimage
-import scipy.spatial
+import scipy
 
 from jointclosure.inputs import InputError
 
@@ -16,22 +14,31 @@ LARGEST_TILT = 20.0
 """Inclination of a scan's mean plane [degrees]: beyond it heights are no longer those of a wall."""
 REACH = 2.0
 """Mean distances of points: a cell farther than that from every point has no height."""
+MOST_CELLS_PER_POINT = 100
+"""Of a grid: more than that, and nearly all of it lies beyond the points."""
 MISSING = ("refuse", "avoid", "nearest", "linear")
 LARGEST_FILLED_SHARE = 0.05
 """Of the cells of a wall: more than that is not filled unless the user says so."""
 
 
 class Scan(NamedTuple):
-    """Heights (y, x) [m] on a regular grid, NaN where none was measured; spacing (dy, dx) [m]."""
+    """Heights (y, x) [m] on a regular grid, NaN where none was measured; spacing (dy, dx) [m].
+
+    ``origin`` is (y, x) of the first cell [m], None where it is not known; ``remarks`` are
+    sentences on what was left out in reading.
+    """
 
     heights: np.ndarray
     spacing: tuple[float, float]
+    origin: tuple[float, float] | None = None
+    remarks: tuple[str, ...] = ()
 
 
 class Cloud(NamedTuple):
-    """Points (n, 3) [m]: x, y and height, in no order."""
+    """Points (n, 3) [m]: x, y and height, in no order; ``remarks`` as of `Scan`."""
 
     points: np.ndarray
+    remarks: tuple[str, ...] = ()
 
 
 def point_distance(scan: Scan | Cloud) -> float:
@@ -53,7 +60,9 @@ def point_distance(scan: Scan | Cloud) -> float:
     return float(np.sqrt(area / len(scan.points)))
 
 
-def wall_on_grid(scan: Scan | Cloud, spacing: float, bounds: np.ndarray | None = None):
+def wall_on_grid(
+    scan: Scan | Cloud, spacing: float, bounds: np.ndarray | None = None
+) -> np.ndarray:
     """A scan on a square grid, its mean plane removed.
 
     Parameters
@@ -109,19 +118,37 @@ def _levelled(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
     return heights - terms @ plane
 
 
-def _gridded(points: np.ndarray, spacing: float, reach: float, bounds) -> np.ndarray:
+def _gridded(
+    points: np.ndarray, spacing: float, reach: float, bounds: np.ndarray | None
+) -> np.ndarray:
     x, y, heights = points.T
     heights = _levelled(x, y, heights)
     low, high = (points[:, :2].min(axis=0), points[:, :2].max(axis=0)) if bounds is None else bounds
     nx, ny = (np.floor((high - low) / spacing + 1e-6).astype(int) + 1).tolist()
+    if nx * ny > MOST_CELLS_PER_POINT * len(points):
+        raise InputError(
+            f"{len(points)} points lie in {1e3 * (high[0] - low[0]):.4g} x "
+            f"{1e3 * (high[1] - low[1]):.4g} mm (x, y), {ny} x {nx} cells of the grid: too few "
+            f"for it, or some lie far off; at most {MOST_CELLS_PER_POINT} cells for each point"
+        )
     nodes = np.stack(
         np.meshgrid(low[0] + spacing * np.arange(nx), low[1] + spacing * np.arange(ny)), axis=-1
     )
+    return heights_between(points[:, :2], heights, nodes, reach)
+
+
+def heights_between(
+    places: np.ndarray, heights: np.ndarray, nodes: np.ndarray, reach: float
+) -> np.ndarray:
+    """Heights at nodes (..., 2), linear in the triangles between places (n, 2) of known heights.
+
+    NaN beyond all triangles and farther than ``reach`` from every place; all in metres.
+    """
     # Delaunay's triangles are found best for coordinates of order one about zero
-    centre, scale = points[:, :2].mean(axis=0), np.ptp(points[:, :2])
-    between = scipy.interpolate.LinearNDInterpolator((points[:, :2] - centre) / scale, heights)
+    centre, scale = places.mean(axis=0), np.ptp(places)
+    between = scipy.interpolate.LinearNDInterpolator((places - centre) / scale, heights)
     wall = between((nodes - centre) / scale)
-    nearest = scipy.spatial.cKDTree(points[:, :2]).query(nodes, distance_upper_bound=reach)[0]
+    nearest = scipy.spatial.cKDTree(places).query(nodes, distance_upper_bound=reach)[0]
     return np.where(np.isfinite(nearest), wall, np.nan)
 
 
@@ -145,7 +172,9 @@ def _resampled(scan: Scan, spacing: float) -> np.ndarray:
     return np.where(touched > 1e-9, np.nan, wall)
 
 
-def filled(wall: np.ndarray, missing: str, largest_share: float = LARGEST_FILLED_SHARE):
+def filled(
+    wall: np.ndarray, missing: str, largest_share: float = LARGEST_FILLED_SHARE
+) -> np.ndarray:
     """A wall (y, x) whose missing cells are treated as told.
 
     Parameters

@@ -10,9 +10,12 @@ from jointclosure.surface.measured import windows
 from jointclosure.surface.roughness import detrended
 from jointclosure.surface.synthesis import synthetic_wall
 
-PARTNERS = ("rotated", "mirrored", "matching")
+PARTNERS = ("rotated", "mirrored", "synthetic")
 """What a single wall is met with: itself, turned by 180 degrees in its plane or mirrored in x,
-or a synthetic wall of its slope and Hurst exponent."""
+or a wall drawn with its slope and Hurst exponent, independent of it."""
+
+_SYNTHETIC_STREAM = "matching"
+"""The former word for it, kept as the name of the random stream: another draws other walls."""
 
 
 class MeasuredWalls(NamedTuple):
@@ -60,11 +63,11 @@ class Cutter:
     """
 
     def __init__(
-        self, walls: MeasuredWalls, shape: tuple[int, int], order_seed: int, normalise="wall"
+        self, walls: MeasuredWalls, shape: tuple[int, int], order_seed: int, normalise: str = "wall"
     ):
         self.walls, self.shape, self.normalise = walls, shape, normalise
         heights = list(walls.measured.values())
-        self.windows = windows(sum(heights), shape)
+        self.windows = windows(np.sum(heights, axis=0), shape)
         self.orders = {
             side: generator(seed_of(order_seed, "windows", side)).permutation(len(self.windows))
             for side in ("measured", "partner")
@@ -73,11 +76,11 @@ class Cutter:
     def check(self, realizations: int) -> None:
         """Raise `InputError` where there are fewer windows than realisations."""
         count = len(self.windows)
-        if realizations > count and self.walls.partner != "matching":
+        if realizations > count and self.walls.partner != "synthetic":
             raise InputError(
                 f"study.realizations = {realizations}: the walls have room for {count} different "
                 f"joints of {self.shape[0]} x {self.shape[1]} cells; at most that many, a smaller "
-                "grid, or matching for the other wall"
+                "grid, or synthetic for the other wall"
             )
 
     def joint(self, realization: int, seed: int) -> Placed:
@@ -87,8 +90,8 @@ class Cutter:
         cut = {name: self._cut(name, origin) for name in names}
         origins = dict.fromkeys(names, origin)
         for other in {"upper", "lower"} - set(names):
-            if self.walls.partner == "matching":
-                random = generator(seed_of(seed, "matching"))
+            if self.walls.partner == "synthetic":
+                random = generator(seed_of(seed, _SYNTHETIC_STREAM))
                 cut[other] = synthetic_wall(
                     self.walls.z2, self.shape, self.walls.spacing, self.walls.hurst, random,
                     self.normalise,

@@ -1,6 +1,6 @@
 """JRC and the root mean square slope Z2 of profiles, and what a wall has."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,7 +23,7 @@ class Relation(NamedTuple):
     largest_jrc: float
     source: str
 
-    def jrc(self, z2):
+    def jrc(self, z2: float | np.ndarray) -> Any:
         """JRC of RMS slopes at the relation's interval; it may lie outside its range."""
         reduced = np.log10(z2) if self.form == "logarithmic" else z2**self.c
         return self.a * reduced + self.b

@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.config.configuration import kernels_of, schema_problems
+from jointclosure.config.schema import problems
 from jointclosure.config.units import to_si
 from jointclosure.inputs import InputError
 from jointclosure.parameters import (
@@ -33,11 +33,12 @@ from jointclosure.simulation import equilibrium, height_datum, simulate_by
 from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import CONVERGED, Joint, Settled
-from jointclosure.solvers.registry import SOLVERS, solver_named
+from jointclosure.solvers.registry import solver_named
 from jointclosure.verification import oracle
+from jointclosure.verification.hard_case_keys import CaseKeys, HardCasesKeys
 from jointclosure.verification.hard_walls import hard_walls
 from jointclosure.verification.requirements import EXTRA, broken_requirements, limits_of
-from jointclosure.warmup import compile_kernels
+from jointclosure.warmup import compile_kernels, kernels_of
 
 _LARGEST_JUDGED = 2500
 """Contacts beyond which only every tenth state is judged: the oracle is dense."""
@@ -134,31 +135,29 @@ class JudgedSolver:
         )
 
 
-def merged_cases(study: dict, schema: dict) -> dict[str, dict]:
+def merged_cases(study: dict) -> dict[str, dict]:
     """Cases by name, each with the defaults under what it says itself, in SI.
 
     A case with several ways of breakage is one case for each, named after it.
 
     Parameters
     ----------
-    study, schema : dict
-        The contents of ``config/hard_cases.yaml`` and of its JSON schema.
+    study : dict
+        The contents of ``config/hard_cases.yaml``.
 
     Raises
     ------
     InputError
-        What breaks the schema, two cases of one name, or a comparison with a
-        case that does not exist.
+        What is no case (`jointclosure.verification.hard_case_keys`), two cases of one name,
+        or a comparison with a case that does not exist.
     """
-    problems = schema_problems(study, schema)
-    if problems:
-        raise InputError("hard cases:\n" + "\n".join(f"  {line}" for line in problems))
+    _refuse(problems(HardCasesKeys, study))
     cases = {}
     for case in study["cases"]:
+        alone = _over_defaults(case, study["defaults"])
+        _refuse(f"{case.get('name')}: {line}" for line in problems(CaseKeys, alone))
         for method in case.get("breakage", study["defaults"]["breakage"]):
-            whole = copy.deepcopy(study["defaults"] | case)
-            for part in ("walls", "rock", "effects", "choices", "numerics"):
-                whole[part] = study["defaults"][part] | case.get(part, {})
+            whole = _over_defaults(case, study["defaults"])
             whole["numerics"]["breakage"] = method
             name = case["name"] if method == "fixed_step" else f"{case['name']}_{method}"
             if name in cases:
@@ -175,6 +174,20 @@ def merged_cases(study: dict, schema: dict) -> dict[str, dict]:
                 f"hard cases: {name} is compared with {compared['case']!r}, which is not there"
             )
     return cases
+
+
+def _over_defaults(case: dict, defaults: dict) -> dict:
+    whole = copy.deepcopy(defaults | case)
+    for part in ("walls", "rock", "effects", "choices", "numerics"):
+        if isinstance(whole.get(part), dict) and isinstance(defaults.get(part), dict):
+            whole[part] = defaults[part] | whole[part]
+    return whole
+
+
+def _refuse(lines: Iterable[str]) -> None:
+    found = list(lines)
+    if found:
+        raise InputError("hard cases:\n" + "\n".join(f"  {line}" for line in found))
 
 
 def run_case(case: dict) -> Outcome:
@@ -254,8 +267,12 @@ def curve_of(outcome: Outcome) -> pd.DataFrame:
 
 
 def kernels_of_cases(cases: Iterable[dict]) -> list[list[str]]:
-    """`jointclosure.config.configuration.kernels_of` of the cases that are closed."""
-    return kernels_of(case for case in cases if case["expect"] != "refused")
+    """Kernels as `jointclosure.warmup.kernels_of` of the cases that are closed."""
+    return kernels_of(
+        (Effects(**case["effects"]), Choices(**case["choices"]), Numerics(**case["numerics"]))
+        for case in cases
+        if case["expect"] != "refused"
+    )
 
 
 def compile_for(case: dict) -> None:
@@ -298,7 +315,9 @@ def _run(frozen: str) -> Outcome:
         warnings.simplefilter("always")
         try:
             if case["closure"] is not None:
-                dataset = equilibrium(upper, lower, closure=case["closure"], **setting)
+                dataset = equilibrium(
+                    upper, lower, closure=case["closure"], unusual_values=True, **setting
+                )
             else:
                 target = _target(case, upper, lower, setting)
                 dataset = simulate_by(
@@ -366,7 +385,8 @@ def _target(case: dict, upper, lower, setting: dict) -> float:
     if not case["target_is_first_step"]:
         return case["max_normal_stress"] * case["scale_stresses"]
     step = setting["numerics"].displacement_step
-    return float(equilibrium(upper, lower, closure=step, **setting).normal_stress)
+    elastic = equilibrium(upper, lower, closure=step, unusual_values=True, **setting)
+    return float(elastic.normal_stress)
 
 
 def tolerances_of(case: dict) -> dict[str, float]:
@@ -374,7 +394,7 @@ def tolerances_of(case: dict) -> dict[str, float]:
     numerics = Numerics(**case["numerics"])
     residual = numerics.force_tolerance
     by_stress = not case["effects"]["breakage"] and case["closure"] is None
-    if by_stress and SOLVERS[numerics.solver].elastic_curve:
+    if by_stress and solver_named(numerics.solver).elastic_curve:
         residual = min(residual, ELASTIC_TOLERANCE)
     return {
         "residual": residual,

@@ -7,7 +7,7 @@ one, or a pair of (upper, lower).
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -28,8 +28,8 @@ class Joint(NamedTuple):
     lower: np.ndarray
     spacing: float
     rock: object
-    effects: object
-    choices: object
+    effects: Any
+    choices: Any
 
 
 class State(NamedTuple):

@@ -11,16 +11,15 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-import scipy.stats
+import scipy
 import xarray as xr
 
+from jointclosure.ensemble.cases import BASE
 from jointclosure.protocol import FAILURE
 from jointclosure.statistics.indifference import indifference_interval
-from jointclosure.studies.accuracy.design import BASE, Setting
+from jointclosure.studies.accuracy.design import Setting
 
 MEASURES = ("mean", "deviation", "interval", "net")
-OTHER_JOINTS = ("surface_rule", "spacing", "patch")
-"""Knobs that change the joints themselves: a difference there is no numerical error."""
 
 
 class _Sample(NamedTuple):
@@ -33,6 +32,7 @@ class _Sample(NamedTuple):
     levels: np.ndarray
     base: float
     good: np.ndarray
+    significance: float
 
     def measures(self, index: np.ndarray) -> tuple[float, float, float, float]:
         """`MEASURES` of chosen surfaces: mean and deviation at the base level [m], length of the
@@ -45,19 +45,20 @@ class _Sample(NamedTuple):
         if len(self.levels) > 2 and index.size > 1 and np.ptp(index) > 0:
             means, deviations = chosen.mean(axis=1), chosen.std(axis=1, ddof=1)
             length = indifference_interval(
-                self.levels, means, deviations, index.size, 0.05, self.base
+                self.levels, means, deviations, index.size, self.significance, self.base
             ).length
         deviation = at_base.std(ddof=1) if index.size > 1 else np.nan
         return at_base.mean(), deviation, length, self.net[own, index].mean()
 
 
-def _sample(run: xr.Dataset, cycle: int) -> _Sample:
+def _sample(run: xr.Dataset, cycle: int, significance: float) -> _Sample:
     return _Sample(
         run.max_closure.sel(cycle=cycle).values,
         run.max_closure_net.sel(cycle=cycle).values,
         run.level.values,
         float(run.attrs["base"]),
         (run.status.values < FAILURE).all(axis=0),
+        significance,
     )
 
 
@@ -68,6 +69,7 @@ def cost_table(
     random: np.random.Generator,
     resamples: int,
     confidence: float,
+    significance: float,
 ) -> pd.DataFrame:
     """Error and time of every setting, cycle by cycle.
 
@@ -75,13 +77,16 @@ def cost_table(
     ----------
     settings : list of Setting
     runs : mapping
-        Datasets as from `jointclosure.studies.accuracy.design.close_at` by the name of
+        Datasets as from `jointclosure.studies.accuracy.runs.close_run` by the name of
         their run.
     finest : mapping
         Knob and value that the settings of each scene are held against.
     random : Generator
     resamples : int
     confidence : float
+        Of the confidence intervals.
+    significance : float
+        Of the indifference interval.
 
     Returns
     -------
@@ -89,22 +94,22 @@ def cost_table(
         ``<measure>_error_percent`` with ``_low`` and ``_high`` for each of
         `MEASURES`; ``seconds`` a simulation (median, with quartiles), ``pairs``
         of FFTs, and ``relative_time`` to the scene's base setting. Of knobs that
-        change the joints (`OTHER_JOINTS`) the errors are changes to the base
+        change the joints (``other_joints``) the errors are changes to the base
         setting, between other surfaces.
     """
     rows = []
     for setting in settings:
         run = runs[setting.run]
-        other = setting.knob in OTHER_JOINTS
+        other = setting.other_joints
         against = finest[setting.scene] if not other else {"knob": BASE, "value": ""}
         truth = runs[_run_of(settings, setting, against)]
         base = runs[_run_of(settings, setting, {"knob": BASE, "value": ""})]
         for cycle in run.cycle.values.tolist():
             row = {"scene": setting.scene, "rock": setting.rock, "knob": setting.knob}
             row |= {"value": setting.value, "cycle": cycle, "run": setting.run}
-            row |= _errors(
-                _sample(run, cycle), _sample(truth, cycle), random, resamples, confidence, other
-            )
+            row["other_joints"] = other
+            own, exact = (_sample(each, cycle, significance) for each in (run, truth))
+            row |= _errors(own, exact, random, resamples, confidence, other)
             rows.append(row | _times(run, base))
     return pd.DataFrame(rows)
 
@@ -175,7 +180,7 @@ def order_table(costs: pd.DataFrame) -> pd.DataFrame:
     for keys, part in costs.groupby(["scene", "rock", "knob", "cycle"], sort=False):
         scene, rock, knob, cycle = keys
         numbers = pd.to_numeric(part["value"], errors="coerce")
-        if knob == BASE or knob in OTHER_JOINTS or numbers.isna().any():
+        if knob == BASE or part.other_joints.any() or numbers.isna().any():
             continue
         part = part.assign(number=numbers)
         sure = part[(part.mean_low > 0.0) | (part.mean_high < 0.0)]

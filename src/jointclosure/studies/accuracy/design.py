@@ -1,36 +1,26 @@
 """What accuracy costs: the same surfaces closed at many settings.
 
 A setting is one scene of one rock with one knob turned: a step, a tolerance, a
-solver, a surface rule. Each is a whole configuration, merged from the study's,
-the scene's and the knob's; see ``accuracy`` in the schema. A run closes the
-surfaces at all levels of one rock property, so that its indifference interval
-can be followed too.
+solver, a surface rule. Each is a whole configuration, merged from the keys of the study,
+the scene and the knob, see ``accuracy`` in `jointclosure.config.keys`; what is kept of it is
+what a run depends on. A run closes the surfaces at all levels of one rock property, so that
+its indifference interval can be followed too.
 """
 
 import json
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import NamedTuple
 
-import numpy as np
-import xarray as xr
-
-from jointclosure.config.configuration import (
-    ConfigurationError,
-    choices_of,
-    effects_of,
-    merged,
-    numerics_of,
-)
-from jointclosure.config.units import to_si
-from jointclosure.ensemble.cases import Case, cases_of
-from jointclosure.ensemble.timing import timed_simulation, walls_of
+from jointclosure.config.configuration import configured, merged
+from jointclosure.config.files import ConfigurationError
+from jointclosure.config.presets import numerics_in_full
+from jointclosure.config.typed import Configuration
+from jointclosure.ensemble.cases import BASE, cases_of
+from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.inputs import InputError
-from jointclosure.parameters import check_choices, check_numerics, check_scene
-from jointclosure.solvers.registry import SOLVERS
+from jointclosure.studies.accuracy.runs import Run
 
-BASE = "base"
-"""Knob of the setting in which none is turned."""
 _OWN = ("study", "effects", "choices", "numerics", "grid", "surface", "rocks")
 """Sections of a configuration that a run depends on."""
 
@@ -42,8 +32,11 @@ _POINTS = ("finest", "cross")
 class Setting(NamedTuple):
     """A knob turned to a value, in a scene of a rock.
 
-    ``run`` names the run that has its results: settings with equal
-    configurations share one.
+    Knob `BASE` is the setting in which none is turned. ``run`` names the run that has its
+    results: settings with equal configurations share one. ``other_joints`` are closed where
+    the knob changes the joints themselves: a difference there is no numerical error.
+    ``numerics`` are the keys in which it differs from the scene's base, None where it
+    differs in others too.
     """
 
     scene: str
@@ -51,18 +44,59 @@ class Setting(NamedTuple):
     knob: str
     value: float | str
     run: str
-    configuration: dict
+    other_joints: bool
+    numerics: dict | None
 
 
-def settings_of(configuration: dict) -> list[Setting]:
-    """All settings of the configuration's ``accuracy`` section, the base of each scene first."""
-    design = configuration["accuracy"]
-    plain = {key: value for key, value in configuration.items() if key != "accuracy"}
-    found: list[Setting] = []
+def design_of(keys: dict) -> tuple[list[Setting], dict[str, Run]]:
+    """All settings of a configuration's ``accuracy`` section, and the runs by name.
+
+    Parameters
+    ----------
+    keys : dict
+        Of a configuration that was checked, see `jointclosure.config.configuration.Configured`.
+
+    Returns
+    -------
+    settings : list of Setting
+        The base of each scene first.
+    runs : dict
+
+    Raises
+    ------
+    ConfigurationError
+        Naming each scene, knob or key that does not exist, and each setting that
+        the model cannot take.
+    """
+    problems = list(_unknown(keys))
+    settings, runs = [], {}
+    if not problems:
+        for setting, whole in _settings(keys):
+            try:
+                typed = configured(whole, _no_table).typed
+                runs.setdefault(setting.run, _run(typed, setting.rock, keys["accuracy"]))
+            except InputError as error:
+                where = f"scene {setting.scene}, {setting.knob} {setting.value}"
+                lines = str(error).removeprefix("configuration:").split("\n")
+                problems += [f"accuracy: {where}: {line.strip()}" for line in lines if line.strip()]
+            settings.append(setting)
+    if problems:
+        raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in problems))
+    return settings, runs
+
+
+def _no_table(path):
+    raise InputError("numerics.preset, numerics.accuracy: not in a scene or knob")
+
+
+def _settings(keys: dict) -> Iterator[tuple[Setting, dict]]:
+    """All settings of a design, each with the keys of its configuration."""
+    design = keys["accuracy"]
+    plain = keys | {"numerics": numerics_in_full(keys)}  # what a preset chose is written there
     runs: dict[str, str] = {}
-    for scene, scene_settings in design["scenes"].items():
-        overrides = {key: value for key, value in scene_settings.items() if key not in _POINTS}
-        for rock in configuration["study"]["rocks"]:
+    for scene, scene_keys in design["scenes"].items():
+        overrides = {key: value for key, value in scene_keys.items() if key not in _POINTS}
+        for rock in keys["study"]["rocks"]:
             base = merged(plain, overrides, {"study": {"rocks": [rock]}})
             turned = [(BASE, "", base)]
             for knob, way in design["knobs"].items():
@@ -71,42 +105,42 @@ def settings_of(configuration: dict) -> list[Setting]:
             for knob, value, whole in turned:
                 what = json.dumps([scene, rock, *(whole[key] for key in _OWN)], sort_keys=True)
                 run = runs.setdefault(what, label_of(scene, rock, knob, value))
-                found.append(Setting(scene, rock, knob, value, run, whole))
-    return found
+                other = design["knobs"].get(knob, {}).get("other_joints", False)
+                changed = _changed_numerics(whole, base)
+                yield Setting(scene, rock, knob, value, run, other, changed), whole
 
 
-def checked_settings(configuration: dict) -> list[Setting]:
-    """`settings_of`, if all of them can be run.
-
-    Raises
-    ------
-    ConfigurationError
-        Naming each scene, knob or key that does not exist, and each setting that
-        the model cannot take.
-    """
-    problems = list(_unknown(configuration))
-    if not problems:
-        for setting in settings_of(configuration):
-            try:
-                check_scene(effects_of(setting.configuration))
-                spacing = to_si(setting.configuration["grid"])["spacing"]
-                check_choices(choices_of(setting.configuration), spacing)
-                check_numerics(numerics_of(setting.configuration), tuple(SOLVERS))
-            except InputError as error:
-                where = f"scene {setting.scene}, {setting.knob} {setting.value}"
-                problems.append(f"accuracy: {where}: {error}")
-    if problems:
-        raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in problems))
-    return settings_of(configuration)
+def _changed_numerics(keys: dict, base: dict) -> dict | None:
+    """Numerics that are not as in the base, None where any other key is not."""
+    if any(keys[name] != base[name] for name in base if name != "numerics"):
+        return None
+    numerics, usual = keys["numerics"], base["numerics"]
+    return {key: numerics[key] for key in usual if numerics[key] != usual[key]}
 
 
-def _unknown(configuration: dict) -> Iterator[str]:
-    design = configuration["accuracy"]
+def _run(configuration: Configuration, rock: str, design: dict) -> Run:
+    """The run of a configuration of one rock."""
+    parameter = design["parameter"]
+    cases = [case for case in cases_of(configuration) if case.parameter in (BASE, parameter)]
+    cases = sorted(cases, key=lambda case: case.property(parameter))
+    block = range(configuration.study.realizations)
+    surfaces = surface_settings(configuration, cases[0], block)
+    settings = (closure_settings(configuration, case, surfaces) for case in cases)
+    return Run(
+        # nothing is read from seating on, and an elastic curve needs no point there
+        tuple(each._replace(seating_stress=0.0) for each in settings),
+        tuple(case.property(parameter) for case in cases),
+        configuration.rocks[rock].intact._asdict()[parameter],
+    )
+
+
+def _unknown(keys: dict) -> Iterator[str]:
+    design = keys["accuracy"]
     for scene, settings in design["scenes"].items():
         overrides = {key: value for key, value in settings.items() if key not in _POINTS}
-        yield from _strange(configuration, overrides, f"accuracy.scenes.{scene}")
+        yield from _strange(keys, overrides, f"accuracy.scenes.{scene}")
         for name in _POINTS:
-            knob = settings.get(name, {"knob": BASE})["knob"]
+            knob = (settings.get(name) or {"knob": BASE})["knob"]
             if knob != BASE and scene not in design["knobs"].get(knob, {"scenes": []})["scenes"]:
                 yield f"accuracy.scenes.{scene}.{name}.knob = {knob!r}: is not turned in this scene"
     for name, point in design["presets"].items():
@@ -117,16 +151,21 @@ def _unknown(configuration: dict) -> Iterator[str]:
         for scene in way["scenes"]:
             if scene not in design["scenes"]:
                 yield f"{where}.scenes = {scene!r}: must be one of {', '.join(design['scenes'])}"
-        yield from _strange(configuration, way.get("set", {}), f"{where}.set")
-        for key in [way["key"]] if "key" in way else way.get("scale", []):
+        yield from _strange(keys, way.get("set", {}), f"{where}.set")
+        for key in _keys_of(way):
             section, name = key.split(".")
-            if name not in configuration.get(section, {}):
+            if name not in keys.get(section, {}):
                 yield f"{where}: {key}: there is no such key"
         for entry in way["values"]:
             if isinstance(entry, dict):
-                yield from _strange(configuration, entry["set"], f"{where}.values")
-            elif "key" not in way and "scale" not in way:
+                yield from _strange(keys, entry["set"], f"{where}.values")
+            elif not _keys_of(way):
                 yield f"{where}.values = {entry!r}: without key or scale it needs value and set"
+
+
+def _keys_of(way: dict) -> list[str]:
+    """Keys (section.key) that a knob sets, or scales."""
+    return [way["key"]] if way.get("key") else way.get("scale") or []
 
 
 def _strange(known: dict, settings: dict, where: str) -> Iterator[str]:
@@ -153,63 +192,8 @@ def _turned(base: dict, way: dict) -> Iterator[tuple[float | str, dict]]:
             yield entry["value"], merged(base, entry["set"])
             continue
         change: dict = {}
-        for key in way["scale"] if "scale" in way else [way["key"]]:
+        for key in _keys_of(way):
             section, name = key.split(".")
-            value = base[section][name] * entry if "scale" in way else entry
+            value = base[section][name] * entry if way.get("scale") else entry
             change = merged(change, {section: {name: value}})
         yield entry, merged(base, change)
-
-
-def cases_of_run(setting: Setting, parameter: str) -> list[Case]:
-    """Cases of a run: all levels of one rock property, ascending."""
-    cases = [
-        case for case in cases_of(setting.configuration) if case.parameter in (BASE, parameter)
-    ]
-    return sorted(cases, key=lambda case: getattr(case, parameter))
-
-
-def close_at(
-    setting: Setting, parameter: str, report: Callable[[str], None] = lambda line: None
-) -> xr.Dataset:
-    """Close the surfaces of a run at all levels of a rock property.
-
-    Returns
-    -------
-    Dataset
-        ``max_closure`` and ``max_closure_net`` [m] over (level, realization, cycle), ``status``,
-        ``timing_simulation`` [s] and ``timing_pair`` [s], the time of one FFT pair
-        (`scipy.fft.rfft2` and `irfft2` of 200 x 200) beside each simulation.
-    """
-    whole = setting.configuration
-    study = whole["study"]
-    cases = cases_of_run(setting, parameter)
-    shape = (len(cases), study["realizations"])
-    closure, net = np.full((2, *shape, study["cycles"]), np.nan)
-    status = np.zeros(shape, np.int16)
-    seconds, pairs = np.zeros(shape), np.zeros(shape)
-    for realization in range(study["realizations"]):
-        walls = walls_of(whole, cases[0], realization)
-        for level, case in enumerate(cases):
-            timed = timed_simulation(whole, case, walls)
-            closure[level, realization] = timed.closed.max_closure.values
-            bulk = timed.closed.max_bulk_indentation.values
-            net[level, realization] = timed.closed.max_closure.values - bulk
-            status[level, realization] = timed.closed.status
-            seconds[level, realization] = timed.seconds
-            pairs[level, realization] = timed.pair
-        report(f"realisation {realization}: {seconds[:, realization].sum():.2f} s")
-    dimensions = ("level", "realization")
-    return xr.Dataset(
-        {
-            "max_closure": ((*dimensions, "cycle"), closure, {"units": "m"}),
-            "max_closure_net": ((*dimensions, "cycle"), net, {"units": "m"}),
-            "status": (dimensions, status),
-            "timing_simulation": (dimensions, seconds, {"units": "s"}),
-            "timing_pair": (dimensions, pairs, {"units": "s"}),
-        },
-        coords={
-            "level": [getattr(case, parameter) for case in cases],
-            "cycle": np.arange(1, study["cycles"] + 1),
-        },
-        attrs={"base": getattr(next(c for c in cases if c.parameter == BASE), parameter)},
-    )

@@ -5,15 +5,17 @@ roughnesses, stresses. Every well-posed scene closes the same surfaces at every
 condition.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.ensemble.cases import Case, cases_of
-from jointclosure.ensemble.timing import timed_simulation, walls_of
+from jointclosure.config.typed import Ablation
+from jointclosure.ensemble.settings import ClosureSettings
+from jointclosure.ensemble.surfaces import walls_of
+from jointclosure.ensemble.timing import timed_simulation
 from jointclosure.parameters import Effects, scene_name, well_posed_scenes
 from jointclosure.protocol import FAILURE, LOADING, UNLOADING
 from jointclosure.readings import branch_of
@@ -43,21 +45,24 @@ CONTRIBUTIONS = (
 SCENES = {scene_name(effects): effects for effects in well_posed_scenes()}
 
 
-def conditions_of(configuration: dict, rock: str) -> Iterator[Case]:
-    """Cases of a rock at every roughness and stress [Pa] of the design."""
-    base = next(case for case in cases_of(configuration) if case.label == f"{rock}-base")
-    for jrc in configuration["ablation"]["jrc"]:
-        for stress in configuration["ablation"]["stress_MPa"]:
-            yield base._replace(jrc=float(jrc), max_normal_stress=1e6 * stress)
-
-
 def close_scene(
-    configuration: dict,
-    rock: str,
+    conditions: list[ClosureSettings],
+    design: Ablation,
     effects: Effects,
     report: Callable[[str], None] = lambda line: None,
 ) -> xr.Dataset:
     """Close the surfaces of a rock in one scene, at every condition.
+
+    Parameters
+    ----------
+    conditions : list of ClosureSettings
+        As from `jointclosure.studies.effects.design.conditions_of`; their effects do not count.
+    design : Ablation
+        That they are of.
+    effects : Effects
+        Of the scene.
+    report : callable
+        Receives a line for each condition.
 
     Returns
     -------
@@ -66,25 +71,24 @@ def close_scene(
         ``residual_closure`` [m]; ``hysteresis``, the share of the work of loading
         that unloading does not give back; ``status``, and times [s].
     """
-    study, design = configuration["study"], configuration["ablation"]
-    conditions = list(conditions_of(configuration, rock))
-    shape = (len(design["jrc"]), len(design["stress_MPa"]), study["realizations"])
-    values = {name: np.full((*shape, study["cycles"]), np.nan) for name in TARGETS}
+    cycles, realizations = conditions[0].cycles, conditions[0].surfaces.realizations
+    shape = (len(design.jrc), len(design.stress), realizations)
+    values = {name: np.full((*shape, cycles), np.nan) for name in TARGETS}
     status = np.zeros(shape, np.int16)
     seconds, pairs = np.zeros(shape), np.zeros(shape)
-    for number, case in enumerate(conditions):
+    for number, settings in enumerate(conditions):
         at = np.unravel_index(number, shape[:2])
-        for realization in range(study["realizations"]):
+        told = settings.with_effects(effects).conditions()
+        for realization, walls in enumerate(walls_of(settings.surfaces)):
             here = (*at, realization)
-            walls = walls_of(configuration, case, realization)
-            timed = timed_simulation(configuration, case, walls, effects)
+            timed = timed_simulation(walls, told)
             values["max_closure"][here] = timed.closed.max_closure
             values["residual_closure"][here] = timed.closed.residual_closure
             values["hysteresis"][here] = hysteresis(timed.closed)
             status[here] = timed.closed.status
             seconds[here], pairs[here] = timed.seconds, timed.pair
         report(
-            f"JRC {case.jrc:g}, {1e-6 * case.max_normal_stress:g} MPa: "
+            f"JRC {settings.case.jrc:g}, {1e-6 * told.max_normal_stress:g} MPa: "
             f"{seconds[at].mean():.2f} s a simulation, statuses {np.unique(status[at]).tolist()}"
         )
     dimensions = ("jrc", "stress", "realization")
@@ -100,9 +104,9 @@ def close_scene(
             "timing_pair": (dimensions, pairs, {"units": "s"}),
         },
         coords={
-            "jrc": [float(jrc) for jrc in design["jrc"]],
-            "stress": ("stress", 1e6 * np.array(design["stress_MPa"]), {"units": "Pa"}),
-            "cycle": np.arange(1, study["cycles"] + 1),
+            "jrc": list(design.jrc),
+            "stress": ("stress", list(design.stress), {"units": "Pa"}),
+            "cycle": np.arange(1, cycles + 1),
         },
     )
 

@@ -13,20 +13,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.config.units import to_si
-from jointclosure.ensemble.cases import Case
-from jointclosure.ensemble.closing import closing_arguments
-from jointclosure.ensemble.surfaces import surfaces_of
-from jointclosure.inputs import InputError
+from jointclosure.ensemble.closing import close_walls
+from jointclosure.ensemble.settings import ClosureSettings, Conditions
+from jointclosure.ensemble.surfaces import walls_of
+from jointclosure.inputs import InputError, check_length, check_number
 from jointclosure.parameters import (
     Choices,
     Effects,
     Numerics,
-    Rock,
+    both_walls,
+    check_usual,
     well_posed_scenes,
 )
 from jointclosure.protocol import FAILURE
-from jointclosure.simulation import simulate
 
 DROPS = (("breakage", "gouge"), ("interaction",), ("substrate",))
 """Effects that are tried without, in this order: by what their absence saves (results of the
@@ -76,6 +75,7 @@ def choose_effects(
     effects: Effects = Effects(),
     choices: Choices = Choices(),
     numerics: Numerics = Numerics(),
+    unusual_values: bool = False,
     tolerance: float = 0.02,
     report: Callable[[str], None] = lambda line: None,
 ) -> SceneChoice:
@@ -85,7 +85,7 @@ def choose_effects(
     ----------
     walls : iterable of (upper, lower)
         Pairs of walls (y, x) [m] of the case, of which the first `PILOTS` are used.
-    spacing, rock, max_normal_stress, cycles, choices, numerics
+    spacing, rock, max_normal_stress, cycles, choices, numerics, unusual_values
         As for `jointclosure.simulate`.
     effects : Effects
         Those that may act, and against which others are held.
@@ -104,20 +104,28 @@ def choose_effects(
     InputError
         A tolerance out of range, no walls, or what `jointclosure.simulate` refuses.
     """
+    check_length("spacing", spacing)
+    check_number("max_normal_stress", max_normal_stress)
+    rocks = both_walls(rock)
+    if not unusual_values:
+        check_usual(rocks, spacing=spacing, max_normal_stress=max_normal_stress)
+    conditions = Conditions(
+        spacing, rock, max_normal_stress, cycles, 0.0, effects, choices, numerics
+    )
+    return choose_among(walls, conditions, tolerance, report)
+
+
+def choose_among(
+    walls: Iterable[tuple[np.ndarray, np.ndarray]],
+    conditions: Conditions,
+    tolerance: float,
+    report: Callable[[str], None] = lambda line: None,
+) -> SceneChoice:
+    """`choose_effects` among those of the conditions at which walls are closed."""
     if not 0.0 < tolerance < 1.0:
         raise InputError(f"tolerance = {tolerance!r}: must lie between 0 and 1")
-    pilot = _Pilot(
-        list(itertools.islice(walls, PILOTS)),
-        effects,
-        {
-            "spacing": spacing,
-            "rock": rock,
-            "max_normal_stress": max_normal_stress,
-            "cycles": cycles,
-            "choices": choices,
-            "numerics": numerics,
-        },
-    )
+    effects = conditions.effects
+    pilot = _Pilot(list(itertools.islice(walls, PILOTS)), conditions)
     chosen, error, reasons = effects, 0.0, []
     for names in DROPS:
         trial = chosen._replace(**dict.fromkeys(names, False))
@@ -143,39 +151,20 @@ def choose_effects(
 
 
 def choose_for_case(
-    case: Case, settings: dict, report: Callable[[str], None] = lambda line: None
+    settings: ClosureSettings, report: Callable[[str], None] = lambda line: None
 ) -> SceneChoice:
-    """`choose_effects` for a case of a study.
-
-    Parameters
-    ----------
-    case : Case
-    settings : dict
-        As from `jointclosure.ensemble.settings.closure_settings`, with a tolerance in
-        ``effects_chosen_to``.
-    report : callable
-        As for `choose_effects`.
-    """
-    told = closing_arguments(settings)
-    surfaces = surfaces_of(settings["surfaces"])
-    return choose_effects(
-        ((pair.upper.values[0], pair.lower.values[0]) for pair in surfaces),
-        spacing=to_si(settings["surfaces"]["grid"])["spacing"],
-        rock=Rock(case.youngs_modulus, case.poisson_ratio, case.compressive_strength),
-        max_normal_stress=case.max_normal_stress,
-        tolerance=settings["effects_chosen_to"],
-        report=report,
-        **{name: told[name] for name in ("cycles", "effects", "choices", "numerics")},
-    )
+    """`choose_effects` for a case of a study, among its effects and to its tolerance."""
+    walls = walls_of(settings.surfaces)
+    return choose_among(walls, settings.conditions(), settings.effects_chosen_to, report)
 
 
 class _Pilot:
     """Pieces of walls, closed in the scenes that are asked for and no more often than needed."""
 
-    def __init__(self, pairs: list, effects: Effects, load: dict):
+    def __init__(self, pairs: list, conditions: Conditions):
         if len(pairs) < _FIRST:
             raise InputError(f"walls: {len(pairs)} pairs, a pilot needs {_FIRST} at least")
-        self.pairs, self.effects, self.load = pairs, effects, load
+        self.pairs, self.effects, self.conditions = pairs, conditions.effects, conditions
         self.pieces = [tuple(_piece(wall) for wall in pair) for pair in pairs]
         self._known: dict[Effects, list[np.ndarray]] = {}
 
@@ -189,7 +178,8 @@ class _Pilot:
 
     def _closures(self, scene: Effects, count: int) -> np.ndarray:
         rows = self._known.setdefault(scene, [])
-        rows += [max_closures(piece, scene, self.load) for piece in self.pieces[len(rows) : count]]
+        told = self.conditions._replace(effects=scene)
+        rows += [max_closures(piece, told) for piece in self.pieces[len(rows) : count]]
         return np.array(rows[:count])
 
     def _bulk_missed(self, count: int) -> np.ndarray:
@@ -198,18 +188,12 @@ class _Pilot:
         Bulk indentation grows with the side of the joint, so a piece shows too little of
         it. That of elastic walls is taken for all, as it takes no steps.
         """
-        elastic = self.effects._replace(breakage=False, gouge=False)
-        alone = elastic._replace(interaction=False)
-        load = self.load | {
-            "numerics": self.load["numerics"]._replace(curve_points=1, solver="fast")
-        }
+        numerics = self.conditions.numerics._replace(curve_points=1, solver="fast")
+        scene = self.effects._replace(breakage=False, gouge=False)
+        elastic = self.conditions._replace(effects=scene, numerics=numerics)
+        alone = elastic._replace(effects=scene._replace(interaction=False))
         whole, piece = (
-            np.array(
-                [
-                    max_closures(p, elastic, load) - max_closures(p, alone, load)
-                    for p in some[:count]
-                ]
-            )
+            np.array([max_closures(p, elastic) - max_closures(p, alone) for p in some[:count]])
             for some in (self.pairs, self.pieces)
         )
         return whole - piece
@@ -224,12 +208,9 @@ def _piece(wall: np.ndarray) -> np.ndarray:
     return wall[tuple(cuts)]
 
 
-def max_closures(pair: tuple, effects: Effects, load: dict) -> np.ndarray:
-    """Maximum closures (cycle,) [m] of a pair of walls; NaN where the simulation failed.
-
-    ``load`` has the other arguments of `jointclosure.simulate`.
-    """
-    closed = simulate(*pair, effects=effects, **load)
+def max_closures(pair: tuple, conditions: Conditions) -> np.ndarray:
+    """Maximum closures (cycle,) [m] of a pair of walls; NaN where the simulation failed."""
+    closed = close_walls(*pair, conditions)
     return np.where(int(closed.status) >= FAILURE, np.nan, closed.max_closure.values)
 
 

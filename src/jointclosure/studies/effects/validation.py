@@ -1,7 +1,7 @@
 """The chosen effects held against the full model, on scenes that no choice was designed on.
 
 Rock, roughness, stress and size of each scene are random. Its surfaces are
-closed with all effects, and with those that `choose_effects` finds to matter
+closed with all effects, and with those that `choose_among` finds to matter
 at each tolerance; the change of the mean is what the choice was off by.
 """
 
@@ -12,11 +12,17 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from jointclosure.config.configuration import choices_of, numerics_of
-from jointclosure.config.units import to_si
-from jointclosure.parameters import Effects, Rock, scene_name
+from jointclosure.config.typed import Grid, Surface, Validation
+from jointclosure.ensemble.settings import Conditions
+from jointclosure.parameters import (
+    Choices,
+    Effects,
+    Numerics,
+    Rock,
+    scene_name,
+)
 from jointclosure.randomness import generator, seed_of
-from jointclosure.studies.effects.choice import choose_effects, max_closures
+from jointclosure.studies.effects.choice import choose_among, max_closures
 from jointclosure.surface.synthesis import wall_pair
 
 
@@ -29,17 +35,28 @@ class RandomScene(NamedTuple):
     cells: int
 
 
-def random_scene(configuration: dict, number: int) -> RandomScene:
-    """The scene of a number, from the ranges of the configuration's ``ablation.validation``.
+class ValidationSettings(NamedTuple):
+    """What the random scenes of a study depend on."""
+
+    design: Validation
+    root_seed: int
+    cycles: int
+    grid: Grid
+    surface: Surface
+    choices: Choices
+    numerics: Numerics
+
+
+def random_scene(settings: ValidationSettings, number: int) -> RandomScene:
+    """The scene of a number, from the ranges of the design.
 
     Young's modulus, strength and stress are uniform in their logarithm; the stress
     is at most the strength.
     """
-    ranges = to_si(configuration["ablation"]["validation"])
-    random = generator(seed_of(configuration["study"]["root_seed"], "validation", number))
+    random = generator(seed_of(settings.root_seed, "validation", number))
 
     def uniform(name: str, logarithmic: bool = False) -> float:
-        low, high = ranges[name]
+        low, high = getattr(settings.design, name)
         if logarithmic:
             return float(np.exp(random.uniform(np.log(low), np.log(high))))
         return float(random.uniform(low, high))
@@ -55,7 +72,7 @@ def random_scene(configuration: dict, number: int) -> RandomScene:
 
 
 def validate(
-    configuration: dict, number: int, report: Callable[[str], None] = lambda line: None
+    settings: ValidationSettings, number: int, report: Callable[[str], None] = lambda line: None
 ) -> pd.DataFrame:
     """Close a random scene in full and as chosen, at every tolerance.
 
@@ -69,39 +86,40 @@ def validate(
         full model fails are left out (``samples`` are left); where the chosen effects
         fail on others (``failed``) there is no error, and the scene does not hold.
     """
-    scene = random_scene(configuration, number)
+    scene = random_scene(settings, number)
     report(f"scene {number}: {scene}")
-    design, study = configuration["ablation"]["validation"], configuration["study"]
-    spacing = to_si(configuration["grid"])["spacing"]
+    design, spacing = settings.design, settings.grid.spacing
     walls = [
         wall_pair(
             scene.jrc,
             (scene.cells, scene.cells),
             spacing,
-            seed_of(study["root_seed"], "validation", number, realization),
-            **configuration["surface"],
+            seed_of(settings.root_seed, "validation", number, realization),
+            **settings.surface._asdict(),
         )
-        for realization in range(design["realizations"])
+        for realization in range(design.realizations)
     ]
-    load = {
-        "spacing": spacing,
-        "rock": scene.rock,
-        "max_normal_stress": scene.max_normal_stress,
-        "cycles": study["cycles"],
-        "choices": choices_of(configuration),
-        "numerics": numerics_of(configuration),
-    }
-    full, full_seconds = _closed(walls, Effects(), load)
+    conditions = Conditions(
+        spacing,
+        scene.rock,
+        scene.max_normal_stress,
+        settings.cycles,
+        0.0,
+        Effects(),
+        settings.choices,
+        settings.numerics,
+    )
+    full, full_seconds = _closed(walls, conditions)
     runs = {Effects(): (full, full_seconds)}
     about = scene.rock._asdict() | scene._asdict()
     del about["rock"]
     rows = []
-    for tolerance in design["tolerances"]:
+    for tolerance in design.tolerances:
         start = time.perf_counter()
-        choice = choose_effects(walls, **load, tolerance=tolerance, report=report)
+        choice = choose_among(walls, conditions, tolerance, report)
         pilot = time.perf_counter() - start
         if choice.effects not in runs:
-            runs[choice.effects] = _closed(walls, choice.effects, load)
+            runs[choice.effects] = _closed(walls, conditions._replace(effects=choice.effects))
         found, seconds = runs[choice.effects]
         good = np.isfinite(full).all(axis=1)
         failed = int((~np.isfinite(found[good])).any(axis=1).sum())
@@ -126,10 +144,10 @@ def validate(
     return pd.DataFrame(rows)
 
 
-def _closed(walls: list, effects: Effects, load: dict) -> tuple[np.ndarray, float]:
+def _closed(walls: list, conditions: Conditions) -> tuple[np.ndarray, float]:
     """Maximum closures (realization, cycle) [m], NaN where one failed, and the seconds."""
     start = time.perf_counter()
-    closures = np.array([max_closures(pair, effects, load) for pair in walls])
+    closures = np.array([max_closures(pair, conditions) for pair in walls])
     return closures, time.perf_counter() - start
 
 

@@ -14,9 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-import scipy.interpolate
+import scipy
 import xarray as xr
 
+from jointclosure.config.typed import Configuration, MeasuredFile
 from jointclosure.config.units import SI_FACTORS
 from jointclosure.ensemble.aggregation import seats, succeeded
 from jointclosure.inputs import InputError
@@ -70,8 +71,33 @@ class MeasuredCurve(NamedTuple):
             yield branch, stress[counts], closure[counts] - zero
 
 
-def measured_curves(configuration: dict, read: Callable[[str], str]) -> dict[str, MeasuredCurve]:
-    """Curves of the study's rocks that have one, by rock, checked; ``read`` gives a file's text.
+class CurveSettings(NamedTuple):
+    """What the measured curve of a rock is checked against: [SI], and its file."""
+
+    measured: MeasuredFile
+    max_normal_stress: float
+    cycles: int
+    seating_stress: float
+
+
+def curve_settings(configuration: Configuration) -> dict[str, CurveSettings]:
+    """Settings of the measured curves of those of the study's rocks that have one, by rock."""
+    return {
+        name: CurveSettings(
+            rock.measured,
+            rock.max_normal_stress,
+            configuration.study.cycles,
+            configuration.seating_stress,
+        )
+        for name, rock in configuration.rocks.items()
+        if rock.measured
+    }
+
+
+def measured_curves(
+    settings: dict[str, CurveSettings], read: Callable[[str], str]
+) -> dict[str, MeasuredCurve]:
+    """Measured curves by rock, checked; ``read`` gives a file's text.
 
     Raises
     ------
@@ -79,24 +105,12 @@ def measured_curves(configuration: dict, read: Callable[[str], str]) -> dict[str
         Naming file, line and value, or the key of a file that is not there.
     """
     curves = {}
-    for name in configuration["study"]["rocks"]:
-        rock = configuration["rocks"][name]
-        told = rock.get("measured")
-        if told is None:
-            continue
-        file = told["file"]
+    for name, told in settings.items():
+        file, *units = told.measured
         if not Path(file).is_file():
             raise InputError(f"rocks.{name}.measured.file = {file!r}: there is no such file")
-        units = told.get("stress_unit"), told.get("closure_unit")
-        curve = parsed_curve(read(file), file, *units)
-        _check_curve(
-            curve,
-            file,
-            configuration["study"]["cycles"],
-            (f"rocks.{name}.max_normal_stress_MPa", rock["max_normal_stress_MPa"]),
-            configuration["seating_stress_MPa"],
-        )
-        curves[name] = curve
+        curves[name] = parsed_curve(read(file), file, *units)
+        _check_curve(curves[name], name, told)
     return curves
 
 
@@ -194,11 +208,10 @@ def _number(cell: str, where: str, quantity: str) -> float:
     return value
 
 
-def _check_curve(
-    curve: MeasuredCurve, name: str, cycles: int, maximum: tuple[str, float], seating_MPa: float
-) -> None:
+def _check_curve(curve: MeasuredCurve, rock: str, told: CurveSettings) -> None:
     """Refuse a curve that the study cannot be held against."""
-    key, largest = maximum
+    name, cycles, seating = told.measured.file, told.cycles, told.seating_stress
+    largest, seating_MPa = told.max_normal_stress, 1e-6 * seating
     for i in range(curve.stress.size):
         where = f"{name}, line {curve.line[i]}"
         if i and curve.cycle[i] < curve.cycle[i - 1]:
@@ -210,12 +223,11 @@ def _check_curve(
             raise InputError(
                 f"{where}: cycle = {curve.cycle[i]}: the study has study.cycles = {cycles}"
             )
-        if curve.stress[i] > 1e6 * largest * (1.0 + 1e-12):
+        if curve.stress[i] > largest * (1.0 + 1e-12):
             raise InputError(
                 f"{where}: stress = {1e-6 * curve.stress[i]:g} MPa: must be at most "
-                f"{key} = {largest:g}"
+                f"rocks.{rock}.max_normal_stress_MPa = {1e-6 * largest:g}"
             )
-    seating = 1e6 * seating_MPa
     for cycle in curve.cycles:
         loading, _ = curve.branches(cycle)[LOADING]
         where = f"{name}, line {curve.line[curve.cycle == cycle][0]}"

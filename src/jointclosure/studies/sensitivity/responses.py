@@ -7,8 +7,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.config.properties import PARAMETERS, PROPERTIES
+from jointclosure.config.typed import Statistics
 from jointclosure.ensemble.aggregation import succeeded
-from jointclosure.ensemble.cases import PARAMETERS, SHOWN_UNITS
 from jointclosure.randomness import generator, seed_of
 from jointclosure.statistics.bootstrap import bootstrap_length
 from jointclosure.statistics.correlations import fit_quadratic, lack_of_fit
@@ -116,7 +117,7 @@ def correlation_table(study: xr.Dataset) -> pd.DataFrame:
     for response in responses(study, "max_closure"):
         if response.samples.shape[1] < 2:
             continue
-        unit, size = SHOWN_UNITS[response.parameter]
+        unit, size = PROPERTIES[response.parameter].unit, PROPERTIES[response.parameter].size
         levels = response.levels / size
         mean = fit_quadratic(levels, 1e3 * response.means, response.base / size)
         deviation = fit_quadratic(levels, 1e3 * response.deviations, response.base / size)
@@ -138,15 +139,14 @@ def correlation_table(study: xr.Dataset) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=_CORRELATION)
 
 
-def indifference_table(study: xr.Dataset, statistics: dict, root_seed: int, paired: bool):
+def indifference_table(study: xr.Dataset, statistics: Statistics, root_seed: int, paired: bool):
     """Indifference intervals of all rocks, parameters and cycles, as a frame.
 
     Parameters
     ----------
     study : Dataset
         As from `jointclosure.ensemble.aggregation.join_cases`.
-    statistics : dict
-        ``significance``, ``bootstrap_resamples``, ``bootstrap_confidence``.
+    statistics : Statistics
     root_seed : int
         Of the study; the bootstrap has a stream of its own.
     paired : bool
@@ -156,7 +156,7 @@ def indifference_table(study: xr.Dataset, statistics: dict, root_seed: int, pair
     for gross, net in zip(
         responses(study, "max_closure"), responses(study, "max_closure_net"), strict=True
     ):
-        unit, size = SHOWN_UNITS[gross.parameter]
+        unit, size = PROPERTIES[gross.parameter].unit, PROPERTIES[gross.parameter].size
         row = {
             "rock": gross.rock,
             "parameter": gross.parameter,
@@ -183,7 +183,7 @@ def _interval(response, size, statistics, root_seed, paired, suffix) -> dict:
         response.means,
         response.deviations,
         n,
-        statistics["significance"],
+        statistics.significance,
         response.base,
     )
     name = ("bootstrap", response.rock, response.parameter, response.cycle, suffix)
@@ -192,9 +192,9 @@ def _interval(response, size, statistics, root_seed, paired, suffix) -> dict:
         samples,
         generator(seed_of(root_seed, *name)),
         base=response.base,
-        resamples=statistics["bootstrap_resamples"],
-        confidence=statistics["bootstrap_confidence"],
-        significance=statistics["significance"],
+        resamples=statistics.bootstrap_resamples,
+        confidence=statistics.bootstrap_confidence,
+        significance=statistics.significance,
         paired=paired,
     )
     mean = fit_quadratic(response.levels, response.means, response.base)

@@ -1,0 +1,140 @@
+"""What no single key can say: keys that contradict each other, and numbers unusual of rock."""
+
+import difflib
+import itertools
+from collections.abc import Callable, Iterator
+
+from jointclosure.config.typed import Configuration, StudyRock
+from jointclosure.config.units import in_unit, name_and_unit
+from jointclosure.config.walls import wall_problems
+from jointclosure.inputs import InputError
+from jointclosure.parameters import USUAL as _OF_ROCK
+from jointclosure.parameters import check_choices, check_numerics, check_scene
+from jointclosure.solvers.registry import SOLVERS
+from jointclosure.surface.roughness import relation_of
+
+OTHER_TARGETS = {"hard_cases": "", "accuracy": "accuracy", "effects": "ablation"}
+"""Folders of results of other targets, and the section that a study of that name must have."""
+USUAL = _OF_ROCK | {
+    "stress": _OF_ROCK["max_normal_stress"],
+    "displacement_step": (1e-9, 1e-3, "m"),
+    "breakage_step": (1e-10, 1e-3, "m"),
+    "later_displacement_step": (1e-9, 1e-3, "m"),
+    "later_breakage_step": (1e-10, 1e-3, "m"),
+    "largest_radius": (1e-6, 1.0, "m"),
+}
+"""Least and largest values that are usual, and their unit, by name of a key without its unit."""
+
+
+def contradictions(keys: dict, typed: Callable[[dict], Configuration]) -> Iterator[str]:
+    """What is wrong with complete keys that are each as they may be, one line each.
+
+    Parameters
+    ----------
+    keys : dict
+    typed : callable
+        Gives the typed configuration of keys.
+    """
+    unknown = list(_unknown_rocks(keys))
+    if unknown:
+        yield from unknown
+        return
+    configuration = typed(keys)
+    yield from _study_problems(keys)
+    if configuration.study.unusual_values == "refuse":
+        rocks = {name: keys["rocks"][name] for name in configuration.rocks}
+        # the settings of an accuracy study are checked one by one
+        yield from _unusual(keys | {"rocks": rocks, "accuracy": None}, "")
+    for check in (
+        *(lambda effects=each: check_scene(effects) for each in _scenes(keys, configuration)),
+        lambda: check_choices(configuration.choices, configuration.grid.spacing),
+        lambda: check_numerics(configuration.numerics, tuple(SOLVERS)),
+    ):
+        try:
+            check()
+        except InputError as error:
+            yield str(error)
+    for name, rock in configuration.rocks.items():
+        yield from _rock_problems(name, rock, keys, configuration)
+
+
+def _unknown_rocks(keys: dict) -> Iterator[str]:
+    rocks = keys["rocks"]
+    for name in keys["study"]["rocks"]:
+        if name not in rocks:
+            close = difflib.get_close_matches(name, rocks, n=1)
+            meant = f"; did you mean {close[0]}?" if close else ""
+            yield f"study.rocks = {name!r}: not among rocks ({', '.join(rocks)}){meant}"
+
+
+def _study_problems(keys: dict) -> Iterator[str]:
+    study = keys["study"]
+    if len(set(study["rocks"])) < len(study["rocks"]):
+        yield f"study.rocks = {study['rocks']!r}: has a rock twice"
+    section = OTHER_TARGETS.get(study["name"])
+    if section is not None and not (section and keys[section]):
+        yield (
+            f"study.name = {study['name']!r}: results/{study['name']} belongs to another target; "
+            "give the study another name"
+        )
+
+
+def _scenes(keys: dict, configuration: Configuration) -> list:
+    """Effects of the study, and of each rock that has its own."""
+    given = keys["effects"]
+    first = next(iter(configuration.rocks.values())).effects
+    study = type(first)(**{name: given[name] for name in first._fields})
+    return list(dict.fromkeys([study, *(rock.effects for rock in configuration.rocks.values())]))
+
+
+def _unusual(keys: dict, where: str) -> Iterator[str]:
+    """Numbers beyond what is usual of rock and its joints."""
+    for key, value in keys.items():
+        name, unit = name_and_unit(key)
+        if isinstance(value, dict):
+            yield from _unusual(value, f"{where}{key}.")
+        elif name in USUAL and value is not None:
+            low, high = (in_unit(bound, unit) for bound in USUAL[name][:2])
+            for number in value if isinstance(value, list) else [value]:
+                if not low <= number <= high:
+                    yield (
+                        f"{where}{key} = {number!r}: not usual of rock ({low:g} to {high:g} {unit})"
+                        "; is the unit right? study.unusual_values: allow takes it as it is"
+                    )
+
+
+def _rock_problems(
+    name: str, rock: StudyRock, keys: dict, configuration: Configuration
+) -> Iterator[str]:
+    own = keys["rocks"][name]
+    stress, seating = own["max_normal_stress_MPa"], keys["seating_stress_MPa"]
+    where = f"rocks.{name}.max_normal_stress_MPa = {stress:g}"
+    if seating >= stress:
+        yield f"seating_stress_MPa = {seating:g}: must be below {where}"
+    end = keys["output"]["largest_stress_MPa"]
+    if end is not None and end < stress:
+        yield f"output.largest_stress_MPa = {end:g}: must be at least {where}"
+    stiffness = min(rock.levels.get("youngs_modulus", (rock.intact.youngs_modulus,)))
+    if rock.max_normal_stress >= stiffness:
+        yield f"{where}: must be below Young's modulus, {1e-6 * stiffness:g} MPa"
+    yield from wall_problems(keys, name)
+    varied = {key: levels for key, levels in own["levels"].items() if levels is not None}
+    for key, levels in varied.items():
+        if own[key] is not None:
+            yield from _level_problems(f"rocks.{name}.levels.{key}", levels, own[key])
+    jrcs = [jrc for jrc in (own["jrc"], *varied.get("jrc", [])) if jrc is not None]
+    relation = relation_of(configuration.surface.jrc_relation)
+    for jrc in jrcs:
+        if not relation.smallest_jrc <= jrc <= relation.largest_jrc:
+            yield (
+                f"rocks.{name}: jrc = {jrc:g}: {configuration.surface.jrc_relation} holds "
+                f"from {relation.smallest_jrc:g} to {relation.largest_jrc:g}"
+            )
+
+
+def _level_problems(where: str, levels: list, own: float) -> Iterator[str]:
+    shown = f"{where} = [{', '.join(f'{level:g}' for level in levels)}]"
+    if any(not later > earlier for earlier, later in itertools.pairwise(levels)):
+        yield f"{shown}: must be strictly ascending"
+    if own in levels:
+        yield f"{shown}: lists the rock's own value {own:g}, which is a level anyway"

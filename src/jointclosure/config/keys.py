@@ -1,0 +1,467 @@
+"""The keys of a configuration's file: types, bounds and descriptions, with units in their names.
+
+The only place that says what a key may be: the JSON schema, the table of keys
+(config/README.md) and the checks of a file follow from it. Values and their sources are
+in ``default.yaml``; what a key is in the library is in `jointclosure.config.typed`.
+"""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, StringConstraints, Tag
+
+from jointclosure.parameters import Rock
+from jointclosure.solvers.registry import SOLVERS
+from jointclosure.surface.roughness import RELATIONS
+
+NAME = r"^[a-z][a-z0-9_]{0,40}$"
+
+Name = Annotated[str, StringConstraints(pattern=NAME)]
+Text = Annotated[str, StringConstraints(min_length=1)]
+SectionKey = Annotated[str, StringConstraints(pattern=r"^[a-z]+[.][A-Za-z_]+$")]
+Positive = Annotated[float, Field(gt=0)]
+Share = Annotated[float, Field(gt=0, lt=1)]
+Jrc = Annotated[float, Field(ge=0, le=20)]
+Poisson = Annotated[float, Field(ge=0, le=0.5)]
+
+
+def entry(description: str, default: Any = ..., **bounds):
+    """A key with what it is; one with a default may be left out."""
+    return Field(default, description=description, **bounds)
+
+
+class Keys(BaseModel):
+    """Keys that stand together; closed: an unknown one is an error."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
+
+
+class StudyKeys(Keys):
+    """What is studied, and how often."""
+
+    name: Name = entry("Name of the study; results are written to results/<name>/.")
+    rocks: list[str] = entry(
+        "Rocks of the study, from `rocks`, in the order of the tables.",
+        min_length=1,
+        json_schema_extra={"uniqueItems": True},
+    )
+    realizations: int = entry("Random surface pairs per case.", ge=2, le=1_000_000)
+    realizations_per_job: int | None = entry(
+        "Realisations of a case that one job does; null for all. It changes no result.", None, ge=1
+    )
+    cycles: int = entry("Load-unload cycles.", ge=1, le=1000)
+    root_seed: int = entry("Seed from which every random number follows.", ge=0)
+    draws: Literal["common", "independent"] = entry(
+        "common: a realisation has the same noise in all cases of a rock; independent: each case "
+        "has its own (the paper's)."
+    )
+    surfaces_of: Name | None = entry(
+        "Study whose random surfaces are drawn, so that two studies can be compared surface by "
+        "surface; null: its own."
+    )
+    unusual_values: Literal["refuse", "allow"] = entry(
+        "Whether numbers are refused that are not usual of rock, which often are a slip of units.",
+        "refuse",
+    )
+
+
+class LevelKeys(Keys):
+    """For each parameter to be varied, its values besides the rock's own, ascending."""
+
+    _about = (
+        "At least two values, strictly ascending; with the rock's own they make three levels or "
+        "more; null for none."
+    )
+    poisson_ratio: list[Poisson] | None = entry(_about, None, min_length=2)
+    youngs_modulus_GPa: list[Positive] | None = entry(_about, None, min_length=2)
+    compressive_strength_MPa: list[Positive] | None = entry(_about, None, min_length=2)
+    jrc: list[Jrc] | None = entry(_about, None, min_length=2)
+
+
+class RockEffectKeys(Keys):
+    """Effects of this rock's cases, over those of the study."""
+
+    substrate: bool | None = entry("As in effects.", None)
+    interaction: bool | None = entry("As in effects.", None)
+    breakage: bool | None = entry("As in effects.", None)
+    gouge: bool | None = entry("As in effects.", None)
+    soft_peaks: bool | None = entry("As in effects.", None)
+
+
+_WALL = (
+    "A file, relative to where the study is run (or absolute); or, where the other wall is a file: "
+    "rotated (that wall, turned by 180 degrees), mirrored, or synthetic (a wall of its slope "
+    "and Hurst exponent, independent of it)."
+)
+
+
+class WallKeys(Keys):
+    """Measured walls instead of a JRC, docs/measured_walls.md."""
+
+    upper: Text = entry(_WALL)
+    lower: Text = entry(_WALL)
+    units: Literal["m", "mm", "um", "nm"] | None = entry(
+        "Of heights and distances, where the file does not say them.", None
+    )
+    spacing_mm: float | None = entry("Of a grid, where its file does not say it [mm].", None, gt=0)
+    variable: str | None = entry(
+        "Name of the array in an npz or netCDF file, or of a channel; needed where there are "
+        "several.",
+        None,
+    )
+    missing: Literal["refuse", "avoid", "nearest", "linear"] = entry(
+        "What is done about cells without a height: refuse (an error, the default); avoid (joints "
+        "are cut where none is missing); nearest, linear (filled).",
+        "refuse",
+    )
+    largest_filled_share: float = entry(
+        "Share of a wall's cells that may be filled; 0.05 unless given.", 0.05, ge=0, le=1
+    )
+    inverted: list[Literal["upper", "lower"]] = entry(
+        "Walls (upper, lower) whose heights in the file point into the rock, as those of an upper "
+        "wall in the lower one's frame; none unless given.",
+        [],
+        json_schema_extra={"uniqueItems": True},
+    )
+
+
+class MeasuredKeys(Keys):
+    """A measured closure curve of this rock's joint, drawn in fig_5_closure with its best fit."""
+
+    file: Text = entry(
+        "CSV file with columns stress, closure (units in their names, as stress_MPa,closure_mm) "
+        "and cycle; a path from the project's folder."
+    )
+    stress_unit: Literal["Pa", "MPa", "GPa"] | None = entry(
+        "Unit of the stresses, where the column's name has none.", None
+    )
+    closure_unit: Literal["m", "mm", "um"] | None = entry(
+        "Unit of the closures, where the column's name has none.", None
+    )
+
+
+class RockKeys(Keys):
+    """A rock; a study's own file may add some."""
+
+    title: Text = entry("Name in tables and figures.")
+    youngs_modulus_GPa: float = entry("Young's modulus E of the intact rock [GPa].", gt=0)
+    poisson_ratio: float = entry("Poisson's ratio of the intact rock.", ge=0, le=0.5)
+    compressive_strength_MPa: float = entry("Compressive strength sigma_c [MPa].", gt=0)
+    jrc: float | None = entry(
+        "Joint roughness coefficient; left out (or null) where `walls` are given.",
+        None,
+        ge=0,
+        le=20,
+    )
+    max_normal_stress_MPa: float = entry(
+        "Maximum nominal normal stress of every cycle [MPa].", gt=0
+    )
+    max_normal_stress_is_assumed: bool = entry(
+        "Whether that stress is an assumption, to be flagged where it is shown; false unless "
+        "given.",
+        False,
+    )
+    effects: RockEffectKeys = entry(RockEffectKeys.__doc__, RockEffectKeys())
+    levels: LevelKeys = entry(LevelKeys.__doc__)
+    walls: WallKeys | None = entry(WallKeys.__doc__, None)
+    measured: MeasuredKeys | None = entry(MeasuredKeys.__doc__, None)
+
+
+class GridKeys(Keys):
+    """The regular grid of both walls."""
+
+    cells_x: int = entry("Cells along x.", ge=3, le=4096)
+    cells_y: int = entry("Cells along y.", ge=3, le=4096)
+    spacing_mm: float = entry("Grid spacing h [mm].", gt=0)
+
+
+class SurfaceKeys(Keys):
+    """How walls are made from a JRC."""
+
+    hurst: float = entry("Hurst exponent H of the self-affine walls.", gt=0, le=1)
+    jrc_relation: Literal[tuple(RELATIONS)] = entry(
+        "Published relation of JRC and Z2, with its sampling interval."
+    )
+    normalise: Literal["wall", "expectation"] = entry(
+        "wall: every wall has exactly the Z2 of its JRC; expectation: on average."
+    )
+    correlation: float = entry(
+        "Correlation of the lower wall with the negative of the upper: 0 independent, 1 mated.",
+        ge=0,
+        le=1,
+    )
+    shift_in_cells: int = entry("Shift of the mated part along x, in cells.", ge=0, le=4096)
+
+
+class EffectKeys(Keys):
+    """Effects of the scene; interaction needs substrate, gouge needs breakage."""
+
+    substrate: bool = entry("Substrates deform, Eqs. (6) and (7).")
+    interaction: bool = entry("Contacts push each other down, Eqs. (17) and (18).")
+    breakage: bool = entry("Overloaded asperities break.")
+    gouge: bool = entry("Broken material fills the valleys around.")
+    soft_peaks: bool = entry("Peaks have a lower modulus than the rock.")
+    auto: float | None = entry(
+        "Relative change of a mean maximum closure below which an effect that is true is left out, "
+        "decided for each rock by a pilot; null: none is. `effects: auto` is short for all effects "
+        "and 0.02.",
+        gt=0,
+        lt=1,
+    )
+
+
+class ChoiceKeys(Keys):
+    """What the paper leaves open."""
+
+    base_radius_in_cells: float = entry(
+        "Base radius r of an asperity over the grid spacing.", gt=0, le=1
+    )
+    peak_modulus_ratio: float = entry("Young's modulus of a peak over the rock's.", gt=0, le=1)
+    concave: Literal["magnitude"] = entry(
+        "How valleys and saddles count. magnitude: by the size of their curvature."
+    )
+    peaks: Literal["pristine", "current"] = entry(
+        "Whether peaks are those of the walls before loading, or of the walls as they are."
+    )
+    largest_radius_mm: float | None = entry(
+        "Upper bound of each wall's Gaussian radius [mm]; null for none, the paper's.", gt=0
+    )
+    tie_tolerance: float = entry(
+        "Difference in height that counts as lower, over the walls' rms height.", gt=0, lt=0.001
+    )
+
+
+class NumericsKeys(Keys):
+    """Solver, steps and tolerances."""
+
+    preset: str | None = entry(
+        "A word for the other keys, as measured by the study of accuracy: quick, paper, accurate "
+        "or converged.",
+        None,
+    )
+    accuracy: float | None = entry(
+        "What mean maximum closures may be off by, relative: takes the cheapest numerics that were "
+        "found to reach it (needs choices.largest_radius_mm where anything breaks).",
+        None,
+        gt=0,
+        lt=1,
+    )
+    solver: Literal[tuple(SOLVERS)] = entry(
+        "fast, or reference: the paper's own loop, for small grids."
+    )
+    breakage: Literal["fixed_step", "resolved"] = entry(
+        "fixed_step: contacts break by the breakage steps (the paper's); resolved: by what brings "
+        "them back to their strength, in steps controlled by an error estimate (fast solver)."
+    )
+    tolerance: float = entry(
+        "What mean closures may be off by, relative, where breakage is resolved.", gt=0, le=0.1
+    )
+    displacement_step_um: float = entry("Displacement step of the first loading [um].", gt=0)
+    breakage_step_um: float = entry(
+        "Breakage step of the first loading [um]; smaller than the displacement step.", gt=0
+    )
+    later_displacement_step_um: float = entry(
+        "Displacement step of every branch after the first loading [um].", gt=0
+    )
+    later_breakage_step_um: float = entry(
+        "Breakage step of every branch after the first loading [um].", gt=0
+    )
+    target: Literal["equilibrate", "interpolate"] = entry(
+        "equilibrate: repeat the last step, smaller, until the stress is met; interpolate: the "
+        "paper's."
+    )
+    stress_tolerance: float = entry(
+        "Relative distance to the maximum stress that counts as met.", gt=0, lt=1
+    )
+    force_tolerance: float = entry(
+        "Relative residual of equilibrium that the fast solver reaches.", gt=0, lt=1
+    )
+    sweep_tolerance: float = entry(
+        "Largest relative change of a force between two sweeps at which the reference stops.",
+        gt=0,
+        lt=1,
+    )
+    curve_points: int = entry(
+        "Stresses of a closure curve, evenly spaced up to the maximum, where nothing breaks (fast "
+        "solver).",
+        ge=1,
+        le=100_000,
+    )
+    most_steps: float = entry(
+        "Displacement steps of a simulation, beyond which it is refused, or ends as "
+        "too_many_steps.",
+        ge=1,
+    )
+    most_breakage_steps: float = entry(
+        "Breakage steps of a simulation for each of its cells, beyond which it is refused, or "
+        "ends as breakage_not_at_rest.",
+        ge=1,
+    )
+
+
+class StatisticsKeys(Keys):
+    """Of the indifference intervals."""
+
+    significance: float = entry("Significance level of the two-sided t test.", gt=0, lt=1)
+    bootstrap_resamples: int = entry(
+        "Resamples of the surfaces for each confidence interval.", ge=10, le=100_000
+    )
+    bootstrap_confidence: float = entry("Confidence of these intervals.", gt=0, lt=1)
+
+
+class OutputKeys(Keys):
+    """What is stored."""
+
+    wall_strength_ratio: float = entry(
+        "Compressive strength of the rock over that of the joint's walls (JCS), for the "
+        "Barton-Bandis law in fig_5_closure.",
+        ge=1,
+    )
+    stress_points: int = entry(
+        "Points of the common stress axis of closure curves.", ge=2, le=10_000
+    )
+    largest_stress_MPa: float | None = entry(
+        "End of the common stress axis [MPa], at least every rock's maximum stress; null for the "
+        "largest of these.",
+        gt=0,
+    )
+
+
+class PointKeys(Keys):
+    """A knob and its value."""
+
+    knob: str = entry("Its name.")
+    value: float | str = entry("Its value.")
+
+
+class SceneKeys(Keys):
+    """A scene of an accuracy study: sections that are merged over the study's."""
+
+    study: dict[str, Any] = entry("Merged over study.", {})
+    effects: dict[str, Any] = entry("Merged over effects.", {})
+    choices: dict[str, Any] = entry("Merged over choices.", {})
+    numerics: dict[str, Any] = entry("Merged over numerics.", {})
+    grid: dict[str, Any] = entry("Merged over grid.", {})
+    surface: dict[str, Any] = entry("Merged over surface.", {})
+    rocks: dict[str, Any] = entry("Merged over rocks.", {})
+    finest: PointKeys = entry(
+        "Knob and value that the other settings of the scene are held against; knob `base` for "
+        "none turned."
+    )
+    cross: PointKeys | None = entry(
+        "The finest setting of another integrator, that the scene's own is held against.", None
+    )
+
+
+class NamedValueKeys(Keys):
+    """A value of a knob that stands for settings."""
+
+    value: str = entry("Its name.")
+    set: dict[str, Any] = entry("Settings that it stands for.")
+
+
+KnobValue = Annotated[
+    Annotated[NamedValueKeys, Tag("named")] | Annotated[float | str, Tag("plain")],
+    Discriminator(lambda value: "named" if isinstance(value, dict) else "plain"),
+]
+
+
+class KnobKeys(Keys):
+    """A knob: ``key`` is set to each value, or ``scale`` multiplied, or a value brings its own."""
+
+    scenes: list[str] = entry("Scenes in which it is turned.", min_length=1)
+    other_joints: bool = entry(
+        "Whether it changes the joints themselves: a difference there is no numerical error.",
+        False,
+    )
+    set: dict[str, Any] = entry("Settings that hold at all values.", {})
+    key: SectionKey | None = entry("What is set, as section.key.", None)
+    scale: list[SectionKey] | None = entry(
+        "What is multiplied, as section.key.", None, min_length=1
+    )
+    values: list[KnobValue] = entry(
+        "Numbers or words; or, without key and scale, a name (`value`) and settings (`set`) each.",
+        min_length=1,
+    )
+
+
+class AccuracyKeys(Keys):
+    """Design of a study of what accuracy costs (config/accuracy.yaml): scenes, and the knobs
+    that are turned in each."""
+
+    parameter: Literal[Rock._fields] = entry(
+        "Rock property at whose levels every run closes the surfaces, and whose indifference "
+        "interval is followed."
+    )
+    resamples: int = entry("Resamples of the surfaces for confidence intervals.", ge=10, le=100_000)
+    confidence: float = entry("Confidence of these intervals.", gt=0, lt=1)
+    presets: dict[Name, PointKeys] = entry(
+        "Words for settings of the numerics (numerics.preset), each a knob and its value."
+    )
+    scenes: dict[Name, SceneKeys] = entry(
+        "Scenes by name: sections of a configuration that are merged over the study's, and "
+        "`finest`, the knob and value that the others are held against.",
+        min_length=1,
+    )
+    knobs: dict[Name, KnobKeys] = entry(
+        "Knobs by name: either `key` (section.key) is set to each value, or each key of `scale` is "
+        "multiplied by it, or each value brings the settings that it stands for.",
+        min_length=1,
+    )
+
+
+def _range(kind: Any, description: str):
+    return Annotated[list[kind], Field(min_length=2, max_length=2, description=description)]
+
+
+class ValidationKeys(Keys):
+    """Random scenes on which the choice of effects (effects.auto) is held against the full
+    model."""
+
+    scenes: int = entry("Number of random scenes.", ge=1, le=100_000)
+    realizations: int = entry("Surfaces of each scene.", ge=2, le=100_000)
+    tolerances: list[Share] = entry("Tolerances of the choice.", min_length=1)
+    cells: _range(Annotated[float, Field(ge=3, le=512)], "Range of the cells along a square joint.")
+    youngs_modulus_GPa: _range(
+        Positive, "Range of Young's modulus [GPa], uniform in its logarithm."
+    )
+    poisson_ratio: _range(Poisson, "Range of Poisson's ratio.")
+    compressive_strength_MPa: _range(
+        Positive, "Range of the compressive strength [MPa], uniform in its logarithm."
+    )
+    jrc: _range(Jrc, "Range of the joint roughness coefficient.")
+    stress_MPa: _range(
+        Positive,
+        "Range of the maximum normal stress [MPa], uniform in its logarithm; at most the strength.",
+    )
+
+
+class AblationKeys(Keys):
+    """Conditions of a study of what each effect adds (config/effects.yaml); every well-posed
+    scene is closed at each."""
+
+    jrc: list[Jrc] = entry("Joint roughness coefficients.", min_length=1)
+    stress_MPa: list[Positive] = entry("Maximum normal stresses [MPa].", min_length=1)
+    validation: ValidationKeys | None = entry(ValidationKeys.__doc__, None)
+
+
+class ConfigurationKeys(Keys):
+    """Configuration of a study."""
+
+    study: StudyKeys = entry(StudyKeys.__doc__)
+    rocks: dict[Name, RockKeys] = entry(
+        "Rocks by name; a study's own file may add some.", min_length=1
+    )
+    grid: GridKeys = entry(GridKeys.__doc__)
+    surface: SurfaceKeys = entry(SurfaceKeys.__doc__)
+    seating_stress_MPa: float = entry(
+        "Stress from which seated closures count [MPa]; it changes what is read, never what "
+        "happens.",
+        ge=0,
+    )
+    effects: EffectKeys = entry(EffectKeys.__doc__)
+    choices: ChoiceKeys = entry(ChoiceKeys.__doc__)
+    numerics: NumericsKeys = entry(NumericsKeys.__doc__)
+    statistics: StatisticsKeys = entry(StatisticsKeys.__doc__)
+    output: OutputKeys = entry(OutputKeys.__doc__)
+    accuracy: AccuracyKeys | None = entry(AccuracyKeys.__doc__, None)
+    ablation: AblationKeys | None = entry(AblationKeys.__doc__, None)

@@ -1,0 +1,151 @@
+"""The configuration of a study as the library has it: typed, complete, and in SI.
+
+`jointclosure.config.configuration.configured` makes it from files, once. What a job
+needs of it goes through a rule's parameters by `jointclosure.config.plain`.
+"""
+
+from typing import NamedTuple
+
+from jointclosure.parameters import (
+    Choices,
+    Effects,
+    Numerics,
+    Rock,
+)
+
+SIDES = ("upper", "lower")
+
+
+class Study(NamedTuple):
+    """What is studied, and how often; keys of ``study``."""
+
+    name: str
+    rocks: tuple[str, ...]
+    realizations: int
+    cycles: int
+    root_seed: int
+    draws: str
+    surfaces_of: str | None
+    realizations_per_job: int | None
+    unusual_values: str
+
+
+class Walls(NamedTuple):
+    """Measured walls of a rock: files or words for partners, and how they are read."""
+
+    upper: str
+    lower: str
+    units: str | None
+    spacing: float | None
+    variable: str | None
+    missing: str
+    largest_filled_share: float
+    inverted: tuple[str, ...]
+
+
+class MeasuredFile(NamedTuple):
+    """Where a measured closure curve is, and units that its header does not say."""
+
+    file: str
+    stress_unit: str | None
+    closure_unit: str | None
+
+
+class StudyRock(NamedTuple):
+    """A rock of a study: its properties, roughness and load [SI].
+
+    ``levels`` has, for each varied parameter, all values in ascending order, the rock's own
+    among them. ``jrc`` is NaN where ``walls`` are measured ones.
+    """
+
+    title: str
+    intact: Rock
+    jrc: float
+    max_normal_stress: float
+    max_normal_stress_is_assumed: bool
+    effects: Effects
+    levels: dict[str, tuple[float, ...]]
+    walls: Walls | None
+    measured: MeasuredFile | None
+
+
+class Grid(NamedTuple):
+    """Cells of both walls, and their spacing [m]."""
+
+    cells_x: int
+    cells_y: int
+    spacing: float
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Cells (y, x)."""
+        return self.cells_y, self.cells_x
+
+
+class Surface(NamedTuple):
+    """How walls are made from a JRC; arguments of `jointclosure.wall_pair`."""
+
+    hurst: float
+    jrc_relation: str
+    normalise: str
+    correlation: float
+    shift_in_cells: int
+
+
+class Statistics(NamedTuple):
+    """Of the indifference intervals."""
+
+    significance: float
+    bootstrap_resamples: int
+    bootstrap_confidence: float
+
+
+class Output(NamedTuple):
+    """What is stored and drawn; ``largest_stress`` [Pa] ends the axis of the closure curves."""
+
+    wall_strength_ratio: float
+    stress_points: int
+    largest_stress: float
+
+
+class Validation(NamedTuple):
+    """Random scenes: how many, and the ranges (low, high) of what is drawn [SI]."""
+
+    scenes: int
+    realizations: int
+    tolerances: tuple[float, ...]
+    cells: tuple[float, ...]
+    youngs_modulus: tuple[float, ...]
+    poisson_ratio: tuple[float, ...]
+    compressive_strength: tuple[float, ...]
+    jrc: tuple[float, ...]
+    stress: tuple[float, ...]
+
+
+class Ablation(NamedTuple):
+    """Conditions at which every scene of effects is closed: JRC, maximum stress [Pa]."""
+
+    jrc: tuple[float, ...]
+    stress: tuple[float, ...]
+    validation: Validation | None
+
+
+class Configuration(NamedTuple):
+    """All of a study. ``rocks`` are those of the study, in its order.
+
+    ``effects_chosen_to`` is the tolerance by which a pilot chooses effects, None where
+    they are as configured. The design of an accuracy study is many configurations:
+    `jointclosure.studies.accuracy.design`.
+    """
+
+    study: Study
+    rocks: dict[str, StudyRock]
+    grid: Grid
+    surface: Surface
+    seating_stress: float
+    effects_chosen_to: float | None
+    choices: Choices
+    numerics: Numerics
+    statistics: Statistics
+    output: Output
+    ablation: Ablation | None

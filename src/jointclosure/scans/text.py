@@ -1,0 +1,189 @@
+"""Tables of numbers in text as instruments and people write them."""
+
+import io
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from jointclosure.inputs import InputError
+from jointclosure.scans.units import is_unit, split_name
+
+COMMENTS = ("#", "%", "//", "!")
+_MISSING = ("", "nan", "na", "n/a", "null", "none", "-", "--", "---", "***", "bad", "inf", "-inf")
+_DECIMAL_COMMA = re.compile(r"[-+]?\d+(,\d+)?([eE][-+]?\d+)?")
+
+
+class Table(NamedTuple):
+    """Numbers (rows, columns), NaN where missing; names of the columns, empty where none are given.
+
+    ``units`` are those of a line of units below the names, ``remarks`` what was passed over.
+    """
+
+    values: np.ndarray
+    names: list[str]
+    units: str | None
+    remarks: tuple[str, ...]
+
+
+class _Form(NamedTuple):
+    """How a line is cut into words."""
+
+    separator: str | None
+    decimal: str
+
+
+def read_table(path: Path) -> Table:
+    """A table of numbers: separators, decimal commas, names and comments as they are found.
+
+    Raises
+    ------
+    InputError
+        No line of numbers, or a word among the numbers that is none.
+    ValueError
+        Lines that pandas cannot read.
+    """
+    lines = _decoded(path.read_bytes()).splitlines()
+    start = next((i for i, line in enumerate(lines) if _is_data(line)), None)
+    head = lines[:start]
+    names, units, remarks = _names(head)
+    if start is None:
+        raise _without_numbers(head, bool(names))
+    form = _form_of(lines[start])
+    width = len(_words(lines[start], form))
+    frame = pd.read_csv(
+        io.StringIO("\n".join(_without_comments(lines[start:]))),
+        sep=form.separator or r"\s+",
+        decimal=form.decimal,
+        header=None,
+        names=range(width),
+        index_col=False,
+        skipinitialspace=True,
+        na_values=[word for word in _MISSING if word],
+    )
+    frame, repeated = _numbers(frame, names, form.decimal)
+    if repeated:
+        remarks.append(f"{repeated} repeated lines of names were passed over")
+    # a separator at the end of every line makes a column of nothing
+    while width > len(names or "xyz") and frame[width - 1].isna().all():
+        width -= 1
+    if names and len(names) != width:
+        raise InputError(f"{len(names)} names ({', '.join(names)}) of {width} columns")
+    values = frame.iloc[:, :width].to_numpy(dtype=float)
+    return Table(values, names, units, tuple(remarks))
+
+
+def _decoded(content: bytes) -> str:
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return content.decode("utf-16")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("latin-1")  # has the micro sign of older instruments
+
+
+def _form_of(line: str) -> _Form:
+    for mark in (";", "\t"):
+        if mark in line.strip():
+            return _Form(mark, "," if "," in line and "." not in line else ".")
+    words = line.split()
+    if "," in line and len(words) > 1 and all(_DECIMAL_COMMA.fullmatch(word) for word in words):
+        return _Form(None, ",")
+    return _Form("," if "," in line else None, ".")
+
+
+def _words(line: str, form: _Form) -> list[str]:
+    words = line.strip().split(form.separator)
+    return [word.strip().strip('"') for word in words]
+
+
+def _is_data(line: str) -> bool:
+    """Whether a line holds two numbers or more, and else nothing but words for none."""
+    if not line.strip() or line.lstrip().startswith(COMMENTS):
+        return False
+    form = _form_of(line)
+    words = _words(line, form)
+    numbers = [_is_number(word.replace(form.decimal, ".")) for word in words]
+    nothing = [word.lower() in _MISSING for word in words]
+    return sum(numbers) - sum(nothing) >= 2 and all(map(any, zip(numbers, nothing, strict=True)))
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return word.lower() in _MISSING
+    return True
+
+
+def _names(head: list[str]) -> tuple[list[str], str | None, list[str]]:
+    """Names of the columns, units of a line of units, and remarks on other lines before the data.
+
+    A comment counts where it names x, y and z.
+    """
+    names: list[str] = []
+    units, remarks, fields = None, [], []
+    for number, line in enumerate(head, start=1):
+        bare = line.strip()
+        comment = bare.startswith(COMMENTS)
+        words = _split_names(bare.lstrip("#%/! ") if comment else bare)
+        if not words:
+            continue
+        if {split_name(word)[0].lower() for word in words} >= {"x", "y", "z"}:
+            if names:
+                remarks.append(f"line {number} repeats the names of the columns")
+            names = words
+        elif len(words) > 1 and len({*words}) == 1 and is_unit(words[0].strip("()[]")):
+            units = words[0].strip("()[]")
+        elif not comment and len(words) > 2:
+            fields = words
+        elif not comment:
+            remarks.append(f"line {number} was passed over: {bare[:60]!r}")
+    return names or fields, units, remarks
+
+
+def _split_names(line: str) -> list[str]:
+    mark = next((mark for mark in (";", "\t", ",") if mark in line), None)
+    glued = re.sub(r"\s+([(\[])", r"\1", line)
+    words = [word.strip().strip('"') for word in (line if mark else glued).split(mark)]
+    while words and not words[-1]:
+        words.pop()
+    return words
+
+
+def _without_numbers(head: list[str], named: bool) -> InputError:
+    written = [line.strip() for line in head if line.strip()]
+    written = [line for line in written if not line.startswith(COMMENTS)]
+    if not written:
+        return InputError("has no points")
+    if not named:
+        return InputError(f"has no line of numbers; the first is {written[0][:60]!r}")
+    return InputError(f"has no line of numbers below the names; there is {written[-1][:60]!r}")
+
+
+def _without_comments(lines: list[str]) -> list[str]:
+    return [line for line in lines if line.strip() and not line.lstrip().startswith(COMMENTS)]
+
+
+def _numbers(frame: pd.DataFrame, names: list[str], decimal: str) -> tuple[pd.DataFrame, int]:
+    """The numbers without lines that repeat the names, and how many did; `InputError` for words."""
+    repeated = np.zeros(len(frame), bool)
+    numbers = {}
+    for column in frame.columns:
+        if frame[column].dtype.kind in "fiu":
+            numbers[column] = frame[column].astype(float)
+            continue
+        words = frame[column].astype(str).str.strip()
+        values = pd.to_numeric(words.str.replace(decimal, ".", regex=False), errors="coerce")
+        known = frame[column].notna() & ~words.str.lower().isin(_MISSING)
+        name = words == names[column] if column < len(names) else known & False
+        wrong = np.flatnonzero(values.isna() & known & ~name)
+        if wrong.size:
+            raise InputError(
+                f"{words.iloc[wrong[0]]!r} in line {wrong[0] + 1} of the numbers is no number"
+            )
+        repeated |= (values.isna() & name).to_numpy()
+        numbers[column] = values.astype(float)
+    return pd.DataFrame(numbers)[~repeated], int(repeated.sum())

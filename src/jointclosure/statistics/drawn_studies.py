@@ -1,0 +1,201 @@
+"""Repetitions of a published study, drawn from pools of closed surfaces.
+
+A study draws n surfaces for every level of every parameter, independently, as the
+paper did, and publishes the lengths of its indifference intervals. Its repetitions
+are drawn here from a pool of N surfaces per case. A pool is itself a sample: a
+repetition therefore first resamples the pool (N of N, with replacement) and draws its
+n from that. To make up for what resampling a finite pool takes from the scatter, values
+are moved away from the pool's mean by the factor N/(N - 1). Then a repetition's mean at
+a level has the variance s^2/n + s^2/(N - 1) about the pool's, which is that of a new
+study's mean about it, with the pool's own error included (s: the pool's standard
+deviation, ddof 1), and the variance within a repetition is s^2.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from jointclosure.inputs import InputError, check_number, real_array
+from jointclosure.statistics.indifference import indifference_lengths
+
+Key = tuple[str, ...] | str
+
+
+class Pool(NamedTuple):
+    """What was found on the surfaces of one case.
+
+    ``values`` (targets, N): each target (closure of cycle 1, of cycle 2, ...) on each
+    surface. ``surfaces``: the name of the set of surfaces; pools with the same name have
+    the same surfaces in the same order, and are resampled together.
+    """
+
+    values: np.ndarray
+    surfaces: str
+
+
+class Sensitivity(NamedTuple):
+    """One parameter of one rock: levels (k,), ascending, and a pool for each.
+
+    ``base`` is the level that changes depart from.
+    """
+
+    levels: np.ndarray
+    base: float
+    pools: tuple[Pool, ...]
+
+
+class Design(NamedTuple):
+    """How a published study is made.
+
+    ``draws``: surfaces n per level. ``significance``: of its t test. ``shared_base``:
+    whether the parameters of a rock share the surfaces drawn at the base level (the
+    paper's text leaves it open), or each has its own.
+    """
+
+    draws: int = 20
+    significance: float = 0.05
+    shared_base: bool = True
+
+
+class DrawnResponse(NamedTuple):
+    """One parameter in R repetitions of a study.
+
+    ``means`` and ``deviations`` (R, targets, k); ``lengths`` (R, targets) of the
+    indifference intervals, infinite where there is no root.
+    """
+
+    levels: np.ndarray
+    base: float
+    means: np.ndarray
+    deviations: np.ndarray
+    lengths: np.ndarray
+
+
+def draw_studies(
+    sensitivities: Mapping[Key, Sensitivity],
+    design: Design,
+    repetitions: int,
+    random: np.random.Generator,
+) -> dict[Key, DrawnResponse]:
+    """Draw repetitions of a study of independent draws at every level.
+
+    Parameters
+    ----------
+    sensitivities : mapping from a key, (rock, parameter) say, to `Sensitivity`
+        Those of one mapping are drawn as one study: pools with the same surfaces are
+        resampled together, and all targets of a case are those of the same surfaces.
+    design : Design
+    repetitions : int
+        R.
+    random : Generator
+
+    Returns
+    -------
+    dict from key to `DrawnResponse`
+
+    Raises
+    ------
+    InputError
+        Levels, pools or a design that are not what they must be, named by key.
+    """
+    _check(sensitivities, design, repetitions)
+    resampled: dict[str, np.ndarray] = {}
+    at_base: dict[str, np.ndarray] = {}
+    drawn = {}
+    for key, sensitivity in sensitivities.items():
+        chosen = []
+        for level, pool in zip(sensitivity.levels, sensitivity.pools, strict=True):
+            size, name = pool.values.shape[1], pool.surfaces
+            if name not in resampled:
+                smallest = np.min_scalar_type(size)
+                resampled[name] = random.integers(size, size=(repetitions, size), dtype=smallest)
+            index = random.integers(size, size=(repetitions, design.draws))
+            if design.shared_base and level == sensitivity.base:
+                index = at_base.setdefault(name, index)
+            chosen.append(np.take_along_axis(resampled[name], index, axis=1))
+        drawn[key] = _responses(sensitivity, chosen, design)
+    return drawn
+
+
+def without_effect(sensitivities: Mapping[Key, Sensitivity]) -> dict[Key, Sensitivity]:
+    """The same parameters if they had no effect: every level draws from the base pool."""
+    changed = {}
+    for key, (levels, base, pools) in sensitivities.items():
+        at_base = pools[list(levels).index(base)]
+        changed[key] = Sensitivity(levels, base, (at_base,) * len(pools))
+    return changed
+
+
+def without_group(
+    sensitivities: Mapping[Key, Sensitivity], group: int, groups: int
+) -> dict[Key, Sensitivity]:
+    """The pools without every surface whose number is ``group`` modulo ``groups``.
+
+    Whatever is computed from them for every group gives `jackknife_error`.
+    """
+    changed = {}
+    for key, (levels, base, pools) in sensitivities.items():
+        kept = tuple(
+            Pool(p.values[:, np.arange(p.values.shape[1]) % groups != group], p.surfaces)
+            for p in pools
+        )
+        changed[key] = Sensitivity(levels, base, kept)
+    return changed
+
+
+def jackknife_error(values) -> float:
+    """Standard error from the G values found without one of G groups each."""
+    values = np.asarray(values, dtype=float)
+    return float(np.sqrt((values.size - 1) * np.var(values)))
+
+
+def lengths_table(drawn: Mapping[Key, DrawnResponse]) -> np.ndarray:
+    """All lengths of drawn studies, (R, entries): the targets of the first key, of the next."""
+    return np.concatenate([response.lengths for response in drawn.values()], axis=1)
+
+
+def _responses(sensitivity, chosen, design) -> DrawnResponse:
+    of_pools: list[tuple[np.ndarray, np.ndarray]] = []
+    for pool, index in zip(sensitivity.pools, chosen, strict=True):
+        size = pool.values.shape[1]
+        centre = pool.values.mean(axis=1, keepdims=True)
+        values = (centre + (pool.values - centre) * (size / (size - 1)))[:, index]
+        of_pools.append((values.mean(axis=-1).T, values.std(axis=-1, ddof=1).T))
+    means, deviations = (np.stack(part, axis=-1) for part in zip(*of_pools, strict=True))
+    lengths = indifference_lengths(
+        sensitivity.levels, means, deviations, design.draws, design.significance, sensitivity.base
+    )
+    return DrawnResponse(
+        np.asarray(sensitivity.levels, dtype=float),
+        sensitivity.base,
+        means,
+        deviations,
+        np.where(np.isnan(lengths), np.inf, lengths),
+    )
+
+
+def _check(sensitivities, design, repetitions) -> None:
+    for name, value, least in (("draws", design.draws, 2), ("repetitions", repetitions, 1)):
+        check_number(name, value, whole=True)
+        if value < least:
+            raise InputError(f"{name} = {value}: must be a whole number from {least} on")
+    sizes: dict[str, int] = {}
+    for key, (levels, base, pools) in sensitivities.items():
+        if len(levels) != len(pools) or base not in levels:
+            raise InputError(
+                f"{key}: {len(pools)} pools for {len(levels)} levels, base = {base!r}: must be "
+                "one for each, and the base one of the levels"
+            )
+        for pool in pools:
+            values = real_array(f"{key}, pool of {pool.surfaces}", pool.values)
+            if values.ndim != 2 or values.shape[1] < 2:
+                raise InputError(
+                    f"{key}, pool of {pool.surfaces}: shape {values.shape}, must be (targets, N) "
+                    "with two surfaces or more"
+                )
+            if sizes.setdefault(pool.surfaces, values.shape[1]) != values.shape[1]:
+                raise InputError(
+                    f"{key}, pool of {pool.surfaces}: {values.shape[1]} surfaces, another pool of "
+                    f"these surfaces has {sizes[pool.surfaces]}"
+                )

@@ -1,0 +1,124 @@
+"""Whether a table of published lengths is a draw from repetitions of a study.
+
+The statistic is a composite log-likelihood: the sum over the entries of the log of the
+probability of a dash, or of the density of log(length) where there is a root. Entries
+depend on each other (both cycles of a case have the same surfaces), which the sum
+ignores; its distribution is simulated from the repetitions themselves, in which they
+depend on each other as they must, and the p value needs nothing more.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from jointclosure.inputs import InputError
+
+TAIL_SHARE = 0.01
+"""Share of the density that is a Student t with 3 degrees of freedom and not the kernel
+estimate: a value outside all draws is then unlikely, and not impossible."""
+
+GRID = 512
+FEWEST_ROOTS = 10
+GROUPS = 10
+
+
+class JointTest(NamedTuple):
+    """Composite log-likelihood of a table, and where it lies among repetitions.
+
+    ``standard_error``: of the log-likelihood, from the finite number of repetitions.
+    ``p``: share of repetitions that are as unlikely or more.
+    """
+
+    log_likelihood: float
+    standard_error: float
+    p: float
+
+
+def joint_test(lengths, observed) -> JointTest:
+    """Test a table, or some of its entries, against repetitions of a study.
+
+    Parameters
+    ----------
+    lengths : array (R, entries)
+        Of repeated studies (`lengths_table`), infinite where there is no root; R from 100.
+    observed : array (entries,)
+        The published lengths, in the same unit and order; NaN or infinite for a dash.
+
+    Returns
+    -------
+    JointTest
+
+    Raises
+    ------
+    InputError
+        Shapes that do not fit, too few repetitions, a length that is not positive.
+
+    Notes
+    -----
+    Densities are Gaussian kernel estimates of log(length) (Silverman's bandwidth) with a
+    heavy tail of weight `TAIL_SHARE`. For p, the repetitions are halved, and each half is
+    judged by the densities of the other, as the published table is; so no repetition is
+    judged by a density that it shaped. The log-likelihood itself uses all of them, its
+    standard error is that of a jackknife over `GROUPS` groups of repetitions.
+    """
+    lengths, observed = _checked(lengths, observed)
+    halves = lengths[::2], lengths[1::2]
+    as_unlikely = 0
+    for own, other in (halves, halves[::-1]):
+        likelihoods = log_likelihoods(other, np.vstack([observed, own]))
+        as_unlikely += int(np.count_nonzero(likelihoods[1:] <= likelihoods[0]))
+    group = np.arange(lengths.shape[0]) % GROUPS
+    parts = [log_likelihoods(lengths[group != i], observed[None])[0] for i in range(GROUPS)]
+    return JointTest(
+        log_likelihood=float(log_likelihoods(lengths, observed[None])[0]),
+        standard_error=float(np.sqrt((GROUPS - 1) * np.var(parts))),
+        p=float((1 + as_unlikely) / (lengths.shape[0] + 1)),
+    )
+
+
+def log_likelihoods(lengths: np.ndarray, tables: np.ndarray) -> np.ndarray:
+    """Composite log-likelihoods (m,) of tables (m, entries) under lengths (R, entries)."""
+    total = np.zeros(tables.shape[0])
+    for drawn, found in zip(lengths.T, tables.T, strict=True):
+        roots = np.isfinite(drawn)
+        without = (np.count_nonzero(~roots) + 0.5) / (drawn.size + 1.0)
+        dash = ~np.isfinite(found)
+        total[dash] += np.log(without)
+        total[~dash] += np.log1p(-without)
+        total[~dash] += _log_density(np.log(drawn[roots]), np.log(found[~dash]))
+    return total
+
+
+def _log_density(draws: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Log of the density of log(length), from its draws; 0 where they are too few to say."""
+    if draws.size < FEWEST_ROOTS or at.size == 0:
+        return np.zeros(at.size)
+    quarters = np.quantile(draws, [0.25, 0.5, 0.75])
+    scale = (quarters[2] - quarters[0]) / 1.349
+    width = 0.9 * min(draws.std(ddof=1), scale) * draws.size**-0.2
+    low, high = draws.min() - 4.0 * width, draws.max() + 4.0 * width
+    grid = np.linspace(low, high, GRID) if at.size > GRID else np.sort(at)
+    z = (grid[:, None] - draws) / width
+    kernel = np.exp(-0.5 * z * z).mean(axis=1) / (width * np.sqrt(2.0 * np.pi))
+    tail = scipy.stats.t.pdf((at - quarters[1]) / scale, 3) / scale
+    return np.log(
+        (1.0 - TAIL_SHARE) * np.interp(at, grid, kernel, left=0.0, right=0.0) + TAIL_SHARE * tail
+    )
+
+
+def _checked(lengths, observed) -> tuple[np.ndarray, np.ndarray]:
+    lengths, observed = np.asarray(lengths, dtype=float), np.asarray(observed, dtype=float)
+    if lengths.ndim != 2 or observed.shape != lengths.shape[1:]:
+        raise InputError(
+            f"lengths {lengths.shape} and observed {observed.shape}: must be (repetitions, "
+            "entries) and (entries,)"
+        )
+    if lengths.shape[0] < 100:
+        raise InputError(f"lengths: {lengths.shape[0]} repetitions, must be 100 or more")
+    for name, values in (("lengths", lengths), ("observed", observed)):
+        if np.any(values <= 0.0):
+            raise InputError(f"{name}: the smallest is {np.nanmin(values)}, must be positive")
+    if np.isnan(lengths).any():
+        raise InputError("lengths: NaN, must be infinite where there is no root")
+    return lengths, np.where(np.isnan(observed), np.inf, observed)

@@ -1,0 +1,222 @@
+"""The indifference interval of a paired t test: the same surfaces at every level.
+
+With common draws the scatter that counts is that of the *difference* between a level and
+the base on the same surface, which a paired t test uses; the scatter between surfaces, which
+Eq. (28) uses, cancels. On surface s, with u = (p - p_M)/half-range, a response is taken as
+
+    y_s(u) = a_s + c_s u + b_s u^2 + e_s(u),
+
+a line (or a quadratic) of its own, and an irregular part e_s of variance sigma^2,
+independent from level to level: breakage takes another order after the smallest change. The
+difference from the base then has the mean b u^2 + c u and, at u != 0, the variance
+
+    S_d^2(u) = V_cc u^2 + 2 V_bc u^3 + V_bb u^4 + 2 sigma^2,
+
+with V the covariance of c_s and b_s over surfaces. It is critical where, in place of Eq. (29),
+
+    n (b u^2 + c u)^2 = t_cr^2 S_d^2(u),          t_cr with n - 1 degrees of freedom.
+
+Without the irregular part (sigma = 0) u = 0 is a double root on both sides; divided by u^2,
+n (b u + c)^2 = t_cr^2 (V_cc + 2 V_bc u + V_bb u^2), and the length is 0 wherever the mean slope
+is significant: differences that shrink with the change are seen however small it is. What
+limits a paired study is therefore sigma. With three levels it can only be told from V if a
+surface's own response is taken as a line (``degree=1``): then what its three values deviate
+from the common curvature by is irregular. This counts a surface's own curvature as
+irregular, and gives the longer length; ``degree=2`` with three levels leaves nothing
+irregular, and gives the shorter. The truth is between. For a mean that is a line the
+length is t_cr sqrt(2/n) sigma / sqrt(c^2 - t_cr^2 V_cc/n).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from jointclosure.inputs import InputError, check_number, real_array
+from jointclosure.statistics.correlations import Quadratic, fit_quadratic
+from jointclosure.statistics.indifference import closest_to_zero
+
+
+class DifferenceScatter(NamedTuple):
+    """Variance of the difference from the base on one surface, in u.
+
+    ``slope``, ``covariance``, ``curvature``: V_cc, V_bc, V_bb; ``irregular``: sigma^2.
+    """
+
+    slope: float
+    covariance: float
+    curvature: float
+    irregular: float
+
+    def at(self, u):
+        """S_d^2(u); 0 at the base itself."""
+        u = np.asarray(u, dtype=float)
+        smooth = u * u * (self.slope + u * (2.0 * self.covariance + u * self.curvature))
+        return np.where(u == 0.0, 0.0, smooth + 2.0 * self.irregular)
+
+
+class PairedInterval(NamedTuple):
+    """Within ``length`` of the base, a paired test sees no significant difference.
+
+    ``length``, ``root``, ``extrapolated`` and ``critical_value`` are as of
+    `IndifferenceInterval`, but the root is the base itself where the length is 0.
+    ``linear_length``: what it would be without the mean's curvature, infinite where the slope
+    alone is not significant. ``irregularity``: sigma, in the unit of the samples.
+    """
+
+    length: float
+    root: float
+    extrapolated: bool
+    linear_length: float
+    irregularity: float
+    critical_value: float
+
+
+def paired_indifference_interval(
+    levels, samples, significance: float = 0.05, base: float | None = None, degree: int = 1
+) -> PairedInterval:
+    """Smallest change that a paired t test on the same surfaces tells from none.
+
+    Parameters
+    ----------
+    levels : array (k,)
+        Parameter values, strictly ascending, k >= 3.
+    samples : array (k, n)
+        The target at every level (rows) on every surface (columns), n >= 2.
+    significance : float
+        Of the two-sided test.
+    base : float, optional
+        The level that a change departs from; the middle one unless given.
+    degree : {1, 2}
+        Of the response of one surface: a line or a quadratic of its own. The mean
+        over surfaces is a quadratic in both cases.
+
+    Returns
+    -------
+    PairedInterval
+
+    Raises
+    ------
+    InputError
+        Levels out of order or fewer than three, samples of another shape or not
+        finite, a base that is no level, a degree that is not 1 or 2.
+    """
+    levels, samples, base = checked_samples(levels, samples, significance, base)
+    mean = fit_quadratic(levels, samples.mean(axis=1), base)
+    scatter = difference_scatter(levels, samples, base, degree)
+    n = samples.shape[1]
+    critical = float(scipy.stats.t.ppf(1.0 - 0.5 * significance, n - 1))
+    u = _closest_root(mean, scatter, n, critical)
+    root = base + u * mean.half_range
+    slope = n * mean.c**2 - critical**2 * scatter.slope
+    linear = np.inf
+    if slope > 0.0:
+        linear = critical * np.sqrt(2.0 * scatter.irregular / slope) * mean.half_range
+    return PairedInterval(
+        length=abs(u) * mean.half_range,
+        root=float(root),
+        extrapolated=bool(root < levels[0] or root > levels[-1]),
+        linear_length=float(linear),
+        irregularity=float(np.sqrt(scatter.irregular)),
+        critical_value=critical,
+    )
+
+
+def difference_scatter(levels, samples, base: float, degree: int = 1) -> DifferenceScatter:
+    """Scatter of differences from the base, from responses of single surfaces.
+
+    Arguments as for `paired_indifference_interval`.
+
+    Notes
+    -----
+    Level means are removed; each surface's deviations from them are fitted by a polynomial
+    of the degree. Residuals give sigma^2, with (n - 1)(k - degree - 1) degrees of
+    freedom, and the covariance of the coefficients, less what sigma^2 alone gives them, gives V.
+    Where that is not positive semi-definite the degree is lowered by one: there is then no
+    sign of a response of a surface's own. With no residuals left (k = degree + 1), sigma = 0.
+    """
+    if degree not in (1, 2):
+        raise InputError(f"degree = {degree!r}: must be 1 or 2")
+    levels, samples = np.asarray(levels, dtype=float), np.asarray(samples, dtype=float)
+    k, n = samples.shape
+    u = (levels - base) / (0.5 * (levels[-1] - levels[0]))
+    deviations = samples - samples.mean(axis=1, keepdims=True)
+    for order in range(degree, -1, -1):
+        design = np.vander(u, order + 1, increasing=True)
+        inverse = np.linalg.pinv(design)
+        coefficients = inverse @ deviations
+        freedom = (n - 1) * (k - order - 1)
+        residual = float(np.sum((deviations - design @ coefficients) ** 2))
+        irregular = residual / freedom if freedom else 0.0
+        covariance = coefficients @ coefficients.T / (n - 1) - irregular * (inverse @ inverse.T)
+        own = covariance[1:, 1:]
+        if not own.size or np.linalg.eigvalsh(own)[0] >= -1e-12 * np.abs(own).max():
+            break
+    full = np.zeros((2, 2))
+    full[:order, :order] = own
+    return DifferenceScatter(
+        max(float(full[0, 0]), 0.0), float(full[0, 1]), max(float(full[1, 1]), 0.0), irregular
+    )
+
+
+def p_of_difference(first, second, paired: bool) -> float:
+    """Two-sided p of the t test that two levels have the same mean.
+
+    Parameters
+    ----------
+    first, second : arrays (n,)
+        The target at each level; of the same surfaces in the same order where paired.
+    paired : bool
+        Otherwise the unpaired test of Eq. (28), 2 n - 2 degrees of freedom.
+    """
+    first, second = real_array("first", first), real_array("second", second)
+    if first.shape != second.shape or first.ndim != 1 or first.size < 2:
+        raise InputError(
+            f"first {first.shape} and second {second.shape}: must be rows of the same n >= 2"
+        )
+    n = first.size
+    change = second - first
+    if paired:
+        error, freedom = change.std(ddof=1) / np.sqrt(n), n - 1
+    else:
+        error = np.sqrt((first.var(ddof=1) + second.var(ddof=1)) / n)
+        freedom = 2 * n - 2
+    if error == 0.0:
+        return 0.0 if change.any() else 1.0
+    return float(2.0 * scipy.stats.t.sf(abs(change.mean()) / error, freedom))
+
+
+def _closest_root(mean: Quadratic, scatter: DifferenceScatter, n: int, critical: float) -> float:
+    size = max(abs(mean.b), abs(mean.c))
+    if size == 0.0:
+        return float("nan")
+    b, c, t2 = mean.b / size, mean.c / size, critical**2
+    slope, covariance, curvature, irregular = (value / size**2 for value in scatter)
+    quartic = np.array(
+        [
+            n * b * b - t2 * curvature,
+            2.0 * (n * b * c - t2 * covariance),
+            n * c * c - t2 * slope,
+            0.0,
+            -2.0 * t2 * irregular,
+        ]
+    )
+    return closest_to_zero(quartic, scatter_at_zero=irregular > 0.0)
+
+
+def checked_samples(levels, samples, significance, base):
+    """Levels (k,), samples (k, n) and base as floats; `InputError` names what is wrong."""
+    levels, samples = real_array("levels", levels), real_array("samples", samples)
+    if levels.ndim != 1 or levels.size < 3 or not np.all(np.diff(levels) > 0.0):
+        raise InputError(f"levels = {levels.tolist()}: must be three or more, strictly ascending")
+    if samples.ndim != 2 or samples.shape[0] != levels.size or samples.shape[1] < 2:
+        raise InputError(
+            f"samples {samples.shape}: must be ({levels.size} levels, n >= 2 surfaces)"
+        )
+    check_number("significance", significance)
+    if not 0.0 < significance < 1.0:
+        raise InputError(f"significance = {significance!r}: must lie between 0 and 1")
+    base = levels[levels.size // 2] if base is None else base
+    if base not in levels:
+        raise InputError(f"base = {base!r}: must be one of the levels {levels.tolist()}")
+    return levels, samples, float(base)

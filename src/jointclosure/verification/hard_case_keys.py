@@ -1,0 +1,173 @@
+"""The keys of config/hard_cases.yaml; closed at every level, and extreme on purpose."""
+
+from typing import Annotated, Any, Literal
+
+import pydantic
+from pydantic import ConfigDict, Field, StringConstraints
+
+from jointclosure.config.keys import entry
+from jointclosure.protocol import FLAGS
+from jointclosure.solvers.registry import SOLVERS
+from jointclosure.verification.hard_walls import SHAPES
+
+Name = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$")]
+Sentence = Annotated[str, StringConstraints(min_length=5)]
+Within = Annotated[float, Field(ge=0)]
+_AS = "As in the keys of a configuration."
+
+
+class Keys(pydantic.BaseModel):
+    """Keys that stand together; infinite numbers are allowed."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
+
+
+class WallKeys(Keys):
+    """A pair of walls."""
+
+    kind: Literal[("self_affine", "mated", *SHAPES)] = entry("A shape, or random walls.")
+    cells: list[Annotated[int, Field(ge=1)]] = entry("Along y and x.", min_length=2, max_length=2)
+    height_um: float = entry("Scale of a shape's heights.")
+    jrc: float = entry("Of random walls.")
+    seed: int = entry("Of random walls.", ge=0)
+    factor: float = entry("Of all heights.")
+    offset_m: list[float] = entry("Added to upper and lower wall.", min_length=2, max_length=2)
+
+
+class RockKeys(Keys):
+    """Intact rock."""
+
+    youngs_modulus_GPa: float = entry(_AS)
+    poisson_ratio: float = entry(_AS)
+    compressive_strength_MPa: float = entry(_AS)
+
+
+class EffectKeys(Keys):
+    """Effects that act."""
+
+    substrate: bool = entry(_AS)
+    interaction: bool = entry(_AS)
+    breakage: bool = entry(_AS)
+    gouge: bool = entry(_AS)
+    soft_peaks: bool = entry(_AS)
+
+
+class ChoiceKeys(Keys):
+    """What the paper leaves open."""
+
+    base_radius_in_cells: float = entry(_AS)
+    peak_modulus_ratio: float = entry(_AS)
+    peaks: Literal["pristine", "current"] = entry(_AS)
+    largest_radius_mm: float | None = entry(_AS)
+    tie_tolerance: float = entry(_AS)
+
+
+class NumericsKeys(Keys):
+    """Solver, steps and tolerances."""
+
+    solver: Literal[tuple(SOLVERS)] = entry(_AS)
+    displacement_step_um: float = entry(_AS)
+    breakage_step_um: float = entry(_AS)
+    later_displacement_step_um: float = entry(_AS)
+    later_breakage_step_um: float = entry(_AS)
+    stress_tolerance: float = entry(_AS)
+    force_tolerance: float = entry(_AS)
+    sweep_tolerance: float = entry(_AS)
+    tolerance: float = entry(_AS)
+    curve_points: int = entry(_AS)
+    most_steps: float = entry(_AS)
+    most_breakage_steps: float = entry(_AS)
+
+
+class SameAsKeys(Keys):
+    """Another case that closes the same."""
+
+    case: str = entry("Another case of the same way of breakage.")
+    within: Within = entry("Relative.")
+
+
+class NoDriftKeys(Keys):
+    """Residual closures that stay."""
+
+    from_cycle: int = entry("First cycle that counts.", ge=1)
+    within: Within = entry("Of the residual closure, over the last cycle's maximum closure.")
+
+
+class ForgetsKeys(Keys):
+    """Cycles that become alike."""
+
+    within: Within = entry("Relative spread of the maximum closures from cycle 2 on.")
+
+
+class ClosureKeys(Keys):
+    """A closure that is known."""
+
+    value_m: float = entry("Of the first cycle.")
+    within: Within = entry("Relative.")
+
+
+class FractionKeys(Keys):
+    """Cells in contact."""
+
+    least: float = entry("Of the largest fraction of cells in contact.")
+    most: float = entry("The same.")
+
+
+class MustKeys(Keys):
+    """What is asked of one case alone, see `jointclosure.verification.requirements`."""
+
+    same_as: SameAsKeys | None = entry(SameAsKeys.__doc__, None)
+    no_drift: NoDriftKeys | None = entry(NoDriftKeys.__doc__, None)
+    forgets: ForgetsKeys | None = entry(ForgetsKeys.__doc__, None)
+    closure: ClosureKeys | None = entry(ClosureKeys.__doc__, None)
+    contact_fraction: FractionKeys | None = entry(FractionKeys.__doc__, None)
+    nothing_breaks: bool | None = entry("Whether there is no breakage step.", None)
+    no_force: bool | None = entry("Whether no cell carries force.", None)
+
+
+class CaseKeys(Keys):
+    """A case with the defaults under what it says itself."""
+
+    name: Name = entry("Its row and its test.")
+    group: Name = entry("Cases of a group are one job.")
+    hard: Sentence = entry("What makes it hard.")
+    must_hold: Sentence = entry("What must hold of it.")
+    walls: WallKeys = entry(WallKeys.__doc__)
+    spacing_mm: float = entry("Grid spacing.")
+    rock: RockKeys = entry("Of both walls.")
+    lower_rock: RockKeys | None = entry("Of the lower wall, where it differs.")
+    swapped: bool = entry("The upper wall and its rock below.")
+    max_normal_stress_MPa: float = entry("Target of every cycle.")
+    max_normal_stress_Pa: float | None = entry("The same, in Pa.", None)
+    target_is_first_step: bool = entry(
+        "The target is the elastic stress at the end of the first displacement step."
+    )
+    closure_um: float | None = entry("A closure to find the equilibrium at, instead of cycles.")
+    cycles: int = entry("Load cycles.")
+    scale_lengths: float = entry("Of walls, spacing, steps and radius.")
+    scale_stresses: float = entry("Of moduli, strengths and the load.")
+    effects: EffectKeys = entry(EffectKeys.__doc__)
+    choices: ChoiceKeys = entry(ChoiceKeys.__doc__)
+    numerics: NumericsKeys = entry(NumericsKeys.__doc__)
+    breakage: list[Literal["fixed_step", "resolved"]] = entry(
+        "The ways of breakage to run the case with.", min_length=1
+    )
+    expect: Literal[("answer", "refused", "success", *FLAGS.values())] = entry(
+        'What must come out, see docs/statuses.md; "answer" is a success with or without remarks.'
+    )
+    message: str = entry("What the message of a refusal must hold.")
+    seconds: float = entry("Time budget on one core.", gt=0)
+    may_fall_short: float = entry(
+        "Share of the target by which a maximum may lie below it where breakage jumps over it.",
+        ge=0,
+        le=1,
+    )
+    slow: bool = entry("Whether its test is marked slow.")
+    must: MustKeys = entry(MustKeys.__doc__)
+
+
+class HardCasesKeys(Keys):
+    """The file: what every case has that does not say otherwise, and the cases."""
+
+    defaults: dict[str, Any] = entry("All keys of a case but its name and words.")
+    cases: list[dict[str, Any]] = entry("Cases, see `CaseKeys`.", min_length=1)

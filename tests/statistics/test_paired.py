@@ -1,0 +1,161 @@
+import numpy as np
+import pytest
+import scipy.stats
+
+import jointclosure as jc
+from jointclosure.randomness import generator
+from jointclosure.statistics.bootstrap import bootstrap_paired_length
+from jointclosure.statistics.correlations import fit_quadratic, paired_lack_of_fit
+from jointclosure.statistics.paired import (
+    difference_scatter,
+    p_of_difference,
+    paired_indifference_interval,
+)
+
+LEVELS = np.array([70.0, 78.0, 86.0])
+
+
+def responses(random, levels, n, slope=-0.02, own_slope=0.005, irregular=0.02, between=0.2):
+    """Lines with a common slope, one of their own, and an irregular part, on n surfaces."""
+    u = levels[:, None] - levels.mean()
+    height = 1.0 + between * random.normal(size=n)
+    own = own_slope * random.normal(size=n)
+    return height + (slope + own) * u + irregular * random.normal(size=(levels.size, n))
+
+
+def t_value(levels, samples, base, degree, p):
+    mean = fit_quadratic(levels, samples.mean(axis=1), base)
+    scatter = difference_scatter(levels, samples, base, degree)
+    variance = scatter.at((p - base) / mean.half_range) / samples.shape[1]
+    return (mean.at(p) - mean.d) / np.sqrt(variance)
+
+
+@pytest.mark.parametrize("count", [3, 5, 9])
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize("seed", range(5))
+def test_at_the_root_the_paired_t_is_critical_and_nowhere_closer(count, degree, seed):
+    levels = np.linspace(70.0, 86.0, count)
+    samples = responses(generator(seed), levels, 20)
+    found = paired_indifference_interval(levels, samples, degree=degree)
+    assert found.critical_value == pytest.approx(scipy.stats.t.ppf(0.975, 19))
+    if degree == 2 and count == 3:
+        return  # nothing irregular is left; its own test is below
+    assert found.length > 0.0
+    at_root = t_value(levels, samples, 78.0, degree, found.root)
+    assert abs(at_root) == pytest.approx(found.critical_value, rel=1e-6)
+    inside = 78.0 + found.length * np.array([-0.99, -0.5, -0.01, 0.01, 0.5, 0.99])
+    inner = np.abs(t_value(levels, samples, 78.0, degree, inside))
+    assert np.all(inner < found.critical_value)
+
+
+def test_without_an_irregular_part_any_change_is_seen_where_the_slope_is_significant():
+    samples = responses(generator(1), LEVELS, 20, irregular=0.0)
+    assert paired_indifference_interval(LEVELS, samples, degree=2).length == 0.0
+    assert paired_indifference_interval(LEVELS, samples).length == pytest.approx(0.0, abs=1e-6)
+    none = responses(generator(1), LEVELS, 20, slope=0.0, irregular=0.0)
+    slopes = none[2] - none[0]
+    assert scipy.stats.ttest_1samp(slopes, 0.0).pvalue > 0.05
+    assert np.isnan(paired_indifference_interval(LEVELS, none, degree=2).length)
+
+
+def test_three_levels_keep_the_mean_of_the_two_measured_variances_of_differences():
+    samples = responses(generator(2), LEVELS, 20)
+    differences = samples[[0, 2]] - samples[1]
+    for degree in (1, 2):
+        scatter = difference_scatter(LEVELS, samples, 78.0, degree)
+        assert scatter.slope > 0.0
+        both = scatter.at(np.array([-1.0, 1.0]))
+        assert both.mean() == pytest.approx(differences.var(axis=1, ddof=1).mean(), rel=1e-9)
+    np.testing.assert_allclose(both, differences.var(axis=1, ddof=1), rtol=1e-9)
+
+
+@pytest.mark.parametrize("count", [3, 5])
+def test_the_irregular_part_and_the_scatter_of_slopes_are_estimated_without_bias(count):
+    levels = np.linspace(70.0, 86.0, count)
+    random = generator(3)
+    found = [difference_scatter(levels, responses(random, levels, 20), 78.0) for _ in range(400)]
+    assert np.mean([one.irregular for one in found]) == pytest.approx(0.02**2, rel=0.05)
+    assert np.mean([one.slope for one in found]) == pytest.approx((8 * 0.005) ** 2, rel=0.05)
+
+
+def test_surfaces_that_differ_only_in_height_leave_the_length_alone():
+    random = generator(4)
+    samples = responses(random, LEVELS, 20)
+    other = paired_indifference_interval(LEVELS, samples + 5.0 * random.normal(size=20))
+    found = paired_indifference_interval(LEVELS, samples)
+    assert other.length == pytest.approx(found.length, rel=1e-9)
+    unpaired = jc.indifference_interval(
+        LEVELS, samples.mean(axis=1), samples.std(axis=1, ddof=1), 20
+    )
+    assert found.length < 0.5 * unpaired.length
+
+
+def test_a_change_of_the_length_is_seen_in_about_half_of_the_studies_made_with_it():
+    # half the t values pass their expectation
+    random = generator(5)
+    n, slope, own, sigma = 20, -0.02, 0.005, 0.02
+    t = scipy.stats.t.ppf(0.975, n - 1)
+    length = t * np.sqrt(2.0 / n) * sigma / np.sqrt(slope**2 - t**2 * own**2 / n)
+    found = [
+        paired_indifference_interval(LEVELS, responses(random, LEVELS, n)).linear_length
+        for _ in range(400)
+    ]
+    assert np.median(found) == pytest.approx(length, rel=0.05)
+    seen = []
+    for _ in range(2000):
+        before, after = responses(random, np.array([-0.5, 0.5]) * length, n)
+        seen.append(p_of_difference(before, after, paired=True) < 0.05)
+    assert 0.44 < np.mean(seen) < 0.56
+
+
+def test_a_paired_test_sees_what_an_unpaired_one_does_not():
+    low, _, high = responses(generator(6), LEVELS, 20, slope=-0.005, own_slope=0.0)
+    assert p_of_difference(low, high, paired=True) < 0.001
+    assert p_of_difference(low, high, paired=False) > 0.05
+    assert p_of_difference(low, low, paired=True) == 1.0
+    assert p_of_difference(low, low + 0.25, paired=True) < 1e-10
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1e9])
+def test_the_paired_length_scales_with_parameter_and_target(scale):
+    samples = responses(generator(7), LEVELS, 20)
+    one = paired_indifference_interval(LEVELS, samples)
+    other = paired_indifference_interval(LEVELS * scale, samples / scale)
+    assert other.length == pytest.approx(one.length * scale, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"levels": [1.0, 3.0, 2.0]}, "levels"),
+        ({"samples": np.ones((2, 5))}, "samples"),
+        ({"samples": np.full((3, 5), np.nan)}, "samples"),
+        ({"base": 1.5}, "base = 1.5"),
+        ({"degree": 3}, "degree = 3"),
+        ({"significance": 2.0}, "significance = 2.0"),
+    ],
+)
+def test_bad_input_is_refused_by_name(change, named):
+    good = {"levels": [1.0, 2.0, 3.0], "samples": np.ones((3, 5))}
+    with pytest.raises(jc.InputError, match=named):
+        paired_indifference_interval(**(good | change))
+
+
+def test_the_bootstrap_covers_the_paired_length_that_it_resamples():
+    samples = responses(generator(8), LEVELS, 20)
+    found = paired_indifference_interval(LEVELS, samples)
+    kept = {"base": 78.0, "resamples": 200}
+    interval = bootstrap_paired_length(LEVELS, samples, generator(1), **kept)
+    assert 0.3 * found.length < interval.low < found.length < interval.high < 3.0 * found.length
+
+
+@pytest.mark.parametrize("count", [5, 9])
+def test_paired_lack_of_fit_is_uniform_for_a_quadratic_and_small_for_a_kink(count):
+    levels = np.linspace(70.0, 86.0, count)
+    random = generator(9)
+    curve = 1e-3 * (levels[:, None] - 78.0) ** 2
+    kink = 0.03 * np.abs(levels[:, None] - 78.0)
+    fitted = [paired_lack_of_fit(levels, responses(random, levels, 20) + curve) for _ in range(400)]
+    assert scipy.stats.kstest(fitted, "uniform").pvalue > 0.001
+    assert paired_lack_of_fit(levels, responses(random, levels, 20) + kink) < 1e-3
+    assert np.isnan(paired_lack_of_fit(LEVELS, responses(random, LEVELS, 20)))

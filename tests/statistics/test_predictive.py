@@ -1,0 +1,167 @@
+import numpy as np
+import pytest
+import scipy.stats
+
+import jointclosure as jc
+from jointclosure.randomness import generator
+from jointclosure.statistics.drawn_studies import (
+    Design,
+    Pool,
+    Sensitivity,
+    draw_studies,
+    jackknife_error,
+    lengths_table,
+    without_effect,
+    without_group,
+)
+from jointclosure.statistics.indifference import indifference_lengths
+from jointclosure.statistics.predictive import (
+    length_distribution,
+    share_as_short,
+    two_sided_p,
+)
+from tests.statistics.statistics_world import LEVELS, closures, published, sensitivity
+
+
+def test_drawn_means_scatter_as_a_new_study_does_about_the_mean_of_a_pool():
+    # with the pool's own error: s^2 (1/n + 1/(N - 1)), and within a study s^2
+    random = generator(1)
+    values = random.gamma(4.0, size=(1, 30))
+    one = Sensitivity(LEVELS, 0.0, tuple(Pool(values, name) for name in "abc"))
+    drawn = draw_studies({"x": one}, Design(draws=20), 20000, random)["x"]
+    variance = values.var(ddof=1)
+    expected = variance * (1 / 20 + 1 / 29)
+    np.testing.assert_allclose(drawn.means[:, 0].var(axis=0), expected, rtol=0.04)
+    np.testing.assert_allclose((drawn.deviations[:, 0] ** 2).mean(axis=0), variance, rtol=0.02)
+    levels = np.corrcoef(drawn.means[:, 0].T)
+    np.testing.assert_allclose(levels, np.eye(3), atol=0.03)  # nothing shared
+
+
+def test_pools_of_the_same_surfaces_share_their_error_and_targets_of_a_case_its_draws():
+    random = generator(2)
+    first = random.normal(size=30)
+    values = np.stack([first, 2.0 * first])
+    one = Sensitivity(LEVELS, 0.0, tuple(Pool(values, "common") for _ in LEVELS))
+    drawn = draw_studies({"x": one}, Design(draws=20), 20000, random)["x"]
+    shared = (1 / 29) / (1 / 20 + 1 / 29)
+    between = np.corrcoef(drawn.means[:, 0].T)[np.triu_indices(3, 1)]
+    np.testing.assert_allclose(between, shared, atol=0.03)
+    np.testing.assert_allclose(drawn.means[:, 1], 2.0 * drawn.means[:, 0], rtol=1e-12)
+    np.testing.assert_allclose(drawn.lengths[:, 0], drawn.lengths[:, 1], rtol=1e-9)
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_the_base_level_is_shared_between_parameters_where_the_design_says_so(shared):
+    random = generator(3)
+    base = Pool(random.normal(size=(1, 40)), "base")
+    both = {
+        name: Sensitivity(
+            LEVELS,
+            0.0,
+            (
+                Pool(random.normal(size=(1, 40)), f"{name} low"),
+                base,
+                Pool(random.normal(size=(1, 40)), f"{name} high"),
+            ),
+        )
+        for name in ("E", "nu")
+    }
+    drawn = draw_studies(both, Design(shared_base=shared), 50, random)
+    same = drawn["E"].means[..., 1] == drawn["nu"].means[..., 1]
+    assert same.all() if shared else not same.any()
+
+
+def test_lengths_are_those_of_the_means_and_deviations_drawn():
+    random = generator(4)
+    drawn = draw_studies({"x": sensitivity(random, 0.05, 60, "x")}, Design(), 200, random)["x"]
+    for r in range(200):
+        one = jc.indifference_interval(LEVELS, drawn.means[r, 0], drawn.deviations[r, 0], 20)
+        expected = np.inf if np.isnan(one.length) else one.length
+        assert drawn.lengths[r, 0] == pytest.approx(expected, rel=1e-9)
+
+
+def test_p_of_a_dash_is_its_share_and_counts_it_as_longer_than_any_length():
+    lengths = np.concatenate([np.arange(1.0, 801.0), np.full(200, np.inf)])
+    assert two_sided_p(lengths, np.nan) == pytest.approx(0.2, abs=0.002)
+    assert two_sided_p(lengths, 500.5) == pytest.approx(1.0, abs=0.002)
+    assert two_sided_p(lengths, 10.5) == pytest.approx(0.02, abs=0.002)
+    assert two_sided_p(lengths, 1e9) == pytest.approx(0.4, abs=0.002)
+    assert two_sided_p(lengths, 0.5) > 0.0
+    assert share_as_short(lengths, 10.5) == pytest.approx(0.011, abs=0.001)
+    assert share_as_short(lengths, np.nan) == 1.0
+    found = length_distribution(lengths)
+    assert (found.median, found.share_without_root) == (500.0, 0.2)
+    assert found.low_90 == pytest.approx(51.0, abs=1.0)
+    assert found.high_90 == found.high_95 == np.inf
+
+
+def distributions(effect, pool, studies, seed, common=False, repetitions=300, null=False):
+    """Lengths published in a known world, and their predictive distributions from pools."""
+    random = generator(seed)
+    for _ in range(studies):
+        means, deviations = published(random, [effect])
+        truth = indifference_lengths(LEVELS, means[0], deviations[0], 20)
+        one = {"x": sensitivity(random, effect, pool, "x", common)}
+        drawn = draw_studies(without_effect(one) if null else one, Design(), repetitions, random)
+        yield truth, drawn["x"].lengths
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("common", [False, True])
+def test_95_percent_ranges_cover_a_published_length_93_to_97_times_in_100(common):
+    inside, p = [], []
+    for truth, lengths in distributions(0.2, 60, 800, seed=11, common=common):
+        found = [length_distribution(column) for column in lengths.T]
+        assert found[0].share_without_root < 0.02
+        inside.append(found[0].low_95 <= truth[0] <= found[0].high_95)
+        p.append(two_sided_p(lengths[:, 0], truth[0]))
+    assert 0.93 <= np.mean(inside) <= 0.97
+    assert scipy.stats.kstest(p, "uniform").pvalue > 0.001
+
+
+@pytest.mark.slow
+def test_p_values_of_a_parameter_without_effect_are_uniform_up_to_the_dash():
+    p = []
+    for truth, lengths in distributions(0.0, 60, 800, seed=5, null=True):
+        p.append(share_as_short(lengths[:, 0], truth[0]))
+    p, dash = np.array(p), np.mean(np.array(p) == 1.0)
+    assert 0.03 < dash < 0.25
+    assert scipy.stats.kstest(p[p < 1.0] / (1.0 - dash), "uniform").pvalue > 0.001
+    assert 0.03 < np.mean(p < 0.05) < 0.07
+
+
+def test_pools_without_a_group_leave_each_surface_out_once_and_give_the_error_of_a_mean():
+    random = generator(6)
+    one = {"x": sensitivity(random, 0.1, 60, "x")}
+    values = one["x"].pools[0].values[0]
+    means = [without_group(one, g, 60)["x"].pools[0].values[0].mean() for g in range(60)]
+    assert jackknife_error(means) == pytest.approx(values.std(ddof=1) / np.sqrt(60), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        (lambda s: s._replace(pools=s.pools[:2]), "2 pools for 3 levels"),
+        (lambda s: s._replace(base=0.5), "base = 0.5"),
+        (lambda s: s._replace(pools=(*s.pools[:2], Pool(np.ones(5), "c"))), r"\(targets, N\)"),
+        (lambda s: s._replace(pools=(*s.pools[:2], Pool(np.ones((2, 5)), "x -1.0"))), "another"),
+        (
+            lambda s: s._replace(pools=(*s.pools[:2], Pool(np.full((2, 5), np.nan), "c"))),
+            "not finite",
+        ),
+    ],
+)
+def test_bad_pools_are_refused_by_name(change, named):
+    one = sensitivity(generator(7), 0.1, 20, "x")
+    with pytest.raises(jc.InputError, match=named):
+        draw_studies({"x": change(one)}, Design(), 10, generator(1))
+
+
+def test_the_table_of_lengths_has_the_targets_of_each_key_together():
+    random = generator(8)
+    both = {name: sensitivity(random, 0.1, 20, name) for name in ("E", "nu")}
+    drawn = draw_studies(both, Design(), 30, random)
+    table = lengths_table(drawn)
+    assert table.shape == (30, 4)
+    np.testing.assert_array_equal(table[:, 2:], drawn["nu"].lengths)
+    assert closures(random, 0.0, 3).shape == (2, 3)

@@ -1,0 +1,129 @@
+import numpy as np
+import pytest
+
+from jointclosure.randomness import generator
+from jointclosure.statistics.correlations import fit_quadratic
+from jointclosure.statistics.standard_errors import (
+    bootstrap_error,
+    correlation_of,
+    deviation_covariance,
+    deviation_of,
+    elasticity,
+    mean_covariance,
+    mean_of,
+    quadratic_errors,
+    rounded,
+    variation_of,
+)
+
+LEVELS = np.array([70.0, 78.0, 85.0])
+
+
+def studies(count, paired, levels=LEVELS, n=20, seed=1):
+    """Many studies (count, k, n) of x = p^-1 with a scatter of 15 %."""
+    random = generator(seed)
+    scatter = random.normal(size=(count, 1 if paired else levels.size, n))
+    own = 0.02 * random.normal(size=(count, levels.size, n))
+    return (levels[0] / levels)[:, None] * (1.0 + 0.15 * scatter + own)
+
+
+@pytest.mark.parametrize("paired", [True, False])
+@pytest.mark.parametrize("levels", [LEVELS, np.linspace(70.0, 86.0, 5)])
+def test_errors_of_coefficients_are_their_scatter_over_studies(paired, levels):
+    base = levels[levels.size // 2]
+    fits, told = [], []
+    for samples in studies(2000, paired, levels):
+        of_mean = fit_quadratic(levels, samples.mean(axis=1), base)
+        of_deviation = fit_quadratic(levels, samples.std(axis=1, ddof=1), base)
+        fits.append(
+            [*of_mean[:3], *of_mean.in_parameter(), *of_deviation[:3], *of_deviation.in_parameter()]
+        )
+        row = []
+        for covariance in (mean_covariance(samples, paired), deviation_covariance(samples, paired)):
+            errors = quadratic_errors(levels, covariance, base)
+            row += [*errors.reduced, *errors.in_parameter]
+        told.append(np.square(row))
+    np.testing.assert_allclose(np.sqrt(np.mean(told, axis=0)), np.std(fits, axis=0), rtol=0.1)
+
+
+def test_errors_in_the_parameter_are_those_of_the_coefficients_that_it_has():
+    # exact for a linear map: coefficients of values that are 0 but at one level
+    levels = np.array([60.0, 78.0, 85.0])
+    random = generator(5)
+    shape = random.normal(size=(3, 3))
+    covariance = shape @ shape.T
+    columns = [fit_quadratic(levels, row, 78.0).in_parameter() for row in np.eye(3)]
+    matrix = np.array(columns).T
+    expected = np.sqrt(np.diag(matrix @ covariance @ matrix.T))
+    np.testing.assert_allclose(
+        quadratic_errors(levels, covariance, 78.0).in_parameter, expected, rtol=1e-9
+    )
+
+
+@pytest.mark.parametrize("paired", [True, False])
+def test_elasticity_is_that_of_the_response_and_its_error_its_scatter(paired):
+    found = np.array([elasticity(LEVELS, s, 78.0, paired) for s in studies(2000, paired)])
+    assert found[:, 0].mean() == pytest.approx(-1.0, abs=0.02)
+    assert np.sqrt(np.mean(found[:, 1] ** 2)) == pytest.approx(found[:, 0].std(), rel=0.05)
+
+
+def test_common_draws_give_the_smaller_error_of_an_elasticity():
+    one = studies(1, True)[0]
+    assert elasticity(LEVELS, one, 78.0, True)[1] < 0.3 * elasticity(LEVELS, one, 78.0, False)[1]
+
+
+@pytest.mark.parametrize("estimate", [mean_of, deviation_of, variation_of])
+def test_errors_of_single_numbers_are_their_scatter_over_studies(estimate):
+    samples = generator(2).normal(1.0, 0.3, size=(4000, 20))
+    found = np.array([estimate(row) for row in samples])
+    assert np.sqrt(np.mean(found[:, 1] ** 2)) == pytest.approx(found[:, 0].std(), rel=0.06)
+
+
+def test_the_error_of_a_correlation_is_its_scatter_over_studies():
+    random = generator(3)
+    first = random.normal(size=(3000, 30))
+    second = 0.8 * first + 0.6 * random.normal(size=(3000, 30))
+    found = np.array([correlation_of(a, b) for a, b in zip(first, second, strict=True)])
+    assert np.sqrt(np.mean(found[:, 1] ** 2)) == pytest.approx(found[:, 0].std(), rel=0.1)
+
+
+def test_the_bootstrap_agrees_with_the_formulas_and_takes_levels_together_where_paired():
+    samples = studies(1, True, n=200)[0]
+    random = generator(4)
+    of_mean = bootstrap_error(np.mean, samples[0], random, 2000)
+    assert of_mean == pytest.approx(mean_of(samples[0]).standard_error, rel=0.06)
+    of_deviation = bootstrap_error(lambda x: x.std(ddof=1), samples[0], random, 2000)
+    assert of_deviation == pytest.approx(deviation_of(samples[0]).standard_error, rel=0.3)
+    for paired in (True, False):
+        told = bootstrap_error(
+            lambda x: elasticity(LEVELS, x, 78.0, True).value, samples, random, 500, paired
+        )
+        expected = elasticity(LEVELS, samples, 78.0, paired).standard_error
+        assert told == pytest.approx(expected, rel=0.15)
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (0.08312, 0.0041, "0.083 ± 0.004"),
+        (0.08312, 0.00123, "0.0831 ± 0.0012"),
+        (0.08312, 0.00354, "0.0831 ± 0.0035"),
+        (0.08312, 0.00356, "0.083 ± 0.004"),
+        (0.08312, 0.00951, "0.083 ± 0.010"),
+        (0.08312, 0.0094, "0.083 ± 0.009"),
+        (1234.5, 56.0, "1230 ± 60"),
+        (1234.5, 9.7, "1234 ± 10"),
+        (1234.5, 0.5, "1234.5 ± 0.5"),
+        (-0.0001, 0.04, "0.00 ± 0.04"),
+        (-1.047, 0.12, "-1.05 ± 0.12"),
+        (78e9, 1.2e9, "78000000000 ± 1200000000"),
+        (0.5, 1.0, "0.5 ± 1.0"),
+        (0.083123, 0.0, "0.08312"),
+        (0.083123, float("nan"), "0.08312"),
+        (0.083123, float("inf"), "0.08312"),
+        (float("nan"), 1.0, "–"),
+        (float("inf"), 1.0, "inf"),
+    ],
+)
+def test_a_number_ends_where_its_error_does(value, error, text):
+    assert rounded(value, error) == text

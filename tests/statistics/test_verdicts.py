@@ -1,0 +1,97 @@
+import numpy as np
+import pytest
+import scipy.stats
+
+import jointclosure as jc
+from jointclosure.randomness import generator
+from jointclosure.statistics.drawn_studies import Design, draw_studies
+from jointclosure.statistics.standard_errors import mean_of
+from jointclosure.statistics.verdicts import (
+    CANNOT_BE_TOLD,
+    FALLS,
+    STANDS,
+    frequency,
+    frequency_of_finding,
+    t_interval,
+    verdict,
+    verdict_on_all,
+)
+from tests.statistics.statistics_world import SCATTER, sensitivity
+
+INF = float("inf")
+
+
+@pytest.mark.parametrize(
+    ("interval", "true_between", "expected"),
+    [
+        ((0.1, 0.2), (0.0, INF), STANDS),
+        ((0.1, INF), (0.0, INF), STANDS),
+        ((-0.1, 0.2), (0.0, INF), CANNOT_BE_TOLD),
+        ((-0.2, -0.1), (0.0, INF), FALLS),
+        ((0.0, 0.0), (0.0, INF), FALLS),
+        ((-0.05, 0.05), (-0.1, 0.1), STANDS),
+        ((-0.05, 0.15), (-0.1, 0.1), CANNOT_BE_TOLD),
+        ((0.1, 0.15), (-0.1, 0.1), FALLS),
+        ((-1.0, 1.0), (-0.1, 0.1), CANNOT_BE_TOLD),
+        ((float("nan"), 1.0), (0.0, INF), CANNOT_BE_TOLD),
+    ],
+)
+def test_a_claim_stands_inside_falls_outside_and_is_open_between(interval, true_between, expected):
+    assert verdict(interval, true_between) == expected
+
+
+def test_a_claim_on_all_rocks_falls_with_one_and_stands_with_all():
+    assert verdict_on_all([STANDS, FALLS, CANNOT_BE_TOLD]) == FALLS
+    assert verdict_on_all([STANDS, CANNOT_BE_TOLD]) == CANNOT_BE_TOLD
+    assert verdict_on_all([STANDS, STANDS]) == STANDS
+    assert verdict_on_all([]) == CANNOT_BE_TOLD
+
+
+def test_a_wrong_verdict_is_as_rare_as_the_confidence_says():
+    random = generator(1)
+    wrong = [
+        verdict(t_interval(mean_of(random.normal(0.0, 1.0, 20)), 20), (0.0, INF))
+        for _ in range(4000)
+    ]
+    # the true number is on the threshold: to stand is wrong, in half of the 5 %
+    assert wrong.count(STANDS) == pytest.approx(100, abs=30)
+    assert wrong.count(FALLS) == pytest.approx(100, abs=30)
+
+
+def test_the_frequency_of_finding_a_trend_is_that_of_normal_means():
+    random = generator(2)
+    effect, n = 0.03, 20
+    pools = sensitivity(random, effect, 4000, "x", common=True)
+    drawn = draw_studies({"E": pools}, Design(n), 4000, random)
+
+    def rises(studies):
+        means = studies["E"].means[:, 0]
+        return means[:, 2] > means[:, 0]
+
+    found = frequency_of_finding(rises, drawn)
+    expected = scipy.stats.norm.cdf(2.0 * effect / (SCATTER * np.sqrt(2.0 / n)))
+    assert 0.6 < expected < 0.95
+    assert found.share == pytest.approx(expected, abs=0.03)
+    assert found.low < found.share < found.high
+    assert found.standard_error == pytest.approx(np.sqrt(expected * (1 - expected) / 4000), rel=0.1)
+
+
+def test_a_frequency_covers_its_truth():
+    random = generator(3)
+    inside = []
+    for _ in range(1000):
+        found = frequency(random.random(200) < 0.9)
+        inside.append(found.low <= 0.9 <= found.high)
+    assert 0.93 <= np.mean(inside) <= 0.97
+    assert frequency(np.ones(50, dtype=bool)).low < 1.0
+
+
+def test_a_judge_that_does_not_judge_every_repetition_is_refused():
+    random = generator(4)
+    drawn = draw_studies({"E": sensitivity(random, 0.1, 20, "x")}, Design(), 10, random)
+    with pytest.raises(jc.InputError, match="judge"):
+        frequency_of_finding(lambda studies: np.array([True]), drawn)
+    with pytest.raises(jc.InputError, match="booleans"):
+        frequency_of_finding(lambda studies: np.ones(10), drawn)
+    with pytest.raises(jc.InputError, match="interval"):
+        verdict((2.0, 1.0), (0.0, 1.0))

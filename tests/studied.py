@@ -1,0 +1,31 @@
+"""Studies for tests: the paper's, with what a test changes."""
+
+from pathlib import Path
+
+from jointclosure.config import files
+from jointclosure.config.configuration import Configured, configured, merged
+from jointclosure.config.typed import Configuration
+from jointclosure.storage.text import read_csv
+
+ROOT = Path(__file__).parents[1]
+DEFAULT = files.read_plain(files.DEFAULT)
+
+
+def keys_of(*changes: dict) -> dict:
+    """The paper's keys with changes over them, not checked."""
+    return merged(DEFAULT, *changes)
+
+
+def checked_study(*changes: dict) -> Configured:
+    """The paper's study with changes, checked."""
+    return configured(keys_of(*changes), read_csv)
+
+
+def study_of(*changes: dict) -> Configuration:
+    """The paper's study with changes, as the library has it."""
+    return checked_study(*changes).typed
+
+
+def file_study(path: str) -> Configuration:
+    """A study of the project, by its file."""
+    return study_of(files.read_plain(ROOT / path))
