@@ -16,9 +16,10 @@ import numpy as np
 import pandas as pd
 
 import jointclosure as jc
-from jointclosure.dataset import save_figure, write_csv
 from jointclosure.scans import read_scan
 from jointclosure.scans.units import UNITS
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import write_csv
 from jointclosure.surface.differences import mean_curvature, peak_cells, slope_correlation
 from jointclosure.surface.measured import point_distance, wall_on_grid, windows
 from jointclosure.surface.measures import hurst_of, increments

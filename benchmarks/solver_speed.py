@@ -59,12 +59,12 @@ from yardstick import (
 
 import jointclosure as jc
 from jointclosure.config.typed import Configuration
-from jointclosure.dataset import reading_netcdf, write_netcdf_blocks
 from jointclosure.ensemble.closing import close_surfaces, close_walls
 from jointclosure.ensemble.settings import Case
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import surfaces_of, walls_of
 from jointclosure.solvers.fast import FastSolver
+from jointclosure.storage.netcdf import reading_netcdf, write_netcdf_blocks
 
 SIZES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)
 TARGETS = {

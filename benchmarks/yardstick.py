@@ -25,10 +25,10 @@ import scipy.fft
 import jointclosure as jc
 from jointclosure.config.configuration import configured, merged, merged_study
 from jointclosure.config.typed import Configuration
-from jointclosure.dataset import read_csv
 from jointclosure.ensemble.cases import BASE, cases_of
 from jointclosure.ensemble.settings import Case, ClosureSettings
 from jointclosure.ensemble.slices import block_settings
+from jointclosure.storage.text import read_csv
 
 SPACING = 0.25e-3
 DOLERITE = jc.Rock(78e9, 0.2, 165e6)

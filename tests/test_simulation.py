@@ -8,12 +8,12 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.dataset import read_netcdf
 from jointclosure.parameters import well_posed_scenes
 from jointclosure.protocol import FAILURE, FLAGS
 from jointclosure.simulation import height_datum
 from jointclosure.solvers.fast import FastSolver
 from jointclosure.solvers.registry import SOLVERS
+from jointclosure.storage.netcdf import read_netcdf
 from tests.conftest import DOLERITE, SPACING
 
 TARGET = 4e6
@@ -148,7 +148,7 @@ def test_a_process_of_its_own_gives_the_same_bits(walls, method, tmp_path):
     file = tmp_path / "closed.nc"
     script = (
         "import sys\nimport jointclosure as jc\nfrom jointclosure import Numerics, Rock\n"
-        "from jointclosure.dataset import write_netcdf\n"
+        "from jointclosure.storage.netcdf import write_netcdf\n"
         f"walls = jc.wall_pair(8.0, (24, 24), {SPACING!r}, seed=11)\n"
         f"write_netcdf(jc.simulate(*walls, **{told!r}), sys.argv[1])\n"
     )

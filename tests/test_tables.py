@@ -3,7 +3,7 @@ import re
 import pandas as pd
 import pytest
 
-from jointclosure.dataset import write_csv
+from jointclosure.storage.text import write_csv
 from jointclosure.tables import (
     case_table,
     interval_text,

@@ -18,7 +18,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 _SEAL = b"\nsha256 of all before this line: "
-_SEAL_BYTES = len(_SEAL) + 64
+END_DIGEST = 64
+"""Bytes at the end of a sealed file that are its digest."""
+_SEAL_BYTES = len(_SEAL) + END_DIGEST
 
 _READ_BYTES = 1_000_000
 """Read at a time: mapped whole, a file would count as memory."""

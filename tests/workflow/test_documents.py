@@ -11,12 +11,13 @@ import yaml
 
 from jointclosure import cli
 from jointclosure.config.configuration import merged, written_out
-from jointclosure.dataset import read_text, write_netcdf
 from jointclosure.ensemble.aggregation import join_cases
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.closing import close_surfaces
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import surfaces_of
+from jointclosure.storage.netcdf import write_netcdf
+from jointclosure.storage.text import read_text
 from jointclosure.studies.measured.curves import curve_settings, measured_curves
 from tests.studied import DEFAULT, file_study, study_of
 

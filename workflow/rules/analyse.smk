@@ -4,9 +4,11 @@
 rule fit_correlations:
     input:
         f"{RESULTS}/study.nc",
+        seals=seals_of("aggregate"),
     output:
         correlations=f"{RESULTS}/tables/correlations.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
+        seal=f"{RESULTS}/seals/fit_correlations.json",
     log:
         f"{RESULTS}/logs/fit_correlations.log",
     benchmark:
@@ -14,6 +16,7 @@ rule fit_correlations:
     conda:
         ENVIRONMENT
     params:
+        made_with=STUDY_WITH,
         code=code_of("fit_correlations"),
     message:
         "Fit the correlations of mean and standard deviation"
@@ -25,8 +28,10 @@ rule find_indifference_intervals:
     input:
         study=f"{RESULTS}/study.nc",
         paper=PAPER_TABLE_3,
+        seals=seals_of("aggregate"),
     output:
         f"{RESULTS}/tables/table_3_indifference.csv",
+        seal=f"{RESULTS}/seals/find_indifference_intervals.json",
     log:
         f"{RESULTS}/logs/find_indifference_intervals.log",
     benchmark:
@@ -37,6 +42,7 @@ rule find_indifference_intervals:
         statistics=to_plain(CONFIGURATION.statistics),
         root_seed=CONFIGURATION.study.root_seed,
         draws=CONFIGURATION.study.draws,
+        made_with=STUDY_WITH,
         code=code_of("find_indifference_intervals"),
     message:
         "Find the indifference intervals and their confidence intervals"
@@ -48,8 +54,10 @@ rule fit_measured:
     input:
         study=f"{RESULTS}/study.nc",
         curves=CURVE_FILES,
+        seals=seals_of("aggregate"),
     output:
         f"{RESULTS}/tables/measured_fit.csv",
+        seal=f"{RESULTS}/seals/fit_measured.json",
     log:
         f"{RESULTS}/logs/fit_measured.log",
     benchmark:
@@ -59,6 +67,7 @@ rule fit_measured:
     params:
         curves=to_plain(CURVES),
         seating_stress=CONFIGURATION.seating_stress,
+        made_with=STUDY_WITH,
         code=code_of("fit_measured"),
     message:
         "Find the realisations that fit the measured curves best"
@@ -71,8 +80,10 @@ rule judge_claims:
         study=f"{RESULTS}/study.nc",
         intervals=f"{RESULTS}/tables/table_3_indifference.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
+        seals=seals_of("aggregate", "find_indifference_intervals", "fit_correlations"),
     output:
         f"{RESULTS}/tables/claims.csv",
+        seal=f"{RESULTS}/seals/judge_claims.json",
     log:
         f"{RESULTS}/logs/judge_claims.log",
     benchmark:
@@ -80,6 +91,7 @@ rule judge_claims:
     conda:
         ENVIRONMENT
     params:
+        made_with=STUDY_WITH,
         code=code_of("judge_claims"),
     message:
         "Hold the paper's claims against this study"
@@ -90,8 +102,10 @@ rule judge_claims:
 rule check_results:
     input:
         f"{RESULTS}/study.nc",
+        seals=seals_of("aggregate"),
     output:
         f"{RESULTS}/tables/checks.csv",
+        seal=f"{RESULTS}/seals/check_results.json",
     log:
         f"{RESULTS}/logs/check_results.log",
     benchmark:
@@ -101,8 +115,30 @@ rule check_results:
     params:
         numerics=to_plain(CONFIGURATION.numerics),
         realizations=CONFIGURATION.study.realizations,
+        made_with=STUDY_WITH,
         code=code_of("check_results"),
     message:
         "Check the results"
     script:
         "../scripts/check_results.py"
+
+
+# after the table is there to be read, also where a check fails
+rule require_checks:
+    input:
+        f"{RESULTS}/tables/checks.csv",
+        seals=seals_of("aggregate", "check_results"),
+    output:
+        f"{RESULTS}/logs/checks_passed.txt",
+    log:
+        f"{RESULTS}/logs/require_checks.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/require_checks.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        code=code_of("require_checks"),
+    message:
+        "See whether all checks passed"
+    script:
+        "../scripts/require_checks.py"

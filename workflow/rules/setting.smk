@@ -2,13 +2,14 @@
 from pathlib import Path
 
 from jointclosure.config import configuration
-from jointclosure.config.files import read_plain
+from jointclosure.config.files import PAPER_TABLE_3, read_plain
 from jointclosure.config.plain import to_plain
 from jointclosure.config.walls import check_files, wall_files
-from jointclosure.dataset import read_csv, read_text
 from jointclosure.ensemble import cases
 from jointclosure.ensemble import slices
-from jointclosure.sources import code_digest
+from jointclosure.sources import PACKAGE, code_digest
+from jointclosure.storage.seals import settings_digest
+from jointclosure.storage.text import read_csv, read_text
 from jointclosure.studies.measured import curves as measured
 from jointclosure.warmup import kernels_of
 
@@ -23,7 +24,7 @@ check_files(CONFIGURATION)
 STUDY = CONFIGURATION.study.name
 RESULTS = f"results/{STUDY}"
 ENVIRONMENT = "../envs/jointclosure.yaml"
-PAPER_TABLE_3 = "workflow/resources/paper_table_3.csv"
+CAPTIONS = PACKAGE / "report/texts"
 CASES = {case.label: case for case in cases.cases_of(CONFIGURATION)}
 BLOCKS = {str(block.start): block for block in cases.blocks_of(CONFIGURATION.study)}
 SURFACES = {case.surface for case in CASES.values()}
@@ -57,6 +58,24 @@ FIGURES = [
 def code_of(*scripts):
     """Digest of scripts and of all that they import: an edit there re-runs their rules."""
     return code_digest(*(str(ROOT / f"workflow/scripts/{name}.py") for name in scripts))
+
+
+def seals_of(*jobs, study=RESULTS):
+    """Seals of jobs: what these wrote, from what, and with what settings."""
+    return [f"{study}/seals/{job}.json" for job in jobs]
+
+
+# of all that a study's tables and figures are; a target asks for them, so that one missing is noticed
+STUDY_SEALS = seals_of(
+    "aggregate",
+    "fit_correlations",
+    "find_indifference_intervals",
+    "judge_claims",
+    "check_results",
+    "write_tables",
+    "draw_figures",
+    *(["fit_measured"] if CURVES else []),
+)
 
 
 # files of surfaces and closures bear these, and are refused where they differ

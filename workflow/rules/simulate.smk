@@ -1,6 +1,53 @@
 # Surfaces of each case, and their closure: in blocks of realisations, named by their first.
 from jointclosure.studies.effects.choice import possible_scenes
 
+# what jobs are told whose seals are held against it
+AGGREGATED = {
+    "configuration": config,
+    "surface_code": SURFACE_CODE,
+    "solver_code": SOLVER_CODE,
+    "code": code_of("aggregate"),
+}
+STUDY_WITH = {seals_of("aggregate")[0]: settings_digest(AGGREGATED)}
+
+
+def choosing(rock):
+    """What the choice of a rock's effects is told."""
+    block = range(CONFIGURATION.study.realizations)
+    return {
+        "settings": {
+            label: to_plain(closure_of(label, block))
+            for label, case in CASES.items()
+            if case.rock == rock
+        },
+        "code": code_of("choose_effects"),
+    }
+
+
+CHOSEN_WITH = {
+    seals_of(f"choose_effects/{rock}")[0]: settings_digest(choosing(rock))
+    for rock in (ROCKS if AUTO else [])
+}
+
+
+def preparing(rock):
+    """What the reading of a rock's measured walls is told."""
+    return {
+        "walls": to_plain(ROCKS[rock].walls),
+        "digests": slices.wall_digests(ROCKS[rock].walls),
+        "grid": to_plain(CONFIGURATION.grid),
+        "jrc_relation": CONFIGURATION.surface.jrc_relation,
+        "realizations": CONFIGURATION.study.realizations,
+        "code": code_of("prepare_walls"),
+    }
+
+
+WALLS_WITH = {
+    seals_of(f"prepare_walls/{name}")[0]: settings_digest(preparing(name))
+    for name, rock in ROCKS.items()
+    if rock.walls
+}
+
 
 rule compile_kernels:
     output:
@@ -46,6 +93,7 @@ rule choose_effects:
         f"{RESULTS}/logs/kernels.txt",
     output:
         f"{RESULTS}/effects_of/{{rock}}.json",
+        seal=f"{RESULTS}/seals/choose_effects/{{rock}}.json",
     log:
         f"{RESULTS}/logs/choose_effects/{{rock}}.log",
     benchmark:
@@ -53,11 +101,7 @@ rule choose_effects:
     conda:
         ENVIRONMENT
     params:
-        settings=lambda wildcards: {
-            label: to_plain(closure_of(label, range(CONFIGURATION.study.realizations)))
-            for label, case in CASES.items()
-            if case.rock == wildcards.rock
-        },
+        settings=lambda wildcards: choosing(wildcards.rock)["settings"],
         code=code_of("choose_effects"),
     message:
         "Choose the effects that matter for {wildcards.rock}, by a pilot"
@@ -72,6 +116,9 @@ rule close_surfaces:
         ),
         surfaces=lambda wildcards: f"{RESULTS}/cases/{CASES[wildcards.case].surface}.{wildcards.first}.surfaces.nc",
         kernels=f"{RESULTS}/logs/kernels.txt",
+        seals=lambda wildcards: (
+            seals_of(f"choose_effects/{CASES[wildcards.case].rock}") if AUTO else []
+        ),
     output:
         f"{RESULTS}/cases/{{case}}.{{first}}.nc",
     log:
@@ -84,6 +131,7 @@ rule close_surfaces:
         settings=lambda wildcards: to_plain(
             closure_of(wildcards.case, BLOCKS[wildcards.first])
         ),
+        made_with=lambda wildcards: CHOSEN_WITH,
     message:
         "Close the surface pairs of {wildcards.case} from realisation {wildcards.first} on"
     script:
@@ -99,8 +147,10 @@ rule aggregate:
         walls=[
             f"{RESULTS}/walls/{name}.nc" for name, rock in ROCKS.items() if rock.walls
         ],
+        seals=[*CHOSEN_WITH, *WALLS_WITH],
     output:
         f"{RESULTS}/study.nc",
+        seal=f"{RESULTS}/seals/aggregate.json",
     log:
         f"{RESULTS}/logs/aggregate.log",
     benchmark:
@@ -108,10 +158,8 @@ rule aggregate:
     conda:
         ENVIRONMENT
     params:
-        configuration=config,
-        surface_code=SURFACE_CODE,
-        solver_code=SOLVER_CODE,
-        code=code_of("aggregate"),
+        **AGGREGATED,
+        made_with=CHOSEN_WITH | WALLS_WITH,
     message:
         "Put all cases into one dataset"
     script:

@@ -12,6 +12,7 @@ rule prepare_walls:
         ],
     output:
         f"{RESULTS}/walls/{{rock}}.nc",
+        seal=f"{RESULTS}/seals/prepare_walls/{{rock}}.json",
     log:
         f"{RESULTS}/logs/prepare_walls/{{rock}}.log",
     benchmark:
@@ -20,8 +21,8 @@ rule prepare_walls:
     conda:
         ENVIRONMENT
     params:
-        walls=lambda wildcards: to_plain(ROCKS[wildcards.rock].walls),
-        digests=lambda wildcards: slices.wall_digests(ROCKS[wildcards.rock].walls),
+        walls=lambda wildcards: preparing(wildcards.rock)["walls"],
+        digests=lambda wildcards: preparing(wildcards.rock)["digests"],
         grid=to_plain(CONFIGURATION.grid),
         jrc_relation=CONFIGURATION.surface.jrc_relation,
         realizations=CONFIGURATION.study.realizations,
@@ -35,6 +36,7 @@ rule prepare_walls:
 rule cut_surfaces:
     input:
         lambda wildcards: f"{RESULTS}/walls/{CASES[wildcards.case].rock}.nc",
+        seals=lambda wildcards: seals_of(f"prepare_walls/{CASES[wildcards.case].rock}"),
     output:
         f"{RESULTS}/cases/{{case}}.{{first}}.surfaces.nc",
     log:
@@ -47,6 +49,7 @@ rule cut_surfaces:
         ENVIRONMENT
     params:
         settings=lambda wildcards: surfaces_of(wildcards.case, BLOCKS[wildcards.first]),
+        made_with=WALLS_WITH,
     message:
         "Cut the surface pairs of {wildcards.case} from realisation {wildcards.first} on"
     script:

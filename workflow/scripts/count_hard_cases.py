@@ -2,7 +2,7 @@
 
 import sys
 
-from jointclosure.dataset import read_csv
+from jointclosure.storage.text import read_csv
 
 
 def main(path: str) -> int:

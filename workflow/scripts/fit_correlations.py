@@ -1,8 +1,10 @@
 """Fit the correlations of mean and standard deviation, Eqs. (24) to (27)."""
 
-from jointclosure.dataset import read_netcdf, write_csv
 from jointclosure.ensemble.aggregation import CURVES
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.text import write_csv
 from jointclosure.studies.sensitivity.responses import correlation_table, max_closure_table
 
 
@@ -15,7 +17,7 @@ def main(study: str, correlations: str, closures: str, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(
             snakemake.input[0],
             snakemake.output.correlations,

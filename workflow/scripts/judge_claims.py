@@ -1,7 +1,9 @@
 """Hold the paper's claims against the study."""
 
-from jointclosure.dataset import read_csv, reading_netcdf, write_csv
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.netcdf import reading_netcdf
+from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
 
 
@@ -15,7 +17,7 @@ def main(study: str, intervals: str, closures: str, output: str, log: Logbook) -
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(
             snakemake.input.study,
             snakemake.input.intervals,

@@ -3,10 +3,11 @@
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Grid, Walls
 from jointclosure.config.walls import wall_files
-from jointclosure.dataset import write_netcdf
 from jointclosure.ensemble.measured_walls import cutter_of, prepared_walls, room
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.scans import read_scan
+from jointclosure.storage.netcdf import write_netcdf
 
 
 def main(settings: dict, output: str, log: Logbook) -> None:
@@ -30,5 +31,5 @@ def main(settings: dict, output: str, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(dict(snakemake.params), snakemake.output[0], logbook)

@@ -13,7 +13,7 @@ import pandas as pd
 from markers import fill
 from publish_measured import ROOT, markdown
 
-from jointclosure.dataset import read_csv
+from jointclosure.storage.text import read_csv
 
 MEASURED = ROOT / "build/benchmarks"
 AXES = {

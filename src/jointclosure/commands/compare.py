@@ -4,9 +4,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from jointclosure.dataset import read_csv, read_netcdf
 from jointclosure.ensemble import comparison
 from jointclosure.inputs import InputError
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.text import read_csv
 
 
 def add_to(commands) -> None:

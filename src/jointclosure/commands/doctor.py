@@ -16,11 +16,12 @@ import psutil
 
 from jointclosure.compilation import cache_folder, compiles
 from jointclosure.config.configuration import DEFAULT, configured, merged_study
-from jointclosure.dataset import read_csv, versions_of
 from jointclosure.extras import EXTRAS, installed
 from jointclosure.inputs import InputError
 from jointclosure.parameters import Choices, Effects
 from jointclosure.progress import duration
+from jointclosure.storage.provenance import versions_of
+from jointclosure.storage.text import read_csv
 from jointclosure.warmup import compile_kernels
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")

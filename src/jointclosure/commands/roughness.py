@@ -2,10 +2,11 @@
 
 from pathlib import Path
 
-from jointclosure.dataset import save_figure, write_csv
 from jointclosure.inputs import InputError
 from jointclosure.scans import read_scan
 from jointclosure.scans.units import UNITS
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import write_csv
 from jointclosure.surface.measured import (
     LARGEST_FILLED_SHARE,
     MISSING,

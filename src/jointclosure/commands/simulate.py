@@ -10,7 +10,6 @@ import xarray as xr
 from jointclosure.config.configuration import Configured, configured, merged, merged_study
 from jointclosure.config.files import value_of
 from jointclosure.config.typed import Configuration
-from jointclosure.dataset import provenance, read_csv, save_figure, write_netcdf
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Case
@@ -19,6 +18,10 @@ from jointclosure.inputs import InputError
 from jointclosure.parameters import Effects
 from jointclosure.progress import bar, duration
 from jointclosure.protocol import FAILURE, LOADING
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.netcdf import write_netcdf
+from jointclosure.storage.provenance import provenance
+from jointclosure.storage.text import read_csv
 from jointclosure.surface.synthesis import wall_pair
 
 _OF_ROCK = {

@@ -2,11 +2,12 @@
 
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import seaborn as sns
 from matplotlib.figure import Figure
+
+from jointclosure.plotting.style import styled, subplots
 
 FLOOR = 1e-17
 """Errors below are drawn here: no error at all, in double precision."""
@@ -34,6 +35,7 @@ _LEGENDS: dict[str, dict[str, Any]] = {
 }
 
 
+@styled
 def numerics_figure(numerics: pd.DataFrame) -> Figure:
     """Errors against 50 digits, and the sweep against the fast solver.
 
@@ -47,7 +49,7 @@ def numerics_figure(numerics: pd.DataFrame) -> Figure:
     -----
     Axes end at `FLOOR` and `CEILING`; what lies beyond is drawn on them.
     """
-    figure, panels = plt.subplots(2, 2, figsize=(11.0, 8.6), layout="constrained")
+    figure, panels = subplots(2, 2, figsize=(11.0, 8.6), layout="constrained")
     for axes, (subject, (at, error)) in zip(panels.flat, _PANELS.items(), strict=True):
         part = numerics[numerics.subject == subject]
         if subject == "convergence":

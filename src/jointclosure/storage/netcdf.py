@@ -1,32 +1,19 @@
-"""The only place that reads and writes netCDF and CSV files, and writes figures.
+"""NetCDF files: whole or absent, whatever happens meanwhile.
 
-A file is whole or absent, whatever happens meanwhile. A netCDF file ends with a
-digest of all before it (other readers skip it), see `jointclosure.files`. Files of
-measured walls, which others wrote, are read by `jointclosure.scans`.
+A file ends with a digest of all before it (other readers skip it), see
+`jointclosure.files`.
 """
 
 import contextlib
-import importlib.metadata
-import json
-import os
-import platform
-import re
-import subprocess
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import netCDF4
-import pandas as pd
 import xarray as xr
 
 from jointclosure.files import atomically, check_seal, seal
-from jointclosure.inputs import InputError
-from jointclosure.sources import PACKAGE, package_digest
-
-if TYPE_CHECKING:  # a job that draws nothing does not load it
-    from matplotlib.figure import Figure
 
 _CHUNK_CACHE = 1_000_000
 """Bytes of a variable that netCDF keeps in memory while blocks are written, instead of 64 MB."""
@@ -174,103 +161,3 @@ def reading_netcdf(path: str | Path) -> Iterator[xr.Dataset]:
     check_seal(Path(path))
     with xr.open_dataset(path, engine="netcdf4", cache=False) as dataset:
         yield dataset
-
-
-def write_csv(frame: pd.DataFrame, path: str | Path) -> None:
-    """Write a table, whole or not at all; numbers as short as they read back."""
-    atomically(path, lambda temporary: frame.to_csv(temporary, index=False))
-
-
-def read_csv(path: str | Path) -> pd.DataFrame:
-    """A table written by `write_csv`, or an input in the same form."""
-    return pd.read_csv(path, comment="#")
-
-
-def read_benchmarks(folder: str | Path) -> pd.DataFrame:
-    """What Snakemake measured of its jobs: all ``.tsv`` files below a folder, one row a job.
-
-    Returns
-    -------
-    DataFrame
-        Columns rule (file or first folder), job, s [s], max_rss [MB]; jobs too
-        short to be measured have NaN.
-    """
-    rows = [
-        pd.read_csv(path, sep="\t", na_values=["-"], usecols=["s", "max_rss"]).assign(
-            rule=path.relative_to(folder).with_suffix("").parts[0], job=path.stem
-        )
-        for path in sorted(Path(folder).rglob("*.tsv"))
-    ]
-    columns = ["rule", "job", "s", "max_rss"]
-    return pd.concat(rows)[columns] if rows else pd.DataFrame(columns=columns)
-
-
-def read_text(path: str | Path) -> str:
-    """A text, such as a log or a CSV; `InputError` where it is no UTF-8."""
-    try:
-        return Path(path).read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: is no UTF-8 text ({error.reason} at {error.start})") from None
-
-
-def write_text(text: str, path: str | Path) -> None:
-    """Write a text, whole or not at all."""
-    atomically(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
-
-
-def save_figure(figure: "Figure", path: str | Path) -> None:
-    """Write a figure in the format of its path, without the time of day in it."""
-    metadata = {"CreationDate": None} if Path(path).suffix == ".pdf" else None
-    atomically(path, lambda temporary: figure.savefig(temporary, metadata=metadata))
-
-
-def provenance(configuration: dict[str, Any]) -> dict[str, str]:
-    """Attributes that say where a dataset comes from.
-
-    Those with the prefix ``provenance_`` may differ between two runs of the
-    same study; the configuration and the digest of the sources may not. How
-    the work was split over jobs changes no result, and is one of the former.
-    """
-    study = dict(configuration["study"])
-    split = study.pop("realizations_per_job", None)
-    configuration = configuration | {"study": study}
-    versions = versions_of(
-        "jointclosure", "numpy", "numba", "scipy", "xarray", "netCDF4", "snakemake"
-    )
-    return {
-        "Conventions": "CF-1.11",
-        "configuration": json.dumps(configuration, sort_keys=True),
-        "root_seed": str(configuration["study"]["root_seed"]),
-        "source_digest": package_digest(),
-        "provenance_versions": json.dumps({"python": platform.python_version()} | versions),
-        "provenance_commit": _commit(),
-        "provenance_realizations_per_job": str(split),
-        "provenance_machine": f"{platform.system()} {platform.machine()}, {_processor()}",
-    }
-
-
-def versions_of(*packages: str) -> dict[str, str]:
-    """Versions of those of some packages that are installed."""
-    versions = {}
-    for name in packages:
-        with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # of an extra
-            versions[name] = importlib.metadata.version(name)
-    return versions
-
-
-def _commit() -> str:
-    """Commit of the sources, with a mark where they were edited since."""
-    command = ["git", "-C", str(PACKAGE), "describe", "--always", "--dirty", "--abbrev=12"]
-    try:
-        answer = subprocess.run(command, capture_output=True, text=True, check=False)
-    except FileNotFoundError:
-        return "unknown (no git)"
-    return answer.stdout.strip() or "unknown (not a git checkout)"
-
-
-def _processor() -> str:
-    """Model and number of the processor's cores, the model where the system tells it."""
-    path = Path("/proc/cpuinfo")
-    told = path.read_text(encoding="utf-8") if path.is_file() else ""
-    model = re.search(r"model name\s*: (.*)", told)
-    return f"{model[1] if model else platform.processor()}, {os.cpu_count()} cores"
