@@ -104,12 +104,13 @@ class _PathToRest:
         self.joint, self.closure, self.breakage_step = joint, closure, breakage_step
         self.confined = np.zeros(joint.upper.shape, dtype=bool)
         self.solved_to = np.inf
-        self.effort = Effort(settled=1)
+        self.rounds = self.newton_steps = self.products = self.breakage_steps = 0
         self._memory = batch_memory()
 
     def described(self, outcome: int) -> Settled:
         """The joint as it is now."""
-        return self.joint.describe(self.closure, outcome, self.confined, self.effort)
+        effort = Effort(1, self.rounds, self.newton_steps, self.products, self.breakage_steps)
+        return self.joint.describe(self.closure, outcome, self.confined, effort)
 
     def begin_extrapolated(self, step: float, asked: float) -> None:
         """First round with fixed breakage steps, a closure ``step`` [m] after the last one."""
@@ -165,14 +166,14 @@ class _PathToRest:
             most,
             self._memory,
         )
-        self.effort = self.effort.plus(Effort(breakage_steps=steps))
-        if self.effort.breakage_steps >= most:
+        self.breakage_steps += steps
+        if self.breakage_steps >= most:
             raise _GivenUp(NOT_AT_REST)
         return steps
 
     def solve(self, tolerance: float) -> Equilibrium:
         """Equilibrium of the walls as they are: forces and interaction of the joint."""
-        if self.effort.rounds >= MOST_ROUNDS:
+        if self.rounds >= MOST_ROUNDS:
             raise _GivenUp(NOT_AT_REST)
         joint = self.joint
         contacts = _contacts(joint, self.closure)
@@ -193,9 +194,9 @@ class _PathToRest:
             field = answer.field if known else interaction_field(joint.influence, joint.force)
             joint.interaction[:] = field
             joint.interaction.ravel()[cells] = answer.interaction
-        self.effort = self.effort.plus(
-            Effort(rounds=1, newton_steps=answer.newton_steps, products=answer.products)
-        )
+        self.rounds += 1
+        self.newton_steps += answer.newton_steps
+        self.products += answer.products
         if not answer.residual <= tolerance:
             raise _GivenUp(RIGID_CONTACT if answer.residual == np.inf else NOT_CONVERGED)
         self.solved_to = tolerance
