@@ -96,13 +96,13 @@ class _GivenUp(Exception):
 class _PathToRest:
     """A joint on its way to rest at a closure [m], and what that took so far.
 
-    ``confined`` is the map (y, x) of pairs that could not break in the last breakage,
+    ``locked`` is the map (y, x) of pairs that could not break in the last breakage,
     ``solved_to`` the residual to which the present forces were solved.
     """
 
     def __init__(self, joint: Joint, closure: float, breakage_step: float):
         self.joint, self.closure, self.breakage_step = joint, closure, breakage_step
-        self.confined = np.zeros(joint.upper.shape, dtype=bool)
+        self.locked = np.zeros(joint.upper.shape, dtype=bool)
         self.solved_to = np.inf
         self.rounds = self.newton_steps = self.products = self.breakage_steps = 0
         self._memory = batch_memory()
@@ -110,7 +110,7 @@ class _PathToRest:
     def described(self, outcome: int) -> Settled:
         """The joint as it is now."""
         effort = Effort(1, self.rounds, self.newton_steps, self.products, self.breakage_steps)
-        return self.joint.describe(self.closure, outcome, self.confined, effort)
+        return self.joint.describe(self.closure, outcome, self.locked, effort)
 
     def begin_extrapolated(self, step: float, asked: float) -> None:
         """First round with fixed breakage steps, a closure ``step`` [m] after the last one."""
@@ -153,7 +153,7 @@ class _PathToRest:
             joint.effects.gouge, joint.choices.peaks == "current", _resolved(joint)
         )
         most = _most_breakage_steps(joint)
-        steps, self.confined = kernel(
+        steps, self.locked = kernel(
             joint.upper,
             joint.lower,
             float(self.closure - joint.first_touch),
