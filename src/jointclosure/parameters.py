@@ -40,8 +40,8 @@ class Effects(NamedTuple):
 
 
 def scene_name(effects: Effects) -> str:
-    """Name of a scene: its effects joined by hyphens, or "rigid" where it has none."""
-    return "-".join(name for name, on in effects._asdict().items() if on) or "rigid"
+    """Name of a scene: its effects joined by hyphens, or "hertz_only" where it has none."""
+    return "-".join(name for name, on in effects._asdict().items() if on) or "hertz_only"
 
 
 def scene_of(name: str) -> Effects:

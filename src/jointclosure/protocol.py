@@ -304,7 +304,7 @@ def _interpolate(run: _Run, cycle: int, before: tuple, passed: Settled) -> None:
     last = run.steps[-1].settled
     values = {
         name: getattr(last, name) + part * (getattr(passed, name) - getattr(last, name))
-        for name in ("closure", "mean_interaction", "confined_share", "flat_share")
+        for name in ("closure", "mean_interaction", "locked_share", "flat_share")
     }
     joint.closure[...] = values["closure"]  # from which the next step counts
     run.accept(cycle, LOADING, passed._replace(total_force=run.target_force, **values))
@@ -327,7 +327,7 @@ def _judge_range(run: _Run) -> None:
     at_maximum = run.steps[-1].settled
     if not run.joint.effects.breakage:
         return
-    if at_maximum.confined_share + at_maximum.flat_share > LARGEST_UNBREAKABLE_SHARE:
+    if at_maximum.locked_share + at_maximum.flat_share > LARGEST_UNBREAKABLE_SHARE:
         run.status |= OUTSIDE_MODEL_RANGE
 
 

@@ -65,7 +65,7 @@ ATTRIBUTES: dict[str, dict[str, Any]] = {
             "largest stress by which unloading exceeds loading at equal closure",
         ),
         ("least_force", "N", "least force on any cell at any step"),
-        ("confined_share", "1", "share of the force on confined contacts at the maximum"),
+        ("locked_share", "1", "share of the force on locked contacts at the maximum"),
         ("flat_share", "1", "share of the force on flat contacts at the maximum"),
         ("upper_final", "m", "upper wall at the end, towards the lower"),
         ("lower_final", "m", "lower wall at the end, towards the upper"),
@@ -73,7 +73,7 @@ ATTRIBUTES: dict[str, dict[str, Any]] = {
         ("equilibria", "1", "equilibria solved on the way (reference: sweeps)"),
         ("newton_steps", "1", "steps of Newton's method"),
         ("breakage_steps", "1", "breakage steps taken"),
-        ("confined_contacts", "1", "largest number of confined contacts at a step"),
+        ("locked_contacts", "1", "largest number of locked contacts at a step"),
         ("solver_iterations", "1", "products with the interaction, or sweeps (reference)"),
         ("force", "N", "normal force of each contact"),
         ("overlap", "m", "overlap delta_S, negative where the walls are apart"),
@@ -141,7 +141,7 @@ def simulate(
         touch, ``normal_stress`` [Pa], ``contact_fraction``,
         ``bulk_indentation`` [m], ``equilibrium_residual``, with coordinates
         ``cycle`` and ``branch``. Along ``cycle``: ``max_closure``,
-        ``residual_closure`` [m], both ``_seated`` too, ``confined_share`` and
+        ``residual_closure`` [m], both ``_seated`` too, ``locked_share`` and
         ``flat_share`` of the force at the maximum, ``unloading_excess`` [Pa], by
         which stress on unloading exceeds that on loading. The walls as they ended,
         ``status`` (bits, below 16 a success; see its attributes), and counts.
@@ -343,7 +343,7 @@ def _history_dataset(
     at_maximum = _at_maxima(settled, cycle, branch, cycles)
     along_cycle |= {
         "max_bulk_indentation": at_maximum("mean_interaction"),
-        "confined_share": at_maximum("confined_share"),
+        "locked_share": at_maximum("locked_share"),
         "flat_share": at_maximum("flat_share"),
     }
     once = {
@@ -353,7 +353,7 @@ def _history_dataset(
         "equilibria": history.effort.rounds,
         "newton_steps": history.effort.newton_steps,
         "breakage_steps": history.effort.breakage_steps,
-        "confined_contacts": max(point.confined_contacts for point in settled),
+        "locked_contacts": max(point.locked_contacts for point in settled),
         "solver_iterations": history.effort.products,
     }
     walls = {"upper_final": joint.upper, "lower_final": joint.lower}

@@ -55,14 +55,14 @@ def solver(request):
 
 
 @pytest.mark.parametrize("peaks", ["pristine", "current"])
-def test_at_rest_every_contact_holds_or_is_confined(solver, small_joint, peaks):
+def test_at_rest_every_contact_holds_or_is_locked(solver, small_joint, peaks):
     joint, broken = settled(solver, small_joint, choices=Choices(peaks=peaks))
     upper, lower = small_joint if peaks == "pristine" else (joint.upper, joint.lower)
     maps = (oracle.peaks(upper), oracle.peaks(lower))
     load = oracle.pressures_over_limit(
         joint.upper, joint.lower, joint.force, h=SPACING, rock=DOLERITE, peak_maps=maps
     )
-    held = (load <= 1.0 + EXCESS[solver]) | oracle.confined(joint.upper, joint.lower)
+    held = (load <= 1.0 + EXCESS[solver]) | oracle.locked(joint.upper, joint.lower)
     # something did break: at least a step for each cell that lost height and got none
     lowered = (joint.upper < small_joint[0]) | (joint.lower < small_joint[1])
     assert broken >= np.count_nonzero(lowered) > 0
@@ -217,8 +217,8 @@ def test_limited_forces_are_complementary_and_no_contact_carries_more_than_its_s
     limit = strength_limits(
         upper, lower, cells, curvature, compliance, peaks, law, True, 1e-12, 0.0
     )
-    confined = oracle.confined(upper, lower).ravel()[cells]
-    np.testing.assert_array_equal(np.isinf(limit), confined | (curvature == 0.0))
+    locked = oracle.locked(upper, lower).ravel()[cells]
+    np.testing.assert_array_equal(np.isinf(limit), locked | (curvature == 0.0))
     load = np.zeros(upper.size)
     load[cells] = np.where(np.isinf(limit), 0.0, limit)
     pressure = oracle.pressures_over_limit(

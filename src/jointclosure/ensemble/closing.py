@@ -17,7 +17,7 @@ PER_CYCLE = (
     "max_closure_seated",
     "residual_closure_seated",
     "max_bulk_indentation",
-    "confined_share",
+    "locked_share",
     "flat_share",
     "unloading_excess",
 )
@@ -27,7 +27,7 @@ PER_REALIZATION = (
     "status",
     "least_force",
     "breakage_steps",
-    "confined_contacts",
+    "locked_contacts",
     "solver_iterations",
 )
 

@@ -1,7 +1,7 @@
 """Breakage to rest at fixed closure and fixed interaction.
 
 An overstressed pair is lowered until it holds, has lost contact or is
-confined, its gouge laid on its neighbours. Pairs are coloured so that the
+locked, its gouge laid on its neighbours. Pairs are coloured so that the
 neighbourhoods of one colour do not overlap. The colours take turns:
 
 1. of the pairs of a colour that wait, `BATCH` at a time, the overstressed are picked out;
@@ -59,7 +59,7 @@ class Cells(NamedTuple):
     lower: np.ndarray
     approach: np.ndarray
     kind: np.ndarray
-    confined: np.ndarray
+    locked: np.ndarray
     stride: int
 
 
@@ -106,7 +106,7 @@ def neighbour_offsets(stride):
 def strength_limits(upper, lower, cells, curvature, compliance, peaks, law, gouge, tie, band):
     """Forces (n,) [N] that the contacts at the cells can carry; see `breakage_kernel`.
 
-    Infinite where a pair cannot break: flat, or confined on both walls.
+    Infinite where a pair cannot break: flat, or locked on both walls.
     """
     nx = upper.shape[1]
     around, falls = np.empty(8), np.empty(8)
@@ -219,7 +219,7 @@ def pick_overstressed(batch, n, looked_at, cells, turns, overstressed):
     m = 0
     for i in range(n):
         turns.waits[looked_at[i]] = 0
-        cells.confined[looked_at[i]] = False
+        cells.locked[looked_at[i]] = False
         overstressed[m] = looked_at[i]
         m += int(batch.breaks[i])
     return m
@@ -235,10 +235,10 @@ def count_breaking(batch, n):
 
 
 @kernel
-def note_confined(batch, n, some, confined):
-    """Mark the cells (n,) whose pairs turned out to be confined."""
+def note_locked(batch, n, some, locked):
+    """Mark the cells (n,) whose pairs turned out to be locked."""
     for i in range(n):
-        confined[some[i]] |= batch.confined[i] > 0.0
+        locked[some[i]] |= batch.locked[i] > 0.0
 
 
 @kernel
@@ -262,11 +262,11 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
     """Kernel that breaks all pairs to rest at a fixed interaction.
 
     The kernel's signature is ``(upper, lower, offset, interaction, peaks, law,
-    breakage_step, band, tie_tolerance, most_steps, memory) -> (steps, confined)``:
+    breakage_step, band, tie_tolerance, most_steps, memory) -> (steps, locked)``:
     walls (y, x) [m] changed in place, the offset as in `overlapping_cells` [m],
     the interaction (y, x) [m]; the number of breakage steps taken
     (``most_steps`` or more where it did not come to rest) and a map (y, x) of
-    confined pairs. A pair loses ``breakage_step`` [m] at a time; ``resolved``,
+    locked pairs. A pair loses ``breakage_step`` [m] at a time; ``resolved``,
     what brings it back to its strength, which it may then exceed by half the
     ``band`` before it breaks again. ``memory``, from
     `jointclosure.solvers.pair_batch.batch_memory`, is room to work in. An effect that
@@ -345,7 +345,7 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
                         measure_drops(batch, n, LOWER, tie_tolerance)
                     share_losses(batch, n, gouge)
                     if gouge:
-                        note_confined(batch, n, some, cells.confined)
+                        note_locked(batch, n, some, cells.locked)
                     breaking = count_breaking(batch, n)
                     if breaking == 0:
                         break
@@ -360,8 +360,8 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
         unpad(cells.upper, upper)
         unpad(cells.lower, lower)
         unpad(kind, peaks)
-        confined = np.empty((ny, nx), np.bool_)
-        unpad(cells.confined, confined)
-        return steps, confined
+        locked = np.empty((ny, nx), np.bool_)
+        unpad(cells.locked, locked)
+        return steps, locked
 
     return break_to_rest

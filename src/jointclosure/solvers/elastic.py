@@ -125,8 +125,8 @@ def _settled(joint: Joint, candidates: _Candidates, found: Equilibrium) -> Settl
         contacts=int(np.count_nonzero(found.force)),
         mean_interaction=joint.mean_interaction(),
         residual=found.residual,
-        confined_contacts=0,
-        confined_share=0.0,
+        locked_contacts=0,
+        locked_share=0.0,
         flat_share=flat / total if total > 0.0 else 0.0,
         effort=Effort(1, 1, found.newton_steps, found.products),
     )

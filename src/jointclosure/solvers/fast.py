@@ -96,20 +96,21 @@ class _GivenUp(Exception):
 class _PathToRest:
     """A joint on its way to rest at a closure [m], and what that took so far.
 
-    ``confined`` is the map (y, x) of pairs that could not break in the last breakage,
+    ``locked`` is the map (y, x) of pairs that could not break in the last breakage,
     ``solved_to`` the residual to which the present forces were solved.
     """
 
     def __init__(self, joint: Joint, closure: float, breakage_step: float):
         self.joint, self.closure, self.breakage_step = joint, closure, breakage_step
-        self.confined = np.zeros(joint.upper.shape, dtype=bool)
+        self.locked = np.zeros(joint.upper.shape, dtype=bool)
         self.solved_to = np.inf
-        self.effort = Effort(settled=1)
+        self.rounds = self.newton_steps = self.products = self.breakage_steps = 0
         self._memory = batch_memory()
 
     def described(self, outcome: int) -> Settled:
         """The joint as it is now."""
-        return self.joint.describe(self.closure, outcome, self.confined, self.effort)
+        effort = Effort(1, self.rounds, self.newton_steps, self.products, self.breakage_steps)
+        return self.joint.describe(self.closure, outcome, self.locked, effort)
 
     def begin_extrapolated(self, step: float, asked: float) -> None:
         """First round with fixed breakage steps, a closure ``step`` [m] after the last one."""
@@ -152,7 +153,7 @@ class _PathToRest:
             joint.effects.gouge, joint.choices.peaks == "current", _resolved(joint)
         )
         most = _most_breakage_steps(joint)
-        steps, self.confined = kernel(
+        steps, self.locked = kernel(
             joint.upper,
             joint.lower,
             float(self.closure - joint.first_touch),
@@ -165,14 +166,14 @@ class _PathToRest:
             most,
             self._memory,
         )
-        self.effort = self.effort.plus(Effort(breakage_steps=steps))
-        if self.effort.breakage_steps >= most:
+        self.breakage_steps += steps
+        if self.breakage_steps >= most:
             raise _GivenUp(NOT_AT_REST)
         return steps
 
     def solve(self, tolerance: float) -> Equilibrium:
         """Equilibrium of the walls as they are: forces and interaction of the joint."""
-        if self.effort.rounds >= MOST_ROUNDS:
+        if self.rounds >= MOST_ROUNDS:
             raise _GivenUp(NOT_AT_REST)
         joint = self.joint
         contacts = _contacts(joint, self.closure)
@@ -193,9 +194,9 @@ class _PathToRest:
             field = answer.field if known else interaction_field(joint.influence, joint.force)
             joint.interaction[:] = field
             joint.interaction.ravel()[cells] = answer.interaction
-        self.effort = self.effort.plus(
-            Effort(rounds=1, newton_steps=answer.newton_steps, products=answer.products)
-        )
+        self.rounds += 1
+        self.newton_steps += answer.newton_steps
+        self.products += answer.products
         if not answer.residual <= tolerance:
             raise _GivenUp(RIGID_CONTACT if answer.residual == np.inf else NOT_CONVERGED)
         self.solved_to = tolerance

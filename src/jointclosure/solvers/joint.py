@@ -47,9 +47,9 @@ class Effort(NamedTuple):
 
 
 class Settled(NamedTuple):
-    """A joint at rest: in equilibrium, every contact held or confined.
+    """A joint at rest: in equilibrium, every contact held or locked.
 
-    Shares are those of the total force on confined contacts (beyond their
+    Shares are those of the total force on locked contacts (beyond their
     strength, with nowhere to put their gouge) and on flat ones (no curvature,
     or what rounding leaves of none, so that Eq. (22) gives next to no stress).
     ``correction`` [N] is by how much the total force missed what was predicted
@@ -63,8 +63,8 @@ class Settled(NamedTuple):
     contacts: int
     mean_interaction: float
     residual: float
-    confined_contacts: int
-    confined_share: float
+    locked_contacts: int
+    locked_share: float
     flat_share: float
     effort: Effort
     correction: float = 0.0
@@ -169,10 +169,8 @@ class Joint:
         """Force [N] on contacts (n,) that are flat: `FLATTEST` and below, by curvature [1/m]."""
         return float(force[curvature * self.law.spacing < FLATTEST].sum())
 
-    def describe(
-        self, closure: float, outcome: int, confined: np.ndarray, effort: Effort
-    ) -> Settled:
-        """Sum up the present state; ``confined`` is a map (y, x).
+    def describe(self, closure: float, outcome: int, locked: np.ndarray, effort: Effort) -> Settled:
+        """Sum up the present state; ``locked`` is a map (y, x).
 
         The residual is recomputed here from walls and forces alone, whatever
         the solver believes to have reached.
@@ -194,8 +192,8 @@ class Joint:
             contacts=int(np.count_nonzero(self.force)),
             mean_interaction=self.mean_interaction(),
             residual=misfit,
-            confined_contacts=int(np.count_nonzero(confined & (self.force > 0.0))),
-            confined_share=share * float(self.force[confined].sum()),
+            locked_contacts=int(np.count_nonzero(locked & (self.force > 0.0))),
+            locked_share=share * float(self.force[locked].sum()),
             flat_share=share * self.force_on_flats(curvature, force),
             effort=effort,
         )

@@ -5,7 +5,7 @@ breakage step needs to know of them. A step is, in this order,
 
 1. `assess`: curvatures, overlap, and which pairs are beyond their strength;
 2. `measure_drops`: how far their neighbours lie below them, where gouge goes (with gouge);
-3. `share_losses`: how a loss of 1 divides between the walls, and which pairs are confined;
+3. `share_losses`: how a loss of 1 divides between the walls, and which pairs are locked;
 4. `fixed_losses` or `returning_losses`: how much is lost;
 5. `shed_losses`: the cells are lowered, and their neighbours raised by the gouge.
 
@@ -50,8 +50,8 @@ Batch = np.dtype(
             *_fields("critical_indentation", "substrate_strength"),
             # overlap over that at which the pair breaks
             *_fields("stress_ratio"),
-            # 1 or 0: breaks in this step; is confined on both walls. And steps taken so far
-            *_fields("breaks", "confined", "steps"),
+            # 1 or 0: breaks in this step; is locked on both walls. And steps taken so far
+            *_fields("breaks", "locked", "steps"),
             # by wall: curvature [1/m], sum and least of the drops to lower neighbours [m],
             # loss of height (first its share) [m]
             *_fields("curvature", "total_drop", "least_drop", "loss", shape=(2,)),
@@ -191,7 +191,7 @@ def share_losses(batch, n, gouge):
     """Both walls' shares of a loss of 1, 0 for a pair that does not break.
 
     `jointclosure.mechanics.gouge.upper_share` and `passed_share`; marks pairs
-    confined on both walls, which do not break.
+    locked on both walls, which do not break.
     """
     for i in range(n):
         share = upper_share(batch.curvature[UPPER, i], batch.curvature[LOWER, i])
@@ -199,9 +199,9 @@ def share_losses(batch, n, gouge):
         if gouge:
             upper, lower = batch.total_drop[UPPER, i], batch.total_drop[LOWER, i]
             share = passed_share(share, upper, lower)
-            confined = breaks if upper + lower == 0.0 else 0.0
-            batch.confined[i] = confined
-            breaks -= confined
+            locked = breaks if upper + lower == 0.0 else 0.0
+            batch.locked[i] = locked
+            breaks -= locked
         batch.breaks[i] = breaks
         batch.steps[i] += breaks
         batch.loss[UPPER, i] = breaks * share

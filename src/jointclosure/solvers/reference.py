@@ -44,7 +44,7 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
 
     Signature ``(upper, lower, offset, peaks, force, elastic_displacement, table, law,
     breakage_step, tie_tolerance, tolerance, most_sweeps) -> (sweeps, breakage
-    steps, converged, confined)``; walls, forces [N] and interaction ``elastic_displacement``
+    steps, converged, locked)``; walls, forces [N] and interaction ``elastic_displacement``
     [m], all (y, x), are changed in place.
     """
 
@@ -66,7 +66,7 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
         ny, nx = upper.shape
         around_upper, around_lower = np.empty(8), np.empty(8)
         falls_upper, falls_lower = np.empty(8), np.empty(8)
-        confined = np.zeros((ny, nx), np.bool_)
+        locked = np.zeros((ny, nx), np.bool_)
         broken = 0
         for sweep in range(most_sweeps):
             # 2. the contacts, from the tallest overall asperity to the shortest
@@ -86,7 +86,7 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
                 neighbourhood(upper, y, x, around_upper)
                 neighbourhood(lower, y, x, around_lower)
                 steps = 0
-                confined[y, x] = False
+                locked[y, x] = False
                 while True:
                     overlap = upper[y, x] + lower[y, x] + offset - elastic_displacement[y, x]
                     state = peaks[y, x]
@@ -122,7 +122,7 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
                             lower[y, x], around_lower, tie_tolerance, falls_lower
                         )
                         if total_upper == 0.0 and total_lower == 0.0:
-                            confined[y, x] = True
+                            locked[y, x] = True
                             break
                         share = passed_share(share, total_upper, total_lower)
                     loss_upper = breakage_step * share
@@ -153,8 +153,8 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
                     break  # back to step 2
             # 5. the other contacts' interaction changed: back to step 2 until forces settle
             if not again and change <= tolerance:
-                return sweep + 1, broken, True, confined
-        return most_sweeps, broken, False, confined
+                return sweep + 1, broken, True, locked
+        return most_sweeps, broken, False, locked
 
     return sweep_to_rest
 
@@ -190,7 +190,7 @@ class ReferenceSolver:
         # cells that lost contact since the last step carry nothing
         summed = joint.upper + joint.lower + (closure - joint.first_touch)
         joint.force[summed <= 0.0] = 0.0
-        sweeps, broken, converged, confined = kernel_(
+        sweeps, broken, converged, locked = kernel_(
             joint.upper,
             joint.lower,
             float(closure - joint.first_touch),
@@ -208,4 +208,4 @@ class ReferenceSolver:
         if not np.all(np.isfinite(joint.force)):
             outcome = RIGID_CONTACT
         effort = Effort(settled=1, rounds=sweeps, products=sweeps, breakage_steps=broken)
-        return joint.describe(closure, outcome, confined, effort)
+        return joint.describe(closure, outcome, locked, effort)

@@ -230,7 +230,7 @@ def row_of(outcome: Outcome, failed: list[str]) -> dict:
         "residual_closure_last_m": float(data.residual_closure[-1]) if cycles else math.nan,
         "target_Pa": outcome.target,
         "max_stress_Pa": float(np.max(stress)),
-        "unbreakable_share": float((data.confined_share + data.flat_share).max())
+        "unbreakable_share": float((data.locked_share + data.flat_share).max())
         if cycles
         else math.nan,
         "unloading_excess_over_target": float(data.unloading_excess.max()) / outcome.target

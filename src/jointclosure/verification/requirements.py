@@ -95,7 +95,7 @@ def _curve(outcome, tolerances: dict[str, float]) -> list[str]:
             failed.append(f"cycle {cycle} ends at {stress.max():.6g} Pa, above {target:.6g} Pa")
         if stress[-1] != 0.0:
             failed.append(f"cycle {cycle} unloads to {stress[-1]:.3g} Pa only")
-    share = float((data.confined_share + data.flat_share).max())
+    share = float((data.locked_share + data.flat_share).max())
     out = outcome.case["effects"]["breakage"] and share > LARGEST_UNBREAKABLE_SHARE
     for bit, name, true in (
         (TARGET_JUMPED, "below its target", short),
