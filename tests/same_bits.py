@@ -1,4 +1,4 @@
-"""What a process computes where numpy, OpenBLAS, Numba and glibc think the processor another one."""
+"""What a process computes where its libraries take the processor for another one."""
 
 import os
 import subprocess
