@@ -7,12 +7,6 @@ SCENES = list(ablation.SCENES) if ABLATION else []
 VALIDATION = ABLATION.validation if ABLATION else None
 CHOICE_TABLES = ["effects_auto.csv", "effects_auto_summary.csv"]
 
-
-def conditions_of(rock):
-    """Settings of a rock's closures at every condition, as plain data."""
-    return to_plain(design.conditions_of(CONFIGURATION, rock))
-
-
 SCENES_WITH = {
     seals_of(f"close_scene/{rock}.{scene}")[0]: settings_digest(
         {

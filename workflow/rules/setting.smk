@@ -10,6 +10,7 @@ from jointclosure.ensemble import slices
 from jointclosure.sources import PACKAGE, code_digest
 from jointclosure.storage.seals import settings_digest
 from jointclosure.storage.text import read_csv, read_text
+from jointclosure.studies.effects import design
 from jointclosure.studies.measured import curves as measured
 from jointclosure.warmup import kernels_of
 
@@ -88,6 +89,36 @@ def closure_of(case, block):
     return slices.block_settings(
         CONFIGURATION, CASES, case, block, SURFACE_CODE, SOLVER_CODE
     )
+
+
+def choosing(rock):
+    """What the choice of a rock's effects is told."""
+    block = range(CONFIGURATION.study.realizations)
+    return {
+        "settings": {
+            label: to_plain(closure_of(label, block))
+            for label, case in CASES.items()
+            if case.rock == rock
+        },
+        "code": code_of("choose_effects"),
+    }
+
+
+def preparing(rock):
+    """What the reading of a rock's measured walls is told."""
+    return {
+        "walls": to_plain(ROCKS[rock].walls),
+        "digests": slices.wall_digests(ROCKS[rock].walls),
+        "grid": to_plain(CONFIGURATION.grid),
+        "jrc_relation": CONFIGURATION.surface.jrc_relation,
+        "realizations": CONFIGURATION.study.realizations,
+        "code": code_of("prepare_walls"),
+    }
+
+
+def conditions_of(rock):
+    """Settings of a rock's closures at every condition, as plain data."""
+    return to_plain(design.conditions_of(CONFIGURATION, rock))
 
 
 def surfaces_of(case, block):

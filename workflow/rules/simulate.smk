@@ -11,35 +11,10 @@ AGGREGATED = {
 STUDY_WITH = {seals_of("aggregate")[0]: settings_digest(AGGREGATED)}
 
 
-def choosing(rock):
-    """What the choice of a rock's effects is told."""
-    block = range(CONFIGURATION.study.realizations)
-    return {
-        "settings": {
-            label: to_plain(closure_of(label, block))
-            for label, case in CASES.items()
-            if case.rock == rock
-        },
-        "code": code_of("choose_effects"),
-    }
-
-
 CHOSEN_WITH = {
     seals_of(f"choose_effects/{rock}")[0]: settings_digest(choosing(rock))
     for rock in (ROCKS if AUTO else [])
 }
-
-
-def preparing(rock):
-    """What the reading of a rock's measured walls is told."""
-    return {
-        "walls": to_plain(ROCKS[rock].walls),
-        "digests": slices.wall_digests(ROCKS[rock].walls),
-        "grid": to_plain(CONFIGURATION.grid),
-        "jrc_relation": CONFIGURATION.surface.jrc_relation,
-        "realizations": CONFIGURATION.study.realizations,
-        "code": code_of("prepare_walls"),
-    }
 
 
 WALLS_WITH = {
