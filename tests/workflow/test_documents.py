@@ -161,3 +161,14 @@ def script(name: str):
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+def test_commands_in_documents_are_found_without_more_ado():
+    """A fenced command names `.venv/bin`, as nobody is told to activate the environment."""
+    for document in DOCUMENTS:
+        text = document.read_text(encoding="utf-8")
+        for code in re.findall(r"^```(?:bash|sh)\n(.*?)^```", text, re.S | re.M):
+            for line in code.splitlines():
+                assert not re.match(r"(jointclosure|snakemake|python|pytest)\b", line), (
+                    f"{document}: {line}"
+                )
