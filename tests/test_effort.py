@@ -6,7 +6,7 @@ from jointclosure.solvers import fast
 from tests.effort import COUNTS, JOINTS, budget, counts
 
 MARGIN = 1.05
-"""Of a count: other processors round differently, and a joint may take another course."""
+"""Of a count: a sum in another order rounds otherwise, and a joint may take another course."""
 FEW = 5
 
 
