@@ -51,7 +51,7 @@ def test_a_study_of_ones_own_rock_has_its_misfit_and_nothing_of_the_paper(own):
 
 
 def test_a_log_counts_the_realisations_that_are_done(own):
-    log = (own / "results/own/logs/close_surfaces/granite-base.0.log").read_text()
+    log = (own / "results/own/logs/close_surfaces/cases/granite-base.0.log").read_text()
     assert "1 of 3 done, about" in log
     assert "3 of 3 done, about 0 s left" in log
 

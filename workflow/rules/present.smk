@@ -29,7 +29,7 @@ rule draw_figures:
         study=f"{RESULTS}/study.nc",
         intervals=f"{RESULTS}/tables/table_3_indifference.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
-        surfaces=f"{RESULTS}/cases/{next(iter(CASES))}.0.surfaces.nc",
+        surfaces=f"{RESULTS}/cases/{next(iter(CASES['cases']))}.0.surfaces.nc",
         curves=CURVE_FILES,
         fits=f"{RESULTS}/tables/measured_fit.csv" if CURVES else [],
     output:

@@ -24,9 +24,18 @@ STUDY = CONFIGURATION.study.name
 RESULTS = f"results/{STUDY}"
 ENVIRONMENT = "../envs/jointclosure.yaml"
 PAPER_TABLE_3 = "workflow/resources/paper_table_3.csv"
-CASES = {case.label: case for case in cases.cases_of(CONFIGURATION)}
-BLOCKS = {str(block.start): block for block in cases.blocks_of(CONFIGURATION.study)}
-SURFACES = {case.surface for case in CASES.values()}
+# what is closed: the study's own cases, and those of its pool of common surfaces
+ENSEMBLES = cases.ensembles_of(CONFIGURATION)
+CASES = {
+    ensemble: {case.label: case for case in cases.cases_of(settled)}
+    for ensemble, settled in ENSEMBLES.items()
+}
+BLOCKS = {
+    ensemble: {str(block.start): block for block in cases.blocks_of(settled.study)}
+    for ensemble, settled in ENSEMBLES.items()
+}
+# the ensemble that tells what is true of the model
+POOL = f"{RESULTS}/pool.nc" if "pool" in ENSEMBLES else f"{RESULTS}/study.nc"
 ROCKS = CONFIGURATION.rocks
 AUTO = CONFIGURATION.effects_chosen_to is not None
 CURVES = measured.curve_settings(CONFIGURATION)
@@ -64,20 +73,27 @@ SURFACE_CODE = code_of("make_surfaces", "cut_surfaces")
 SOLVER_CODE = code_of("close_surfaces")
 
 
-def closure_of(case, block):
+def closure_of(ensemble, case, block):
     """Settings of the closures of a case and a block of realisations."""
     return settings.block_settings(
-        CONFIGURATION, CASES, case, block, SURFACE_CODE, SOLVER_CODE
+        ENSEMBLES[ensemble], CASES[ensemble], case, block, SURFACE_CODE, SOLVER_CODE
     )
 
 
-def surfaces_of(case, block):
+def surfaces_of(wildcards):
     """Settings of the surface pairs of a case and a block of realisations, as plain data."""
+    ensemble = wildcards.ensemble
     return to_plain(
-        settings.surface_settings(CONFIGURATION, CASES[case], block, SURFACE_CODE)
+        settings.surface_settings(
+            ENSEMBLES[ensemble],
+            CASES[ensemble][wildcards.case],
+            BLOCKS[ensemble][wildcards.first],
+            SURFACE_CODE,
+        )
     )
 
 
 wildcard_constraints:
+    ensemble="cases|pool",
     case="[a-z0-9_-]+",
     first="[0-9]+",

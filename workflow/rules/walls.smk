@@ -1,7 +1,12 @@
 # Cases whose walls were measured (`rocks.<rock>.walls`): scans are read, checked and cut into joints.
 import re
 
-SCANNED = [case for case in SURFACES if ROCKS[CASES[case].rock].walls]
+SCANNED = {
+    case.surface
+    for ensemble in CASES.values()
+    for case in ensemble.values()
+    if ROCKS[case.rock].walls
+}
 
 
 rule prepare_walls:
@@ -24,7 +29,7 @@ rule prepare_walls:
         digests=lambda wildcards: settings.wall_digests(ROCKS[wildcards.rock].walls),
         grid=to_plain(CONFIGURATION.grid),
         jrc_relation=CONFIGURATION.surface.jrc_relation,
-        realizations=CONFIGURATION.study.realizations,
+        realizations=max(each.study.realizations for each in ENSEMBLES.values()),
         code=code_of("prepare_walls"),
     message:
         "Read and check the measured walls of {wildcards.rock}"
@@ -34,19 +39,19 @@ rule prepare_walls:
 
 rule cut_surfaces:
     input:
-        lambda wildcards: f"{RESULTS}/walls/{CASES[wildcards.case].rock}.nc",
+        lambda wildcards: f"{RESULTS}/walls/{CASES[wildcards.ensemble][wildcards.case].rock}.nc",
     output:
-        f"{RESULTS}/cases/{{case}}.{{first}}.surfaces.nc",
+        f"{RESULTS}/{{ensemble}}/{{case}}.{{first}}.surfaces.nc",
     log:
-        f"{RESULTS}/logs/cut_surfaces/{{case}}.{{first}}.log",
+        f"{RESULTS}/logs/cut_surfaces/{{ensemble}}/{{case}}.{{first}}.log",
     benchmark:
-        f"{RESULTS}/benchmarks/cut_surfaces/{{case}}.{{first}}.tsv"
+        f"{RESULTS}/benchmarks/cut_surfaces/{{ensemble}}/{{case}}.{{first}}.tsv"
     wildcard_constraints:
-        case="|".join(map(re.escape, SCANNED)) or "(?!)",
+        case="|".join(map(re.escape, sorted(SCANNED))) or "(?!)",
     conda:
         ENVIRONMENT
     params:
-        settings=lambda wildcards: surfaces_of(wildcards.case, BLOCKS[wildcards.first]),
+        settings=surfaces_of,
     message:
         "Cut the surface pairs of {wildcards.case} from realisation {wildcards.first} on"
     script:

@@ -26,6 +26,7 @@ class Study(NamedTuple):
     cycles: int
     root_seed: int
     draws: str
+    pool: int | None
     surfaces_of: str | None
     realizations_per_job: int | None
     unusual_values: str
@@ -103,6 +104,7 @@ class Statistics(NamedTuple):
     significance: float
     bootstrap_resamples: int
     bootstrap_confidence: float
+    repetitions: int
 
 
 class Output(NamedTuple):
