@@ -3,10 +3,12 @@
 
 rule fit_correlations:
     input:
-        f"{RESULTS}/study.nc",
+        study=f"{RESULTS}/study.nc",
+        pool=POOL,
     output:
         correlations=f"{RESULTS}/tables/correlations.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
+        elasticities=f"{RESULTS}/tables/elasticities.csv",
     log:
         f"{RESULTS}/logs/fit_correlations.log",
     benchmark:
@@ -16,7 +18,7 @@ rule fit_correlations:
     params:
         code=code_of("fit_correlations"),
     message:
-        "Fit the correlations of mean and standard deviation"
+        "Fit correlations and elasticities, with their standard errors"
     script:
         "../scripts/fit_correlations.py"
 
@@ -36,7 +38,6 @@ rule find_indifference_intervals:
     params:
         statistics=to_plain(CONFIGURATION.statistics),
         root_seed=CONFIGURATION.study.root_seed,
-        draws=CONFIGURATION.study.draws,
         code=code_of("find_indifference_intervals"),
     message:
         "Find the indifference intervals and their confidence intervals"
@@ -66,11 +67,37 @@ rule fit_measured:
         "../scripts/fit_measured.py"
 
 
+rule predict_table_3:
+    input:
+        pool=POOL,
+        paper=PAPER_TABLE_3,
+    output:
+        entries=f"{RESULTS}/tables/table_3_predictive.csv",
+        joint=f"{RESULTS}/tables/table_3_joint_tests.csv",
+        lengths=f"{RESULTS}/predictive.nc",
+    log:
+        f"{RESULTS}/logs/predict_table_3.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/predict_table_3.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        statistics=to_plain(CONFIGURATION.statistics),
+        root_seed=CONFIGURATION.study.root_seed,
+        realizations=CONFIGURATION.study.realizations,
+        code=code_of("predict_table_3"),
+    message:
+        "Draw what repetitions of the study would publish in Table 3"
+    script:
+        "../scripts/predict_table_3.py"
+
+
 rule judge_claims:
     input:
         study=f"{RESULTS}/study.nc",
-        intervals=f"{RESULTS}/tables/table_3_indifference.csv",
-        closures=f"{RESULTS}/tables/max_closure.csv",
+        pool=POOL,
+        claims=PAPER_CLAIMS,
+        paper=PAPER_TABLE_3,
     output:
         f"{RESULTS}/tables/claims.csv",
     log:
@@ -80,11 +107,37 @@ rule judge_claims:
     conda:
         ENVIRONMENT
     params:
+        statistics=to_plain(CONFIGURATION.statistics),
+        root_seed=CONFIGURATION.study.root_seed,
+        realizations=CONFIGURATION.study.realizations,
         code=code_of("judge_claims"),
     message:
-        "Hold the paper's claims against this study"
+        "Hold the paper's claims against the model and the study"
     script:
         "../scripts/judge_claims.py"
+
+
+rule follow_stress:
+    input:
+        pool=POOL,
+    output:
+        f"{RESULTS}/tables/along_curve.csv",
+    log:
+        f"{RESULTS}/logs/follow_stress.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/follow_stress.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        statistics=to_plain(CONFIGURATION.statistics),
+        root_seed=CONFIGURATION.study.root_seed,
+        realizations=CONFIGURATION.study.realizations,
+        seating_stress=CONFIGURATION.seating_stress,
+        code=code_of("follow_stress"),
+    message:
+        "Follow elasticities and intervals along the closure curve"
+    script:
+        "../scripts/follow_stress.py"
 
 
 rule check_results:

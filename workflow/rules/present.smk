@@ -3,7 +3,8 @@
 
 rule write_tables:
     input:
-        f"{RESULTS}/tables/table_3_indifference.csv",
+        intervals=f"{RESULTS}/tables/table_3_indifference.csv",
+        closures=f"{RESULTS}/tables/max_closure.csv",
     output:
         rocks=f"{RESULTS}/tables/table_1_rocks.csv",
         cases=f"{RESULTS}/tables/table_2_cases.csv",
@@ -29,6 +30,9 @@ rule draw_figures:
         study=f"{RESULTS}/study.nc",
         intervals=f"{RESULTS}/tables/table_3_indifference.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
+        drawn=f"{RESULTS}/predictive.nc",
+        along=f"{RESULTS}/tables/along_curve.csv",
+        paper=PAPER_TABLE_3,
         surfaces=f"{RESULTS}/cases/{next(iter(CASES['cases']))}.0.surfaces.nc",
         curves=CURVE_FILES,
         fits=f"{RESULTS}/tables/measured_fit.csv" if CURVES else [],
@@ -52,6 +56,7 @@ rule draw_figures:
         rocks=to_plain(ROCKS),
         curves=to_plain(CURVES),
         seating_stress=CONFIGURATION.seating_stress,
+        realizations=CONFIGURATION.study.realizations,
         wall_strength_ratio=CONFIGURATION.output.wall_strength_ratio,
         code=code_of("draw_figures"),
     message:

@@ -23,6 +23,9 @@ rule write_report:
             else []
         ),
         claims=f"{RESULTS}/tables/claims.csv" if "claims.csv" in TABLES else [],
+        predictive=f"{RESULTS}/tables/table_3_predictive.csv",
+        joint=f"{RESULTS}/tables/table_3_joint_tests.csv",
+        elasticities=f"{RESULTS}/tables/elasticities.csv",
         measured=(
             f"{RESULTS}/tables/measured_fit.csv"
             if "measured_fit.csv" in TABLES

@@ -24,6 +24,7 @@ STUDY = CONFIGURATION.study.name
 RESULTS = f"results/{STUDY}"
 ENVIRONMENT = "../envs/jointclosure.yaml"
 PAPER_TABLE_3 = "workflow/resources/paper_table_3.csv"
+PAPER_CLAIMS = "workflow/resources/paper_claims.csv"
 # what is closed: the study's own cases, and those of its pool of common surfaces
 ENSEMBLES = cases.ensembles_of(CONFIGURATION)
 CASES = {
@@ -49,7 +50,11 @@ TABLES = [
     "table_3_indifference.csv",
     "table_3_indifference.tex",
     "table_3_indifference.md",
+    "table_3_predictive.csv",
+    "table_3_joint_tests.csv",
+    "along_curve.csv",
     "correlations.csv",
+    "elasticities.csv",
     "max_closure.csv",
     "claims.csv",
     "checks.csv",
@@ -59,7 +64,17 @@ FIGURES = [
     "fig_3_equivalent_stress",
     "fig_5_closure",
     "wall_pair",
-    *(["table_3_intervals", "trends_max_closure"] if VARIED else []),
+    *(
+        [
+            "table_3_predictive",
+            "table_3_intervals",
+            "trends_max_closure",
+            "along_curve_elasticities",
+            "along_curve_intervals",
+        ]
+        if VARIED
+        else []
+    ),
 ]
 
 

@@ -8,6 +8,7 @@ from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import StudyRock
 from jointclosure.dataset import read_csv, read_netcdf, read_text, reading_netcdf, save_figure
 from jointclosure.logbook import Logbook, logging_to
+from jointclosure.plotting import sensitivity
 from jointclosure.plotting import study as plotting
 from jointclosure.plotting.measured import Measurements
 from jointclosure.studies.measured.curves import CurveSettings, measured_curves
@@ -44,6 +45,18 @@ def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None
             surfaces.lower.values[0],
             surfaces.attrs["spacing_m"],
             f"{first.title}, {roughness_title(first)}, realisation 0",
+        ),
+        "table_3_predictive": lambda: sensitivity.predictive_figure(
+            read_netcdf(inputs["drawn"]),
+            read_csv(inputs["paper"]),
+            rocks,
+            settings["realizations"],
+        ),
+        "along_curve_elasticities": lambda: sensitivity.along_curve_figure(
+            read_csv(inputs["along"]), rocks, "elasticities"
+        ),
+        "along_curve_intervals": lambda: sensitivity.along_curve_figure(
+            read_csv(inputs["along"]), rocks, "intervals"
         ),
         "table_3_intervals": lambda: plotting.interval_figure(intervals, rocks),
         "trends_max_closure": lambda: plotting.trend_figure(closures, study, rocks),

@@ -5,7 +5,7 @@ from jointclosure.config.typed import Statistics
 from jointclosure.dataset import read_csv, read_netcdf, write_csv
 from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.logbook import Logbook, logging_to
-from jointclosure.studies.sensitivity.responses import indifference_table
+from jointclosure.studies.sensitivity.intervals import indifference_table
 from jointclosure.tables import with_paper
 
 
@@ -15,7 +15,6 @@ def main(study: str, paper: str, settings: dict, output: str, log: Logbook) -> N
         read_netcdf(study, without=CURVES),
         from_plain(Statistics, settings["statistics"]),
         settings["root_seed"],
-        settings["draws"] == "common",
     )
     write_csv(with_paper(intervals, read_csv(paper)), output)
     log(f"wrote {output}: {len(intervals)} intervals")

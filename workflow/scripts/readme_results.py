@@ -11,6 +11,7 @@ import pandas as pd
 from markers import fill
 
 from jointclosure.dataset import read_csv, read_netcdf
+from jointclosure.report.findings import percent_text
 
 ROOT = Path(__file__).parents[2]
 PAPER = ROOT / "results/paper"
@@ -30,10 +31,31 @@ def interval_table() -> str:
 
 
 def claim_table() -> str:
-    """Claims and verdicts."""
+    """Claims: true of the model, found by how many studies, and by the paper's own table."""
     claims = read_csv(PAPER / "tables/claims.csv")
-    rows = [f"| {row.number} | {row.claim} | {row.verdict} |" for row in claims.itertuples()]
-    return "| | claim | verdict |\n|---|---|---|\n" + "\n".join(rows) + "\n"
+    rows = []
+    for row in claims.itertuples():
+        known = not pd.isna(row.found_share)
+        found = percent_text(row.found_share, row.found_error) if known else ""
+        own = "" if pd.isna(row.paper_finds) else row.paper_finds
+        rows.append(f"| {row.number} | {row.claim} | {row.verdict} | {found} | {own} |")
+    head = "| | claim | true of the model | studies that find it | in the paper's Table 3 |\n"
+    return head + "|---|---|---|---|---|\n" + "\n".join(rows) + "\n"
+
+
+def joint_table() -> str:
+    """Joint tests of the paper's entries."""
+    joint = read_csv(PAPER / "tables/table_3_joint_tests.csv")
+    rows = [
+        f"| {row.entries} | {row.number} | {_p(row.p)} | {_p(row.null_p)} |"
+        for row in joint.itertuples()
+    ]
+    head = "| entries | number | p of this model | p without any effect |\n|---|---|---|---|\n"
+    return head + "\n".join(rows) + "\n"
+
+
+def _p(value: float) -> str:
+    return "< 0.001" if value < 0.001 else f"{value:.2g}"
 
 
 def facts() -> str:
@@ -59,8 +81,10 @@ def facts() -> str:
 def main() -> None:
     """Fill the README and copy its figure."""
     parts = {"intervals": interval_table(), "claims": claim_table(), "facts": facts()}
+    parts["joint"] = joint_table()
     fill(ROOT / "README.md", parts)
-    shutil.copy(PAPER / "figures/fig_5_closure.png", ROOT / "docs/images/fig_5_closure.png")
+    for figure in ("fig_5_closure", "table_3_predictive"):
+        shutil.copy(PAPER / f"figures/{figure}.png", ROOT / f"docs/images/{figure}.png")
 
 
 if __name__ == "__main__":

@@ -46,6 +46,9 @@ def material_of(study: xr.Dataset, inputs: dict, settings: dict) -> Material:
         closures=read_csv(inputs["closures"]),
         intervals=where_there_is(inputs["intervals"]),
         claims=where_there_is(inputs["claims"]),
+        predictive=where_there_is(inputs["predictive"]),
+        joint=where_there_is(inputs["joint"]),
+        elasticities=where_there_is(inputs["elasticities"]),
         # made again rather than read: where a check fails its table is not written
         checks=check_results(
             study,

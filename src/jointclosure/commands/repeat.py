@@ -74,7 +74,8 @@ def _settings(results: Path, ensemble: str, case: str, realization: int) -> Clos
             if first <= realization < first + settings.surfaces.realizations:
                 return settings
     raise InputError(
-        f"{results}: no log in logs/close_surfaces/{ensemble} tells of realisation {realization} of {case!r}"
+        f"{results}: no log in logs/close_surfaces/{ensemble} tells of realisation "
+        f"{realization} of {case!r}"
     )
 
 

@@ -115,7 +115,7 @@ def pool_of(configuration: Configuration) -> Configuration:
 
 
 def ensembles_of(configuration: Configuration) -> dict[str, Configuration]:
-    """What a study closes, by the folder of its files: its "cases", and its "pool" if it has one."""
+    """What a study closes, by the folder of its files: its "cases", and a "pool" if it has one."""
     ensembles = {"cases": configuration}
     if configuration.study.pool is not None:
         ensembles["pool"] = pool_of(configuration)
