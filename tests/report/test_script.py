@@ -18,16 +18,19 @@ def script():
     return module
 
 
+TABLES = ("closures", "intervals", "claims", "predictive", "joint", "elasticities")
+
+
 def files_of(material, pictures, folder: Path) -> dict:
     """Inputs of the rule, written to a folder."""
     write_netcdf(material.study, folder / "study.nc")
-    for name in ("closures", "intervals", "claims"):
+    for name in TABLES:
         write_csv(getattr(material, name), folder / f"{name}.csv")
     for picture in pictures:
         (folder / f"{picture.name}.png").write_bytes(picture.png)
     return {
         "study": folder / "study.nc",
-        **{name: folder / f"{name}.csv" for name in ("closures", "intervals", "claims")},
+        **{name: folder / f"{name}.csv" for name in TABLES},
         "measured": [],
         "accuracy": [],
         "figures": [str(folder / f"{picture.name}.png") for picture in pictures],
@@ -54,7 +57,7 @@ def test_files_give_the_page_that_their_content_gives(
 
 
 def test_a_study_that_varies_nothing_has_a_page(material, pictures, configuration, tmp_path):
-    inputs = files_of(material, pictures, tmp_path) | {"intervals": [], "claims": []}
+    inputs = files_of(material, pictures, tmp_path) | dict.fromkeys(TABLES[1:], [])
     settings = {"configuration": configuration, "benchmarks": tmp_path / "none"}
     script().main(inputs, settings, tmp_path / "report.html", lambda line: None)
     assert "No property was varied" in (tmp_path / "report.html").read_text(encoding="utf-8")

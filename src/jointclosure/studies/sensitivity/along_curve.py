@@ -66,7 +66,10 @@ def along_curve(
         drawn = draw_studies(sensitivities([sample]), design, repetitions, random)
         for parameter in sample.levels:
             rows += _rows(sample, parameter, stresses, drawn[rock, parameter])
-    return pd.DataFrame(rows, columns=list(COLUMNS))
+    table = pd.DataFrame(rows, columns=list(COLUMNS))
+    order = ["rock", "parameter", "cycle"]
+    places = table.assign(**{name: pd.factorize(table[name])[0] for name in order})
+    return table.loc[places.sort_values([*order, "stress_MPa"]).index].reset_index(drop=True)
 
 
 def _rows(
