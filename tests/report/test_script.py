@@ -57,7 +57,7 @@ def test_files_give_the_page_that_their_content_gives(
 
 
 def test_a_study_that_varies_nothing_has_a_page(material, pictures, configuration, tmp_path):
-    inputs = files_of(material, pictures, tmp_path) | dict.fromkeys(TABLES[1:], [])
+    inputs = files_of(material, pictures, tmp_path) | {name: [] for name in TABLES[1:]}
     settings = {"configuration": configuration, "benchmarks": tmp_path / "none"}
     script().main(inputs, settings, tmp_path / "report.html", lambda line: None)
     assert "No property was varied" in (tmp_path / "report.html").read_text(encoding="utf-8")
