@@ -92,7 +92,7 @@ def _draw_entry(axes, y: float, ours: np.ndarray, null: np.ndarray) -> None:
         (null, {"color": _NULL, "lw": 0}, 1),
         (ours, {"facecolor": "none", "edgecolor": _OURS, "lw": 1.1}, 2),
     ):
-        roots = np.clip(values[np.isfinite(values)], *_RANGE)
+        roots = values[(values >= _RANGE[0]) & (values <= _RANGE[1])]
         if roots.size:
             counts = np.histogram(roots, _BINS)[0] / values.size
             smooth = np.convolve(counts, (0.25, 0.5, 0.25), mode="same")
@@ -185,7 +185,7 @@ def along_curve_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], what: s
                     _draw_along(axes, one, what, style, rock.title)
             axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=10)
             if what == "intervals":
-                axes.set_yscale("log")
+                _percent_axis(axes)
             else:
                 axes.axhline(0.0, color="0.6", lw=0.7)
             axes.spines[["top", "right"]].set_visible(False)
@@ -197,6 +197,14 @@ def along_curve_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], what: s
     return figure
 
 
+def _percent_axis(axes) -> None:
+    axes.set_yscale("log")
+    axes.set_ylim(*_RANGE)
+    axes.yaxis.set_major_locator(FixedLocator(_TICKS))
+    axes.yaxis.set_minor_locator(FixedLocator([]))
+    axes.set_yticks(_TICKS, [str(tick) for tick in _TICKS])
+
+
 def _draw_along(axes, one: pd.DataFrame, what: str, style: dict, label: str) -> None:
     x = one.stress_MPa.to_numpy()
     if what == "elasticities":
@@ -204,7 +212,7 @@ def _draw_along(axes, one: pd.DataFrame, what: str, style: dict, label: str) -> 
         low, high = y - 2.0 * error, y + 2.0 * error
     else:
         y = one.percent_median.replace(np.inf, np.nan).to_numpy(dtype=float)
-        low = one.percent_low_90.to_numpy(dtype=float)
-        high = np.minimum(one.percent_high_90.to_numpy(dtype=float), 1e3)
+        ends = one[["percent_low_90", "percent_high_90"]].to_numpy(dtype=float).T
+        low, high = np.clip(ends, *_RANGE)
     axes.fill_between(x, low, high, color=style["color"], alpha=0.15, lw=0)
     axes.plot(x, y, lw=1.6, label=label, **style)
