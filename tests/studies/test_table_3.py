@@ -7,8 +7,10 @@ import jointclosure as jc
 from jointclosure.config.files import PAPER_TABLE_3
 from jointclosure.ensemble.cases import cases_of, ensembles_of, pool_of, wall_name
 from jointclosure.statistics.drawn_studies import Design
-from jointclosure.storage.text import read_csv
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf
+from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.studies.sensitivity.along_curve import along_curve
+from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
 from jointclosure.studies.sensitivity.closures import (
     correlation_table,
     elasticity_table,
@@ -218,3 +220,21 @@ def test_a_plan_that_cannot_be_made_says_why(pool):
         plan(pool, Wish("power", 1.2))
     with pytest.raises(jc.InputError, match="wish = 'luck': must be one of"):
         plan(pool, Wish("luck", 1.0))
+
+
+def test_a_study_that_varies_nothing_has_empty_tables(tmp_path):
+    none = dict.fromkeys(("poisson_ratio", "youngs_modulus_GPa", "compressive_strength_MPa", "jrc"))
+    study = world(study_of(ONE, {"rocks": {"dolerite": {"levels": none}}}))
+    found = predictive(study, Design(), 100, 1)
+    write_csv(predictive_table(found, PAPER), tmp_path / "entries.csv")
+    write_netcdf(lengths_dataset(found), tmp_path / "lengths.nc")
+    assert read_csv(tmp_path / "entries.csv").empty
+    assert read_netcdf(tmp_path / "lengths.nc").sizes["entry"] == 0
+    assert joint_table(found, PAPER).empty
+    assert elasticity_table(study).empty
+    assert along_curve(study, 0.5e6, Design(), 100, 1).empty
+    assert plan(study, Wish("power", 0.8)).empty
+    claims = read_csv(ROOT / "workflow/resources/paper_claims.csv")
+    table = judge_claims(Evidence(study, study, Design(), 100, 1), claims, PAPER)
+    assert table.number.tolist() == ["6a", "6b"]
+    assert set(table.verdict) == {"stands"}

@@ -1,5 +1,7 @@
 """Hold the paper's claims against the model and the study."""
 
+import pandas as pd
+
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Statistics
 from jointclosure.jobs import job
@@ -19,7 +21,8 @@ def main(inputs: dict, settings: dict, output: str, log: Logbook) -> None:
         claims = judge_claims(evidence, read_csv(inputs["claims"]), read_csv(inputs["paper"]))
     write_csv(claims, output)
     for row in claims.itertuples():
-        log(f"{row.number}: {row.claim}: {row.verdict}; found by {row.found_share:.0%} of studies")
+        often = "" if pd.isna(row.found_share) else f"; found by {row.found_share:.0%} of studies"
+        log(f"{row.number}: {row.claim}: {row.verdict}{often}")
 
 
 if __name__ == "__main__":
