@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.config.files import PAPER_TABLE_3
+from jointclosure.config.files import PAPER_CLAIMS, PAPER_TABLE_3
 from jointclosure.ensemble.cases import cases_of, ensembles_of, pool_of, wall_name
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
@@ -234,7 +234,7 @@ def test_a_study_that_varies_nothing_has_empty_tables(tmp_path):
     assert elasticity_table(study).empty
     assert along_curve(study, 0.5e6, Design(), 100, 1).empty
     assert plan(study, Wish("power", 0.8)).empty
-    claims = read_csv(ROOT / "workflow/resources/paper_claims.csv")
+    claims = read_csv(PAPER_CLAIMS)
     table = judge_claims(Evidence(study, study, Design(), 100, 1), claims, PAPER)
     assert table.number.tolist() == ["6a", "6b"]
     assert set(table.verdict) == {"stands"}
