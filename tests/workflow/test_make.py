@@ -1,6 +1,8 @@
 """`make`: what a user tells it is data, and what it says is what matters."""
 
+import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -96,3 +98,73 @@ def test_a_profile_whose_plugin_is_missing_says_what_to_install(project, profile
     assert answer.returncode != 0
     assert advice in answer.stderr
     assert "invalid choice" not in answer.stderr
+
+
+FAKE = """import sys, time
+print("Job stats:\\njob   count\\n----\\nclose      3\\ntotal      3\\n", flush=True)
+print("jointclosure: about 2 core-hours", flush=True)
+for number in (1, 2, 3):
+    print(f"Job {number}: Close\\nFinished jobid: {number} (Rule: close)", flush=True)
+    print(f"{number} of 3 steps (33%) done", flush=True)
+"""
+FAILS = (
+    FAKE
+    + """
+print("Error in rule close:\\n    jobid: 3\\n    log: job.log (check log file(s))", flush=True)
+sys.exit(7)
+"""
+)
+WAITS = FAKE + "time.sleep(600)\n"
+
+
+def follow(folder: Path, program: str) -> subprocess.Popen:
+    """The runner over a program that speaks as Snakemake does."""
+    (folder / "run.log").write_text("")
+    (folder / "job.log").write_text("many lines\nfailed: InputError: grid.cells_x = 2\n")
+    code = (
+        "import importlib.util, sys; from pathlib import Path\n"
+        f"file = {str(ROOT / 'workflow/scripts/run.py')!r}\n"
+        "spec = importlib.util.spec_from_file_location('run', file)\n"
+        "run = importlib.util.module_from_spec(spec); spec.loader.exec_module(run)\n"
+        "with open('run.log', 'a') as stream:\n"
+        f"    sys.exit(run.follow([sys.executable, '-c', {program!r}], stream, Path('run.log')))\n"
+    )
+    return subprocess.Popen(
+        [sys.executable, "-c", code],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+
+
+def test_a_run_says_how_far_it_is_and_what_is_for_the_user(tmp_path):
+    run = follow(tmp_path, FAKE)
+    said, wrong = run.communicate()
+    assert run.returncode == 0, wrong
+    assert "about 2 core-hours" in said.splitlines()
+    assert said.splitlines()[-1] == "3 of 3 jobs done"
+    assert "Finished jobid" not in said
+    assert "Finished jobid: 3" in (tmp_path / "run.log").read_text()
+
+
+def test_a_run_that_fails_says_which_rule_and_keeps_the_exit_status(tmp_path):
+    run = follow(tmp_path, FAILS)
+    _, wrong = run.communicate()
+    assert run.returncode == 7
+    assert "close failed; the end of job.log:" in wrong
+    assert "failed: InputError: grid.cells_x = 2" in wrong
+    assert "run.log" in wrong
+
+
+def test_ctrl_c_ends_a_run_without_a_traceback(tmp_path):
+    run = follow(tmp_path, WAITS)
+    for line in run.stdout:
+        if "3 of 3 jobs" in line:
+            break
+    os.killpg(run.pid, signal.SIGINT)
+    said, wrong = run.communicate()
+    assert run.returncode == 130
+    assert "the same command goes on from there" in said
+    assert "Traceback" not in wrong

@@ -132,7 +132,9 @@ def follow(command: list[str], stream: TextIO, log: Path) -> int:
         status = process.wait()
     except KeyboardInterrupt:
         console.say("interrupted: waiting for the jobs to end (Ctrl-C again ends them at once)")
-        status = ended(process)
+        ended(process)
+        console.say("interrupted: what was finished stays; the same command goes on from there")
+        return 130
     console.clear()
     if status:
         said = log.read_bytes()[start:].decode(errors="replace")
@@ -145,13 +147,13 @@ def follow(command: list[str], stream: TextIO, log: Path) -> int:
     return 128 - status if status < 0 else status
 
 
-def ended(process: subprocess.Popen) -> int:
-    """Wait for a process that was interrupted with this one; never 0."""
+def ended(process: subprocess.Popen) -> None:
+    """Wait for a process that was interrupted with this one."""
     try:
-        return process.wait() or 130
+        process.wait()
     except KeyboardInterrupt:
         process.terminate()
-        return process.wait() or 130
+        process.wait()
 
 
 def lines_of(log: Path, start: int, process: subprocess.Popen) -> Iterator[str]:
@@ -225,7 +227,7 @@ _FAILED = re.compile(r"^Error in rule (\w+):\n(?:    .*\n)*?    log: (.+?) \(che
 
 
 def _end(text: str, lines: int) -> str:
-    return "\n".join(f"    {line}" for line in text.splitlines()[-lines:])
+    return "\n".join(f"    {line[:300]}" for line in text.splitlines()[-lines:])
 
 
 if __name__ == "__main__":
