@@ -67,12 +67,13 @@ def pool_of(configuration: Configuration) -> Configuration:
     """The configuration of a study's pool: all its cases closed on common surfaces.
 
     They are other surfaces than any study's, named by it, and as many as ``study.pool``
-    says. The blocks of its jobs are as large as those of the study.
+    says (null: as many as the study's own). The blocks of its jobs are as large as those of
+    the study.
     """
     study = configuration.study
     return configuration._replace(
         study=study._replace(
-            realizations=study.pool,
+            realizations=study.pool or study.realizations,
             realizations_per_job=study.realizations_per_job or study.realizations,
             draws="common",
             surfaces_of=f"{study.surfaces_of or study.name} pool",  # no name of a study

@@ -148,8 +148,8 @@ def _handles(draws: int, compared: bool) -> list:
         handles.append(
             plt.Line2D([], [], marker="D", color="k", mec="w", ms=7.5, ls="", label="the paper")
         )
-    blank = {"marker": "", "ls": "", "color": _OURS}
-    handles.append(plt.Line2D([], [], **blank, label="column –: no real root (share of ours)"))
+    text = "column –: no real root (share of ours)"
+    handles.append(plt.Line2D([], [], marker="", ls="", color=_OURS, label=text))
     return handles
 
 

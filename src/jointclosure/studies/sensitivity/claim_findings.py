@@ -88,4 +88,4 @@ def second(percents: dict[str, np.ndarray], parameter: str) -> np.ndarray:
 
 def monotone(means: np.ndarray, sign: int) -> np.ndarray:
     """Whether means (R, levels) rise (sign 1) or fall (-1) from every level to the next."""
-    return (sign * np.diff(means, axis=1) > 0.0).all(axis=1)
+    return np.all(sign * np.diff(means, axis=1) > 0.0, axis=1)

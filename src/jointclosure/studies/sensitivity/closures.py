@@ -29,7 +29,7 @@ CLOSURES = (
 _MM = 1e3
 _OF_MEAN, _OF_DEVIATION = ("b", "c", "d"), ("b_s", "c_s", "d_s")
 _COEFFICIENTS = (*_OF_MEAN, *_OF_DEVIATION)
-_CORRELATION = ("rock", "parameter", "unit", "cycle", "samples", *_COEFFICIENTS)
+_CORRELATION: tuple[str, ...] = ("rock", "parameter", "unit", "cycle", "samples", *_COEFFICIENTS)
 _CORRELATION += tuple(f"{name}_standard_error" for name in _COEFFICIENTS)
 _CORRELATION += ("lack_of_fit_p",)
 
@@ -79,7 +79,8 @@ def correlation_table(study: xr.Dataset) -> pd.DataFrame:
         if response.samples.shape[1] < 2:
             continue
         unit = PROPERTIES[response.parameter]
-        about = {"rock": response.rock, "parameter": response.parameter, "unit": unit.unit}
+        about: dict[str, object] = {"rock": response.rock, "parameter": response.parameter}
+        about |= {"unit": unit.unit}
         about |= {"cycle": response.cycle, "samples": response.samples.shape[1]}
         rows.append(about | _coefficients(response, unit.size))
     return pd.DataFrame(rows, columns=_CORRELATION)
@@ -89,7 +90,7 @@ def _coefficients(response: Response, size: float) -> dict:
     levels, base = response.levels / size, response.base / size
     samples, paired = _MM * response.samples, response.paired
     means, deviations = samples.mean(axis=1), samples.std(axis=1, ddof=1)
-    row = {}
+    row: dict[str, float] = {}
     for names, values, covariance in (
         (_OF_MEAN, means, mean_covariance(samples, paired)),
         (_OF_DEVIATION, deviations, deviation_covariance(samples, paired)),

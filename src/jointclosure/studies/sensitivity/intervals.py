@@ -5,7 +5,7 @@ the same surfaces are closed at every level; what they have in common then cance
 differences between levels, which the unpaired test does not see and the paired one does.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -134,7 +134,7 @@ def _interval(
 def _bootstrap(response: Response, statistics: Statistics, root_seed: int, suffix: str):
     """Bootstrap of the length by the table's test."""
     name = ("bootstrap", response.rock, response.parameter, response.cycle, suffix)
-    told = {
+    told: dict[str, Any] = {
         "base": response.base,
         "resamples": statistics.bootstrap_resamples,
         "confidence": statistics.bootstrap_confidence,
