@@ -48,7 +48,7 @@ def foreign_dataset_of_the_same_age(mine: Path, other: Path):
 
 
 def whole_foreign_study(mine: Path, other: Path):
-    for name in ("study.nc", "tables", "figures", "seals"):
+    for name in ("study.nc", "pool.nc", "predictive.nc", "tables", "figures", "seals"):
         there, here = other / name, mine / name
         if there.is_dir():
             shutil.copytree(there, here, dirs_exist_ok=True)

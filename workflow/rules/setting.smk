@@ -166,6 +166,21 @@ def surfaces_of(ensemble, case, first):
     )
 
 
+def closed_surfaces(wildcards):
+    """The surface pairs that a case closes: its own, or those of its rock's base case."""
+    surface = CASES[wildcards.ensemble][wildcards.case].surface
+    return f"{RESULTS}/{wildcards.ensemble}/{surface}.{wildcards.first}.surfaces.nc"
+
+
+def closed_blocks(ensemble):
+    """The files of all cases and blocks of an ensemble, in the order in which they are joined."""
+    return [
+        f"{RESULTS}/{ensemble}/{case}.{first}.nc"
+        for case in CASES[ensemble]
+        for first in BLOCKS[ensemble]
+    ]
+
+
 wildcard_constraints:
     ensemble="cases|pool",
     case="[a-z0-9_-]+",

@@ -94,12 +94,6 @@ rule choose_effects:
         "../scripts/choose_effects.py"
 
 
-def closed_surfaces(wildcards):
-    """The surface pairs that a case closes: its own, or those of its rock's base case."""
-    surface = CASES[wildcards.ensemble][wildcards.case].surface
-    return f"{RESULTS}/{wildcards.ensemble}/{surface}.{wildcards.first}.surfaces.nc"
-
-
 rule close_surfaces:
     input:
         effects=lambda wildcards: (
@@ -137,15 +131,6 @@ rule close_surfaces:
         "Close the surface pairs of {wildcards.case} from realisation {wildcards.first} on"
     script:
         "../scripts/close_surfaces.py"
-
-
-def closed_blocks(ensemble):
-    """The files of all cases and blocks of an ensemble, in the order in which they are joined."""
-    return [
-        f"{RESULTS}/{ensemble}/{case}.{first}.nc"
-        for case in CASES[ensemble]
-        for first in BLOCKS[ensemble]
-    ]
 
 
 rule aggregate:
