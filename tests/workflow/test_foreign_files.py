@@ -129,6 +129,7 @@ def test_a_finished_study_of_another_machine_is_reported_without_running_anythin
     there = tmp_path / "anywhere"
     shutil.copytree(studies / "results/tiny", there)
     shutil.rmtree(there / "cases")
+    shutil.rmtree(there / "pool")
     answer = jointclosure_cli("report", there)
     assert answer.returncode == 0, answer.stdout + answer.stderr
     page = (there / "report.html").read_text(encoding="utf-8")
