@@ -1,7 +1,10 @@
 # Entry of the pipeline: configuration, rules, targets. See README.md for the commands.
+import sys
+
 from snakemake.utils import min_version
 
 from jointclosure.config.files import DEFAULT
+from jointclosure.storage.seals import unmet_seals
 
 min_version("9.27")
 
@@ -21,15 +24,30 @@ include: "workflow/rules/effects.smk"
 include: "workflow/rules/numerics.smk"
 
 
+DRY_RUN = bool({"-n", "--dry-run", "--dryrun"} & set(sys.argv))
+# a file that is not the one that its seal, or this configuration, says is made again
+for folder, made_with in (
+    (RESULTS, STUDY_WITH | CHOSEN_WITH | WALLS_WITH),
+    (RESULTS, ACCURACY_WITH | SCENES_WITH | VALIDATED_WITH),
+    (HARD_RESULTS, HARD_WITH),
+):
+    for seal, reason in list(unmet_seals(folder, made_with)):
+        logger.warning(f"jointclosure: {reason.partition(': delete')[0]}")
+        if workflow.is_main_process and not DRY_RUN:
+            seal.unlink(missing_ok=True)
+
+
 onstart:
     if NUMERICS_SAID:
-        logger.info(NUMERICS_SAID)
+        logger.info(f"jointclosure: {NUMERICS_SAID}")
 
 
 rule all:
     default_target: True
     input:
         f"{RESULTS}/study.nc",
+        f"{RESULTS}/logs/checks_passed.txt",
+        STUDY_SEALS,
         expand(f"{RESULTS}/tables/{{table}}", table=TABLES),
         expand(
             f"{RESULTS}/figures/{{figure}}.{{format}}",

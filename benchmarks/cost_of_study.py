@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from jointclosure.dataset import reading_netcdf
+from jointclosure.storage.netcdf import reading_netcdf
 
 PER_SIMULATION = {"make_surfaces", "close_surfaces", "aggregate"}
 """Rules whose cost grows with the number of simulations; those of the tail are shown only."""

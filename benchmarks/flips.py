@@ -14,7 +14,6 @@ os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
 
 import argparse
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -22,20 +21,19 @@ import xarray as xr
 from yardstick import machine
 
 from jointclosure.config.configuration import configured, merged
-from jointclosure.config.files import DEFAULT, read_plain
+from jointclosure.config.files import DEFAULT, PAPER_CLAIMS, PAPER_TABLE_3, read_plain
 from jointclosure.config.typed import Configuration
-from jointclosure.dataset import read_csv
 from jointclosure.ensemble.aggregation import join_cases
 from jointclosure.ensemble.cases import cases_of, pool_of
 from jointclosure.ensemble.closing import close_surfaces
-from jointclosure.ensemble.settings import block_settings
+from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.randomness import generator
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.statistics.verdicts import CANNOT_BE_TOLD
+from jointclosure.storage.text import read_csv
 from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
 
-RESOURCES = Path(__file__).parents[1] / "workflow/resources"
 AS_MADE = "as made"
 
 
@@ -69,7 +67,7 @@ def closed(configuration: Configuration, move: Callable[[np.ndarray], np.ndarray
 
 def judged(pool: xr.Dataset) -> pd.Series:
     """Verdicts on the model by claim."""
-    claims, paper = (read_csv(RESOURCES / f"paper_{n}.csv") for n in ("claims", "table_3"))
+    claims, paper = read_csv(PAPER_CLAIMS), read_csv(PAPER_TABLE_3)
     table = judge_claims(Evidence(pool, pool, Design(), 100, 1), claims, paper)
     return table.set_index("number").verdict
 

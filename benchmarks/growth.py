@@ -31,10 +31,10 @@ import pandas as pd
 import scipy.stats
 import seaborn as sns
 from yardstick import (
-    DOLERITE,
     SCENES,
     SPACING,
     Pair,
+    case_settings,
     close,
     machine,
     median_time,
@@ -45,9 +45,8 @@ from yardstick import (
 )
 
 import jointclosure as jc
-from jointclosure.ensemble.cases import Case
 from jointclosure.ensemble.closing import close_surfaces
-from jointclosure.ensemble.surfaces import make_surfaces
+from jointclosure.ensemble.surfaces import surfaces_of
 
 BASE = {"cells": 100, "stress_mpa": 30.0, "jrc": 8.0}
 VALUES = {
@@ -77,15 +76,17 @@ def one_joint(scene: str, seed: int, cells: int, stress_mpa: float, jrc: float):
 
 def case_of(scene: str, seed: int, realisations: int):
     """A function that makes and closes a number of realisations."""
-    cells, jrc, stress = BASE["cells"], BASE["jrc"], 1e6 * BASE["stress_mpa"]
-    case = Case("base", "dolerite", "base", "base", np.nan, *DOLERITE, jrc, stress, "base")
-    settings = {"effects": SCENES[scene], "choices": jc.Choices(), "numerics": jc.Numerics()}
-    settings |= {"cycles": 1, "seating_stress": 0.0, "stresses": np.linspace(0.0, stress, 61)}
-    seeds = [1000 * seed + number for number in range(realisations)]
+    settings = case_settings(
+        realisations, BASE["cells"], 1e6 * BASE["stress_mpa"], SCENES[scene],
+        cycles=1, root_seed=seed,
+    )  # fmt: skip
+    case = settings.case._replace(jrc=BASE["jrc"])
+    settings = settings._replace(
+        case=case, surfaces=settings.surfaces._replace(jrc=case.jrc), seating_stress=0.0
+    )
 
     def run():
-        surfaces = make_surfaces(seeds, jrc, (cells, cells), SPACING, {})
-        return [list(close_surfaces(pair, case, **settings)) for pair in surfaces]
+        return [list(close_surfaces(pair, settings)) for pair in surfaces_of(settings.surfaces)]
 
     return run
 

@@ -16,7 +16,7 @@ import argparse
 
 import numpy as np
 import pandas as pd
-from yardstick import SPACING, machine, paper_study, rock_of, timed
+from yardstick import SPACING, machine, paper_study, timed
 
 import jointclosure as jc
 
@@ -89,7 +89,7 @@ def main(arguments) -> None:
     for case in paper_study()[1]:
         if case.rock not in arguments.rocks:
             continue
-        rock, shape = rock_of(case), (arguments.cells, arguments.cells)
+        rock, shape = case.intact, (arguments.cells, arguments.cells)
         seeds = range(arguments.surfaces)
         walls = [jc.wall_pair(case.jrc, shape, SPACING, seed) for seed in seeds]
         for stress in arguments.stresses:

@@ -16,9 +16,10 @@ import numpy as np
 import pandas as pd
 
 import jointclosure as jc
-from jointclosure.dataset import save_figure, write_csv
 from jointclosure.scans import read_scan
 from jointclosure.scans.units import UNITS
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import write_csv
 from jointclosure.surface.differences import mean_curvature, peak_cells, slope_correlation
 from jointclosure.surface.measured import point_distance, wall_on_grid, windows
 from jointclosure.surface.measures import hurst_of, increments
@@ -94,8 +95,8 @@ def values_of(wall: np.ndarray, spacing: float) -> dict[str, float]:
     logs = [np.log(part[1:]) for part in (found.distances, np.hypot(found.x, found.y))]
     values["H, first differences"] = np.polyfit(*logs, 1)[0]
     for axis in "xy":
-        bend = getattr(found, f"second_{axis}")[0] / spacing**2
-        values[f"rms curvature along {axis} (1/mm)"] = 1e-3 * bend
+        curvature = getattr(found, f"second_{axis}")[0] / spacing**2
+        values[f"rms curvature along {axis} (1/mm)"] = 1e-3 * curvature
     peaks, curvature = peak_cells(wall), 1e-3 * mean_curvature(wall, spacing)
     values["peaks per mm2"] = 1e-6 * peaks[1:-1, 1:-1].mean() / spacing**2
     values["mean height of peaks (rms heights)"] = wall[peaks].mean() / wall.std()

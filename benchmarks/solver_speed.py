@@ -36,15 +36,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from yardstick import (
-    DOLERITE,
     FIRST_CALL,
     FULL,
     POINTS,
     SCENES,
-    SPACING,
     Pair,
     by_solver,
     called_alone,
+    case_settings,
     curve,
     fresh_process,
     joint_walls,
@@ -52,7 +51,6 @@ from yardstick import (
     median_time,
     paper_study,
     peak_memory,
-    rock_of,
     show,
     spread,
     timed,
@@ -60,13 +58,13 @@ from yardstick import (
 )
 
 import jointclosure as jc
-from jointclosure.config.configuration import choices_of, effects_of, numerics_of
-from jointclosure.config.units import to_si
-from jointclosure.dataset import reading_netcdf, write_netcdf_blocks
-from jointclosure.ensemble.cases import Case, wall_seed
-from jointclosure.ensemble.closing import close_surfaces
-from jointclosure.ensemble.surfaces import make_surfaces
+from jointclosure.config.typed import Configuration
+from jointclosure.ensemble.closing import close_surfaces, close_walls
+from jointclosure.ensemble.settings import Case
+from jointclosure.ensemble.slices import block_settings
+from jointclosure.ensemble.surfaces import surfaces_of, walls_of
 from jointclosure.solvers.fast import FastSolver
+from jointclosure.storage.netcdf import reading_netcdf, write_netcdf_blocks
 
 SIZES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)
 TARGETS = {
@@ -112,25 +110,12 @@ def elastic(arguments) -> tuple[pd.DataFrame, tuple]:
     return pd.DataFrame(rows), (rows[0]["pairs"],)
 
 
-def base_case(configuration: dict, case: Case, realization: int) -> tuple[float, object]:
+def base_case(configuration: Configuration, case: Case, realization: int) -> tuple[float, object]:
     """Close a surface pair as the study does: seconds, and the dataset."""
-    grid = to_si(configuration["grid"])
-    seed = wall_seed(configuration, case, realization)
-    shape = (grid["cells_y"], grid["cells_x"])
-    walls = jc.wall_pair(case.jrc, shape, grid["spacing"], seed, **configuration["surface"])
-    return timed(
-        lambda: jc.simulate(
-            *walls,
-            spacing=grid["spacing"],
-            rock=rock_of(case),
-            max_normal_stress=case.max_normal_stress,
-            cycles=configuration["study"]["cycles"],
-            seating_stress=1e6 * configuration["seating_stress_MPa"],
-            effects=effects_of(configuration),
-            choices=choices_of(configuration),
-            numerics=numerics_of(configuration),
-        )
-    )
+    block = range(realization, realization + 1)
+    settings = block_settings(configuration, {case.label: case}, case.label, block)
+    walls = next(walls_of(settings.surfaces))
+    return timed(lambda: close_walls(*walls, settings.conditions()))
 
 
 @contextlib.contextmanager
@@ -158,9 +143,8 @@ def timing_parts():
 
 def study(arguments) -> tuple[pd.DataFrame, tuple]:
     """The base cases of the paper's study."""
-    configuration, cases = paper_study()
-    configuration["numerics"]["force_tolerance"] = arguments.residual
-    small = configuration | {"grid": configuration["grid"] | {"cells_x": 24, "cells_y": 24}}
+    configuration, cases = paper_study({"numerics": {"force_tolerance": arguments.residual}})
+    small = configuration._replace(grid=configuration.grid._replace(cells_x=24, cells_y=24))
     rows = []
     for case in cases:
         base_case(small, case, 0)  # to compile
@@ -248,23 +232,13 @@ def first_call(arguments) -> tuple[pd.DataFrame, tuple]:
 def ensemble_memory(realizations: int) -> dict:
     """Peak memory [MB] of this process after each stage of a case, file by file as in a study."""
     row = {"realisations": realizations, "imported": peak_memory()}
-    case = Case("base", "dolerite", "base", "base", np.nan, *DOLERITE, 8.0, 1e6, "base")
+    settings = case_settings(realizations, 100, 1e6, FULL)
     with tempfile.TemporaryDirectory() as folder:
         walls, closures = f"{folder}/walls.nc", f"{folder}/closures.nc"
-        made = make_surfaces(list(range(realizations)), 8.0, (100, 100), SPACING, {})
-        write_netcdf_blocks(made, "realization", walls)
+        write_netcdf_blocks(surfaces_of(settings.surfaces), "realization", walls)
         row["surfaces made"] = peak_memory()
         with reading_netcdf(walls) as surfaces:
-            closed = close_surfaces(
-                surfaces,
-                case,
-                cycles=2,
-                seating_stress=0.5e6,
-                effects=FULL,
-                choices=jc.Choices(),
-                numerics=jc.Numerics(),
-                stresses=np.linspace(0.0, 1e6, 61),
-            )
+            closed = close_surfaces(surfaces, settings)
             write_netcdf_blocks(closed, "realization", closures)
         row["closed"] = peak_memory()
         return row | {"MB of surfaces on disk": 1e-6 * os.path.getsize(walls)}

@@ -21,10 +21,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import scipy.fft
-import yaml
 
 import jointclosure as jc
-from jointclosure.ensemble.cases import Case, cases_of
+from jointclosure.config.configuration import configured, merged, merged_study
+from jointclosure.config.typed import Configuration
+from jointclosure.ensemble.cases import BASE, cases_of
+from jointclosure.ensemble.settings import Case, ClosureSettings
+from jointclosure.ensemble.slices import block_settings
+from jointclosure.storage.text import read_csv
 
 SPACING = 0.25e-3
 DOLERITE = jc.Rock(78e9, 0.2, 165e6)
@@ -71,16 +75,22 @@ def close(walls, effects: jc.Effects, stress: float, cycles: int = 1, **options)
     )
 
 
-def paper_study() -> tuple[dict, list[Case]]:
-    """Configuration of the paper's study, and its base cases, one a rock."""
-    path = Path(__file__).parents[1] / "config/default.yaml"
-    configuration = yaml.safe_load(path.read_text(encoding="utf-8"))
-    return configuration, [case for case in cases_of(configuration) if case.parameter == "base"]
+def paper_study(*changes: dict) -> tuple[Configuration, list[Case]]:
+    """The paper's study, with changes of its keys, and its base cases, one a rock."""
+    configuration = configured(merged(merged_study(), *changes), read_csv).typed
+    return configuration, [case for case in cases_of(configuration) if case.parameter == BASE]
 
 
-def rock_of(case: Case) -> jc.Rock:
-    """The rock of a case."""
-    return jc.Rock(case.youngs_modulus, case.poisson_ratio, case.compressive_strength)
+def case_settings(
+    realizations: int, cells: int, max_normal_stress: float, effects: jc.Effects, **study
+) -> ClosureSettings:
+    """The dolerite of the paper's study, on a square grid; ``study`` has keys of its section."""
+    configuration, (case, *_) = paper_study(
+        {"grid": {"cells_x": cells, "cells_y": cells}, "study": {"rocks": ["dolerite"]} | study}
+    )
+    case = case._replace(max_normal_stress=max_normal_stress, effects=effects)
+    settings = block_settings(configuration, {case.label: case}, case.label, range(realizations))
+    return settings._replace(largest_stress=max_normal_stress)
 
 
 def joint_walls(cells: int, seed: int, mated: bool = False) -> tuple:

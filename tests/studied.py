@@ -5,7 +5,7 @@ from pathlib import Path
 from jointclosure.config import files
 from jointclosure.config.configuration import Configured, configured, merged
 from jointclosure.config.typed import Configuration
-from jointclosure.dataset import read_csv
+from jointclosure.storage.text import read_csv
 
 ROOT = Path(__file__).parents[1]
 DEFAULT = files.read_plain(files.DEFAULT)

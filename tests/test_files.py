@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from jointclosure.dataset import read_netcdf, write_netcdf, write_netcdf_blocks
 from jointclosure.files import DamagedFileError, atomically
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf, write_netcdf_blocks
 
 
 def some_dataset(rows: int = 20) -> xr.Dataset:

@@ -67,7 +67,7 @@ def test_single_precision_is_promoted_and_its_lost_digits_stay_lost(close):
 @pytest.mark.parametrize("kind", [np.int8, np.uint8, np.int64, np.uint64])
 def test_integer_walls_are_their_heights(close, kind):
     walls = np.random.default_rng(2).integers(0, 5, (2, 8, 8))
-    change = {"spacing": 1.0}
+    change = {"spacing": 1.0, "unusual_values": True}
     if close is simulate:
         change["numerics"] = jc.Numerics(0.05, 0.02, 0.05, 0.02)
     else:

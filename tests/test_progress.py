@@ -3,9 +3,10 @@
 import io
 
 import pytest
+from rich.console import Console
 
 from jointclosure import progress
-from jointclosure.progress import Countdown, bar, duration
+from jointclosure.progress import Countdown, WorkflowProgress, bar, duration
 
 
 class Terminal(io.StringIO):
@@ -56,7 +57,7 @@ def test_what_is_no_terminal_gets_nothing(clock):
 
 def test_a_bar_is_drawn_on_a_terminal_alone(capfd, monkeypatch):
     for terminal in (False, True):
-        monkeypatch.setattr(progress, "Console", console(terminal))
+        monkeypatch.setattr("rich.console.Console", console(terminal))
         with bar("closing") as show:
             show(0.5, "cycle 1 of 2, loading")
         out, err = capfd.readouterr()
@@ -66,6 +67,35 @@ def test_a_bar_is_drawn_on_a_terminal_alone(capfd, monkeypatch):
 
 
 def console(terminal):
-    from rich.console import Console
-
     return lambda stderr: Console(stderr=stderr, force_terminal=terminal)
+
+
+LOG = """Job stats:
+job               count
+--------------  -------
+make_surfaces         1
+close_surfaces        4
+all                   1
+total                 6
+
+Job 3: Generate the surface pairs
+Finished jobid: 3 (Rule: make_surfaces)
+1 of 6 steps (17%) done
+"""
+
+
+def test_what_is_left_of_a_workflow_is_told_by_the_times_of_its_rules():
+    now = [0.0]
+    run = WorkflowProgress(lambda: now[0])
+    for line in LOG.splitlines(keepends=True):
+        run.read(line)
+        now[0] += 1.0
+    assert run.text() == "1 of 6 jobs done"  # nothing is known yet of what takes long
+    for job in (4, 5):
+        run.read(f"Job {job}: Close\n")
+    now[0] += 20.0
+    for job in (4, 5):
+        run.read(f"Finished jobid: {job} (Rule: close_surfaces)\n")
+    run.read("3 of 6 steps (50%) done\n")
+    # two more of 20 s each, side by side
+    assert run.text() == "3 of 6 jobs done, about 20 s left"

@@ -1,10 +1,13 @@
 """Digests follow what code does, through its imports."""
 
 import shutil
+from pathlib import Path
 
 import pytest
 
 from jointclosure import sources
+
+ROOT = Path(__file__).parents[1]
 
 
 @pytest.fixture
@@ -16,9 +19,13 @@ def copy(tmp_path, monkeypatch):
     return folder
 
 
-def digest(*names):
+def forget():
     for cached in (sources._imports, sources._tree, sources._code):
         cached.cache_clear()
+
+
+def digest(*names):
+    forget()
     return sources.code_digest(*names)
 
 
@@ -63,3 +70,62 @@ def test_a_script_counts_itself(copy, tmp_path):
 def test_an_unknown_module_is_an_error():
     with pytest.raises(FileNotFoundError, match="mechanic"):
         sources.code_digest("mechanic")
+
+
+SCRIPTS = ROOT / "workflow/scripts"
+EDITS = {
+    "plotting/study.py": "draw_figures write_report",
+    "statistics/bootstrap.py": "find_indifference_intervals",
+    "studies/sensitivity/claims.py": "judge_claims",
+    "storage/figures.py": "draw_figures",
+    "storage/provenance.py": "aggregate",
+    "tables.py": "find_indifference_intervals write_tables draw_figures write_report",
+    "solvers/newton.py": "close_surfaces",
+    "logbook.py": "",
+    "progress.py": "",
+    "jobs.py": "",
+    "storage/seals.py": "",
+}
+RULES = [
+    "make_surfaces",
+    "close_surfaces",
+    "aggregate",
+    "fit_correlations",
+    "find_indifference_intervals",
+    "judge_claims",
+    "check_results",
+    "write_tables",
+    "draw_figures",
+]
+
+
+@pytest.mark.parametrize("file", EDITS)
+def test_an_edit_reruns_the_rules_that_need_it_and_no_simulation_without_need(copy, file):
+    def digests():
+        forget()
+        return {rule: sources.code_digest(str(SCRIPTS / f"{rule}.py")) for rule in RULES}
+
+    before = digests()
+    text = (copy / file).read_text(encoding="utf-8")
+    (copy / file).write_text(f"# a comment\n{text}# another\n", encoding="utf-8")
+    assert digests() == before
+    (copy / file).write_text(f"{text}\nADDED = 1\n", encoding="utf-8")
+    after = digests()
+    moved = {rule for rule in RULES if after[rule] != before[rule]}
+    needed = set(EDITS[file].split()) & set(RULES)
+    assert needed <= moved
+    if "solvers" not in file:
+        assert not {"make_surfaces", "close_surfaces"} & moved
+    if not needed:
+        assert moved == set()
+    if file.startswith(("plotting", "storage/figures")):
+        assert moved == {"draw_figures"}
+
+
+def test_simulations_import_no_pictures():
+    for script in ("make_surfaces", "close_surfaces", "aggregate"):
+        files = sources.closure({SCRIPTS / f"{script}.py"})
+        for file in files:
+            lines = file.read_text(encoding="utf-8").splitlines()
+            loaded = [line for line in lines if line.startswith(("import ", "from "))]
+            assert not any("matplotlib" in line for line in loaded), f"{script}: {file}"

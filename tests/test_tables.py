@@ -3,7 +3,7 @@ import re
 import pandas as pd
 import pytest
 
-from jointclosure.dataset import write_csv
+from jointclosure.storage.text import write_csv
 from jointclosure.tables import (
     case_table,
     interval_text,
@@ -84,20 +84,22 @@ def test_a_title_neither_splits_a_markdown_table_nor_marks_it_up():
     assert re.sub(r"\\(.)", r"\1", inside) == title.replace("\n", " ") + ", cycle 1"
 
 
+def titled(title):
+    """Slate under another title."""
+    rocks = study_of({"study": {"rocks": ["slate"]}, "rocks": {"slate": {"title": title}}}).rocks
+    return {"slate": rocks["slate"]}
+
+
 @pytest.mark.parametrize("title", ['=HYPERLINK("a")', "+1", "-1", "@SUM(A1)", "\t=1"])
 def test_a_title_is_no_formula_of_a_spreadsheet(title):
-    rock = {"title": title, "jrc": 8, "levels": {}}
-    settings = {"study": {"rocks": ["a"]}, "rocks": {"a": rock}}
-    assert rock_table(settings).title.tolist() == ["'" + title]
+    assert rock_table(titled(title)).title.tolist() == ["'" + title]
 
 
 def test_a_title_with_commas_and_lines_is_one_cell_of_a_csv(tmp_path):
-    rock = {"title": 'a, "b"\nc', "jrc": -8, "levels": {}}
-    settings = {"study": {"rocks": ["a"]}, "rocks": {"a": rock}}
-    write_csv(rock_table(settings), tmp_path / "rocks.csv")
+    write_csv(rock_table(titled('a, "b"\nc')), tmp_path / "rocks.csv")
     again = pd.read_csv(tmp_path / "rocks.csv")
     assert again.title.tolist() == ['a, "b"\nc']
-    assert again.jrc.tolist() == [-8]
+    assert again.jrc.tolist() == [6.5]
 
 
 KEYS = {"parameter": "jrc", "length": 1.5, "percent": 15.0, "length_net": 1.0, "percent_net": 10.0}

@@ -3,23 +3,42 @@
 The model of Rezaei Niya & Selvadurai, "Modeling the Approach of Non-mated
 Rock Fracture Surfaces Under Quasi-static Normal Load Cycles", as read in
 docs/model.md. SI units throughout.
+
+A name below is imported when it is first used (PEP 562): what is not used is
+not loaded, and ``import jointclosure`` takes next to no time.
 """
 
-from importlib.metadata import version
+import importlib
+from typing import TYPE_CHECKING
 
-from jointclosure.inputs import InputError
-from jointclosure.parameters import (
-    Choices,
-    Effects,
-    Numerics,
-    Rock,
-)
-from jointclosure.simulation import equilibrium, simulate
-from jointclosure.statistics.indifference import indifference_interval
-from jointclosure.studies.effects.choice import choose_effects
-from jointclosure.surface.synthesis import wall_pair
+if TYPE_CHECKING:  # type checkers and `jointclosure.sources` read these imports, Python does not
+    from jointclosure.inputs import InputError
+    from jointclosure.parameters import (
+        Choices,
+        Effects,
+        Numerics,
+        Rock,
+    )
+    from jointclosure.simulation import equilibrium, simulate
+    from jointclosure.statistics.indifference import indifference_interval
+    from jointclosure.studies.effects.choice import choose_effects
+    from jointclosure.surface.synthesis import wall_pair
 
-__version__ = version("jointclosure")
+    __version__: str
+
+_MODULES = {
+    "Choices": "parameters",
+    "Effects": "parameters",
+    "InputError": "inputs",
+    "Numerics": "parameters",
+    "Rock": "parameters",
+    "choose_effects": "studies.effects.choice",
+    "equilibrium": "simulation",
+    "indifference_interval": "statistics.indifference",
+    "simulate": "simulation",
+    "wall_pair": "surface.synthesis",
+}
+"""Where each public name is defined."""
 
 __all__ = [
     "Choices",
@@ -33,3 +52,24 @@ __all__ = [
     "simulate",
     "wall_pair",
 ]
+
+
+if not TYPE_CHECKING:  # a type checker would take it to answer for any name
+
+    def __getattr__(name: str) -> object:
+        """A public name, imported when it is first used; the version, as it is installed."""
+        if name == "__version__":
+            from importlib.metadata import version
+
+            value = version("jointclosure")
+        elif name in _MODULES:
+            module = importlib.import_module(f"{__name__}.{_MODULES[name]}")
+            value = getattr(module, name)
+        else:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        globals()[name] = value
+        return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__, "__version__"})

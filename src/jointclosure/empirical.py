@@ -1,6 +1,6 @@
 """The Barton-Bandis law for mated joints: a benchmark law, never measured data."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,7 @@ class BartonBandis(NamedTuple):
     largest_closure: float
     initial_stiffness: float
 
-    def closure(self, normal_stress):
+    def closure(self, normal_stress: float | np.ndarray) -> Any:
         """Closure [m] at a normal stress [Pa], dV = sigma V_m / (K_ni V_m + sigma)."""
         stress = np.asarray(normal_stress, dtype=float)
         return (

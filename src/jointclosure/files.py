@@ -18,7 +18,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 _SEAL = b"\nsha256 of all before this line: "
-_SEAL_BYTES = len(_SEAL) + 64
+END_DIGEST = 64
+"""Bytes at the end of a sealed file that are its digest."""
+_SEAL_BYTES = len(_SEAL) + END_DIGEST
 
 _READ_BYTES = 1_000_000
 """Read at a time: mapped whole, a file would count as memory."""
@@ -32,7 +34,7 @@ class DamagedFileError(OSError):
     """A file that is not as it was written."""
 
 
-def atomically(path: str | Path, write: Callable[[Path], None]) -> None:
+def atomically(path: str | Path, write: Callable[[Path], object]) -> None:
     """Call ``write`` with a temporary path, then rename it to ``path``.
 
     Where several processes write the same path, the last one to finish stays.

@@ -4,6 +4,7 @@ import math
 import sys
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 LENGTHS = (1e-15, 1e15)
 """Smallest and largest length [m] that spacings may have, and largest height."""
@@ -13,7 +14,7 @@ class InputError(ValueError):
     """A value that the model cannot take; the message names it."""
 
 
-def real_array(name: str, values) -> np.ndarray:
+def real_array(name: str, values: ArrayLike) -> np.ndarray:
     """Values as a new float64 array; `InputError` where they are no real numbers.
 
     Floats of any size and integers are promoted (or rounded) to float64, in
@@ -24,7 +25,7 @@ def real_array(name: str, values) -> np.ndarray:
         raise InputError(f"{name}: has masked values; fill or crop them first")
     try:
         given = np.asarray(values)
-    except ValueError as error:
+    except (TypeError, ValueError) as error:
         raise InputError(f"{name}: is not an array of numbers ({error})") from None
     if given.dtype.kind not in "fiu":
         raise InputError(

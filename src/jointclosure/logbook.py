@@ -6,12 +6,13 @@ import time
 import traceback
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TextIO
 
 
 class Logbook:
     """Writes lines with the time since its start, flushed one by one."""
 
-    def __init__(self, stream):
+    def __init__(self, stream: TextIO):
         self._stream, self._start = stream, time.monotonic()
 
     def __call__(self, line: str) -> None:

@@ -1,7 +1,7 @@
 """What a simulation is told: rocks, effects, choices and numerics, all in SI."""
 
-from collections.abc import Iterator
-from typing import Literal, NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import Literal, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -40,8 +40,8 @@ class Effects(NamedTuple):
 
 
 def scene_name(effects: Effects) -> str:
-    """Name of a scene: its effects joined by hyphens, or "rigid" where it has none."""
-    return "-".join(name for name, on in effects._asdict().items() if on) or "rigid"
+    """Name of a scene: its effects joined by hyphens, or "hertz_only" where it has none."""
+    return "-".join(name for name, on in effects._asdict().items() if on) or "hertz_only"
 
 
 def scene_of(name: str) -> Effects:
@@ -89,6 +89,11 @@ class Numerics(NamedTuple):
     Without breakage the fast solver takes no steps: it solves for
     ``curve_points`` evenly spaced stresses up to the maximum, to a residual of
     1e-10 or the ``force_tolerance``, whichever is smaller.
+
+    A simulation ends with a status that says so beyond ``most_steps`` displacement
+    steps, or ``most_breakage_steps`` breakage steps for each of its cells. Where it can
+    be foreseen that it will, it is refused; infinity lifts a bound. By default they are
+    some thousand times what the paper's joints take.
     """
 
     displacement_step: float = 12.5e-6
@@ -103,9 +108,14 @@ class Numerics(NamedTuple):
     curve_points: int = 20
     breakage: Literal["fixed_step", "resolved"] = "fixed_step"
     tolerance: float = 0.02
+    most_steps: float = 1e5
+    most_breakage_steps: float = 1e6
 
 
-def in_double(settings):
+_Settings = TypeVar("_Settings", Rock, Choices, Numerics)
+
+
+def in_double(settings: _Settings) -> _Settings:
     """A `Rock`, `Choices` or `Numerics` with its numbers as Python's own.
 
     A numpy.float32 in it would otherwise make single precision of all that it
@@ -122,7 +132,7 @@ def in_double(settings):
     )
 
 
-def both_walls(rock) -> tuple[Rock, Rock]:
+def both_walls(rock: Rock | Sequence[Rock]) -> tuple[Rock, Rock]:
     """(upper, lower) rocks, from one rock or a pair of rocks.
 
     Raises
@@ -262,6 +272,10 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
         raise InputError("breakage = 'resolved': not with target = 'interpolate'; use equilibrate")
     check_one_of("target", numerics.target, ("equilibrate", "interpolate"))
     check_one_of("solver", numerics.solver, solvers)
+    for name in ("most_steps", "most_breakage_steps"):
+        check_number(name, getattr(numerics, name))
+        if not getattr(numerics, name) >= 1.0:
+            raise InputError(f"{name} = {getattr(numerics, name)!r}: must be at least 1")
     for name in ("stress_tolerance", "force_tolerance", "sweep_tolerance"):
         check_number(name, getattr(numerics, name))
         if not SMALLEST_TOLERANCE <= getattr(numerics, name) < 1.0:

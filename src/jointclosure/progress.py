@@ -1,13 +1,11 @@
-"""Progress of long work: a bar on a terminal, lines in a log, nothing elsewhere."""
+"""Progress of long work: a bar on a terminal, lines in a log; how far a workflow is."""
 
+import re
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TextIO
-
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 _BETWEEN_LINES = 10.0
 """Seconds between two lines on a terminal."""
@@ -22,6 +20,16 @@ def bar(title: str) -> Iterator[Callable[[float, str], None]]:
     callable
         To be called with the part that is done, from 0 to 1, and a word on what is done now.
     """
+    # jobs count without it, and are started by the hundred
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
     console = Console(stderr=True)
     columns = (
         TextColumn("{task.description}"),
@@ -63,7 +71,7 @@ class Countdown:
     def __init__(self, title: str, total: int, terminal: TextIO | None = None):
         self.title, self.total, self.done = title, total, 0
         self._start = self._said = time.monotonic()
-        self._terminal = sys.__stderr__ if terminal is None else terminal
+        self._terminal = terminal or sys.__stderr__ or sys.stderr
 
     def __call__(self) -> str:
         self.done += 1
@@ -84,3 +92,66 @@ def duration(seconds: float) -> str:
     if whole < 3600:
         return f"{whole // 60} min {whole % 60} s"
     return f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+class WorkflowProgress:
+    """How far a run of Snakemake is, from the lines of its log as they come.
+
+    The time that is left is estimated from the mean time of each rule's jobs, by as many jobs at a
+    time as there were on average. It is not told before every rule of many jobs has finished one.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic):
+        self._clock = clock
+        self._jobs: dict[str, int] = {}
+        self._started: dict[str, float] = {}
+        self._took: dict[str, list[float]] = {}
+        self._in_table = False
+        self._first = 0.0
+        self.done = self.total = 0
+
+    def read(self, line: str) -> None:
+        """Take in a line of the log."""
+        if self._in_table or line.startswith("Job stats:"):
+            self._read_table(line)
+        elif found := _STARTED.match(line):
+            if not self._started:
+                self._first = self._clock()
+            self._started.setdefault(found[1] or found[2], self._clock())
+        elif found := _FINISHED.match(line):
+            start = self._started.pop(found[1], self._clock())
+            self._took.setdefault(found[2], []).append(self._clock() - start)
+        elif found := _STEPS.match(line):
+            self.done, self.total = int(found[1]), int(found[2])
+
+    def _read_table(self, line: str) -> None:
+        self._in_table = bool(line.strip())
+        words = line.split()
+        if len(words) == 2 and words[1].isdigit():
+            if words[0] == "total":
+                self.total = int(words[1])
+            elif words[0] != "all":
+                self._jobs[words[0]] = int(words[1])
+
+    def text(self) -> str:
+        """Jobs that are done, and about how long the rest takes."""
+        said = f"{self.done} of {self.total} jobs done"
+        left = self._left()
+        return said if not left or left < 1.0 else f"{said}, about {duration(left)} left"
+
+    def _left(self) -> float | None:
+        if any(n > 1 and name not in self._took for name, n in self._jobs.items()):
+            return None
+        work = sum(
+            (count - len(self._took[name])) * sum(self._took[name]) / len(self._took[name])
+            for name, count in self._jobs.items()
+            if name in self._took
+        )
+        elapsed = self._clock() - self._first
+        spent = sum(map(sum, self._took.values()))
+        return work / max(spent / elapsed, 1.0) if spent and elapsed else None
+
+
+_STARTED = re.compile(r"(?:Job (\d+): |\s+jobid: (\d+)$)")
+_FINISHED = re.compile(r"Finished jobid: (\d+) \(Rule: (\w+)\)")
+_STEPS = re.compile(r"(\d+) of (\d+) steps")

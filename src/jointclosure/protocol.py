@@ -14,6 +14,7 @@ from jointclosure.solvers.joint import (
     NOT_AT_REST,
     NOT_CONVERGED,
     RIGID_CONTACT,
+    Effort,
     Joint,
     Settled,
     Solver,
@@ -22,6 +23,7 @@ from jointclosure.solvers.joint import (
 TARGET_JUMPED = 1
 OUTSIDE_MODEL_RANGE = 2
 FAILURE = 16
+TOO_MANY_STEPS = 16 * FAILURE
 FLAGS = {
     TARGET_JUMPED: "target_jumped",
     OUTSIDE_MODEL_RANGE: "outside_model_range",
@@ -29,6 +31,7 @@ FLAGS = {
     2 * FAILURE: "breakage_not_at_rest",
     4 * FAILURE: "rigid_contact",
     8 * FAILURE: "stress_not_reached",
+    TOO_MANY_STEPS: "too_many_steps",
 }
 """Bits of a simulation's status: below `FAILURE` remarks on a success, above it failures."""
 
@@ -47,13 +50,11 @@ Report = Callable[[int, str, float], None]
 _SMALLEST_STEP = 1e-6
 """Fraction of a displacement step below which a jump of the stress is accepted as one, and of
 the closure reached, where that is less: a step may be far longer than all that is needed."""
-_MOST_STEPS = 1_000_000
-"""Steps of a history: beyond them the target is out of reach in steps of this length."""
 
 _CORRECTION, _RISE = 40.0, 10.0
 """What an adapted step may miss its predicted force by, and raise the force by, both relative and
 over `Numerics.tolerance`: docs/decisions/0010-resolved-breakage.md."""
-_LARGEST_STEP, _SMALLEST_ADAPTED = 8.0, 1.0 / 64.0
+LARGEST_STEP, _SMALLEST_ADAPTED = 8.0, 1.0 / 64.0
 """Bounds of an adapted displacement step over the given one."""
 _RETRY = 0.4
 """A step is taken again where the next would be this much shorter."""
@@ -72,8 +73,7 @@ class History(NamedTuple):
 
     steps: list[Step]
     status: int
-    breakage_steps: int
-    iterations: int
+    effort: Effort
 
 
 class _Run:
@@ -94,19 +94,24 @@ class _Run:
         self.cycle_start = 0.0
         self.steps: list[Step] = []
         self.status = 0
-        self.breakage_steps = self.iterations = 0
+        self.effort = Effort()
         self.closure_limit = _closure_limit(joint, target_force)
+        self.most_breakage_steps = numerics.most_breakage_steps * joint.upper.size
 
     @property
     def failed(self) -> bool:
         return self.status >= FAILURE
 
     def settle(self, closure: float, breakage_step: float) -> Settled:
+        """Bring the joint to rest at a closure [m]; a failure is noted in the status."""
         settled = self.solver.settle(self.joint, closure, breakage_step)
-        self.breakage_steps += settled.breakage_steps
-        self.iterations += settled.iterations
+        self.effort = self.effort.plus(settled.effort)
         if settled.outcome != CONVERGED:
             self.status |= FLAG_OF_OUTCOME[settled.outcome]
+        elif self.effort.breakage_steps > self.most_breakage_steps:
+            self.status |= FLAG_OF_OUTCOME[NOT_AT_REST]
+        elif self.effort.settled > self.numerics.most_steps:
+            self.status |= TOO_MANY_STEPS
         return settled
 
     def accept(self, cycle: int, branch: str, settled: Settled) -> None:
@@ -168,7 +173,7 @@ def run_cycles(
         _unload(run, cycle)
         if run.failed:
             break
-    return History(run.steps, run.status, run.breakage_steps, run.iterations)
+    return History(run.steps, run.status, run.effort)
 
 
 def _elastic_cycles(joint, solver, numerics, target_force, cycles, extra_force) -> History:
@@ -188,7 +193,10 @@ def _elastic_cycles(joint, solver, numerics, target_force, cycles, extra_force) 
             steps += [Step(cycle, UNLOADING, settled) for settled in [*up[-2::-1], start]]
     if not failed:
         joint.force[:] = 0.0
-    return History(steps, status, 0, sum(settled.iterations for settled in curve))
+    effort = Effort()
+    for settled in curve:
+        effort = effort.plus(settled.effort)
+    return History(steps, status, effort)
 
 
 def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float) -> None:
@@ -197,7 +205,7 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
     run.cycle_start = run.closure
     step = displacement_step
     while True:
-        if run.closure > run.closure_limit or len(run.steps) > _MOST_STEPS:
+        if run.closure > run.closure_limit:
             run.status |= 8 * FAILURE
             return
         before = run.joint.snapshot()
@@ -231,7 +239,7 @@ def _next_step(run: _Run, settled: Settled, step: float, given: float, cycle: in
     missed = settled.correction / (_CORRECTION * tolerance * scale)
     risen = (settled.total_force - run.total_force) / (_RISE * tolerance * run.target_force)
     factor = 0.8 / max(missed, risen, 0.01)
-    largest = given * (_LARGEST_STEP if cycle == 1 else 1.0)
+    largest = given * (LARGEST_STEP if cycle == 1 else 1.0)
     smallest = given * _SMALLEST_ADAPTED
     return min(max(step * min(max(factor, 0.25), 2.0), smallest), largest)
 
@@ -279,7 +287,10 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> None:
 
 
 def _interpolate(run: _Run, cycle: int, before: tuple, passed: Settled) -> None:
-    """The paper's last step: walls, closure and forces between the last two states."""
+    """The paper's last step: walls, closure and forces between the last two states.
+
+    Between two equilibria this is none; the residual told is that of the later one.
+    """
     part = (run.target_force - run.total_force) / (passed.total_force - run.total_force)
     joint = run.joint
     upper, lower, _, force, interaction, *_ = before
@@ -293,8 +304,9 @@ def _interpolate(run: _Run, cycle: int, before: tuple, passed: Settled) -> None:
     last = run.steps[-1].settled
     values = {
         name: getattr(last, name) + part * (getattr(passed, name) - getattr(last, name))
-        for name in ("closure", "mean_interaction", "confined_share", "flat_share")
+        for name in ("closure", "mean_interaction", "locked_share", "flat_share")
     }
+    joint.closure[...] = values["closure"]  # from which the next step counts
     run.accept(cycle, LOADING, passed._replace(total_force=run.target_force, **values))
 
 
@@ -315,13 +327,13 @@ def _judge_range(run: _Run) -> None:
     at_maximum = run.steps[-1].settled
     if not run.joint.effects.breakage:
         return
-    if at_maximum.confined_share + at_maximum.flat_share > LARGEST_UNBREAKABLE_SHARE:
+    if at_maximum.locked_share + at_maximum.flat_share > LARGEST_UNBREAKABLE_SHARE:
         run.status |= OUTSIDE_MODEL_RANGE
 
 
 def _untouched(joint: Joint) -> Settled:
     nowhere = np.zeros(joint.upper.shape, dtype=bool)
-    return joint.describe(0.0, CONVERGED, 0, nowhere, 0)
+    return joint.describe(0.0, CONVERGED, nowhere, Effort())
 
 
 def _closure_limit(joint: Joint, target_force: float) -> float:

@@ -4,7 +4,7 @@ Seating never changes the history; it is a way of reading it.
 """
 
 import numpy as np
-import scipy.interpolate
+import scipy
 
 from jointclosure.protocol import LOADING, UNLOADING
 
@@ -18,6 +18,11 @@ def branch_of(cycle: np.ndarray, branch: np.ndarray, number: int, name: str) -> 
     if here.size and here[0] > 0:
         here = np.concatenate([[here[0] - 1], here])
     return here
+
+
+def _is_complete(loading: np.ndarray, unloading: np.ndarray, stress: np.ndarray) -> bool:
+    """Whether a cycle was loaded, and unloaded to nothing."""
+    return loading.size > 1 and unloading.size > 1 and float(stress[unloading[-1]]) == 0.0
 
 
 def first_crossing(stress: np.ndarray, closure: np.ndarray, level: float) -> float:
@@ -42,7 +47,9 @@ def last_crossing(stress: np.ndarray, closure: np.ndarray, level: float) -> floa
     return _between(stress, closure, before, before + 1, level)
 
 
-def _between(stress, closure, before: int, after: int, level: float) -> float:
+def _between(
+    stress: np.ndarray, closure: np.ndarray, before: int, after: int, level: float
+) -> float:
     rise = stress[after] - stress[before]
     part = (level - stress[before]) / rise
     return float(closure[before] + part * (closure[after] - closure[before]))
@@ -80,7 +87,7 @@ def cycle_readings(
     for index in range(cycles):
         loading = branch_of(cycle, branch, index + 1, LOADING)
         unloading = branch_of(cycle, branch, index + 1, UNLOADING)
-        if loading.size < 2 or unloading.size < 2:
+        if not _is_complete(loading, unloading, stress):
             continue
         seat = first_crossing(stress[loading], closure[loading], seating_stress)
         maximum, end = closure[loading[-1]], closure[unloading[-1]]
@@ -105,7 +112,7 @@ def unloading_excess(
     for index in range(cycles):
         loading = branch_of(cycle, branch, index + 1, LOADING)
         unloading = branch_of(cycle, branch, index + 1, UNLOADING)
-        if loading.size < 2 or unloading.size < 2:
+        if not _is_complete(loading, unloading, stress):
             continue
         # of steps at one closure the last
         at, last = np.unique(closure[loading][::-1], return_index=True)

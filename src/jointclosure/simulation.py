@@ -2,22 +2,26 @@
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike
 
+from jointclosure.foresight import check_foreseen
+from jointclosure.given_walls import checked_walls
 from jointclosure.inputs import (
     LENGTHS,
     InputError,
     check_length,
     check_number,
-    real_array,
 )
 from jointclosure.parameters import (
     Choices,
     Effects,
     Numerics,
+    Rock,
     both_walls,
     check_choices,
     check_numerics,
@@ -35,10 +39,10 @@ from jointclosure.protocol import (
 )
 from jointclosure.readings import cycle_readings, unloading_excess
 from jointclosure.solvers.interaction_operator import interaction_field
-from jointclosure.solvers.joint import Joint, Solver
+from jointclosure.solvers.joint import Joint, Settled, Solver
 from jointclosure.solvers.registry import SOLVERS, solver_named
 
-ATTRIBUTES: dict[str, dict] = {
+ATTRIBUTES: dict[str, dict[str, Any]] = {
     name: {"long_name": text, "units": unit}
     for name, unit, text in (
         ("closure", "m", "closure from first touch"),
@@ -61,12 +65,15 @@ ATTRIBUTES: dict[str, dict] = {
             "largest stress by which unloading exceeds loading at equal closure",
         ),
         ("least_force", "N", "least force on any cell at any step"),
-        ("confined_share", "1", "share of the force on confined contacts at the maximum"),
+        ("locked_share", "1", "share of the force on locked contacts at the maximum"),
         ("flat_share", "1", "share of the force on flat contacts at the maximum"),
         ("upper_final", "m", "upper wall at the end, towards the lower"),
         ("lower_final", "m", "lower wall at the end, towards the upper"),
+        ("settled_states", "1", "states brought to rest, those thrown away included"),
+        ("equilibria", "1", "equilibria solved on the way (reference: sweeps)"),
+        ("newton_steps", "1", "steps of Newton's method"),
         ("breakage_steps", "1", "breakage steps taken"),
-        ("confined_contacts", "1", "largest number of confined contacts at a step"),
+        ("locked_contacts", "1", "largest number of locked contacts at a step"),
         ("solver_iterations", "1", "products with the interaction, or sweeps (reference)"),
         ("force", "N", "normal force of each contact"),
         ("overlap", "m", "overlap delta_S, negative where the walls are apart"),
@@ -81,11 +88,11 @@ ATTRIBUTES["status"] = {
 
 
 def simulate(
-    upper,
-    lower,
+    upper: ArrayLike,
+    lower: ArrayLike,
     *,
     spacing: float,
-    rock,
+    rock: Rock | Sequence[Rock],
     max_normal_stress: float,
     cycles: int = 2,
     seating_stress: float = 0.0,
@@ -104,7 +111,8 @@ def simulate(
         float or integer type is promoted to float64, which does not bring
         back digits: single precision resolves heights of 1e-3 m to 6e-11 m,
         a thousandth of the overlap at which a flank breaks. Complex, object,
-        boolean and masked heights are refused.
+        boolean and masked heights are refused. Of an `xarray.DataArray` the
+        dimensions count by name, and both walls' coordinates have to agree.
     spacing : float
         Grid spacing h [m].
     rock : Rock or (Rock, Rock)
@@ -133,7 +141,7 @@ def simulate(
         touch, ``normal_stress`` [Pa], ``contact_fraction``,
         ``bulk_indentation`` [m], ``equilibrium_residual``, with coordinates
         ``cycle`` and ``branch``. Along ``cycle``: ``max_closure``,
-        ``residual_closure`` [m], both ``_seated`` too, ``confined_share`` and
+        ``residual_closure`` [m], both ``_seated`` too, ``locked_share`` and
         ``flat_share`` of the force at the maximum, ``unloading_excess`` [Pa], by
         which stress on unloading exceeds that on loading. The walls as they ended,
         ``status`` (bits, below 16 a success; see its attributes), and counts.
@@ -142,7 +150,8 @@ def simulate(
     Raises
     ------
     InputError
-        An argument out of its range, before any computing.
+        An argument out of its range, or more steps to be foreseen than ``numerics``
+        allows, before any computing.
 
     Notes
     -----
@@ -171,11 +180,11 @@ def simulate(
 
 def simulate_by(
     solver_of: Callable[[str], Solver],
-    upper,
-    lower,
+    upper: ArrayLike,
+    lower: ArrayLike,
     *,
     spacing: float,
-    rock,
+    rock: Rock | Sequence[Rock],
     max_normal_stress: float,
     cycles: int,
     seating_stress: float,
@@ -186,7 +195,7 @@ def simulate_by(
     report: Report | None = None,
 ) -> xr.Dataset:
     """`simulate` with a solver of one's own: ``solver_of`` its name gives it."""
-    upper, lower = _checked_walls(upper, lower)
+    upper, lower = checked_walls(upper, lower)
     rock = both_walls(rock)
     check_scene(effects)
     check_numerics(numerics, tuple(SOLVERS))
@@ -207,10 +216,13 @@ def simulate_by(
     datums = height_datum(upper), height_datum(lower)
     upper, lower = upper - datums[0], lower - datums[1]
     joint = Joint(upper, lower, spacing, rock, effects, choices, numerics)
+    solver = solver_of(numerics.solver)
+    if effects.breakage or solver.elastic_curve is None:
+        check_foreseen(joint, numerics, max_normal_stress, int(cycles))
     area = upper.size * spacing**2
     history = run_cycles(
         joint,
-        solver_of(numerics.solver),
+        solver,
         numerics,
         max_normal_stress * area,
         int(cycles),
@@ -240,11 +252,11 @@ def height_datum(wall: np.ndarray) -> float:
 
 
 def equilibrium(
-    upper,
-    lower,
+    upper: ArrayLike,
+    lower: ArrayLike,
     *,
     spacing: float,
-    rock,
+    rock: Rock | Sequence[Rock],
     closure: float,
     effects: Effects = Effects(breakage=False, gouge=False),
     choices: Choices = Choices(),
@@ -274,7 +286,7 @@ def equilibrium(
     InputError
         An argument out of its range, before any computing.
     """
-    upper, lower = _checked_walls(upper, lower)
+    upper, lower = checked_walls(upper, lower)
     rock = both_walls(rock)
     effects = effects._replace(breakage=False, gouge=False)
     check_scene(effects)
@@ -331,15 +343,18 @@ def _history_dataset(
     at_maximum = _at_maxima(settled, cycle, branch, cycles)
     along_cycle |= {
         "max_bulk_indentation": at_maximum("mean_interaction"),
-        "confined_share": at_maximum("confined_share"),
+        "locked_share": at_maximum("locked_share"),
         "flat_share": at_maximum("flat_share"),
     }
     once = {
         "status": np.int16(history.status),
         "least_force": min(point.least_force for point in settled),
-        "breakage_steps": history.breakage_steps,
-        "confined_contacts": max(point.confined_contacts for point in settled),
-        "solver_iterations": history.iterations,
+        "settled_states": history.effort.settled,
+        "equilibria": history.effort.rounds,
+        "newton_steps": history.effort.newton_steps,
+        "breakage_steps": history.effort.breakage_steps,
+        "locked_contacts": max(point.locked_contacts for point in settled),
+        "solver_iterations": history.effort.products,
     }
     walls = {"upper_final": joint.upper, "lower_final": joint.lower}
     variables = {
@@ -369,7 +384,9 @@ def _history_dataset(
     )
 
 
-def _at_maxima(settled: list, cycle: np.ndarray, branch: np.ndarray, cycles: int):
+def _at_maxima(
+    settled: list[Settled], cycle: np.ndarray, branch: np.ndarray, cycles: int
+) -> Callable[[str], np.ndarray]:
     """Reader of a field of `Settled` at the maxima (cycles,), NaN where not reached."""
     where = []
     for number in range(1, cycles + 1):
@@ -382,33 +399,14 @@ def _at_maxima(settled: list, cycle: np.ndarray, branch: np.ndarray, cycles: int
     return read
 
 
-def _grid(shape: tuple[int, int], spacing: float) -> dict:
+def _grid(shape: tuple[int, int], spacing: float) -> dict[str, Any]:
     return {
         name: (name, np.arange(size) * spacing, {"long_name": f"{name} of the cell", "units": "m"})
         for name, size in zip(("y", "x"), shape, strict=True)
     }
 
 
-def _checked_walls(upper, lower) -> tuple[np.ndarray, np.ndarray]:
-    walls = []
-    for name, wall in (("upper", upper), ("lower", lower)):
-        heights = real_array(name, wall)
-        if heights.ndim != 2 or min(heights.shape) < 1 or max(heights.shape) < 3:
-            raise InputError(
-                f"{name}: shape {heights.shape}, must be (y, x) with at least 3 cells one way"
-            )
-        largest = float(np.abs(heights).max())
-        if largest > LENGTHS[1]:
-            raise InputError(f"{name}: a height of {largest!r} m, must be at most {LENGTHS[1]:g} m")
-        walls.append(heights)
-    if walls[0].shape != walls[1].shape:
-        raise InputError(
-            f"upper and lower: shapes {walls[0].shape} and {walls[1].shape} must be equal"
-        )
-    return walls[0], walls[1]
-
-
-def _check_steps(upper, lower, numerics: Numerics) -> None:
+def _check_steps(upper: np.ndarray, lower: np.ndarray, numerics: Numerics) -> None:
     """Refuse displacement steps that rounding of the heights would swallow."""
     resolution = float(np.spacing(np.abs(upper).max() + np.abs(lower).max()))
     for name in ("displacement_step", "later_displacement_step"):
@@ -419,7 +417,9 @@ def _check_steps(upper, lower, numerics: Numerics) -> None:
             )
 
 
-def _check_load(spacing, max_normal_stress, cycles, seating_stress) -> None:
+def _check_load(
+    spacing: float, max_normal_stress: float, cycles: int, seating_stress: float
+) -> None:
     check_length("spacing", spacing)
     check_number("max_normal_stress", max_normal_stress)
     if not 0.0 < max_normal_stress < math.inf:

@@ -22,7 +22,7 @@ def rock_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None
     """
     rows = []
     for name, rock in rocks.items():
-        row = {"rock": name, "title": rock.title}
+        row: dict[str, object] = {"rock": name, "title": rock.title}
         row |= {
             key_of(each): in_unit(getattr(rock.intact, each), PROPERTIES[each].unit)
             for each in Rock._fields
@@ -52,8 +52,8 @@ def case_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None
             levels, unit = rock.levels[parameter], PROPERTIES[parameter].unit
             own = base_case(name, rock).property(parameter)
             for level, value in zip(level_names(levels, own), levels, strict=True):
-                about = {"rock": name, "parameter": parameter, "level": level}
-                row = about | {"value": in_unit(value, unit), "unit": unit}
+                where = {"rock": name, "parameter": parameter, "level": level}
+                row = {**where, "value": in_unit(value, unit), "unit": unit}
                 of = BASE if level == BASE else parameter
                 rows.append(row | _closures_of(closures, name, of, level))
     columns = ["rock", "parameter", "level", "value", "unit"]

@@ -5,6 +5,7 @@ code, so one process compiles all that the others will need.
 """
 
 from collections.abc import Iterable
+from typing import Literal
 
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.parameters import (
@@ -30,7 +31,12 @@ def kernels_of(
     return [list(each) for each in sorted(found)]
 
 
-def compile_kernels(effects: Effects, choices: Choices, solver: str, breakage: str) -> None:
+def compile_kernels(
+    effects: Effects,
+    choices: Choices,
+    solver: str,
+    breakage: Literal["fixed_step", "resolved"],
+) -> None:
     """Close a small joint in a scene, which compiles what it needs."""
     spacing, rock = 0.25e-3, Rock(78e9, 0.2, 165e6)
     walls = wall_pair(8.0, (24, 24), spacing, seed=1)

@@ -7,7 +7,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure import cli
-from jointclosure.dataset import read_netcdf
+from jointclosure.storage.netcdf import read_netcdf
 
 SMALL = ["--cells", "12x14", "--stress", "2", "--seating", "0.2"]
 BY_NUMBERS = ["--youngs-modulus", "78", "--poisson-ratio", "0.2", "--strength", "165", "--jrc", "8"]

@@ -10,7 +10,8 @@ from jointclosure.config.schema import json_schema
 from jointclosure.config.typed import Configuration
 from jointclosure.config.units import in_unit, to_si
 from jointclosure.ensemble.cases import cases_of
-from jointclosure.ensemble.settings import ClosureSettings, block_settings
+from jointclosure.ensemble.settings import ClosureSettings
+from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import seeds_of
 from jointclosure.parameters import Effects
 from tests.studied import DEFAULT, ROOT, checked_study, study_of

@@ -4,7 +4,6 @@ import pytest
 import xarray as xr
 
 from jointclosure import cli
-from jointclosure.dataset import write_csv, write_netcdf
 from jointclosure.ensemble.comparison import (
     TARGETS,
     by_rock,
@@ -12,6 +11,8 @@ from jointclosure.ensemble.comparison import (
     differences,
     interval_changes,
 )
+from jointclosure.storage.netcdf import write_netcdf
+from jointclosure.storage.text import write_csv
 
 CASES = ["slate-base", "slate-jrc-low"]
 

@@ -113,6 +113,12 @@ def test_prepared_walls_say_what_they_are(scan):
     assert told["slate"]["lower"]["z2"] == about["z2"]
 
 
+def test_what_was_left_out_of_a_scan_is_told_beside_the_walls(scan):
+    told = prepared({"lower": scan._replace(remarks=("1 stray point was cut", "so was a 2nd"))})
+    assert told.lower.attrs["remarks"] == "1 stray point was cut; so was a 2nd"
+    assert "remarks" not in prepared({"lower": scan}).lower.attrs
+
+
 def test_heights_that_point_into_the_rock_are_turned(scan):
     walls = prepared({"upper": scan, "lower": scan}, upper="a.npz", inverted=["upper"])
     np.testing.assert_array_equal(walls.upper.values, -walls.lower.values)

@@ -6,9 +6,8 @@ from scipy.optimize import minimize_scalar
 
 from jointclosure.mechanics.contact import asperity_compliance, overlap_of_force
 from jointclosure.mechanics.strength import (
-    breaking_bend,
+    critical_indentation,
     is_overstressed,
-    peak_pressure,
     strength_factor,
     von_mises_on_axis,
 )
@@ -37,14 +36,14 @@ def test_the_maximum_moves_from_0_38_to_0_55():
 )
 def test_overstress_by_overlap_agrees_with_eq_22(deformation, curvature, modulus, substrate):
     limit = 2e8
-    bend = breaking_bend(limit, modulus)
+    critical = critical_indentation(limit, modulus)
     force = 4.0 / 3.0 * modulus * np.sqrt(deformation**3 / curvature)
     overlap = overlap_of_force(force, substrate, asperity_compliance(curvature, modulus))
-    pressure = peak_pressure(deformation, curvature, modulus)
+    pressure = 2.0 / np.pi * modulus * np.sqrt(deformation * curvature)  # Eq. (22)
     if abs(pressure / limit - 1.0) < 1e-9:
         return
-    breaking_force = 4.0 / 3.0 * modulus * bend * np.sqrt(bend)
-    assert is_overstressed(overlap, curvature, bend, breaking_force, substrate) == (
+    breaking_force = 4.0 / 3.0 * modulus * critical * np.sqrt(critical)
+    assert is_overstressed(overlap, curvature, critical, breaking_force, substrate) == (
         pressure > limit
     )
 

@@ -118,7 +118,7 @@ def test_without_a_measured_curve_nothing_is_said_of_one(study):
 
 @pytest.mark.parametrize(("jrc", "drawn"), [(8, True), (4, False), (16, False), (0, False)])
 def test_the_barton_bandis_law_is_drawn_where_it_holds(study, jrc, drawn):
-    figure = plotting.closure_figure(study, {"one": ROCK | {"jrc": jrc}}, 5e5, 1.5)
+    figure = plotting.closure_figure(study, {"one": ROCK._replace(jrc=float(jrc))}, 5e5, 1.5)
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert any("Barton-Bandis" in label for label in labels) == drawn
     dotted = [line for line in figure.axes[0].lines if line.get_color() == "0.2"]

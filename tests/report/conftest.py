@@ -10,10 +10,9 @@ import pytest
 import xarray as xr
 
 from jointclosure.config.configuration import resolved
-from jointclosure.config.files import MEASURED
+from jointclosure.config.files import MEASURED, PAPER_CLAIMS, PAPER_TABLE_3
 from jointclosure.config.keys import ConfigurationKeys
 from jointclosure.config.schema import json_schema
-from jointclosure.dataset import provenance, read_csv
 from jointclosure.ensemble.aggregation import join_cases
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.checks import check_results
@@ -22,7 +21,10 @@ from jointclosure.report.captions import read_caption
 from jointclosure.report.content import Material, content
 from jointclosure.report.page import Picture, render
 from jointclosure.simulation import ATTRIBUTES
+from jointclosure.sources import PACKAGE
 from jointclosure.statistics.drawn_studies import Design
+from jointclosure.storage.provenance import provenance
+from jointclosure.storage.text import read_csv
 from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
 from jointclosure.studies.sensitivity.closures import elasticity_table, max_closure_table
 from jointclosure.studies.sensitivity.intervals import indifference_table
@@ -113,16 +115,16 @@ def pictures(tmp_path_factory, configuration):
     plt.close(figure)
     return [
         Picture(caption.stem, path.read_bytes(), read_caption(caption.read_text(), configuration))
-        for caption in sorted((ROOT / "workflow/report").glob("*.rst"))
+        for caption in sorted((PACKAGE / "report/texts").glob("*.rst"))
     ]
 
 
 @pytest.fixture(scope="session")
 def material(study, configuration, default, pictures):
-    paper = read_csv(ROOT / "workflow/resources/paper_table_3.csv")
+    paper = read_csv(PAPER_TABLE_3)
     closures = max_closure_table(study)
     intervals = with_paper(indifference_table(study, resolved(configuration).statistics, 1), paper)
-    said = read_csv(ROOT / "workflow/resources/paper_claims.csv")
+    said = read_csv(PAPER_CLAIMS)
     drawn = predictive(study, Design(), 100, 1)
     numerics = resolved(configuration).numerics
     return Material(

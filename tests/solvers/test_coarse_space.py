@@ -90,16 +90,16 @@ def test_a_given_interaction_saves_a_product_and_changes_nothing():
     start = np.zeros(cells.size)
     solved = equilibrium.solve_equilibrium(influence, contacts, start, np.nan, 1e-11)
     again = equilibrium.solve_equilibrium(
-        influence, contacts, solved.force, np.nan, 1e-10, pushed=solved.interaction
+        influence, contacts, solved.force, np.nan, 1e-10, elastic_displacement=solved.interaction
     )
     assert again.newton_steps == 0
     assert again.products == 1
     misled = equilibrium.solve_equilibrium(
-        influence, contacts, start, np.nan, 1e-11, pushed=np.full(cells.size, 1.0)
+        influence, contacts, start, np.nan, 1e-11, elastic_displacement=np.full(cells.size, 1.0)
     )
     assert misled.residual <= 1e-11
     np.testing.assert_allclose(misled.force, solved.force, atol=1e-9 * solved.force.max())
-    # zero forces are in equilibrium with so large a push: not believed
+    # zero forces are in equilibrium with so large a displacement: not believed
     assert misled.force.sum() > 0.0
 
 

@@ -37,7 +37,7 @@ for gouge, breakage in ((True, "fixed_step"), (False, "fixed_step"), (True, "res
     kernel = breakage_kernel(gouge, False, breakage == "resolved")
     (signature,) = kernel.signatures
     text, assembly = kernel.inspect_llvm(signature), kernel.inspect_asm(signature)
-    names = [name for name in ("measure_falls", "returning_losses") if name in text]
+    names = [name for name in ("measure_drops", "returning_losses") if name in text]
     found.append([names, len(re.findall(r"\\bv?f?divp?s?d", assembly))])
 print(json.dumps(found))
 """
@@ -55,9 +55,9 @@ def test_code_of_an_effect_that_is_off_is_not_in_the_machine_code(tmp_path):
         check=True,
     )
     full, without_gouge, resolved = json.loads(done.stdout.splitlines()[-1])
-    assert full[0] == ["measure_falls"]
+    assert full[0] == ["measure_drops"]
     assert without_gouge[0] == []
-    assert resolved[0] == ["measure_falls", "returning_losses"]
+    assert resolved[0] == ["measure_drops", "returning_losses"]
     # of x86 and ARM; gouge divides where it is shared out and cut
     assert without_gouge[1] < full[1]
 

@@ -88,7 +88,7 @@ def test_two_distant_contacts_push_each_other_as_two_point_forces(numerics):
     )
     modulus = 78e9 / (1 - 0.2**2) / 2
     kappa = oracle.curvature(upper, SPACING)[1, 5]
-    # symmetric: both carry F, each pushed down by the other's F/(pi E* zeta)(1 + (r/zeta)^2/10)
+    # symmetric: both carry F, each displaced by the other's F/(pi E* zeta)(1 + (r/zeta)^2/10)
     zeta, r = 49 * SPACING, SPACING / 2
     influence = (1 + (r / zeta) ** 2 / 10) / (np.pi * modulus * zeta)
     force = 0.0

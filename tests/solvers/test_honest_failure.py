@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.protocol import FLAGS
+from jointclosure.protocol import FAILURE, FLAGS
 from jointclosure.solvers.equilibrium import ROUNDING, solve_equilibrium
 from jointclosure.solvers.interaction_operator import influence_of
 from tests.conftest import DOLERITE, SPACING
@@ -122,6 +122,22 @@ def test_forces_that_nothing_answers_are_no_equilibrium(small_joint, monkeypatch
 
 
 @pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
+@pytest.mark.parametrize("tolerance", [1e-14, 0.01, 0.03, 0.1, 0.3, 0.9])
+def test_success_means_that_every_step_is_within_the_tolerance(tolerance, breakage):
+    """Also a coarse one, at which forces and what answers them differ in sum."""
+    for seed in range(3):
+        closed = jc.simulate(
+            *jc.wall_pair(8.0, (24, 24), SPACING, seed=seed),
+            spacing=SPACING,
+            rock=DOLERITE,
+            max_normal_stress=4e6,
+            numerics=jc.Numerics(breakage=breakage, force_tolerance=tolerance),
+        )
+        assert int(closed.status) < FAILURE
+        assert float(closed.equilibrium_residual.max()) <= tolerance
+
+
+@pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
 @pytest.mark.parametrize(("step", "stress"), [(1e-3, 1.0), (1.0, 1e5), (12.5e-6, 1e-5)])
 def test_a_step_far_longer_than_all_of_the_closure_still_lands(small_joint, step, stress, breakage):
     closed = jc.simulate(
@@ -136,6 +152,7 @@ def test_a_step_far_longer_than_all_of_the_closure_still_lands(small_joint, step
             later_breakage_step=0.4 * step,
             breakage=breakage,
         ),
+        unusual_values=True,
     )
     assert int(closed.status) == 0
     assert closed.normal_stress.max() == pytest.approx(stress, rel=1e-3)
@@ -148,7 +165,13 @@ def test_a_target_below_what_rounding_resolves_is_a_failure_that_says_so():
     upper[:8] += 1e3
     lower[:8] += 1e3
     closed = jc.simulate(
-        upper, lower, spacing=SPACING, rock=DOLERITE, max_normal_stress=1e-9, cycles=1
+        upper,
+        lower,
+        spacing=SPACING,
+        rock=DOLERITE,
+        max_normal_stress=1e-9,
+        cycles=1,
+        unusual_values=True,
     )
     assert FLAGS[int(closed.status)] == "stress_not_reached"
     assert np.isnan(closed.max_closure).all()

@@ -11,9 +11,9 @@ from jointclosure.studies.effects.ablation import (
     FULL,
     SCENES,
     close_scene,
-    conditions_of,
     effect_table,
 )
+from jointclosure.studies.effects.design import conditions_of
 from tests.studied import study_of
 
 TINY = {
@@ -25,7 +25,7 @@ TINY = {
 
 def test_there_are_eighteen_scenes_and_every_contribution_is_between_two_of_them():
     assert len(SCENES) == 18
-    assert scene_name(Effects(False, False, False, False, False)) == "rigid"
+    assert scene_name(Effects(False, False, False, False, False)) == "hertz_only"
     for _, with_it, without_it in CONTRIBUTIONS:
         assert {scene_name(with_it), scene_name(without_it)} <= set(SCENES)
 

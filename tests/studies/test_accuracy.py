@@ -13,11 +13,10 @@ from jointclosure.studies.accuracy.cost import (
 )
 from jointclosure.studies.accuracy.design import (
     Setting,
-    close_run,
     design_of,
     label_of,
-    one_joint,
 )
+from jointclosure.studies.accuracy.runs import close_run, one_joint
 from tests.studied import ROOT, checked_study
 
 TINY = read_plain(ROOT / "tests/workflow/tiny_accuracy.yaml")

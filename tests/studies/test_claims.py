@@ -5,19 +5,20 @@ import copy
 import numpy as np
 import pytest
 
-from jointclosure.dataset import read_csv
+from jointclosure.config.files import PAPER_CLAIMS, PAPER_TABLE_3
 from jointclosure.ensemble.cases import pool_of
 from jointclosure.protocol import FAILURE
 from jointclosure.statistics.drawn_studies import Design
+from jointclosure.storage.text import read_csv
 from jointclosure.studies.sensitivity.claim_findings import as_found
 from jointclosure.studies.sensitivity.claim_rules import RULES
 from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
 from jointclosure.studies.sensitivity.responses import TARGET, rock_sample
-from tests.studied import ROOT, study_of
+from tests.studied import study_of
 from tests.studies.sensitivity_world import ELASTICITIES, world
 
-PAPER = read_csv(ROOT / "workflow/resources/paper_table_3.csv")
-CLAIMS = read_csv(ROOT / "workflow/resources/paper_claims.csv")
+PAPER = read_csv(PAPER_TABLE_3)
+CLAIMS = read_csv(PAPER_CLAIMS)
 TWO = {"study": {"rocks": ["dolerite", "slate"], "pool": 30}}
 ONE = {"study": {"rocks": ["dolerite"], "pool": 30}}
 

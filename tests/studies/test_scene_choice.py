@@ -11,10 +11,10 @@ from jointclosure.parameters import scene_name
 from jointclosure.plotting.effects import choice_figure
 from jointclosure.studies.effects import choice as scene_choice
 from jointclosure.studies.effects.choice import choose_effects
+from jointclosure.studies.effects.design import validation_settings
 from jointclosure.studies.effects.validation import (
     random_scene,
     validate,
-    validation_settings,
     validation_summary,
 )
 from tests.studied import ROOT, study_of

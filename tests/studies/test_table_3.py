@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.dataset import read_csv, read_netcdf, write_csv, write_netcdf
+from jointclosure.config.files import PAPER_CLAIMS, PAPER_TABLE_3
 from jointclosure.ensemble.cases import cases_of, ensembles_of, pool_of, wall_name
 from jointclosure.statistics.drawn_studies import Design
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf
+from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.studies.sensitivity.along_curve import along_curve
 from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
 from jointclosure.studies.sensitivity.closures import (
@@ -24,10 +26,10 @@ from jointclosure.studies.sensitivity.predictive import (
 )
 from jointclosure.studies.sensitivity.responses import responses
 from jointclosure.tables import table_3_latex, table_3_markdown, with_paper
-from tests.studied import ROOT, study_of
+from tests.studied import study_of
 from tests.studies.sensitivity_world import ELASTICITIES, world
 
-PAPER = read_csv(ROOT / "workflow/resources/paper_table_3.csv")
+PAPER = read_csv(PAPER_TABLE_3)
 ONE = {"study": {"rocks": ["dolerite"], "pool": 40}, "statistics": {"bootstrap_resamples": 20}}
 COMMON = {"study": {"draws": "common", "pool": None}}
 
@@ -232,7 +234,7 @@ def test_a_study_that_varies_nothing_has_empty_tables(tmp_path):
     assert elasticity_table(study).empty
     assert along_curve(study, 0.5e6, Design(), 100, 1).empty
     assert plan(study, Wish("power", 0.8)).empty
-    claims = read_csv(ROOT / "workflow/resources/paper_claims.csv")
+    claims = read_csv(PAPER_CLAIMS)
     table = judge_claims(Evidence(study, study, Design(), 100, 1), claims, PAPER)
     assert table.number.tolist() == ["6a", "6b"]
     assert set(table.verdict) == {"stands"}

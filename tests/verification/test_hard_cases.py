@@ -54,7 +54,6 @@ def test_a_wrong_case_is_refused_by_name(change, named):
     ("change", "named"),
     [
         ({"expect": "target_jumped"}, "expected target_jumped"),
-        ({"seconds": 1e-6}, "took"),
         (
             {"max_normal_stress": 5e6, "must": {"closure": {"value": 1e-4, "within": 0.1}}},
             "closure",

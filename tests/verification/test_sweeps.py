@@ -37,8 +37,8 @@ def dense_solution(upper, lower, closure, base_radius_in_cells):
     influence = oracle.interaction(corner, SPACING, r, modulus)
     y, x = (index.ravel() for index in np.indices(upper.shape))
     matrix = influence[np.abs(y[:, None] - y), np.abs(x[:, None] - x)]
-    bend = oracle.curvature(upper, SPACING) + oracle.curvature(lower, SPACING)
-    b = np.cbrt(9.0 * bend / (16.0 * asperity**2)).ravel()
+    kappa = oracle.curvature(upper, SPACING) + oracle.curvature(lower, SPACING)
+    b = np.cbrt(9.0 * kappa / (16.0 * asperity**2)).ravel()
     matrix[np.diag_indices_from(matrix)] = 3.0 / (4.0 * r * modulus)
     overlap = (upper + lower - (upper + lower).max() + closure).ravel()
     force = np.linalg.solve(matrix, overlap)

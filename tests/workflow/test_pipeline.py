@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.dataset import read_netcdf
+from jointclosure.storage.netcdf import read_netcdf
 
 ROOT = Path(__file__).parents[2]
 TINY = ROOT / "tests/workflow/tiny.yaml"

@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 import jointclosure as jc
-from jointclosure.dataset import read_netcdf
+from jointclosure.storage.netcdf import read_netcdf
 from tests.conftest import SPACING
 from tests.workflow.test_pipeline import TINY, checkout, planned, snakemake
 

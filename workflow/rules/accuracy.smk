@@ -4,6 +4,12 @@ from jointclosure.studies.accuracy import design as accuracy
 
 ACCURACY = config.get("accuracy")
 ACCURACY_SETTINGS, ACCURACY_RUNS = accuracy.design_of(config) if ACCURACY else ([], {})
+ACCURACY_WITH = {
+    seals_of(f"close_accuracy/{name}")[0]: settings_digest(
+        {"run": to_plain(run), "code": code_of("close_accuracy")}
+    )
+    for name, run in ACCURACY_RUNS.items()
+}
 ACCURACY_FIGURES = sorted({setting.scene for setting in ACCURACY_SETTINGS})
 
 
@@ -22,6 +28,7 @@ rule accuracy:
             figure=[*ACCURACY_FIGURES, "sources"],
             format=["png", "pdf"],
         ),
+        seals_of("estimate_accuracy", "weigh_accuracy", "draw_accuracy"),
     message:
         "What accuracy costs is known"
 
@@ -53,6 +60,7 @@ rule estimate_accuracy:
         f"{RESULTS}/logs/accuracy_kernels.txt",
     output:
         f"{RESULTS}/tables/accuracy_estimate.csv",
+        seal=f"{RESULTS}/seals/estimate_accuracy.json",
     log:
         f"{RESULTS}/logs/estimate_accuracy.log",
     benchmark:
@@ -74,6 +82,7 @@ rule close_accuracy:
         f"{RESULTS}/logs/accuracy_kernels.txt",
     output:
         f"{RESULTS}/accuracy/{{run}}.nc",
+        seal=f"{RESULTS}/seals/close_accuracy/{{run}}.json",
     log:
         f"{RESULTS}/logs/close_accuracy/{{run}}.log",
     benchmark:
@@ -91,12 +100,14 @@ rule close_accuracy:
 
 rule weigh_accuracy:
     input:
-        expand(f"{RESULTS}/accuracy/{{run}}.nc", run=ACCURACY_RUNS),
+        runs=expand(f"{RESULTS}/accuracy/{{run}}.nc", run=ACCURACY_RUNS),
+        seals=list(ACCURACY_WITH),
     output:
         costs=f"{RESULTS}/tables/accuracy_cost.csv",
         orders=f"{RESULTS}/tables/accuracy_orders.csv",
         sources=f"{RESULTS}/tables/accuracy_sources.csv",
         settings=f"{RESULTS}/tables/accuracy_settings.csv",
+        seal=f"{RESULTS}/seals/weigh_accuracy.json",
     log:
         f"{RESULTS}/logs/weigh_accuracy.log",
     benchmark:
@@ -110,6 +121,7 @@ rule weigh_accuracy:
         root_seed=CONFIGURATION.study.root_seed,
         realizations=CONFIGURATION.study.realizations,
         significance=CONFIGURATION.statistics.significance,
+        made_with=ACCURACY_WITH,
         code=code_of("weigh_accuracy"),
     message:
         "Weigh error against time"
@@ -121,12 +133,14 @@ rule draw_accuracy:
     input:
         costs=f"{RESULTS}/tables/accuracy_cost.csv",
         sources=f"{RESULTS}/tables/accuracy_sources.csv",
+        seals=seals_of("weigh_accuracy"),
     output:
-        expand(
+        figures=expand(
             f"{RESULTS}/figures/accuracy_{{figure}}.{{format}}",
             figure=[*ACCURACY_FIGURES, "sources"],
             format=["png", "pdf"],
         ),
+        seal=f"{RESULTS}/seals/draw_accuracy.json",
     log:
         f"{RESULTS}/logs/draw_accuracy.log",
     benchmark:

@@ -5,10 +5,12 @@ rule fit_correlations:
     input:
         study=f"{RESULTS}/study.nc",
         pool=POOL,
+        seals=sorted({*seals_of("aggregate"), *POOL_SEALS}),
     output:
         correlations=f"{RESULTS}/tables/correlations.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
         elasticities=f"{RESULTS}/tables/elasticities.csv",
+        seal=f"{RESULTS}/seals/fit_correlations.json",
     log:
         f"{RESULTS}/logs/fit_correlations.log",
     benchmark:
@@ -16,6 +18,7 @@ rule fit_correlations:
     conda:
         ENVIRONMENT
     params:
+        made_with=STUDY_WITH,
         code=code_of("fit_correlations"),
     message:
         "Fit correlations and elasticities, with their standard errors"
@@ -27,8 +30,10 @@ rule find_indifference_intervals:
     input:
         study=f"{RESULTS}/study.nc",
         paper=PAPER_TABLE_3,
+        seals=seals_of("aggregate"),
     output:
         f"{RESULTS}/tables/table_3_indifference.csv",
+        seal=f"{RESULTS}/seals/find_indifference_intervals.json",
     log:
         f"{RESULTS}/logs/find_indifference_intervals.log",
     benchmark:
@@ -38,6 +43,7 @@ rule find_indifference_intervals:
     params:
         statistics=to_plain(CONFIGURATION.statistics),
         root_seed=CONFIGURATION.study.root_seed,
+        made_with=STUDY_WITH,
         code=code_of("find_indifference_intervals"),
     message:
         "Find the indifference intervals and their confidence intervals"
@@ -49,8 +55,10 @@ rule fit_measured:
     input:
         study=f"{RESULTS}/study.nc",
         curves=CURVE_FILES,
+        seals=seals_of("aggregate"),
     output:
         f"{RESULTS}/tables/measured_fit.csv",
+        seal=f"{RESULTS}/seals/fit_measured.json",
     log:
         f"{RESULTS}/logs/fit_measured.log",
     benchmark:
@@ -60,6 +68,7 @@ rule fit_measured:
     params:
         curves=to_plain(CURVES),
         seating_stress=CONFIGURATION.seating_stress,
+        made_with=STUDY_WITH,
         code=code_of("fit_measured"),
     message:
         "Find the realisations that fit the measured curves best"
@@ -71,10 +80,12 @@ rule predict_table_3:
     input:
         pool=POOL,
         paper=PAPER_TABLE_3,
+        seals=POOL_SEALS,
     output:
         entries=f"{RESULTS}/tables/table_3_predictive.csv",
         joint=f"{RESULTS}/tables/table_3_joint_tests.csv",
         lengths=f"{RESULTS}/predictive.nc",
+        seal=f"{RESULTS}/seals/predict_table_3.json",
     log:
         f"{RESULTS}/logs/predict_table_3.log",
     benchmark:
@@ -85,6 +96,7 @@ rule predict_table_3:
         statistics=to_plain(CONFIGURATION.statistics),
         root_seed=CONFIGURATION.study.root_seed,
         realizations=CONFIGURATION.study.realizations,
+        made_with=STUDY_WITH,
         code=code_of("predict_table_3"),
     message:
         "Draw what repetitions of the study would publish in Table 3"
@@ -92,36 +104,13 @@ rule predict_table_3:
         "../scripts/predict_table_3.py"
 
 
-rule judge_claims:
-    input:
-        study=f"{RESULTS}/study.nc",
-        pool=POOL,
-        claims=PAPER_CLAIMS,
-        paper=PAPER_TABLE_3,
-    output:
-        f"{RESULTS}/tables/claims.csv",
-    log:
-        f"{RESULTS}/logs/judge_claims.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/judge_claims.tsv"
-    conda:
-        ENVIRONMENT
-    params:
-        statistics=to_plain(CONFIGURATION.statistics),
-        root_seed=CONFIGURATION.study.root_seed,
-        realizations=CONFIGURATION.study.realizations,
-        code=code_of("judge_claims"),
-    message:
-        "Hold the paper's claims against the model and the study"
-    script:
-        "../scripts/judge_claims.py"
-
-
 rule follow_stress:
     input:
         pool=POOL,
+        seals=POOL_SEALS,
     output:
         f"{RESULTS}/tables/along_curve.csv",
+        seal=f"{RESULTS}/seals/follow_stress.json",
     log:
         f"{RESULTS}/logs/follow_stress.log",
     benchmark:
@@ -133,6 +122,7 @@ rule follow_stress:
         root_seed=CONFIGURATION.study.root_seed,
         realizations=CONFIGURATION.study.realizations,
         seating_stress=CONFIGURATION.seating_stress,
+        made_with=STUDY_WITH,
         code=code_of("follow_stress"),
     message:
         "Follow elasticities and intervals along the closure curve"
@@ -140,11 +130,41 @@ rule follow_stress:
         "../scripts/follow_stress.py"
 
 
+rule judge_claims:
+    input:
+        study=f"{RESULTS}/study.nc",
+        pool=POOL,
+        claims=PAPER_CLAIMS,
+        paper=PAPER_TABLE_3,
+        seals=sorted({*seals_of("aggregate"), *POOL_SEALS}),
+    output:
+        f"{RESULTS}/tables/claims.csv",
+        seal=f"{RESULTS}/seals/judge_claims.json",
+    log:
+        f"{RESULTS}/logs/judge_claims.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/judge_claims.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        statistics=to_plain(CONFIGURATION.statistics),
+        root_seed=CONFIGURATION.study.root_seed,
+        realizations=CONFIGURATION.study.realizations,
+        made_with=STUDY_WITH,
+        code=code_of("judge_claims"),
+    message:
+        "Hold the paper's claims against the model and the study"
+    script:
+        "../scripts/judge_claims.py"
+
+
 rule check_results:
     input:
         f"{RESULTS}/study.nc",
+        seals=seals_of("aggregate"),
     output:
         f"{RESULTS}/tables/checks.csv",
+        seal=f"{RESULTS}/seals/check_results.json",
     log:
         f"{RESULTS}/logs/check_results.log",
     benchmark:
@@ -154,8 +174,30 @@ rule check_results:
     params:
         numerics=to_plain(CONFIGURATION.numerics),
         realizations=CONFIGURATION.study.realizations,
+        made_with=STUDY_WITH,
         code=code_of("check_results"),
     message:
         "Check the results"
     script:
         "../scripts/check_results.py"
+
+
+# after the table is there to be read, also where a check fails
+rule require_checks:
+    input:
+        f"{RESULTS}/tables/checks.csv",
+        seals=seals_of("aggregate", "check_results"),
+    output:
+        f"{RESULTS}/logs/checks_passed.txt",
+    log:
+        f"{RESULTS}/logs/require_checks.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/require_checks.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        code=code_of("require_checks"),
+    message:
+        "See whether all checks passed"
+    script:
+        "../scripts/require_checks.py"

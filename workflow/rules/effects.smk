@@ -1,16 +1,32 @@
 # What each effect adds, and what it costs: `snakemake effects --configfile config/effects.yaml`.
 # Without an `ablation` section there are no runs, and no rule here has work.
-from jointclosure.studies.effects import ablation, validation
+from jointclosure.studies.effects import ablation, design
 
 ABLATION = CONFIGURATION.ablation
 SCENES = list(ablation.SCENES) if ABLATION else []
 VALIDATION = ABLATION.validation if ABLATION else None
 CHOICE_TABLES = ["effects_auto.csv", "effects_auto_summary.csv"]
 
-
-def conditions_of(rock):
-    """Settings of a rock's closures at every condition, as plain data."""
-    return to_plain(ablation.conditions_of(CONFIGURATION, rock))
+SCENES_WITH = {
+    seals_of(f"close_scene/{rock}.{scene}")[0]: settings_digest(
+        {
+            "conditions": conditions_of(rock),
+            "design": to_plain(ABLATION),
+            "code": code_of("close_scene"),
+        }
+    )
+    for scene in SCENES
+    for rock in ROCKS
+}
+VALIDATED_WITH = {
+    seals_of(f"validate_choice/{number}")[0]: settings_digest(
+        {
+            "settings": to_plain(design.validation_settings(CONFIGURATION)),
+            "code": code_of("validate_choice"),
+        }
+    )
+    for number in range(VALIDATION.scenes if VALIDATION else 0)
+}
 
 
 wildcard_constraints:
@@ -33,6 +49,12 @@ rule effects:
                 if VALIDATION
                 else []
             ),
+        ),
+        seals_of(
+            "estimate_effects",
+            "weigh_effects",
+            "draw_effects",
+            *(["sum_up_choices"] if VALIDATION else []),
         ),
     message:
         "What each effect adds and costs is known"
@@ -64,6 +86,7 @@ rule estimate_effects:
         f"{RESULTS}/logs/effect_kernels.txt",
     output:
         f"{RESULTS}/tables/effects_estimate.csv",
+        seal=f"{RESULTS}/seals/estimate_effects.json",
     log:
         f"{RESULTS}/logs/estimate_effects.log",
     benchmark:
@@ -87,6 +110,7 @@ rule close_scene:
         f"{RESULTS}/logs/effect_kernels.txt",
     output:
         f"{RESULTS}/effects/{{rock}}.{{scene}}.nc",
+        seal=f"{RESULTS}/seals/close_scene/{{rock}}.{{scene}}.json",
     log:
         f"{RESULTS}/logs/close_scene/{{rock}}.{{scene}}.log",
     benchmark:
@@ -105,13 +129,15 @@ rule close_scene:
 
 rule weigh_effects:
     input:
-        expand(
+        runs=expand(
             f"{RESULTS}/effects/{{rock}}.{{scene}}.nc",
             rock=list(ROCKS),
             scene=SCENES,
         ),
+        seals=list(SCENES_WITH),
     output:
         f"{RESULTS}/tables/effects.csv",
+        seal=f"{RESULTS}/seals/weigh_effects.json",
     log:
         f"{RESULTS}/logs/weigh_effects.log",
     benchmark:
@@ -120,6 +146,7 @@ rule weigh_effects:
         ENVIRONMENT
     params:
         runs=[[rock, scene] for rock in list(ROCKS) for scene in SCENES],
+        made_with=SCENES_WITH,
         code=code_of("weigh_effects"),
     message:
         "Weigh what each effect adds against what it costs"
@@ -130,8 +157,10 @@ rule weigh_effects:
 rule draw_effects:
     input:
         f"{RESULTS}/tables/effects.csv",
+        seals=seals_of("weigh_effects"),
     output:
-        expand(f"{RESULTS}/figures/effects.{{format}}", format=["png", "pdf"]),
+        figures=expand(f"{RESULTS}/figures/effects.{{format}}", format=["png", "pdf"]),
+        seal=f"{RESULTS}/seals/draw_effects.json",
     log:
         f"{RESULTS}/logs/draw_effects.log",
     benchmark:
@@ -152,6 +181,7 @@ rule validate_choice:
         f"{RESULTS}/logs/effect_kernels.txt",
     output:
         f"{RESULTS}/effects/random_scene_{{number}}.csv",
+        seal=f"{RESULTS}/seals/validate_choice/{{number}}.json",
     log:
         f"{RESULTS}/logs/validate_choice/{{number}}.log",
     benchmark:
@@ -161,9 +191,7 @@ rule validate_choice:
     conda:
         ENVIRONMENT
     params:
-        settings=lambda wildcards: to_plain(
-            validation.validation_settings(CONFIGURATION)
-        ),
+        settings=lambda wildcards: to_plain(design.validation_settings(CONFIGURATION)),
         code=code_of("validate_choice"),
     message:
         "Hold chosen effects against all of them in random scene {wildcards.number}"
@@ -173,16 +201,18 @@ rule validate_choice:
 
 rule sum_up_choices:
     input:
-        expand(
+        scenes=expand(
             f"{RESULTS}/effects/random_scene_{{number}}.csv",
             number=range(VALIDATION.scenes) if VALIDATION else [],
         ),
+        seals=list(VALIDATED_WITH),
     output:
         scenes=f"{RESULTS}/tables/effects_auto.csv",
         summary=f"{RESULTS}/tables/effects_auto_summary.csv",
         figures=expand(
             f"{RESULTS}/figures/effects_auto.{{format}}", format=["png", "pdf"]
         ),
+        seal=f"{RESULTS}/seals/sum_up_choices.json",
     log:
         f"{RESULTS}/logs/sum_up_choices.log",
     benchmark:
@@ -190,6 +220,7 @@ rule sum_up_choices:
     conda:
         ENVIRONMENT
     params:
+        made_with=VALIDATED_WITH,
         code=code_of("sum_up_choices"),
     message:
         "Sum up how well effects were chosen"

@@ -9,6 +9,7 @@ rule measure_numerics:
     output:
         numerics=f"{NUMERICS}/tables/numerics.csv",
         loads=f"{NUMERICS}/tables/sweep_loads.csv",
+        seal=f"{NUMERICS}/seals/measure_numerics.json",
     log:
         f"{NUMERICS}/logs/measure_numerics.log",
     benchmark:
@@ -26,8 +27,10 @@ rule measure_numerics:
 rule draw_numerics:
     input:
         f"{NUMERICS}/tables/numerics.csv",
+        seals=seals_of("measure_numerics", study=NUMERICS),
     output:
-        expand(f"{NUMERICS}/figures/numerics.{{format}}", format=["png", "pdf"]),
+        figures=expand(f"{NUMERICS}/figures/numerics.{{format}}", format=["png", "pdf"]),
+        seal=f"{NUMERICS}/seals/draw_numerics.json",
     log:
         f"{NUMERICS}/logs/draw_numerics.log",
     benchmark:
@@ -36,6 +39,7 @@ rule draw_numerics:
         ENVIRONMENT
     params:
         figure="numerics",
+        made_with=HARD_WITH,
         code=code_of("draw_table"),
     message:
         "Draw what the paper's formulas lose, and how its sweep converges"

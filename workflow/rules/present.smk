@@ -5,11 +5,13 @@ rule write_tables:
     input:
         intervals=f"{RESULTS}/tables/table_3_indifference.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
+        seals=seals_of("aggregate", "find_indifference_intervals", "fit_correlations"),
     output:
         rocks=f"{RESULTS}/tables/table_1_rocks.csv",
         cases=f"{RESULTS}/tables/table_2_cases.csv",
         latex=f"{RESULTS}/tables/table_3_indifference.tex",
         markdown=f"{RESULTS}/tables/table_3_indifference.md",
+        seal=f"{RESULTS}/seals/write_tables.json",
     log:
         f"{RESULTS}/logs/write_tables.log",
     benchmark:
@@ -18,6 +20,7 @@ rule write_tables:
         ENVIRONMENT
     params:
         rocks=to_plain(ROCKS),
+        made_with=STUDY_WITH,
         code=code_of("write_tables"),
     message:
         "Write Tables 1 to 3"
@@ -36,16 +39,27 @@ rule draw_figures:
         surfaces=f"{RESULTS}/cases/{next(iter(CASES['cases']))}.0.surfaces.nc",
         curves=CURVE_FILES,
         fits=f"{RESULTS}/tables/measured_fit.csv" if CURVES else [],
+        seals=seals_of(
+            "aggregate",
+            "find_indifference_intervals",
+            "fit_correlations",
+            "predict_table_3",
+            "follow_stress",
+            *(["fit_measured"] if CURVES else []),
+        ),
     output:
-        *[
-            report(
-                f"{RESULTS}/figures/{figure}.png",
-                caption=f"../report/{figure}.rst",
-                category="Figures",
-            )
-            for figure in FIGURES
+        figures=[
+            *[
+                report(
+                    f"{RESULTS}/figures/{figure}.png",
+                    caption=CAPTIONS / f"{figure}.rst",
+                    category="Figures",
+                )
+                for figure in FIGURES
+            ],
+            *expand(f"{RESULTS}/figures/{{figure}}.pdf", figure=FIGURES),
         ],
-        expand(f"{RESULTS}/figures/{{figure}}.pdf", figure=FIGURES),
+        seal=f"{RESULTS}/seals/draw_figures.json",
     log:
         f"{RESULTS}/logs/draw_figures.log",
     benchmark:
@@ -58,6 +72,8 @@ rule draw_figures:
         seating_stress=CONFIGURATION.seating_stress,
         realizations=CONFIGURATION.study.realizations,
         wall_strength_ratio=CONFIGURATION.output.wall_strength_ratio,
+        surfaces=surfaces_of("cases", next(iter(CASES["cases"])), "0"),
+        made_with=STUDY_WITH,
         code=code_of("draw_figures"),
     message:
         "Draw the figures"

@@ -3,45 +3,35 @@ from jointclosure.config.files import MEASURED as MEASURED_SETTINGS
 from jointclosure.report.page import template_digest
 
 ACCURACY_TABLE = "results/accuracy/tables/accuracy_cost.csv"
+ACCURACY_SEALS = seals_of("weigh_accuracy", study="results/accuracy")
+ACCURACY_MEASURED = all(
+    Path(path).exists() for path in [ACCURACY_TABLE, *ACCURACY_SEALS]
+)
 
 
 rule report:
     input:
         f"{RESULTS}/report.html",
+        seals_of("write_report"),
     message:
-        "The report of {STUDY} is {input}"
+        "The report of {STUDY} is {input[0]}"
 
 
 rule write_report:
     input:
         study=f"{RESULTS}/study.nc",
-        closures=f"{RESULTS}/tables/max_closure.csv",
-        # those that a study has not are left out
-        intervals=(
-            f"{RESULTS}/tables/table_3_indifference.csv"
-            if "table_3_indifference.csv" in TABLES
-            else []
-        ),
-        claims=f"{RESULTS}/tables/claims.csv" if "claims.csv" in TABLES else [],
-        predictive=f"{RESULTS}/tables/table_3_predictive.csv",
-        joint=f"{RESULTS}/tables/table_3_joint_tests.csv",
-        elasticities=f"{RESULTS}/tables/elasticities.csv",
-        measured=(
-            f"{RESULTS}/tables/measured_fit.csv"
-            if "measured_fit.csv" in TABLES
-            else []
-        ),
+        tables=expand(f"{RESULTS}/tables/{{table}}", table=TABLES),
         figures=expand(f"{RESULTS}/figures/{{figure}}.png", figure=FIGURES),
-        captions=expand(
-            "{folder}/workflow/report/{figure}.rst", folder=ROOT, figure=FIGURES
-        ),
+        captions=[CAPTIONS / f"{figure}.rst" for figure in FIGURES],
         paper=PAPER_TABLE_3,
         default=DEFAULT,
         presets=MEASURED_SETTINGS,
         # what `make accuracy` measured, where it was run
-        accuracy=ancient(ACCURACY_TABLE) if Path(ACCURACY_TABLE).exists() else [],
+        accuracy=ancient(ACCURACY_TABLE) if ACCURACY_MEASURED else [],
+        seals=STUDY_SEALS + (ACCURACY_SEALS if ACCURACY_MEASURED else []),
     output:
         f"{RESULTS}/report.html",
+        seal=f"{RESULTS}/seals/write_report.json",
     log:
         f"{RESULTS}/logs/write_report.log",
     benchmark:
@@ -49,8 +39,7 @@ rule write_report:
     conda:
         ENVIRONMENT
     params:
-        configuration=config,
-        benchmarks=f"{RESULTS}/benchmarks",
+        made_with=STUDY_WITH,
         code=[code_of("write_report"), template_digest()],
     message:
         "Write the report"

@@ -2,13 +2,15 @@
 from pathlib import Path
 
 from jointclosure.config import configuration
-from jointclosure.config.files import read_plain
+from jointclosure.config.files import PAPER_CLAIMS, PAPER_TABLE_3, read_plain
 from jointclosure.config.plain import to_plain
-from jointclosure.config.walls import check_files
-from jointclosure.dataset import read_csv, read_text
+from jointclosure.config.walls import check_files, wall_files
 from jointclosure.ensemble import cases
-from jointclosure.ensemble import settings
-from jointclosure.sources import code_digest
+from jointclosure.ensemble import slices
+from jointclosure.sources import PACKAGE, code_digest
+from jointclosure.storage.seals import settings_digest
+from jointclosure.storage.text import read_csv, read_text
+from jointclosure.studies.effects import design
 from jointclosure.studies.measured import curves as measured
 from jointclosure.warmup import kernels_of
 
@@ -23,8 +25,7 @@ check_files(CONFIGURATION)
 STUDY = CONFIGURATION.study.name
 RESULTS = f"results/{STUDY}"
 ENVIRONMENT = "../envs/jointclosure.yaml"
-PAPER_TABLE_3 = "workflow/resources/paper_table_3.csv"
-PAPER_CLAIMS = "workflow/resources/paper_claims.csv"
+CAPTIONS = PACKAGE / "report/texts"
 # what is closed: the study's own cases, and those of its pool of common surfaces
 ENSEMBLES = cases.ensembles_of(CONFIGURATION)
 CASES = {
@@ -83,6 +84,31 @@ def code_of(*scripts):
     return code_digest(*(str(ROOT / f"workflow/scripts/{name}.py") for name in scripts))
 
 
+def seals_of(*jobs, study=RESULTS):
+    """Seals of jobs: what these wrote, from what, and with what settings."""
+    return [f"{study}/seals/{job}.json" for job in jobs]
+
+
+# of what tells what is true of the model, which is the study where it has no pool
+POOL_SEALS = seals_of("aggregate_pool" if "pool" in ENSEMBLES else "aggregate")
+
+
+# of all that a study's tables and figures are; a target asks for them, so that one missing is noticed
+STUDY_SEALS = seals_of(
+    "aggregate",
+    *(["aggregate_pool"] if "pool" in ENSEMBLES else []),
+    "fit_correlations",
+    "find_indifference_intervals",
+    "predict_table_3",
+    "follow_stress",
+    "judge_claims",
+    "check_results",
+    "write_tables",
+    "draw_figures",
+    *(["fit_measured"] if CURVES else []),
+)
+
+
 # files of surfaces and closures bear these, and are refused where they differ
 SURFACE_CODE = code_of("make_surfaces", "cut_surfaces")
 SOLVER_CODE = code_of("close_surfaces")
@@ -90,22 +116,76 @@ SOLVER_CODE = code_of("close_surfaces")
 
 def closure_of(ensemble, case, block):
     """Settings of the closures of a case and a block of realisations."""
-    return settings.block_settings(
+    return slices.block_settings(
         ENSEMBLES[ensemble], CASES[ensemble], case, block, SURFACE_CODE, SOLVER_CODE
     )
 
 
-def surfaces_of(wildcards):
+def closing(wildcards):
+    """The same of the job that closes them, as plain data."""
+    block = BLOCKS[wildcards.ensemble][wildcards.first]
+    return to_plain(closure_of(wildcards.ensemble, wildcards.case, block))
+
+
+def choosing(rock):
+    """What the choice of a rock's effects is told."""
+    block = range(CONFIGURATION.study.realizations)
+    return {
+        "settings": {
+            label: to_plain(closure_of("cases", label, block))
+            for label, case in CASES["cases"].items()
+            if case.rock == rock
+        },
+        "code": code_of("choose_effects"),
+    }
+
+
+def preparing(rock):
+    """What the reading of a rock's measured walls is told."""
+    return {
+        "walls": to_plain(ROCKS[rock].walls),
+        "digests": slices.wall_digests(ROCKS[rock].walls),
+        "grid": to_plain(CONFIGURATION.grid),
+        "jrc_relation": CONFIGURATION.surface.jrc_relation,
+        "realizations": max(each.study.realizations for each in ENSEMBLES.values()),
+        "code": code_of("prepare_walls"),
+    }
+
+
+def conditions_of(rock):
+    """Settings of a rock's closures at every condition, as plain data."""
+    return to_plain(design.conditions_of(CONFIGURATION, rock))
+
+
+def surfaces_of(ensemble, case, first):
     """Settings of the surface pairs of a case and a block of realisations, as plain data."""
-    ensemble = wildcards.ensemble
-    return to_plain(
-        settings.surface_settings(
-            ENSEMBLES[ensemble],
-            CASES[ensemble][wildcards.case],
-            BLOCKS[ensemble][wildcards.first],
-            SURFACE_CODE,
-        )
-    )
+    told = (CASES[ensemble][case], BLOCKS[ensemble][first], SURFACE_CODE)
+    return to_plain(slices.surface_settings(ENSEMBLES[ensemble], *told))
+
+
+def making(wildcards):
+    """The same of the job that makes them."""
+    return surfaces_of(wildcards.ensemble, wildcards.case, wildcards.first)
+
+
+def rock_of(wildcards):
+    """The rock of a job's case."""
+    return CASES[wildcards.ensemble][wildcards.case].rock
+
+
+def closed_surfaces(wildcards):
+    """The surface pairs that a case closes: its own, or those of its rock's base case."""
+    surface = CASES[wildcards.ensemble][wildcards.case].surface
+    return f"{RESULTS}/{wildcards.ensemble}/{surface}.{wildcards.first}.surfaces.nc"
+
+
+def closed_blocks(ensemble):
+    """The files of all cases and blocks of an ensemble, in the order in which they are joined."""
+    return [
+        f"{RESULTS}/{ensemble}/{case}.{first}.nc"
+        for case in CASES[ensemble]
+        for first in BLOCKS[ensemble]
+    ]
 
 
 wildcard_constraints:

@@ -2,6 +2,37 @@
 # The study's own are in the folder cases, those of its pool in pool.
 from jointclosure.studies.effects.choice import possible_scenes
 
+# what jobs are told whose seals are held against it
+AGGREGATED = {
+    ensemble: {
+        "ensemble": ensemble,
+        "configuration": config,
+        "surface_code": SURFACE_CODE,
+        "solver_code": SOLVER_CODE,
+        "code": code_of("aggregate"),
+    }
+    for ensemble in ENSEMBLES
+}
+STUDY_WITH = {
+    seals_of("aggregate" if ensemble == "cases" else "aggregate_pool")[
+        0
+    ]: settings_digest(told)
+    for ensemble, told in AGGREGATED.items()
+}
+
+
+CHOSEN_WITH = {
+    seals_of(f"choose_effects/{rock}")[0]: settings_digest(choosing(rock))
+    for rock in (ROCKS if AUTO else [])
+}
+
+
+WALLS_WITH = {
+    seals_of(f"prepare_walls/{name}")[0]: settings_digest(preparing(name))
+    for name, rock in ROCKS.items()
+    if rock.walls
+}
+
 
 rule compile_kernels:
     output:
@@ -35,7 +66,7 @@ rule make_surfaces:
     conda:
         ENVIRONMENT
     params:
-        settings=surfaces_of,
+        settings=making,
     message:
         "Generate the surface pairs of {wildcards.case} from realisation {wildcards.first} on"
     script:
@@ -47,6 +78,7 @@ rule choose_effects:
         f"{RESULTS}/logs/kernels.txt",
     output:
         f"{RESULTS}/effects_of/{{rock}}.json",
+        seal=f"{RESULTS}/seals/choose_effects/{{rock}}.json",
     log:
         f"{RESULTS}/logs/choose_effects/{{rock}}.log",
     benchmark:
@@ -54,13 +86,7 @@ rule choose_effects:
     conda:
         ENVIRONMENT
     params:
-        settings=lambda wildcards: {
-            label: to_plain(
-                closure_of("cases", label, range(CONFIGURATION.study.realizations))
-            )
-            for label, case in CASES["cases"].items()
-            if case.rock == wildcards.rock
-        },
+        settings=lambda wildcards: choosing(wildcards.rock)["settings"],
         code=code_of("choose_effects"),
     message:
         "Choose the effects that matter for {wildcards.rock}, by a pilot"
@@ -68,21 +94,16 @@ rule choose_effects:
         "../scripts/choose_effects.py"
 
 
-def closed_surfaces(wildcards):
-    """The surface pairs that a case closes: its own, or those of its rock's base case."""
-    surface = CASES[wildcards.ensemble][wildcards.case].surface
-    return f"{RESULTS}/{wildcards.ensemble}/{surface}.{wildcards.first}.surfaces.nc"
-
-
 rule close_surfaces:
     input:
         effects=lambda wildcards: (
-            f"{RESULTS}/effects_of/{CASES[wildcards.ensemble][wildcards.case].rock}.json"
-            if AUTO
-            else []
+            f"{RESULTS}/effects_of/{rock_of(wildcards)}.json" if AUTO else []
         ),
         surfaces=closed_surfaces,
         kernels=f"{RESULTS}/logs/kernels.txt",
+        seals=lambda wildcards: (
+            seals_of(f"choose_effects/{rock_of(wildcards)}") if AUTO else []
+        ),
     output:
         f"{RESULTS}/{{ensemble}}/{{case}}.{{first}}.nc",
     log:
@@ -92,26 +113,12 @@ rule close_surfaces:
     conda:
         ENVIRONMENT
     params:
-        settings=lambda wildcards: to_plain(
-            closure_of(
-                wildcards.ensemble,
-                wildcards.case,
-                BLOCKS[wildcards.ensemble][wildcards.first],
-            )
-        ),
+        settings=closing,
+        made_with=lambda wildcards: CHOSEN_WITH,
     message:
         "Close the surface pairs of {wildcards.case} from realisation {wildcards.first} on"
     script:
         "../scripts/close_surfaces.py"
-
-
-def closed_blocks(ensemble):
-    """The files of all cases and blocks of an ensemble, in the order in which they are joined."""
-    return [
-        f"{RESULTS}/{ensemble}/{case}.{first}.nc"
-        for case in CASES[ensemble]
-        for first in BLOCKS[ensemble]
-    ]
 
 
 rule aggregate:
@@ -123,8 +130,10 @@ rule aggregate:
         walls=[
             f"{RESULTS}/walls/{name}.nc" for name, rock in ROCKS.items() if rock.walls
         ],
+        seals=[*CHOSEN_WITH, *WALLS_WITH],
     output:
         f"{RESULTS}/study.nc",
+        seal=f"{RESULTS}/seals/aggregate.json",
     log:
         f"{RESULTS}/logs/aggregate.log",
     benchmark:
@@ -132,11 +141,8 @@ rule aggregate:
     conda:
         ENVIRONMENT
     params:
-        ensemble="cases",
-        configuration=config,
-        surface_code=SURFACE_CODE,
-        solver_code=SOLVER_CODE,
-        code=code_of("aggregate"),
+        **AGGREGATED["cases"],
+        made_with=CHOSEN_WITH | WALLS_WITH,
     message:
         "Put all cases into one dataset"
     script:
@@ -150,17 +156,16 @@ if "pool" in ENSEMBLES:
             cases=closed_blocks("pool"),
             effects=rules.aggregate.input.effects,
             walls=rules.aggregate.input.walls,
+            seals=[*CHOSEN_WITH, *WALLS_WITH],
         output:
             f"{RESULTS}/pool.nc",
+            seal=f"{RESULTS}/seals/aggregate_pool.json",
         log:
             f"{RESULTS}/logs/aggregate_pool.log",
         benchmark:
             f"{RESULTS}/benchmarks/aggregate_pool.tsv"
         params:
-            ensemble="pool",
-            configuration=config,
-            surface_code=SURFACE_CODE,
-            solver_code=SOLVER_CODE,
-            code=code_of("aggregate"),
+            **AGGREGATED["pool"],
+            made_with=CHOSEN_WITH | WALLS_WITH,
         message:
             "Put all cases of the pool into one dataset"

@@ -13,10 +13,11 @@ rule prepare_walls:
     input:
         # contents count and not the time of a file: they are among the parameters
         lambda wildcards: [
-            ancient(file) for file in ROCKS[wildcards.rock].walls.files().values()
+            ancient(file) for file in wall_files(ROCKS[wildcards.rock].walls).values()
         ],
     output:
         f"{RESULTS}/walls/{{rock}}.nc",
+        seal=f"{RESULTS}/seals/prepare_walls/{{rock}}.json",
     log:
         f"{RESULTS}/logs/prepare_walls/{{rock}}.log",
     benchmark:
@@ -25,11 +26,11 @@ rule prepare_walls:
     conda:
         ENVIRONMENT
     params:
-        walls=lambda wildcards: to_plain(ROCKS[wildcards.rock].walls),
-        digests=lambda wildcards: settings.wall_digests(ROCKS[wildcards.rock].walls),
+        walls=lambda wildcards: preparing(wildcards.rock)["walls"],
+        digests=lambda wildcards: preparing(wildcards.rock)["digests"],
         grid=to_plain(CONFIGURATION.grid),
         jrc_relation=CONFIGURATION.surface.jrc_relation,
-        realizations=max(each.study.realizations for each in ENSEMBLES.values()),
+        realizations=lambda wildcards: preparing(wildcards.rock)["realizations"],
         code=code_of("prepare_walls"),
     message:
         "Read and check the measured walls of {wildcards.rock}"
@@ -39,7 +40,8 @@ rule prepare_walls:
 
 rule cut_surfaces:
     input:
-        lambda wildcards: f"{RESULTS}/walls/{CASES[wildcards.ensemble][wildcards.case].rock}.nc",
+        lambda wildcards: f"{RESULTS}/walls/{rock_of(wildcards)}.nc",
+        seals=lambda wildcards: seals_of(f"prepare_walls/{rock_of(wildcards)}"),
     output:
         f"{RESULTS}/{{ensemble}}/{{case}}.{{first}}.surfaces.nc",
     log:
@@ -51,7 +53,8 @@ rule cut_surfaces:
     conda:
         ENVIRONMENT
     params:
-        settings=surfaces_of,
+        settings=making,
+        made_with=WALLS_WITH,
     message:
         "Cut the surface pairs of {wildcards.case} from realisation {wildcards.first} on"
     script:

@@ -9,18 +9,16 @@ import xarray as xr
 
 from jointclosure.config.configuration import resolved
 from jointclosure.config.typed import Configuration
-from jointclosure.dataset import (
-    provenance,
-    read_netcdf,
-    read_text,
-    reading_netcdf,
-    write_netcdf_regions,
-)
 from jointclosure.ensemble.aggregation import join_cases, succeeded
 from jointclosure.ensemble.cases import blocks_of, cases_of, ensembles_of
 from jointclosure.ensemble.measured_walls import described
-from jointclosure.ensemble.settings import block_settings, check_settings
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.ensemble.settings import check_settings
+from jointclosure.ensemble.slices import block_settings
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf_regions
+from jointclosure.storage.provenance import provenance
+from jointclosure.storage.text import read_text
 
 ROWS = 256
 """Realisations in memory at a time, and compressed together."""
@@ -94,7 +92,7 @@ def _slices(closed: xr.Dataset, block: range) -> Iterator[tuple[slice, xr.Datase
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(
             snakemake.input.cases,
             list(snakemake.input.effects),

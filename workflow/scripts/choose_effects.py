@@ -3,10 +3,11 @@
 import json
 
 from jointclosure.config.plain import from_plain, to_plain
-from jointclosure.dataset import write_text
 from jointclosure.ensemble.settings import ClosureSettings
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.parameters import Effects
+from jointclosure.storage.text import write_text
 from jointclosure.studies.effects.choice import choose_for_case
 
 
@@ -28,6 +29,6 @@ def main(settings: dict[str, ClosureSettings], output: str, log: Logbook) -> Non
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         settings = from_plain(dict[str, ClosureSettings], snakemake.params.settings)
         main(settings, snakemake.output[0], logbook)

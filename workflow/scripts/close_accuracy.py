@@ -1,9 +1,10 @@
 """Close the surfaces of one run of an accuracy study."""
 
 from jointclosure.config.plain import from_plain
-from jointclosure.dataset import write_netcdf
-from jointclosure.logbook import Logbook, logging_to
-from jointclosure.studies.accuracy.design import Run, close_run
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.netcdf import write_netcdf
+from jointclosure.studies.accuracy.runs import Run, close_run
 
 
 def main(run: Run, output: str, log: Logbook) -> None:
@@ -13,5 +14,5 @@ def main(run: Run, output: str, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(from_plain(Run, snakemake.params.run), snakemake.output[0], logbook)

@@ -5,8 +5,9 @@ import sys
 
 import pandas as pd
 
-from jointclosure.dataset import write_csv
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.text import write_csv
 from jointclosure.verification.hard_cases import (
     curve_of,
     failed_requirements,
@@ -36,7 +37,7 @@ def main(cases: dict[str, dict], group: str, outputs: dict, log: Logbook) -> Non
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(
             snakemake.params.cases,
             snakemake.wildcards.hard_group,

@@ -2,9 +2,10 @@
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Ablation
-from jointclosure.dataset import write_netcdf
 from jointclosure.ensemble.settings import ClosureSettings
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.studies.effects.ablation import SCENES, close_scene
 
 
@@ -17,7 +18,7 @@ def main(
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(
             from_plain(list[ClosureSettings], snakemake.params.conditions),
             from_plain(Ablation, snakemake.params.design),

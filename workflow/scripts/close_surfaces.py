@@ -4,12 +4,14 @@ import json
 from pathlib import Path
 
 from jointclosure.config.plain import from_plain
-from jointclosure.dataset import read_text, reading_netcdf, write_netcdf_blocks
 from jointclosure.ensemble.closing import close_surfaces
 from jointclosure.ensemble.settings import ClosureSettings, as_text, check_settings
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.progress import Countdown
+from jointclosure.storage.netcdf import reading_netcdf, write_netcdf_blocks
+from jointclosure.storage.text import read_text
 
 
 def main(
@@ -45,7 +47,7 @@ def repeated_by(output: Path, label: str) -> str:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         chosen = snakemake.input.get("effects") or None
         settings = from_plain(ClosureSettings, snakemake.params.settings)
         main(snakemake.input.surfaces, chosen, settings, snakemake.output[0], logbook)

@@ -1,9 +1,10 @@
 """Compile every kernel that is needed, before the jobs fan out."""
 
 from jointclosure.compilation import cache_folder
-from jointclosure.dataset import write_text
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.parameters import Choices, scene_of
+from jointclosure.storage.text import write_text
 from jointclosure.warmup import compile_kernels
 
 
@@ -17,5 +18,5 @@ def main(kernels: list[list[str]], output: str, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(snakemake.params.kernels, snakemake.output[0], logbook)

@@ -2,7 +2,7 @@
 
 import sys
 
-from jointclosure.dataset import read_csv
+from jointclosure.storage.text import read_csv
 
 
 def main(path: str) -> int:
@@ -10,6 +10,8 @@ def main(path: str) -> int:
     table = read_csv(path)
     for row in table[~table.holds].itertuples():
         print(f"{row.name} does not hold: {row.failed}")
+    for row in table[~table.within_budget].itertuples():
+        print(f"{row.name} took {row.seconds} s of {row.budget_s} s, which no requirement forbids")
     print(f"{int(table.holds.sum())} of {len(table)} hard cases hold")
     return 0 if table.holds.all() else 1
 

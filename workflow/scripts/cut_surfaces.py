@@ -1,11 +1,12 @@
 """Cut the surface pairs of a case, or of a block of its realisations, out of measured walls."""
 
 from jointclosure.config.plain import from_plain
-from jointclosure.dataset import read_netcdf, write_netcdf_blocks
 from jointclosure.ensemble.measured_walls import cut_surfaces, cutter_for
 from jointclosure.ensemble.settings import SurfaceSettings, as_text
 from jointclosure.ensemble.surfaces import seeds_of
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf_blocks
 
 
 def main(walls: str, settings: SurfaceSettings, output: str, log: Logbook) -> None:
@@ -19,6 +20,6 @@ def main(walls: str, settings: SurfaceSettings, output: str, log: Logbook) -> No
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         settings = from_plain(SurfaceSettings, snakemake.params.settings)
         main(snakemake.input[0], settings, snakemake.output[0], logbook)

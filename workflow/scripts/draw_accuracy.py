@@ -2,9 +2,11 @@
 
 from pathlib import Path
 
-from jointclosure.dataset import read_csv, save_figure
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.plotting.accuracy import SCENE_TITLES, error_sources, work_precision
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import read_csv
 
 
 def main(inputs: dict, outputs: list[str], log: Logbook) -> None:
@@ -28,5 +30,5 @@ def main(inputs: dict, outputs: list[str], log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
-        main(dict(snakemake.input), snakemake.output, logbook)
+    with job(snakemake) as logbook:
+        main(dict(snakemake.input), list(snakemake.output.figures), logbook)

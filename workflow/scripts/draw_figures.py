@@ -6,11 +6,15 @@ import numpy as np
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import StudyRock
-from jointclosure.dataset import read_csv, read_netcdf, read_text, reading_netcdf, save_figure
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.ensemble.settings import SurfaceSettings, check_settings
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.plotting import sensitivity
 from jointclosure.plotting import study as plotting
 from jointclosure.plotting.measured import Measurements
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
+from jointclosure.storage.text import read_csv, read_text
 from jointclosure.studies.measured.curves import CurveSettings, measured_curves
 from jointclosure.tables import roughness_title
 
@@ -29,6 +33,8 @@ def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None
         log(f"curves of {study.sizes['realization']} of {dataset.sizes['realization']} surfaces")
     closures, intervals = read_csv(inputs["closures"]), read_csv(inputs["intervals"])
     surfaces = read_netcdf(inputs["surfaces"])
+    expected = from_plain(SurfaceSettings, settings["surfaces"])
+    check_settings(inputs["surfaces"], surfaces.attrs, expected)
     rocks = from_plain(dict[str, StudyRock], settings["rocks"])
     first = next(iter(rocks.values()))
     draw = {
@@ -68,5 +74,5 @@ def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
-        main(dict(snakemake.input), snakemake.output, dict(snakemake.params), logbook)
+    with job(snakemake) as logbook:
+        main(dict(snakemake.input), list(snakemake.output.figures), dict(snakemake.params), logbook)

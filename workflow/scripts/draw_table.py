@@ -5,10 +5,12 @@ from collections.abc import Callable
 import pandas as pd
 from matplotlib.figure import Figure
 
-from jointclosure.dataset import read_csv, save_figure
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.plotting.effects import effect_figure
 from jointclosure.plotting.numerics import numerics_figure
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import read_csv
 
 FIGURES: dict[str, Callable[[pd.DataFrame], Figure]] = {
     "effects": effect_figure,
@@ -25,5 +27,5 @@ def main(table: str, figure: str, outputs: list[str], log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
-        main(snakemake.input[0], snakemake.params.figure, snakemake.output, logbook)
+    with job(snakemake) as logbook:
+        main(snakemake.input[0], snakemake.params.figure, list(snakemake.output.figures), logbook)

@@ -5,9 +5,10 @@ import sys
 import pandas as pd
 
 from jointclosure.config.plain import from_plain
-from jointclosure.dataset import write_csv
-from jointclosure.logbook import Logbook, logging_to
-from jointclosure.studies.accuracy.design import Run, close_run, one_joint
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.text import write_csv
+from jointclosure.studies.accuracy.runs import Run, close_run, one_joint
 
 
 def main(runs: dict[str, Run], output: str, log: Logbook) -> None:
@@ -22,9 +23,9 @@ def main(runs: dict[str, Run], output: str, log: Logbook) -> None:
     write_csv(table, output)
     said = f"{len(table)} runs will take about {table.seconds.sum() / 3600:.1f} core-hours"
     log(said)
-    print(said, file=sys.__stderr__, flush=True)
+    print(f"jointclosure: {said}", file=sys.__stderr__, flush=True)
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(from_plain(dict[str, Run], snakemake.params.runs), snakemake.output[0], logbook)

@@ -6,9 +6,10 @@ import pandas as pd
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Ablation
-from jointclosure.dataset import write_csv
 from jointclosure.ensemble.settings import ClosureSettings
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.text import write_csv
 from jointclosure.studies.effects.ablation import SCENES, close_scene
 
 
@@ -29,11 +30,11 @@ def main(
     hours = table.seconds.sum() * rocks / 3600
     said = f"{len(table)} scenes of {rocks} rocks will take about {hours:.1f} core-hours"
     log(said)
-    print(said, file=sys.__stderr__, flush=True)
+    print(f"jointclosure: {said}", file=sys.__stderr__, flush=True)
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(
             from_plain(list[ClosureSettings], snakemake.params.conditions),
             from_plain(Ablation, snakemake.params.design),

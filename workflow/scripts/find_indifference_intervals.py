@@ -2,9 +2,11 @@
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Statistics
-from jointclosure.dataset import read_csv, read_netcdf, write_csv
 from jointclosure.ensemble.aggregation import CURVES
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.studies.sensitivity.intervals import indifference_table
 from jointclosure.tables import with_paper
 
@@ -21,7 +23,7 @@ def main(study: str, paper: str, settings: dict, output: str, log: Logbook) -> N
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(
             snakemake.input.study,
             snakemake.input.paper,

@@ -1,8 +1,10 @@
 """Correlations of mean and standard deviation, Eqs. (24) to (27), and elasticities."""
 
-from jointclosure.dataset import read_netcdf, write_csv
 from jointclosure.ensemble.aggregation import CURVES
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.text import write_csv
 from jointclosure.studies.sensitivity.closures import (
     correlation_table,
     elasticity_table,
@@ -20,5 +22,5 @@ def main(study: str, pool: str, outputs: dict, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(snakemake.input.study, snakemake.input.pool, dict(snakemake.output), logbook)

@@ -1,8 +1,10 @@
 """Find the realisations that fit the measured curves best."""
 
 from jointclosure.config.plain import from_plain
-from jointclosure.dataset import read_text, reading_netcdf, write_csv
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.netcdf import reading_netcdf
+from jointclosure.storage.text import read_text, write_csv
 from jointclosure.studies.measured.curves import CurveSettings, fit_table, measured_curves
 
 
@@ -20,5 +22,5 @@ def main(study: str, settings: dict, output: str, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(snakemake.input.study, dict(snakemake.params), snakemake.output[0], logbook)

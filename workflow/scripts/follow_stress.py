@@ -2,9 +2,11 @@
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Statistics
-from jointclosure.dataset import reading_netcdf, write_csv
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.statistics.drawn_studies import Design
+from jointclosure.storage.netcdf import reading_netcdf
+from jointclosure.storage.text import write_csv
 from jointclosure.studies.sensitivity.along_curve import along_curve
 
 
@@ -20,5 +22,5 @@ def main(pool: str, settings: dict, output: str, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(snakemake.input.pool, dict(snakemake.params), snakemake.output[0], logbook)

@@ -4,9 +4,11 @@ import pandas as pd
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Statistics
-from jointclosure.dataset import read_csv, reading_netcdf, write_csv
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.statistics.drawn_studies import Design
+from jointclosure.storage.netcdf import reading_netcdf
+from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
 
 
@@ -24,5 +26,5 @@ def main(inputs: dict, settings: dict, output: str, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(dict(snakemake.input), dict(snakemake.params), snakemake.output[0], logbook)

@@ -1,10 +1,11 @@
 """Generate the surface pairs of a case, or of a block of its realisations."""
 
 from jointclosure.config.plain import from_plain
-from jointclosure.dataset import write_netcdf_blocks
 from jointclosure.ensemble.settings import SurfaceSettings, as_text
 from jointclosure.ensemble.surfaces import surfaces_of
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.netcdf import write_netcdf_blocks
 
 
 def main(settings: SurfaceSettings, output: str, log: Logbook) -> None:
@@ -17,6 +18,6 @@ def main(settings: SurfaceSettings, output: str, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         settings = from_plain(SurfaceSettings, snakemake.params.settings)
         main(settings, snakemake.output[0], logbook)

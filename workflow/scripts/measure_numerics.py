@@ -3,8 +3,9 @@
 import numpy as np
 import pandas as pd
 
-from jointclosure.dataset import write_csv
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.text import write_csv
 from jointclosure.verification import printed, sweeps
 
 
@@ -26,5 +27,5 @@ def main(numerics: str, loads: str, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(snakemake.output.numerics, snakemake.output.loads, logbook)

@@ -2,10 +2,12 @@
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Statistics
-from jointclosure.dataset import read_csv, read_netcdf, write_csv, write_netcdf
 from jointclosure.ensemble.aggregation import CURVES
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.statistics.drawn_studies import Design
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf
+from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.studies.sensitivity.predictive import (
     joint_table,
     lengths_dataset,
@@ -31,7 +33,7 @@ def main(pool: str, paper: str, settings: dict, outputs: dict, log: Logbook) -> 
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(
             snakemake.input.pool,
             snakemake.input.paper,

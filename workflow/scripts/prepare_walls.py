@@ -2,16 +2,18 @@
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Grid, Walls
-from jointclosure.dataset import write_netcdf
+from jointclosure.config.walls import wall_files
 from jointclosure.ensemble.measured_walls import cutter_of, prepared_walls, room
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.scans import read_scan
+from jointclosure.storage.netcdf import write_netcdf
 
 
 def main(settings: dict, output: str, log: Logbook) -> None:
     """Write the walls (y, x) of a rock, with the digests of their files."""
     walls, grid = from_plain(Walls, settings["walls"]), from_plain(Grid, settings["grid"])
-    files = walls.files()
+    files = wall_files(walls)
     given = {"units": walls.units, "spacing": walls.spacing, "variable": walls.variable}
     scans = {side: read_scan(file, **given) for side, file in files.items()}
     prepared = prepared_walls(scans, walls, grid.spacing, settings["jrc_relation"])
@@ -29,5 +31,5 @@ def main(settings: dict, output: str, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(dict(snakemake.params), snakemake.output[0], logbook)

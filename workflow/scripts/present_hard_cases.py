@@ -2,9 +2,11 @@
 
 import pandas as pd
 
-from jointclosure.dataset import read_csv, save_figure, write_csv
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.plotting.hard_cases import hard_case_page
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.verification.formulas import formula_rows
 
 INPUTS = ("tables", "curves", "formulas", "loads")
@@ -29,7 +31,7 @@ def _list(paths) -> list[str]:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(
             {name: _list(snakemake.input[name]) for name in INPUTS},
             snakemake.params.order,

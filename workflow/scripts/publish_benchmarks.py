@@ -1,4 +1,4 @@
-"""Renew what README.md and docs/speed.md show of the benchmarks.
+"""Renew what docs/speed.md shows of the benchmarks.
 
 Run by hand after these, which write to build/benchmarks:
 
@@ -13,7 +13,7 @@ import pandas as pd
 from markers import fill
 from publish_measured import ROOT, markdown
 
-from jointclosure.dataset import read_csv
+from jointclosure.storage.text import read_csv
 
 MEASURED = ROOT / "build/benchmarks"
 AXES = {
@@ -115,10 +115,9 @@ def peers() -> str:
 
 
 def main() -> None:
-    """Fill both documents, and copy the figure."""
-    parts = (study, elastic, reference, growth)
+    """Fill the document, and copy the figure."""
+    parts = (study, elastic, peers, reference, growth)
     fill(ROOT / "docs/speed.md", {part.__name__: part() for part in parts})
-    fill(ROOT / "README.md", {"peers": peers()})
     shutil.copy(MEASURED / "growth.png", ROOT / "docs/images/growth.png")
 
 

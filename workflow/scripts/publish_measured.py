@@ -11,7 +11,7 @@ from pathlib import Path
 import pandas as pd
 from markers import fill
 
-from jointclosure.dataset import read_csv
+from jointclosure.storage.text import read_csv
 
 ROOT = Path(__file__).parents[2]
 ACCURACY, EFFECTS = ROOT / "results/accuracy", ROOT / "results/effects"

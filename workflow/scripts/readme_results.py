@@ -10,8 +10,9 @@ from pathlib import Path
 import pandas as pd
 from markers import fill
 
-from jointclosure.dataset import read_csv, read_netcdf
 from jointclosure.report.findings import percent_text
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.text import read_csv
 
 ROOT = Path(__file__).parents[2]
 PAPER = ROOT / "results/paper"

@@ -4,8 +4,8 @@ import sys
 from pathlib import Path
 
 from jointclosure.config.configuration import configured, merged_study
-from jointclosure.dataset import read_csv
 from jointclosure.inputs import InputError
+from jointclosure.storage.text import read_csv
 
 
 def main(override: str | None) -> str:

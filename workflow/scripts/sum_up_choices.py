@@ -2,9 +2,11 @@
 
 import pandas as pd
 
-from jointclosure.dataset import read_csv, save_figure, write_csv
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.plotting.effects import choice_figure
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.studies.effects.validation import validation_summary
 
 
@@ -21,5 +23,5 @@ def main(inputs: list[str], outputs, log: Logbook) -> None:
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
-        main(snakemake.input, snakemake.output, logbook)
+    with job(snakemake) as logbook:
+        main(list(snakemake.input.scenes), snakemake.output, logbook)

@@ -1,8 +1,9 @@
 """Hold the chosen effects of a random scene against all of them."""
 
 from jointclosure.config.plain import from_plain
-from jointclosure.dataset import write_csv
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.text import write_csv
 from jointclosure.studies.effects.validation import ValidationSettings, validate
 
 
@@ -13,7 +14,7 @@ def main(settings: ValidationSettings, number: int, output: str, log: Logbook) -
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         main(
             from_plain(ValidationSettings, snakemake.params.settings),
             int(snakemake.wildcards.number),

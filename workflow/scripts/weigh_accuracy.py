@@ -3,9 +3,11 @@
 import pandas as pd
 
 from jointclosure.config.plain import from_plain
-from jointclosure.dataset import read_netcdf, write_csv
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
 from jointclosure.randomness import generator, seed_of
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.text import write_csv
 from jointclosure.studies.accuracy.cost import cost_table, order_table, source_table
 from jointclosure.studies.accuracy.design import Setting
 from jointclosure.studies.accuracy.presets_table import setting_table
@@ -38,5 +40,5 @@ def main(inputs: list[str], settings: dict, outputs: dict, log: Logbook) -> None
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
-        main(snakemake.input, dict(snakemake.params), dict(snakemake.output), logbook)
+    with job(snakemake) as logbook:
+        main(list(snakemake.input.runs), dict(snakemake.params), dict(snakemake.output), logbook)

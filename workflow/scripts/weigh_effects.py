@@ -1,7 +1,9 @@
 """Weigh what each effect adds against what it costs."""
 
-from jointclosure.dataset import read_netcdf, write_csv
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.text import write_csv
 from jointclosure.studies.effects.ablation import effect_table
 
 
@@ -14,5 +16,5 @@ def main(inputs: list[str], runs: list[list[str]], output: str, log: Logbook) ->
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
-        main(snakemake.input, snakemake.params.runs, snakemake.output[0], logbook)
+    with job(snakemake) as logbook:
+        main(list(snakemake.input.runs), snakemake.params.runs, snakemake.output[0], logbook)

@@ -2,8 +2,9 @@
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import StudyRock
-from jointclosure.dataset import read_csv, write_csv, write_text
-from jointclosure.logbook import Logbook, logging_to
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.text import read_csv, write_csv, write_text
 from jointclosure.tables import case_table, rock_table, table_3_latex, table_3_markdown
 
 
@@ -19,6 +20,6 @@ def main(inputs: dict, rocks: dict[str, StudyRock], outputs: dict, log: Logbook)
 
 
 if __name__ == "__main__":
-    with logging_to(snakemake.log[0]) as logbook:
+    with job(snakemake) as logbook:
         rocks = from_plain(dict[str, StudyRock], snakemake.params.rocks)
         main(dict(snakemake.input), rocks, dict(snakemake.output), logbook)

@@ -4,9 +4,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from jointclosure.dataset import read_csv, read_netcdf
 from jointclosure.ensemble import comparison
 from jointclosure.inputs import InputError
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.seals import check_folder
+from jointclosure.storage.text import read_csv
 
 
 def add_to(commands) -> None:
@@ -29,7 +31,7 @@ def add_to(commands) -> None:
 
 def run(arguments) -> int:
     """What moved between two studies."""
-    first, second = (_study(folder) for folder in (arguments.first, arguments.second))
+    first, second = (_study(_sealed(folder)) for folder in (arguments.first, arguments.second))
     if arguments.exact:
         found = comparison.differences(first, second)
         print("\n".join(found) or "identical but for provenance and timing")
@@ -58,6 +60,12 @@ def _existing(path: Path) -> Path:
     if not path.is_file():
         raise InputError(f"{path}: there is no such file; is the study finished?")
     return path
+
+
+def _sealed(folder: Path) -> Path:
+    """A folder of results in which every file is as it was written."""
+    check_folder(folder)
+    return folder
 
 
 def _study(folder: Path):

@@ -1,6 +1,6 @@
 """`jointclosure doctor`: is the environment fit for a study, and what to do where it is not."""
 
-import importlib.metadata
+import importlib.util
 import os
 import platform
 import shutil
@@ -14,9 +14,14 @@ from typing import NamedTuple
 
 import psutil
 
-from jointclosure import Choices, Effects
 from jointclosure.compilation import cache_folder, compiles
+from jointclosure.config.configuration import DEFAULT, configured, merged_study
+from jointclosure.extras import EXTRAS, installed
+from jointclosure.inputs import InputError
+from jointclosure.parameters import Choices, Effects
 from jointclosure.progress import duration
+from jointclosure.storage.provenance import versions_of
+from jointclosure.storage.text import read_csv
 from jointclosure.warmup import compile_kernels
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -71,8 +76,11 @@ def findings(folder: Path, attempt: bool) -> Iterator[Finding]:
     """All that is looked at, one by one, for a study run in a folder."""
     yield _python()
     yield _versions()
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    yield Finding("cores", f"{cores} for this process, {os.cpu_count()} of the machine")
+    yield _extras()
+    yield _configuration()
+    machine = os.cpu_count() or 1
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else machine
+    yield Finding("cores", f"{cores} for this process, {machine} of the machine")
     yield _threads(cores)
     yield _memory(cores)
     yield _cache()
@@ -91,10 +99,26 @@ def _python() -> Finding:
 
 
 def _versions() -> Finding:
-    own = importlib.metadata.version("jointclosure")
-    versions = {name: importlib.metadata.version(name) for name in _PACKAGES}
-    listed = ", ".join(f"{name} {version}" for name, version in versions.items())
-    return Finding("packages", f"jointclosure {own}; {listed}")
+    own, *others = (f"{name} {v}" for name, v in versions_of("jointclosure", *_PACKAGES).items())
+    return Finding("packages", f"{own}; {', '.join(others)}")
+
+
+def _extras() -> Finding:
+    there = [extra for extra in EXTRAS if installed(extra)]
+    missing = [extra for extra in EXTRAS if extra not in there]
+    found = f"with {', '.join(there) or 'none'}"
+    if missing:
+        found += f"; without {', '.join(missing)} (pip install 'jointclosure[{missing[0]}]')"
+    return Finding("extras", found)
+
+
+def _configuration() -> Finding:
+    """Whether `jointclosure simulate` finds the defaults and they can be run."""
+    try:
+        rocks = configured(merged_study(), read_csv).typed.rocks
+    except (InputError, OSError) as error:
+        return Finding("configuration", str(error).splitlines()[-1], "install jointclosure again")
+    return Finding("configuration", f"{DEFAULT}, rocks {', '.join(rocks)}")
 
 
 def _threads(cores: int) -> Finding:
@@ -175,9 +199,12 @@ def _results(folder: Path) -> Finding:
 
 def _snakemake(folder: Path) -> Finding:
     """Whether it starts, and plans the smoke study where its Snakefile is."""
+    here = (folder / "Snakefile").is_file() and (folder / "config/smoke.yaml").is_file()
+    if importlib.util.find_spec("snakemake") is None:
+        advice = "pip install 'jointclosure[workflow]'" if here else ""
+        return Finding("snakemake", "not installed, which only a study needs", advice)
     start = time.perf_counter()
     command = [sys.executable, "-m", "snakemake", "--version"]
-    here = (folder / "Snakefile").is_file() and (folder / "config/smoke.yaml").is_file()
     if here:
         profile = ["--workflow-profile", "workflow/profiles/default"]
         smoke = ["--configfile", "config/smoke.yaml", "--dry-run", "--quiet", "all"]

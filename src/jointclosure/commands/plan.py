@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from jointclosure.dataset import read_netcdf
 from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.inputs import InputError
+from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.studies.sensitivity.planning import WISHES, Wish, plan
 
 

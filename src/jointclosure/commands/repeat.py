@@ -7,11 +7,12 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.config.plain import from_plain
-from jointclosure.dataset import read_text, reading_netcdf
 from jointclosure.ensemble.comparison import differences
 from jointclosure.ensemble.repetition import repeated
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.inputs import InputError
+from jointclosure.storage.netcdf import reading_netcdf
+from jointclosure.storage.text import read_text
 
 _SETTINGS = "settings: "
 

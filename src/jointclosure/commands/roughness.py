@@ -2,10 +2,11 @@
 
 from pathlib import Path
 
-from jointclosure.dataset import save_figure, write_csv
 from jointclosure.inputs import InputError
 from jointclosure.scans import read_scan
 from jointclosure.scans.units import UNITS
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import write_csv
 from jointclosure.surface.measured import (
     LARGEST_FILLED_SHARE,
     MISSING,
@@ -65,6 +66,8 @@ def run(arguments) -> int:
         if value is not None and not 0.0 < value < 1e18:
             raise InputError(f"--{name.replace('_', '-')} {value!r}: must be a positive number")
     _check_outputs(arguments)
+    if arguments.picture:  # drawing takes a second to load, and an extra that may be missing
+        from jointclosure.plotting.walls import roughness_figure
     spacing = None if arguments.spacing is None else 1e-3 * arguments.spacing
     scan = read_scan(
         arguments.file, units=arguments.units, spacing=spacing, variable=arguments.variable
@@ -87,9 +90,6 @@ def run(arguments) -> int:
     if arguments.table:
         write_csv(measure_table(measures), arguments.table)
     if arguments.picture:
-        # drawing takes a second to load, and is not always asked for
-        from jointclosure.plotting.walls import roughness_figure
-
         figure = roughness_figure(wall, step, increments(wall, step), arguments.file.name)
         save_figure(figure, arguments.picture)
     return 0

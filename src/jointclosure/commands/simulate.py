@@ -3,21 +3,25 @@
 import argparse
 import time
 from pathlib import Path
+from typing import Any
 
 import xarray as xr
 
 from jointclosure.config.configuration import Configured, configured, merged, merged_study
 from jointclosure.config.files import value_of
 from jointclosure.config.typed import Configuration
-from jointclosure.dataset import provenance, read_csv, save_figure, write_netcdf
-from jointclosure.ensemble.cases import Case, cases_of
+from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.closing import close_walls
-from jointclosure.ensemble.settings import closure_settings, surface_settings
+from jointclosure.ensemble.settings import Case
+from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.inputs import InputError
 from jointclosure.parameters import Effects
-from jointclosure.plotting.joint import closure_curve
 from jointclosure.progress import bar, duration
 from jointclosure.protocol import FAILURE, LOADING
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.netcdf import write_netcdf
+from jointclosure.storage.provenance import provenance
+from jointclosure.storage.text import read_csv
 from jointclosure.surface.synthesis import wall_pair
 
 _OF_ROCK = {
@@ -110,6 +114,8 @@ def run(arguments) -> int:
     """Close the joint; 1 where the simulation failed."""
     _check_destination(arguments.output, (".nc",))
     _check_destination(arguments.picture, _PICTURES)
+    if arguments.picture:  # drawing takes a second to load, and an extra that may be missing
+        from jointclosure.plotting.joint import closure_curve
     settings = _settings(arguments)
     configuration = settings.typed
     case, grid = cases_of(configuration)[0], configuration.grid
@@ -160,7 +166,7 @@ def _changes(arguments) -> dict:
     if arguments.without:  # the rock's own settings go before the study's
         own["effects"] = dict.fromkeys(arguments.without, False)
     name = arguments.rock or _UNNAMED
-    changes = {
+    changes: dict = {
         "study": {"rocks": [name]},
         "rocks": {name: own},
         "grid": dict(zip(("cells_x", "cells_y"), given.get("cells", ()), strict=False)),
@@ -223,7 +229,7 @@ def _setting(text: str) -> dict:
     key, equals, value = text.partition("=")
     if not equals or not key:
         raise argparse.ArgumentTypeError(f"{text!r}: must be as in numerics.breakage=resolved")
-    setting = value_of(value)
+    setting: Any = value_of(value)
     for part in reversed(key.split(".")):
         setting = {part: setting}
     return setting

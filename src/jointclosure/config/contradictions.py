@@ -130,9 +130,6 @@ def _rock_problems(
                 f"rocks.{name}: jrc = {jrc:g}: {configuration.surface.jrc_relation} holds "
                 f"from {relation.smallest_jrc:g} to {relation.largest_jrc:g}"
             )
-    for ratio in varied.get("poisson_ratio", []):
-        if not 0.0 <= ratio <= 0.5:
-            yield f"rocks.{name}.levels.poisson_ratio = {ratio:g}: must lie in [0, 0.5]"
 
 
 def _level_problems(where: str, levels: list, own: float) -> Iterator[str]:
@@ -141,5 +138,3 @@ def _level_problems(where: str, levels: list, own: float) -> Iterator[str]:
         yield f"{shown}: must be strictly ascending"
     if own in levels:
         yield f"{shown}: lists the rock's own value {own:g}, which is a level anyway"
-    if any(not level >= 0 for level in levels):
-        yield f"{shown}: must be positive"

@@ -12,6 +12,10 @@ DEFAULT = Path(__file__).with_name("default.yaml")
 """The paper's study, over which every other configuration is merged."""
 MEASURED = Path(__file__).with_name("accuracy_settings.csv")
 """What settings of the numerics were off by: presets are chosen from it."""
+PAPER_TABLE_3 = Path(__file__).with_name("paper_table_3.csv")
+PAPER_CLAIMS = Path(__file__).with_name("paper_claims.csv")
+"""What the paper says of its results."""
+"""The paper's Table 3."""
 
 _MOST_VALUES, _DEEPEST = 100_000, 40
 _DECIMAL = re.compile(r"[-+]?(0|[1-9][0-9]*)$|[-+]?([0-9]*\.[0-9]*([eE][-+]?[0-9]+)?|\.(inf|nan))$")
@@ -21,7 +25,7 @@ class ConfigurationError(InputError):
     """A configuration that cannot be run; the message lists all that is wrong."""
 
 
-class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):
+class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
     """Plain YAML, without what YAML reads otherwise than it looks: said, and refused."""
 
     def construct_mapping(self, node, deep=False):
@@ -67,7 +71,7 @@ def read_plain(path: str | Path) -> dict:
     except FileNotFoundError:
         raise ConfigurationError(f"{path}: there is no such file") from None
     except OSError as error:
-        raise ConfigurationError(f"{path}: {error.strerror.lower()}") from None
+        raise ConfigurationError(f"{path}: {(error.strerror or str(error)).lower()}") from None
     except UnicodeDecodeError as error:
         raise ConfigurationError(
             f"{path}: is not UTF-8 text (byte {error.object[error.start]:#04x} at "

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, StringConstraints, Tag
 
+from jointclosure.parameters import Rock
 from jointclosure.solvers.registry import SOLVERS
 from jointclosure.surface.roughness import RELATIONS
 
@@ -78,10 +79,10 @@ class LevelKeys(Keys):
         "At least two values, strictly ascending; with the rock's own they make three levels or "
         "more; null for none."
     )
-    poisson_ratio: list[float] | None = entry(_about, None, min_length=2)
+    poisson_ratio: list[Poisson] | None = entry(_about, None, min_length=2)
     youngs_modulus_GPa: list[Positive] | None = entry(_about, None, min_length=2)
     compressive_strength_MPa: list[Positive] | None = entry(_about, None, min_length=2)
-    jrc: list[float] | None = entry(_about, None, min_length=2)
+    jrc: list[Jrc] | None = entry(_about, None, min_length=2)
 
 
 class RockEffectKeys(Keys):
@@ -293,6 +294,16 @@ class NumericsKeys(Keys):
         ge=1,
         le=100_000,
     )
+    most_steps: float = entry(
+        "Displacement steps of a simulation, beyond which it is refused, or ends as "
+        "too_many_steps.",
+        ge=1,
+    )
+    most_breakage_steps: float = entry(
+        "Breakage steps of a simulation for each of its cells, beyond which it is refused, or "
+        "ends as breakage_not_at_rest.",
+        ge=1,
+    )
 
 
 class StatisticsKeys(Keys):
@@ -388,7 +399,7 @@ class AccuracyKeys(Keys):
     """Design of a study of what accuracy costs (config/accuracy.yaml): scenes, and the knobs
     that are turned in each."""
 
-    parameter: Literal["poisson_ratio", "youngs_modulus", "compressive_strength"] = entry(
+    parameter: Literal[Rock._fields] = entry(
         "Rock property at whose levels every run closes the surfaces, and whose indifference "
         "interval is followed."
     )

@@ -17,8 +17,9 @@ from jointclosure.inputs import InputError
 CHOSEN_BY = ("preset", "accuracy")
 """Keys of ``numerics`` that stand for others."""
 
-SCENE = "regularised"
-"""Scene whose limit an accuracy is held against: the model as stated has none."""
+SCENES = {None: "full", 20.0: "regularised"}
+"""Scenes of the measurements by the largest radius [mm] that they have, None for the model as
+stated, which has no limit to be near."""
 
 
 def numerics_in_full(keys: dict) -> dict:
@@ -67,16 +68,14 @@ def chosen_numerics(
         raise InputError(
             f"numerics.preset = {preset!r}, numerics.accuracy = {accuracy!r}: give one of them"
         )
-    table = measured()
-    if accuracy is None:
-        row = _preset(table, preset, _scene(configuration))
-    else:
-        row = _accurate(configuration, table, accuracy)
-    if row is None:
+    if not anything_breaks(configuration) and accuracy is not None:
         return Chosen(numerics, "numerics.accuracy: nothing breaks, all is solved to 1e-10")
+    scene = _scene(configuration)
+    table = measured()
+    known = table[table.scene == scene]
+    row = _preset(known, preset) if accuracy is None else _accurate(known, accuracy, scene)
     changed = json.loads(row.numerics)
-    here = table[table.scene == SCENE]
-    touched = set().union(*(json.loads(each) for each in here.numerics))
+    touched = set().union(*(json.loads(each) for each in known.numerics))
     for key in touched:
         if numerics[key] != default[key]:
             name = "preset" if accuracy is None else "accuracy"
@@ -87,8 +86,16 @@ def chosen_numerics(
 
 
 def _scene(configuration: dict) -> str:
-    """Scene of the measurements that a study's model is: its radii are bounded, or not."""
-    return "full" if configuration["choices"]["largest_radius_mm"] is None else SCENE
+    """Scene of the measurements that has a study's largest radius; others were not measured."""
+    radius = configuration["choices"]["largest_radius_mm"]
+    if radius in SCENES:
+        return SCENES[radius]
+    measured = ", ".join("null" if each is None else f"{each:g}" for each in SCENES)
+    key = next(key for key in CHOSEN_BY if configuration["numerics"].get(key) is not None)
+    raise InputError(
+        f"choices.largest_radius_mm = {radius!r}: numerics.{key} was measured for {measured} only; "
+        "give the keys of numerics themselves"
+    )
 
 
 def anything_breaks(configuration: dict) -> bool:
@@ -99,40 +106,37 @@ def anything_breaks(configuration: dict) -> bool:
     return any(usual if breaks is None else breaks for breaks in own)
 
 
-def _preset(table: pd.DataFrame, name: object, scene: str) -> pd.Series:
-    known = table[(table.preset.fillna("") != "") & (table.scene == scene)].set_index(
-        "preset", drop=False
-    )
-    if name not in known.index:
-        raise InputError(f"numerics.preset = {name!r}: must be one of {', '.join(known.index)}")
-    return known.loc[name]
+def _preset(known: pd.DataFrame, name: object) -> pd.Series:
+    presets = known[known.preset.fillna("") != ""].set_index("preset", drop=False)
+    if name not in presets.index:
+        raise InputError(f"numerics.preset = {name!r}: must be one of {', '.join(presets.index)}")
+    return presets.loc[name]
 
 
-def _accurate(configuration: dict, table: pd.DataFrame, accuracy: object) -> pd.Series | None:
-    """The cheapest setting found to be within an accuracy; None where nothing breaks."""
-    if not anything_breaks(configuration):
-        return None
-    if configuration["choices"]["largest_radius_mm"] is None:
+def _accurate(known: pd.DataFrame, accuracy: float, scene: str) -> pd.Series:
+    """The cheapest setting whose bound, of the worse rock and cycle, is within an accuracy."""
+    if scene == SCENES[None]:
         raise InputError(
             f"numerics.accuracy = {accuracy!r}: the model without choices.largest_radius_mm has no "
             "limit on the first cycle to be near (docs/decisions/0010-resolved-breakage.md): "
             "set it, to 20 for example, or give numerics.preset instead"
         )
-    known = table[table.scene == SCENE]
-    enough = known[known.error_percent <= 100.0 * accuracy]
+    enough = known[known.bound_percent <= 100.0 * accuracy]
     if enough.empty:
+        best = 0.01 * known.bound_percent.min()
         raise InputError(
-            f"numerics.accuracy = {accuracy!r}: the best that was measured is "
-            f"{0.01 * known.error_percent.min():.2g} (docs/accuracy.md)"
+            f"numerics.accuracy = {accuracy!r}: must be at least {best:.2g}, the best bound that "
+            "was measured (docs/accuracy.md)"
         )
     return enough.loc[enough.pairs.idxmin()]
 
 
 def _said(row: pd.Series, preset: object, accuracy: object) -> str:
     what = f"preset {preset}" if accuracy is None else f"accuracy {accuracy:g}"
-    radii = "radii are bounded" if row.scene == SCENE else "radii are the paper's"
+    radii = "radii are the paper's" if row.scene == SCENES[None] else "radii are bounded to 20 mm"
     return (
-        f"numerics: {what} is {row.knob} {row['value']}: {row.numerics}; the mean of two rocks was "
-        f"off by {row.error_percent:.2g} % (confidence up to {row.bound_percent:.2g} %) where "
-        f"{radii}, at {row.relative_time:.2g} times the time of the paper's steps"
+        f"numerics: {what} is {row.knob} {row['value']}: {row.numerics}; mean closures of the "
+        f"worse of two rocks were off by {row.error_percent:.2g} % (95 % confidence: up to "
+        f"{row.bound_percent:.2g} %) where {radii}, at {row.relative_time:.2g} times the time of "
+        "the paper's steps"
     ).replace(" nan", "")

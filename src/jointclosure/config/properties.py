@@ -6,17 +6,30 @@ from jointclosure.config.units import SI_FACTORS
 
 
 class Property(NamedTuple):
-    """A property of a rock as it is shown: its unit ("1" for none), and its names."""
+    """A property of a rock as it is shown: its unit ("1" for none), and its names.
+
+    ``label`` and ``latex`` head its row of Table 3, with its symbol and unit.
+    """
 
     unit: str
-    title: str
-    symbol: str
+    long_name: str
+    label: str
     latex: str
+
+    @property
+    def title(self) -> str:
+        """Its name at the head of a column."""
+        return self.long_name[0].upper() + self.long_name[1:]
 
     @property
     def size(self) -> float:
         """The unit in SI."""
         return SI_FACTORS.get(self.unit, 1.0)
+
+    @property
+    def si_unit(self) -> str:
+        """The unit that it has in a dataset."""
+        return {"GPa": "Pa", "MPa": "Pa", "mm": "m", "um": "m"}.get(self.unit, self.unit)
 
     @property
     def in_brackets(self) -> str:
@@ -33,7 +46,7 @@ PROPERTIES = {
     ),
     "compressive_strength": Property(
         "MPa",
-        "Compressive strength",
+        "compressive strength",
         "Compressive strength σc (MPa)",
         r"Compressive strength $\sigma_c$ (MPa)",
     ),

@@ -37,7 +37,7 @@ def problems(keys: type[pydantic.BaseModel], settings: dict) -> list[str]:
     try:
         keys.model_validate(settings)
     except pydantic.ValidationError as error:
-        found: dict[tuple, list[dict]] = {}
+        found: dict[tuple, list] = {}
         for each in error.errors(include_url=False):
             path, kind = _path(each["loc"], settings), _kind(each["type"])
             if kind == "missing":  # one line for all that a section lacks
@@ -105,7 +105,9 @@ def _path(location: tuple, settings) -> tuple:
 
 
 def _explained(keys, settings, path: tuple, kind: str, errors: list[dict]) -> Iterator[str]:
-    where, value = ".".join(map(str, path)), errors[0]["input"]
+    # a value of a list is named by the list's key
+    where = ".".join(part for part in path if isinstance(part, str))
+    value = errors[0]["input"]
     first = errors[0]
     if kind == "missing":
         yield f"{where or 'the configuration'}: lacks {', '.join(e['loc'][-1] for e in errors)}"

@@ -12,7 +12,6 @@ from jointclosure.parameters import (
     Numerics,
     Rock,
 )
-from jointclosure.surface.measured_pairs import PARTNERS
 
 SIDES = ("upper", "lower")
 
@@ -43,10 +42,6 @@ class Walls(NamedTuple):
     missing: str
     largest_filled_share: float
     inverted: tuple[str, ...]
-
-    def files(self) -> dict[str, str]:
-        """Files of the measured walls by "upper" and "lower"."""
-        return {side: getattr(self, side) for side in SIDES if getattr(self, side) not in PARTNERS}
 
 
 class MeasuredFile(NamedTuple):

@@ -18,7 +18,7 @@ def to_si(settings: dict) -> dict:
     ``{"youngs_modulus_GPa": 78}`` becomes ``{"youngs_modulus": 78e9}``; a key
     without a known unit is kept, lists and nested settings are converted too.
     """
-    converted = {}
+    converted: dict = {}
     for key, value in settings.items():
         name, unit = name_and_unit(key)
         if isinstance(value, dict):

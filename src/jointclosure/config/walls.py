@@ -3,9 +3,14 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-from jointclosure.config.typed import SIDES, Configuration
+from jointclosure.config.typed import SIDES, Configuration, Walls
 from jointclosure.inputs import InputError
 from jointclosure.surface.measured_pairs import PARTNERS
+
+
+def wall_files(walls: Walls) -> dict[str, str]:
+    """Files of measured walls by "upper" and "lower"."""
+    return {side: getattr(walls, side) for side in SIDES if getattr(walls, side) not in PARTNERS}
 
 
 def wall_problems(keys: dict, name: str) -> Iterator[str]:
@@ -44,7 +49,7 @@ def wall_problems(keys: dict, name: str) -> Iterator[str]:
 def check_files(configuration: Configuration) -> None:
     """Raise `InputError` where a file of the study's walls does not exist."""
     for name, rock in configuration.rocks.items():
-        for side, file in (rock.walls.files() if rock.walls else {}).items():
+        for side, file in (wall_files(rock.walls) if rock.walls else {}).items():
             if not Path(file).is_file():
                 raise InputError(
                     f"rocks.{name}.walls.{side} = {file!r}: there is no such file in {Path.cwd()}; "

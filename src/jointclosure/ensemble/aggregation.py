@@ -3,12 +3,30 @@
 import numpy as np
 import xarray as xr
 
-from jointclosure.ensemble.cases import Case
+from jointclosure.config.properties import PROPERTIES
+from jointclosure.ensemble.settings import Case
 from jointclosure.parameters import Rock
 from jointclosure.protocol import FAILURE
 
 CURVES = ("closure", "bulk_indentation")
 """Variables over stress: nine tenths of a study's numbers."""
+
+
+_ABOUT = (
+    {"value": {"long_name": "value of the varied parameter in SI, NaN for base cases"}}
+    | {
+        name: {"long_name": PROPERTIES[name].long_name, "units": PROPERTIES[name].si_unit}
+        for name in Rock._fields
+    }
+    | {
+        "jrc": {
+            "long_name": "joint roughness coefficient, NaN where walls are measured ones",
+            "units": "1",
+        },
+        "max_normal_stress": {"long_name": "maximum nominal normal stress", "units": "Pa"},
+    }
+)
+"""Numbers of a case among the coordinates of a study."""
 
 
 def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:
@@ -18,27 +36,14 @@ def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:
         name: np.array([getattr(case, name) for case in cases], dtype=object)
         for name in ("label", "rock", "parameter", "level")
     }
-    numbers = {
-        "value": "value of the varied parameter in SI, NaN for base cases",
-        "youngs_modulus": "Young's modulus",
-        "poisson_ratio": "Poisson's ratio",
-        "compressive_strength": "compressive strength",
-        "jrc": "joint roughness coefficient, NaN where walls are measured ones",
-        "max_normal_stress": "maximum nominal normal stress",
-    }
-    units = {"youngs_modulus": "Pa", "compressive_strength": "Pa", "max_normal_stress": "Pa"}
     coordinates = {"case": ("case", columns["label"], {"long_name": "name of the case"})}
     for name in ("rock", "parameter", "level"):
         coordinates[name] = ("case", columns[name], {"long_name": f"{name} of the case"})
-    for name, text in numbers.items():
-        of_rock = name in Rock._fields
-        values = np.array(
-            [case.property(name) if of_rock else getattr(case, name) for case in cases], dtype=float
-        )
-        about = {"long_name": text}
-        if name != "value":
-            about["units"] = units.get(name, "1")
-        coordinates[name] = ("case", values, about)
+    for name, about in _ABOUT.items():
+        values = [
+            case.property(name) if name in PROPERTIES else getattr(case, name) for case in cases
+        ]
+        coordinates[name] = ("case", np.array(values, dtype=float), about)
     # seeds differ between cases with independent draws
     seeds = np.stack([part.seed.values for part in closed])
     return study.drop_vars("seed").assign_coords(

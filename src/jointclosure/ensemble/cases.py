@@ -4,45 +4,12 @@ A case's label names files only. It is never taken apart: rock, parameter,
 level and value are fields of `Case`, and coordinates of every dataset.
 """
 
-from typing import NamedTuple
-
 from jointclosure.config.properties import PROPERTIES
 from jointclosure.config.typed import Configuration, Study, StudyRock
-from jointclosure.parameters import Effects, Rock
+from jointclosure.ensemble.settings import Case
 
 BASE = "base"
 """Parameter and level of a case in which none is changed."""
-
-
-class Case(NamedTuple):
-    """One rock with at most one parameter changed; values in SI.
-
-    ``rock`` is its name and ``intact`` its properties; ``effects`` those of the study or
-    the rock's own. ``surface`` is the label of the case whose surfaces this one closes: its
-    own, or with common draws and an unchanged JRC its rock's base case. ``jrc`` is
-    NaN where walls are measured ones.
-    """
-
-    label: str
-    rock: str
-    parameter: str
-    level: str
-    value: float
-    intact: Rock
-    jrc: float
-    max_normal_stress: float
-    effects: Effects
-    surface: str
-
-    def property(self, name: str) -> float:
-        """A property of `jointclosure.config.properties.PROPERTIES` [SI]."""
-        return self.jrc if name == "jrc" else getattr(self.intact, name)
-
-    def changed(self, name: str, value: float) -> "Case":
-        """The case with another value of a property [SI]."""
-        if name == "jrc":
-            return self._replace(jrc=value)
-        return self._replace(intact=self.intact._replace(**{name: value}))
 
 
 def level_names(levels: tuple[float, ...], base: float) -> list[str]:

@@ -10,6 +10,8 @@ from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.parameters import Numerics, scene_of
 
 VOLUME_TOLERANCE = 1e-12
+FEWEST = 2
+"""Realisations of a case without which it has no standard deviation."""
 
 
 def check_results(study: xr.Dataset, numerics: Numerics, realizations: int) -> pd.DataFrame:
@@ -30,7 +32,8 @@ def check_results(study: xr.Dataset, numerics: Numerics, realizations: int) -> p
     successes = int(good.sum())
     add("simulations in a status of success", f"{total}", f"{successes}", successes == total)
     least = int(good.sum("realization").min())
-    add("realisations of every case that statistics use", f"{realizations}", f"{least}", least >= 2)
+    used = "realisations that statistics use, of the case with the fewest"
+    add(used, f"at least {FEWEST} of {realizations}", f"{least}", least >= FEWEST)
     force = float(study.least_force.where(good).min())
     add("least force on a cell [N]", "not negative", f"{force:.3g}", force >= 0.0)
     scenes = [scene_of(name) for name in study.scene.values.tolist()]

@@ -17,7 +17,7 @@ PER_CYCLE = (
     "max_closure_seated",
     "residual_closure_seated",
     "max_bulk_indentation",
-    "confined_share",
+    "locked_share",
     "flat_share",
     "unloading_excess",
 )
@@ -27,7 +27,7 @@ PER_REALIZATION = (
     "status",
     "least_force",
     "breakage_steps",
-    "confined_contacts",
+    "locked_contacts",
     "solver_iterations",
 )
 
@@ -85,10 +85,10 @@ def close_surfaces(
         few = slice(first, first + _TOGETHER)
         rows = []
         for number, realization in enumerate(realizations[few], start=first):
-            walls = [surfaces[name][number].values for name in ("upper", "lower")]
+            upper, lower = (surfaces[name][number].values for name in ("upper", "lower"))
             again = f"; to repeat it: {repeated_by} {realization}" if repeated_by else ""
             try:
-                row = close_pair(*walls, stresses, conditions)
+                row = close_pair(upper, lower, stresses, conditions)
             except Exception as error:
                 report(f"realisation {realization}: {type(error).__name__}: {error}{again}")
                 raise

@@ -47,8 +47,9 @@ def prepared_walls(
             wall = filled(wall, settings.missing, settings.largest_filled_share)
         except InputError as error:
             raise InputError(f"{getattr(settings, side)}: {error}") from None
-        if any(other.shape != wall.shape for other in walls.data_vars.values()):
-            sizes = [one.shape for one in (*walls.data_vars.values(), wall)]
+        others = [other.shape for other in walls.data_vars.values()]
+        if any(shape != wall.shape for shape in others):
+            sizes = [*others, wall.shape]
             raise InputError(
                 f"{settings.upper} and {settings.lower}: {sizes[0]} and {sizes[1]} cells "
                 "(y, x) at the grid's spacing; both scans must cover the same, cell by cell"
@@ -65,6 +66,8 @@ def prepared_walls(
             "jrc": jrc_of_z2(z2, spacing, hurst, jrc_relation),
             "jrc_relation": jrc_relation,
         }
+        if scan.remarks:  # what was left out in reading is told beside the results
+            about["remarks"] = "; ".join(scan.remarks)
         walls[side] = (("y", "x"), sign * wall, about)
     missing = {"upper", "lower"} - set(scans)
     if missing:

@@ -1,7 +1,8 @@
 """All that the files of a case depend on, so that a file of other settings is noticed.
 
 A file bears its settings as JSON in its attribute ``settings``. Whoever reads it says
-which it should have; `check_settings` names the first one that differs.
+which it should have; `check_settings` names the first one that differs. They are made of a
+configuration by `jointclosure.ensemble.slices`; what closes walls does not depend on how.
 """
 
 import json
@@ -9,8 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from jointclosure.config.plain import to_plain
-from jointclosure.config.typed import Configuration, Grid, Surface, Walls
-from jointclosure.ensemble.cases import Case, wall_name
+from jointclosure.config.typed import Grid, Surface, Walls
 from jointclosure.inputs import InputError
 from jointclosure.parameters import (
     Choices,
@@ -18,11 +18,41 @@ from jointclosure.parameters import (
     Numerics,
     Rock,
 )
-from jointclosure.scans import file_digest
 
 
 class OtherSettingsError(InputError):
     """A file that was made with other settings, or by other code."""
+
+
+class Case(NamedTuple):
+    """One rock with at most one parameter changed; values in SI.
+
+    ``rock`` is its name and ``intact`` its properties; ``effects`` those of the study or
+    the rock's own. ``surface`` is the label of the case whose surfaces this one closes: its
+    own, or with common draws and an unchanged JRC its rock's base case. ``jrc`` is
+    NaN where walls are measured ones.
+    """
+
+    label: str
+    rock: str
+    parameter: str
+    level: str
+    value: float
+    intact: Rock
+    jrc: float
+    max_normal_stress: float
+    effects: Effects
+    surface: str
+
+    def property(self, name: str) -> float:
+        """A property of `jointclosure.config.properties.PROPERTIES` [SI]."""
+        return self.jrc if name == "jrc" else getattr(self.intact, name)
+
+    def changed(self, name: str, value: float) -> "Case":
+        """The case with another value of a property [SI]."""
+        if name == "jrc":
+            return self._replace(jrc=value)
+        return self._replace(intact=self.intact._replace(**{name: value}))
 
 
 class SurfaceSettings(NamedTuple):
@@ -91,83 +121,6 @@ class ClosureSettings(NamedTuple):
     def with_effects(self, effects: Effects) -> "ClosureSettings":
         """The same with other effects."""
         return self._replace(case=self.case._replace(effects=effects))
-
-
-def surface_settings(
-    configuration: Configuration, case: Case, block: range, code: str = ""
-) -> SurfaceSettings:
-    """Settings of the surface pairs of a case.
-
-    Parameters
-    ----------
-    configuration : Configuration
-    case : Case
-        Whose ``surface`` is its own label.
-    block : range
-        Of realisations, see `jointclosure.ensemble.cases.blocks_of`.
-    code : str
-        Digest of the sources that make surfaces, for those that go to a file.
-    """
-    walls = configuration.rocks[case.rock].walls
-    return SurfaceSettings(
-        jrc=case.jrc,
-        walls=walls,
-        sha256=wall_digests(walls) if walls else {},
-        root_seed=configuration.study.root_seed,
-        seeds_named_by=tuple(wall_name(configuration.study, case)),
-        first_realization=block.start,
-        realizations=len(block),
-        grid=configuration.grid,
-        surface=configuration.surface,
-        code=code,
-    )
-
-
-def wall_digests(walls: Walls) -> dict[str, str]:
-    """SHA-256 of the files of measured walls: their contents count, and not their time."""
-    return {side: file_digest(file) for side, file in walls.files().items()}
-
-
-def closure_settings(
-    configuration: Configuration, case: Case, surfaces: SurfaceSettings, code: str = ""
-) -> ClosureSettings:
-    """Settings of the closures of a case.
-
-    Parameters
-    ----------
-    configuration : Configuration
-    case : Case
-    surfaces : SurfaceSettings
-        Of the surface pairs that are closed.
-    code : str
-        Digest of the sources that close them, for those that go to a file.
-    """
-    return ClosureSettings(
-        case=case,
-        surfaces=surfaces,
-        cycles=configuration.study.cycles,
-        seating_stress=configuration.seating_stress,
-        choices=configuration.choices,
-        numerics=configuration.numerics,
-        stress_points=configuration.output.stress_points,
-        largest_stress=configuration.output.largest_stress,
-        effects_chosen_to=configuration.effects_chosen_to,
-        code=code,
-    )
-
-
-def block_settings(
-    configuration: Configuration,
-    cases: dict[str, Case],
-    label: str,
-    block: range,
-    surface_code: str = "",
-    solver_code: str = "",
-) -> ClosureSettings:
-    """`closure_settings` of a case and a block, with those of the surfaces that it closes."""
-    case = cases[label]
-    surfaces = surface_settings(configuration, cases[case.surface], block, surface_code)
-    return closure_settings(configuration, case, surfaces, solver_code)
 
 
 def as_text(settings: SurfaceSettings | ClosureSettings) -> str:

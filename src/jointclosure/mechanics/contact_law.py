@@ -9,7 +9,7 @@ from jointclosure.mechanics.contact import (
     plane_strain_modulus,
     substrate_compliance,
 )
-from jointclosure.mechanics.strength import breaking_bend, strength_factor
+from jointclosure.mechanics.strength import critical_indentation, strength_factor
 from jointclosure.parameters import Choices, Effects, Rock
 
 
@@ -26,7 +26,7 @@ class ContactLaw(NamedTuple):
     substrate_modulus: float  # 1/(1/E_t* + 1/E_b*) [Pa]
     substrate: float  # compliance A [m/N], 0 without substrate
     asperity_modulus: np.ndarray  # E_a* [Pa], Eq. (4)
-    bend: np.ndarray  # q = delta_break/R_a, Eq. (22)
+    critical_indentation: np.ndarray  # q = delta_break/R_a, Eq. (22)
     breaking_force: np.ndarray  # 4/3 E_a* q^(3/2) [Pa]
 
 
@@ -41,7 +41,7 @@ def contact_law(
         [equivalent_modulus(moduli[0] * upper, moduli[1] * lower) for upper, lower in softness]
     )
     limit = min(wall.compressive_strength / strength_factor(wall.poisson_ratio) for wall in rock)
-    bend = np.array([breaking_bend(limit, modulus) for modulus in asperity_modulus])
+    critical = np.array([critical_indentation(limit, modulus) for modulus in asperity_modulus])
     substrate_modulus = equivalent_modulus(*moduli)
     base_radius = choices.base_radius_in_cells * spacing
     return ContactLaw(
@@ -53,6 +53,6 @@ def contact_law(
         if effects.substrate
         else 0.0,
         asperity_modulus=asperity_modulus,
-        bend=bend,
-        breaking_force=4.0 / 3.0 * asperity_modulus * bend * np.sqrt(bend),
+        critical_indentation=critical,
+        breaking_force=4.0 / 3.0 * asperity_modulus * critical * np.sqrt(critical),
     )

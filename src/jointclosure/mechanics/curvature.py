@@ -6,37 +6,6 @@ from jointclosure.compilation import kernel
 
 
 @kernel
-def profile_curvature(before, here, after, spacing):
-    """Size of the curvature of the circle through three neighbouring points.
-
-    Parameters
-    ----------
-    before, here, after : float
-        Heights at ``-spacing``, 0 and ``+spacing`` [m].
-    spacing : float
-        Grid spacing h [m].
-
-    Returns
-    -------
-    float
-        Curvature [1/m]; 0 for collinear points.
-
-    Notes
-    -----
-    Menger's formula, 4 area / (product of the sides). Its size counts and
-    not its side: a valley is treated as the peak that mirrors it (choice
-    ``concave: magnitude``, docs/decisions/0002-curvature.md).
-    """
-    bend = abs((before - here) + (after - here))
-    sides = (
-        math.sqrt(spacing**2 + (here - before) ** 2)
-        * math.sqrt(spacing**2 + (after - here) ** 2)
-        * math.sqrt(4.0 * spacing**2 + (after - before) ** 2)
-    )
-    return 2.0 * spacing * bend / sides
-
-
-@kernel
 def gaussian_curvature(west, east, south, north, here, spacing):
     """Inverse of the Gaussian radius of an asperity, 1/R = sqrt(1/(Rx Ry)).
 
@@ -54,11 +23,14 @@ def gaussian_curvature(west, east, south, north, here, spacing):
 
     Notes
     -----
-    Eqs. (1) and (2) in curvatures, with `profile_curvature` in x and y under
-    one root: this is the innermost operation of the breakage loop.
+    Eqs. (1) and (2) in curvatures: those of the circles through three points in x
+    and y by Menger's formula, 4 area / (product of the sides), under one root, as
+    this is the innermost operation of the breakage loop. The size of a curvature
+    counts and not its side: a valley is treated as the peak that mirrors it (choice
+    ``concave: magnitude``, docs/decisions/0002-curvature.md).
     """
     area = spacing * spacing
-    bend = abs((west - here) + (east - here)) * abs((south - here) + (north - here))
+    second_differences = abs((west - here) + (east - here)) * abs((south - here) + (north - here))
     x_sides = (
         (area + (here - west) ** 2)
         * (area + (east - here) ** 2)
@@ -69,4 +41,4 @@ def gaussian_curvature(west, east, south, north, here, spacing):
         * (area + (north - here) ** 2)
         * (area + 0.25 * (north - south) ** 2)
     )
-    return math.sqrt(area * bend / math.sqrt(x_sides * y_sides))
+    return math.sqrt(area * second_differences / math.sqrt(x_sides * y_sides))

@@ -32,7 +32,7 @@ def passed_share(share, total_upper, total_lower):
     share : float
         As from `upper_share`.
     total_upper, total_lower : float
-        As from `drops`; a pair with both 0 is confined and does not break.
+        As from `drops`; a pair with both 0 is locked and does not break.
     """
     if total_upper == 0.0:
         return 0.0

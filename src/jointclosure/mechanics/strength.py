@@ -27,14 +27,10 @@ def strength_factor(poisson_ratio):
 
 
 @kernel
-def peak_pressure(deformation, curvature, asperity_modulus):
-    """p0_a [Pa] of a deformation delta_a [m] at curvature 1/R_a [1/m], Eq. (22)."""
-    return 2.0 / math.pi * asperity_modulus * math.sqrt(deformation * curvature)
+def critical_indentation(pressure_limit, asperity_modulus):
+    """Critical indentation ratio q = delta_break / R_a, at which p0_a reaches its limit.
 
-
-@kernel
-def breaking_bend(pressure_limit, asperity_modulus):
-    """q = delta_break / R_a at which p0_a reaches its limit, from Eq. (22).
+    From Eq. (22), p0_a = 2/pi E_a* sqrt(delta_a / R_a).
 
     Parameters
     ----------
@@ -47,7 +43,7 @@ def breaking_bend(pressure_limit, asperity_modulus):
 
 
 @kernel
-def is_overstressed(overlap, curvature, bend, breaking_force, substrate):
+def is_overstressed(overlap, curvature, critical, breaking_force, substrate):
     """Whether a pair at this overlap is beyond its strength, Eqs. (5), (10), (22).
 
     Parameters
@@ -56,8 +52,8 @@ def is_overstressed(overlap, curvature, bend, breaking_force, substrate):
         delta_S [m].
     curvature : float
         kappa_a [1/m].
-    bend : float
-        q of `breaking_bend`.
+    critical : float
+        q of `critical_indentation`.
     breaking_force : float
         4/3 E_a* q^(3/2) [Pa]: the breaking force times kappa_a^2.
     substrate : float
@@ -69,4 +65,4 @@ def is_overstressed(overlap, curvature, bend, breaking_force, substrate):
     overlap at breakage; multiplied by kappa^2 it needs neither root nor
     division, and a flat contact (kappa = 0) never breaks.
     """
-    return overlap * curvature * curvature > bend * curvature + substrate * breaking_force
+    return overlap * curvature * curvature > critical * curvature + substrate * breaking_force

@@ -1,10 +1,7 @@
 """Figures: datasets and tables in, figures out; no files, no computing of what a study means."""
 
-import matplotlib
+from jointclosure.extras import needs
 
-matplotlib.use("Agg")
-
-import seaborn as sns
-
-sns.set_theme(context="paper", style="ticks", palette="colorblind", font_scale=1.1)
-matplotlib.rcParams.update({"figure.dpi": 150, "savefig.dpi": 150, "axes.grid": False})
+with needs("figures", "a figure"):
+    import matplotlib as _  # noqa: F401
+    import seaborn as __  # noqa: F401

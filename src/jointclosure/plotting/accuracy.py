@@ -1,13 +1,14 @@
 """Error against time: work-precision figures of an accuracy study."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
+from jointclosure.plotting.style import styled, subplots
 from jointclosure.studies.accuracy.cost import pareto
 from jointclosure.studies.accuracy.design import BASE
 
@@ -37,6 +38,7 @@ _BESIDE_STAR = 0.08
 """Distance [decades] to the star within which marks bear no value: the labels would cover it."""
 
 
+@styled
 def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
     """Error of the mean maximum closure against time, for one scene.
 
@@ -57,7 +59,7 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
     """
     shown = costs[~costs.other_joints]
     rocks, cycles = shown.rock.unique(), sorted(shown.cycle.unique())
-    figure, panels = plt.subplots(
+    figure, panels = subplots(
         len(cycles),
         len(rocks),
         figsize=(4.8 * len(rocks), 3.4 * len(cycles) + 1.2),
@@ -78,7 +80,7 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
     for row in panels:
         row[0].set_ylabel("error of mean max. closure (%)")
     handles, labels = panels[0, 0].get_legend_handles_labels()
-    handles.append(plt.Line2D([], [], ls="", marker="o", color="0.3", mfc="w", ms=5))
+    handles.append(Line2D([], [], ls="", marker="o", color="0.3", mfc="w", ms=5))
     labels.append("not told from no error")
     figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
     figure.suptitle(title, x=0.01, ha="left")
@@ -139,6 +141,7 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> None:
         axis.set_minor_formatter(NullFormatter())
 
 
+@styled
 def error_sources(sources: pd.DataFrame, title: str) -> Figure:
     """The error of the paper's own setting, split by its sources.
 
@@ -151,7 +154,7 @@ def error_sources(sources: pd.DataFrame, title: str) -> Figure:
     sources = sources.assign(kind=sources.source.str.split(" (", regex=False).str[0])
     kinds = list(dict.fromkeys(sources.kind))
     groups = list(sources.groupby(["rock", "cycle"], sort=False))
-    figure, axes = plt.subplots(figsize=(7.2, 3.6), layout="constrained")
+    figure, axes = subplots(figsize=(7.2, 3.6), layout="constrained")
     width = 0.8 / len(kinds)
     for k, kind in enumerate(kinds):
         for g, (_, part) in enumerate(groups):
@@ -170,7 +173,7 @@ def error_sources(sources: pd.DataFrame, title: str) -> Figure:
             if np.isfinite(row.low):
                 span = np.sort(np.abs([row.low, row.high]))
                 low = 0.0 if row.low * row.high < 0.0 else span[0]
-                axes.plot([x, x], [low, span[1]], color="k", lw=1)
+                axes.plot([x, x], [low, span[1]], color="0.1", lw=1)
     names = [f"{rock.replace('_', ' ').capitalize()}\ncycle {cycle}" for (rock, cycle), _ in groups]
     axes.set_xticks(range(len(groups)), names)
     axes.set(ylabel="error, either sign (% of the mean)", title=title)

@@ -1,20 +1,22 @@
 """What each effect adds to closure, against what it costs in time."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import seaborn as sns
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from jointclosure.parameters import Effects
+from jointclosure.plotting.style import styled, subplots
 
 _FLOOR = 0.1
 _LEAST_ERROR = 0.01
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 
+@styled
 def effect_figure(table: pd.DataFrame) -> Figure:
     """Change of the maximum closure by each effect, against the time that it takes.
 
@@ -30,7 +32,7 @@ def effect_figure(table: pd.DataFrame) -> Figure:
     below a tenth of a percent are drawn there.
     """
     effects, cycles = table.effect.unique(), sorted(table.cycle.unique())
-    figure, panels = plt.subplots(
+    figure, panels = subplots(
         len(cycles),
         len(effects),
         figsize=(2.7 * len(effects) + 1.6, 2.9 * len(cycles) + 0.6),
@@ -69,7 +71,7 @@ def effect_figure(table: pd.DataFrame) -> Figure:
         axes.set_xlabel("time with / without")
     figure.colorbar(marks, ax=panels, label="maximum stress (MPa)", shrink=0.7)
     handles = [
-        plt.Line2D([], [], ls="", marker=marker, color="0.4", label=rock.replace("_", " "))
+        Line2D([], [], ls="", marker=marker, color="0.4", label=rock.replace("_", " "))
         for rock, marker in markers.items()
     ]
     low, high = np.nanmin(table.jrc), np.nanmax(table.jrc)
@@ -84,6 +86,7 @@ def effect_figure(table: pd.DataFrame) -> Figure:
     return figure
 
 
+@styled
 def choice_figure(table: pd.DataFrame) -> Figure:
     """Error of the chosen effects against stress, and the time that the choice saves.
 
@@ -98,7 +101,7 @@ def choice_figure(table: pd.DataFrame) -> Figure:
     pilot only; errors below a hundredth of a percent are drawn there.
     """
     tolerances = sorted(table.tolerance.unique())
-    figure, panels = plt.subplots(
+    figure, panels = subplots(
         2,
         len(tolerances),
         figsize=(3.2 * len(tolerances) + 1.4, 5.6),
@@ -119,7 +122,7 @@ def choice_figure(table: pd.DataFrame) -> Figure:
             off = points.actual_percent.clip(lower=_LEAST_ERROR)
             upper.plot(stress, off, "o", color=colours[name], ms=4)
             lower.plot(stress, points.saved_percent, "o", color=colours[name], ms=4)
-        upper.axhline(100.0 * tolerance, color="k", lw=0.8)
+        upper.axhline(100.0 * tolerance, color="0.1", lw=0.8)
         upper.set(title=f"tolerance {100.0 * tolerance:g} %", xscale="log", yscale="log")
         lower.axhline(0.0, color="0.8", lw=0.8, zorder=0)
         lower.set(xscale="log", xlabel="maximum normal stress (MPa)")
@@ -129,7 +132,7 @@ def choice_figure(table: pd.DataFrame) -> Figure:
     panels[0, 0].set_ylabel("change of mean\nmax. closure (%)")
     panels[1, 0].set_ylabel("time saved,\npilot counted (%)")
     handles = [
-        plt.Line2D([], [], ls="", marker="o", color=colours[name], label=_left_out(name))
+        Line2D([], [], ls="", marker="o", color=colours[name], label=_left_out(name))
         for name in names
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False)

@@ -1,10 +1,11 @@
 """One page with the closure curves of all hard cases."""
 
-import matplotlib.pyplot as plt
 import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter
+
+from jointclosure.plotting.style import styled, subplots
 
 COLUMNS = 10
 METHODS = {"fixed_step": ("#0072b2", "-"), "resolved": ("#000000", "--")}
@@ -17,6 +18,7 @@ MARKS = {
 _METRES, _PASCALS = EngFormatter("m", places=1), EngFormatter("Pa", places=1)
 
 
+@styled
 def hard_case_page(table: pd.DataFrame, curves: pd.DataFrame) -> Figure:
     """Closure curves of all hard cases, each to its own scale.
 
@@ -29,7 +31,7 @@ def hard_case_page(table: pd.DataFrame, curves: pd.DataFrame) -> Figure:
     table = table.assign(panel=table.name.str.removesuffix("_resolved"))
     panels = list(dict.fromkeys(table.panel))
     rows = -(-len(panels) // COLUMNS)
-    figure, grid = plt.subplots(
+    figure, grid = subplots(
         rows, COLUMNS, figsize=(2.1 * COLUMNS, 1.75 * rows + 1.4), layout="constrained"
     )
     for axes in grid.flat[len(panels) :]:

@@ -1,14 +1,15 @@
 """Closure curve of one joint."""
 
-import matplotlib.pyplot as plt
 import seaborn as sns
 import xarray as xr
 from matplotlib.figure import Figure
 
+from jointclosure.plotting.style import styled, subplots
 from jointclosure.protocol import LOADING, UNLOADING
 from jointclosure.readings import branch_of
 
 
+@styled
 def closure_curve(closed: xr.Dataset, title: str) -> Figure:
     """Stress against closure from first touch, each cycle in its colour.
 
@@ -18,7 +19,7 @@ def closure_curve(closed: xr.Dataset, title: str) -> Figure:
         As from `jointclosure.simulate`.
     title : str
     """
-    figure, axes = plt.subplots(figsize=(6.4, 4.4), layout="constrained")
+    figure, axes = subplots(figsize=(6.4, 4.4), layout="constrained")
     cycle, branch = closed.cycle.values, closed.branch.values
     for number in sorted(set(cycle.tolist())):
         for name, style in ((LOADING, "-"), (UNLOADING, "--")):

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
-import matplotlib.pyplot as plt
 import pandas as pd
 import seaborn as sns
 import xarray as xr
+from matplotlib.lines import Line2D
 
 from jointclosure.ensemble.aggregation import seats
 from jointclosure.studies.measured.curves import FIT_COLUMNS, MeasuredCurve, best_fits
@@ -98,9 +98,9 @@ def measured_handles(measured: Measurements) -> list:
         return []
     cycles = range(1, measured.cycles + 1)
     return [
-        plt.Line2D([], [], color="k", lw=1.6, label="measured"),
+        Line2D([], [], color="0.1", lw=1.6, label="measured"),
         *(
-            plt.Line2D([], [], label=f"surface that fits cycle {cycle} best", **_style(cycle))
+            Line2D([], [], label=f"surface that fits cycle {cycle} best", **_style(cycle))
             for cycle in cycles
         ),
     ]

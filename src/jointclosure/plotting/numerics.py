@@ -1,10 +1,13 @@
 """The figure of numerical stability: errors and convergence in, a figure out."""
 
-import matplotlib.pyplot as plt
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import seaborn as sns
 from matplotlib.figure import Figure
+
+from jointclosure.plotting.style import styled, subplots
 
 FLOOR = 1e-17
 """Errors below are drawn here: no error at all, in double precision."""
@@ -24,7 +27,7 @@ _TITLES = {
     "quartic": "indifference interval",
     "convergence": "1024 polished cells in touch, r = h",
 }
-_LEGENDS = {
+_LEGENDS: dict[str, dict[str, Any]] = {
     "cubic": {"loc": "center right", "bbox_to_anchor": (1.0, 0.6)},
     "far field": {"loc": "center left", "bbox_to_anchor": (0.03, 0.75)},
     "quartic": {"loc": "center left", "bbox_to_anchor": (0.03, 0.45)},
@@ -32,6 +35,7 @@ _LEGENDS = {
 }
 
 
+@styled
 def numerics_figure(numerics: pd.DataFrame) -> Figure:
     """Errors against 50 digits, and the sweep against the fast solver.
 
@@ -45,7 +49,7 @@ def numerics_figure(numerics: pd.DataFrame) -> Figure:
     -----
     Axes end at `FLOOR` and `CEILING`; what lies beyond is drawn on them.
     """
-    figure, panels = plt.subplots(2, 2, figsize=(11.0, 8.6), layout="constrained")
+    figure, panels = subplots(2, 2, figsize=(11.0, 8.6), layout="constrained")
     for axes, (subject, (at, error)) in zip(panels.flat, _PANELS.items(), strict=True):
         part = numerics[numerics.subject == subject]
         if subject == "convergence":

@@ -1,11 +1,15 @@
 """Figures of a study. What it means is computed in `jointclosure.studies`."""
 
-import matplotlib.pyplot as plt
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import seaborn as sns
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 
 from jointclosure.config.properties import PARAMETER_TITLES, PROPERTIES
@@ -14,6 +18,7 @@ from jointclosure.empirical import barton_bandis, law_holds
 from jointclosure.ensemble.aggregation import seats, succeeded
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.plotting.measured import Measurements, draw_measured, measured_handles
+from jointclosure.plotting.style import styled, subplots
 from jointclosure.tables import roughness_title
 
 _CYCLE_COLOURS = dict(enumerate(sns.color_palette("colorblind", 8), start=1))
@@ -29,12 +34,13 @@ def _surfaces(study: xr.Dataset) -> str:
     return "every surface" if number < MOST_DRAWN else f"each of the first {number} surfaces"
 
 
+@styled
 def equivalent_stress() -> Figure:
     """The maximum of Eq. (21) against Poisson's ratio, with Eq. (23) on it."""
     ratios = np.linspace(0.0, 0.5, 101)
     depths = np.linspace(0.2, 0.8, 6001)
     along = np.array([[von_mises_on_axis(z, nu) for z in depths] for nu in ratios[::5]])
-    figure, axes = plt.subplots(figsize=(5.2, 3.8), layout="constrained")
+    figure, axes = subplots(figsize=(5.2, 3.8), layout="constrained")
     axes.plot(ratios[::5], along.max(axis=1), "o", label="maximum of Eq. (21)", zorder=3)
     fit = [strength_factor(nu) for nu in ratios]
     axes.plot(ratios, fit, "-", color="0.3", label="Eq. (23), the paper's fit")
@@ -46,11 +52,12 @@ def equivalent_stress() -> Figure:
     return figure
 
 
+@styled
 def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title: str) -> Figure:
     """Both walls (y, x) [m], and their summed height: where they touch first."""
     ny, nx = upper.shape
     extent = (0.0, 1e3 * nx * spacing, 0.0, 1e3 * ny * spacing)
-    figure, panels = plt.subplots(1, 3, figsize=(10.5, 3.6), layout="constrained", sharey=True)
+    figure, panels = subplots(1, 3, figsize=(10.5, 3.6), layout="constrained", sharey=True)
     summed = 1e3 * (upper + lower)
     reach = 1e3 * max(np.abs(upper).max(), np.abs(lower).max())
     for axes, field, name in zip(
@@ -85,6 +92,7 @@ def closest_to_mean(study: xr.Dataset, case: str, seating_stress: float) -> int:
     return int(study.realization.values[int(distance.fillna(np.inf).argmin("realization"))])
 
 
+@styled
 def closure_figure(
     study: xr.Dataset,
     rocks: dict[str, StudyRock],
@@ -112,7 +120,7 @@ def closure_figure(
     cycles = [int(c) for c in study.cycle.values[: max(2, measured.cycles)]]
     lawful = False
     faint = 0.25 * min(1.0, _FEW_LINES / study.sizes["realization"]) ** 0.5
-    figure, panels = plt.subplots(
+    figure, panels = subplots(
         rows, columns, figsize=(5.6 * columns, 4.2 * rows), layout="constrained", squeeze=False
     )
     for axes in panels.flat[len(rocks) :]:
@@ -156,21 +164,21 @@ def closure_figure(
             xlabel=f"closure since {1e-6 * seating_stress:g} MPa of the cycle's loading (mm)",
             ylabel="normal stress (MPa)",
         )
-    handles = [
-        plt.Line2D([], [], color=_CYCLE_COLOURS[c], lw=2, label=f"cycle {c}") for c in cycles
+    handles: list[Artist] = [
+        Line2D([], [], color=_CYCLE_COLOURS[c], lw=2, label=f"cycle {c}") for c in cycles
     ]
     handles += [
-        plt.Line2D([], [], color="0.5", lw=2, label="surface closest to the mean, loading"),
-        plt.Line2D([], [], color="0.5", lw=2, ls="--", label="the same, unloading"),
-        plt.Line2D([], [], color="0.5", lw=0.6, alpha=0.6, label=_surfaces(study)),
-        plt.Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="mean ± 1 standard deviation"),
+        Line2D([], [], color="0.5", lw=2, label="surface closest to the mean, loading"),
+        Line2D([], [], color="0.5", lw=2, ls="--", label="the same, unloading"),
+        Line2D([], [], color="0.5", lw=0.6, alpha=0.6, label=_surfaces(study)),
+        Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="mean ± 1 standard deviation"),
     ]
     if lawful:
         drawn = " and ".join(f"cycle {cycle}" for cycle in cycles[:2])
         label = f"Barton-Bandis law, {drawn} (empirical, for mated joints)"
-        handles.append(plt.Line2D([], [], color="0.2", lw=1.2, ls=(0, (1, 1.5)), label=label))
+        handles.append(Line2D([], [], color="0.2", lw=1.2, ls=(0, (1, 1.5)), label=label))
     handles += measured_handles(measured)
-    place = {"loc": "outside lower center", "ncols": 3}
+    place: dict[str, Any] = {"loc": "outside lower center", "ncols": 3}
     if columns == 1:  # one rock: the legend has the place of the second
         figure.set_figwidth(2 * figure.get_figwidth())
         place = {"loc": "outside right center"}
@@ -185,11 +193,12 @@ def _assumed(rock: StudyRock) -> str:
     return f" (maximum of {1e-6 * rock.max_normal_stress:g} MPa is an assumption)"
 
 
+@styled
 def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
     """Indifference intervals, ours against the paper's where it has any, by parameter and cycle."""
     parameters = list(dict.fromkeys(table.parameter))
     cycles = sorted(table.cycle.unique())
-    figure, panels = plt.subplots(
+    figure, panels = subplots(
         len(cycles),
         len(parameters),
         figsize=(3.1 * len(parameters), 2.9 * len(cycles)),
@@ -205,16 +214,16 @@ def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
             axes.set_xticks(range(len(names)), [rocks[n].title for n in names], rotation=35)
             axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=9)
             axes.set_ylabel(f"length{PROPERTIES[parameter].in_brackets if len(part) else ''}")
-    handles = [
-        plt.Line2D([], [], marker="o", ls="", color="C0", label="this study, with 95 % bootstrap"),
-        plt.Line2D(
+    handles: list[Artist] = [
+        Line2D([], [], marker="o", ls="", color="C0", label="this study, with 95 % bootstrap"),
+        Line2D(
             [], [], marker="o", ls="", mfc="none", color="C0", label="the same, extrapolated root"
         ),
-        plt.Line2D([], [], marker="^", ls="", color="C2", ms=5, label="net of bulk indentation"),
-        plt.Line2D([], [], marker="x", ls="", color="0.4", label="no real root"),
+        Line2D([], [], marker="^", ls="", color="C2", ms=5, label="net of bulk indentation"),
+        Line2D([], [], marker="x", ls="", color="0.4", label="no real root"),
     ]
     if "paper_length" in table:
-        handles.insert(3, plt.Line2D([], [], marker="D", ls="", color="C1", label="the paper"))
+        handles.insert(3, Line2D([], [], marker="D", ls="", color="C1", label="the paper"))
     columns = min(len(handles), max(1, int(1.4 * len(parameters))))
     figure.legend(handles=handles, loc="outside lower center", ncols=columns, frameon=False)
     sns.despine(figure)
@@ -243,6 +252,7 @@ def _draw_intervals(axes, part: pd.DataFrame) -> None:
     axes.set_xlim(-0.6, len(part) - 0.4)
 
 
+@styled
 def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, StudyRock]) -> Figure:
     """Mean maximum closure against each parameter, relative to the base case.
 
@@ -257,7 +267,7 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
     """
     parameters = [p for p in PARAMETER_TITLES if (closures.parameter == p).any()]
     cycles = sorted(closures.cycle.unique())
-    figure, panels = plt.subplots(
+    figure, panels = subplots(
         len(cycles),
         len(parameters),
         figsize=(3.1 * len(parameters), 2.8 * len(cycles)),
@@ -289,7 +299,7 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
                 axes.set_xlabel("value / the rock's own")
         row[0].set_ylabel("mean maximum closure (mm)")
     handles, labels = panels[0][0].get_legend_handles_labels()
-    handles.append(plt.Line2D([], [], color="0.4", ls="--", lw=1.0))
+    handles.append(Line2D([], [], color="0.4", ls="--", lw=1.0))
     labels.append("net of bulk indentation")
     figure.legend(handles, labels, loc="outside lower center", ncols=5, frameon=False)
     sns.despine(figure)

@@ -1,14 +1,16 @@
 """Pictures of measured walls."""
 
-import matplotlib.pyplot as plt
 import matplotlib.ticker
 import numpy as np
 import seaborn as sns
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from jointclosure.plotting.style import styled, subplots
 from jointclosure.surface.measures import Increments
 
 
+@styled
 def roughness_figure(heights: np.ndarray, spacing: float, found: Increments, title: str) -> Figure:
     """A wall (y, x) [m]: its map, profiles, and rms height differences over distance.
 
@@ -22,7 +24,7 @@ def roughness_figure(heights: np.ndarray, spacing: float, found: Increments, tit
         As from `jointclosure.surface.measures.increments`.
     title : str
     """
-    figure, panels = plt.subplots(
+    figure, panels = subplots(
         1, 3, figsize=(13.0, 4.3), layout="constrained", width_ratios=(1.1, 1.0, 1.0)
     )
     ny, nx = heights.shape
@@ -38,7 +40,9 @@ def roughness_figure(heights: np.ndarray, spacing: float, found: Increments, tit
     _draw_increments(panels[2], found)
     figure.suptitle(title, parse_math=False)  # a file's name is no formula
     sns.despine(figure)
-    figure.get_layout_engine().set(wspace=0.06)
+    layout = figure.get_layout_engine()
+    if isinstance(layout, ConstrainedLayoutEngine):
+        layout.set(wspace=0.06)
     return figure
 
 

@@ -148,4 +148,5 @@ def _digits(values: np.ndarray) -> int:
 def _listed(values: np.ndarray, digits: int | None) -> list:
     """Nested lists of rounded numbers, None for what is not known."""
     rounded = np.round(values, digits or 0).astype(object)
-    return np.where(np.isfinite(values), rounded, None).tolist()
+    unknown = np.array(None, dtype=object)
+    return np.where(np.isfinite(values), rounded, unknown).tolist()

@@ -74,7 +74,7 @@ def layout_sheet(intervals: pd.DataFrame, titles: dict[str, str], of_paper: set[
             cells = [Cell(PARAMETER_TITLES[parameter], parameter), Cell(str(cycle), cycle)]
             for title in titles.values():
                 text = ours.loc[parameter, [(cycle, title)]].iloc[0]
-                if title in with_paper:
+                if theirs is not None and title in with_paper:
                     text += f"\npaper {theirs.loc[parameter, [(cycle, title)]].iloc[0]}"
                 cells.append(Cell(text, _percent(intervals, titles, parameter, cycle, title)))
             rows.append(cells)

@@ -71,7 +71,8 @@ def render(content: dict) -> str:
 def template_digest() -> str:
     """Digest of the templates: what a page depends on besides the package's Python."""
     digest = hashlib.sha256()
-    for file in sorted(resources.files("jointclosure.report").joinpath("templates").iterdir()):
+    templates = resources.files("jointclosure.report").joinpath("templates")
+    for file in sorted(templates.iterdir(), key=lambda file: file.name):
         digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
     return digest.hexdigest()[:16]
 

@@ -160,7 +160,7 @@ def job_time_sheet(benchmarks: pd.DataFrame) -> Sheet:
     Parameters
     ----------
     benchmarks : DataFrame
-        As from `jointclosure.dataset.read_benchmarks`.
+        As from `jointclosure.storage.text.read_benchmarks`.
     """
     rows = []
     for rule, part in benchmarks.groupby("rule", sort=False):

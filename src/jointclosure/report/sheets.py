@@ -52,7 +52,7 @@ def cell(value: object) -> Cell:
     if isinstance(value, Cell):
         return value
     if isinstance(value, bool) or value is None or not isinstance(value, Real):
-        words = {True: "yes", False: "no", None: ABSENT, "": ABSENT}
+        words: dict[object, str] = {True: "yes", False: "no", None: ABSENT, "": ABSENT}
         text = words.get(value, str(value))
         return Cell(text, "" if text == ABSENT else text)
     if isinstance(value, Integral):

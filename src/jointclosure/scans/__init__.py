@@ -102,10 +102,10 @@ def _in_metres(found: Contents, units: str | None, spacing: float | None) -> Sca
         return Cloud(
             points * np.array([across, across, height]), remarks if empty else found.remarks
         )
-    steps, origin = (spacing, spacing), None
+    origin = None
     if found.spacing is not None:
         across = size_of(settled("distances", found.length_units, units, sides))
-        steps = tuple(float(step) * across for step in found.spacing)
+        steps = (float(found.spacing[0]) * across, float(found.spacing[1]) * across)
         if found.origin is not None:
             origin = (float(found.origin[0]) * across, float(found.origin[1]) * across)
         if spacing is not None and any(abs(step - spacing) > 1e-6 * spacing for step in steps):
@@ -115,6 +115,8 @@ def _in_metres(found: Contents, units: str | None, spacing: float | None) -> Sca
             )
     elif spacing is None:
         raise InputError("does not say the spacing of its grid: give it (spacing_mm)")
+    else:
+        steps = (spacing, spacing)
     if not all(np.isfinite(step) and step > 0.0 for step in steps):
         raise InputError(f"spacing {steps}: must be positive")
     heights = _real(found.heights)
@@ -129,7 +131,9 @@ def _sides(found: Contents) -> tuple[float, float] | None:
     if found.points is not None:
         x, y = np.ptp(found.points[:, :2], axis=0).tolist() if len(found.points) else (0.0, 0.0)
         return x, y
-    if found.spacing is None or found.length_units is not None or np.ndim(found.heights) != 2:
+    if found.spacing is None or found.length_units is not None:
+        return None
+    if found.heights is None or np.ndim(found.heights) != 2:
         return None
     ny, nx = np.shape(found.heights)
     return found.spacing[1] * (nx - 1), found.spacing[0] * (ny - 1)

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from jointclosure.extras import needs
 from jointclosure.inputs import InputError
 from jointclosure.scans.contents import Contents
 from jointclosure.scans.units import split_name
@@ -65,26 +66,25 @@ def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
     coordinates = [field[dimension] for dimension in field.dims if dimension in field.coords]
     spacing = length_units = origin = None
     if len(coordinates) == 2:
-        spacing = tuple(_step(str(c.name), c.values) for c in coordinates)
+        along_y, along_x = (_step(str(c.name), c.values) for c in coordinates)
+        spacing = along_y, along_x
         written = {c.attrs.get("units") for c in coordinates}
         if len(written) > 1:
             raise InputError(f"the coordinates are in different units: {written}")
         length_units = written.pop()
         if all(c.values[-1] > c.values[0] for c in coordinates):
-            origin = tuple(float(c.values[0]) for c in coordinates)
+            origin = (float(coordinates[0].values[0]), float(coordinates[1].values[0]))
     return Contents(field.values, spacing, None, field.attrs.get("units"), length_units, origin)
 
 
 def read_tiff(path: Path, variable: str | None) -> Contents:
     """The first page of a TIFF; of a GeoTIFF its pixel size, its units and what is no data."""
     _no_variable(variable)
-    try:
+    with needs("walls", "TIFF"):
         import tifffile
-    except ImportError:
-        raise InputError("TIFF needs the extra: pip install 'jointclosure[walls]'") from None
     try:
         with tifffile.TiffFile(path) as file:
-            page = file.pages[0]
+            page = file.pages.first
             heights, geo = page.asarray(), page.geotiff_tags or {}
             nothing = page.tags.valueof("GDAL_NODATA")
     except Exception as error:  # of a damaged file the library raises what its bytes lead to

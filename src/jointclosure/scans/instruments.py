@@ -4,19 +4,15 @@ from pathlib import Path
 
 import numpy as np
 
+from jointclosure.extras import needs
 from jointclosure.inputs import InputError
 from jointclosure.scans.contents import Contents
 
 
 def read_any(path: Path, variable: str | None) -> Contents:
     """A channel of a scanner's file: by default that of the file, or the one of a name."""
-    try:
+    with needs("walls", f"{path.suffix or 'a file without suffix'}: a scanner's format"):
         from SurfaceTopography.IO import open_topography
-    except ImportError:
-        raise InputError(
-            f"{path.suffix or 'a file without suffix'}: a scanner's format needs the extra: "
-            "pip install 'jointclosure[walls]'"
-        ) from None
     try:
         with open_topography(str(path)) as reader:
             index = None

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from jointclosure.extras import needs
 from jointclosure.inputs import InputError
 from jointclosure.scans.contents import Contents
 from jointclosure.scans.points import cleaned
@@ -13,10 +14,8 @@ def read_stl(path: Path, variable: str | None) -> Contents:
     """Vertices of an STL file, binary or text; the format knows no units."""
     if variable is not None:
         raise InputError(f"variable = {variable!r}: an STL file has none")
-    try:
+    with needs("walls", "STL"):
         import trimesh
-    except ImportError:
-        raise InputError("STL needs the extra: pip install 'jointclosure[walls]'") from None
     try:
         with path.open("rb") as file:
             mesh = trimesh.load_mesh(file, file_type="stl")

@@ -50,7 +50,7 @@ def read_table(path: Path) -> Table:
     head = lines[:start]
     names, units, remarks = _names(head)
     if start is None:
-        _refuse_without_numbers(head, bool(names))
+        raise _without_numbers(head, bool(names))
     form = _form_of(lines[start])
     width = len(_words(lines[start], form))
     frame = pd.read_csv(
@@ -123,7 +123,8 @@ def _names(head: list[str]) -> tuple[list[str], str | None, list[str]]:
 
     A comment counts where it names x, y and z.
     """
-    names, units, remarks, fields = [], None, [], []
+    names: list[str] = []
+    units, remarks, fields = None, [], []
     for number, line in enumerate(head, start=1):
         bare = line.strip()
         comment = bare.startswith(COMMENTS)
@@ -152,14 +153,14 @@ def _split_names(line: str) -> list[str]:
     return words
 
 
-def _refuse_without_numbers(head: list[str], named: bool) -> None:
+def _without_numbers(head: list[str], named: bool) -> InputError:
     written = [line.strip() for line in head if line.strip()]
     written = [line for line in written if not line.startswith(COMMENTS)]
     if not written:
-        raise InputError("has no points")
+        return InputError("has no points")
     if not named:
-        raise InputError(f"has no line of numbers; the first is {written[0][:60]!r}")
-    raise InputError(f"has no line of numbers below the names; there is {written[-1][:60]!r}")
+        return InputError(f"has no line of numbers; the first is {written[0][:60]!r}")
+    return InputError(f"has no line of numbers below the names; there is {written[-1][:60]!r}")
 
 
 def _without_comments(lines: list[str]) -> list[str]:

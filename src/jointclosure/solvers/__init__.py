@@ -1,0 +1,1 @@
+"""Equilibrium and breakage at one closure: `fast`, and `reference` as in the paper."""

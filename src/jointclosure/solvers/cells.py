@@ -79,27 +79,17 @@ def is_peak(height, neighbours):
 
 
 @kernel
-def stands_out(heights, y, x):
-    """`is_peak` of a cell of a wall (y, x), done at its first neighbour that is as high."""
-    ny, nx = heights.shape
-    count = 0
-    for v in range(max(y - 1, 0), min(y + 2, ny)):
-        for w in range(max(x - 1, 0), min(x + 2, nx)):
-            if v != y or w != x:
-                count += 1
-                if heights[v, w] >= heights[y, x]:
-                    return False
-    return count > 0
-
-
-@kernel
 def peak_map(upper, lower):
     """State of every pair: 2 x (upper is a peak) + (lower is one), int64 (y, x)."""
     ny, nx = upper.shape
     state = np.empty((ny, nx), np.int64)
+    around = np.empty(8)
     for y in range(ny):
         for x in range(nx):
-            state[y, x] = 2 * stands_out(upper, y, x) + stands_out(lower, y, x)
+            neighbourhood(upper, y, x, around)
+            state[y, x] = 2 * is_peak(upper[y, x], around)
+            neighbourhood(lower, y, x, around)
+            state[y, x] += is_peak(lower[y, x], around)
     return state
 
 
@@ -147,10 +137,10 @@ def overlapping_cells(upper, lower, offset, peaks, law):
                 cells[k] = y * nx + x
                 overlap[k] = gap
                 neighbourhood(upper, y, x, around)
-                bend = wall_curvature(upper[y, x], around, law.least_curvature, law.spacing)
+                kappa = wall_curvature(upper[y, x], around, law.least_curvature, law.spacing)
                 neighbourhood(lower, y, x, around)
-                bend += wall_curvature(lower[y, x], around, law.least_curvature, law.spacing)
-                curvature[k] = bend
-                compliance[k] = asperity_compliance(bend, law.asperity_modulus[peaks[y, x]])
+                kappa += wall_curvature(lower[y, x], around, law.least_curvature, law.spacing)
+                curvature[k] = kappa
+                compliance[k] = asperity_compliance(kappa, law.asperity_modulus[peaks[y, x]])
                 k += 1
     return cells, overlap, curvature, compliance

@@ -31,7 +31,7 @@ class Contacts(NamedTuple):
 
 
 @kernel
-def contact_response(contacts, shift, pushed, force, answer, secant):
+def contact_response(contacts, shift, elastic_displacement, force, answer, secant):
     """Forces that answer the overlaps, and secants from the present forces.
 
     Parameters
@@ -39,7 +39,7 @@ def contact_response(contacts, shift, pushed, force, answer, secant):
     contacts : Contacts
     shift : float
         D [m].
-    pushed, force : array (n,)
+    elastic_displacement, force : array (n,)
         K F [m] and the present forces F [N].
     answer, secant : array (n,)
         Receive min(C, psi(g + D - K F)) [N], and the slope [m/N] of the law
@@ -56,7 +56,7 @@ def contact_response(contacts, shift, pushed, force, answer, secant):
     total = 0.0
     substrate = contacts.substrate
     for i in range(force.size):
-        overlap = contacts.overlap[i] + shift - pushed[i]
+        overlap = contacts.overlap[i] + shift - elastic_displacement[i]
         compliance = contacts.compliance[i]
         root = cube_root(force[i]) if force[i] > 0.0 else 0.0
         found, slope = force_near(overlap, substrate, compliance, root)
@@ -79,13 +79,13 @@ def contact_response(contacts, shift, pushed, force, answer, secant):
 
 
 @kernel
-def energy(contacts, shift, pushed, force):
-    """The energy that equilibrium minimises [J], K F given as ``pushed``."""
+def energy(contacts, shift, elastic_displacement, force):
+    """The energy that equilibrium minimises [J], K F given as ``elastic_displacement``."""
     total = 0.0
     for i in range(force.size):
         root = cube_root(force[i])
         own = 0.5 * contacts.substrate * force[i] + 0.6 * contacts.compliance[i] * root * root
-        total += force[i] * (own + 0.5 * pushed[i] - contacts.overlap[i] - shift)
+        total += force[i] * (own + 0.5 * elastic_displacement[i] - contacts.overlap[i] - shift)
     return total
 
 
@@ -117,12 +117,12 @@ def coordinate_sweep(table, contacts, shift, force):
     change = 0.0
     for i in range(force.size):
         y, x = divmod(cells[i], nx)
-        pushed = 0.0
+        elastic_displacement = 0.0
         for j in range(force.size):
             if force[j] > 0.0:
                 v, w = divmod(cells[j], nx)
-                pushed += table[abs(y - v), abs(x - w)] * force[j]
-        overlap = contacts.overlap[i] + shift - pushed
+                elastic_displacement += table[abs(y - v), abs(x - w)] * force[j]
+        overlap = contacts.overlap[i] + shift - elastic_displacement
         answer = force_of_overlap(overlap, contacts.substrate, contacts.compliance[i])[0]
         answer = min(answer, contacts.limit[i])
         if answer != force[i]:

@@ -14,7 +14,14 @@ from jointclosure.solvers.interaction_operator import (
     dense_limit,
     influence_matrix,
 )
-from jointclosure.solvers.joint import CONVERGED, NOT_CONVERGED, RIGID_CONTACT, Joint, Settled
+from jointclosure.solvers.joint import (
+    CONVERGED,
+    NOT_CONVERGED,
+    RIGID_CONTACT,
+    Effort,
+    Joint,
+    Settled,
+)
 from jointclosure.solvers.newton import Equilibrium
 
 ELASTIC_TOLERANCE = 1e-10
@@ -118,9 +125,8 @@ def _settled(joint: Joint, candidates: _Candidates, found: Equilibrium) -> Settl
         contacts=int(np.count_nonzero(found.force)),
         mean_interaction=joint.mean_interaction(),
         residual=found.residual,
-        breakage_steps=0,
-        confined_contacts=0,
-        confined_share=0.0,
+        locked_contacts=0,
+        locked_share=0.0,
         flat_share=flat / total if total > 0.0 else 0.0,
-        iterations=found.products,
+        effort=Effort(1, 1, found.newton_steps, found.products),
     )

@@ -12,7 +12,7 @@ These are the optimality conditions of
 strictly convex as A + K is positive definite for a base radius of at most a
 cell (Choices.base_radius_in_cells). So the answer is unique and does not
 depend on the method: docs/decisions/0004-equilibrium.md. The limits C are
-infinite for elastic contacts, and a contact's strength where it may yield.
+infinite for elastic contacts, and a contact's strength where breakage is resolved.
 
 Either the shift is given (0), or the total force is, and the shift is its
 Lagrange multiplier: the closure at which the joint carries that force.
@@ -21,7 +21,7 @@ Lagrange multiplier: the closure at which the joint carries that force.
 import math
 
 import numpy as np
-import scipy.optimize
+import scipy
 
 from jointclosure.solvers.contacts import (
     Contacts,
@@ -42,7 +42,7 @@ def solve_equilibrium(
     target: float,
     tolerance: float,
     matrix: np.ndarray | None = None,
-    pushed: np.ndarray | None = None,
+    elastic_displacement: np.ndarray | None = None,
 ) -> Equilibrium:
     """Forces in equilibrium at the overlapping cells.
 
@@ -60,7 +60,7 @@ def solve_equilibrium(
         Relative residual to reach; below `ROUNDING` none does.
     matrix : array (n, n), optional
         The contacts' `influence_matrix` where it is at hand already.
-    pushed : array (n,), optional
+    elastic_displacement : array (n,), optional
         The interaction [m] of the forces to start from, or about that, where it is
         at hand: saves a product.
 
@@ -85,14 +85,20 @@ def solve_equilibrium(
         matrix = influence_matrix(influence.table, contacts.cells[: n if dense else 0])
     usable = np.where(np.isfinite(start) & (start > 0.0), start, 0.0)
     # an interaction that belongs to a guess which was not taken is of no use
-    if pushed is None or not np.isfinite(pushed).all() or not np.array_equal(usable, start):
-        pushed = np.empty(0)
+    if (
+        elastic_displacement is None
+        or not np.isfinite(elastic_displacement).all()
+        or not np.array_equal(usable, start)
+    ):
+        elastic_displacement = np.empty(0)
     problem, sought = (influence, matrix, contacts), (float(target), float(tolerance))
-    found = interacting_equilibrium(*problem, usable, pushed, *sought)
+    found = interacting_equilibrium(*problem, usable, elastic_displacement, *sought)
     if not found.residual <= tolerance and usable.any():
         again = interacting_equilibrium(*problem, 0.0 * usable, np.empty(0), *sought)
-        again = again._replace(products=again.products + found.products)
+        steps = found.newton_steps + again.newton_steps
+        products = found.products + again.products
         found = again if not found.residual <= again.residual else found
+        found = found._replace(newton_steps=steps, products=products)
     if not math.isnan(target) and not found.residual <= tolerance:
         found = _bracketed(*problem, *sought, found)
     # how well forces answer their overlaps is not known better than this
@@ -114,16 +120,17 @@ def _separate(contacts: Contacts, target: float) -> Equilibrium:
 
 def _bracketed(influence, matrix, contacts, target, tolerance, start: Equilibrium) -> Equilibrium:
     """The shift as a root of the total force at a given shift, which rises with it."""
-    best, products = start, start.products
+    best, steps, products = start, start.newton_steps, start.products
     if math.isnan(start.residual):
         best = start._replace(force=np.zeros(start.force.size))
 
     def at(shift: float) -> float:
-        nonlocal best, products
+        nonlocal best, steps, products
         moved = contacts._replace(overlap=contacts.overlap + shift)
         found = interacting_equilibrium(
             influence, matrix, moved, best.force, np.empty(0), np.nan, 0.1 * tolerance
         )
+        steps += found.newton_steps
         products += found.products
         best = found._replace(shift=shift)
         return float(found.force.sum()) - target
@@ -136,7 +143,8 @@ def _bracketed(influence, matrix, contacts, target, tolerance, start: Equilibriu
             break
         high += high - low
     if not 0.0 <= excess < np.inf:
-        return best._replace(residual=math.nan, products=products)
+        return best._replace(residual=math.nan, newton_steps=steps, products=products)
     at(scipy.optimize.brentq(at, low, high, xtol=1e-14 * (high - low), rtol=1e-14))
     missing = abs(float(best.force.sum()) - target) / target
-    return best._replace(residual=max(best.residual, missing), products=products)
+    residual = max(best.residual, missing)
+    return best._replace(residual=residual, newton_steps=steps, products=products)

@@ -1,37 +1,53 @@
 """The fast solver: breakage to rest and equilibrium in turn.
 
-The paper returns to the detection of contacts after every single breakage.
-Here all breakage at a given interaction runs to rest, then equilibrium is
-solved anew, until neither changes anything. The interaction to begin with is
-extrapolated from the steps before (fixed breakage steps), or that of an
-equilibrium in which no contact carries more than its strength (resolved
-breakage): docs/decisions/0010-resolved-breakage.md.
+The paper returns to the detection of contacts after every single breakage. Here a
+joint is brought to rest at a closure in *rounds*, each of two halves:
+
+- breakage: with the interaction held, pairs break until all are within their strength;
+- equilibrium: with the walls held, forces and their interaction are solved for.
+
+Rounds go on until an equilibrium breaks nothing. To find what breaks next a rough
+solution will do, so the residual is reduced in *stages*: `PROVISIONAL_TOLERANCES`, then
+what is asked for. A stage ends with the first of its equilibria that breaks nothing.
+
+The first round begins in one of three ways:
+
+- nothing can break: one equilibrium, solved as exactly as asked, and no breakage;
+- fixed breakage steps: breakage, at the interaction that is extrapolated from the steps
+  before. Where nothing breaks the step is elastic: the forces are extrapolated too, and
+  the equilibrium is solved as exactly as asked;
+- resolved breakage: an equilibrium in which no contact carries more than its strength,
+  docs/decisions/0010-resolved-breakage.md. By how much the force at rest misses its
+  force is the measure of the step's error.
+
+At last the residual is computed anew from walls and forces alone. Where it exceeds what
+was asked for, the solution is tightened, and where that is of no avail it has failed.
 """
 
 import numpy as np
 
 from jointclosure.solvers.breakage import breakage_kernel, strength_limits
+from jointclosure.solvers.contacts import Contacts
 from jointclosure.solvers.elastic import elastic_curve
-from jointclosure.solvers.equilibrium import solve_equilibrium
+from jointclosure.solvers.equilibrium import Equilibrium, solve_equilibrium
 from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import (
     CONVERGED,
     NOT_AT_REST,
     NOT_CONVERGED,
     RIGID_CONTACT,
+    Effort,
     Joint,
     Settled,
 )
+from jointclosure.solvers.newton import ROUNDING
+from jointclosure.solvers.pair_batch import batch_memory
 
 PROVISIONAL_TOLERANCES = (1e-2, 1e-4)
-"""Residuals that suffice to find what breaks next; where nothing does, the next of them, and at
-last the one that is asked for."""
+"""Residuals that suffice to find what breaks next, stage by stage."""
 BAND = 10.0
 """Width of the band about its strength in which a contact rests, over `Numerics.tolerance`."""
-MISJUDGED = 1e-6
-"""Recomputed residual beyond which a solution is none, whatever the solver believes."""
 MOST_ROUNDS = 1000
-MOST_BREAKAGE_STEPS = 1_000_000_000
 
 
 class FastSolver:
@@ -41,99 +57,135 @@ class FastSolver:
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
         """Bring the joint to rest at a closure [m]; breakage in steps [m]."""
-        final = joint.numerics.force_tolerance
-        breakage = joint.effects.breakage
-        tolerances = [each for each in PROVISIONAL_TOLERANCES if breakage and each > final]
-        tolerances.append(final)
-        confined = np.zeros(joint.upper.shape, dtype=bool)
-        broken = iterations = 0
-        outcome, solved_to, predicted = NOT_AT_REST, np.inf, 0.0
-        predict = not breakage or _resolved(joint)
+        asked = finest = joint.numerics.force_tolerance
         before = joint.interaction.copy(), joint.force.copy()
         step = closure - float(joint.closure)
-        if not predict:
-            # that of the step before is too low while the joint closes, and too much breaks
-            joint.interaction += step * joint.interaction_rate
-        for round_ in range(MOST_ROUNDS):
-            steps = 0
-            begins = round_ == 0
-            if breakage and not (predict and begins):
-                steps, confined = self._break_to_rest(joint, closure, breakage_step)
-                broken += steps
-            if steps == 0 and solved_to <= final:
-                outcome = CONVERGED
-                break
-            if broken >= MOST_BREAKAGE_STEPS:
-                break
-            if steps == 0 and solved_to <= tolerances[0]:
-                del tolerances[0]
-            elastic = begins and steps == 0 and not predict
-            if elastic:
-                np.maximum(joint.force + step * joint.force_rate, 0.0, out=joint.force)
-            tolerance = final if elastic else tolerances[0]
-            answer = self._equilibrate(joint, closure, tolerance)
-            iterations += answer.products
-            if not answer.residual <= tolerance:
-                outcome = RIGID_CONTACT if answer.residual == np.inf else NOT_CONVERGED
-                break
-            solved_to = tolerance
-            if predict and begins:
-                predicted = float(answer.force.sum())
+        path = _PathToRest(joint, closure, breakage_step)
+        predicted = np.nan
+        try:
+            if not joint.effects.breakage:
+                path.solve(asked)
+            elif _resolved(joint):
+                predicted = path.begin_within_strength(asked)
+                path.alternate(asked)
+            else:
+                path.begin_extrapolated(step, asked)
+                path.alternate(asked)
+            settled = path.described(CONVERGED)
+            while not settled.residual <= asked:
+                finest *= 0.5 * asked / settled.residual
+                path.tighten(finest)
+                settled = path.described(CONVERGED)
+        except _GivenUp as given_up:
+            settled = path.described(given_up.outcome)
         if step != 0.0:
             _note_rates(joint, before, step)
         joint.closure[...] = closure
-        settled = joint.describe(closure, outcome, broken, confined, iterations)
-        if outcome == CONVERGED and not settled.residual <= max(100.0 * final, MISJUDGED):
-            settled = settled._replace(outcome=NOT_CONVERGED)
-        if predict and broken > 0:
+        if settled.effort.breakage_steps > 0 and _resolved(joint):
             settled = settled._replace(correction=abs(settled.total_force - predicted))
         return settled
 
-    @staticmethod
-    def _break_to_rest(joint: Joint, closure: float, breakage_step: float):
+
+class _GivenUp(Exception):
+    """A joint that does not come to rest, with the outcome that says why."""
+
+    def __init__(self, outcome: int):
+        self.outcome = outcome
+
+
+class _PathToRest:
+    """A joint on its way to rest at a closure [m], and what that took so far.
+
+    ``locked`` is the map (y, x) of pairs that could not break in the last breakage,
+    ``solved_to`` the residual to which the present forces were solved.
+    """
+
+    def __init__(self, joint: Joint, closure: float, breakage_step: float):
+        self.joint, self.closure, self.breakage_step = joint, closure, breakage_step
+        self.locked = np.zeros(joint.upper.shape, dtype=bool)
+        self.solved_to = np.inf
+        self.rounds = self.newton_steps = self.products = self.breakage_steps = 0
+        self._memory = batch_memory()
+
+    def described(self, outcome: int) -> Settled:
+        """The joint as it is now."""
+        effort = Effort(1, self.rounds, self.newton_steps, self.products, self.breakage_steps)
+        return self.joint.describe(self.closure, outcome, self.locked, effort)
+
+    def begin_extrapolated(self, step: float, asked: float) -> None:
+        """First round with fixed breakage steps, a closure ``step`` [m] after the last one."""
+        joint = self.joint
+        # that of the step before is too low while the joint closes, and too much breaks
+        joint.interaction += step * joint.interaction_rate
+        if self.break_to_rest() > 0:
+            self.solve(_stages(asked)[0])
+        else:
+            np.maximum(joint.force + step * joint.force_rate, 0.0, out=joint.force)
+            self.solve(asked)
+
+    def begin_within_strength(self, asked: float) -> float:
+        """First equilibrium with resolved breakage; the total force [N] that it predicts."""
+        return float(self.solve(_stages(asked)[0]).force.sum())
+
+    def alternate(self, asked: float) -> None:
+        """Rounds until an equilibrium to the residual that is asked for breaks nothing."""
+        stages = _stages(asked)
+        stage = 0
+        while True:
+            if self.break_to_rest() == 0:
+                if self.solved_to <= asked:
+                    return
+                stage += 1
+            self.solve(stages[stage])
+
+    def tighten(self, finer: float) -> None:
+        """Solve to a smaller residual than before, and break what that breaks."""
+        if not finer >= ROUNDING:
+            raise _GivenUp(NOT_CONVERGED)
+        self.solve(finer)
+        if self.joint.effects.breakage:
+            self.alternate(finer)
+
+    def break_to_rest(self) -> int:
+        """Breakage at the present interaction; how many breakage steps that took."""
+        joint = self.joint
         kernel = breakage_kernel(
             joint.effects.gouge, joint.choices.peaks == "current", _resolved(joint)
         )
-        return kernel(
+        most = _most_breakage_steps(joint)
+        steps, self.locked = kernel(
             joint.upper,
             joint.lower,
-            float(closure - joint.first_touch),
+            float(self.closure - joint.first_touch),
             joint.interaction,
             joint.peaks,
             joint.law,
-            float(breakage_step),
+            float(self.breakage_step),
             _band(joint),
             joint.tie_tolerance,
-            MOST_BREAKAGE_STEPS,
+            most,
+            self._memory,
         )
+        self.breakage_steps += steps
+        if self.breakage_steps >= most:
+            raise _GivenUp(NOT_AT_REST)
+        return steps
 
-    @staticmethod
-    def _equilibrate(joint: Joint, closure: float, tolerance: float):
-        cells, overlap, curvature, compliance = joint.overlapping(closure)
-        contacts = joint.contacts(cells, overlap, compliance)
-        if joint.effects.breakage and _resolved(joint):
-            limit = strength_limits(
-                joint.upper,
-                joint.lower,
-                cells,
-                curvature,
-                compliance,
-                joint.peaks,
-                joint.law,
-                joint.effects.gouge,
-                joint.tie_tolerance,
-                _band(joint),
-            )
-            contacts = contacts._replace(limit=limit)
-        # the interaction of those forces, or what it is expected to become
-        pushed = joint.interaction.ravel()[cells]
+    def solve(self, tolerance: float) -> Equilibrium:
+        """Equilibrium of the walls as they are: forces and interaction of the joint."""
+        if self.rounds >= MOST_ROUNDS:
+            raise _GivenUp(NOT_AT_REST)
+        joint = self.joint
+        contacts = _contacts(joint, self.closure)
+        cells = contacts.cells
         answer = solve_equilibrium(
             joint.influence,
             contacts,
             joint.force.ravel()[cells],
             np.nan,
             tolerance,
-            pushed=pushed,
+            # the interaction of those forces, or what it is expected to become
+            elastic_displacement=joint.interaction.ravel()[cells],
         )
         joint.force[:] = 0.0
         joint.force.ravel()[cells] = answer.force
@@ -142,7 +194,44 @@ class FastSolver:
             field = answer.field if known else interaction_field(joint.influence, joint.force)
             joint.interaction[:] = field
             joint.interaction.ravel()[cells] = answer.interaction
+        self.rounds += 1
+        self.newton_steps += answer.newton_steps
+        self.products += answer.products
+        if not answer.residual <= tolerance:
+            raise _GivenUp(RIGID_CONTACT if answer.residual == np.inf else NOT_CONVERGED)
+        self.solved_to = tolerance
         return answer
+
+
+def _contacts(joint: Joint, closure: float) -> Contacts:
+    """What may carry force at a closure [m]; with resolved breakage no more than it can bear."""
+    cells, overlap, curvature, compliance = joint.overlapping(closure)
+    contacts = joint.contacts(cells, overlap, compliance)
+    if not (joint.effects.breakage and _resolved(joint)):
+        return contacts
+    limit = strength_limits(
+        joint.upper,
+        joint.lower,
+        cells,
+        curvature,
+        compliance,
+        joint.peaks,
+        joint.law,
+        joint.effects.gouge,
+        joint.tie_tolerance,
+        _band(joint),
+    )
+    return contacts._replace(limit=limit)
+
+
+def _stages(asked: float) -> tuple[float, ...]:
+    """Residuals to solve to, one after the other, the last the one that is asked for."""
+    return (*(each for each in PROVISIONAL_TOLERANCES if each > asked), asked)
+
+
+def _most_breakage_steps(joint: Joint) -> int:
+    """Breakage steps beyond which a closure is given up."""
+    return int(min(joint.numerics.most_breakage_steps * joint.upper.size, 2.0**62))
 
 
 def _note_rates(joint: Joint, before: tuple[np.ndarray, np.ndarray], step: float) -> None:

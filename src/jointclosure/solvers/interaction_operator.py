@@ -11,6 +11,7 @@ import scipy.fft
 
 from jointclosure.compilation import kernel
 from jointclosure.mechanics.interaction import interaction_displacement
+from jointclosure.solvers.products import symmetric_times
 
 LARGEST_DENSE = 4000
 """Contacts of the largest dense matrix, 128 MB."""
@@ -101,7 +102,7 @@ def interaction_product(influence, matrix, cells, values, force):
     this also gives the displacements (y, x) at all cells, which are empty else.
     """
     if matrix.size > 0:
-        return np.dot(matrix, values), force[:, :0]
+        return symmetric_times(matrix, values), force[:, :0]
     flat = force.ravel()
     for i in range(cells.size):
         flat[cells[i]] = values[i]
@@ -132,8 +133,8 @@ def mean_displacement(table: np.ndarray) -> np.ndarray:
 def influence_of(table: np.ndarray) -> Influence:
     """The interaction on a grid, from its `influence_table` (ny, nx)."""
     ny, nx = table.shape
-    padded = tuple(scipy.fft.next_fast_len(2 * n - 1, real=True) for n in table.shape)
-    wrapped = np.zeros(padded)
+    rows, columns = (scipy.fft.next_fast_len(2 * n - 1, real=True) for n in table.shape)
+    wrapped = np.zeros((rows, columns))
     wrapped[:ny, :nx] = table
     if ny > 1:
         wrapped[1 - ny :, :nx] = table[:0:-1]
@@ -141,7 +142,7 @@ def influence_of(table: np.ndarray) -> Influence:
         wrapped[:, 1 - nx :] = wrapped[:, nx - 1 : 0 : -1]
     side = max(_PATCH, round(math.sqrt(table.size) / _PATCHES_ACROSS))
     patches = patch_influence(table, side)
-    return Influence(table, scipy.fft.rfft2(wrapped, workers=1), *padded, side, patches)
+    return Influence(table, scipy.fft.rfft2(wrapped, workers=1), rows, columns, side, patches)
 
 
 def dense_limit(shape: tuple[int, int]) -> int:

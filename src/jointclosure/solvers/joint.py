@@ -27,10 +27,29 @@ CONVERGED, NOT_CONVERGED, NOT_AT_REST, RIGID_CONTACT = range(4)
 """Outcomes of `Solver.settle`."""
 
 
-class Settled(NamedTuple):
-    """A joint at rest: in equilibrium, every contact held or confined.
+class Effort(NamedTuple):
+    """What settling took, in counts that do not depend on the machine.
 
-    Shares are those of the total force on confined contacts (beyond their
+    ``settled`` states, those thrown away included; ``rounds``, equilibria solved, as each
+    time after breakage; ``newton_steps``; ``products`` with the interaction (the reference:
+    sweeps); ``breakage_steps``, one pair lowered once.
+    """
+
+    settled: int = 0
+    rounds: int = 0
+    newton_steps: int = 0
+    products: int = 0
+    breakage_steps: int = 0
+
+    def plus(self, other: "Effort") -> "Effort":
+        """Both efforts together."""
+        return Effort(*(own + more for own, more in zip(self, other, strict=True)))
+
+
+class Settled(NamedTuple):
+    """A joint at rest: in equilibrium, every contact held or locked.
+
+    Shares are those of the total force on locked contacts (beyond their
     strength, with nowhere to put their gouge) and on flat ones (no curvature,
     or what rounding leaves of none, so that Eq. (22) gives next to no stress).
     ``correction`` [N] is by how much the total force missed what was predicted
@@ -44,11 +63,10 @@ class Settled(NamedTuple):
     contacts: int
     mean_interaction: float
     residual: float
-    breakage_steps: int
-    confined_contacts: int
-    confined_share: float
+    locked_contacts: int
+    locked_share: float
     flat_share: float
-    iterations: int
+    effort: Effort
     correction: float = 0.0
 
 
@@ -145,21 +163,14 @@ class Joint:
         """Mean displacement of all cells by the interaction: the bulk indentation [m]."""
         if not self.effects.interaction:
             return 0.0
-        return float(np.vdot(self._mean_displacement, self.force))
+        return float(np.sum(self._mean_displacement * self.force))
 
     def force_on_flats(self, curvature: np.ndarray, force: np.ndarray) -> float:
         """Force [N] on contacts (n,) that are flat: `FLATTEST` and below, by curvature [1/m]."""
         return float(force[curvature * self.law.spacing < FLATTEST].sum())
 
-    def describe(
-        self,
-        closure: float,
-        outcome: int,
-        breakage_steps: int,
-        confined: np.ndarray,
-        iterations: int,
-    ) -> Settled:
-        """Sum up the present state; ``confined`` is a map (y, x).
+    def describe(self, closure: float, outcome: int, locked: np.ndarray, effort: Effort) -> Settled:
+        """Sum up the present state; ``locked`` is a map (y, x).
 
         The residual is recomputed here from walls and forces alone, whatever
         the solver believes to have reached.
@@ -181,11 +192,10 @@ class Joint:
             contacts=int(np.count_nonzero(self.force)),
             mean_interaction=self.mean_interaction(),
             residual=misfit,
-            breakage_steps=breakage_steps,
-            confined_contacts=int(np.count_nonzero(confined & (self.force > 0.0))),
-            confined_share=share * float(self.force[confined].sum()),
+            locked_contacts=int(np.count_nonzero(locked & (self.force > 0.0))),
+            locked_share=share * float(self.force[locked].sum()),
             flat_share=share * self.force_on_flats(curvature, force),
-            iterations=iterations,
+            effort=effort,
         )
 
 
@@ -197,7 +207,9 @@ class Solver(Protocol):
     solver can only step.
     """
 
-    elastic_curve: Callable[["Joint", np.ndarray], list[Settled]] | None
+    @property
+    def elastic_curve(self) -> Callable[["Joint", np.ndarray], list[Settled]] | None:
+        """See above."""
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
         """Change the joint's walls and forces so that it rests at the closure [m]."""

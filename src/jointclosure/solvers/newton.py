@@ -1,4 +1,4 @@
-"""Newton's method for the equilibrium of contacts that push each other down."""
+"""Newton's method for the equilibrium of contacts that displace each other elastically."""
 
 import math
 from typing import NamedTuple
@@ -21,9 +21,9 @@ ROUNDING = 2.0**-52
 class Equilibrium(NamedTuple):
     """Forces [N] and interaction [m] at the cells (n,), and how they came about.
 
-    ``shift`` D [m] is 0 where it was given. ``residual`` is
-    sum |F - psi(g + D - K F)| / sum F, recomputed from the forces returned, and
-    with a given total force T at least |sum F - T| / T. ``products`` counts
+    ``shift`` D [m] is 0 where it was given. ``residual`` is sum |F - G| / sum G with
+    the answers G = min(C, psi(g + D - K F)) to the forces returned, and with a given
+    total force T at least |sum F - T| / sum G. ``products`` counts
     the products with the interaction. ``field`` is the interaction (y, x) [m]
     at all cells of the grid where it came with those of the contacts, or empty.
     """
@@ -61,7 +61,7 @@ class Iterate(NamedTuple):
     """
 
     force: np.ndarray
-    pushed: np.ndarray
+    elastic_displacement: np.ndarray
     field: np.ndarray
     shift: float
     difference: float
@@ -70,22 +70,22 @@ class Iterate(NamedTuple):
 
 
 @kernel
-def _judged(problem, force, pushed, field, shift):
+def _judged(problem, force, elastic_displacement, field, shift):
     """An iterate from forces and their interaction; `Problem.answer` and `secant` are its own."""
     difference, total = contact_response(
-        problem.contacts, shift, pushed, force, problem.answer, problem.secant
+        problem.contacts, shift, elastic_displacement, force, problem.answer, problem.secant
     )
     missing = 0.0 if math.isnan(problem.target) else problem.target - force.sum()
-    return Iterate(force, pushed, field, shift, difference, total, missing)
+    return Iterate(force, elastic_displacement, field, shift, difference, total, missing)
 
 
 @kernel
 def _iterate(problem, force, shift):
     """An iterate from forces: one product with the interaction."""
-    pushed, field = interaction_product(
+    elastic_displacement, field = interaction_product(
         problem.influence, problem.matrix, problem.contacts.cells, force, problem.grid
     )
-    return _judged(problem, force, pushed, field, shift)
+    return _judged(problem, force, elastic_displacement, field, shift)
 
 
 @kernel
@@ -118,8 +118,8 @@ def _newton_step(problem, space, state, tolerance):
 @kernel
 def _lowered(problem, state, trial):
     """The trial where it lowers the energy, else coordinate by coordinate, and the products."""
-    before = energy(problem.contacts, state.shift, state.pushed, state.force)
-    if energy(problem.contacts, state.shift, trial.pushed, trial.force) < before:
+    before = energy(problem.contacts, state.shift, state.elastic_displacement, state.force)
+    if energy(problem.contacts, state.shift, trial.elastic_displacement, trial.force) < before:
         return trial, 0
     force = state.force.copy()
     for _ in range(_SWEEPS):
@@ -128,7 +128,9 @@ def _lowered(problem, state, trial):
 
 
 @kernel
-def interacting_equilibrium(influence, matrix, contacts, start, pushed, target, tolerance):
+def interacting_equilibrium(
+    influence, matrix, contacts, start, elastic_displacement, target, tolerance
+):
     """`solve_equilibrium` with interaction; the same parameters.
 
     Newton on the convex problem, in the contacts that carry or are about to,
@@ -141,9 +143,9 @@ def interacting_equilibrium(influence, matrix, contacts, start, pushed, target, 
     grid = np.zeros(influence.table.shape)
     problem = Problem(influence, matrix, contacts, target, np.empty(n), np.empty(n), grid)
     force = np.minimum(start, contacts.limit)
-    given = pushed.size == n
+    given = elastic_displacement.size == n
     if given:
-        state = _judged(problem, force, pushed, grid[:, :0], 0.0)
+        state = _judged(problem, force, elastic_displacement, grid[:, :0], 0.0)
     else:
         state = _iterate(problem, force, 0.0)
     products = 0 if given else 1
@@ -181,5 +183,5 @@ def interacting_equilibrium(influence, matrix, contacts, start, pushed, target, 
     elif state.total > 0.0 and state.difference < np.inf and abs(state.missing) < np.inf:
         residual = _misfit(state) / state.total
     return Equilibrium(
-        state.force, state.pushed, state.field, state.shift, residual, steps, products
+        state.force, state.elastic_displacement, state.field, state.shift, residual, steps, products
     )

@@ -1,13 +1,22 @@
-"""Pairs of cells, many at a time: the arithmetic of breakage, laid out for vector units.
+"""Pairs of cells, many at a time: the arithmetic of one breakage step.
 
-A batch holds up to `BATCH` pairs whose neighbourhoods do not overlap. It is one
-flat array of rows of that constant length: row r of pair i is at r * BATCH + i,
-so that every loop below runs over contiguous numbers, without a branch, and
-LLVM turns it into vector code.
+A `Batch` holds up to `BATCH` pairs whose neighbourhoods do not overlap, with all that a
+breakage step needs to know of them. A step is, in this order,
 
-Rows 0 to 8 are the 3 x 3 heights of the upper wall in the order of (y, x)
-offsets, 9 to 17 those of the lower, the cell itself in the middle; heights
-outside the grid are infinite.
+1. `assess`: curvatures, overlap, and which pairs are beyond their strength;
+2. `measure_drops`: how far their neighbours lie below them, where gouge goes (with gouge);
+3. `share_losses`: how a loss of 1 divides between the walls, and which pairs are locked;
+4. `fixed_losses` or `returning_losses`: how much is lost;
+5. `shed_losses`: the cells are lowered, and their neighbours raised by the gouge.
+
+Every field has a value for each pair, those of one kind side by side, and every field of
+the record has a fixed place in one block of memory. So each loop over pairs runs over
+contiguous numbers, without a branch, and LLVM knows that they do not overlap and turns it
+into vector code. What does not apply to a pair is computed all the same and then not
+taken: ``a if condition else b`` is a selection there and no branch.
+
+The 3 x 3 heights of a wall are in the order of (y, x) offsets, the cell itself at
+`CENTRE`; heights outside the grid are infinite.
 """
 
 import math
@@ -19,61 +28,89 @@ from jointclosure.mechanics.curvature import gaussian_curvature
 from jointclosure.mechanics.gouge import fall, passed_share, upper_share
 
 BATCH = 128
-UPPER, LOWER, CENTRE = 0, 9, 4
-LIFT, OVERLAP, RATIO = 18, 19, 20
-BEND, STRENGTH = 21, 22  # q of `breaking_bend`, and substrate times breaking force
-CURVATURE, TOTAL, LEAST, LOSS = 23, 25, 27, 29  # upper, then lower
-ACTIVE, TAKEN, CONFINED = 31, 32, 33
-MOST, LEFT, RIGHT, EXCESS, SHORTAGE, SIDE, DONE, TRIAL = 34, 35, 36, 37, 38, 39, 40, 41
-ROWS = 42
+UPPER, LOWER = 0, 1
+SOUTH, WEST, CENTRE, EAST, NORTH = 1, 3, 4, 5, 7
+
+
+def _fields(*names: str, shape: tuple[int, ...] = ()) -> list[tuple]:
+    return [(name, np.float64, (*shape, BATCH)) for name in names]
+
+
+Batch = np.dtype(
+    (
+        np.record,
+        [
+            # the walls, by wall and neighbour [m]
+            *_fields("heights", shape=(2, 9)),
+            # closure less the elastic displacement, from first touch [m]: overlap is the
+            # sum of both heights and this
+            *_fields("approach", "overlap"),
+            # strength: q = delta_break/R_a, and substrate compliance times breaking force
+            # times kappa_a^2, see `jointclosure.mechanics.strength.is_overstressed`
+            *_fields("critical_indentation", "substrate_strength"),
+            # overlap over that at which the pair breaks
+            *_fields("stress_ratio"),
+            # 1 or 0: breaks in this step; is locked on both walls. And steps taken so far
+            *_fields("breaks", "locked", "steps"),
+            # by wall: curvature [1/m], sum and least of the drops to lower neighbours [m],
+            # loss of height (first its share) [m]
+            *_fields("curvature", "total_drop", "least_drop", "loss", shape=(2,)),
+            # return mapping: the most there is to lose; the bracket of the loss, by what the
+            # stress ratio exceeds its goal at its ends; which end moved last, -1 or 1; the
+            # loss on trial, and whether it is the answer, 1 or 0
+            *_fields("most", "left", "right", "excess", "shortage", "moved", "trial", "found"),
+        ],
+    )
+)
+
+
+def batch_memory() -> np.ndarray:
+    """Memory of one batch, (1,): its only element is the batch.
+
+    The caller of a kernel keeps it: a record does not keep the array alive that it lies in.
+    """
+    return np.zeros(1, Batch)
 
 
 @kernel
-def new_batch():
-    """Memory of a batch."""
-    return np.zeros(ROWS * BATCH)
+def gather(batch, n, cells, upper, lower, approach, stride, with_corners):
+    """Copy heights around cells (n,) into a batch; those of the corners if asked for.
 
-
-@kernel
-def gather(batch, n, cells, top, bottom, lift, stride, everything):
-    """Copy heights around cells (n,) into a batch; the corners only if ``everything``.
-
-    ``top``, ``bottom`` and ``lift`` are flat arrays with margins, rows of
+    ``upper``, ``lower`` and ``approach`` are flat arrays with margins, rows of
     ``stride``.
     """
     for i in range(n):
         cell = cells[i]
         for row in range(3):
             start = cell + (row - 1) * stride
-            batch[(UPPER + 3 * row + 1) * BATCH + i] = top[start]
-            batch[(LOWER + 3 * row + 1) * BATCH + i] = bottom[start]
-        batch[(UPPER + 3) * BATCH + i] = top[cell - 1]
-        batch[(UPPER + 5) * BATCH + i] = top[cell + 1]
-        batch[(LOWER + 3) * BATCH + i] = bottom[cell - 1]
-        batch[(LOWER + 5) * BATCH + i] = bottom[cell + 1]
-        batch[LIFT * BATCH + i] = lift[cell]
-    if everything:
+            batch.heights[UPPER, 3 * row + 1, i] = upper[start]
+            batch.heights[LOWER, 3 * row + 1, i] = lower[start]
+        batch.heights[UPPER, WEST, i] = upper[cell - 1]
+        batch.heights[UPPER, EAST, i] = upper[cell + 1]
+        batch.heights[LOWER, WEST, i] = lower[cell - 1]
+        batch.heights[LOWER, EAST, i] = lower[cell + 1]
+        batch.approach[i] = approach[cell]
+    if with_corners:
         for i in range(n):
-            above, below = cells[i] - stride, cells[i] + stride
-            batch[(UPPER + 0) * BATCH + i] = top[above - 1]
-            batch[(UPPER + 2) * BATCH + i] = top[above + 1]
-            batch[(UPPER + 6) * BATCH + i] = top[below - 1]
-            batch[(UPPER + 8) * BATCH + i] = top[below + 1]
-            batch[(LOWER + 0) * BATCH + i] = bottom[above - 1]
-            batch[(LOWER + 2) * BATCH + i] = bottom[above + 1]
-            batch[(LOWER + 6) * BATCH + i] = bottom[below - 1]
-            batch[(LOWER + 8) * BATCH + i] = bottom[below + 1]
+            below, above = cells[i] - stride, cells[i] + stride
+            batch.heights[UPPER, 0, i] = upper[below - 1]
+            batch.heights[UPPER, 2, i] = upper[below + 1]
+            batch.heights[UPPER, 6, i] = upper[above - 1]
+            batch.heights[UPPER, 8, i] = upper[above + 1]
+            batch.heights[LOWER, 0, i] = lower[below - 1]
+            batch.heights[LOWER, 2, i] = lower[below + 1]
+            batch.heights[LOWER, 6, i] = lower[above - 1]
+            batch.heights[LOWER, 8, i] = lower[above + 1]
 
 
 @kernel
-def scatter(batch, i, cell, top, bottom, stride):
+def scatter(batch, i, cell, upper, lower, stride):
     """Copy the heights of pair i back around its cell."""
     for row in range(3):
         start = cell + (row - 1) * stride - 1
         for column in range(3):
-            k = 3 * row + column
-            top[start + column] = batch[(UPPER + k) * BATCH + i]
-            bottom[start + column] = batch[(LOWER + k) * BATCH + i]
+            upper[start + column] = batch.heights[UPPER, 3 * row + column, i]
+            lower[start + column] = batch.heights[LOWER, 3 * row + column, i]
 
 
 @kernel
@@ -89,43 +126,28 @@ def curvature_of(here, west, east, south, north, least_curvature, spacing):
 
 
 @kernel
-def measure(batch, n, least_curvature, spacing, allowed):
-    """Curvatures, overlap, stress ratio and whether a pair is overstressed.
-
-    The ratio is the overlap over that at which the pair breaks, see
-    `jointclosure.mechanics.strength.is_overstressed`; ``allowed`` is what it
-    may reach.
-    """
+def assess(batch, n, least_curvature, spacing, allowed):
+    """Curvatures, overlap, stress ratio, and whether that exceeds the allowed one."""
     for i in range(n):
-        high = batch[(UPPER + CENTRE) * BATCH + i]
-        low = batch[(LOWER + CENTRE) * BATCH + i]
-        bend_upper = curvature_of(
-            high,
-            batch[(UPPER + 3) * BATCH + i],
-            batch[(UPPER + 5) * BATCH + i],
-            batch[(UPPER + 1) * BATCH + i],
-            batch[(UPPER + 7) * BATCH + i],
-            least_curvature,
-            spacing,
+        for wall in range(2):
+            batch.curvature[wall, i] = curvature_of(
+                batch.heights[wall, CENTRE, i],
+                batch.heights[wall, WEST, i],
+                batch.heights[wall, EAST, i],
+                batch.heights[wall, SOUTH, i],
+                batch.heights[wall, NORTH, i],
+                least_curvature,
+                spacing,
+            )
+        kappa = batch.curvature[UPPER, i] + batch.curvature[LOWER, i]
+        overlap = (
+            batch.heights[UPPER, CENTRE, i] + batch.heights[LOWER, CENTRE, i] + batch.approach[i]
         )
-        bend_lower = curvature_of(
-            low,
-            batch[(LOWER + 3) * BATCH + i],
-            batch[(LOWER + 5) * BATCH + i],
-            batch[(LOWER + 1) * BATCH + i],
-            batch[(LOWER + 7) * BATCH + i],
-            least_curvature,
-            spacing,
-        )
-        overlap = high + low + batch[LIFT * BATCH + i]
-        bend = bend_upper + bend_lower
-        load = overlap * bend * bend
-        strength = batch[BEND * BATCH + i] * bend + batch[STRENGTH * BATCH + i]
-        batch[CURVATURE * BATCH + i] = bend_upper
-        batch[(CURVATURE + 1) * BATCH + i] = bend_lower
-        batch[OVERLAP * BATCH + i] = overlap
-        batch[RATIO * BATCH + i] = load / strength
-        batch[ACTIVE * BATCH + i] = 1.0 if load > allowed * strength else 0.0
+        load = overlap * kappa * kappa
+        strength = batch.critical_indentation[i] * kappa + batch.substrate_strength[i]
+        batch.overlap[i] = overlap
+        batch.stress_ratio[i] = load / strength
+        batch.breaks[i] = 1.0 if load > allowed * strength else 0.0
 
 
 @kernel
@@ -135,22 +157,24 @@ def least_of(drop, least):
 
 
 @kernel
-def measure_falls(batch, n, wall, side, tie_tolerance):
-    """Sum and least of the drops to lower neighbours: `jointclosure.mechanics.gouge.drops`.
+def drop_to(batch, wall, neighbour, i, tie_tolerance):
+    """How far a neighbour of pair i lies below its cell [m], 0 where it does not."""
+    here = batch.heights[wall, CENTRE, i]
+    return fall(here, batch.heights[wall, neighbour, i], tie_tolerance)
 
-    Rows ``TOTAL + side`` and ``LEAST + side``, of the wall whose heights start
-    at row ``wall``.
-    """
+
+@kernel
+def measure_drops(batch, n, wall, tie_tolerance):
+    """Sum and least of the drops to lower neighbours: `jointclosure.mechanics.gouge.drops`."""
     for i in range(n):
-        here = batch[(wall + CENTRE) * BATCH + i]
-        a = fall(here, batch[(wall + 0) * BATCH + i], tie_tolerance)
-        b = fall(here, batch[(wall + 1) * BATCH + i], tie_tolerance)
-        c = fall(here, batch[(wall + 2) * BATCH + i], tie_tolerance)
-        d = fall(here, batch[(wall + 3) * BATCH + i], tie_tolerance)
-        e = fall(here, batch[(wall + 5) * BATCH + i], tie_tolerance)
-        f = fall(here, batch[(wall + 6) * BATCH + i], tie_tolerance)
-        g = fall(here, batch[(wall + 7) * BATCH + i], tie_tolerance)
-        h = fall(here, batch[(wall + 8) * BATCH + i], tie_tolerance)
+        a = drop_to(batch, wall, 0, i, tie_tolerance)
+        b = drop_to(batch, wall, 1, i, tie_tolerance)
+        c = drop_to(batch, wall, 2, i, tie_tolerance)
+        d = drop_to(batch, wall, 3, i, tie_tolerance)
+        e = drop_to(batch, wall, 5, i, tie_tolerance)
+        f = drop_to(batch, wall, 6, i, tie_tolerance)
+        g = drop_to(batch, wall, 7, i, tie_tolerance)
+        h = drop_to(batch, wall, 8, i, tie_tolerance)
         least = least_of(a, math.inf)
         least = least_of(b, least)
         least = least_of(c, least)
@@ -158,8 +182,8 @@ def measure_falls(batch, n, wall, side, tie_tolerance):
         least = least_of(e, least)
         least = least_of(f, least)
         least = least_of(g, least)
-        batch[(LEAST + side) * BATCH + i] = least_of(h, least)
-        batch[(TOTAL + side) * BATCH + i] = ((a + b) + (c + d)) + ((e + f) + (g + h))
+        batch.least_drop[wall, i] = least_of(h, least)
+        batch.total_drop[wall, i] = ((a + b) + (c + d)) + ((e + f) + (g + h))
 
 
 @kernel
@@ -167,79 +191,79 @@ def share_losses(batch, n, gouge):
     """Both walls' shares of a loss of 1, 0 for a pair that does not break.
 
     `jointclosure.mechanics.gouge.upper_share` and `passed_share`; marks pairs
-    confined on both walls, which do not break.
+    locked on both walls, which do not break.
     """
     for i in range(n):
-        share = upper_share(batch[CURVATURE * BATCH + i], batch[(CURVATURE + 1) * BATCH + i])
-        active = batch[ACTIVE * BATCH + i]
+        share = upper_share(batch.curvature[UPPER, i], batch.curvature[LOWER, i])
+        breaks = batch.breaks[i]
         if gouge:
-            upper, lower = batch[TOTAL * BATCH + i], batch[(TOTAL + 1) * BATCH + i]
+            upper, lower = batch.total_drop[UPPER, i], batch.total_drop[LOWER, i]
             share = passed_share(share, upper, lower)
-            confined = active if upper + lower == 0.0 else 0.0
-            batch[CONFINED * BATCH + i] = confined
-            active -= confined
-        batch[ACTIVE * BATCH + i] = active
-        batch[TAKEN * BATCH + i] += active
-        batch[LOSS * BATCH + i] = active * share
-        batch[(LOSS + 1) * BATCH + i] = active * (1.0 - share)
+            locked = breaks if upper + lower == 0.0 else 0.0
+            batch.locked[i] = locked
+            breaks -= locked
+        batch.breaks[i] = breaks
+        batch.steps[i] += breaks
+        batch.loss[UPPER, i] = breaks * share
+        batch.loss[LOWER, i] = breaks * (1.0 - share)
 
 
 @kernel
-def scale_losses(batch, n, breakage_step):
-    """The fixed step: both walls lose their shares of it."""
+def fixed_losses(batch, n, breakage_step):
+    """The fixed step [m]: both walls lose their shares of it."""
     for i in range(n):
-        batch[LOSS * BATCH + i] *= breakage_step
-        batch[(LOSS + 1) * BATCH + i] *= breakage_step
+        batch.loss[UPPER, i] *= breakage_step
+        batch.loss[LOWER, i] *= breakage_step
 
 
 @kernel
-def shed_losses(batch, n, wall, side, tie_tolerance, gouge):
+def raise_to(batch, wall, neighbour, i, rate, tie_tolerance):
+    """Lay gouge on a neighbour of pair i: this part of its drop below the cell."""
+    height = batch.heights[wall, neighbour, i]
+    drop = fall(batch.heights[wall, CENTRE, i], height, tie_tolerance)
+    batch.heights[wall, neighbour, i] = height + rate * drop
+
+
+@kernel
+def shed_losses(batch, n, wall, tie_tolerance, gouge):
     """Lower a wall's cells by their losses and lay these on the lower neighbours.
 
     `jointclosure.mechanics.gouge.shed`: cut so that no neighbour is lifted above
     the lowered cell.
     """
     for i in range(n):
-        loss = batch[(LOSS + side) * BATCH + i]
-        here = batch[(wall + CENTRE) * BATCH + i]
+        loss = batch.loss[wall, i]
+        here = batch.heights[wall, CENTRE, i]
         if gouge:
-            total = batch[(TOTAL + side) * BATCH + i]
-            least = batch[(LEAST + side) * BATCH + i]
+            total = batch.total_drop[wall, i]
+            least = batch.least_drop[wall, i]
             full = loss / total
             cut = least / (total + least)
             rate = full if full < cut else cut
             rate = rate if loss > 0.0 else 0.0
-            a = batch[(wall + 0) * BATCH + i]
-            b = batch[(wall + 1) * BATCH + i]
-            c = batch[(wall + 2) * BATCH + i]
-            d = batch[(wall + 3) * BATCH + i]
-            e = batch[(wall + 5) * BATCH + i]
-            f = batch[(wall + 6) * BATCH + i]
-            g = batch[(wall + 7) * BATCH + i]
-            h = batch[(wall + 8) * BATCH + i]
-            batch[(wall + 0) * BATCH + i] = a + rate * fall(here, a, tie_tolerance)
-            batch[(wall + 1) * BATCH + i] = b + rate * fall(here, b, tie_tolerance)
-            batch[(wall + 2) * BATCH + i] = c + rate * fall(here, c, tie_tolerance)
-            batch[(wall + 3) * BATCH + i] = d + rate * fall(here, d, tie_tolerance)
-            batch[(wall + 5) * BATCH + i] = e + rate * fall(here, e, tie_tolerance)
-            batch[(wall + 6) * BATCH + i] = f + rate * fall(here, f, tie_tolerance)
-            batch[(wall + 7) * BATCH + i] = g + rate * fall(here, g, tie_tolerance)
-            batch[(wall + 8) * BATCH + i] = h + rate * fall(here, h, tie_tolerance)
+            raise_to(batch, wall, 0, i, rate, tie_tolerance)
+            raise_to(batch, wall, 1, i, rate, tie_tolerance)
+            raise_to(batch, wall, 2, i, rate, tie_tolerance)
+            raise_to(batch, wall, 3, i, rate, tie_tolerance)
+            raise_to(batch, wall, 5, i, rate, tie_tolerance)
+            raise_to(batch, wall, 6, i, rate, tie_tolerance)
+            raise_to(batch, wall, 7, i, rate, tie_tolerance)
+            raise_to(batch, wall, 8, i, rate, tie_tolerance)
             loss = rate * total if rate > 0.0 else 0.0
-        batch[(wall + CENTRE) * BATCH + i] = here - loss
+        batch.heights[wall, CENTRE, i] = here - loss
 
 
 @kernel
-def curvature_after(batch, i, wall, side, loss, tie_tolerance, least_curvature, spacing, gouge):
+def curvature_after(batch, i, wall, loss, tie_tolerance, least_curvature, spacing, gouge):
     """Curvature of a wall's cell once pair i has lost a height [m], its gouge laid around."""
-    here = batch[(wall + CENTRE) * BATCH + i]
-    share = batch[(LOSS + side) * BATCH + i]
-    west = batch[(wall + 3) * BATCH + i]
-    east = batch[(wall + 5) * BATCH + i]
-    south = batch[(wall + 1) * BATCH + i]
-    north = batch[(wall + 7) * BATCH + i]
+    here = batch.heights[wall, CENTRE, i]
+    share = batch.loss[wall, i]
+    west = batch.heights[wall, WEST, i]
+    east = batch.heights[wall, EAST, i]
+    south = batch.heights[wall, SOUTH, i]
+    north = batch.heights[wall, NORTH, i]
     if gouge:
-        rise = share * loss / batch[(TOTAL + side) * BATCH + i]
+        rise = share * loss / batch.total_drop[wall, i]
         rise = rise if share > 0.0 else 0.0
         west += rise * fall(here, west, tie_tolerance)
         east += rise * fall(here, east, tie_tolerance)
@@ -252,13 +276,81 @@ def curvature_after(batch, i, wall, side, loss, tie_tolerance, least_curvature, 
 def ratio_after(batch, i, loss, tie_tolerance, least_curvature, spacing, gouge):
     """Stress ratio of pair i once it has lost a height [m], its gouge on its neighbours.
 
-    The shares are in the loss rows, falls and overlap as measured.
+    ``batch.loss`` holds the shares, drops and overlap are as measured.
     """
-    bend = curvature_after(
-        batch, i, UPPER, 0, loss, tie_tolerance, least_curvature, spacing, gouge
-    ) + curvature_after(batch, i, LOWER, 1, loss, tie_tolerance, least_curvature, spacing, gouge)
-    strength = batch[BEND * BATCH + i] * bend + batch[STRENGTH * BATCH + i]
-    return (batch[OVERLAP * BATCH + i] - loss) * bend * bend / strength
+    kappa = curvature_after(
+        batch, i, UPPER, loss, tie_tolerance, least_curvature, spacing, gouge
+    ) + curvature_after(batch, i, LOWER, loss, tie_tolerance, least_curvature, spacing, gouge)
+    strength = batch.critical_indentation[i] * kappa + batch.substrate_strength[i]
+    return (batch.overlap[i] - loss) * kappa * kappa / strength
+
+
+@kernel
+def level_loss(batch, i, wall):
+    """Loss [m] of pair i at which a wall's cell is level with its closest lower neighbour."""
+    share = batch.loss[wall, i]
+    total, least = batch.total_drop[wall, i], batch.least_drop[wall, i]
+    return least * total / (share * (total + least)) if share > 0.0 else math.inf
+
+
+@kernel
+def bracket_losses(batch, n, goal, gouge):
+    """Between what losses the one is that brings a pair to its goal, and the first to try."""
+    for i in range(n):
+        overlap = batch.overlap[i]
+        most = overlap  # until contact is lost
+        if gouge:
+            level = level_loss(batch, i, UPPER)
+            most = level if level < most else most
+            level = level_loss(batch, i, LOWER)
+            most = level if level < most else most
+        ratio = batch.stress_ratio[i]
+        # at an unchanged curvature, this would do
+        first = overlap * (1.0 - goal / ratio)
+        first = first if first < most else most
+        batch.most[i] = most
+        batch.left[i] = 0.0
+        batch.excess[i] = ratio - goal
+        batch.right[i] = most
+        batch.shortage[i] = math.inf  # not known yet
+        batch.moved[i] = 0.0
+        batch.trial[i] = first
+        batch.found[i] = 1.0 - batch.breaks[i]
+
+
+@kernel
+def narrow_losses(batch, n, goal, near, tie_tolerance, least_curvature, spacing, gouge):
+    """One step of false position (Illinois) for every pair; how many are not there yet."""
+    for i in range(n):
+        trial = batch.trial[i]
+        answer = ratio_after(batch, i, trial, tie_tolerance, least_curvature, spacing, gouge) - goal
+        most = batch.most[i]
+        left, right = batch.left[i], batch.right[i]
+        excess, shortage = batch.excess[i], batch.shortage[i]
+        moved = batch.moved[i]
+        done = batch.found[i] > 0.0
+        found = done or abs(answer) <= near or (answer > 0.0 and trial >= most)
+        high = answer > 0.0
+        # an end that stays twice counts half
+        next_excess = answer if high else (0.5 * excess if moved < 0.0 else excess)
+        next_shortage = (0.5 * shortage if moved > 0.0 else shortage) if high else answer
+        next_left = trial if high else left
+        next_right = right if high else trial
+        following = (next_left * next_shortage - next_right * next_excess) / (
+            next_shortage - next_excess
+        )
+        following = following if next_shortage < math.inf else most
+        batch.left[i] = next_left
+        batch.right[i] = next_right
+        batch.excess[i] = next_excess
+        batch.shortage[i] = next_shortage
+        batch.moved[i] = 1.0 if high else -1.0
+        batch.trial[i] = trial if found else following
+        batch.found[i] = 1.0 if found else 0.0
+    left_over = 0
+    for i in range(n):
+        left_over += batch.found[i] == 0.0
+    return left_over
 
 
 @kernel
@@ -266,67 +358,17 @@ def returning_losses(batch, n, band, tie_tolerance, least_curvature, spacing, go
     """Return mapping: both walls lose what brings a pair back to its strength.
 
     The smallest loss found at which the stress ratio lies between 1 - 3/4 band
-    and 1 - 1/4 band, by false position (Illinois); where no loss does that, the
-    most that there is: until contact is lost, or a neighbour is level.
+    and 1 - 1/4 band; where no loss does that, the most that there is: until
+    contact is lost, or a neighbour is level.
     """
     goal, near = 1.0 - 0.5 * band, 0.25 * band
-    for i in range(n):
-        upper, lower = batch[LOSS * BATCH + i], batch[(LOSS + 1) * BATCH + i]
-        overlap = batch[OVERLAP * BATCH + i]
-        most = overlap
-        if gouge:
-            total, least = batch[TOTAL * BATCH + i], batch[LEAST * BATCH + i]
-            level = least * total / (upper * (total + least)) if upper > 0.0 else math.inf
-            most = level if level < most else most
-            total, least = batch[(TOTAL + 1) * BATCH + i], batch[(LEAST + 1) * BATCH + i]
-            level = least * total / (lower * (total + least)) if lower > 0.0 else math.inf
-            most = level if level < most else most
-        ratio = batch[RATIO * BATCH + i]
-        # at an unchanged curvature, this would do
-        first = overlap * (1.0 - goal / ratio)
-        first = first if first < most else most
-        batch[MOST * BATCH + i] = most
-        batch[LEFT * BATCH + i] = 0.0
-        batch[EXCESS * BATCH + i] = ratio - goal
-        batch[RIGHT * BATCH + i] = most
-        batch[SHORTAGE * BATCH + i] = math.inf
-        batch[SIDE * BATCH + i] = 0.0
-        batch[TRIAL * BATCH + i] = first
-        batch[DONE * BATCH + i] = 1.0 - batch[ACTIVE * BATCH + i]
+    bracket_losses(batch, n, goal, gouge)
     for _ in range(60):
-        for i in range(n):
-            trial = batch[TRIAL * BATCH + i]
-            answer = (
-                ratio_after(batch, i, trial, tie_tolerance, least_curvature, spacing, gouge) - goal
-            )
-            most = batch[MOST * BATCH + i]
-            left, right = batch[LEFT * BATCH + i], batch[RIGHT * BATCH + i]
-            excess, shortage = batch[EXCESS * BATCH + i], batch[SHORTAGE * BATCH + i]
-            side = batch[SIDE * BATCH + i]
-            done = batch[DONE * BATCH + i] > 0.0
-            found = done or abs(answer) <= near or (answer > 0.0 and trial >= most)
-            high = answer > 0.0
-            # Illinois: an end that stays twice counts half
-            next_excess = answer if high else (0.5 * excess if side < 0.0 else excess)
-            next_shortage = (0.5 * shortage if side > 0.0 else shortage) if high else answer
-            next_left = trial if high else left
-            next_right = right if high else trial
-            following = (next_left * next_shortage - next_right * next_excess) / (
-                next_shortage - next_excess
-            )
-            following = following if next_shortage < math.inf else most
-            batch[LEFT * BATCH + i] = next_left
-            batch[RIGHT * BATCH + i] = next_right
-            batch[EXCESS * BATCH + i] = next_excess
-            batch[SHORTAGE * BATCH + i] = next_shortage
-            batch[SIDE * BATCH + i] = 1.0 if high else -1.0
-            batch[TRIAL * BATCH + i] = trial if found else following
-            batch[DONE * BATCH + i] = 1.0 if found else 0.0
-        left_over = 0
-        for i in range(n):
-            left_over += batch[DONE * BATCH + i] == 0.0
+        left_over = narrow_losses(
+            batch, n, goal, near, tie_tolerance, least_curvature, spacing, gouge
+        )
         if left_over == 0:
             break
     for i in range(n):
-        batch[LOSS * BATCH + i] *= batch[TRIAL * BATCH + i]
-        batch[(LOSS + 1) * BATCH + i] *= batch[TRIAL * BATCH + i]
+        batch.loss[UPPER, i] *= batch.trial[i]
+        batch.loss[LOWER, i] *= batch.trial[i]

@@ -14,7 +14,14 @@ from jointclosure.mechanics.contact import asperity_compliance, force_of_overlap
 from jointclosure.mechanics.gouge import drops, passed_share, shed, upper_share
 from jointclosure.mechanics.strength import is_overstressed
 from jointclosure.solvers.cells import is_peak, neighbourhood, overlapping_cells, wall_curvature
-from jointclosure.solvers.joint import CONVERGED, NOT_CONVERGED, RIGID_CONTACT, Joint, Settled
+from jointclosure.solvers.joint import (
+    CONVERGED,
+    NOT_CONVERGED,
+    RIGID_CONTACT,
+    Effort,
+    Joint,
+    Settled,
+)
 
 MOST_SWEEPS = 100_000
 
@@ -35,9 +42,9 @@ def displacement_by_others(table, force, y, x):
 def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_peaks: bool):
     """Kernel of steps 2 to 5 of the paper at one closure.
 
-    Signature ``(upper, lower, offset, peaks, force, pushed, table, law,
+    Signature ``(upper, lower, offset, peaks, force, elastic_displacement, table, law,
     breakage_step, tie_tolerance, tolerance, most_sweeps) -> (sweeps, breakage
-    steps, converged, confined)``; walls, forces [N] and interaction ``pushed``
+    steps, converged, locked)``; walls, forces [N] and interaction ``elastic_displacement``
     [m], all (y, x), are changed in place.
     """
 
@@ -48,7 +55,7 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
         offset,
         peaks,
         force,
-        pushed,
+        elastic_displacement,
         table,
         law,
         breakage_step,
@@ -59,7 +66,7 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
         ny, nx = upper.shape
         around_upper, around_lower = np.empty(8), np.empty(8)
         falls_upper, falls_lower = np.empty(8), np.empty(8)
-        confined = np.zeros((ny, nx), np.bool_)
+        locked = np.zeros((ny, nx), np.bool_)
         broken = 0
         for sweep in range(most_sweeps):
             # 2. the contacts, from the tallest overall asperity to the shortest
@@ -75,34 +82,38 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
                 # 3. deformation, interaction and force of each
                 y, x = divmod(cells[i], nx)
                 if interaction:
-                    pushed[y, x] = displacement_by_others(table, force, y, x)
+                    elastic_displacement[y, x] = displacement_by_others(table, force, y, x)
                 neighbourhood(upper, y, x, around_upper)
                 neighbourhood(lower, y, x, around_lower)
                 steps = 0
-                confined[y, x] = False
+                locked[y, x] = False
                 while True:
-                    overlap = upper[y, x] + lower[y, x] + offset - pushed[y, x]
+                    overlap = upper[y, x] + lower[y, x] + offset - elastic_displacement[y, x]
                     state = peaks[y, x]
                     if current_peaks:
                         state = 2 * is_peak(upper[y, x], around_upper)
                         state += is_peak(lower[y, x], around_lower)
                         peaks[y, x] = state
-                    bend_upper = wall_curvature(
+                    kappa_upper = wall_curvature(
                         upper[y, x], around_upper, law.least_curvature, law.spacing
                     )
-                    bend_lower = wall_curvature(
+                    kappa_lower = wall_curvature(
                         lower[y, x], around_lower, law.least_curvature, law.spacing
                     )
-                    bend = bend_upper + bend_lower
+                    kappa = kappa_upper + kappa_lower
                     # 4. breakage: 4.3 until the contact holds with its new geometry
                     if not breakage or not overlap > 0.0:
                         break
                     if not is_overstressed(
-                        overlap, bend, law.bend[state], law.breaking_force[state], law.substrate
+                        overlap,
+                        kappa,
+                        law.critical_indentation[state],
+                        law.breaking_force[state],
+                        law.substrate,
                     ):
                         break
                     # 4.1 the pair is lowered, the sharper asperity more
-                    share = upper_share(bend_upper, bend_lower)
+                    share = upper_share(kappa_upper, kappa_lower)
                     if gouge:
                         total_upper, least_upper = drops(
                             upper[y, x], around_upper, tie_tolerance, falls_upper
@@ -111,7 +122,7 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
                             lower[y, x], around_lower, tie_tolerance, falls_lower
                         )
                         if total_upper == 0.0 and total_lower == 0.0:
-                            confined[y, x] = True
+                            locked[y, x] = True
                             break
                         share = passed_share(share, total_upper, total_lower)
                     loss_upper = breakage_step * share
@@ -130,7 +141,7 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
                     upper[y, x] -= loss_upper
                     lower[y, x] -= loss_lower
                     steps += 1
-                compliance = asperity_compliance(bend, law.asperity_modulus[state])
+                compliance = asperity_compliance(kappa, law.asperity_modulus[state])
                 answer = force_of_overlap(overlap, law.substrate, compliance)[0]
                 if answer != force[y, x]:
                     difference = abs(answer - force[y, x])
@@ -142,8 +153,8 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
                     break  # back to step 2
             # 5. the other contacts' interaction changed: back to step 2 until forces settle
             if not again and change <= tolerance:
-                return sweep + 1, broken, True, confined
-        return most_sweeps, broken, False, confined
+                return sweep + 1, broken, True, locked
+        return most_sweeps, broken, False, locked
 
     return sweep_to_rest
 
@@ -179,7 +190,7 @@ class ReferenceSolver:
         # cells that lost contact since the last step carry nothing
         summed = joint.upper + joint.lower + (closure - joint.first_touch)
         joint.force[summed <= 0.0] = 0.0
-        sweeps, broken, converged, confined = kernel_(
+        sweeps, broken, converged, locked = kernel_(
             joint.upper,
             joint.lower,
             float(closure - joint.first_touch),
@@ -196,4 +207,5 @@ class ReferenceSolver:
         outcome = CONVERGED if converged else NOT_CONVERGED
         if not np.all(np.isfinite(joint.force)):
             outcome = RIGID_CONTACT
-        return joint.describe(closure, outcome, broken, confined, sweeps)
+        effort = Effort(settled=1, rounds=sweeps, products=sweeps, breakage_steps=broken)
+        return joint.describe(closure, outcome, locked, effort)

@@ -1,9 +1,9 @@
 """Second-order correlations of mean and standard deviation, Eqs. (24) to (27)."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.stats
+import scipy
 
 
 class Quadratic(NamedTuple):
@@ -13,13 +13,13 @@ class Quadratic(NamedTuple):
     fitted value at the base level.
     """
 
-    b: float | np.ndarray
-    c: float | np.ndarray
-    d: float | np.ndarray
+    b: Any  # float or array, as the two below
+    c: Any
+    d: Any
     base: float
     half_range: float
 
-    def at(self, parameter):
+    def at(self, parameter: float | np.ndarray) -> Any:
         """Fitted value at a parameter (or an array of them)."""
         u = (np.asarray(parameter) - self.base) / self.half_range
         return (self.b * u + self.c) * u + self.d
@@ -78,7 +78,7 @@ def fit_quadratic(levels: np.ndarray, values: np.ndarray, base: float) -> Quadra
     b = np.where(np.abs(b) > noise[..., 0], b, 0.0)
     c = np.where(np.abs(c) > noise[..., 1], c, 0.0)
     if values.ndim == 1:
-        b, c, d = float(b), float(c), float(d)
+        return Quadratic(float(b), float(c), float(d), float(base), float(half_range))
     return Quadratic(b, c, d, float(base), float(half_range))
 
 

@@ -156,14 +156,13 @@ def lengths_table(drawn: Mapping[Key, DrawnResponse]) -> np.ndarray:
 
 
 def _responses(sensitivity, chosen, design) -> DrawnResponse:
-    means, deviations = [], []
+    of_pools: list[tuple[np.ndarray, np.ndarray]] = []
     for pool, index in zip(sensitivity.pools, chosen, strict=True):
         size = pool.values.shape[1]
         centre = pool.values.mean(axis=1, keepdims=True)
         values = (centre + (pool.values - centre) * (size / (size - 1)))[:, index]
-        means.append(values.mean(axis=-1).T)
-        deviations.append(values.std(axis=-1, ddof=1).T)
-    means, deviations = np.stack(means, axis=-1), np.stack(deviations, axis=-1)
+        of_pools.append((values.mean(axis=-1).T, values.std(axis=-1, ddof=1).T))
+    means, deviations = (np.stack(part, axis=-1) for part in zip(*of_pools, strict=True))
     lengths = indifference_lengths(
         sensitivity.levels, means, deviations, design.draws, design.significance, sensitivity.base
     )

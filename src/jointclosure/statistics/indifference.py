@@ -8,7 +8,8 @@ they span 40 decades. See docs/decisions/0008-quartic.md.
 from typing import NamedTuple
 
 import numpy as np
-import scipy.stats
+import scipy
+from numpy.typing import ArrayLike
 
 from jointclosure.inputs import InputError, check_number, real_array
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
@@ -33,9 +34,9 @@ class IndifferenceInterval(NamedTuple):
 
 
 def indifference_interval(
-    levels,
-    means,
-    standard_deviations,
+    levels: ArrayLike,
+    means: ArrayLike,
+    standard_deviations: ArrayLike,
     samples: int,
     significance: float = 0.05,
     base: float | None = None,
@@ -95,9 +96,9 @@ def indifference_interval(
 
 
 def indifference_lengths(
-    levels,
-    means,
-    deviations,
+    levels: ArrayLike,
+    means: ArrayLike,
+    deviations: ArrayLike,
     samples: int,
     significance: float = 0.05,
     base: float | None = None,
@@ -139,7 +140,8 @@ def indifference_lengths(
     sizes = np.abs([mean.b, mean.c, deviation.b, deviation.c, deviation.d]).max(axis=0)
     scale = np.where(sizes > 0.0, sizes, 1.0)
     scaled_mean = Quadratic(mean.b / scale, mean.c / scale, 0.0, 0.0, 1.0)
-    scaled = Quadratic(*(value / scale for value in deviation[:3]), 0.0, 1.0)
+    b, c, d = (value / scale for value in deviation[:3])
+    scaled = Quadratic(b, c, d, 0.0, 1.0)
     coefficients = quartic(scaled_mean, scaled, samples, critical).T
     roots = np.full(scale.size, np.nan)
     varies = (mean.b != 0.0) | (mean.c != 0.0)
@@ -174,7 +176,7 @@ def closest_root(mean: Quadratic, deviation: Quadratic, samples: int, critical: 
         return float("nan")
     coefficients = quartic(
         Quadratic(mean.b / scale, mean.c / scale, 0.0, 0.0, 1.0),
-        Quadratic(*(value / scale for value in deviation[:3]), 0.0, 1.0),
+        Quadratic(deviation.b / scale, deviation.c / scale, deviation.d / scale, 0.0, 1.0),
         samples,
         critical,
     )
@@ -198,7 +200,15 @@ def closest_to_zero(coefficients: np.ndarray, scatter_at_zero: bool) -> float:
     return float(roots[np.argmin(np.abs(roots))]) if roots.size else float("nan")
 
 
-def _checked(levels, means, deviations, samples, significance, base, many=False) -> float:
+def _checked(
+    levels: np.ndarray,
+    means: np.ndarray,
+    deviations: np.ndarray,
+    samples: int,
+    significance: float,
+    base: float | None,
+    many: bool = False,
+) -> float:
     if levels.ndim != 1 or levels.size < 3:
         raise InputError(f"levels = {levels.tolist()}: needs at least three")
     if not many and means.ndim != 1:

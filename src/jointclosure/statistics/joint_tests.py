@@ -10,7 +10,7 @@ depend on each other as they must, and the p value needs nothing more.
 from typing import NamedTuple
 
 import numpy as np
-import scipy.stats
+import scipy
 
 from jointclosure.inputs import InputError
 
@@ -67,7 +67,7 @@ def joint_test(lengths, observed) -> JointTest:
     as_unlikely = 0
     for own, other in (halves, halves[::-1]):
         likelihoods = log_likelihoods(other, np.vstack([observed, own]))
-        as_unlikely += np.count_nonzero(likelihoods[1:] <= likelihoods[0])
+        as_unlikely += int(np.count_nonzero(likelihoods[1:] <= likelihoods[0]))
     group = np.arange(lengths.shape[0]) % GROUPS
     parts = [log_likelihoods(lengths[group != i], observed[None])[0] for i in range(GROUPS)]
     return JointTest(

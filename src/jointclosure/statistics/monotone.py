@@ -12,8 +12,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-import scipy.optimize
-import scipy.stats
+import scipy
 
 from jointclosure.statistics.paired import checked_samples, difference_scatter
 from jointclosure.statistics.roots import real_roots

@@ -30,7 +30,7 @@ length is t_cr sqrt(2/n) sigma / sqrt(c^2 - t_cr^2 V_cc/n).
 from typing import NamedTuple
 
 import numpy as np
-import scipy.stats
+import scipy
 
 from jointclosure.inputs import InputError, check_number, real_array
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic

@@ -1,7 +1,7 @@
 """Real roots of polynomials: of one to the last digits, of many at once."""
 
 import numpy as np
-import scipy.optimize
+import scipy
 
 
 def real_roots(coefficients: np.ndarray) -> np.ndarray:

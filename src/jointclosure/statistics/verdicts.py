@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
-import scipy.stats
+import scipy
 
 from jointclosure.inputs import InputError
 from jointclosure.statistics.drawn_studies import DrawnResponse, Key

@@ -30,7 +30,11 @@ def slope_correlation(heights: np.ndarray, lags: np.ndarray, axis: str) -> np.nd
 
 
 def peak_cells(heights: np.ndarray) -> np.ndarray:
-    """Whether a cell (y, x) is higher than its eight neighbours; never at the edge."""
+    """Whether a cell (y, x) is higher than its eight neighbours; never at the edge.
+
+    Of a scan, whose edge and gaps (NaN) hide what is beyond. The model's joints end at
+    their edge: `jointclosure.solvers.cells.is_peak` is another question.
+    """
     here = heights[1:-1, 1:-1]
     higher = np.ones(here.shape, bool)
     ny, nx = heights.shape

@@ -6,9 +6,7 @@ No files here: `jointclosure.scans` reads them. See docs/measured_walls.md.
 from typing import NamedTuple
 
 import numpy as np
-import scipy.interpolate
-import scipy.ndimage
-import scipy.spatial
+import scipy
 
 from jointclosure.inputs import InputError
 
@@ -62,7 +60,9 @@ def point_distance(scan: Scan | Cloud) -> float:
     return float(np.sqrt(area / len(scan.points)))
 
 
-def wall_on_grid(scan: Scan | Cloud, spacing: float, bounds: np.ndarray | None = None):
+def wall_on_grid(
+    scan: Scan | Cloud, spacing: float, bounds: np.ndarray | None = None
+) -> np.ndarray:
     """A scan on a square grid, its mean plane removed.
 
     Parameters
@@ -118,7 +118,9 @@ def _levelled(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
     return heights - terms @ plane
 
 
-def _gridded(points: np.ndarray, spacing: float, reach: float, bounds) -> np.ndarray:
+def _gridded(
+    points: np.ndarray, spacing: float, reach: float, bounds: np.ndarray | None
+) -> np.ndarray:
     x, y, heights = points.T
     heights = _levelled(x, y, heights)
     low, high = (points[:, :2].min(axis=0), points[:, :2].max(axis=0)) if bounds is None else bounds
@@ -132,11 +134,21 @@ def _gridded(points: np.ndarray, spacing: float, reach: float, bounds) -> np.nda
     nodes = np.stack(
         np.meshgrid(low[0] + spacing * np.arange(nx), low[1] + spacing * np.arange(ny)), axis=-1
     )
+    return heights_between(points[:, :2], heights, nodes, reach)
+
+
+def heights_between(
+    places: np.ndarray, heights: np.ndarray, nodes: np.ndarray, reach: float
+) -> np.ndarray:
+    """Heights at nodes (..., 2), linear in the triangles between places (n, 2) of known heights.
+
+    NaN beyond all triangles and farther than ``reach`` from every place; all in metres.
+    """
     # Delaunay's triangles are found best for coordinates of order one about zero
-    centre, scale = points[:, :2].mean(axis=0), np.ptp(points[:, :2])
-    between = scipy.interpolate.LinearNDInterpolator((points[:, :2] - centre) / scale, heights)
+    centre, scale = places.mean(axis=0), np.ptp(places)
+    between = scipy.interpolate.LinearNDInterpolator((places - centre) / scale, heights)
     wall = between((nodes - centre) / scale)
-    nearest = scipy.spatial.cKDTree(points[:, :2]).query(nodes, distance_upper_bound=reach)[0]
+    nearest = scipy.spatial.cKDTree(places).query(nodes, distance_upper_bound=reach)[0]
     return np.where(np.isfinite(nearest), wall, np.nan)
 
 
@@ -160,7 +172,9 @@ def _resampled(scan: Scan, spacing: float) -> np.ndarray:
     return np.where(touched > 1e-9, np.nan, wall)
 
 
-def filled(wall: np.ndarray, missing: str, largest_share: float = LARGEST_FILLED_SHARE):
+def filled(
+    wall: np.ndarray, missing: str, largest_share: float = LARGEST_FILLED_SHARE
+) -> np.ndarray:
     """A wall (y, x) whose missing cells are treated as told.
 
     Parameters

@@ -63,11 +63,11 @@ class Cutter:
     """
 
     def __init__(
-        self, walls: MeasuredWalls, shape: tuple[int, int], order_seed: int, normalise="wall"
+        self, walls: MeasuredWalls, shape: tuple[int, int], order_seed: int, normalise: str = "wall"
     ):
         self.walls, self.shape, self.normalise = walls, shape, normalise
         heights = list(walls.measured.values())
-        self.windows = windows(sum(heights), shape)
+        self.windows = windows(np.sum(heights, axis=0), shape)
         self.orders = {
             side: generator(seed_of(order_seed, "windows", side)).permutation(len(self.windows))
             for side in ("measured", "partner")

@@ -6,7 +6,7 @@ Heights, slopes, JRC and Hurst exponents have a part in what is as long as the w
 know nothing: synthetic walls of the same slope and exponent tell how they scatter.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -116,7 +116,9 @@ def measure_wall(
         values, remark = _jrc(relation, scatter, spacing, first[0])
         found.append(of(f"JRC, {name}", values, "1", remark))
     for axis in "xy":
-        found.append(of(f"rms curvature along {axis}", 1e-3 * np.sqrt(means["bend", axis]), "1/mm"))
+        found.append(
+            of(f"rms curvature along {axis}", 1e-3 * np.sqrt(means["curvature", axis]), "1/mm")
+        )
     share = np.where(means["peak"] > 0.0, means["peak"], np.nan)
     density = 1e-6 * means["peak"] / spacing**2
     found.append(of("peaks", density, "1/mm2", "higher than all eight neighbours"))
@@ -127,7 +129,7 @@ def measure_wall(
                 means["peak height"] / share / np.sqrt(means["square"]),
                 "rms height",
             ),
-            of("mean curvature of peaks", 1e-3 * means["peak bend"] / share, "1/mm"),
+            of("mean curvature of peaks", 1e-3 * means["peak curvature"] / share, "1/mm"),
         ]
     return found
 
@@ -173,18 +175,20 @@ def _scaling(heights: np.ndarray, spacing: float) -> dict[str, float]:
     lengths = {"rms height": float(np.nanstd(heights))}
     lengths |= dict(zip(_SLOPES, (slopes / spacing).tolist(), strict=True))
     for lag in _relation_lags(heights.shape, spacing):
-        squares = [np.nanmean(difference(heights, axis, lag) ** 2) for axis in "xy"]
-        lengths[f"Z2 at {lag}"] = float(np.sqrt(np.mean(squares))) / (lag * spacing)
+        both = [np.nanmean(difference(heights, axis, lag) ** 2) for axis in "xy"]
+        lengths[f"Z2 at {lag}"] = float(np.sqrt(np.mean(both))) / (lag * spacing)
     return lengths | exponents
 
 
-def _scatter(long: dict, shape, spacing: float, seed: int) -> dict[str, np.ndarray]:
+def _scatter(
+    long: dict[str, Any], shape: tuple[int, int], spacing: float, seed: int
+) -> dict[str, np.ndarray]:
     """`_scaling` with its scatter over synthetic walls: (1 + DRAWS,), the wall's own first.
 
     Heights and slopes scatter by factors, exponents by differences.
     """
     hurst = min(max(long["H, both directions"], 0.05), 1.0)
-    shape = tuple(min(cells, LARGEST_DRAW) for cells in shape)
+    shape = (min(shape[0], LARGEST_DRAW), min(shape[1], LARGEST_DRAW))
     draws = []
     for number in range(DRAWS):
         random = generator(seed_of(seed, "scatter", number))
@@ -199,21 +203,23 @@ def _scatter(long: dict, shape, spacing: float, seed: int) -> dict[str, np.ndarr
     return scatter
 
 
-def _fields(heights: np.ndarray, spacing: float):
+def _fields(heights: np.ndarray, spacing: float) -> Any:
     """(name, values at cells (y, x), NaN where there is none), one after the other."""
     yield "square", (heights - np.nanmean(heights)) ** 2
     for axis in "xy":
-        yield ("bend", axis), (second_difference(heights, axis, 1) / spacing**2) ** 2
+        yield ("curvature", axis), (second_difference(heights, axis, 1) / spacing**2) ** 2
     curvature = mean_curvature(heights, spacing)
     peaks = peak_cells(heights)
     known = np.isfinite(curvature)
     above = np.where(np.isfinite(heights), heights - np.nanmean(heights), 0.0)
     yield "peak", np.where(known, peaks, np.nan)
     yield "peak height", np.where(known, peaks * above, np.nan)
-    yield "peak bend", np.where(known, np.where(peaks, curvature, 0.0), np.nan)
+    yield "peak curvature", np.where(known, np.where(peaks, curvature, 0.0), np.nan)
 
 
-def _resampled_means(heights: np.ndarray, spacing: float, resamples: int, seed: int) -> dict:
+def _resampled_means(
+    heights: np.ndarray, spacing: float, resamples: int, seed: int
+) -> dict[Any, np.ndarray]:
     """Means of all fields: (1 + resamples,), the wall's own first."""
     side = min(heights.shape) // TILES
     rows, columns = (-(-n // side) for n in heights.shape)
@@ -234,7 +240,7 @@ def _resampled_means(heights: np.ndarray, spacing: float, resamples: int, seed: 
     return means
 
 
-def _slope(distances: np.ndarray, squares) -> np.ndarray:
+def _slope(distances: np.ndarray, squares: np.ndarray) -> np.ndarray:
     """H by least squares: half the slope of log mean square difference over log distance."""
     logs = np.log(distances) - np.mean(np.log(distances))
     return 0.5 * np.tensordot(logs, np.log(np.asarray(squares)), axes=1) / np.sum(logs**2)
@@ -252,7 +258,7 @@ def _relation_lags(shape: tuple[int, int], spacing: float) -> list[int]:
     return sorted(lag for lag in found if 0 < lag <= lags_of(min(shape))[-1])
 
 
-def _jrc(relation: Relation, scatter: dict, spacing: float, hurst: float):
+def _jrc(relation: Relation, scatter: dict[str, Any], spacing: float, hurst: float) -> Any:
     """JRC (n,) by a relation with the scatter of its slope, and how it was come by."""
     lag = _lag(relation, spacing)
     if f"Z2 at {lag}" in scatter:

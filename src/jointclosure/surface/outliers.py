@@ -1,8 +1,8 @@
 """Measured points that belong to no wall: stray points beside it, spikes above and below it."""
 
 import numpy as np
+import scipy
 import scipy.sparse
-import scipy.spatial
 
 from jointclosure.surface.measured import Cloud, Scan
 

@@ -1,6 +1,6 @@
 """JRC and the root mean square slope Z2 of profiles, and what a wall has."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,7 +23,7 @@ class Relation(NamedTuple):
     largest_jrc: float
     source: str
 
-    def jrc(self, z2):
+    def jrc(self, z2: float | np.ndarray) -> Any:
         """JRC of RMS slopes at the relation's interval; it may lie outside its range."""
         reduced = np.log10(z2) if self.form == "logarithmic" else z2**self.c
         return self.a * reduced + self.b
@@ -116,9 +116,16 @@ def rms_slope(heights: np.ndarray, spacing: float) -> float:
 
 
 def detrended(heights: np.ndarray) -> np.ndarray:
-    """A wall (y, x) less its least-squares plane [m]."""
+    """A wall (y, x) less its least-squares plane [m].
+
+    On a regular grid about its middle the terms of the plane are orthogonal, so that each
+    is a sum; sums have the same bits on any processor, which a solver of linear systems has not.
+    """
     ny, nx = heights.shape
-    y, x = np.meshgrid(np.linspace(-1.0, 1.0, ny), np.linspace(-1.0, 1.0, nx), indexing="ij")
-    terms = np.stack([np.ones(heights.size), y.ravel(), x.ravel()], axis=1)
-    coefficients = np.linalg.lstsq(terms, heights.ravel(), rcond=None)[0]
-    return heights - (terms @ coefficients).reshape(ny, nx)
+    y, x = (np.linspace(-1.0, 1.0, n) if n > 1 else np.zeros(1) for n in (ny, nx))
+    level = heights - np.mean(heights)
+    for terms, axis in ((y[:, None], 1), (x[None, :], 0)):
+        squares = np.sum(terms * terms) * heights.shape[axis]
+        if squares > 0.0:
+            level = level - terms * (np.sum(terms * level) / squares)
+    return level

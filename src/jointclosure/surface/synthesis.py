@@ -5,6 +5,9 @@ the paper. Ours is a self-affine Gaussian field, scaled to the RMS slope that
 a published relation gives for the JRC: docs/decisions/0007-surfaces.md.
 """
 
+import math
+from functools import lru_cache
+
 import numpy as np
 import scipy.fft
 
@@ -25,14 +28,65 @@ def self_affine_field(
     ``oversize`` times as long, of which a corner is cropped, so that opposite
     edges are not neighbours.
     """
-    ny, nx = (oversize * max(n, 2) for n in shape)
+    size = (oversize * max(shape[0], 2), oversize * max(shape[1], 2))
+    waves = _self_affine_waves(size, hurst, random)
+    return scipy.fft.irfft2(waves, s=size, workers=1)[: shape[0], : shape[1]]
+
+
+def _self_affine_waves(
+    size: tuple[int, int], hurst: float, random: np.random.Generator
+) -> np.ndarray:
+    """Fourier coefficients of self-affine heights on a periodic grid, as of `scipy.fft.rfft2`."""
+    noise = scipy.fft.rfft2(random.standard_normal(size), workers=1)
+    return noise * _amplitudes(*size, hurst)
+
+
+def _wave_numbers(size: tuple[int, int]) -> np.ndarray:
+    """Cycles per cell."""
+    ny, nx = size
+    return np.hypot(scipy.fft.fftfreq(ny)[:, None], scipy.fft.rfftfreq(nx)[None, :])
+
+
+@lru_cache(maxsize=8)
+def _amplitudes(ny: int, nx: int, hurst: float) -> np.ndarray:
+    """k^-(H + 1) of the waves (ny, nx // 2 + 1) of a real transform, 0 for the mean."""
     wave_y = scipy.fft.fftfreq(ny)[:, None]
     wave_x = scipy.fft.rfftfreq(nx)[None, :]
-    wave = np.hypot(wave_y, wave_x)
-    wave[0, 0] = np.inf
-    noise = scipy.fft.rfft2(random.standard_normal((ny, nx)), workers=1)
-    field = scipy.fft.irfft2(noise * wave ** (-(hurst + 1.0)), s=(ny, nx), workers=1)
-    return field[: shape[0], : shape[1]]
+    square = wave_y * wave_y + wave_x * wave_x
+    square[0, 0] = 1.0
+    amplitudes = power(square, -0.5 * (hurst + 1.0))
+    amplitudes[0, 0] = 0.0
+    amplitudes.flags.writeable = False
+    return amplitudes
+
+
+def power(base: np.ndarray, exponent: float) -> np.ndarray:
+    """A positive array to a power, to the same bits on any processor.
+
+    `numpy.power` is another function on processors with other vector units, which differ
+    in the last digit; breakage makes another history of that digit. This one has
+    additions, multiplications and divisions only: log by the series of 2 atanh((m - 1)/(m + 1)),
+    exp by Taylor's; right to some 5e-15.
+    """
+    mantissa, two = np.frexp(base)
+    small = mantissa < np.sqrt(0.5)
+    mantissa = np.where(small, 2.0 * mantissa, mantissa)
+    two = two - small
+    s = (mantissa - 1.0) / (mantissa + 1.0)
+    logarithm = np.zeros_like(s)
+    for odd in range(25, 0, -2):
+        logarithm = logarithm * (s * s) + 2.0 / odd
+    # base^exponent = 2^whole times e^rest
+    twos = exponent * (two + logarithm * s / _LN2)
+    whole = np.rint(twos)
+    rest = (twos - whole) * _LN2
+    answer = np.ones_like(rest)
+    for order in range(18, 0, -1):
+        answer = 1.0 + answer * rest / order
+    return np.ldexp(answer, whole.astype(int))
+
+
+_LN2 = 0.6931471805599453
 
 
 def synthetic_wall(
@@ -61,12 +115,11 @@ def synthetic_wall(
         Whether every wall has exactly this Z2, or walls have it on average:
         then all are scaled by the RMS slope that the spectrum has itself.
     """
+    _check_normalise(normalise)
     field = detrended(self_affine_field(shape, hurst, random))
     if normalise == "wall":
         return field * (z2 / rms_slope(field, spacing))
-    if normalise == "expectation":
-        return field * (z2 / _expected_rms_slope(shape, hurst, spacing))
-    raise InputError(f"normalise = {normalise!r}: must be one of wall, expectation")
+    return field * (z2 / _expected_rms_slope(shape, hurst, spacing))
 
 
 def wall_pair(
@@ -80,6 +133,7 @@ def wall_pair(
     normalise: str = "wall",
     correlation: float = 0.0,
     shift_in_cells: int = 0,
+    mismatch_wavelength: float | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Upper and lower wall of a joint, heights towards the other wall.
 
@@ -104,6 +158,10 @@ def wall_pair(
         independent walls (the paper's), 1 mated ones.
     shift_in_cells : int
         Shift of the mated part along x, at least 0.
+    mismatch_wavelength : float, optional
+        Waves longer than this [m] mate, shorter ones are independent (Brown and Glover); in the
+        place of ``correlation``, which must be 0. Under ``normalise`` "wall" both walls are
+        scaled alike, so that the long waves mate: their slopes pooled have the Z2 of the JRC.
 
     Returns
     -------
@@ -125,24 +183,71 @@ def wall_pair(
     check_number("seed", seed, whole=True)
     check_number("shift_in_cells", shift_in_cells, whole=True)
     _check(shape, spacing, hurst, correlation, shift_in_cells)
+    _check_normalise(normalise)
+    if mismatch_wavelength is not None:
+        check_number("mismatch_wavelength", mismatch_wavelength)
+        if not mismatch_wavelength > 0.0:
+            raise InputError(f"mismatch_wavelength = {mismatch_wavelength!r} m: must be positive")
+        if correlation != 0.0:
+            raise InputError(
+                f"correlation = {correlation!r}: must be 0 where mismatch_wavelength is given"
+            )
     jrc, spacing, hurst, correlation = (float(v) for v in (jrc, spacing, hurst, correlation))
     z2 = z2_of_jrc(jrc, spacing, hurst, jrc_relation)
     ny, nx = shape
     wide = (ny, nx + shift_in_cells)
+    if mismatch_wavelength is not None:
+        longest = float(mismatch_wavelength) / spacing
+        pair = _partly_mated(wide, hurst, longest, seed, shift_in_cells)
+        if normalise == "wall":
+            own = np.sqrt(np.mean([rms_slope(wall, spacing) ** 2 for wall in pair]))
+        else:
+            own = _expected_rms_slope(wide, hurst, spacing)
+        return pair[0] * (z2 / own), pair[1] * (z2 / own)
     upper = synthetic_wall(z2, wide, spacing, hurst, generator(seed_of(seed, "upper")), normalise)
     lower = synthetic_wall(z2, wide, spacing, hurst, generator(seed_of(seed, "lower")), normalise)
     mated = -correlation * np.roll(upper, shift_in_cells, axis=1)
     lower = mated + np.sqrt(1.0 - correlation**2) * lower
-    pair = []
+    walls = []
     for wall in (upper, lower):
         cropped = detrended(wall[:, shift_in_cells:]) if shift_in_cells else wall
         if normalise == "wall" and (shift_in_cells or correlation):
             cropped = cropped * (z2 / rms_slope(cropped, spacing))
-        pair.append(np.ascontiguousarray(cropped))
-    return pair[0], pair[1]
+        walls.append(np.ascontiguousarray(cropped))
+    return walls[0], walls[1]
 
 
-def _check(shape, spacing, hurst, correlation, shift_in_cells) -> None:
+def _partly_mated(
+    wide: tuple[int, int], hurst: float, wavelength: float, seed: int, shift: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Walls (y, x) of arbitrary scale whose waves longer than a wavelength [cells] mate.
+
+    They are as wide as asked for less the shift, by which the upper wall's waves lie further on.
+    """
+    size = (2 * max(wide[0], 2), 2 * max(wide[1], 2))
+    upper, other = (
+        _self_affine_waves(size, hurst, generator(seed_of(seed, side)))
+        for side in ("upper", "lower")
+    )
+    lower = np.where(_wave_numbers(size) * wavelength < 1.0, -upper, other)
+    fields = (scipy.fft.irfft2(waves, s=size, workers=1) for waves in (upper, lower))
+    cells = wide[1] - shift
+    (upper, lower), rows = fields, slice(wide[0])
+    return detrended(upper[rows, shift : shift + cells]), detrended(lower[rows, :cells])
+
+
+def _check_normalise(normalise: str) -> None:
+    if normalise not in ("wall", "expectation"):
+        raise InputError(f"normalise = {normalise!r}: must be one of wall, expectation")
+
+
+def _check(
+    shape: tuple[int, int],
+    spacing: float,
+    hurst: float,
+    correlation: float,
+    shift_in_cells: int,
+) -> None:
     if not isinstance(shape, tuple | list) or len(shape) != 2:
         raise InputError(f"shape = {shape!r}: must be (cells along y, cells along x)")
     for size in shape:
@@ -164,14 +269,15 @@ def _expected_rms_slope(shape: tuple[int, int], hurst: float, spacing: float) ->
     ny, nx = (2 * max(n, 2) for n in shape)
     wave_y = scipy.fft.fftfreq(ny)[:, None]
     wave_x = scipy.fft.fftfreq(nx)[None, :]
-    wave = np.hypot(wave_y, wave_x)
-    wave[0, 0] = np.inf
-    power = wave ** (-2.0 * (hurst + 1.0)) / (ny * nx)
+    square = wave_y * wave_y + wave_x * wave_x
+    square[0, 0] = 1.0
+    spectrum = power(square, -(hurst + 1.0)) / (ny * nx)
+    spectrum[0, 0] = 0.0
     directions = [
-        4.0 * np.sin(np.pi * frequency) ** 2
+        4.0 * np.vectorize(math.sin)(np.pi * frequency) ** 2
         for frequency, cells in ((wave_y, shape[0]), (wave_x, shape[1]))
         if cells > 1
     ]
     weights = [(n0 - 1) * n1 for n0, n1 in (shape, shape[::-1]) if n0 > 1]
-    mean_squares = [float(np.sum(power * factor)) for factor in directions]
+    mean_squares = [float(np.sum(spectrum * factor)) for factor in directions]
     return float(np.sqrt(np.average(mean_squares, weights=weights))) / spacing

@@ -75,6 +75,8 @@ class NumericsKeys(Keys):
     sweep_tolerance: float = entry(_AS)
     tolerance: float = entry(_AS)
     curve_points: int = entry(_AS)
+    most_steps: float = entry(_AS)
+    most_breakage_steps: float = entry(_AS)
 
 
 class SameAsKeys(Keys):
@@ -154,7 +156,7 @@ class CaseKeys(Keys):
         'What must come out, see docs/statuses.md; "answer" is a success with or without remarks.'
     )
     message: str = entry("What the message of a refusal must hold.")
-    seconds: float = entry("Time budget on one core.", gt=0)
+    seconds: float = entry("Time budget on one idle core: reported, not required.", gt=0)
     may_fall_short: float = entry(
         "Share of the target by which a maximum may lie below it where breakage jumps over it.",
         ge=0,

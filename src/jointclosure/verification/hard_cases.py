@@ -33,7 +33,7 @@ from jointclosure.simulation import equilibrium, height_datum, simulate_by
 from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import CONVERGED, Joint, Settled
-from jointclosure.solvers.registry import SOLVERS, solver_named
+from jointclosure.solvers.registry import solver_named
 from jointclosure.verification import oracle
 from jointclosure.verification.hard_case_keys import CaseKeys, HardCasesKeys
 from jointclosure.verification.hard_walls import hard_walls
@@ -230,7 +230,7 @@ def row_of(outcome: Outcome, failed: list[str]) -> dict:
         "residual_closure_last_m": float(data.residual_closure[-1]) if cycles else math.nan,
         "target_Pa": outcome.target,
         "max_stress_Pa": float(np.max(stress)),
-        "unbreakable_share": float((data.confined_share + data.flat_share).max())
+        "unbreakable_share": float((data.locked_share + data.flat_share).max())
         if cycles
         else math.nan,
         "unloading_excess_over_target": float(data.unloading_excess.max()) / outcome.target
@@ -247,6 +247,7 @@ def row_of(outcome: Outcome, failed: list[str]) -> dict:
         "message": outcome.message,
         "budget_s": case["seconds"],
         "seconds": round(outcome.seconds, 3),
+        "within_budget": outcome.seconds <= case["seconds"],
     }
 
 
@@ -394,7 +395,7 @@ def tolerances_of(case: dict) -> dict[str, float]:
     numerics = Numerics(**case["numerics"])
     residual = numerics.force_tolerance
     by_stress = not case["effects"]["breakage"] and case["closure"] is None
-    if by_stress and SOLVERS[numerics.solver].elastic_curve:
+    if by_stress and solver_named(numerics.solver).elastic_curve:
         residual = min(residual, ELASTIC_TOLERANCE)
     return {
         "residual": residual,

@@ -23,10 +23,10 @@ def _tie(shape, spacing, height):
 
 
 def _saddles(shape, spacing, height):
-    """Two saddles, crossed: one bends up where the other bends down."""
+    """Two saddles, crossed: one curves up where the other curves down."""
     y, x = _unit_coordinates(shape)
-    bend = height * (x**2 - y**2)
-    return bend, bend.T.copy() if shape[0] == shape[1] else bend.copy()
+    saddle = height * (x**2 - y**2)
+    return saddle, saddle.T.copy() if shape[0] == shape[1] else saddle.copy()
 
 
 def _valleys(shape, spacing, height):
@@ -97,7 +97,8 @@ def hard_walls(
     jrc, seed
         Of the random kinds.
     """
-    shape = tuple(cells)
+    rows, columns = cells
+    shape = (rows, columns)
     if kind == "self_affine":
         return wall_pair(jrc, shape, spacing, seed=seed)
     if kind == "mated":

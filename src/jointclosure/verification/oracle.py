@@ -7,7 +7,7 @@ one, or a pair of (upper, lower).
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -28,8 +28,8 @@ class Joint(NamedTuple):
     lower: np.ndarray
     spacing: float
     rock: object
-    effects: object
-    choices: object
+    effects: Any
+    choices: Any
 
 
 class State(NamedTuple):
@@ -53,7 +53,7 @@ class Verdict(NamedTuple):
     total. ``load``: the sum of the forces against the one reported. ``volume``:
     the larger change of a wall's volume over sum |z0 - min z0|. ``raised``: see
     `raised`. ``strength``: the largest c p0/sigma_c - 1 of a contact that is not
-    confined, at least 0.
+    locked, at least 0.
     """
 
     negative_force: float
@@ -184,7 +184,7 @@ def pressures_over_limit(
     )
 
 
-def confined(upper, lower, tolerance=1e-11):
+def locked(upper, lower, tolerance=1e-11):
     """Pairs of which neither wall's cell has a lower neighbour."""
 
     def no_lower(z):
@@ -322,5 +322,5 @@ def _excess(joint: Joint, state: State, maps, ratio) -> float:
     if joint.effects.gouge:
         rms = math.sqrt(0.5 * (np.var(joint.upper) + np.var(joint.lower)))
         tie = joint.choices.tie_tolerance * rms
-        load = np.where(confined(state.upper, state.lower, tie), 0.0, load)
+        load = np.where(locked(state.upper, state.lower, tie), 0.0, load)
     return max(float(load.max()) - 1.0, 0.0)

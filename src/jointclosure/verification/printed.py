@@ -8,7 +8,7 @@ in 50 digits of the very same double-precision inputs: what each form loses.
 import mpmath
 import numpy as np
 import pandas as pd
-import scipy.stats
+import scipy
 
 from jointclosure.mechanics.contact import force_of_overlap
 from jointclosure.mechanics.interaction import interaction_displacement

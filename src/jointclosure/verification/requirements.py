@@ -31,8 +31,6 @@ def broken_requirements(outcome, tolerances: dict[str, float]) -> list[str]:
     answered = outcome.dataset is not None and int(outcome.dataset.status) < FAILURE
     if not (answered if case["expect"] == "answer" else outcome.status == case["expect"]):
         failed.append(f"status {outcome.status}, expected {case['expect']}")
-    if outcome.seconds > case["seconds"]:
-        failed.append(f"took {outcome.seconds:.1f} s of {case['seconds']} s")
     if outcome.status == "refused":
         if case["message"] not in outcome.message:
             failed.append(f"refused without a word of {case['message']!r}")
@@ -97,7 +95,7 @@ def _curve(outcome, tolerances: dict[str, float]) -> list[str]:
             failed.append(f"cycle {cycle} ends at {stress.max():.6g} Pa, above {target:.6g} Pa")
         if stress[-1] != 0.0:
             failed.append(f"cycle {cycle} unloads to {stress[-1]:.3g} Pa only")
-    share = float((data.confined_share + data.flat_share).max())
+    share = float((data.locked_share + data.flat_share).max())
     out = outcome.case["effects"]["breakage"] and share > LARGEST_UNBREAKABLE_SHARE
     for bit, name, true in (
         (TARGET_JUMPED, "below its target", short),

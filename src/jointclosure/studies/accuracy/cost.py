@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-import scipy.stats
+import scipy
 import xarray as xr
 
 from jointclosure.ensemble.cases import BASE
@@ -77,7 +77,7 @@ def cost_table(
     ----------
     settings : list of Setting
     runs : mapping
-        Datasets as from `jointclosure.studies.accuracy.design.close_run` by the name of
+        Datasets as from `jointclosure.studies.accuracy.runs.close_run` by the name of
         their run.
     finest : mapping
         Knob and value that the settings of each scene are held against.

@@ -3,7 +3,6 @@
 import json
 from collections.abc import Iterator
 
-import numpy as np
 import pandas as pd
 
 from jointclosure.studies.accuracy.design import Setting
@@ -21,8 +20,8 @@ def setting_table(
     settings : list of Setting
         Those of the costs.
     scenes : dict
-        The scenes of the design, whose ``finest`` is held against its ``cross``:
-        the finest setting of another integrator.
+        The scenes of the design, with their ``finest`` setting, and where there is one
+        its ``cross``: the finest setting of another integrator.
     presets : dict
         Knob and value of every preset, by name.
 
@@ -30,42 +29,37 @@ def setting_table(
     -------
     DataFrame
         For each scene and setting: ``numerics``, as JSON, in which it differs from the
-        scene's base; ``error_percent``, |error| of the mean maximum closure in the mean
-        of the rocks, the larger of the cycles; ``bound_percent``, the same with half the
-        width of its confidence interval on top; ``worst_percent``, the largest of a rock and
-        cycle; ``relative_time``, ``pairs`` (of FFTs) and ``seconds``, means of the rocks'
-        medians.
+        scene's base; ``error_percent``, the largest |error| of a mean maximum closure of a
+        rock and cycle; ``bound_percent``, the largest end of their confidence intervals;
+        ``relative_time``, ``pairs`` (of FFTs) and ``seconds``, means of the rocks' medians.
+
+    Notes
+    -----
+    All settings of a scene are held against one truth, its finest setting. That one's own
+    error is 0 by this, and its bound that of the finest setting of the other integrator.
     """
     rows = []
     for scene, about in scenes.items():
         for setting, changed in _numerical(settings, scene):
             point = _point(setting.knob, setting.value)
-            # the finest is held against the finest of another integrator
-            judged = (about.get("cross") or point) if point == about["finest"] else point
-            part, timed = (_rows_of(costs, scene, each) for each in (judged, point))
+            part = _rows_of(costs, scene, point)
             names = [name for name, each in presets.items() if each == point]
-            rows.append(
-                {"scene": scene, "preset": names[0] if names else ""}
-                | point
-                | {
-                    **_pooled(part),
-                    **timed[["relative_time", "pairs", "seconds"]].mean(),
-                    "numerics": json.dumps(changed),
-                }
-            )
+            row = {"scene": scene, "preset": names[0] if names else ""} | point
+            row |= _worst(part)
+            if point == about["finest"] and about.get("cross"):
+                row["bound_percent"] = _worst(_rows_of(costs, scene, about["cross"]))[
+                    "bound_percent"
+                ]
+            row |= dict(part[["relative_time", "pairs", "seconds"]].mean())
+            rows.append(row | {"numerics": json.dumps(changed)})
     return pd.DataFrame(rows)
 
 
-def _pooled(part: pd.DataFrame) -> dict:
-    """Errors of a setting in the mean of its rocks, of the cycle where they are larger."""
-    part = part.assign(half=0.5 * (part.mean_high - part.mean_low))
-    cycles = part.groupby("cycle")
-    error = cycles.mean_error_percent.mean().abs()
-    half = cycles.half.apply(lambda of_rocks: np.sqrt(np.sum(of_rocks**2)) / len(of_rocks))
+def _worst(part: pd.DataFrame) -> dict:
+    """Largest error of a rock and cycle, and largest end of a confidence interval."""
     return {
-        "error_percent": error.max(),
-        "bound_percent": (error + half).max(),
-        "worst_percent": part.mean_error_percent.abs().max(),
+        "error_percent": part.mean_error_percent.abs().max(),
+        "bound_percent": part[["mean_low", "mean_high"]].abs().max(axis=None),
     }
 
 

@@ -5,7 +5,6 @@ roughnesses, stresses. Every well-posed scene closes the same surfaces at every
 condition.
 """
 
-import itertools
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
@@ -13,9 +12,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.config.typed import Ablation, Configuration
-from jointclosure.ensemble.cases import base_case
-from jointclosure.ensemble.settings import ClosureSettings, closure_settings, surface_settings
+from jointclosure.config.typed import Ablation
+from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.surfaces import walls_of
 from jointclosure.ensemble.timing import timed_simulation
 from jointclosure.parameters import Effects, scene_name, well_posed_scenes
@@ -47,20 +45,6 @@ CONTRIBUTIONS = (
 SCENES = {scene_name(effects): effects for effects in well_posed_scenes()}
 
 
-def conditions_of(configuration: Configuration, rock: str) -> list[ClosureSettings]:
-    """Settings of a rock's closures at every roughness and stress of the design, in that order."""
-    design, base = configuration.ablation, base_case(rock, configuration.rocks[rock])
-    block = range(configuration.study.realizations)
-    found = []
-    for jrc, stress in itertools.product(design.jrc, design.stress):
-        case = base._replace(jrc=jrc, max_normal_stress=stress)
-        surfaces = surface_settings(configuration, case, block)
-        # nothing is read from seating on, and an elastic curve needs no point there
-        settings = closure_settings(configuration, case, surfaces)
-        found.append(settings._replace(seating_stress=0.0))
-    return found
-
-
 def close_scene(
     conditions: list[ClosureSettings],
     design: Ablation,
@@ -72,7 +56,7 @@ def close_scene(
     Parameters
     ----------
     conditions : list of ClosureSettings
-        As from `conditions_of`; their effects do not count.
+        As from `jointclosure.studies.effects.design.conditions_of`; their effects do not count.
     design : Ablation
         That they are of.
     effects : Effects

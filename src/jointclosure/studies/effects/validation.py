@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from jointclosure.config.typed import Configuration, Grid, Surface, Validation
+from jointclosure.config.typed import Grid, Surface, Validation
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.parameters import (
     Choices,
@@ -45,20 +45,6 @@ class ValidationSettings(NamedTuple):
     surface: Surface
     choices: Choices
     numerics: Numerics
-
-
-def validation_settings(configuration: Configuration) -> ValidationSettings:
-    """Settings of the random scenes of a study that has an ``ablation.validation``."""
-    study = configuration.study
-    return ValidationSettings(
-        configuration.ablation.validation,
-        study.root_seed,
-        study.cycles,
-        configuration.grid,
-        configuration.surface,
-        configuration.choices,
-        configuration.numerics,
-    )
 
 
 def random_scene(settings: ValidationSettings, number: int) -> RandomScene:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-import scipy.interpolate
+import scipy
 import xarray as xr
 
 from jointclosure.config.typed import Configuration, MeasuredFile

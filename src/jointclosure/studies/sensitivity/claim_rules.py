@@ -1,6 +1,6 @@
 """The rule of each claim: the numbers of the model that decide it, and what a study finds.
 
-By its number in ``workflow/resources/paper_claims.csv``. Claims 7 and 8 have no rule: a
+By its number in ``config/paper_claims.csv``. Claims 7 and 8 have no rule: a
 sensitivity study does not say anything of them.
 """
 

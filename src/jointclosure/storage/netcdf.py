@@ -1,29 +1,19 @@
-"""The only place that reads and writes netCDF and CSV files, and writes figures.
+"""NetCDF files: whole or absent, whatever happens meanwhile.
 
-A file is whole or absent, whatever happens meanwhile. A netCDF file ends with a
-digest of all before it (other readers skip it), see `jointclosure.files`. Files of
-measured walls, which others wrote, are read by `jointclosure.scans`.
+A file ends with a digest of all before it (other readers skip it), see
+`jointclosure.files`.
 """
 
 import contextlib
-import importlib.metadata
-import json
-import os
-import platform
-import re
-import subprocess
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import netCDF4
-import pandas as pd
 import xarray as xr
-from matplotlib.figure import Figure
 
 from jointclosure.files import atomically, check_seal, seal
-from jointclosure.inputs import InputError
-from jointclosure.sources import PACKAGE, package_digest
 
 _CHUNK_CACHE = 1_000_000
 """Bytes of a variable that netCDF keeps in memory while blocks are written, instead of 64 MB."""
@@ -124,8 +114,8 @@ def _growing_netcdf(
         first.to_netcdf(path, engine="netcdf4", encoding=encoding, unlimited_dims=[dimension])
         file = netCDF4.Dataset(path, "a")
     try:
-        for variable in file.variables.values():
-            variable.set_var_chunk_cache(_CHUNK_CACHE)
+        for stored in file.variables.values():
+            stored.set_var_chunk_cache(_CHUNK_CACHE)
         yield file
     except BaseException:
         with contextlib.suppress(RuntimeError):  # the first error is the one to be told
@@ -138,14 +128,14 @@ def _growing_netcdf(
 def _put(file: netCDF4.Dataset, region: xr.Dataset, place: dict[str, slice | int]) -> None:
     """Write those variables of a dataset that have a dimension of its place."""
     for name, variable in region.variables.items():
-        dimensions = file[name].dimensions
+        dimensions = file[str(name)].dimensions
         if set(dimensions) & set(place) & set(variable.dims):
             index = tuple(place.get(size, slice(None)) for size in dimensions)
             with _netcdf_errors():
-                file[name][index] = variable.values
+                file[str(name)][index] = variable.values
 
 
-def _compression(dataset: xr.Dataset) -> dict:
+def _compression(dataset: xr.Dataset) -> dict[Any, dict[str, Any]]:
     return {
         name: {"zlib": True, "complevel": 1}
         for name, variable in dataset.variables.items()
@@ -171,93 +161,3 @@ def reading_netcdf(path: str | Path) -> Iterator[xr.Dataset]:
     check_seal(Path(path))
     with xr.open_dataset(path, engine="netcdf4", cache=False) as dataset:
         yield dataset
-
-
-def write_csv(frame: pd.DataFrame, path: str | Path) -> None:
-    """Write a table, whole or not at all; numbers as short as they read back."""
-    atomically(path, lambda temporary: frame.to_csv(temporary, index=False))
-
-
-def read_csv(path: str | Path) -> pd.DataFrame:
-    """A table written by `write_csv`, or an input in the same form."""
-    return pd.read_csv(path, comment="#")
-
-
-def read_benchmarks(folder: str | Path) -> pd.DataFrame:
-    """What Snakemake measured of its jobs: all ``.tsv`` files below a folder, one row a job.
-
-    Returns
-    -------
-    DataFrame
-        Columns rule (file or first folder), job, s [s], max_rss [MB]; jobs too
-        short to be measured have NaN.
-    """
-    rows = [
-        pd.read_csv(path, sep="\t", na_values=["-"], usecols=["s", "max_rss"]).assign(
-            rule=path.relative_to(folder).with_suffix("").parts[0], job=path.stem
-        )
-        for path in sorted(Path(folder).rglob("*.tsv"))
-    ]
-    columns = ["rule", "job", "s", "max_rss"]
-    return pd.concat(rows)[columns] if rows else pd.DataFrame(columns=columns)
-
-
-def read_text(path: str | Path) -> str:
-    """A text, such as a log or a CSV; `InputError` where it is no UTF-8."""
-    try:
-        return Path(path).read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: is no UTF-8 text ({error.reason} at {error.start})") from None
-
-
-def write_text(text: str, path: str | Path) -> None:
-    """Write a text, whole or not at all."""
-    atomically(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
-
-
-def save_figure(figure: Figure, path: str | Path) -> None:
-    """Write a figure in the format of its path, without the time of day in it."""
-    metadata = {"CreationDate": None} if Path(path).suffix == ".pdf" else None
-    atomically(path, lambda temporary: figure.savefig(temporary, metadata=metadata))
-
-
-def provenance(configuration: dict) -> dict[str, str]:
-    """Attributes that say where a dataset comes from.
-
-    Those with the prefix ``provenance_`` may differ between two runs of the
-    same study; the configuration and the digest of the sources may not. How
-    the work was split over jobs changes no result, and is one of the former.
-    """
-    study = dict(configuration["study"])
-    split = study.pop("realizations_per_job", None)
-    configuration = configuration | {"study": study}
-    packages = ("jointclosure", "numpy", "numba", "scipy", "xarray", "netCDF4", "snakemake")
-    versions = {name: importlib.metadata.version(name) for name in packages}
-    return {
-        "Conventions": "CF-1.11",
-        "configuration": json.dumps(configuration, sort_keys=True),
-        "root_seed": str(configuration["study"]["root_seed"]),
-        "source_digest": package_digest(),
-        "provenance_versions": json.dumps({"python": platform.python_version()} | versions),
-        "provenance_commit": _commit(),
-        "provenance_realizations_per_job": str(split),
-        "provenance_machine": f"{platform.system()} {platform.machine()}, {_processor()}",
-    }
-
-
-def _commit() -> str:
-    """Commit of the sources, with a mark where they were edited since."""
-    command = ["git", "-C", str(PACKAGE), "describe", "--always", "--dirty", "--abbrev=12"]
-    try:
-        answer = subprocess.run(command, capture_output=True, text=True, check=False)
-    except FileNotFoundError:
-        return "unknown (no git)"
-    return answer.stdout.strip() or "unknown (not a git checkout)"
-
-
-def _processor() -> str:
-    """Model and number of the processor's cores, the model where the system tells it."""
-    path = Path("/proc/cpuinfo")
-    told = path.read_text(encoding="utf-8") if path.is_file() else ""
-    model = re.search(r"model name\s*: (.*)", told)
-    return f"{model[1] if model else platform.processor()}, {os.cpu_count()} cores"

@@ -5,16 +5,14 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from jointclosure.dataset import (
-    atomically,
-    read_benchmarks,
-    read_csv,
+from jointclosure.files import atomically
+from jointclosure.storage.netcdf import (
     read_netcdf,
     reading_netcdf,
-    write_csv,
     write_netcdf,
     write_netcdf_blocks,
 )
+from jointclosure.storage.text import read_benchmarks, read_csv, write_csv
 
 
 def test_a_write_that_fails_leaves_what_was_there_and_no_litter(tmp_path):

@@ -1,0 +1,134 @@
+"""`jointclosure report`: a finished study as one page, without running anything."""
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pandas as pd
+import xarray as xr
+
+from jointclosure.config.files import DEFAULT, MEASURED, PAPER_TABLE_3, read_plain
+from jointclosure.config.keys import ConfigurationKeys
+from jointclosure.config.schema import json_schema
+from jointclosure.extras import needs
+from jointclosure.inputs import InputError
+from jointclosure.sources import PACKAGE
+from jointclosure.storage.netcdf import reading_netcdf
+from jointclosure.storage.seals import check_folder
+from jointclosure.storage.text import read_benchmarks, read_csv, write_text
+
+if TYPE_CHECKING:  # other commands do not load them
+    from jointclosure.report.content import Material
+    from jointclosure.report.page import Picture
+
+CAPTIONS = PACKAGE / "report/texts"
+
+
+def add_to(commands) -> None:
+    """Declare the command and its arguments."""
+    command = commands.add_parser(
+        "report",
+        help="a finished study as one page to read",
+        description="Writes report.html from the results of a study, wherever they were made: "
+        "nothing is computed again. Every file must be as it was written.",
+    )
+    command.add_argument("results", type=Path, help="results folder, such as results/paper")
+    command.add_argument(
+        "--output", type=Path, help="file of the page (default: report.html in the folder)"
+    )
+    command.set_defaults(run=run)
+
+
+def run(arguments) -> int:
+    """Write the page."""
+    output = arguments.output or arguments.results / "report.html"
+    size = write_report(arguments.results, output)
+    print(f"wrote {output}: {size / 1e6:.1f} MB")
+    return 0
+
+
+def write_report(folder: Path, output: Path) -> int:
+    """Put a study's results, figures and job times into one page.
+
+    Parameters
+    ----------
+    folder : path
+        Of the study's results.
+    output : path
+        Of the page.
+
+    Returns
+    -------
+    int
+        Bytes of the page.
+
+    Raises
+    ------
+    InputError
+        The study is not finished, or a file is not the one that its seal says.
+    """
+    with needs("report", "a report"):
+        from jointclosure.report.content import content
+        from jointclosure.report.page import render
+    sealed = check_folder(folder)
+    if folder / "study.nc" not in sealed:
+        raise InputError(f"{folder / 'study.nc'}: no sealed one; is the study finished?")
+    with reading_netcdf(folder / "study.nc") as study:
+        page = render(content(_material(study, folder, sealed)))
+    write_text(page, output)
+    return len(page.encode())
+
+
+def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material":
+    """All that the page is made from."""
+    from jointclosure.report.content import Material
+
+    configuration = json.loads(study.attrs["configuration"])
+    return Material(
+        study=study,
+        closures=_needed(folder / "tables/max_closure.csv", sealed),
+        intervals=_table(folder / "tables/table_3_indifference.csv", sealed),
+        claims=_table(folder / "tables/claims.csv", sealed),
+        predictive=_table(folder / "tables/table_3_predictive.csv", sealed),
+        joint=_table(folder / "tables/table_3_joint_tests.csv", sealed),
+        elasticities=_table(folder / "tables/elasticities.csv", sealed),
+        checks=_needed(folder / "tables/checks.csv", sealed),
+        paper=read_csv(PAPER_TABLE_3),
+        default=read_plain(DEFAULT),
+        schema=json_schema(ConfigurationKeys),
+        pictures=_pictures(folder, sealed, configuration),
+        benchmarks=read_benchmarks(folder / "benchmarks"),
+        measured=_table(folder / "tables/measured_fit.csv", sealed),
+        accuracy=_accuracy(folder.parent / "accuracy"),
+        presets=read_csv(MEASURED),
+    )
+
+
+def _pictures(folder: Path, sealed: list[Path], configuration: dict) -> "list[Picture]":
+    """Figures that are sealed and have a caption, in the order in which they were drawn."""
+    from jointclosure.report.captions import read_caption
+    from jointclosure.report.page import Picture
+
+    figures = [path for path in sealed if path.parent == folder / "figures"]
+    return [
+        Picture(figure.stem, figure.read_bytes(), read_caption(text, configuration))
+        for figure in figures
+        if figure.suffix == ".png" and (caption := CAPTIONS / f"{figure.stem}.rst").is_file()
+        for text in [caption.read_text(encoding="utf-8")]
+    ]
+
+
+def _accuracy(folder: Path) -> pd.DataFrame | None:
+    """What `make accuracy` measured, where it was run beside this study."""
+    return _table(folder / "tables/accuracy_cost.csv", check_folder(folder))
+
+
+def _table(path: Path, sealed: list[Path]) -> pd.DataFrame | None:
+    """A table that not every study has."""
+    return read_csv(path) if path in sealed else None
+
+
+def _needed(path: Path, sealed: list[Path]) -> pd.DataFrame:
+    if path not in sealed:
+        raise InputError(f"{path}: no sealed one; is the study finished?")
+    return read_csv(path)

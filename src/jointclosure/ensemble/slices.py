@@ -1,0 +1,84 @@
+"""The part of a configuration that the files of a case depend on."""
+
+from jointclosure.config.typed import Configuration, Walls
+from jointclosure.config.walls import wall_files
+from jointclosure.ensemble.cases import wall_name
+from jointclosure.ensemble.settings import Case, ClosureSettings, SurfaceSettings
+from jointclosure.scans import file_digest
+
+
+def surface_settings(
+    configuration: Configuration, case: Case, block: range, code: str = ""
+) -> SurfaceSettings:
+    """Settings of the surface pairs of a case.
+
+    Parameters
+    ----------
+    configuration : Configuration
+    case : Case
+        Whose ``surface`` is its own label.
+    block : range
+        Of realisations, see `jointclosure.ensemble.cases.blocks_of`.
+    code : str
+        Digest of the sources that make surfaces, for those that go to a file.
+    """
+    walls = configuration.rocks[case.rock].walls
+    return SurfaceSettings(
+        jrc=case.jrc,
+        walls=walls,
+        sha256=wall_digests(walls) if walls else {},
+        root_seed=configuration.study.root_seed,
+        seeds_named_by=tuple(wall_name(configuration.study, case)),
+        first_realization=block.start,
+        realizations=len(block),
+        grid=configuration.grid,
+        surface=configuration.surface,
+        code=code,
+    )
+
+
+def wall_digests(walls: Walls) -> dict[str, str]:
+    """SHA-256 of the files of measured walls: their contents count, and not their time."""
+    return {side: file_digest(file) for side, file in wall_files(walls).items()}
+
+
+def closure_settings(
+    configuration: Configuration, case: Case, surfaces: SurfaceSettings, code: str = ""
+) -> ClosureSettings:
+    """Settings of the closures of a case.
+
+    Parameters
+    ----------
+    configuration : Configuration
+    case : Case
+    surfaces : SurfaceSettings
+        Of the surface pairs that are closed.
+    code : str
+        Digest of the sources that close them, for those that go to a file.
+    """
+    return ClosureSettings(
+        case=case,
+        surfaces=surfaces,
+        cycles=configuration.study.cycles,
+        seating_stress=configuration.seating_stress,
+        choices=configuration.choices,
+        numerics=configuration.numerics,
+        stress_points=configuration.output.stress_points,
+        largest_stress=configuration.output.largest_stress,
+        effects_chosen_to=configuration.effects_chosen_to,
+        code=code,
+    )
+
+
+def block_settings(
+    configuration: Configuration,
+    cases: dict[str, Case],
+    label: str,
+    block: range,
+    surface_code: str = "",
+    solver_code: str = "",
+) -> ClosureSettings:
+    """`closure_settings` of a case and a block, with those of the surfaces that it closes."""
+    case = cases[label]
+    surfaces = surface_settings(configuration, cases[case.surface], block, surface_code)
+    return closure_settings(configuration, case, surfaces, solver_code)

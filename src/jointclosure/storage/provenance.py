@@ -1,0 +1,65 @@
+"""Where a dataset comes from: code, versions, machine."""
+
+import contextlib
+import importlib.metadata
+import json
+import os
+import platform
+import re
+import subprocess
+from pathlib import Path
+from typing import Any
+
+from jointclosure.sources import PACKAGE, package_digest
+
+
+def provenance(configuration: dict[str, Any]) -> dict[str, str]:
+    """Attributes that say where a dataset comes from.
+
+    Those with the prefix ``provenance_`` may differ between two runs of the
+    same study; the configuration and the digest of the sources may not. How
+    the work was split over jobs changes no result, and is one of the former.
+    """
+    study = dict(configuration["study"])
+    split = study.pop("realizations_per_job", None)
+    configuration = configuration | {"study": study}
+    versions = versions_of(
+        "jointclosure", "numpy", "numba", "scipy", "xarray", "netCDF4", "snakemake"
+    )
+    return {
+        "Conventions": "CF-1.11",
+        "configuration": json.dumps(configuration, sort_keys=True),
+        "root_seed": str(configuration["study"]["root_seed"]),
+        "source_digest": package_digest(),
+        "provenance_versions": json.dumps({"python": platform.python_version()} | versions),
+        "provenance_commit": _commit(),
+        "provenance_realizations_per_job": str(split),
+        "provenance_machine": f"{platform.system()} {platform.machine()}, {_processor()}",
+    }
+
+
+def versions_of(*packages: str) -> dict[str, str]:
+    """Versions of those of some packages that are installed."""
+    versions = {}
+    for name in packages:
+        with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # of an extra
+            versions[name] = importlib.metadata.version(name)
+    return versions
+
+
+def _commit() -> str:
+    """Commit of the sources, with a mark where they were edited since."""
+    command = ["git", "-C", str(PACKAGE), "describe", "--always", "--dirty", "--abbrev=12"]
+    try:
+        answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    except FileNotFoundError:
+        return "unknown (no git)"
+    return answer.stdout.strip() or "unknown (not a git checkout)"
+
+
+def _processor() -> str:
+    """Model and number of the processor's cores, the model where the system tells it."""
+    path = Path("/proc/cpuinfo")
+    told = path.read_text(encoding="utf-8") if path.is_file() else ""
+    model = re.search(r"model name\s*: (.*)", told)
+    return f"{model[1] if model else platform.processor()}, {os.cpu_count()} cores"

@@ -1,0 +1,50 @@
+"""Tables as CSV, and texts: whole or absent, whatever happens meanwhile."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from jointclosure.files import atomically
+from jointclosure.inputs import InputError
+
+
+def write_csv(frame: pd.DataFrame, path: str | Path) -> None:
+    """Write a table, whole or not at all; numbers as short as they read back."""
+    atomically(path, lambda temporary: frame.to_csv(temporary, index=False))
+
+
+def read_csv(path: str | Path) -> pd.DataFrame:
+    """A table written by `write_csv`, or an input in the same form."""
+    return pd.read_csv(path, comment="#")
+
+
+def read_benchmarks(folder: str | Path) -> pd.DataFrame:
+    """What Snakemake measured of its jobs: all ``.tsv`` files below a folder, one row a job.
+
+    Returns
+    -------
+    DataFrame
+        Columns rule (file or first folder), job, s [s], max_rss [MB]; jobs too
+        short to be measured have NaN.
+    """
+    rows = [
+        pd.read_csv(path, sep="\t", na_values=["-"], usecols=["s", "max_rss"]).assign(
+            rule=path.relative_to(folder).with_suffix("").parts[0], job=path.stem
+        )
+        for path in sorted(Path(folder).rglob("*.tsv"))
+    ]
+    columns = ["rule", "job", "s", "max_rss"]
+    return pd.concat(rows)[columns] if rows else pd.DataFrame(columns=columns)
+
+
+def read_text(path: str | Path) -> str:
+    """A text, such as a log or a CSV; `InputError` where it is no UTF-8."""
+    try:
+        return Path(path).read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: is no UTF-8 text ({error.reason} at {error.start})") from None
+
+
+def write_text(text: str, path: str | Path) -> None:
+    """Write a text, whole or not at all."""
+    atomically(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))

@@ -1,0 +1,366 @@
+"""Two scans of the walls of a joint, brought together: orientation, shift, overlap, mating.
+
+No files here: `jointclosure.scans` reads them. See docs/measured_walls.md.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from jointclosure.inputs import InputError
+from jointclosure.surface.mating import (
+    Mating,
+    best_shift,
+    mating,
+    mismatch_wavelength,
+    slope_correlation_over_shifts,
+)
+from jointclosure.surface.measured import (
+    LARGEST_FILLED_SHARE,
+    Cloud,
+    Scan,
+    point_distance,
+    wall_on_grid,
+)
+from jointclosure.surface.outliers import points_of, without_spikes
+from jointclosure.surface.overlap import Overlap, overlap_of
+from jointclosure.surface.roughness import detrended
+
+LEAST_OVERLAP = 0.5
+"""Of the smaller wall: shifts that leave less are not tried."""
+COMPARED_CELLS = 64
+"""At least so many along the shorter side when orientations are compared: long waves tell them."""
+CLEAR = 1.5
+"""An orientation is clear where its slopes correlate so many times better than any other's.
+Of 900 pairs of independent walls (64 to 128 cells, H 0.5 to 1) none was clear so by chance, by 1.4
+seven were."""
+
+
+class Orientation(NamedTuple):
+    """How the heights of the upper wall's scan, and its plan, lie in the lower one's frame.
+
+    ``sign`` is 1 where they count away from the lower wall's rock, as the lower ones do, -1 where
+    they count towards the lower wall; ``mirrored`` are the axes (y, x) to be reversed.
+    """
+
+    sign: int
+    mirrored: tuple[bool, bool]
+    meaning: str
+
+
+ORIENTATIONS = {
+    "common_frame": Orientation(1, (False, False), "both scans in one frame, z upwards"),
+    "rotated": Orientation(1, (True, True), "z upwards, turned by 180 degrees in the plane"),
+    "turned_about_x": Orientation(-1, (True, False), "the wall was turned over about x"),
+    "turned_about_y": Orientation(-1, (False, True), "the wall was turned over about y"),
+    "towards": Orientation(-1, (False, False), "heights towards the lower wall, plan as it lies"),
+    "towards_rotated": Orientation(-1, (True, True), "as towards, turned by 180 degrees"),
+    "mirrored_x": Orientation(1, (False, True), "z upwards, x reversed"),
+    "mirrored_y": Orientation(1, (True, False), "z upwards, y reversed"),
+}
+"""Those of the upper wall's scan that are compared."""
+SHIFTS = ("scanned", "mated")
+
+
+class Fit(NamedTuple):
+    """How well the walls fit in an orientation: correlation of slopes at the best shift."""
+
+    orientation: str
+    correlation: float
+    shift: tuple[float, float]
+
+
+class RegisteredPair(NamedTuple):
+    """Two walls that were scanned, brought together.
+
+    Attributes
+    ----------
+    upper, lower : array (y, x)
+        Heights [m] towards the other wall, each less its plane, no cell missing.
+    spacing : float
+        Grid spacing [m].
+    aperture : array (y, x)
+        Distance of the walls at first touch [m].
+    first_touch : (y, x)
+        The cell where they touch first.
+    orientation : str
+        Key of `ORIENTATIONS`.
+    fits : list of Fit
+        All orientations, the best first.
+    shift : (y, x)
+        By which the upper wall was moved [m].
+    mating_shift : (y, x)
+        That mates the walls best [m], moved or not.
+    correlation : float
+        Of the heights of both walls.
+    mating : Mating
+        Their correlation by wavelength.
+    overlap : float
+        Share of the smaller scan's cells that lie in the walls.
+    report : list of str
+        What was found and done, in sentences.
+    """
+
+    upper: np.ndarray
+    lower: np.ndarray
+    spacing: float
+    aperture: np.ndarray
+    first_touch: tuple[int, int]
+    orientation: str
+    fits: list[Fit]
+    shift: tuple[float, float]
+    mating_shift: tuple[float, float]
+    correlation: float
+    mating: Mating
+    overlap: float
+    report: list[str]
+
+
+def registered(
+    upper: Scan | Cloud,
+    lower: Scan | Cloud,
+    spacing: float | None = None,
+    *,
+    orientation: str | None = None,
+    shift: str | None = None,
+    cut_spikes: bool = True,
+    largest_filled_share: float = LARGEST_FILLED_SHARE,
+) -> RegisteredPair:
+    """Bring two scans of the walls of one joint together.
+
+    Parameters
+    ----------
+    upper, lower : Scan or Cloud
+        In metres; the lower one's heights count towards the upper wall.
+    spacing : float, optional
+        Of the walls' grid [m]; by default the larger point distance of the scans.
+    orientation : str, optional
+        Key of `ORIENTATIONS`: that of the upper scan. By default it is found, as the one in
+        which the walls' slopes correlate best, if it is clear.
+    shift : {"scanned", "mated"}, optional
+        Leave the walls where they were scanned, or move the upper one to where they mate best.
+        By default "scanned" in a common frame, else "mated".
+    cut_spikes : bool
+        Leave out spikes (`jointclosure.surface.outliers.without_spikes`).
+    largest_filled_share : float
+        Of the cells: holes inside the walls are filled linearly up to that.
+
+    Returns
+    -------
+    RegisteredPair
+
+    Raises
+    ------
+    InputError
+        No orientation is clear and none is stated, the walls are inclined too much, do not
+        overlap, or lie in the wrong order.
+    """
+    _check_choices(orientation, shift)
+    report: list[str] = []
+    clouds, distances = [], []
+    for side, scan in (("upper", upper), ("lower", lower)):
+        report += [f"{side} wall: {remark}" for remark in scan.remarks]
+        kept, said = without_spikes(scan) if cut_spikes else (scan, "")
+        report += [f"{side} wall: {said}; they were cut"] if said else []
+        clouds.append(points_of(kept))
+        distances.append(point_distance(scan))
+    spacing = max(distances) if spacing is None else float(spacing)
+    placed = [_Placed.of(cloud, spacing) for cloud in clouds]
+    fits = _compared(placed[0], placed[1], spacing)
+    name = _chosen(fits, orientation, report)
+    whole_cells = all(isinstance(scan, Scan) for scan in (upper, lower))
+    best = _refined(
+        placed[0], placed[1], spacing, next(fit for fit in fits if fit.orientation == name)
+    )
+    mated = best.whole if whole_cells else best.exact
+    moved = shift == "mated" or (shift is None and name != "common_frame")
+    applied = mated if moved else (0.0, 0.0)
+    report.append(_shift_said(mated, moved))
+    turned = _oriented(clouds[0], placed[0], spacing, ORIENTATIONS[name])
+    raised = turned + np.array([applied[1], applied[0], 0.0])
+    both = (distances[0], distances[1])
+    found = overlap_of(raised, clouds[1], spacing, both, largest_filled_share)
+    return _described(found, spacing, name, fits, applied, mated, report)
+
+
+class _Placed(NamedTuple):
+    """A wall (y, x) less its plane, NaN where missing, and the place (y, x) of its first cell."""
+
+    wall: np.ndarray
+    low: np.ndarray
+
+    @classmethod
+    def of(cls, points: np.ndarray, spacing: float) -> "_Placed":
+        return cls(wall_on_grid(Cloud(points), spacing), points[:, 1::-1].min(axis=0))
+
+
+class _Shift(NamedTuple):
+    """The shift (y, x) [m] that mates walls best, to a fraction of a cell and by whole cells."""
+
+    exact: tuple[float, float]
+    whole: tuple[float, float]
+
+
+def _check_choices(orientation: str | None, shift: str | None) -> None:
+    for name, value, allowed in (
+        ("orientation", orientation, ORIENTATIONS),
+        ("shift", shift, SHIFTS),
+    ):
+        if value is not None and value not in allowed:
+            raise InputError(f"{name} = {value!r}: must be one of {', '.join(allowed)}")
+
+
+def _turned(wall: np.ndarray, orientation: Orientation) -> np.ndarray:
+    steps = tuple(slice(None, None, -1 if axis else 1) for axis in orientation.mirrored)
+    return orientation.sign * wall[steps]
+
+
+def _oriented(
+    points: np.ndarray, placed: _Placed, spacing: float, orientation: Orientation
+) -> np.ndarray:
+    """Points of the upper wall, reversed as its grid is: about the middle of the grid."""
+    turned = points * np.array([1.0, 1.0, orientation.sign])
+    for axis, column in ((0, 1), (1, 0)):
+        if orientation.mirrored[axis]:
+            across = (placed.wall.shape[axis] - 1) * spacing
+            turned[:, column] = 2.0 * placed.low[axis] + across - turned[:, column]
+    return turned
+
+
+def _compared(upper: _Placed, lower: _Placed, spacing: float) -> list[Fit]:
+    """The walls in all orientations, on means over blocks of cells; the best first."""
+    cells = max(min(*upper.wall.shape, *lower.wall.shape) // COMPARED_CELLS, 1)
+    fixed = _block_means(lower.wall, cells)
+    fits = []
+    for name, orientation in ORIENTATIONS.items():
+        moved = _block_means(_turned(upper.wall, orientation), cells)
+        shifts = slope_correlation_over_shifts(fixed, moved, LEAST_OVERLAP)
+        blocks, correlation = best_shift(shifts)
+        if np.isnan(correlation):
+            raise InputError("the scans have too few heights to be compared")
+        y, x = lower.low - upper.low + spacing * cells * np.array(blocks)
+        fits.append(Fit(name, correlation, (float(y), float(x))))
+    return sorted(fits, key=lambda fit: -fit.correlation)
+
+
+def _block_means(wall: np.ndarray, cells: int) -> np.ndarray:
+    """Means of the known heights in blocks of cells, NaN where there is none."""
+    ny, nx = (size // cells for size in wall.shape)
+    blocks = wall[: ny * cells, : nx * cells].reshape(ny, cells, nx, cells)
+    known = np.isfinite(blocks).sum(axis=(1, 3))
+    return np.where(known > 0, np.nansum(blocks, axis=(1, 3)) / np.maximum(known, 1), np.nan)
+
+
+def _chosen(fits: list[Fit], stated: str | None, report: list[str]) -> str:
+    """The orientation that was stated, or that is clear; `InputError` where none is."""
+    best, second = fits[:2]
+    clear = best.correlation >= CLEAR * max(second.correlation, 0.0)
+    listed = ", ".join(f"{fit.orientation} {fit.correlation:.2f}" for fit in fits)
+    if stated is None and not clear:
+        raise InputError(
+            f"the orientation of the upper wall is not clear: slopes correlate by {listed}, and "
+            f"the best must be {CLEAR:g} times the second; state it (orientation), or check that "
+            "these are the walls of one joint"
+        )
+    name = best.orientation if stated is None else stated
+    how = "found" if stated is None else "stated"
+    report.append(
+        f"orientation of the upper wall, {how}: {name} ({ORIENTATIONS[name].meaning}); slopes "
+        f"correlate by {listed}"
+    )
+    if stated is not None and clear and best.orientation != stated:
+        report.append(
+            f"Warning: the stated orientation {stated} fits worse than {best.orientation}, which "
+            f"is clear; closures of the wrong one are several times too large"
+        )
+    return name
+
+
+def _refined(upper: _Placed, lower: _Placed, spacing: float, fit: Fit) -> _Shift:
+    """The best shift at the grid's own spacing, near that of a comparison of blocks."""
+    orientation = ORIENTATIONS[fit.orientation]
+    shifts = slope_correlation_over_shifts(
+        lower.wall, _turned(upper.wall, orientation), 0.9 * LEAST_OVERLAP
+    )
+    cells = max(min(*upper.wall.shape, *lower.wall.shape) // COMPARED_CELLS, 1)
+    start = (np.array(fit.shift) - lower.low + upper.low) / spacing
+    distance = [
+        np.abs((np.arange(n) - at + n / 2.0) % n - n / 2.0)
+        for n, at in zip(shifts.shape, start, strict=True)
+    ]
+    near = np.maximum(distance[0][:, None], distance[1][None, :]) <= 2.0 * cells
+    whole = np.array(best_shift(np.where(near, shifts, np.nan))[0])
+    part = [_vertex(np.roll(shifts, 1 - whole, (0, 1))[line]) for line in (_COLUMN, _ROW)]
+    at = [lower.low - upper.low + spacing * (whole + more) for more in (np.zeros(2), part)]
+    return _Shift(*((float(y), float(x)) for y, x in at[::-1]))
+
+
+_COLUMN, _ROW = np.s_[:3, 1], np.s_[1, :3]
+
+
+def _vertex(values: np.ndarray) -> float:
+    """Place of the top of the parabola through three values at -1, 0 and 1."""
+    bend = values[0] - 2.0 * values[1] + values[2]
+    if not bend < 0.0:
+        return 0.0
+    return float(np.clip(0.5 * (values[0] - values[2]) / bend, -0.5, 0.5))
+
+
+def _shift_said(mated: tuple[float, float], moved: bool) -> str:
+    by = f"({1e3 * mated[1]:.3g}, {1e3 * mated[0]:.3g}) mm along (x, y)"
+    if moved:
+        return f"the upper wall was moved by {by}, to where the walls mate best"
+    return (
+        f"the walls were left where they were scanned; they mate best with the upper moved by {by}"
+    )
+
+
+def _described(
+    found: Overlap, spacing: float, name: str, fits: list[Fit], applied: tuple[float, float],
+    mated: tuple[float, float], report: list[str],
+) -> RegisteredPair:  # fmt: skip
+    """Walls with heights towards each other, seated parallel, and what there is to say of them."""
+    upper, lower = detrended(-found.upper), detrended(found.lower)
+    together = upper + lower
+    aperture = together.max() - together
+    ny, nx = upper.shape
+    y, x = (int(i) for i in np.unravel_index(int(np.argmin(aperture)), aperture.shape))
+    correlation = float(np.corrcoef(upper.ravel(), -lower.ravel())[0, 1])
+    by_wavelength = mating(upper, lower, spacing)
+    gap = float(np.mean(found.upper - found.lower))
+    filled_said = f", {found.filled_cells} of them in holes, filled" if found.filled_cells else ""
+    report += [
+        f"overlap: {ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm{filled_said}, "
+        f"{100.0 * found.share:.0f} % of the smaller scan",
+        f"the plane common to both walls, inclined by {found.inclination:.2f} degrees, was "
+        f"removed; the walls were inclined to each other by {found.relative:.3f} degrees and are "
+        "set parallel",
+        f"heights correlate by {correlation:.3f}; {_mating_said(by_wavelength)}",
+        f"at first touch, at cell (y, x) = ({y}, {x}), the mean aperture is "
+        f"{1e3 * aperture.mean():.3g} mm",
+    ]
+    if name == "common_frame" and applied == (0.0, 0.0):
+        side = "above" if gap > 0.0 else "below"
+        report.append(
+            f"as scanned the upper wall lies {1e3 * abs(gap):.3g} mm {side} the lower one in the "
+            "mean" + ("" if gap > 0.0 else _BELOW)
+        )
+    return RegisteredPair(
+        upper, lower, spacing, aperture, (y, x), name, fits, applied, mated, correlation,
+        by_wavelength, found.share, report,
+    )  # fmt: skip
+
+
+_BELOW = (
+    ": Warning: if both scans have one zero of heights, the walls are interchanged or heights "
+    "count downwards"
+)
+
+
+def _mating_said(found: Mating) -> str:
+    wavelength = mismatch_wavelength(found)
+    if wavelength is None:
+        return "the walls mate at all wavelengths of the grid"
+    if np.isinf(wavelength):
+        return "the walls mate at no wavelength"
+    return f"the walls mate at wavelengths beyond {1e3 * wavelength:.3g} mm (correlation 0.5)"

@@ -1,0 +1,134 @@
+"""Numbers that are none, or that look like a slip of units, are refused before anything runs."""
+
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from jointclosure.config.files import ConfigurationError, value_of
+from tests.studied import study_of
+
+FLAT = np.zeros((4, 4))
+USUAL = {"spacing": 0.25e-3, "rock": jc.Rock(78e9, 0.2, 165e6), "max_normal_stress": 1e6}
+
+
+@pytest.mark.parametrize("written", [".nan", ".inf", "-.inf", "1.0e+400", "1e400"])
+@pytest.mark.parametrize(
+    "key",
+    [
+        "rocks.slate.youngs_modulus_GPa",
+        "rocks.slate.compressive_strength_MPa",
+        "rocks.slate.jrc",
+        "grid.spacing_mm",
+        "seating_stress_MPa",
+        "choices.largest_radius_mm",
+        "choices.tie_tolerance",
+        "numerics.displacement_step_um",
+        "numerics.force_tolerance",
+        "statistics.significance",
+        "output.largest_stress_MPa",
+        "effects.auto",
+    ],
+)
+def test_what_is_no_finite_number_is_refused_by_its_key(key, written):
+    value = value_of(written)
+    for part in reversed(key.split(".")):
+        value = {part: value}
+    with pytest.raises(ConfigurationError) as error:
+        study_of(value)
+    assert f"  {key} = " in str(error.value)
+    assert "must be" in str(error.value)
+
+
+@pytest.mark.parametrize("written", [".nan", ".inf"])
+def test_levels_are_finite_too(written):
+    levels = {"youngs_modulus_GPa": [60, value_of(written)]}
+    with pytest.raises(ConfigurationError, match=r"levels.youngs_modulus_GPa = .*finite"):
+        study_of({"rocks": {"slate": {"levels": levels}}})
+
+
+SLIPS = {
+    "MPa for GPa": ({"rocks": {"slate": {"youngs_modulus_GPa": 66000, "levels": {"youngs_modulus_GPa": None}}}}, "rocks.slate.youngs_modulus_GPa = 66000"),
+    "a level in MPa": ({"rocks": {"slate": {"levels": {"youngs_modulus_GPa": [60, 72000]}}}}, "rocks.slate.levels.youngs_modulus_GPa = 72000"),
+    "Pa for MPa": ({"rocks": {"slate": {"compressive_strength_MPa": 165e6}}}, "rocks.slate.compressive_strength_MPa = 165000000"),
+    "GPa for MPa": ({"rocks": {"slate": {"compressive_strength_MPa": 0.165}}}, "rocks.slate.compressive_strength_MPa = 0.165"),
+    "a stress in Pa": ({"rocks": {"slate": {"max_normal_stress_MPa": 30e6}}}, "rocks.slate.max_normal_stress_MPa = 30000000"),
+    "m for mm": ({"grid": {"spacing_mm": 0.25e-3}}, "grid.spacing_mm = 0.00025"),
+    "um for mm": ({"grid": {"spacing_mm": 250}}, "grid.spacing_mm = 250"),
+    "a step in m": ({"numerics": {"displacement_step_um": 12.5e-6, "breakage_step_um": 1e-6}}, "numerics.displacement_step_um = 1.25e-05"),
+    "a radius in um": ({"choices": {"largest_radius_mm": 20000}}, "choices.largest_radius_mm = 20000"),
+    "a range in Pa": ({"ablation": {"jrc": [8], "stress_MPa": [1, 30e6]}}, "ablation.stress_MPa = 30000000"),
+}  # fmt: skip
+
+
+def found_in(change, **study):
+    """What is said against a study."""
+    try:
+        study_of(change, {"study": study})
+    except ConfigurationError as error:
+        return str(error).splitlines()
+    return []
+
+
+@pytest.mark.parametrize("slip", SLIPS)
+def test_a_slip_of_units_is_refused_and_a_key_takes_it_as_it_is(slip):
+    change, said = SLIPS[slip]
+    lines = [line for line in found_in(change) if said in line]
+    assert len(lines) == 1
+    assert "not usual of rock" in lines[0]
+    assert "study.unusual_values: allow takes it as it is" in lines[0]
+    # it may contradict another key all the same
+    assert not any("not usual" in line for line in found_in(change, unusual_values="allow"))
+
+
+def test_rocks_that_are_not_studied_may_be_what_they_are():
+    tuff = {"title": "T", "youngs_modulus_GPa": 1e-9, "poisson_ratio": 0.2, "jrc": 8,
+            "compressive_strength_MPa": 1, "max_normal_stress_MPa": 1, "levels": {}}  # fmt: skip
+    study_of({"rocks": {"tuff": tuff}})
+    with pytest.raises(ConfigurationError, match="not usual"):
+        study_of({"rocks": {"tuff": tuff}, "study": {"rocks": ["tuff"]}})
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"rock": jc.Rock(55.0, 0.2, 165e6)}, "youngs_modulus = 55.0 Pa: not usual"),
+        ({"rock": jc.Rock(78e9, 0.2, 165.0)}, "compressive_strength = 165.0 Pa: not usual"),
+        (
+            {"rock": (USUAL["rock"], jc.Rock(78e9, 0.2, 165.0))},
+            "compressive_strength = 165.0 Pa: not usual",
+        ),
+        ({"spacing": 0.25}, "spacing = 0.25 m: not usual"),
+        ({"max_normal_stress": 10.0}, "max_normal_stress = 10.0 Pa: not usual"),
+    ],
+)
+def test_the_library_refuses_a_slip_of_units_too(change, said):
+    walls = [jc.wall_pair(8.0, (6, 6), 0.25e-3, seed) for seed in range(2)]
+    for close in (
+        lambda **told: jc.simulate(*walls[0], **told),
+        lambda **told: jc.choose_effects(walls, **told),
+    ):
+        with pytest.raises(jc.InputError, match="unusual_values=True") as error:
+            close(**USUAL | change)
+        assert said in str(error.value)
+
+
+def test_the_library_takes_unusual_values_where_it_is_told_to():
+    elastic = jc.Effects(breakage=False, gouge=False)
+    soft = USUAL | {"rock": jc.Rock(1e6, 0.2, 1e3), "max_normal_stress": 10.0}
+    walls = jc.wall_pair(8.0, (6, 6), 0.25e-3, 1)
+    closed = jc.simulate(*walls, **soft, effects=elastic, unusual_values=True)
+    assert int(closed.status) < 16
+    with pytest.raises(jc.InputError, match="spacing"):
+        jc.equilibrium(FLAT, FLAT, spacing=0.25, rock=USUAL["rock"], closure=1e-6)
+    jc.equilibrium(FLAT, FLAT, spacing=0.25, rock=USUAL["rock"], closure=1e-6, unusual_values=True)
+
+
+@pytest.mark.parametrize("name", ["hard_cases", "accuracy", "effects"])
+def test_a_study_may_not_have_the_name_of_another_targets_results(name):
+    with pytest.raises(ConfigurationError, match=f"study.name = '{name}': results/{name} belongs"):
+        study_of({"study": {"name": name}})
+
+
+def test_a_study_names_each_rock_once():
+    with pytest.raises(ConfigurationError, match="has a rock twice"):
+        study_of({"study": {"rocks": ["slate", "slate"]}})

@@ -1,0 +1,60 @@
+"""The budget of counts: what closing some joints takes, in numbers that no machine changes.
+
+`python -m tests.effort` measures them and rewrites ``tests/effort.csv``; do so when a
+change is meant to cost or to save something, and let the difference be read.
+"""
+
+from pathlib import Path
+
+import pandas as pd
+
+import jointclosure as jc
+from tests.conftest import DOLERITE, SPACING
+
+BUDGET = Path(__file__).with_suffix(".csv")
+COUNTS = ("settled_states", "equilibria", "newton_steps", "solver_iterations", "breakage_steps")
+ELASTIC = {"breakage": False, "gouge": False}
+LARGEST = jc.Choices(largest_radius=20e-3)
+
+JOINTS: dict[str, dict] = {
+    # name: cells, stress [MPa], and what differs from the default
+    "fixed_step": {"cells": 40, "stress": 8.0},
+    "fixed_step_current_peaks": {"cells": 32, "choices": jc.Choices(peaks="current")},
+    "fixed_step_without_interaction": {
+        "cells": 40,
+        "effects": jc.Effects(interaction=False),
+    },
+    "fixed_step_interpolated": {"numerics": jc.Numerics(target="interpolate")},
+    "resolved": {"numerics": jc.Numerics(breakage="resolved"), "choices": LARGEST},
+    "resolved_unbounded_radii": {"numerics": jc.Numerics(breakage="resolved")},
+    "elastic": {"cells": 60, "stress": 30.0, "effects": jc.Effects(**ELASTIC)},
+    "reference": {"cells": 16, "stress": 2.0, "numerics": jc.Numerics(solver="reference")},
+}
+
+
+def counts(name: str) -> dict[str, int]:
+    """What closing a joint of `JOINTS` takes, two cycles on two surfaces."""
+    told = dict(JOINTS[name])
+    cells, stress = told.pop("cells", 24), told.pop("stress", 4.0)
+    closed = [
+        jc.simulate(
+            *jc.wall_pair(8.0, (cells, cells), SPACING, seed=seed),
+            spacing=SPACING,
+            rock=DOLERITE,
+            max_normal_stress=stress * 1e6,
+            **told,
+        )
+        for seed in (1, 2)
+    ]
+    return {count: sum(int(each[count]) for each in closed) for count in COUNTS}
+
+
+def budget() -> pd.DataFrame:
+    """The stored counts by joint."""
+    return pd.read_csv(BUDGET, index_col="joint")
+
+
+if __name__ == "__main__":
+    pd.DataFrame.from_dict({name: counts(name) for name in JOINTS}, orient="index").rename_axis(
+        "joint"
+    ).to_csv(BUDGET)

@@ -1,0 +1,57 @@
+"""What is not used is not loaded: by modules, not by seconds."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import jointclosure as jc
+
+SCRIPTS = Path(__file__).parents[2] / "workflow/scripts"
+HEAVY = {
+    "IPython", "SurfaceTopography", "docutils", "jinja2", "matplotlib", "mpmath", "netCDF4",
+    "numba", "numpy", "pandas", "plotly", "rich", "scipy.interpolate", "scipy.optimize",
+    "scipy.spatial", "scipy.stats", "seaborn", "snakemake", "tifffile", "trimesh", "xarray",
+}  # fmt: skip
+FILES = {"netCDF4", "numpy", "pandas", "xarray"}
+"""What reading and writing datasets takes."""
+
+
+def loaded(code: str) -> set[str]:
+    """Which heavy modules a fresh process has loaded after some code."""
+    report = f"import json, sys; {code}; print(json.dumps(list(sys.modules)))"
+    command = [sys.executable, "-c", report]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return HEAVY & set(json.loads(done.stdout.splitlines()[-1]))
+
+
+def test_the_package_itself_loads_nothing():
+    assert loaded("import jointclosure") == set()
+
+
+def test_parameters_load_numpy_alone():
+    assert loaded("import jointclosure as jc; jc.Rock, jc.Effects, jc.Numerics") == {"numpy"}
+
+
+@pytest.mark.parametrize(
+    ("script", "needed"),
+    [
+        ("make_surfaces", FILES),
+        ("close_surfaces", FILES | {"numba"}),
+        ("compile_kernels", FILES | {"numba"}),
+    ],
+)
+def test_a_job_loads_what_it_needs_and_no_more(script, needed):
+    """Each of the study's hundreds of jobs pays for its imports."""
+    assert loaded(f"sys.path.insert(0, {str(SCRIPTS)!r}); import {script}") <= needed
+
+
+def test_every_public_name_is_what_its_module_defines():
+    assert sorted(jc.__all__) == jc.__all__ == sorted(jc._MODULES)
+    for name, module in jc._MODULES.items():
+        assert getattr(jc, name).__module__ == f"jointclosure.{module}"
+    assert set(jc.__all__) <= set(dir(jc))
+    with pytest.raises(AttributeError, match="no attribute 'simulte'"):
+        jc.simulte  # noqa: B018

@@ -1,0 +1,122 @@
+"""The wheel works outside of a clone, with the dependencies of the library and no others."""
+
+import importlib.metadata
+import os
+import re
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+
+from jointclosure.commands.doctor import THREADS
+from jointclosure.extras import EXTRAS
+
+ROOT = Path(__file__).parents[2]
+
+pytestmark = pytest.mark.slow
+
+
+def run(*words, cwd=None):
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "COV"))}
+    environment |= dict.fromkeys(THREADS, "1")
+    return subprocess.run(
+        words, cwd=cwd, env=environment, capture_output=True, text=True, check=False
+    )
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    """The wheel of the project, built without a network."""
+    folder = tmp_path_factory.mktemp("wheel")
+    done = run(sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", folder, cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+    return next(folder.glob("*.whl"))
+
+
+def required(name: str, extras: frozenset[str] = frozenset()) -> set[str]:
+    """Names of a distribution's dependencies, and of theirs, on this machine."""
+    found = set()
+    for text in importlib.metadata.requires(name) or []:
+        wanted = Requirement(text)
+        holds = (
+            [wanted.marker.evaluate({"extra": extra}) for extra in ("", *extras)]
+            if (wanted.marker)
+            else [True]
+        )
+        if any(holds) and wanted.name not in found:
+            found |= {wanted.name} | required(wanted.name, frozenset(wanted.extras))
+    return found
+
+
+@pytest.fixture(scope="module")
+def program(wheel, tmp_path_factory):
+    """`jointclosure` of an environment that has the wheel and what the library needs."""
+    folder = tmp_path_factory.mktemp("environment")
+    assert run(sys.executable, "-m", "venv", "--without-pip", folder).returncode == 0
+    python = folder / "bin/python"
+    site = next((folder / "lib").glob("python*/site-packages"))
+    for name in required("jointclosure"):
+        distribution = importlib.metadata.distribution(name)
+        tops = {Path(str(file)).parts[0] for file in distribution.files or []}
+        for top in tops - {"..", "__pycache__"}:
+            if not (site / top).exists():
+                (site / top).symlink_to(distribution.locate_file(top))
+    pip = [sys.executable, "-m", "pip", f"--python={python}", "install", "--no-index", "--no-deps"]
+    done = run(*pip, wheel)
+    assert done.returncode == 0, done.stderr
+    return folder / "bin/jointclosure"
+
+
+def test_the_wheel_holds_the_package_and_nothing_of_this_machine(wheel):
+    with zipfile.ZipFile(wheel) as archive:
+        names = archive.namelist()
+        assert "jointclosure/py.typed" in names
+        assert not [name for name in names if "__pycache__" in name or name.startswith("tests")]
+        for name in names:
+            assert str(ROOT).encode() not in archive.read(name), name
+
+
+def test_the_library_does_without_the_extras(program):
+    """None of their modules is there, and each module of the library can be imported."""
+    python = program.with_name("python")
+    for modules in EXTRAS.values():
+        for module in modules:
+            assert run(python, "-c", f"import {module}").returncode != 0, module
+    done = run(python, "-c", "import jointclosure as jc; [getattr(jc, n) for n in jc.__all__]")
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("words", [[], *([name] for name in ("simulate", "roughness", "doctor"))])
+def test_help_is_there_in_an_empty_folder(program, tmp_path, words):
+    done = run(program, *words, "--help", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("usage: jointclosure")
+
+
+def test_doctor_finds_an_empty_folder_well(program, tmp_path):
+    done = run(program, "doctor", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "all is well" in done.stdout
+    assert re.search(r"extras: +with none; without figures, report, walls, workflow", done.stdout)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_joint_is_closed_in_an_empty_folder(program, tmp_path):
+    words = ["--rock", "dolerite", "--cells", "12", "--stress", "1", "--output", "joint.nc"]
+    words += ["--without", "breakage", "gouge"]  # whose kernels take a minute to compile
+    done = run(program, "simulate", *words, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "closure (mm)" in done.stdout
+    assert [path.name for path in tmp_path.iterdir()] == ["joint.nc"]
+
+
+def test_a_missing_extra_is_one_line_before_anything_is_computed(program, tmp_path):
+    words = ["--rock", "dolerite", "--picture", "joint.png"]
+    done = run(program, "simulate", *words, cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert "pip install 'jointclosure[figures]'" in done.stderr
+    assert done.stderr.count("\n") == 1

@@ -1,0 +1,85 @@
+"""`jointclosure report`: from the files of a finished study to the file of its page."""
+
+import shutil
+
+import pandas as pd
+import pytest
+
+from jointclosure import cli
+from jointclosure.report.content import content
+from jointclosure.report.page import render
+from jointclosure.storage.netcdf import write_netcdf
+from jointclosure.storage.seals import write_seal
+from jointclosure.storage.text import write_csv
+
+TABLES = {
+    "closures": "max_closure",
+    "intervals": "table_3_indifference",
+    "claims": "claims",
+    "checks": "checks",
+}
+
+
+def finished(material, pictures, folder):
+    """A made-up study as a run leaves it."""
+    for name in ("tables", "figures", "seals", "benchmarks/close_surfaces"):
+        (folder / name).mkdir(parents=True)
+    write_netcdf(material.study, folder / "study.nc")
+    write_seal(folder / "seals/aggregate.json", [folder / "study.nc"], {}, [], [])
+    for part, name in TABLES.items():
+        table = folder / f"tables/{name}.csv"
+        if (frame := getattr(material, part)) is not None:
+            write_csv(frame, table)
+            write_seal(folder / f"seals/{name}.json", [table], {}, [], [])
+    figures = [folder / f"figures/{picture.name}.png" for picture in pictures]
+    for figure, picture in zip(figures, pictures, strict=True):
+        figure.write_bytes(picture.png)
+    write_seal(folder / "seals/draw_figures.json", figures, {}, [], [])
+    for job in material.benchmarks.itertuples():
+        rss = "-" if pd.isna(job.max_rss) else job.max_rss
+        (folder / f"benchmarks/close_surfaces/{job.job}.tsv").write_text(
+            f"s\tmax_rss\n{job.s}\t{rss}\n"
+        )
+    return folder
+
+
+@pytest.fixture
+def folder(material, pictures, tmp_path):
+    return finished(material, pictures, tmp_path / "made_up")
+
+
+def test_the_files_give_the_page_that_their_content_gives(material, folder, capsys):
+    assert cli.main(["report", str(folder)]) == 0
+    assert (folder / "report.html").read_text(encoding="utf-8") == render(content(material))
+    assert "report.html: " in capsys.readouterr().out
+
+
+def test_a_study_that_varies_nothing_has_a_page(material, pictures, tmp_path):
+    bare = material._replace(intervals=None, claims=None)
+    folder = finished(bare, pictures, tmp_path / "bare")
+    assert cli.main(["report", str(folder)]) == 0
+    assert "No property was varied" in (folder / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("missing", ["study.nc", "seals/aggregate.json", "seals/checks.json"])
+def test_a_study_that_is_not_whole_has_no_page(folder, capsys, missing):
+    (folder / missing).unlink()
+    assert cli.main(["report", str(folder)]) == 2
+    said = capsys.readouterr().err
+    assert len(said.splitlines()) == 1
+    assert "is missing" in said or "no sealed one" in said
+    assert not (folder / "report.html").exists()
+
+
+def test_an_edited_table_is_in_no_page(folder, capsys):
+    table = folder / "tables/claims.csv"
+    table.write_text(table.read_text().replace("reproduced", "refuted"))
+    assert cli.main(["report", str(folder)]) == 2
+    assert "claims.csv: the file is not as jointclosure wrote it" in capsys.readouterr().err
+
+
+def test_the_page_can_be_written_elsewhere_from_a_copy(folder, tmp_path):
+    shutil.copytree(folder, tmp_path / "copy")
+    output = tmp_path / "page.html"
+    assert cli.main(["report", str(tmp_path / "copy"), "--output", str(output)]) == 0
+    assert output.stat().st_size > 1e6

@@ -1,0 +1,313 @@
+"""Two scans of one joint are brought together as its walls were."""
+
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from jointclosure.scans import read_scan
+from jointclosure.surface.mating import (
+    best_shift,
+    mating,
+    mismatch_wavelength,
+    slope_correlation_over_shifts,
+)
+from jointclosure.surface.measured import Cloud, Scan
+from jointclosure.surface.outliers import points_of, spikes, without_spikes
+from jointclosure.surface.overlap import largest_rectangle
+from jointclosure.surface.registration import ORIENTATIONS, registered
+from jointclosure.surface.roughness import detrended
+from tests.conftest import SPACING, TWO_WALLS
+
+SHAPE = (96, 104)
+
+
+@pytest.fixture(scope="module")
+def joint():
+    """Upper and lower wall, heights towards each other, correlated by 0.9."""
+    return jc.wall_pair(9.0, SHAPE, SPACING, seed=4, correlation=0.9)
+
+
+def scanned(wall, name, tilt=0.0):
+    """The scan that, laid as an orientation says, is the upper wall in the lower one's frame."""
+    orientation = ORIENTATIONS[name]
+    y, x = np.indices(wall.shape) * SPACING
+    field = -wall + np.tan(np.radians(tilt)) * (0.6 * x + 0.8 * y)
+    steps = tuple(slice(None, None, -1 if axis else 1) for axis in orientation.mirrored)
+    return Scan(orientation.sign * field[steps], (SPACING, SPACING))
+
+
+def grid(wall):
+    return Scan(wall, (SPACING, SPACING))
+
+
+@pytest.mark.parametrize("name", ORIENTATIONS)
+def test_the_orientation_of_the_upper_scan_is_found_and_undone(name, joint):
+    upper, lower = joint
+    found = registered(scanned(upper, name), grid(lower), cut_spikes=False)
+    assert found.orientation == name
+    assert found.fits[0].correlation > 3.0 * found.fits[1].correlation
+    assert found.shift == pytest.approx((0.0, 0.0), abs=1e-12)
+    np.testing.assert_allclose(found.upper, upper, atol=1e-12)
+    np.testing.assert_allclose(found.lower, lower, atol=1e-12)
+    assert any(f"found: {name}" in line for line in found.report)
+
+
+@pytest.mark.parametrize("name", ["common_frame", "turned_about_x", "rotated"])
+def test_a_tilt_of_a_scan_is_removed_and_told(name, joint):
+    upper, lower = joint
+    found = registered(scanned(upper, name, 4.0), grid(lower), cut_spikes=False)
+    assert found.orientation == name
+    np.testing.assert_allclose(found.upper, upper, atol=2e-6)
+    said = next(line for line in found.report if "inclined" in line)
+    assert "inclined to each other by 4.0" in said
+    assert "common to both walls, inclined by 2.0" in said
+
+
+def test_a_shift_is_found_and_the_same_places_meet():
+    upper, lower = jc.wall_pair(9.0, (110, 120), SPACING, seed=4, correlation=0.9)
+    first, second = upper[7:, 11:], lower[:-9, :-4]
+    found = registered(scanned(first, "turned_about_y"), grid(second), cut_spikes=False)
+    assert found.orientation == "turned_about_y"
+    # laid over each other the first cells meet; those of the upper scan belong further on
+    assert found.shift == pytest.approx((7 * SPACING, 11 * SPACING), abs=1e-12)
+    np.testing.assert_allclose(found.upper, detrended(upper[7:-9, 11:-4]), atol=1e-12)
+    np.testing.assert_allclose(found.lower, detrended(lower[7:-9, 11:-4]), atol=1e-12)
+    assert found.overlap == pytest.approx(94 * 105 / (100 * 108), abs=0.02)
+
+
+def test_scans_in_one_frame_stay_where_they_are_unless_they_are_to_mate():
+    upper, lower = jc.wall_pair(9.0, (96, 110), SPACING, seed=4, correlation=0.9)
+    first, second = upper[:, 6:], lower[:, :-6]
+    stay = registered(scanned(first, "common_frame"), grid(second), cut_spikes=False)
+    assert stay.shift == (0.0, 0.0)
+    assert stay.mating_shift == pytest.approx((0.0, 6 * SPACING), abs=1e-12)
+    np.testing.assert_allclose(stay.upper, detrended(first), atol=1e-12)
+    mated = registered(scanned(first, "common_frame"), grid(second), shift="mated")
+    assert mated.shift == stay.mating_shift
+    assert mated.correlation > 0.85
+    assert mated.aperture.mean() < stay.aperture.mean()
+    placed = scanned(first, "common_frame")._replace(origin=(0.0, 6 * SPACING))
+    true = registered(placed, grid(second)._replace(origin=(0.0, 0.0)))
+    np.testing.assert_allclose(true.upper, mated.upper, atol=1e-12)
+
+
+def test_a_shift_of_a_part_of_a_cell_is_found_in_clouds():
+    rng = np.random.default_rng(5)
+    waves = rng.normal(size=(60, 2)) * 2500.0
+    phases = rng.random(60) * 2.0 * np.pi
+
+    def heights(places):
+        return 1e-5 * np.cos(places @ waves.T + phases).sum(axis=1)
+
+    places = rng.random((2, 14000, 2)) * 25e-3
+    true = np.array([0.31e-3, -0.83e-3])  # of the upper cloud, along x and y
+    lower = np.column_stack([places[0], heights(places[0])])
+    upper = np.column_stack([places[1], heights(places[1] + true) + 1e-3])
+    found = registered(Cloud(upper), Cloud(lower), shift="mated")
+    assert found.orientation == "common_frame"
+    assert found.shift[::-1] == pytest.approx(tuple(true), abs=0.15 * found.spacing)
+    assert found.correlation > 0.99
+
+
+def test_independent_walls_have_no_clear_orientation_and_one_must_be_stated():
+    said = []
+    for seed in range(10):
+        upper, lower = jc.wall_pair(9.0, SHAPE, SPACING, seed)
+        try:
+            registered(scanned(upper, "towards"), grid(lower), cut_spikes=False)
+        except jc.InputError as error:
+            said.append(str(error))
+    assert len(said) >= 9  # one in ten may fit by chance
+    assert all("orientation of the upper wall is not clear: slopes" in words for words in said)
+    assert all("state it (orientation)" in words for words in said)
+    found = registered(
+        scanned(upper, "towards"), grid(lower), orientation="towards", shift="scanned"
+    )
+    np.testing.assert_allclose(found.upper, upper, atol=1e-12)
+
+
+def test_the_wrong_orientation_is_warned_of_and_closes_more(joint):
+    upper, lower = joint
+    right = registered(scanned(upper, "common_frame"), grid(lower))
+    wrong = registered(scanned(upper, "common_frame"), grid(lower), orientation="towards")
+    assert wrong.aperture.mean() > 1.5 * right.aperture.mean()
+    assert any(line.startswith("Warning: the stated orientation towards") for line in wrong.report)
+    assert not any("Warning" in line for line in right.report if "below" not in line)
+
+
+@pytest.mark.parametrize(("distance", "word"), [(1e-3, "above"), (-1e-3, "below")])
+def test_walls_in_the_wrong_order_are_warned_of(distance, word, joint):
+    upper, lower = joint
+    scan = scanned(upper, "common_frame")
+    found = registered(scan._replace(heights=scan.heights + distance), grid(lower))
+    said = found.report[-1]
+    assert f"lies 1 mm {word} the lower one" in said
+    assert ("Warning" in said) == (word == "below")
+
+
+def test_the_aperture_is_zero_at_first_touch_and_nowhere_less(joint):
+    found = registered(scanned(joint[0], "common_frame"), grid(joint[1]))
+    assert found.aperture.min() == 0.0 == found.aperture[found.first_touch]
+    np.testing.assert_allclose(
+        found.aperture + found.upper + found.lower, (found.upper + found.lower).max(), atol=1e-15
+    )
+
+
+def test_a_spike_is_cut_told_and_does_not_touch_first(joint):
+    upper, lower = joint
+    spiked = lower.copy()
+    spiked[40, 50] += 3e-3
+    scan = scanned(upper, "common_frame")
+    whole, kept = (registered(scan, grid(spiked), cut_spikes=cut) for cut in (True, False))
+    assert kept.first_touch == (40, 50)
+    assert kept.aperture.mean() > 2e-3
+    assert whole.first_touch != (40, 50)
+    assert any("lower wall: 1 of 9984 points are spikes" in line for line in whole.report)
+    # the height in its place is that between its neighbours
+    expected = registered(scan, grid(lower))
+    assert abs(whole.aperture.mean() - expected.aperture.mean()) < 1e-4
+
+
+def test_a_hole_inside_the_walls_is_filled_and_told(joint):
+    upper, lower = (wall.copy() for wall in joint)
+    lower[30:36, 40:47] = np.nan
+    found = registered(scanned(upper, "common_frame"), grid(lower))
+    assert found.upper.shape == SHAPE
+    assert "in holes, filled" in " ".join(found.report)
+    left = registered(scanned(upper, "common_frame"), grid(lower), largest_filled_share=0.0)
+    assert left.upper.size < found.upper.size
+    assert "filled" not in " ".join(left.report)
+
+
+def test_what_was_not_seen_is_not_in_the_walls(joint):
+    upper, lower = (wall.copy() for wall in joint)
+    lower[:20] = np.nan
+    lower[90, 100:] = np.nan
+    found = registered(scanned(upper, "common_frame"), grid(lower))
+    assert found.upper.shape == found.lower.shape
+    assert found.upper.shape[0] <= 76
+    assert np.isfinite(found.upper).all()
+    assert np.isfinite(found.lower).all()
+
+
+def test_scans_that_lie_apart_are_refused(joint):
+    upper = scanned(joint[0], "common_frame")._replace(origin=(1.0, 0.0))
+    with pytest.raises(jc.InputError, match="walls overlap in 0 x"):
+        registered(upper, grid(joint[1]))
+
+
+@pytest.mark.parametrize(("key", "value"), [("orientation", "upside down"), ("shift", "best")])
+def test_an_unknown_choice_is_named(key, value, joint):
+    with pytest.raises(jc.InputError, match=f"{key} = '{value}': must be one of"):
+        registered(grid(joint[0]), grid(joint[1]), **{key: value})
+
+
+def test_mates_correlate_at_all_wavelengths_and_independent_walls_at_none():
+    upper, lower = jc.wall_pair(9.0, (128, 128), SPACING, seed=4, correlation=1.0)
+    mates = mating(upper, lower, SPACING)
+    np.testing.assert_allclose(mates.correlation, 1.0, atol=1e-12)
+    assert mismatch_wavelength(mates) is None
+    scores = []
+    for seed in range(20):
+        found = mating(*jc.wall_pair(9.0, (128, 128), SPACING, seed), SPACING)
+        scores.append(found.correlation * np.sqrt(found.modes))
+    # standard errors are as stated: the scores have a spread of one
+    assert 0.8 < np.std(scores) < 1.25
+    assert abs(np.mean(scores)) < 0.3
+
+
+def test_a_band_of_half_an_octave_is_named_by_its_middle():
+    n, wavelength = 128, 8 * SPACING
+    x = np.arange(n) * SPACING
+    rng = np.random.default_rng(1)
+    noise = 1e-6 * rng.normal(size=(2, n, n))
+    wave = 1e-4 * np.cos(2.0 * np.pi * x / wavelength)
+    found = mating(noise[0] + wave, noise[1] - wave, SPACING)
+    band = int(np.argmin(np.abs(np.log(found.wavelengths / wavelength))))
+    assert found.correlation[band] > 0.99
+    assert np.abs(np.delete(found.correlation, [band - 1, band, band + 1])).max() < 0.5
+
+
+def test_correlations_over_shifts_are_those_of_the_definition():
+    rng = np.random.default_rng(3)
+    fixed, moved = rng.normal(size=(7, 8)), rng.normal(size=(6, 7))
+    fixed[2, 3] = moved[4, 1] = np.nan
+    found = slope_correlation_over_shifts(fixed, moved, 0.5)
+    slopes = [
+        [np.diff(field, axis=1)[:-1], np.diff(field, axis=0)[:, :-1]] for field in (fixed, moved)
+    ]
+    known = [np.isfinite(fields[0]).sum() for fields in slopes]
+    for down in range(-3, 4):
+        for right in range(-3, 4):
+            sums = np.zeros(3)
+            for one, other in zip(*slopes, strict=True):
+                pairs = np.array([
+                    (one[y, x], other[y - down, x - right])
+                    for y in range(one.shape[0]) for x in range(one.shape[1])
+                    if 0 <= y - down < other.shape[0] and 0 <= x - right < other.shape[1]
+                ])  # fmt: skip
+                pairs = pairs[np.isfinite(pairs).all(axis=1)]
+                a, b = (pairs - pairs.mean(axis=0)).T
+                sums += [a @ b, a @ a, b @ b]
+            if len(pairs) >= 0.5 * min(known):
+                expected = sums[0] / np.sqrt(sums[1] * sums[2])
+                assert found[down, right] == pytest.approx(expected, abs=1e-12)
+    assert best_shift(np.where(np.isfinite(found), found, -2.0))[1] == np.nanmax(found)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_the_largest_rectangle_is_the_largest(seed):
+    rng = np.random.default_rng(seed)
+    full = rng.random((7, 9)) < rng.choice([0.5, 0.8, 0.95])
+    best = max(
+        (
+            (b - a) * (d - c)
+            for a in range(7) for b in range(a + 1, 8) for c in range(9) for d in range(c + 1, 10)
+            if full[a:b, c:d].all()
+        ),
+        default=0,
+    )  # fmt: skip
+    found = full[largest_rectangle(full)]
+    assert found.all()
+    assert found.size == best
+
+
+def test_gaussian_walls_have_no_spikes_and_single_outliers_are(joint):
+    wall = joint[0]
+    assert not np.isfinite(spikes(points_of(grid(wall)))).any()
+    spiked = wall.copy()
+    spiked[30, 31] += 2e-3
+    spiked[60, 20] -= 2e-3
+    spiked[60, 21] -= 2.2e-3  # two beside each other
+    left, said = without_spikes(grid(spiked))
+    np.testing.assert_array_equal(np.isnan(left.heights), spiked != wall)
+    assert said.startswith("3 of 9984 points are spikes")
+    cloud, said_of_cloud = without_spikes(Cloud(points_of(grid(spiked))))
+    assert len(cloud.points) == wall.size - 3
+    assert said_of_cloud == said
+
+
+@pytest.fixture(scope="module")
+def two_walls():
+    """Upper and lower scan of a published fracture, and the walls that they make."""
+    if not TWO_WALLS.is_dir():
+        pytest.skip("the two walls are not here")
+    upper, lower = (
+        read_scan(TWO_WALLS / name, units="mm") for name in ("side_b_top.txt", "side_a_bottom.txt")
+    )
+    return upper, lower, registered(upper, lower, 0.5e-3, shift="mated")
+
+
+@pytest.mark.parametrize("name", ["common_frame", "turned_about_x", "towards", "rotated"])
+def test_the_walls_of_a_published_fracture_are_laid_together_in_any_orientation(name, two_walls):
+    upper, lower, right = two_walls
+    assert right.orientation == "common_frame"
+    assert right.correlation > 0.9
+    turned = upper.points * [1.0, 1.0, ORIENTATIONS[name].sign]
+    for axis, column in ((0, 1), (1, 0)):
+        if ORIENTATIONS[name].mirrored[axis]:
+            turned[:, column] *= -1.0
+    found = registered(Cloud(turned), lower, 0.5e-3, shift="mated")
+    assert found.orientation == name
+    assert found.correlation == pytest.approx(right.correlation, abs=0.005)
+    assert found.aperture.std() == pytest.approx(right.aperture.std(), rel=0.02)

@@ -1,0 +1,98 @@
+"""`make`: what a user tells it is data, and what it says is what matters."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.workflow.test_pipeline import ROOT, checkout
+
+STAMP = ".venv/jointclosure-is-set-up"
+HOSTILE = [
+    "a;touch X;.yaml",
+    "`touch X`.yaml",
+    "$(touch X).yaml",
+    "$(shell touch X).yaml",
+    "${shell touch X}.yaml",
+    "$$(touch X).yaml",
+    "a b 'c\" && touch X.yaml",
+    "-x.yaml",
+    "a|touch X #.yaml",
+]
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory):
+    """A checkout with its Makefile and the environment of these tests."""
+    folder = checkout(tmp_path_factory.mktemp("make"))
+    shutil.copy(ROOT / "Makefile", folder)
+    (folder / ".venv").symlink_to(sys.prefix)
+    return folder
+
+
+def make(folder: Path, *words: str, **settings) -> subprocess.CompletedProcess:
+    return subprocess.run(
+        ["make", "-o", STAMP, *words],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        **settings,
+    )
+
+
+@pytest.mark.parametrize(
+    ("key", "name"),
+    [*(("CONFIG", name) for name in HOSTILE), ("PROFILE", HOSTILE[3]), ("CORES", HOSTILE[0])],
+)
+def test_what_make_is_told_is_never_run(project, key, name):
+    answer = make(project, "study", f"{key}={name}")
+    assert answer.returncode != 0
+    assert f"{key}={name}: " in answer.stderr
+    assert not list(project.rglob("X*"))
+
+
+@pytest.mark.parametrize("name", ["`touch X`", "$(shell touch X)", "a;touch X"])
+def test_a_python_of_any_name_is_looked_for_and_never_run_by_a_shell(project, tmp_path, name):
+    shutil.copy(ROOT / "Makefile", tmp_path)
+    for needed in ("requirements.lock", "requirements-uv.lock", "pyproject.toml"):
+        (tmp_path / needed).write_text("")
+    answer = subprocess.run(
+        ["make", "setup", f"PYTHON={name}"], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert answer.returncode != 0
+    assert f"{name} is not installed" in answer.stdout
+    assert not (tmp_path / "X").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_configuration_of_any_name_is_read(project, name):
+    (project / name).write_text("study: {name: hostile}\ngrid: {cells_x: 2}\n")
+    answer = make(project, "study", f"CONFIG={name}")
+    assert answer.returncode != 0
+    assert "grid.cells_x = 2: must be at least 3" in answer.stderr
+    assert "results/hostile/logs/make_study.log" in answer.stdout
+    assert not (project / "X").exists()
+
+
+def test_a_name_of_a_study_that_leads_elsewhere_makes_no_folder(project):
+    (project / "out.yaml").write_text("study: {name: ../../out}\n")
+    answer = make(project, "study", "CONFIG=out.yaml")
+    assert "study.name = '../../out'" in answer.stderr
+    assert not (project.parent / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("profile", "advice"),
+    [("slurm", "make setup-slurm"), ("kubernetes", "requirements-kubernetes.lock")],
+)
+def test_a_profile_whose_plugin_is_missing_says_what_to_install(project, profile, advice):
+    answer = make(project, "study", "CONFIG=tiny.yaml", f"PROFILE=workflow/profiles/{profile}")
+    if "is not installed" not in answer.stderr:
+        pytest.skip("the plugin is there")
+    assert answer.returncode != 0
+    assert advice in answer.stderr
+    assert "invalid choice" not in answer.stderr

@@ -1,0 +1,23 @@
+"""Fail where a check of the results has failed: the table of checks is written before."""
+
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.text import read_csv, write_text
+
+
+def main(checks: str, output: str, log: Logbook) -> None:
+    """Leave a note that all checks passed, or end with those that failed."""
+    table = read_csv(checks)
+    failed = table[~table.passed]
+    if len(failed):
+        raise SystemExit(
+            f"{checks}: results fail their checks: "
+            + "; ".join(f"{r.check}: {r.found}, required {r.required}" for r in failed.itertuples())
+        )
+    write_text(f"{len(table)} checks passed\n", output)
+    log(f"{len(table)} checks passed")
+
+
+if __name__ == "__main__":
+    with job(snakemake) as logbook:
+        main(snakemake.input[0], snakemake.output[0], logbook)
