@@ -166,6 +166,11 @@ def surfaces_of(ensemble, case, first):
     )
 
 
+def rock_of(wildcards):
+    """The rock of a job's case."""
+    return CASES[wildcards.ensemble][wildcards.case].rock
+
+
 def closed_surfaces(wildcards):
     """The surface pairs that a case closes: its own, or those of its rock's base case."""
     surface = CASES[wildcards.ensemble][wildcards.case].surface

@@ -97,18 +97,12 @@ rule choose_effects:
 rule close_surfaces:
     input:
         effects=lambda wildcards: (
-            f"{RESULTS}/effects_of/{CASES[wildcards.ensemble][wildcards.case].rock}.json"
-            if AUTO
-            else []
+            f"{RESULTS}/effects_of/{rock_of(wildcards)}.json" if AUTO else []
         ),
         surfaces=closed_surfaces,
         kernels=f"{RESULTS}/logs/kernels.txt",
         seals=lambda wildcards: (
-            seals_of(
-                f"choose_effects/{CASES[wildcards.ensemble][wildcards.case].rock}"
-            )
-            if AUTO
-            else []
+            seals_of(f"choose_effects/{rock_of(wildcards)}") if AUTO else []
         ),
     output:
         f"{RESULTS}/{{ensemble}}/{{case}}.{{first}}.nc",

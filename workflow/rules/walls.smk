@@ -40,10 +40,8 @@ rule prepare_walls:
 
 rule cut_surfaces:
     input:
-        lambda wildcards: f"{RESULTS}/walls/{CASES[wildcards.ensemble][wildcards.case].rock}.nc",
-        seals=lambda wildcards: seals_of(
-            f"prepare_walls/{CASES[wildcards.ensemble][wildcards.case].rock}"
-        ),
+        lambda wildcards: f"{RESULTS}/walls/{rock_of(wildcards)}.nc",
+        seals=lambda wildcards: seals_of(f"prepare_walls/{rock_of(wildcards)}"),
     output:
         f"{RESULTS}/{{ensemble}}/{{case}}.{{first}}.surfaces.nc",
     log:
