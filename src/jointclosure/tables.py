@@ -10,12 +10,16 @@ import pandas as pd
 from jointclosure.config.properties import PARAMETERS, PROPERTIES, key_of
 from jointclosure.config.typed import SIDES, StudyRock
 from jointclosure.config.units import in_unit
-from jointclosure.ensemble.cases import base_case, level_names
+from jointclosure.ensemble.cases import BASE, base_case, level_names
 from jointclosure.parameters import Rock
+from jointclosure.statistics.standard_errors import rounded
 
 
-def rock_table(rocks: dict[str, StudyRock]) -> pd.DataFrame:
-    """The paper's Table 1: rocks and their properties, with the maximum stress."""
+def rock_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None) -> pd.DataFrame:
+    """The paper's Table 1: rocks and their properties, with the maximum stress.
+
+    With the table of maximum closures, the means [mm] of every cycle with their standard errors.
+    """
     rows = []
     for name, rock in rocks.items():
         row: dict[str, object] = {"rock": name, "title": rock.title}
@@ -31,7 +35,7 @@ def rock_table(rocks: dict[str, StudyRock]) -> pd.DataFrame:
             row["measured"] = rock.measured.file
         if rock.walls:
             row |= {f"{side}_wall": getattr(rock.walls, side) for side in SIDES}
-        rows.append(row)
+        rows.append(row | _closures_of(closures, name, BASE, BASE))
     return pd.DataFrame(rows).map(_plain_csv)
 
 
@@ -40,17 +44,31 @@ def roughness_title(rock: StudyRock) -> str:
     return "measured walls" if rock.walls else f"JRC {rock.jrc:g}"
 
 
-def case_table(rocks: dict[str, StudyRock]) -> pd.DataFrame:
-    """The paper's Table 2, one row per rock, parameter and level."""
+def case_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None) -> pd.DataFrame:
+    """The paper's Table 2, one row per rock, parameter and level; closures as in Table 1."""
     rows = []
     for name, rock in rocks.items():
         for parameter in (each for each in PARAMETERS if each in rock.levels):
             levels, unit = rock.levels[parameter], PROPERTIES[parameter].unit
             own = base_case(name, rock).property(parameter)
             for level, value in zip(level_names(levels, own), levels, strict=True):
-                where = {"rock": name, "parameter": parameter, "level": level}
-                rows.append({**where, "value": in_unit(value, unit), "unit": unit})
-    return pd.DataFrame(rows, columns=["rock", "parameter", "level", "value", "unit"])
+                about = {"rock": name, "parameter": parameter, "level": level}
+                row = about | {"value": in_unit(value, unit), "unit": unit}
+                of = BASE if level == BASE else parameter
+                rows.append(row | _closures_of(closures, name, of, level))
+    columns = ["rock", "parameter", "level", "value", "unit"]
+    return pd.DataFrame(rows, columns=None if rows else columns)
+
+
+def _closures_of(closures: pd.DataFrame | None, rock: str, parameter: str, level: str) -> dict:
+    """Mean maximum closures [mm] of a case by cycle, rounded to their standard errors."""
+    if closures is None:
+        return {}
+    case = (closures.rock == rock) & (closures.parameter == parameter) & (closures.level == level)
+    return {
+        f"max_closure_cycle_{row.cycle}_mm": row.max_closure_shown
+        for row in closures[case].itertuples()
+    }
 
 
 def with_paper(intervals: pd.DataFrame, paper: pd.DataFrame) -> pd.DataFrame:
@@ -69,16 +87,23 @@ def with_paper(intervals: pd.DataFrame, paper: pd.DataFrame) -> pd.DataFrame:
     return beside if beside.in_paper.any() else intervals
 
 
-def interval_text(length: float, percent: float, mark: str = "") -> str:
-    """An interval as the paper prints it: three figures and the percentage, and a mark."""
+def interval_text(
+    length: float, percent: float, mark: str = "", standard_error: float = float("nan")
+) -> str:
+    """An interval as the paper prints it: number and percentage, and a mark.
+
+    The number is rounded to its standard error, which it bears; to three figures without one.
+    """
     if pd.isna(length):
         return "–"
-    return f"{significant(length, 3)}{mark} ({significant(percent, 2)}%)"
+    known = 0.0 < standard_error < float("inf")
+    number = rounded(length, standard_error) if known else significant(length, 3)
+    return f"{number}{mark} ({significant(percent, 2)}%)"
 
 
 def _mark(row: pd.Series, column: str) -> str:
     """Asterisk for a root outside the levels, dagger where the fitted deviation is negative."""
-    if column == "paper_":
+    if column in ("paper_", "unpaired_"):
         return ""
     if "negative" in str(row.get(f"status{column}", "")):
         return "†"
@@ -104,12 +129,12 @@ def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd
     titles : dict
         Titles of the rocks, in order.
     column : str
-        "" for ours, "_net" for ours net of bulk indentation, "paper_" for
-        the paper's.
+        "" for ours, "_net" for ours net of bulk indentation, "unpaired_" for ours by the
+        published test whatever the draws, "paper_" for the paper's.
     """
     length, percent = (
-        ("paper_length", "paper_percent")
-        if column == "paper_"
+        (f"{column}length", f"{column}percent")
+        if column.endswith("_")
         else (f"length{column}", f"percent{column}")
     )
     found = {(row.parameter, row.cycle, row.rock): row for _, row in table.iterrows()}
@@ -125,21 +150,29 @@ def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd
                 rows[parameter][cycle, title] = (
                     ""
                     if row is None
-                    else interval_text(row[length], row[percent], _mark(row, column))
+                    else interval_text(
+                        row[length],
+                        row[percent],
+                        _mark(row, column),
+                        row.get(f"standard_error{column}", float("nan")),
+                    )
                 )
     return pd.DataFrame.from_dict(rows, orient="index")
 
 
 def table_3_markdown(table: pd.DataFrame, titles: dict[str, str]) -> str:
-    """Table 3 of ours, ours net of bulk indentation, and the paper's, in Markdown."""
-    parts = [
-        ("This study", ""),
-        ("This study, net of bulk indentation", "_net"),
-        ("The paper", "paper_"),
-    ]
+    """Table 3 of ours, ours net of bulk indentation, and the paper's, in Markdown.
+
+    With common draws also ours by the unpaired test, and a line on top that says why.
+    """
     if table.empty:
         return "No parameter is varied in this study: there is no indifference interval.\n"
+    parts = [("This study", ""), ("This study, net of bulk indentation", "_net")]
     lines = []
+    if is_paired(table):
+        lines += [PAIRED_NOTE, ""]
+        parts.insert(1, ("This study, unpaired test", "unpaired_"))
+    parts.append(("The paper", "paper_"))
     for heading, column in parts:
         shown = table
         if column == "paper_":
@@ -164,6 +197,7 @@ def table_3_latex(table: pd.DataFrame, titles: dict[str, str]) -> str:
         return "% No parameter is varied in this study: there is no indifference interval.\n"
     titles = {rock: title for rock, title in titles.items() if (table.rock == rock).any()}
     frame = table_3(table, titles)
+    why = f"{PAIRED_NOTE.replace('`', '')} " if is_paired(table) else ""
     cycles = sorted({cycle for cycle, _ in frame.columns})
     words = {1: "First", 2: "Second", 3: "Third"}
     heads = " & ".join(
@@ -178,7 +212,7 @@ def table_3_latex(table: pd.DataFrame, titles: dict[str, str]) -> str:
     return "\n".join(
         [
             r"\begin{table}",
-            rf"\caption{{Length of indifference intervals. {_note(table, 'root ')}}}",
+            rf"\caption{{Length of indifference intervals. {why}{_note(table, 'root ')}}}",
             rf"\begin{{tabular}}{{l{'c' * len(frame.columns)}}}",
             r"\toprule",
             rf" & {heads} \\",
@@ -219,20 +253,47 @@ def _one_line(title: str) -> str:
 
 
 def _latex(cell: str) -> str:
-    for plain, coded in (("%", r"\%"), ("–", "--"), ("*", "$^*$"), ("†", r"$^\dagger$")):
+    for plain, coded in (
+        ("±", r"$\pm$"),
+        ("%", r"\%"),
+        ("–", "--"),
+        ("*", "$^*$"),
+        ("†", r"$^\dagger$"),
+    ):
         cell = cell.replace(plain, coded)
     return cell
+
+
+PAIRED_NOTE = (
+    "The same surfaces were closed at every level (`draws: common`), so the test is the paired t "
+    "test: of the differences on the same surface. What surfaces have in common at all levels "
+    "cancels in these. The unpaired test does not know it, and sees far less on such draws; its "
+    "lengths stand beside them because the paper's test is unpaired, on independent draws."
+)
+"""Why a table of common draws has the paired test."""
+
+
+def is_paired(table: pd.DataFrame) -> bool:
+    """Whether the intervals of a table are those of the paired test."""
+    return "test" in table and bool((table.test == "paired").any())
 
 
 def _note(table: pd.DataFrame, root: str) -> str:
     fewest, most = int(table.samples.min()), int(table.samples.max())
     samples = f"{most}" if fewest == most else f"{fewest} to {most} successful"
+    if is_paired(table):
+        test, size = "paired t test", ""
+        seen = "the paired test finds no significant change at any distance"
+    else:
+        test = "unpaired t test on independent draws, Eqs. (28) and (29)"
+        seen = "no real root; so many draws cannot tell any change from none, which there may be"
+        size = f" is close to t S {root}(2/n) / |slope| where the response is nearly linear: it"
     return (
-        f"A dash: no change is significant (no real root). With n = {samples} realisations a "
-        f"length is close to t S {root}(2/n) / |slope| where the response is nearly linear: it "
-        "falls as one over the root of n and measures the study as much as the rock. An asterisk "
-        "marks an extrapolated root, outside the levels that were studied (the paper has some too, "
-        "unmarked); a dagger one where the fitted deviation is negative, which means nothing."
+        f"Lengths by the {test}, with bootstrap standard errors where they are finite. A dash: "
+        f"{seen}. With n = {samples} realisations a length{size} falls as one over the root of n: "
+        "it depends on the sample size as much as on the rock. An asterisk marks an extrapolated "
+        "root, beyond the levels tested (the paper has some too, unmarked); a dagger one where the "
+        "fitted deviation is negative, which means nothing."
     )
 
 

@@ -159,22 +159,22 @@ def seeds_by_case(study, realization=3):
     }
 
 
-INDEPENDENT = {"study": {"draws": "independent"}}
+COMMON = {"study": {"draws": "common"}}
 
 
 def test_common_draws_share_surfaces_where_the_roughness_is_the_same():
-    common = [case for case in cases_of(study_of()) if case.rock == "slate"]
+    common = [case for case in cases_of(study_of(COMMON)) if case.rock == "slate"]
     assert len({case.surface for case in common}) == 3
-    own = [case for case in cases_of(study_of(INDEPENDENT)) if case.rock == "slate"]
+    own = [case for case in cases_of(study_of()) if case.rock == "slate"]
     assert len({case.surface for case in own}) == 9
-    assert len(set(seeds_by_case(study_of(INDEPENDENT)).values())) == 36
-    assert len(set(seeds_by_case(study_of()).values())) == 4
+    assert len(set(seeds_by_case(study_of()).values())) == 36
+    assert len(set(seeds_by_case(study_of(COMMON)).values())) == 4
 
 
 def test_adding_reordering_or_dropping_cases_changes_no_surface():
     fewer = {"study": {"rocks": ["slate", "dolerite"]},
              "rocks": {"slate": {"levels": {"jrc": [4, 5, 8]}}}}  # fmt: skip
-    for changes in ({}, INDEPENDENT):
+    for changes in ({}, COMMON):
         before, after = (seeds_by_case(study_of(changes, each)) for each in ({}, fewer))
         shared = set(before) & set(after)
         assert len(shared) > 10

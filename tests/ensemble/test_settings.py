@@ -27,7 +27,7 @@ from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf_regions
 from jointclosure.studies.effects.choice import choose_for_case
-from jointclosure.studies.sensitivity.responses import max_closure_table
+from jointclosure.studies.sensitivity.closures import max_closure_table
 from tests.studied import study_of
 
 ELASTIC = {"substrate": True, "interaction": True, "breakage": False, "gouge": False}

@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from jointclosure.config.configuration import resolved
-from jointclosure.config.files import MEASURED, PAPER_TABLE_3
+from jointclosure.config.files import MEASURED, PAPER_CLAIMS, PAPER_TABLE_3
 from jointclosure.config.keys import ConfigurationKeys
 from jointclosure.config.schema import json_schema
 from jointclosure.ensemble.aggregation import join_cases
@@ -22,10 +22,13 @@ from jointclosure.report.content import Material, content
 from jointclosure.report.page import Picture, render
 from jointclosure.simulation import ATTRIBUTES
 from jointclosure.sources import PACKAGE
+from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import read_csv
 from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
-from jointclosure.studies.sensitivity.responses import indifference_table, max_closure_table
+from jointclosure.studies.sensitivity.closures import elasticity_table, max_closure_table
+from jointclosure.studies.sensitivity.intervals import indifference_table
+from jointclosure.studies.sensitivity.predictive import joint_table, predictive, predictive_table
 from jointclosure.tables import with_paper
 from tests.studied import DEFAULT
 
@@ -120,15 +123,18 @@ def pictures(tmp_path_factory, configuration):
 def material(study, configuration, default, pictures):
     paper = read_csv(PAPER_TABLE_3)
     closures = max_closure_table(study)
-    intervals = with_paper(
-        indifference_table(study, resolved(configuration).statistics, 1, True), paper
-    )
+    intervals = with_paper(indifference_table(study, resolved(configuration).statistics, 1), paper)
+    said = read_csv(PAPER_CLAIMS)
+    drawn = predictive(study, Design(), 100, 1)
     numerics = resolved(configuration).numerics
     return Material(
         study=study,
         closures=closures,
         intervals=intervals,
-        claims=judge_claims(Evidence(intervals, closures, study)),
+        claims=judge_claims(Evidence(study, study, Design(), 100, 1), said, paper),
+        predictive=predictive_table(drawn, paper),
+        joint=joint_table(drawn, paper),
+        elasticities=elasticity_table(study),
         checks=check_results(study, numerics, JOINTS),
         paper=paper,
         default=default,

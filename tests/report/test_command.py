@@ -17,6 +17,9 @@ TABLES = {
     "intervals": "table_3_indifference",
     "claims": "claims",
     "checks": "checks",
+    "predictive": "table_3_predictive",
+    "joint": "table_3_joint_tests",
+    "elasticities": "elasticities",
 }
 
 
@@ -55,7 +58,9 @@ def test_the_files_give_the_page_that_their_content_gives(material, folder, caps
 
 
 def test_a_study_that_varies_nothing_has_a_page(material, pictures, tmp_path):
-    bare = material._replace(intervals=None, claims=None)
+    bare = material._replace(
+        **dict.fromkeys(("intervals", "claims", "predictive", "joint", "elasticities"))
+    )
     folder = finished(bare, pictures, tmp_path / "bare")
     assert cli.main(["report", str(folder)]) == 0
     assert "No property was varied" in (folder / "report.html").read_text(encoding="utf-8")
@@ -73,7 +78,7 @@ def test_a_study_that_is_not_whole_has_no_page(folder, capsys, missing):
 
 def test_an_edited_table_is_in_no_page(folder, capsys):
     table = folder / "tables/claims.csv"
-    table.write_text(table.read_text().replace("reproduced", "refuted"))
+    table.write_text(table.read_text().replace("cannot be told", "stands"))
     assert cli.main(["report", str(folder)]) == 2
     assert "claims.csv: the file is not as jointclosure wrote it" in capsys.readouterr().err
 

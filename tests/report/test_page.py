@@ -183,7 +183,7 @@ def test_fits_of_measured_curves_are_shown_where_there_are_any(material, outline
 def test_every_claim_has_its_verdict(material, outline):
     sheet = content(material)["sheets"]["claims"]
     assert [row[0].text for row in sheet.rows] == material.claims.number.tolist()
-    assert [row[1].text for row in sheet.rows] == material.claims.verdict.tolist()
+    assert [row[2].text for row in sheet.rows] == material.claims.verdict.tolist()
     for claim in material.claims.claim:
         assert claim in outline.read()
 

@@ -48,7 +48,7 @@ def foreign_dataset_of_the_same_age(mine: Path, other: Path):
 
 
 def whole_foreign_study(mine: Path, other: Path):
-    for name in ("study.nc", "tables", "figures", "seals"):
+    for name in ("study.nc", "pool.nc", "predictive.nc", "tables", "figures", "seals"):
         there, here = other / name, mine / name
         if there.is_dir():
             shutil.copytree(there, here, dirs_exist_ok=True)
@@ -58,7 +58,7 @@ def whole_foreign_study(mine: Path, other: Path):
 
 def edited_claims(mine: Path, other: Path):
     text = (mine / "tables/claims.csv").read_text()
-    (mine / "tables/claims.csv").write_text(text.replace("reproduced", "refuted"))
+    (mine / "tables/claims.csv").write_text(text.replace("cannot be told", "stands"))
 
 
 def emptied_table_3(mine: Path, other: Path):
@@ -129,6 +129,7 @@ def test_a_finished_study_of_another_machine_is_reported_without_running_anythin
     there = tmp_path / "anywhere"
     shutil.copytree(studies / "results/tiny", there)
     shutil.rmtree(there / "cases")
+    shutil.rmtree(there / "pool")
     answer = jointclosure_cli("report", there)
     assert answer.returncode == 0, answer.stdout + answer.stderr
     page = (there / "report.html").read_text(encoding="utf-8")

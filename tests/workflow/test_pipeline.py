@@ -87,12 +87,14 @@ def test_the_run_writes_what_the_readme_promises(study):
     assert tables == {
         "table_1_rocks.csv", "table_2_cases.csv", "table_3_indifference.csv",
         "table_3_indifference.tex", "table_3_indifference.md", "correlations.csv",
-        "max_closure.csv", "claims.csv", "checks.csv",
+        "max_closure.csv", "claims.csv", "checks.csv", "table_3_predictive.csv",
+        "table_3_joint_tests.csv", "along_curve.csv", "elasticities.csv",
     }  # fmt: skip
     figures = {path.stem for path in (results / "figures").iterdir()}
     assert figures == {
         "fig_3_equivalent_stress", "fig_5_closure", "wall_pair", "table_3_intervals",
-        "trends_max_closure",
+        "trends_max_closure", "table_3_predictive", "along_curve_elasticities",
+        "along_curve_intervals",
     }  # fmt: skip
     for path in (results / "figures").iterdir():
         assert path.stat().st_size > 5000
@@ -173,10 +175,11 @@ def test_editing_one_case_reruns_that_case_alone(study):
     text = TINY.read_text().replace("      jrc: [5, 8, 9]", "      jrc: [5, 8, 9.5]")
     (study / "edited.yaml").write_text(text)
     jobs = planned(study, config="edited.yaml")
-    assert jobs["close_surfaces"] == 1
-    assert jobs["make_surfaces"] == 1
+    # of the study, and of its pool in two blocks
+    assert jobs["close_surfaces"] == 3
+    assert jobs["make_surfaces"] == 3
     assert "compile_kernels" not in jobs
-    assert jobs["aggregate"] == 1
+    assert jobs["aggregate"] == jobs["aggregate_pool"] == 1
 
 
 def test_editing_one_rock_leaves_the_others_alone(study):
@@ -186,8 +189,8 @@ def test_editing_one_rock_leaves_the_others_alone(study):
     )
     (study / "two.yaml").write_text(two)
     jobs = planned(study, config="two.yaml")
-    # dolerite's nine cases are new; those of slate are left alone
-    assert jobs["close_surfaces"] == 9
+    # dolerite's nine cases are new, in one block and two of the pool; slate's are left alone
+    assert jobs["close_surfaces"] == 27
 
 
 def test_an_edit_of_the_statistics_reruns_no_simulation(study):

@@ -3,11 +3,13 @@
 
 rule fit_correlations:
     input:
-        f"{RESULTS}/study.nc",
-        seals=seals_of("aggregate"),
+        study=f"{RESULTS}/study.nc",
+        pool=POOL,
+        seals=BOTH_SEALS,
     output:
         correlations=f"{RESULTS}/tables/correlations.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
+        elasticities=f"{RESULTS}/tables/elasticities.csv",
         seal=f"{RESULTS}/seals/fit_correlations.json",
     log:
         f"{RESULTS}/logs/fit_correlations.log",
@@ -19,7 +21,7 @@ rule fit_correlations:
         made_with=STUDY_WITH,
         code=code_of("fit_correlations"),
     message:
-        "Fit the correlations of mean and standard deviation"
+        "Fit correlations and elasticities, with their standard errors"
     script:
         "../scripts/fit_correlations.py"
 
@@ -41,7 +43,6 @@ rule find_indifference_intervals:
     params:
         statistics=to_plain(CONFIGURATION.statistics),
         root_seed=CONFIGURATION.study.root_seed,
-        draws=CONFIGURATION.study.draws,
         made_with=STUDY_WITH,
         code=code_of("find_indifference_intervals"),
     message:
@@ -75,12 +76,41 @@ rule fit_measured:
         "../scripts/fit_measured.py"
 
 
+rule predict_table_3:
+    input:
+        pool=POOL,
+        paper=PAPER_TABLE_3,
+        seals=POOL_SEALS,
+    output:
+        entries=f"{RESULTS}/tables/table_3_predictive.csv",
+        joint=f"{RESULTS}/tables/table_3_joint_tests.csv",
+        lengths=f"{RESULTS}/predictive.nc",
+        seal=f"{RESULTS}/seals/predict_table_3.json",
+    log:
+        f"{RESULTS}/logs/predict_table_3.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/predict_table_3.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        statistics=to_plain(CONFIGURATION.statistics),
+        root_seed=CONFIGURATION.study.root_seed,
+        realizations=CONFIGURATION.study.realizations,
+        made_with=STUDY_WITH,
+        code=code_of("predict_table_3"),
+    message:
+        "Draw what repetitions of the study would publish in Table 3"
+    script:
+        "../scripts/predict_table_3.py"
+
+
 rule judge_claims:
     input:
         study=f"{RESULTS}/study.nc",
-        intervals=f"{RESULTS}/tables/table_3_indifference.csv",
-        closures=f"{RESULTS}/tables/max_closure.csv",
-        seals=seals_of("aggregate", "find_indifference_intervals", "fit_correlations"),
+        pool=POOL,
+        claims=PAPER_CLAIMS,
+        paper=PAPER_TABLE_3,
+        seals=BOTH_SEALS,
     output:
         f"{RESULTS}/tables/claims.csv",
         seal=f"{RESULTS}/seals/judge_claims.json",
@@ -91,12 +121,41 @@ rule judge_claims:
     conda:
         ENVIRONMENT
     params:
+        statistics=to_plain(CONFIGURATION.statistics),
+        root_seed=CONFIGURATION.study.root_seed,
+        realizations=CONFIGURATION.study.realizations,
         made_with=STUDY_WITH,
         code=code_of("judge_claims"),
     message:
-        "Hold the paper's claims against this study"
+        "Hold the paper's claims against the model and the study"
     script:
         "../scripts/judge_claims.py"
+
+
+rule follow_stress:
+    input:
+        pool=POOL,
+        seals=POOL_SEALS,
+    output:
+        f"{RESULTS}/tables/along_curve.csv",
+        seal=f"{RESULTS}/seals/follow_stress.json",
+    log:
+        f"{RESULTS}/logs/follow_stress.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/follow_stress.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        statistics=to_plain(CONFIGURATION.statistics),
+        root_seed=CONFIGURATION.study.root_seed,
+        realizations=CONFIGURATION.study.realizations,
+        seating_stress=CONFIGURATION.seating_stress,
+        made_with=STUDY_WITH,
+        code=code_of("follow_stress"),
+    message:
+        "Follow elasticities and intervals along the closure curve"
+    script:
+        "../scripts/follow_stress.py"
 
 
 rule check_results:

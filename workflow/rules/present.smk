@@ -3,8 +3,9 @@
 
 rule write_tables:
     input:
-        f"{RESULTS}/tables/table_3_indifference.csv",
-        seals=seals_of("aggregate", "find_indifference_intervals"),
+        intervals=f"{RESULTS}/tables/table_3_indifference.csv",
+        closures=f"{RESULTS}/tables/max_closure.csv",
+        seals=seals_of("aggregate", "find_indifference_intervals", "fit_correlations"),
     output:
         rocks=f"{RESULTS}/tables/table_1_rocks.csv",
         cases=f"{RESULTS}/tables/table_2_cases.csv",
@@ -32,13 +33,18 @@ rule draw_figures:
         study=f"{RESULTS}/study.nc",
         intervals=f"{RESULTS}/tables/table_3_indifference.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
-        surfaces=f"{RESULTS}/cases/{next(iter(CASES))}.0.surfaces.nc",
+        drawn=f"{RESULTS}/predictive.nc",
+        along=f"{RESULTS}/tables/along_curve.csv",
+        paper=PAPER_TABLE_3,
+        surfaces=f"{RESULTS}/cases/{next(iter(CASES['cases']))}.0.surfaces.nc",
         curves=CURVE_FILES,
         fits=f"{RESULTS}/tables/measured_fit.csv" if CURVES else [],
         seals=seals_of(
             "aggregate",
             "find_indifference_intervals",
             "fit_correlations",
+            "predict_table_3",
+            "follow_stress",
             *(["fit_measured"] if CURVES else []),
         ),
     output:
@@ -64,8 +70,9 @@ rule draw_figures:
         rocks=to_plain(ROCKS),
         curves=to_plain(CURVES),
         seating_stress=CONFIGURATION.seating_stress,
+        realizations=CONFIGURATION.study.realizations,
         wall_strength_ratio=CONFIGURATION.output.wall_strength_ratio,
-        surfaces=surfaces_of(next(iter(CASES)), BLOCKS["0"]),
+        surfaces=surfaces_of("cases", next(iter(CASES["cases"])), "0"),
         made_with=STUDY_WITH,
         code=code_of("draw_figures"),
     message:

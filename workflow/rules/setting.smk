@@ -2,7 +2,7 @@
 from pathlib import Path
 
 from jointclosure.config import configuration
-from jointclosure.config.files import PAPER_TABLE_3, read_plain
+from jointclosure.config.files import PAPER_CLAIMS, PAPER_TABLE_3, read_plain
 from jointclosure.config.plain import to_plain
 from jointclosure.config.walls import check_files, wall_files
 from jointclosure.ensemble import cases
@@ -26,9 +26,18 @@ STUDY = CONFIGURATION.study.name
 RESULTS = f"results/{STUDY}"
 ENVIRONMENT = "../envs/jointclosure.yaml"
 CAPTIONS = PACKAGE / "report/texts"
-CASES = {case.label: case for case in cases.cases_of(CONFIGURATION)}
-BLOCKS = {str(block.start): block for block in cases.blocks_of(CONFIGURATION.study)}
-SURFACES = {case.surface for case in CASES.values()}
+# what is closed: the study's own cases, and those of its pool of common surfaces
+ENSEMBLES = cases.ensembles_of(CONFIGURATION)
+CASES = {
+    ensemble: {case.label: case for case in cases.cases_of(settled)}
+    for ensemble, settled in ENSEMBLES.items()
+}
+BLOCKS = {
+    ensemble: {str(block.start): block for block in cases.blocks_of(settled.study)}
+    for ensemble, settled in ENSEMBLES.items()
+}
+# the ensemble that tells what is true of the model
+POOL = f"{RESULTS}/pool.nc" if "pool" in ENSEMBLES else f"{RESULTS}/study.nc"
 ROCKS = CONFIGURATION.rocks
 AUTO = CONFIGURATION.effects_chosen_to is not None
 CURVES = measured.curve_settings(CONFIGURATION)
@@ -42,7 +51,11 @@ TABLES = [
     "table_3_indifference.csv",
     "table_3_indifference.tex",
     "table_3_indifference.md",
+    "table_3_predictive.csv",
+    "table_3_joint_tests.csv",
+    "along_curve.csv",
     "correlations.csv",
+    "elasticities.csv",
     "max_closure.csv",
     "claims.csv",
     "checks.csv",
@@ -52,7 +65,17 @@ FIGURES = [
     "fig_3_equivalent_stress",
     "fig_5_closure",
     "wall_pair",
-    *(["table_3_intervals", "trends_max_closure"] if VARIED else []),
+    *(
+        [
+            "table_3_predictive",
+            "table_3_intervals",
+            "trends_max_closure",
+            "along_curve_elasticities",
+            "along_curve_intervals",
+        ]
+        if VARIED
+        else []
+    ),
 ]
 
 
@@ -66,12 +89,22 @@ def seals_of(*jobs, study=RESULTS):
     return [f"{study}/seals/{job}.json" for job in jobs]
 
 
+# the seal of each ensemble's file, of the one that tells of the model, and of both
+AGGREGATE_SEALS = {
+    ensemble: seals_of("aggregate" if ensemble == "cases" else "aggregate_pool")[0]
+    for ensemble in ENSEMBLES
+}
+POOL_SEALS = [AGGREGATE_SEALS["pool" if "pool" in ENSEMBLES else "cases"]]
+BOTH_SEALS = list(AGGREGATE_SEALS.values())
+
+
 # of all that a study's tables and figures are; a target asks for them, so that one missing is noticed
-STUDY_SEALS = seals_of(
-    "aggregate",
+STUDY_SEALS = BOTH_SEALS + seals_of(
     "fit_correlations",
     "find_indifference_intervals",
+    "predict_table_3",
     "judge_claims",
+    "follow_stress",
     "check_results",
     "write_tables",
     "draw_figures",
@@ -84,10 +117,10 @@ SURFACE_CODE = code_of("make_surfaces", "cut_surfaces")
 SOLVER_CODE = code_of("close_surfaces")
 
 
-def closure_of(case, block):
+def closure_of(ensemble, case, block):
     """Settings of the closures of a case and a block of realisations."""
     return slices.block_settings(
-        CONFIGURATION, CASES, case, block, SURFACE_CODE, SOLVER_CODE
+        ENSEMBLES[ensemble], CASES[ensemble], case, block, SURFACE_CODE, SOLVER_CODE
     )
 
 
@@ -96,8 +129,8 @@ def choosing(rock):
     block = range(CONFIGURATION.study.realizations)
     return {
         "settings": {
-            label: to_plain(closure_of(label, block))
-            for label, case in CASES.items()
+            label: to_plain(closure_of("cases", label, block))
+            for label, case in CASES["cases"].items()
             if case.rock == rock
         },
         "code": code_of("choose_effects"),
@@ -111,7 +144,7 @@ def preparing(rock):
         "digests": slices.wall_digests(ROCKS[rock].walls),
         "grid": to_plain(CONFIGURATION.grid),
         "jrc_relation": CONFIGURATION.surface.jrc_relation,
-        "realizations": CONFIGURATION.study.realizations,
+        "realizations": max(each.study.realizations for each in ENSEMBLES.values()),
         "code": code_of("prepare_walls"),
     }
 
@@ -121,13 +154,39 @@ def conditions_of(rock):
     return to_plain(design.conditions_of(CONFIGURATION, rock))
 
 
-def surfaces_of(case, block):
+def surfaces_of(ensemble, case, first):
     """Settings of the surface pairs of a case and a block of realisations, as plain data."""
     return to_plain(
-        slices.surface_settings(CONFIGURATION, CASES[case], block, SURFACE_CODE)
+        slices.surface_settings(
+            ENSEMBLES[ensemble],
+            CASES[ensemble][case],
+            BLOCKS[ensemble][first],
+            SURFACE_CODE,
+        )
     )
 
 
+def rock_of(wildcards):
+    """The rock of a job's case."""
+    return CASES[wildcards.ensemble][wildcards.case].rock
+
+
+def closed_surfaces(wildcards):
+    """The surface pairs that a case closes: its own, or those of its rock's base case."""
+    surface = CASES[wildcards.ensemble][wildcards.case].surface
+    return f"{RESULTS}/{wildcards.ensemble}/{surface}.{wildcards.first}.surfaces.nc"
+
+
+def closed_blocks(ensemble):
+    """The files of all cases and blocks of an ensemble, in the order in which they are joined."""
+    return [
+        f"{RESULTS}/{ensemble}/{case}.{first}.nc"
+        for case in CASES[ensemble]
+        for first in BLOCKS[ensemble]
+    ]
+
+
 wildcard_constraints:
+    ensemble="cases|pool",
     case="[a-z0-9_-]+",
     first="[0-9]+",

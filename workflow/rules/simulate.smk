@@ -1,14 +1,22 @@
 # Surfaces of each case, and their closure: in blocks of realisations, named by their first.
+# The study's own are in the folder cases, those of its pool in pool.
 from jointclosure.studies.effects.choice import possible_scenes
 
 # what jobs are told whose seals are held against it
 AGGREGATED = {
-    "configuration": config,
-    "surface_code": SURFACE_CODE,
-    "solver_code": SOLVER_CODE,
-    "code": code_of("aggregate"),
+    ensemble: {
+        "ensemble": ensemble,
+        "configuration": config,
+        "surface_code": SURFACE_CODE,
+        "solver_code": SOLVER_CODE,
+        "code": code_of("aggregate"),
+    }
+    for ensemble in ENSEMBLES
 }
-STUDY_WITH = {seals_of("aggregate")[0]: settings_digest(AGGREGATED)}
+STUDY_WITH = {
+    AGGREGATE_SEALS[ensemble]: settings_digest(told)
+    for ensemble, told in AGGREGATED.items()
+}
 
 
 CHOSEN_WITH = {
@@ -48,15 +56,17 @@ rule compile_kernels:
 
 rule make_surfaces:
     output:
-        f"{RESULTS}/cases/{{case}}.{{first}}.surfaces.nc",
+        f"{RESULTS}/{{ensemble}}/{{case}}.{{first}}.surfaces.nc",
     log:
-        f"{RESULTS}/logs/make_surfaces/{{case}}.{{first}}.log",
+        f"{RESULTS}/logs/make_surfaces/{{ensemble}}/{{case}}.{{first}}.log",
     benchmark:
-        f"{RESULTS}/benchmarks/make_surfaces/{{case}}.{{first}}.tsv"
+        f"{RESULTS}/benchmarks/make_surfaces/{{ensemble}}/{{case}}.{{first}}.tsv"
     conda:
         ENVIRONMENT
     params:
-        settings=lambda wildcards: surfaces_of(wildcards.case, BLOCKS[wildcards.first]),
+        settings=lambda wildcards: surfaces_of(
+            wildcards.ensemble, wildcards.case, wildcards.first
+        ),
     message:
         "Generate the surface pairs of {wildcards.case} from realisation {wildcards.first} on"
     script:
@@ -87,24 +97,28 @@ rule choose_effects:
 rule close_surfaces:
     input:
         effects=lambda wildcards: (
-            f"{RESULTS}/effects_of/{CASES[wildcards.case].rock}.json" if AUTO else []
+            f"{RESULTS}/effects_of/{rock_of(wildcards)}.json" if AUTO else []
         ),
-        surfaces=lambda wildcards: f"{RESULTS}/cases/{CASES[wildcards.case].surface}.{wildcards.first}.surfaces.nc",
+        surfaces=closed_surfaces,
         kernels=f"{RESULTS}/logs/kernels.txt",
         seals=lambda wildcards: (
-            seals_of(f"choose_effects/{CASES[wildcards.case].rock}") if AUTO else []
+            seals_of(f"choose_effects/{rock_of(wildcards)}") if AUTO else []
         ),
     output:
-        f"{RESULTS}/cases/{{case}}.{{first}}.nc",
+        f"{RESULTS}/{{ensemble}}/{{case}}.{{first}}.nc",
     log:
-        f"{RESULTS}/logs/close_surfaces/{{case}}.{{first}}.log",
+        f"{RESULTS}/logs/close_surfaces/{{ensemble}}/{{case}}.{{first}}.log",
     benchmark:
-        f"{RESULTS}/benchmarks/close_surfaces/{{case}}.{{first}}.tsv"
+        f"{RESULTS}/benchmarks/close_surfaces/{{ensemble}}/{{case}}.{{first}}.tsv"
     conda:
         ENVIRONMENT
     params:
         settings=lambda wildcards: to_plain(
-            closure_of(wildcards.case, BLOCKS[wildcards.first])
+            closure_of(
+                wildcards.ensemble,
+                wildcards.case,
+                BLOCKS[wildcards.ensemble][wildcards.first],
+            )
         ),
         made_with=lambda wildcards: CHOSEN_WITH,
     message:
@@ -115,7 +129,7 @@ rule close_surfaces:
 
 rule aggregate:
     input:
-        cases=expand(f"{RESULTS}/cases/{{case}}.{{first}}.nc", case=CASES, first=BLOCKS),
+        cases=closed_blocks("cases"),
         effects=expand(
             f"{RESULTS}/effects_of/{{rock}}.json", rock=ROCKS if AUTO else []
         ),
@@ -133,9 +147,31 @@ rule aggregate:
     conda:
         ENVIRONMENT
     params:
-        **AGGREGATED,
+        **AGGREGATED["cases"],
         made_with=CHOSEN_WITH | WALLS_WITH,
     message:
         "Put all cases into one dataset"
     script:
         "../scripts/aggregate.py"
+
+
+if "pool" in ENSEMBLES:
+
+    use rule aggregate as aggregate_pool with:
+        input:
+            cases=closed_blocks("pool"),
+            effects=rules.aggregate.input.effects,
+            walls=rules.aggregate.input.walls,
+            seals=rules.aggregate.input.seals,
+        output:
+            f"{RESULTS}/pool.nc",
+            seal=f"{RESULTS}/seals/aggregate_pool.json",
+        log:
+            f"{RESULTS}/logs/aggregate_pool.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/aggregate_pool.tsv"
+        params:
+            **AGGREGATED["pool"],
+            made_with=CHOSEN_WITH | WALLS_WITH,
+        message:
+            "Put all cases of the pool into one dataset"

@@ -1,7 +1,12 @@
 # Cases whose walls were measured (`rocks.<rock>.walls`): scans are read, checked and cut into joints.
 import re
 
-SCANNED = [case for case in SURFACES if ROCKS[CASES[case].rock].walls]
+SCANNED = {
+    case.surface
+    for ensemble in CASES.values()
+    for case in ensemble.values()
+    if ROCKS[case.rock].walls
+}
 
 
 rule prepare_walls:
@@ -25,7 +30,7 @@ rule prepare_walls:
         digests=lambda wildcards: preparing(wildcards.rock)["digests"],
         grid=to_plain(CONFIGURATION.grid),
         jrc_relation=CONFIGURATION.surface.jrc_relation,
-        realizations=CONFIGURATION.study.realizations,
+        realizations=lambda wildcards: preparing(wildcards.rock)["realizations"],
         code=code_of("prepare_walls"),
     message:
         "Read and check the measured walls of {wildcards.rock}"
@@ -35,20 +40,22 @@ rule prepare_walls:
 
 rule cut_surfaces:
     input:
-        lambda wildcards: f"{RESULTS}/walls/{CASES[wildcards.case].rock}.nc",
-        seals=lambda wildcards: seals_of(f"prepare_walls/{CASES[wildcards.case].rock}"),
+        lambda wildcards: f"{RESULTS}/walls/{rock_of(wildcards)}.nc",
+        seals=lambda wildcards: seals_of(f"prepare_walls/{rock_of(wildcards)}"),
     output:
-        f"{RESULTS}/cases/{{case}}.{{first}}.surfaces.nc",
+        f"{RESULTS}/{{ensemble}}/{{case}}.{{first}}.surfaces.nc",
     log:
-        f"{RESULTS}/logs/cut_surfaces/{{case}}.{{first}}.log",
+        f"{RESULTS}/logs/cut_surfaces/{{ensemble}}/{{case}}.{{first}}.log",
     benchmark:
-        f"{RESULTS}/benchmarks/cut_surfaces/{{case}}.{{first}}.tsv"
+        f"{RESULTS}/benchmarks/cut_surfaces/{{ensemble}}/{{case}}.{{first}}.tsv"
     wildcard_constraints:
-        case="|".join(map(re.escape, SCANNED)) or "(?!)",
+        case="|".join(map(re.escape, sorted(SCANNED))) or "(?!)",
     conda:
         ENVIRONMENT
     params:
-        settings=lambda wildcards: surfaces_of(wildcards.case, BLOCKS[wildcards.first]),
+        settings=lambda wildcards: surfaces_of(
+            wildcards.ensemble, wildcards.case, wildcards.first
+        ),
         made_with=WALLS_WITH,
     message:
         "Cut the surface pairs of {wildcards.case} from realisation {wildcards.first} on"

@@ -10,7 +10,7 @@ import xarray as xr
 from jointclosure.config.configuration import resolved
 from jointclosure.config.typed import Configuration
 from jointclosure.ensemble.aggregation import join_cases, succeeded
-from jointclosure.ensemble.cases import blocks_of, cases_of
+from jointclosure.ensemble.cases import blocks_of, cases_of, ensembles_of
 from jointclosure.ensemble.measured_walls import described
 from jointclosure.ensemble.settings import check_settings
 from jointclosure.ensemble.slices import block_settings
@@ -29,12 +29,13 @@ def main(
     choices: list[str],
     walls: list[str],
     keys: dict,
+    ensemble: str,
     codes: tuple[str, str],
     output: str,
     log: Logbook,
 ):
-    """Write the study's dataset, with its configuration and provenance as attributes."""
-    configuration = resolved(keys)
+    """Write the dataset of an ensemble, "cases" or "pool", with the study's configuration."""
+    configuration = ensembles_of(resolved(keys))[ensemble]
     cases, study = cases_of(configuration), configuration.study
     with reading_netcdf(inputs[0]) as first:
         frame = join_cases(cases, [first.isel(realization=slice(0, 1)).load()] * len(cases))
@@ -43,6 +44,7 @@ def main(
     frame = frame.assign_coords(scene=("case", np.array(scenes, dtype=object), about))
     frame.attrs = {
         "title": f"closure of rough joints, study {study.name}",
+        "ensemble": ensemble,
         "references": "Rezaei Niya & Selvadurai, Modeling the Approach of Non-mated Rock Fracture "
         "Surfaces Under Quasi-static Normal Load Cycles",
     } | provenance(keys)
@@ -96,6 +98,7 @@ if __name__ == "__main__":
             list(snakemake.input.effects),
             list(snakemake.input.walls),
             snakemake.params.configuration,
+            snakemake.params.ensemble,
             (snakemake.params.surface_code, snakemake.params.solver_code),
             snakemake.output[0],
             logbook,

@@ -28,7 +28,7 @@ def main(
             pairs,
             told,
             report=lambda line: log(f"{line}; {countdown()}"),
-            repeated_by=f"jointclosure repeat {Path(output).parents[1]} {label}",
+            repeated_by=repeated_by(Path(output), label),
         )
         marked = (block.assign_attrs(settings=as_text(settings), scene=scene) for block in closed)
         write_netcdf_blocks(marked, "realization", output)
@@ -38,6 +38,12 @@ def main(
 def chosen_effects(path: str) -> Effects:
     """The effects that the pilot of the case's rock chose."""
     return Effects(**json.loads(read_text(path))["effects"])
+
+
+def repeated_by(output: Path, label: str) -> str:
+    """The command that does a realisation of a case again, but for its number."""
+    pool = "--pool " if output.parent.name == "pool" else ""
+    return f"jointclosure repeat {pool}{output.parents[1]} {label}"
 
 
 if __name__ == "__main__":

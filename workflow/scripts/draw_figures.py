@@ -9,6 +9,7 @@ from jointclosure.config.typed import StudyRock
 from jointclosure.ensemble.settings import SurfaceSettings, check_settings
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
+from jointclosure.plotting import sensitivity
 from jointclosure.plotting import study as plotting
 from jointclosure.plotting.measured import Measurements
 from jointclosure.storage.figures import save_figure
@@ -50,6 +51,18 @@ def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None
             surfaces.lower.values[0],
             surfaces.attrs["spacing_m"],
             f"{first.title}, {roughness_title(first)}, realisation 0",
+        ),
+        "table_3_predictive": lambda: sensitivity.predictive_figure(
+            read_netcdf(inputs["drawn"]),
+            read_csv(inputs["paper"]),
+            rocks,
+            settings["realizations"],
+        ),
+        "along_curve_elasticities": lambda: sensitivity.along_curve_figure(
+            read_csv(inputs["along"]), rocks, "elasticities"
+        ),
+        "along_curve_intervals": lambda: sensitivity.along_curve_figure(
+            read_csv(inputs["along"]), rocks, "intervals"
         ),
         "table_3_intervals": lambda: plotting.interval_figure(intervals, rocks),
         "trends_max_closure": lambda: plotting.trend_figure(closures, study, rocks),

@@ -7,7 +7,7 @@ from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv, write_csv
-from jointclosure.studies.sensitivity.responses import indifference_table
+from jointclosure.studies.sensitivity.intervals import indifference_table
 from jointclosure.tables import with_paper
 
 
@@ -17,7 +17,6 @@ def main(study: str, paper: str, settings: dict, output: str, log: Logbook) -> N
         read_netcdf(study, without=CURVES),
         from_plain(Statistics, settings["statistics"]),
         settings["root_seed"],
-        settings["draws"] == "common",
     )
     write_csv(with_paper(intervals, read_csv(paper)), output)
     log(f"wrote {output}: {len(intervals)} intervals")

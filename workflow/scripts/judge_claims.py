@@ -1,27 +1,30 @@
-"""Hold the paper's claims against the study."""
+"""Hold the paper's claims against the model and the study."""
 
+import pandas as pd
+
+from jointclosure.config.plain import from_plain
+from jointclosure.config.typed import Statistics
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
+from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
 
 
-def main(study: str, intervals: str, closures: str, output: str, log: Logbook) -> None:
-    """Write each claim with the paper's figures, ours, and a verdict."""
-    with reading_netcdf(study) as dataset:
-        claims = judge_claims(Evidence(read_csv(intervals), read_csv(closures), dataset))
+def main(inputs: dict, settings: dict, output: str, log: Logbook) -> None:
+    """Write each claim with the paper's figures, the model's, and both answers."""
+    statistics = from_plain(Statistics, settings["statistics"])
+    design = Design(draws=settings["realizations"], significance=statistics.significance)
+    with reading_netcdf(inputs["study"]) as study, reading_netcdf(inputs["pool"]) as pool:
+        evidence = Evidence(study, pool, design, statistics.repetitions, settings["root_seed"])
+        claims = judge_claims(evidence, read_csv(inputs["claims"]), read_csv(inputs["paper"]))
     write_csv(claims, output)
     for row in claims.itertuples():
-        log(f"{row.number}: {row.claim}: {row.verdict}")
+        often = "" if pd.isna(row.found_share) else f"; found by {row.found_share:.0%} of studies"
+        log(f"{row.number}: {row.claim}: {row.verdict}{often}")
 
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:
-        main(
-            snakemake.input.study,
-            snakemake.input.intervals,
-            snakemake.input.closures,
-            snakemake.output[0],
-            logbook,
-        )
+        main(dict(snakemake.input), dict(snakemake.params), snakemake.output[0], logbook)

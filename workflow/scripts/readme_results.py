@@ -10,6 +10,7 @@ from pathlib import Path
 import pandas as pd
 from markers import fill
 
+from jointclosure.report.findings import percent_text
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv
 
@@ -31,10 +32,33 @@ def interval_table() -> str:
 
 
 def claim_table() -> str:
-    """Claims and verdicts."""
+    """Claims: true of the model, found by how many studies, and by the paper's own table."""
     claims = read_csv(PAPER / "tables/claims.csv")
-    rows = [f"| {row.number} | {row.claim} | {row.verdict} |" for row in claims.itertuples()]
-    return "| | claim | verdict |\n|---|---|---|\n" + "\n".join(rows) + "\n"
+    rows = []
+    for row in claims.itertuples():
+        known = not pd.isna(row.found_share)
+        found = percent_text(row.found_share, row.found_error) if known else ""
+        own = "" if pd.isna(row.paper_finds) else row.paper_finds
+        rows.append(f"| {row.number} | {row.claim} | {row.verdict} | {found} | {own} |")
+    head = "| | claim | true of the model | studies that find it | in the paper's Table 3 |\n"
+    return head + "|---|---|---|---|---|\n" + "\n".join(rows) + "\n"
+
+
+def predictive() -> str:
+    """What repetitions of the study would publish: the figure, and the paper's entries together."""
+    joint = read_csv(PAPER / "tables/table_3_joint_tests.csv")
+    rows = [
+        f"| {row.entries} | {row.number} | {_p(row.p)} | {_p(row.null_p)} |"
+        for row in joint.itertuples()
+    ]
+    head = "| entries | number | p of this model | p without any effect |\n|---|---|---|---|\n"
+    figure = "![Table 3 of repetitions of the study](docs/images/table_3_predictive.png)\n"
+    said = "*What repetitions of the study would publish, and the paper's entries.*\n"
+    return "\n".join((figure, said, head + "\n".join(rows) + "\n"))
+
+
+def _p(value: float) -> str:
+    return "< 0.001" if value < 0.001 else f"{value:.2g}"
 
 
 def facts() -> str:
@@ -58,10 +82,12 @@ def facts() -> str:
 
 
 def main() -> None:
-    """Fill the README and copy its figure."""
+    """Fill the README and copy its figures."""
     parts = {"intervals": interval_table(), "claims": claim_table(), "facts": facts()}
+    parts["predictive"] = predictive()
     fill(ROOT / "README.md", parts)
-    shutil.copy(PAPER / "figures/fig_5_closure.png", ROOT / "docs/images/fig_5_closure.png")
+    for figure in ("fig_5_closure", "table_3_predictive"):
+        shutil.copy(PAPER / f"figures/{figure}.png", ROOT / f"docs/images/{figure}.png")
 
 
 if __name__ == "__main__":

@@ -8,12 +8,12 @@ from jointclosure.storage.text import read_csv, write_csv, write_text
 from jointclosure.tables import case_table, rock_table, table_3_latex, table_3_markdown
 
 
-def main(intervals: str, rocks: dict[str, StudyRock], outputs: dict, log: Logbook) -> None:
+def main(inputs: dict, rocks: dict[str, StudyRock], outputs: dict, log: Logbook) -> None:
     """Write the tables of rocks and cases, and Table 3 as LaTeX and Markdown."""
     titles = {name: rock.title for name, rock in rocks.items()}
-    table = read_csv(intervals)
-    write_csv(rock_table(rocks), outputs["rocks"])
-    write_csv(case_table(rocks), outputs["cases"])
+    table, closures = read_csv(inputs["intervals"]), read_csv(inputs["closures"])
+    write_csv(rock_table(rocks, closures), outputs["rocks"])
+    write_csv(case_table(rocks, closures), outputs["cases"])
     write_text(table_3_latex(table, titles), outputs["latex"])
     write_text(table_3_markdown(table, titles), outputs["markdown"])
     log(f"wrote {', '.join(outputs.values())}")
@@ -22,4 +22,4 @@ def main(intervals: str, rocks: dict[str, StudyRock], outputs: dict, log: Logboo
 if __name__ == "__main__":
     with job(snakemake) as logbook:
         rocks = from_plain(dict[str, StudyRock], snakemake.params.rocks)
-        main(snakemake.input[0], rocks, dict(snakemake.output), logbook)
+        main(dict(snakemake.input), rocks, dict(snakemake.output), logbook)

@@ -28,23 +28,27 @@ def add_to(commands) -> None:
     command.add_argument("results", type=Path, help="results folder, such as results/paper")
     command.add_argument("case", help="name of the case, such as slate-jrc-low")
     command.add_argument("realization", type=int, help="number of the realisation, from 0 on")
+    command.add_argument(
+        "--pool", action="store_true", help="of the study's pool of common surfaces"
+    )
     command.set_defaults(run=run)
 
 
 def run(arguments) -> int:
     """Repeat a realisation; 1 if it is not as stored."""
     results, case, realization = arguments.results, arguments.case, arguments.realization
-    settings = _settings(results, case, realization)
+    ensemble = "pool" if arguments.pool else "cases"
+    settings = _settings(results, ensemble, case, realization)
     first = settings.surfaces.first_realization
     surface = settings.case.surface
-    walls = _stored(results / f"cases/{surface}.{first}.surfaces.nc", realization)
+    walls = _stored(results / f"{ensemble}/{surface}.{first}.surfaces.nc", realization)
     print(f"realisation {realization} of {case}", flush=True)
     again = repeated(settings, realization, walls)
     for name, variable in again.data_vars.items():
         if variable.size <= max(8, again.sizes["cycle"]):
             values = ", ".join(f"{value:.8g}" for value in np.ravel(variable.values))
             print(f"  {name:24} {values} {variable.attrs.get('units', '')}".rstrip())
-    stored = _stored(results / f"cases/{case}.{first}.nc", realization)
+    stored = _stored(results / f"{ensemble}/{case}.{first}.nc", realization)
     if stored is None:
         print("no numbers are stored to compare with")
         return 0
@@ -60,9 +64,9 @@ def _stored(path: Path, realization: int) -> xr.Dataset | None:
         return dataset.sel(realization=[realization]).load()
 
 
-def _settings(results: Path, case: str, realization: int) -> ClosureSettings:
+def _settings(results: Path, ensemble: str, case: str, realization: int) -> ClosureSettings:
     """Settings of the block of a case that has the realisation."""
-    logs = sorted((results / "logs/close_surfaces").glob(f"{_plain(case)}.*.log"))
+    logs = sorted((results / "logs/close_surfaces" / ensemble).glob(f"{_plain(case)}.*.log"))
     for log in logs:
         lines = (line for line in read_text(log).splitlines() if _SETTINGS in line)
         for line in lines:
@@ -71,7 +75,8 @@ def _settings(results: Path, case: str, realization: int) -> ClosureSettings:
             if first <= realization < first + settings.surfaces.realizations:
                 return settings
     raise InputError(
-        f"{results}: no log in logs/close_surfaces tells of realisation {realization} of {case!r}"
+        f"{results}: no log in logs/close_surfaces/{ensemble} tells of realisation "
+        f"{realization} of {case!r}"
     )
 
 

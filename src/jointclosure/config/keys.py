@@ -51,8 +51,16 @@ class StudyKeys(Keys):
     cycles: int = entry("Load-unload cycles.", ge=1, le=1000)
     root_seed: int = entry("Seed from which every random number follows.", ge=0)
     draws: Literal["common", "independent"] = entry(
-        "common: a realisation has the same noise in all cases of a rock; independent: each case "
-        "has its own (the paper's)."
+        "independent: each case has its own surfaces, and Table 3 has the unpaired t test (the "
+        "paper's); common: a realisation has the same noise in all cases of a rock, and the test "
+        "is paired."
+    )
+    pool: int | None = entry(
+        "Random surface pairs of every rock on which all of its cases are closed besides, for what "
+        "is true of the model and what repetitions of the study would publish (pool.nc); null: "
+        "none, the study's own serve.",
+        ge=2,
+        le=1_000_000,
     )
     surfaces_of: Name | None = entry(
         "Study whose random surfaces are drawn, so that two studies can be compared surface by "
@@ -306,6 +314,9 @@ class StatisticsKeys(Keys):
         "Resamples of the surfaces for each confidence interval.", ge=10, le=100_000
     )
     bootstrap_confidence: float = entry("Confidence of these intervals.", gt=0, lt=1)
+    repetitions: int = entry(
+        "Repetitions of the study that are drawn for what it would publish.", ge=100, le=1_000_000
+    )
 
 
 class OutputKeys(Keys):

@@ -25,6 +25,7 @@ class Study(NamedTuple):
     cycles: int
     root_seed: int
     draws: str
+    pool: int | None
     surfaces_of: str | None
     realizations_per_job: int | None
     unusual_values: str
@@ -98,6 +99,7 @@ class Statistics(NamedTuple):
     significance: float
     bootstrap_resamples: int
     bootstrap_confidence: float
+    repetitions: int
 
 
 class Output(NamedTuple):

@@ -63,6 +63,33 @@ def cases_of(configuration: Configuration) -> list[Case]:
     return cases
 
 
+def pool_of(configuration: Configuration) -> Configuration:
+    """The configuration of a study's pool: all its cases closed on common surfaces.
+
+    They are other surfaces than any study's, named by it, and as many as ``study.pool``
+    says (null: as many as the study's own). The blocks of its jobs are as large as those of
+    the study.
+    """
+    study = configuration.study
+    return configuration._replace(
+        study=study._replace(
+            realizations=study.pool or study.realizations,
+            realizations_per_job=study.realizations_per_job or study.realizations,
+            draws="common",
+            surfaces_of=f"{study.surfaces_of or study.name} pool",  # no name of a study
+            pool=None,
+        )
+    )
+
+
+def ensembles_of(configuration: Configuration) -> dict[str, Configuration]:
+    """What a study closes, by the folder of its files: its "cases", and a "pool" if it has one."""
+    ensembles = {"cases": configuration}
+    if configuration.study.pool is not None:
+        ensembles["pool"] = pool_of(configuration)
+    return ensembles
+
+
 def wall_name(study: Study, case: Case) -> list[str]:
     """What the seeds of a case's surface pairs are named by, but for the realisation.
 

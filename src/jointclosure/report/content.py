@@ -18,7 +18,8 @@ class Material(NamedTuple):
     """All that a page is made from.
 
     ``study``: the dataset, of which curves are read case by case; ``closures``, ``checks``,
-    ``intervals``, ``claims``: the study's tables, the last two None where nothing is varied;
+    ``intervals``, ``claims``, ``predictive``, ``joint``, ``elasticities``: the study's tables, all
+    but the first two None where a study has none;
     ``paper``: the paper's Table 3; ``default`` and ``schema``: the paper's configuration, and what
     keys mean; ``pictures``; ``benchmarks``: of the workflow's jobs; ``measured``: fits of measured
     curves, None where there are none; ``accuracy``: the table of `make accuracy`, None where
@@ -30,6 +31,9 @@ class Material(NamedTuple):
     checks: pd.DataFrame
     intervals: pd.DataFrame | None
     claims: pd.DataFrame | None
+    predictive: pd.DataFrame | None
+    joint: pd.DataFrame | None
+    elasticities: pd.DataFrame | None
     paper: pd.DataFrame
     default: dict
     schema: dict
@@ -116,6 +120,12 @@ def _sheets(material: Material, titles: dict, of_paper: set, rows: pd.DataFrame)
             findings.layout_sheet(intervals, titles, of_paper),
             findings.interval_sheet(intervals, titles, of_paper),
         ]
+    if material.predictive is not None and len(material.predictive):
+        sheets.append(findings.predictive_sheet(material.predictive, titles, bool(of_paper)))
+    if material.joint is not None and len(material.joint):
+        sheets.append(findings.joint_sheet(material.joint))
+    if material.elasticities is not None and len(material.elasticities):
+        sheets.append(findings.elasticity_sheet(material.elasticities, titles))
     if material.accuracy is not None:
         sheets.append(running.accuracy_sheet(material.accuracy))
     return {sheet.name: sheet for sheet in sheets}

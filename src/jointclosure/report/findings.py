@@ -4,7 +4,10 @@ import pandas as pd
 
 from jointclosure.config.properties import PARAMETER_TITLES, PROPERTIES
 from jointclosure.report.sheets import Cell, Sheet, cell, given, number_text, sheet
-from jointclosure.tables import table_3
+from jointclosure.statistics.standard_errors import rounded
+from jointclosure.tables import is_paired, table_3
+
+_WITH_UNITS = {name: about.title + about.in_brackets for name, about in PROPERTIES.items()}
 
 
 def closure_sheet(closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
@@ -49,7 +52,7 @@ def ranking_sheet(intervals: pd.DataFrame, titles: dict[str, str]) -> Sheet:
             }
         )
     columns = {"rock": "Rock", "cycle": "Cycle", "first": "Most sensitive", "then": "Then"}
-    columns["none"] = "No change is significant"
+    columns["none"] = "No real root"
     return sheet(
         "ranking",
         "Parameters by the length of their indifference interval, in percent of the rock's own "
@@ -75,8 +78,9 @@ def layout_sheet(intervals: pd.DataFrame, titles: dict[str, str], of_paper: set[
                     text += f"\npaper {theirs.loc[parameter, [(cycle, title)]].iloc[0]}"
                 cells.append(Cell(text, _percent(intervals, titles, parameter, cycle, title)))
             rows.append(cells)
+    test = ", paired test on common surfaces" if is_paired(intervals) else ""
     beside = ", the paper's below" if of_paper else ""
-    return Sheet("table-3", f"Table 3: length of indifference intervals{beside}", heads, rows)
+    return Sheet("table-3", f"Table 3: length of indifference intervals{test}{beside}", heads, rows)
 
 
 def _percent(intervals, titles, parameter, cycle, title) -> float | str:
@@ -90,11 +94,10 @@ def _percent(intervals, titles, parameter, cycle, title) -> float | str:
 
 def interval_sheet(intervals: pd.DataFrame, titles: dict[str, str], of_paper: set[str]) -> Sheet:
     """Every indifference interval with its confidence interval, and the paper's."""
-    titles_with_units = {p: about.title + about.in_brackets for p, about in PROPERTIES.items()}
     table = intervals.assign(
         rock=intervals.rock.map(titles),
         base=intervals.base.map(given),
-        parameter=intervals.parameter.map(titles_with_units),
+        parameter=intervals.parameter.map(_WITH_UNITS),
     )
     columns = {
         "rock": "Rock",
@@ -108,6 +111,8 @@ def interval_sheet(intervals: pd.DataFrame, titles: dict[str, str], of_paper: se
         "percent": "% of own value",
         "length_net": "Net of bulk indentation",
     }
+    if is_paired(intervals):
+        columns["unpaired_length"] = "By the unpaired test"
     if of_paper:
         table["paper"] = [
             Cell("no real root", "") if row.rock in of_paper and pd.isna(row.paper_length)
@@ -148,8 +153,86 @@ def measured_sheet(fits: pd.DataFrame, titles: dict[str, str]) -> Sheet:
 
 
 def claim_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
-    """The paper's claims with verdicts; its own figures where it has the rocks."""
-    columns = {"number": "No.", "verdict": "Verdict", "claim": "Claim", "ours": "This study"}
+    """The paper's claims with both answers; its own figures where it has the rocks."""
+    columns = {"number": "No.", "claim": "Claim", "verdict": "True of the model"}
+    columns |= {"found": "Studies that find it", "found_here": "Found by this one"}
     if compared and "paper" in claims:
-        columns["paper"] = "The paper"
-    return sheet("claims", "The paper's claims, held against this study", claims, columns)
+        columns |= {"paper_finds": "Found in the paper's Table 3", "paper": "The paper"}
+    columns["model"] = "The model, by the number that decides it"
+    shown = claims.assign(
+        found=[
+            "" if pd.isna(row.found_share) else percent_text(row.found_share, row.found_error)
+            for row in claims.itertuples()
+        ]
+    )
+    return sheet("claims", "The paper's claims: true of the model, and found?", shown, columns)
+
+
+def percent_text(share: float, error: float) -> str:
+    """A share and its standard error in percent, rounded to it."""
+    return f"{rounded(100.0 * share, 100.0 * error)} %"
+
+
+def predictive_sheet(predictive: pd.DataFrame, titles: dict[str, str], compared: bool) -> Sheet:
+    """Each entry of Table 3 over repetitions of the study, and the paper's among them."""
+    table = predictive.assign(
+        rock=predictive.rock.map(titles),
+        parameter=predictive.parameter.map(_WITH_UNITS),
+        none=100.0 * predictive.share_without_root,
+    )
+    columns = {
+        "rock": "Rock",
+        "parameter": "Parameter",
+        "cycle": "Cycle",
+        "median": "Median",
+        "low_95": "2.5 %",
+        "low_90": "5 %",
+        "high_90": "95 %",
+        "high_95": "97.5 %",
+        "none": "No real root (%)",
+    }
+    if compared and "p" in table:
+        columns |= {"paper_length": "The paper", "p": "Its p", "null_p": "p without effect"}
+    return sheet(
+        "predictive",
+        "What repetitions of this study would publish; p: of the paper's entry, two-sided; without "
+        "effect: probability that noise alone gives a length as short",
+        table,
+        columns,
+    )
+
+
+def joint_sheet(joint: pd.DataFrame) -> Sheet:
+    """Whether the paper's entries together are a draw of this model, or of noise alone."""
+    columns = {
+        "entries": "Entries",
+        "number": "Number",
+        "dashes": "Dashes in the paper",
+        "p": "p of this model",
+        "null_p": "p without any effect",
+        "log_likelihood": "Log-likelihood, this model",
+        "null_log_likelihood": "Without any effect",
+    }
+    return sheet("joint", "Joint tests of the paper's Table 3, dashes included", joint, columns)
+
+
+def elasticity_sheet(elasticities: pd.DataFrame, titles: dict[str, str]) -> Sheet:
+    """Elasticities of the mean maximum closure, with their standard errors."""
+    table = elasticities.assign(
+        rock=elasticities.rock.map(titles),
+        parameter=elasticities.parameter.map(PARAMETER_TITLES),
+    )
+    columns = {
+        "rock": "Rock",
+        "parameter": "Parameter",
+        "cycle": "Cycle",
+        "samples": "Joints used (n)",
+        "elasticity_shown": "Elasticity",
+        "elasticity_net_shown": "Net of bulk indentation",
+    }
+    return sheet(
+        "elasticities",
+        "Elasticities, d ln(mean closure)/d ln(property): what 1 % more of the property does, in %",
+        table,
+        columns,
+    )

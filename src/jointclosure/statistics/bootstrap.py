@@ -3,21 +3,24 @@
 from typing import NamedTuple
 
 import numpy as np
+import scipy.stats
 
-from jointclosure.statistics.indifference import indifference_interval
+from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.paired import paired_indifference_interval
 
 
 class BootstrapInterval(NamedTuple):
-    """Percentile interval of a length, and how often there was no root.
+    """Percentile interval of a length, how often there was no root, and a standard error.
 
     An absent root counts as an infinite length: `high` is infinite where too
-    many resamples have none.
+    many resamples have none. ``standard_error`` is half the central 68.3 % range, which one
+    long length among the resamples does not blow up; infinite where that range has no end.
     """
 
     low: float
     high: float
     share_without_root: float
+    standard_error: float
 
 
 def bootstrap_length(
@@ -49,14 +52,11 @@ def bootstrap_length(
         draws): then realisations are resampled, and not values.
     """
     k, n = samples.shape
-    lengths = np.empty(resamples)
-    for i in range(resamples):
-        index = random.integers(0, n, size=(1 if paired else k, n))
-        chosen = np.take_along_axis(samples, np.broadcast_to(index, (k, n)), axis=1)
-        found = indifference_interval(
-            levels, chosen.mean(axis=1), chosen.std(axis=1, ddof=1), n, significance, base
-        )
-        lengths[i] = found.length
+    index = random.integers(0, n, size=(resamples, 1 if paired else k, n))
+    index = np.broadcast_to(index, (resamples, k, n))
+    chosen = np.take_along_axis(samples[None], index, axis=2)
+    means, deviations = chosen.mean(axis=2), chosen.std(axis=2, ddof=1)
+    lengths = indifference_lengths(levels, means, deviations, n, significance, base)
     return _percentiles(lengths, confidence)
 
 
@@ -87,4 +87,7 @@ def _percentiles(lengths: np.ndarray, confidence: float) -> BootstrapInterval:
     lengths = np.where(np.isnan(lengths), np.inf, lengths)
     tail = 0.5 * (1.0 - confidence)
     low, high = np.quantile(lengths, [tail, 1.0 - tail], method="higher")
-    return BootstrapInterval(float(low), float(high), float(np.mean(np.isinf(lengths))))
+    below, above = np.quantile(lengths, scipy.stats.norm.cdf([-1.0, 1.0]), method="higher")
+    error = 0.5 * (above - below) if np.isfinite(above) else np.inf
+    without = float(np.mean(np.isinf(lengths)))
+    return BootstrapInterval(float(low), float(high), without, float(error))

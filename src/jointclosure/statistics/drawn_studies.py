@@ -12,14 +12,14 @@ deviation, ddof 1), and the variance within a repetition is s^2.
 """
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from jointclosure.inputs import InputError, check_number, real_array
 from jointclosure.statistics.indifference import indifference_lengths
 
-Key = tuple[str, ...] | str
+Key = TypeVar("Key", bound=tuple[str, ...] | str)
 
 
 class Pool(NamedTuple):

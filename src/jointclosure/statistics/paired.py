@@ -73,7 +73,12 @@ class PairedInterval(NamedTuple):
 
 
 def paired_indifference_interval(
-    levels, samples, significance: float = 0.05, base: float | None = None, degree: int = 1
+    levels,
+    samples,
+    significance: float = 0.05,
+    base: float | None = None,
+    degree: int = 1,
+    surfaces: int | None = None,
 ) -> PairedInterval:
     """Smallest change that a paired t test on the same surfaces tells from none.
 
@@ -90,6 +95,9 @@ def paired_indifference_interval(
     degree : {1, 2}
         Of the response of one surface: a line or a quadratic of its own. The mean
         over surfaces is a quadratic in both cases.
+    surfaces : int, optional
+        The number n of the test; that of the samples unless given. Another one tells what a study
+        of so many surfaces is expected to find.
 
     Returns
     -------
@@ -104,7 +112,7 @@ def paired_indifference_interval(
     levels, samples, base = checked_samples(levels, samples, significance, base)
     mean = fit_quadratic(levels, samples.mean(axis=1), base)
     scatter = difference_scatter(levels, samples, base, degree)
-    n = samples.shape[1]
+    n = samples.shape[1] if surfaces is None else surfaces
     critical = float(scipy.stats.t.ppf(1.0 - 0.5 * significance, n - 1))
     u = _closest_root(mean, scatter, n, critical)
     root = base + u * mean.half_range

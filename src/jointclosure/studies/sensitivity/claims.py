@@ -1,288 +1,243 @@
-"""The paper's claims, held against a study: judged by rules, with numbers.
+"""The paper's claims, each with two answers: is it true of the model, and would a study find it?
 
-Each claim is a rule over the study's own tables. A verdict is "reproduced"
-only where the rule holds for every rock; the column ``ours`` says where not.
+True of the model: numbers of the model with confidence intervals, from surfaces on which all
+cases are closed (the pool; without one, the study's own). A claim *stands* where the
+intervals lie where it is true in all rocks, *falls* where one lies outside, and *cannot be told*
+otherwise. The intervals of one claim hold together with a confidence of 95 % (Bonferroni).
+
+Found: the share of repetitions of the study, n independent draws at every level, in which the
+claim holds for all rocks when judged as the paper judges, by point estimates.
 """
 
-from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-REPRODUCED, NOT_REPRODUCED, CANNOT_BE_JUDGED = (
-    "reproduced",
-    "not reproduced",
-    "cannot be judged",
+from jointclosure.config.properties import PROPERTIES
+from jointclosure.randomness import generator, seed_of
+from jointclosure.statistics.drawn_studies import Design, DrawnResponse, draw_studies
+from jointclosure.statistics.standard_errors import rounded
+from jointclosure.statistics.verdicts import (
+    CANNOT_BE_TOLD,
+    FALLS,
+    STANDS,
+    frequency,
+    t_interval,
+    verdict,
+    verdict_on_all,
+)
+from jointclosure.studies.sensitivity.claim_findings import Findings, as_found
+from jointclosure.studies.sensitivity.claim_quantities import LOOP, Quantity, estimated
+from jointclosure.studies.sensitivity.claim_rules import RULES, Rule
+from jointclosure.studies.sensitivity.responses import (
+    NET,
+    TARGET,
+    RockSample,
+    rock_sample,
+    rocks_of,
+    sensitivities,
 )
 
-HOLDS, DOES_NOT_HOLD = "holds", "does not hold"
-"""Verdicts where none of the study's rocks is the paper's: there is nothing to reproduce."""
+CONFIDENCE = 0.95
+YES, NO = "yes", "no"
+_TABLE_3 = "table 3"
+_ELSEWHERE = {
+    "7": "a study has one setting of the steps; docs/accuracy.md has what they are worth",
+    "8": "the measured curves are not available",
+}
+"""What no sensitivity study can say, and where it is said."""
 
 
 class Evidence(NamedTuple):
     """What claims are judged by.
 
-    ``intervals``: the indifference table, with the paper's lengths where it has a rock of it;
-    ``closures``: the maximum-closure table; ``study``: the dataset.
+    ``study``: as made, which finds or does not find; ``pool``: of which it is asked what is
+    true, the study itself where there is none; ``design``: of a study's repetitions.
     """
 
-    intervals: pd.DataFrame
-    closures: pd.DataFrame
     study: xr.Dataset
-
-    @property
-    def rocks(self) -> list[str]:
-        return list(dict.fromkeys(self.study.rock.values.tolist()))
-
-    @property
-    def has_the_papers_rocks(self) -> bool:
-        return "paper_percent" in self.intervals
+    pool: xr.Dataset
+    design: Design
+    repetitions: int
+    root_seed: int
 
 
-def judge_claims(evidence: Evidence) -> pd.DataFrame:
-    """All claims with the paper's figures, ours, and a verdict.
+class _Judged(NamedTuple):
+    """The pool's rocks, repetitions drawn from them, the study, and the paper's own table."""
 
-    In a study of other rocks only, the same rules ask whether the paper's claims
-    hold for these: without its figures, and without what cannot be judged.
+    samples: list[RockSample]
+    drawn: Findings
+    study: Findings
+    paper: Findings
+
+
+def judge_claims(evidence: Evidence, claims: pd.DataFrame, paper: pd.DataFrame) -> pd.DataFrame:
+    """All claims with the paper's figures, the model's numbers, and both answers.
+
+    Parameters
+    ----------
+    evidence : Evidence
+    claims : DataFrame
+        What the paper says: number, claim, parameter, cycle, figure, shown.
+    paper : DataFrame
+        Its Table 3.
+
+    Returns
+    -------
+    DataFrame
+        ``verdict``: whether it is true of the model, by the number in ``model`` that decides
+        it, of each rock. ``found_share``: of the repetitions, with its binomial error and 95 %
+        interval; ``found_here``: whether the study as made finds it; ``paper_finds``: whether
+        the paper's own Table 3 does. In a study of other rocks only, the columns of the paper
+        are left out, and claims that cannot be judged.
     """
-    table = pd.DataFrame(
-        [row for claims in _CLAIMS for row in claims(evidence)],
-        columns=["number", "claim", "paper", "ours", "verdict"],
-    )
-    if evidence.has_the_papers_rocks:
-        return table
-    table = table[table.verdict != CANNOT_BE_JUDGED].drop(columns="paper")
-    return table.replace({"verdict": {REPRODUCED: HOLDS, NOT_REPRODUCED: DOES_NOT_HOLD}})
-
-
-def _row(number: str, claim: str, paper: str, holds: dict[str, tuple[bool | None, str]]) -> dict:
-    """A claim's row from (whether it holds, the numbers) for each rock."""
-    ours = "; ".join(
-        f"{rock}: {numbers}" + ("" if good or good is None else " (does not hold)")
-        for rock, (good, numbers) in holds.items()
-    )
-    known = [good for good, _ in holds.values() if good is not None]
-    verdict = REPRODUCED if all(known) else NOT_REPRODUCED
-    if not known:
-        verdict = CANNOT_BE_JUDGED
-    return {"number": number, "claim": claim, "paper": paper, "ours": ours, "verdict": verdict}
-
-
-def _percents(evidence: Evidence, rock: str, cycle: int, column: str = "percent") -> dict:
-    """Percent intervals by parameter; infinite where there is no real root."""
-    table = evidence.intervals
-    part = table[(table.rock == rock) & (table.cycle == cycle)]
-    return {
-        row.parameter: np.inf if np.isnan(getattr(row, column)) else getattr(row, column)
-        for row in part.itertuples()
-    }
-
-
-def _listed(percents: dict) -> str:
-    names = {"poisson_ratio": "nu", "youngs_modulus": "E", "compressive_strength": "sigma_c"}
-    return ", ".join(
-        f"{names.get(key, 'JRC')} {'none' if np.isinf(value) else f'{value:.3g} %'}"
-        for key, value in percents.items()
-    )
-
-
-def _paper_percents(evidence: Evidence, parameter: str, cycle: int) -> str:
-    if not evidence.has_the_papers_rocks:
-        return ""
-    table = evidence.intervals[evidence.intervals.in_paper]
-    part = table[(table.parameter == parameter) & (table.cycle == cycle)]
-    shown = [
-        f"{row.rock} {'none' if np.isnan(row.paper_percent) else f'{row.paper_percent:g} %'}"
-        for row in part.itertuples()
-    ]
-    return f"cycle {cycle}: " + ", ".join(shown)
-
-
-def _ranked(evidence: Evidence, cycle: int, judge: Callable[[dict], bool], column="percent"):
-    """A rule over the percent intervals of each rock that has all four, not all of them none."""
-    holds = {}
-    for rock in evidence.rocks:
-        percents = _percents(evidence, rock, cycle, column)
-        known = len(percents) == 4 and min(percents.values()) < np.inf
-        holds[rock] = (judge(percents) if known else None, _listed(percents))
-    return holds
-
-
-def _poisson(evidence: Evidence) -> Iterator[dict]:
-    for cycle in (1, 2):
-        yield _row(
-            f"1a, cycle {cycle}",
-            "Poisson's ratio matters least: the widest interval in percent",
-            _paper_percents(evidence, "poisson_ratio", cycle),
-            _ranked(evidence, cycle, lambda p: p["poisson_ratio"] >= max(p.values())),
-        )
-    table = evidence.intervals[evidence.intervals.parameter == "poisson_ratio"]
-    holds = {}
-    for rock in evidence.rocks:
-        part = table[table.rock == rock]
-        if part.empty:
-            holds[rock] = (None, "not varied")
-            continue
-        lengths = [np.inf if np.isnan(v) else v for v in part.length]
-        shown = ", ".join(
-            f"cycle {row.cycle} {'none' if np.isnan(row.length) else f'{row.length:.3g}'}"
-            for row in part.itertuples()
-        )
-        holds[rock] = (min(lengths) >= 0.1, shown)
-    yield _row(
-        "1b",
-        "No effect of Poisson's ratio within +-0.1",
-        "0.140, 0.099, none, none; 0.187, 0.092, 0.121, 0.075: its own table has three below 0.1",
-        holds,
-    )
-
-
-def _modulus(evidence: Evidence) -> Iterator[dict]:
-    def first(percents: dict) -> bool:
-        return percents["youngs_modulus"] <= min(percents.values())
-
-    paper = _paper_percents(evidence, "youngs_modulus", 2)
-    claim = "Young's modulus is the most sensitive parameter on the second cycle"
-    yield _row("2a", claim, paper, _ranked(evidence, 2, first))
-    yield _row(
-        "2a, net",
-        f"{claim}, net of bulk indentation",
-        paper,
-        _ranked(evidence, 2, first, "percent_net"),
-    )
-    clear = _ranked(evidence, 1, first)
-    judged = [good for good, _ in clear.values() if good is not None]
-    all_first = bool(judged) and all(judged)
-    yield _row(
-        "2b",
-        "On the first cycle Young's modulus is not clearly the most sensitive",
-        _paper_percents(evidence, "youngs_modulus", 1),
-        {
-            rock: (None if good is None else not all_first, numbers)
-            for rock, (good, numbers) in clear.items()
-        },
-    )
-
-
-def _strength(evidence: Evidence) -> Iterator[dict]:
-    yield _row(
-        "3",
-        "Compressive strength is the next sensitive parameter on the second cycle",
-        _paper_percents(evidence, "compressive_strength", 2),
-        _ranked(
-            evidence,
-            2,
-            lambda p: (
-                p["compressive_strength"] < np.inf
-                and sorted(p, key=p.get).index("compressive_strength") == 1
-            ),
-        ),
-    )
-
-
-def _roughness(evidence: Evidence) -> Iterator[dict]:
-    table = evidence.intervals[evidence.intervals.parameter == "jrc"]
-    holds = {}
-    for rock in evidence.rocks:
-        length = {
-            row.cycle: np.inf if np.isnan(row.length) else row.length
-            for row in table[table.rock == rock].itertuples()
-        }
-        shown = ", ".join(
-            f"cycle {cycle} {'none' if np.isinf(value) else f'{value:.3g}'}"
-            for cycle, value in length.items()
-        )
-        known = {1, 2} <= set(length) and min(length.values()) < np.inf
-        holds[rock] = (length[2] > length[1] if known else None, shown)
-    yield _row(
-        "4",
-        "Sensitivity to JRC falls from the first cycle (about +-1) to the second",
-        "cycle 1: 0.908, 0.948, 1.31, 0.726; cycle 2: 1.46, 1.99, 3.29, 3.18",
-        holds,
-    )
-
-
-def _trend(evidence: Evidence, rock: str, parameter: str, cycle: int, column: str):
-    """Mean closures over ascending levels [mm], or None where not varied."""
-    table = evidence.closures
-    part = table[(table.rock == rock) & (table.cycle == cycle)]
-    part = part[part.parameter.isin([parameter, "base"])]
-    if (part.parameter == parameter).sum() == 0:
-        return None
-    values = evidence.study[parameter].sel(case=part.case.to_numpy()).values
-    return part[column].to_numpy()[np.argsort(values)]
-
-
-def _trends(evidence: Evidence) -> Iterator[dict]:
-    def row(number, claim, paper, parameter, cycle, sign, column="max_closure_mean_mm"):
-        holds = {}
-        for rock in evidence.rocks:
-            means = _trend(evidence, rock, parameter, cycle, column)
-            if means is None:
-                holds[rock] = (None, "not varied")
-                continue
-            rising = np.all(np.diff(means) > 0.0)
-            falling = np.all(np.diff(means) < 0.0)
-            good = {1: rising, -1: falling}.get(sign, not (rising or falling))
-            holds[rock] = (bool(good), " -> ".join(f"{mean:.5g}" for mean in means) + " mm")
-        return _row(number, claim, paper, holds)
-
-    described = "described, not shown"
-    yield row("5a", "Cycle-2 closure rises when E falls", described, "youngs_modulus", 2, -1)
-    yield row(
-        "5a, net",
-        "Cycle-2 closure rises when E falls, net of bulk indentation",
-        described,
-        "youngs_modulus",
-        2,
-        -1,
-        "max_closure_net_mean_mm",
-    )
-    yield row(
-        "5b", "Cycle-2 closure rises when sigma_c rises", described, "compressive_strength", 2, 1
-    )
-    yield row("5c", "Cycle-1 closure falls when JRC falls", described, "jrc", 1, 1)
-    yield row("5d", "Cycle-2 closure has no such trend with JRC", described, "jrc", 2, 0)
-
-
-def _hysteresis(evidence: Evidence) -> Iterator[dict]:
-    study = evidence.study
-    holds, stiffer = {}, {}
-    for rock in evidence.rocks:
-        base = study.sel(case=study.case[(study.rock == rock) & (study.parameter == "base")][0])
-        half = base.closure.sel(stress=0.5 * float(base.max_normal_stress), method="nearest")
-        loop = (half.sel(branch="unloading") - half.sel(branch="loading")).mean("realization")
-        shown = ", ".join(
-            f"cycle {int(c)} {1e3 * float(loop.sel(cycle=c)):.4g} mm" for c in study.cycle
-        )
-        holds[rock] = (bool((loop > 0.0).all()), f"loop at half the stress {shown}")
-        means = base.max_closure.mean("realization")
-        if study.sizes["cycle"] > 1:
-            first, second = (1e3 * float(means.sel(cycle=c)) for c in (1, 2))
-            stiffer[rock] = (second < first, f"{first:.4g} then {second:.4g} mm")
+    judged = _judged(evidence, paper)
+    rows = []
+    for claim in claims.itertuples():
+        figure = None if pd.isna(claim.figure) else float(claim.figure)
+        row = {"number": claim.number, "claim": _said(claim.claim, figure)}
+        row["paper"] = _papers_figures(claim, paper, judged.samples)
+        rule = RULES.get(claim.number)
+        if rule is None:
+            row |= {"model": _ELSEWHERE.get(claim.number, ""), "verdict": CANNOT_BE_TOLD}
         else:
-            stiffer[rock] = (None, "one cycle")
-    yield _row("6a", "Unloading shows hysteresis", "Fig. 5", holds)
-    yield _row("6b", "The second cycle is stiffer than the first", "Fig. 5", stiffer)
+            row |= _true(rule, judged.samples, figure) | _found(rule, judged, figure)
+            if claim.shown == _TABLE_3 and not claim.number.endswith("net"):
+                found = _finds(rule, judged.paper, figure)
+                row["paper_finds"] = None if found is None else YES if found[0] else NO
+        rows.append(row)
+    columns = ["number", "claim", "paper", "paper_finds", "model", "verdict"]
+    columns += ["found_here", "found_share", "found_error", "found_low", "found_high"]
+    table = pd.DataFrame(rows, columns=columns)
+    if not judged.paper.drawn:
+        judgeable = table.number.isin(list(RULES)) & table.model.ne("")
+        table = table[judgeable].drop(columns=["paper", "paper_finds"]).reset_index(drop=True)
+    return table
 
 
-def _beyond(evidence: Evidence) -> Iterator[dict]:
-    yield {
-        "number": "7",
-        "claim": "The step sizes are accurate enough",
-        "paper": "stated, not shown",
-        "ours": "one setting only here; benchmarks/limit_of_steps.py finds they are not (0010)",
-        "verdict": CANNOT_BE_JUDGED,
-    }
-    yield {
-        "number": "8",
-        "claim": "The model fits Bandis' curves, dolerite worst, second cycles worse",
-        "paper": "Fig. 5",
-        "ours": "the measured curves are not available",
-        "verdict": CANNOT_BE_JUDGED,
-    }
+def _judged(evidence: Evidence, paper: pd.DataFrame) -> _Judged:
+    samples = _samples(evidence.pool)
+    random = generator(seed_of(evidence.root_seed, "claims"))
+    varied = [sample for sample in samples if sample.levels]
+    drawn = draw_studies(sensitivities(varied), evidence.design, evidence.repetitions, random)
+    names = samples[0].names if samples else ()
+    return _Judged(
+        samples,
+        Findings(drawn, names),
+        as_found(_samples(evidence.study), evidence.design.significance),
+        _papers_own(paper, samples),
+    )
 
 
-_CLAIMS = (_poisson, _modulus, _strength, _roughness, _trends, _hysteresis, _beyond)
+def _samples(dataset: xr.Dataset) -> list[RockSample]:
+    variables = {TARGET: dataset[TARGET], NET: dataset[NET], LOOP: _loops(dataset)}
+    found = [rock_sample(dataset, rock, variables) for rock in rocks_of(dataset)]
+    return [sample for sample in found if sample.values.shape[-1] > 1]
+
+
+def _loops(dataset: xr.Dataset) -> xr.DataArray:
+    """Closure of unloading less that of loading at half the maximum stress of each case."""
+    parts = []
+    for case in dataset.case.values:
+        one = dataset.sel(case=[case])
+        half = one.closure.sel(stress=0.5 * float(one.max_normal_stress[0]), method="nearest")
+        loop = half.sel(branch="unloading") - half.sel(branch="loading")
+        parts.append(loop.drop_vars(["stress", "branch"], errors="ignore"))
+    return xr.concat(parts, "case", coords="minimal", compat="override")
+
+
+def _true(rule: Rule, samples: list[RockSample], figure: float | None) -> dict:
+    """Verdict on the model, and the numbers that decide it."""
+    asked: dict[str, list[Quantity]] = {}
+    for sample in samples:
+        quantities = rule.quantities(sample, figure)
+        if quantities:
+            asked[sample.rock] = quantities
+    total = sum(len(quantities) for quantities in asked.values())
+    if total == 0:
+        return {"model": "", "verdict": CANNOT_BE_TOLD}
+    confidence = 1.0 - (1.0 - CONFIDENCE) / total
+    verdicts, shown = [], []
+    for sample in (each for each in samples if each.rock in asked):
+        least, deciding = np.inf, ""
+        for quantity in asked[sample.rock]:
+            found = estimated(quantity, sample)
+            interval = t_interval(found, sample.values.shape[-1], confidence)
+            verdicts.append(verdict(interval, quantity.true_between))
+            low, high = quantity.true_between
+            inside = min(found.value - low, high - found.value)
+            margin = inside / found.standard_error if found.standard_error else inside * np.inf
+            if not deciding or margin < least:
+                least, deciding = margin, f"{quantity.name} {rounded(*found)}"
+        shown.append(f"{sample.rock}: {deciding}")
+    answer = verdict_on_all(verdicts)
+    if rule.negated:
+        answer = {STANDS: FALLS, FALLS: STANDS}.get(answer, answer)
+    return {"model": "; ".join(shown), "verdict": answer}
+
+
+def _found(rule: Rule, judged: _Judged, figure: float | None) -> dict:
+    """How often repetitions of the study find the claim, and whether the study does."""
+    here = _finds(rule, judged.study, figure)
+    row = {"found_here": None if here is None else YES if here[0] else NO}
+    found = _finds(rule, judged.drawn, figure)
+    if found is not None:
+        often = frequency(found)
+        row |= {"found_share": often.share, "found_error": often.standard_error}
+        row |= {"found_low": often.low, "found_high": often.high}
+    return row
+
+
+def _finds(rule: Rule, findings: Findings, figure: float | None) -> np.ndarray | None:
+    """Whether studies (R,) find a claim for all rocks; None where no rock can be judged."""
+    rocks = list(dict.fromkeys(rock for rock, _ in findings.drawn))
+    found = [rule.found(findings, rock, figure) for rock in rocks]
+    judged = [each for each in found if each is not None]
+    if not judged:
+        return None
+    every = np.logical_and.reduce(judged)
+    return ~every if rule.negated else every
+
+
+def _papers_own(paper: pd.DataFrame, samples: list[RockSample]) -> Findings:
+    """The paper's Table 3 as a study: lengths without means."""
+    cycles = sorted({int(cycle) for cycle in paper.cycle})
+    drawn = {}
+    for sample in samples:
+        for parameter, levels in sample.levels.items():
+            part = paper[(paper.rock == sample.rock) & (paper.parameter == parameter)]
+            if part.empty:
+                continue
+            lengths = part.set_index("cycle").paper_length.reindex(cycles).to_numpy(dtype=float)
+            lengths = np.where(np.isnan(lengths), np.inf, lengths * PROPERTIES[parameter].size)
+            nothing = np.full((1, len(cycles), levels.values.size), np.nan)
+            drawn[sample.rock, parameter] = DrawnResponse(
+                levels.values, levels.base, nothing, nothing, lengths[None]
+            )
+    return Findings(drawn, tuple((TARGET, cycle) for cycle in cycles))
+
+
+def _papers_figures(claim, paper: pd.DataFrame, samples: list[RockSample]) -> str:
+    """The entries of the paper's Table 3 that a claim is about, or where else it is shown."""
+    if claim.shown != _TABLE_3:
+        return claim.shown
+    rocks = {sample.rock for sample in samples}
+    part = paper[(paper.parameter == claim.parameter) & paper.rock.isin(rocks)]
+    if not pd.isna(claim.cycle):
+        part = part[part.cycle == int(claim.cycle)]
+    return "; ".join(
+        f"cycle {cycle}: " + ", ".join(_entry(row) for row in rows.itertuples())
+        for cycle, rows in part.groupby("cycle")
+    )
+
+
+def _entry(row) -> str:
+    if pd.isna(row.paper_length):
+        return f"{row.rock} –"
+    return f"{row.rock} {row.paper_length:g} ({row.paper_percent:g} %)"
+
+
+def _said(claim: str, figure: float | None) -> str:
+    return claim if figure is None else f"{claim}: ±{figure:g}"

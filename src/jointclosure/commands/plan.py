@@ -1,0 +1,56 @@
+"""`jointclosure plan`: how many surfaces a wish needs, and what they cost, from a study."""
+
+from pathlib import Path
+
+from jointclosure.ensemble.aggregation import CURVES
+from jointclosure.inputs import InputError
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.seals import check_folder
+from jointclosure.studies.sensitivity.planning import WISHES, Wish, plan
+
+
+def add_to(commands) -> None:
+    """Declare the command and its arguments."""
+    command = commands.add_parser(
+        "plan",
+        help="how many surfaces a precision or a power needs",
+        description="From a finished study: surfaces per case that a wish needs, for each rock, "
+        "parameter and cycle, and the time they take here. Give one wish.",
+    )
+    command.add_argument("results", type=Path, help="results folder, such as results/paper")
+    wishes = command.add_mutually_exclusive_group(required=True)
+    for kind, text in WISHES.items():
+        wishes.add_argument(f"--{kind}", type=float, help=text.replace("%", "%%"))
+    command.add_argument("--significance", type=float, default=0.05, help="of the t test (0.05)")
+    command.add_argument(
+        "--paired",
+        action="store_true",
+        help="for a study that closes the same surfaces in all cases (draws: common)",
+    )
+    command.set_defaults(run=run)
+
+
+def run(arguments) -> int:
+    """Print the plan."""
+    (wish,) = [
+        Wish(kind, amount)
+        for kind in WISHES
+        if (amount := getattr(arguments, kind.replace("-", "_"))) is not None
+    ]
+    pool, study = (arguments.results / name for name in ("pool.nc", "study.nc"))
+    source = pool if pool.is_file() else study
+    if not source.is_file():
+        raise InputError(f"{study}: there is no such file; is the study finished?")
+    check_folder(arguments.results)
+    table = plan(
+        read_netcdf(source, without=CURVES), wish, arguments.significance, arguments.paired
+    )
+    print(f"{WISHES[wish.kind]}: {wish.amount:g}; from {source}")
+    if table.empty:
+        print("no parameter is varied in this study")
+        return 0
+    shown = {"surfaces": "{:.0f}".format, "simulations": "{:.0f}".format}
+    print(table.to_string(index=False, formatters=shown | {"core_minutes": "{:.3g}".format}))
+    most = table.loc[table.surfaces.idxmax()]
+    print(f"most: {most.surfaces:.0f} surfaces ({most.rock}, {most.parameter}, cycle {most.cycle})")
+    return 0

@@ -1,0 +1,218 @@
+"""Figures of what a sensitivity study would publish, and along the closure curve."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullFormatter
+
+from jointclosure.config.properties import PARAMETER_TITLES
+from jointclosure.config.typed import StudyRock
+
+_OURS, _NULL = "#2a6f97", "0.82"
+_RANGE = (0.5, 500.0)
+"""Percent of the rock's own value that is shown."""
+_DASH = 900.0
+"""Place of the column of dashes on that axis, beyond the range."""
+_BINS = np.geomspace(*_RANGE, 61)
+_TICKS = (1, 3, 10, 30, 100, 300)
+_STYLES = ("-", "--", "-.", ":")
+
+
+def predictive_figure(
+    drawn: xr.Dataset, paper: pd.DataFrame, rocks: dict[str, StudyRock], draws: int
+) -> Figure:
+    """What repetitions of the study would publish, the null, and what the paper did.
+
+    Parameters
+    ----------
+    drawn : Dataset
+        As of `jointclosure.studies.sensitivity.predictive.lengths_dataset`.
+    paper : DataFrame
+        The paper's Table 3.
+    rocks : dict
+        Of the study, by name, in order.
+    draws : int
+        Surfaces of a study per level.
+    """
+    parameters = [p for p in PARAMETER_TITLES if p in set(drawn.parameter.values.tolist())]
+    cycles = sorted(set(drawn.cycle.values.tolist()))
+    names = [name for name in rocks if name in set(drawn.rock.values.tolist())]
+    height = len(parameters) * (0.62 + 0.36 * len(names)) + 1.5
+    figure, panels = plt.subplots(
+        len(parameters),
+        len(cycles),
+        figsize=(3.6 * len(cycles), height),
+        layout="constrained",
+        squeeze=False,
+        sharex=True,
+        sharey="row",
+    )
+    published = paper.set_index(["rock", "parameter", "cycle"]).paper_percent
+    for row, parameter in zip(panels, parameters, strict=True):
+        for axes, cycle in zip(row, cycles, strict=True):
+            chosen = drawn.isel(
+                entry=np.flatnonzero((drawn.parameter == parameter) & (drawn.cycle == cycle))
+            )
+            for place, name in enumerate(names):
+                at = np.flatnonzero(chosen.rock.values == name)
+                if at.size:
+                    one = chosen.isel(entry=int(at[0]))
+                    _draw_entry(axes, -place, one.percent.values, one.null_percent.values)
+                    key = (name, parameter, cycle)
+                    if key in published.index:
+                        _draw_published(axes, -place, float(published[key]))
+            axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=10)
+            axes.set_yticks([-i for i in range(len(names))], [rocks[n].title for n in names])
+            axes.tick_params(axis="y", length=0)
+            axes.set_ylim(-len(names) + 0.38, 0.62)
+            _scale(axes)
+    for axes in panels[-1]:
+        axes.set_xlabel("interval, % of the rock's own value")
+    figure.legend(
+        handles=_handles(draws, bool(len(published.index.intersection(_keys(drawn))))),
+        loc="outside lower center",
+        ncols=1,
+        frameon=False,
+        fontsize=9.5,
+    )
+    return figure
+
+
+def _keys(drawn: xr.Dataset) -> list[tuple]:
+    columns = (drawn[name].values.tolist() for name in ("rock", "parameter", "cycle"))
+    return list(zip(*columns, strict=True))
+
+
+def _draw_entry(axes, y: float, ours: np.ndarray, null: np.ndarray) -> None:
+    """One rock's row: density of both, median and 90 % range of ours, and shares of dashes."""
+    centres = np.sqrt(_BINS[:-1] * _BINS[1:])
+    for values, style, zorder in (
+        (null, {"color": _NULL, "lw": 0}, 1),
+        (ours, {"facecolor": "none", "edgecolor": _OURS, "lw": 1.1}, 2),
+    ):
+        roots = values[(values >= _RANGE[0]) & (values <= _RANGE[1])]
+        if roots.size:
+            counts = np.histogram(roots, _BINS)[0] / values.size
+            smooth = np.convolve(counts, (0.25, 0.5, 0.25), mode="same")
+            top = y - 0.3 + 0.75 * smooth / smooth.max() * (roots.size / values.size)
+            axes.fill_between(centres, y - 0.3, top, zorder=zorder, **style)
+    low, middle, high = np.quantile(ours, [0.05, 0.5, 0.95], method="nearest")
+    ends = np.clip([low, high], *_RANGE)
+    axes.plot(ends, [y - 0.3] * 2, color=_OURS, lw=3.2, solid_capstyle="butt", zorder=3)
+    if np.isfinite(middle):
+        axes.plot([middle] * 2, [y - 0.38, y - 0.14], color=_OURS, lw=2.2, zorder=4)
+    share = 100.0 * np.mean(np.isinf(ours))
+    axes.text(_DASH, y - 0.26, f"{share:.0f} %", color=_OURS, ha="center", va="center", fontsize=9)
+
+
+def _draw_published(axes, y: float, percent: float) -> None:
+    dash = np.isnan(percent)
+    axes.plot(
+        _DASH if dash else np.clip(percent, *_RANGE),
+        y + 0.12 if dash else y - 0.3,
+        "D",
+        color="k",
+        mec="w",
+        mew=1.0,
+        ms=7.5,
+        zorder=6,
+        clip_on=False,
+    )
+
+
+def _scale(axes) -> None:
+    axes.set_xscale("log")
+    axes.set_xlim(_RANGE[0], 1500.0)
+    axes.axvline(_RANGE[1] * 1.12, color="0.5", lw=0.7)
+    axes.xaxis.set_major_locator(FixedLocator([*_TICKS, _DASH]))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.xaxis.set_minor_locator(FixedLocator([]))
+    axes.set_xticklabels([*(str(tick) for tick in _TICKS), "–"])
+    for side in ("top", "right", "left"):
+        axes.spines[side].set_visible(False)
+    axes.grid(axis="x", color="0.92", lw=0.8, zorder=0)
+    axes.set_axisbelow(True)
+
+
+def _handles(draws: int, compared: bool) -> list:
+    handles = [
+        plt.Rectangle(
+            (0, 0), 1, 1, fc="none", ec=_OURS, lw=1.1, label=f"studies of {draws} draws each, ours"
+        ),
+        plt.Line2D([], [], color=_OURS, lw=3.2, label="their 5 to 95 %; upright: the median"),
+        plt.Rectangle((0, 0), 1, 1, fc=_NULL, lw=0, label="if the property had no effect"),
+    ]
+    if compared:
+        handles.append(
+            plt.Line2D([], [], marker="D", color="k", mec="w", ms=7.5, ls="", label="the paper")
+        )
+    text = "column –: no real root (share of ours)"
+    handles.append(plt.Line2D([], [], marker="", ls="", color=_OURS, label=text))
+    return handles
+
+
+def along_curve_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], what: str) -> Figure:
+    """Elasticities, or lengths of intervals, against stress, for each parameter and cycle.
+
+    Parameters
+    ----------
+    table : DataFrame
+        As of `jointclosure.studies.sensitivity.along_curve.along_curve`.
+    rocks : dict
+        Of the study, by name, in order.
+    what : {"elasticities", "intervals"}
+    """
+    parameters = [p for p in PARAMETER_TITLES if p in set(table.parameter)]
+    cycles = sorted(table.cycle.unique())
+    figure, panels = plt.subplots(
+        len(parameters),
+        len(cycles),
+        figsize=(3.6 * len(cycles), 2.3 * len(parameters) + 0.9),
+        layout="constrained",
+        squeeze=False,
+        sharex=True,
+        sharey="row",
+    )
+    for row, parameter in zip(panels, parameters, strict=True):
+        for axes, cycle in zip(row, cycles, strict=True):
+            part = table[(table.parameter == parameter) & (table.cycle == cycle)]
+            for i, (name, rock) in enumerate(rocks.items()):
+                one = part[part.rock == name].sort_values("stress_MPa")
+                if len(one):
+                    style = {"color": f"C{i}", "ls": _STYLES[i % len(_STYLES)]}
+                    _draw_along(axes, one, what, style, rock.title)
+            axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=10)
+            if what == "intervals":
+                _percent_axis(axes)
+            else:
+                axes.axhline(0.0, color="0.6", lw=0.7)
+            axes.spines[["top", "right"]].set_visible(False)
+        row[0].set_ylabel("elasticity" if what == "elasticities" else "length (%)")
+    for axes in panels[-1]:
+        axes.set_xlabel("normal stress (MPa)")
+    handles, labels = panels[0][0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
+    return figure
+
+
+def _percent_axis(axes) -> None:
+    axes.set_yscale("log")
+    axes.set_ylim(*_RANGE)
+    axes.yaxis.set_major_locator(FixedLocator(_TICKS))
+    axes.yaxis.set_minor_locator(FixedLocator([]))
+    axes.set_yticks(_TICKS, [str(tick) for tick in _TICKS])
+
+
+def _draw_along(axes, one: pd.DataFrame, what: str, style: dict, label: str) -> None:
+    x = one.stress_MPa.to_numpy()
+    if what == "elasticities":
+        y, error = one.elasticity.to_numpy(), one.elasticity_standard_error.to_numpy()
+        low, high = y - 2.0 * error, y + 2.0 * error
+    else:
+        y = one.percent_median.replace(np.inf, np.nan).to_numpy(dtype=float)
+        ends = one[["percent_low_90", "percent_high_90"]].to_numpy(dtype=float).T
+        low, high = np.clip(ends, *_RANGE)
+    axes.fill_between(x, low, high, color=style["color"], alpha=0.15, lw=0)
+    axes.plot(x, y, lw=1.6, label=label, **style)

@@ -1,0 +1,252 @@
+"""What repetitions of the study would publish in Table 3, and whether the paper's is one of them.
+
+Repetitions are drawn from a pool (`jointclosure.statistics.drawn_studies`): n surfaces for every
+level, independently, as the paper did. The null is a rock whose parameters have no effect at all:
+every level draws from the base case.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.config.properties import PARAMETERS, PROPERTIES
+from jointclosure.randomness import generator, seed_of
+from jointclosure.statistics.drawn_studies import (
+    Design,
+    DrawnResponse,
+    draw_studies,
+    jackknife_error,
+    without_effect,
+    without_group,
+)
+from jointclosure.statistics.joint_tests import joint_test
+from jointclosure.statistics.predictive import length_distribution, share_as_short, two_sided_p
+from jointclosure.studies.sensitivity.responses import (
+    TARGET,
+    RockSample,
+    rock_sample,
+    rocks_of,
+    sensitivities,
+)
+
+Entry = tuple[str, str, int]
+"""Rock, parameter, cycle."""
+
+_GROUPS = 10
+"""Groups of surfaces that are left out in turn, for the error that the pool's size makes."""
+_NOISY = ("poisson_ratio", "youngs_modulus", "compressive_strength")
+"""Parameters whose first-cycle entries are tested together: is anything seen but noise?"""
+
+
+class Predictive(NamedTuple):
+    """Lengths [SI] (R,) of repetitions by entry; of the model, and of one without any effect.
+
+    ``bases``: the rock's own value [SI] of each entry. ``pool``: surfaces of each rock that they
+    were drawn from. ``median_errors``: standard error of each median from the finite number
+    of these.
+    """
+
+    lengths: dict[Entry, np.ndarray]
+    null: dict[Entry, np.ndarray]
+    bases: dict[Entry, float]
+    pool: dict[str, int]
+    median_errors: dict[Entry, float]
+
+
+def predictive(
+    ensemble: xr.Dataset, design: Design, repetitions: int, root_seed: int
+) -> Predictive:
+    """Draw repetitions of the study from a pool.
+
+    Parameters
+    ----------
+    ensemble : Dataset
+        The pool; without one, the study itself.
+    design : Design
+        How many surfaces a study draws, and its test.
+    repetitions : int
+    root_seed : int
+        Of the study; the draws have streams of their own.
+    """
+    samples = maximum_closures(ensemble)
+    pools = sensitivities(samples)
+    cycles = [int(cycle) for cycle in ensemble.cycle.values]
+
+    def drawn(which, name: str, times: int) -> dict[Entry, np.ndarray]:
+        random = generator(seed_of(root_seed, "predictive", name))
+        return entries(draw_studies(which, design, times, random), cycles)
+
+    medians: dict[Entry, list[float]] = {}
+    if pools and min(sample.values.shape[-1] for sample in samples) >= 2 * _GROUPS:
+        for group in range(_GROUPS):
+            parts = drawn(without_group(pools, group, _GROUPS), "parts", repetitions // 4)
+            for entry, lengths in parts.items():
+                medians.setdefault(entry, []).append(length_distribution(lengths).median)
+    bases = {(*key, cycle): each.base for key, each in pools.items() for cycle in cycles}
+    return Predictive(
+        drawn(pools, "model", repetitions),
+        drawn(without_effect(pools), "null", repetitions),
+        bases,
+        {sample.rock: sample.values.shape[-1] for sample in samples},
+        {entry: jackknife_error(values) for entry, values in medians.items()},
+    )
+
+
+def maximum_closures(ensemble: xr.Dataset) -> list[RockSample]:
+    """Maximum closures of all rocks of which two surfaces or more succeeded in every case."""
+    found = [rock_sample(ensemble, rock, {TARGET: ensemble[TARGET]}) for rock in rocks_of(ensemble)]
+    return [sample for sample in found if sample.levels and sample.values.shape[-1] > 1]
+
+
+def entries(
+    drawn: dict[tuple[str, str], DrawnResponse], cycles: list[int]
+) -> dict[Entry, np.ndarray]:
+    """Lengths (R,) by entry of Table 3; the first targets are the maximum closures by cycle."""
+    return {
+        (rock, parameter, cycle): response.lengths[:, i]
+        for (rock, parameter), response in drawn.items()
+        for i, cycle in enumerate(cycles)
+    }
+
+
+def lengths_dataset(found: Predictive) -> xr.Dataset:
+    """All lengths drawn (entry, repetition) in percent of the rock's own value, for figures.
+
+    ``percent`` of the model, ``null_percent`` without any effect; infinite where no root.
+    """
+    keys = list(found.lengths)
+    variables = {}
+    for name, drawn, text in (
+        ("percent", found.lengths, "length of the indifference interval"),
+        ("null_percent", found.null, "the same where no parameter has an effect"),
+    ):
+        rows = [100.0 * drawn[key] / abs(found.bases[key]) for key in keys]
+        repetitions = next(iter(drawn.values())).size if keys else 0
+        values = np.array(rows).reshape(len(keys), repetitions).astype(np.float32)
+        about = {"long_name": f"{text}, of the rock's own value", "units": "percent"}
+        variables[name] = (("entry", "repetition"), values, about)
+    columns = zip(*keys, strict=True) if keys else ((), (), ())
+    coordinates = {
+        name: ("entry", np.array(column, dtype=object if name != "cycle" else int))
+        for name, column in zip(("rock", "parameter", "cycle"), columns, strict=True)
+    }
+    return xr.Dataset(variables, coords=coordinates)
+
+
+def predictive_table(found: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
+    """Each entry's distribution over repetitions, with the paper's value in it.
+
+    Parameters
+    ----------
+    found : Predictive
+    paper : DataFrame
+        The paper's Table 3.
+
+    Returns
+    -------
+    DataFrame
+        In the units of Table 1. Ends of ranges are infinite where too many repetitions have no
+        root. ``median_error`` is from the number of repetitions, ``median_pool_error`` from
+        that of the pool's surfaces, which the ranges contain. ``p``: two-sided, of the paper's
+        entry; ``null_p``: probability of a length as short as the paper's where the parameter
+        has no effect; both with their Monte Carlo error. Without these for other rocks.
+    """
+    published = _published(paper)
+    rows = []
+    for entry, lengths in found.lengths.items():
+        rock, parameter, cycle = entry
+        unit, own = PROPERTIES[parameter], found.bases[entry]
+        summary = length_distribution(lengths)._asdict()
+        share = summary.pop("share_without_root")
+        row = {"rock": rock, "parameter": parameter, "cycle": cycle, "unit": unit.unit}
+        row |= {"base": own / unit.size, "pool": found.pool[rock], "repetitions": lengths.size}
+        row |= {name: value / unit.size for name, value in summary.items()}
+        row["median_percent"] = 100.0 * summary["median"] / own if own else np.nan
+        row["median_error"] = _median_error(lengths) / unit.size
+        row["median_pool_error"] = found.median_errors.get(entry, np.nan) / unit.size
+        row |= {"share_without_root": share, "share_error": _error(share, lengths.size)}
+        row["null_share_without_root"] = float(np.mean(np.isinf(found.null[entry])))
+        if entry in published:
+            row |= _of_paper(published[entry], lengths, found.null[entry], unit.size)
+        rows.append(row)
+    return pd.DataFrame(rows, columns=None if rows else ["rock", "parameter", "cycle"])
+
+
+def _of_paper(length: float, lengths: np.ndarray, null: np.ndarray, size: float) -> dict:
+    p, short = two_sided_p(lengths, length * size), share_as_short(null, length * size)
+    inside = 0.5 * p
+    return {
+        "paper_length": length,
+        "p": p,
+        "p_error": 2.0 * _error(inside, lengths.size),
+        "null_p": short,
+        "null_p_error": _error(short, null.size),
+    }
+
+
+def joint_table(found: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
+    """Joint tests of the paper's entries: each row, each cycle, and the whole table.
+
+    ``p`` is the share of repetitions that are as unlikely or more, ``null_p`` the same where no
+    parameter has an effect; dashes count with their probability. Empty without the paper's rocks.
+    """
+    published = {
+        entry: length for entry, length in _published(paper).items() if entry in found.lengths
+    }
+    rows = []
+    for group, chosen in _groups(list(published)).items():
+        observed = np.array([published[e] * PROPERTIES[e[1]].size for e in chosen])
+        row = {"entries": group, "number": len(chosen), "dashes": int(np.isnan(observed).sum())}
+        for prefix, drawn in (("", found.lengths), ("null_", found.null)):
+            lengths = np.stack([drawn[entry] for entry in chosen], axis=1)
+            if np.any(lengths == 0.0):  # a closure without any scatter: nothing is drawn
+                continue
+            test = joint_test(lengths, observed)
+            row |= {
+                f"{prefix}log_likelihood": test.log_likelihood,
+                f"{prefix}log_likelihood_error": test.standard_error,
+                f"{prefix}p": test.p,
+                f"{prefix}p_error": _error(test.p, len(lengths)),
+            }
+        rows.append(row)
+    columns = ["entries", "number", "dashes"]
+    columns += [
+        f"{prefix}{name}"
+        for prefix in ("", "null_")
+        for name in ("log_likelihood", "log_likelihood_error", "p", "p_error")
+    ]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def _groups(published: list[Entry]) -> dict[str, list[Entry]]:
+    groups: dict[str, list[Entry]] = {"all": published}
+    cycles = sorted({cycle for _, _, cycle in published})
+    for cycle in cycles:
+        groups[f"cycle {cycle}"] = [e for e in published if e[2] == cycle]
+    groups["cycle 1 without JRC"] = [e for e in published if e[2] == 1 and e[1] in _NOISY]
+    for parameter in PARAMETERS:
+        for cycle in cycles:
+            name = f"{PROPERTIES[parameter].title}, cycle {cycle}"
+            groups[name] = [e for e in published if e[1:] == (parameter, cycle)]
+    return {name: chosen for name, chosen in groups.items() if chosen}
+
+
+def _published(paper: pd.DataFrame) -> dict[Entry, float]:
+    """The paper's lengths in the units of Table 1, NaN for a dash."""
+    return {
+        (row.rock, row.parameter, int(row.cycle)): float(row.paper_length)
+        for row in paper.itertuples()
+    }
+
+
+def _error(share: float, repetitions: int) -> float:
+    return float(np.sqrt(share * (1.0 - share) / repetitions))
+
+
+def _median_error(lengths: np.ndarray) -> float:
+    """Half the range between the quantiles one standard deviation of a rank off the middle."""
+    off = 0.5 / np.sqrt(lengths.size)
+    low, high = np.quantile(lengths, [0.5 - off, min(0.5 + off, 1.0)], method="nearest")
+    return float(0.5 * (high - low)) if np.isfinite(high) else np.inf

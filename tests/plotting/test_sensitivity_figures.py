@@ -1,0 +1,80 @@
+"""Figures of the sensitivity study show what they are given; people look at the rest."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from jointclosure.plotting.sensitivity import along_curve_figure, predictive_figure
+from tests.studied import study_of
+
+ROCKS = study_of({"study": {"rocks": ["dolerite", "slate"]}}).rocks
+
+
+@pytest.fixture(autouse=True)
+def close_figures():
+    yield
+    plt.close("all")
+
+
+@pytest.fixture
+def drawn():
+    keys = [(rock, "jrc", cycle) for rock in ROCKS for cycle in (1, 2)]
+    random = np.random.default_rng(1)
+    percent = 20.0 * random.lognormal(0.0, 0.3, size=(4, 400))
+    percent[1, :100] = np.inf  # dolerite, cycle 2
+    coordinates = {
+        name: ("entry", np.array(column, dtype=object))
+        for name, column in zip(
+            ("rock", "parameter", "cycle"), zip(*keys, strict=True), strict=True
+        )
+    }
+    variables = {"percent": percent, "null_percent": 3.0 * percent}
+    return xr.Dataset(
+        {name: (("entry", "repetition"), values) for name, values in variables.items()},
+        coords=coordinates,
+    )
+
+
+PAPER = pd.DataFrame(
+    {"rock": ["dolerite", "dolerite"], "parameter": ["jrc"] * 2, "cycle": [1, 2],
+     "paper_length": [0.9, np.nan], "paper_percent": [11.0, np.nan]}
+)  # fmt: skip
+
+
+def test_the_papers_entries_are_marked_and_its_dashes_stand_in_the_column_of_dashes(drawn):
+    figure = predictive_figure(drawn, PAPER, ROCKS, 20)
+    first, second = figure.axes
+    (entry,) = [line for line in first.lines if line.get_marker() == "D"]
+    assert float(entry.get_xdata()[0]) == 11.0
+    (dash,) = [line for line in second.lines if line.get_marker() == "D"]
+    assert float(dash.get_xdata()[0]) > 500.0
+    assert [text.get_text() for text in second.texts] == ["25 %", "0 %"]
+    assert [text.get_text() for text in first.get_yticklabels()] == ["Dolerite", "Slate"]
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "the paper" in labels
+    assert "studies of 20 draws each, ours" in labels
+
+
+def test_without_the_papers_rocks_it_is_not_in_the_legend(drawn):
+    figure = predictive_figure(drawn, PAPER.assign(rock="basalt"), ROCKS, 20)
+    assert "the paper" not in [text.get_text() for text in figure.legends[0].get_texts()]
+    assert not [line for axes in figure.axes for line in axes.lines if line.get_marker() == "D"]
+
+
+@pytest.mark.parametrize("what", ["elasticities", "intervals"])
+def test_along_the_curve_every_rock_has_a_line_and_a_band(what):
+    rows = [
+        {"rock": rock, "parameter": "jrc", "cycle": cycle, "stress_MPa": stress,
+         "elasticity": 0.1 * stress, "elasticity_standard_error": 0.01,
+         "percent_median": 10.0 * stress, "percent_low_90": 8.0, "percent_high_90": np.inf}
+        for rock in ROCKS for cycle in (1, 2) for stress in (1.0, 2.0, 3.0)
+    ]  # fmt: skip
+    figure = along_curve_figure(pd.DataFrame(rows), ROCKS, what)
+    for axes in figure.axes:
+        lines = [line for line in axes.lines if len(line.get_xdata()) == 3]
+        assert len(lines) == len(axes.collections) == 2
+        expected = [0.1, 0.2, 0.3] if what == "elasticities" else [10.0, 20.0, 30.0]
+        np.testing.assert_allclose(lines[0].get_ydata(), expected)
+    assert len({line.get_linestyle() for line in lines}) == 2  # told apart without colour

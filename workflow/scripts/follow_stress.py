@@ -1,0 +1,26 @@
+"""Elasticities and indifference intervals along the closure curve."""
+
+from jointclosure.config.plain import from_plain
+from jointclosure.config.typed import Statistics
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.statistics.drawn_studies import Design
+from jointclosure.storage.netcdf import reading_netcdf
+from jointclosure.storage.text import write_csv
+from jointclosure.studies.sensitivity.along_curve import along_curve
+
+
+def main(pool: str, settings: dict, output: str, log: Logbook) -> None:
+    """Write them at stresses from seating to the maximum."""
+    statistics = from_plain(Statistics, settings["statistics"])
+    design = Design(draws=settings["realizations"], significance=statistics.significance)
+    told = (settings["seating_stress"], design, statistics.repetitions, settings["root_seed"])
+    with reading_netcdf(pool) as ensemble:
+        table = along_curve(ensemble, *told)
+    write_csv(table, output)
+    log(f"wrote {output}: {len(table)} rows")
+
+
+if __name__ == "__main__":
+    with job(snakemake) as logbook:
+        main(snakemake.input.pool, dict(snakemake.params), snakemake.output[0], logbook)

@@ -1,0 +1,43 @@
+"""What repetitions of the study would publish in Table 3, and whether the paper's is one."""
+
+from jointclosure.config.plain import from_plain
+from jointclosure.config.typed import Statistics
+from jointclosure.ensemble.aggregation import CURVES
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.statistics.drawn_studies import Design
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf
+from jointclosure.storage.text import read_csv, write_csv
+from jointclosure.studies.sensitivity.predictive import (
+    joint_table,
+    lengths_dataset,
+    predictive,
+    predictive_table,
+)
+
+
+def main(pool: str, paper: str, settings: dict, outputs: dict, log: Logbook) -> None:
+    """Write the distribution of each entry, the joint tests, and all lengths drawn."""
+    statistics = from_plain(Statistics, settings["statistics"])
+    design = Design(draws=settings["realizations"], significance=statistics.significance)
+    ensemble = read_netcdf(pool, without=CURVES)
+    found = predictive(ensemble, design, statistics.repetitions, settings["root_seed"])
+    published = read_csv(paper)
+    write_csv(predictive_table(found, published), outputs["entries"])
+    joint = joint_table(found, published)
+    write_csv(joint, outputs["joint"])
+    write_netcdf(lengths_dataset(found), outputs["lengths"])
+    for row in joint.itertuples():
+        log(f"{row.entries}: p = {row.p:.3g}, without any effect {row.null_p:.3g}")
+    log(f"wrote {', '.join(outputs.values())}")
+
+
+if __name__ == "__main__":
+    with job(snakemake) as logbook:
+        main(
+            snakemake.input.pool,
+            snakemake.input.paper,
+            dict(snakemake.params),
+            dict(snakemake.output),
+            logbook,
+        )
