@@ -44,7 +44,7 @@ def prepared(scans, **changes):
 
 
 def test_measured_walls_take_the_place_of_a_jrc():
-    cases = cases_of(study_of(with_walls()))
+    cases = cases_of(study_of(with_walls(), {"study": {"draws": "common"}}))
     assert [case.parameter for case in cases] == [
         "base", *["poisson_ratio"] * 2, *["youngs_modulus"] * 2, *["compressive_strength"] * 2,
     ]  # fmt: skip
