@@ -183,7 +183,7 @@ def test_along_the_curve_the_last_point_is_the_maximum_closure(pool):
 def test_a_plan_of_power_is_met_by_studies_of_its_size(paired):
     # one planned from a large pool, then done many times
     wish, parameter, cycle = Wish("power", 0.8), "compressive_strength", 1
-    told = {"irregular": 0.3} if paired else {}
+    told = {"irregular": 0.1} if paired else {}
     draws = COMMON if paired else {}
     pool = world(pool_of(study_of(ONE, {"study": {"pool": 200}})), **told)
     table = plan(pool, wish, paired=paired).set_index(["parameter", "cycle"])
