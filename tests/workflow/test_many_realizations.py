@@ -35,6 +35,8 @@ def keys_of_study(realizations: int) -> dict:
             "rocks": ["slate"],
             "realizations": realizations,
             "realizations_per_job": PER_JOB,
+            "draws": "common",
+            "pool": None,
         },
     }
     return checked_study(changes).keys
@@ -68,7 +70,7 @@ def aggregate(realizations: int, folder: Path) -> int:
     configuration = resolved(keys)
     paths = [str(folder / f"{block.start}.nc") for block in blocks_of(configuration.study)]
     codes = ("surfaces", "solver")
-    script.main(paths, [], [], keys, codes, f"{folder}/study.nc", lambda line: None)
+    script.main(paths, [], [], keys, "cases", codes, f"{folder}/study.nc", lambda line: None)
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 

@@ -8,7 +8,7 @@ from tests.workflow.test_pipeline import checkout, planned, snakemake
 pytestmark = pytest.mark.slow
 
 OWN = """
-study: {name: own, rocks: [granite], realizations: 3}
+study: {name: own, rocks: [granite], realizations: 3, pool: null}
 rocks:
   granite:
     title: Granite

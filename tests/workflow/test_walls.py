@@ -25,6 +25,7 @@ def configured(folder, name="walls.yaml", **changes):
     rock = {"jrc": None, "walls": WALLS | changes, "max_normal_stress_MPa": 1}
     rock["levels"] = {"jrc": None}
     study["rocks"] = {"slate": rock}
+    study["study"] |= {"draws": "common", "pool": None}
     (folder / name).write_text(yaml.safe_dump(study))
     return name
 
