@@ -9,7 +9,9 @@ from jointclosure.surface.roughness import (
     rms_slope,
     z2_of_jrc,
 )
+from jointclosure.surface.synthesis import power
 from tests.conftest import SPACING
+from tests.same_bits import PROCESSORS, printed
 
 
 @pytest.mark.parametrize("shape", [(40, 40), (17, 33), (1, 50), (50, 1)])
@@ -97,3 +99,23 @@ def test_bad_input_is_refused_by_name(change, named):
     good = {"jrc": 8.0, "shape": (9, 9), "spacing": SPACING, "seed": 1}
     with pytest.raises(jc.InputError, match=named):
         jc.wall_pair(**(good | change))
+
+
+@pytest.mark.parametrize("exponent", [-0.9, -0.65, -2.0, 0.3])
+def test_a_power_is_numpys_to_its_last_digits(exponent):
+    base = np.logspace(-12, 12, 20_001)
+    np.testing.assert_allclose(power(base, exponent), base**exponent, rtol=1e-14)
+
+
+WALLS = """
+import hashlib, jointclosure as jc
+for normalise in ("wall", "expectation"):
+    pair = jc.wall_pair(8.0, (40, 50), 0.25e-3, seed=3, normalise=normalise)
+    print(*(hashlib.sha256(wall.tobytes()).hexdigest() for wall in pair))
+"""
+
+
+def test_a_seed_is_the_same_surface_on_any_processor():
+    here = printed(WALLS)
+    for name, environment in PROCESSORS.items():
+        assert printed(WALLS, **environment) == here, name

@@ -12,6 +12,7 @@ import numpy as np
 
 from jointclosure.compilation import kernel
 from jointclosure.solvers.interaction_operator import Influence
+from jointclosure.solvers.products import symmetric_inverse, symmetric_times
 
 _FEWEST_CONTACTS = 100
 """Below, so many plain steps are cheaper than the patches."""
@@ -76,7 +77,7 @@ def coarse_space(influence: Influence, cells, stiffness):
             system[p, q] = np.sqrt(total[p] * total[q]) * influence.patch_table[distance]
             system[q, p] = system[p, q]
         system[p, p] += 1.0
-    return CoarseSpace(patch, np.linalg.inv(system).T)  # symmetric, and so contiguous
+    return CoarseSpace(patch, symmetric_inverse(system))
 
 
 @kernel
@@ -105,7 +106,7 @@ def precondition(space: CoarseSpace, share, residual):
     coarse = np.zeros(count)
     for i in range(residual.size):
         coarse[space.patch[i]] += share[i] * residual[i]
-    coarse = np.dot(space.inverse, coarse) - coarse
+    coarse = symmetric_times(space.inverse, coarse) - coarse
     for i in range(residual.size):
         answer[i] += share[i] * coarse[space.patch[i]]
     return answer

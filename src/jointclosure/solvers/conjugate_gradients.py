@@ -7,6 +7,7 @@ import numpy as np
 from jointclosure.compilation import kernel
 from jointclosure.solvers.coarse_space import patch_weights, precondition
 from jointclosure.solvers.interaction_operator import interaction_product
+from jointclosure.solvers.products import inner
 
 MOST_CONJUGATE_GRADIENT_STEPS = 1000
 
@@ -54,7 +55,7 @@ def newton_direction(influence, matrix, cells, space, step, secant, shortfall, t
         if secant[i] < np.inf:
             weight[i] = 1.0 / np.sqrt(secant[i])
             rest[i] = step[i] / weight[i]
-    size = np.sqrt(np.dot(weight, weight))
+    size = np.sqrt(inner(weight, weight))
     bound = not math.isnan(shortfall) and size > 0.0
     solution = np.zeros(n)
     used = 0
@@ -65,31 +66,31 @@ def newton_direction(influence, matrix, cells, space, step, secant, shortfall, t
         rest -= solution + weight * pushed
         used += 1
     # the part of the residual along the normal is the shift's to take away
-    shift = -np.dot(normal, rest) / size if bound else 0.0
+    shift = -inner(normal, rest) / size if bound else 0.0
     inside = rest + normal * (shift * size) if bound else rest
     share = patch_weights(space, weight)
     across = precondition(space, share, normal)
-    depth = np.dot(normal, across) if bound else 1.0
+    depth = inner(normal, across) if bound else 1.0
     search = precondition(space, share, inside)
-    search -= across * (np.dot(normal, search) / depth)
-    square = np.dot(inside, search)
-    enough = tolerance * tolerance * np.dot(inside, inside)
+    search -= across * (inner(normal, search) / depth)
+    square = inner(inside, search)
+    enough = tolerance * tolerance * inner(inside, inside)
     # not positive: a plane that is a point, or nothing left but rounding
-    while square > 0.0 and np.dot(inside, inside) > enough and used < MOST_CONJUGATE_GRADIENT_STEPS:
+    while square > 0.0 and inner(inside, inside) > enough and used < MOST_CONJUGATE_GRADIENT_STEPS:
         image, _ = interaction_product(influence, matrix, cells, weight * search, scratch)
         used += 1
         for i in range(n):
             image[i] = search[i] + weight[i] * image[i]
-        length = square / np.dot(search, image)
-        along = np.dot(normal, image)
+        length = square / inner(search, image)
+        along = inner(normal, image)
         for i in range(n):
             solution[i] += length * search[i]
             inside[i] -= length * (image[i] - along * normal[i])
         if bound:
             shift += length * along / size
         ahead = precondition(space, share, inside)
-        ahead -= across * (np.dot(normal, ahead) / depth)
-        following = np.dot(inside, ahead)
+        ahead -= across * (inner(normal, ahead) / depth)
+        following = inner(inside, ahead)
         for i in range(n):
             search[i] = ahead[i] + following / square * search[i]
         square = following

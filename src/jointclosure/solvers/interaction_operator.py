@@ -11,6 +11,7 @@ import scipy.fft
 
 from jointclosure.compilation import kernel
 from jointclosure.mechanics.interaction import interaction_displacement
+from jointclosure.solvers.products import symmetric_times
 
 LARGEST_DENSE = 4000
 """Contacts of the largest dense matrix, 128 MB."""
@@ -101,7 +102,7 @@ def interaction_product(influence, matrix, cells, values, force):
     this also gives the displacements (y, x) at all cells, which are empty else.
     """
     if matrix.size > 0:
-        return np.dot(matrix, values), force[:, :0]
+        return symmetric_times(matrix, values), force[:, :0]
     flat = force.ravel()
     for i in range(cells.size):
         flat[cells[i]] = values[i]

@@ -145,7 +145,7 @@ class Joint:
         """Mean displacement of all cells by the interaction: the bulk indentation [m]."""
         if not self.effects.interaction:
             return 0.0
-        return float(np.vdot(self._mean_displacement, self.force))
+        return float(np.sum(self._mean_displacement * self.force))
 
     def force_on_flats(self, curvature: np.ndarray, force: np.ndarray) -> float:
         """Force [N] on contacts (n,) that are flat: `FLATTEST` and below, by curvature [1/m]."""

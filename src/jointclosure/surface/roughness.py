@@ -116,9 +116,16 @@ def rms_slope(heights: np.ndarray, spacing: float) -> float:
 
 
 def detrended(heights: np.ndarray) -> np.ndarray:
-    """A wall (y, x) less its least-squares plane [m]."""
+    """A wall (y, x) less its least-squares plane [m].
+
+    On a regular grid about its middle the terms of the plane are orthogonal, so that each
+    is a sum; sums have the same bits on any processor, which a solver of linear systems has not.
+    """
     ny, nx = heights.shape
-    y, x = np.meshgrid(np.linspace(-1.0, 1.0, ny), np.linspace(-1.0, 1.0, nx), indexing="ij")
-    terms = np.stack([np.ones(heights.size), y.ravel(), x.ravel()], axis=1)
-    coefficients = np.linalg.lstsq(terms, heights.ravel(), rcond=None)[0]
-    return heights - (terms @ coefficients).reshape(ny, nx)
+    y, x = (np.linspace(-1.0, 1.0, n) if n > 1 else np.zeros(1) for n in (ny, nx))
+    level = heights - np.mean(heights)
+    for terms, axis in ((y[:, None], 1), (x[None, :], 0)):
+        squares = np.sum(terms * terms) * heights.shape[axis]
+        if squares > 0.0:
+            level = level - terms * (np.sum(terms * level) / squares)
+    return level
