@@ -12,6 +12,7 @@ from jointclosure.parameters import USUAL as _OF_ROCK
 from jointclosure.parameters import check_choices, check_numerics, check_scene
 from jointclosure.solvers.registry import SOLVERS
 from jointclosure.surface.roughness import relation_of
+from jointclosure.surface.synthesis import spectrum_of
 
 OTHER_TARGETS = {"hard_cases": "", "accuracy": "accuracy", "effects": "ablation"}
 """Folders of results of other targets, and the section that a study of that name must have."""
@@ -45,9 +46,11 @@ def contradictions(keys: dict, typed: Callable[[dict], Configuration]) -> Iterat
         rocks = {name: keys["rocks"][name] for name in configuration.rocks}
         # the settings of an accuracy study are checked one by one
         yield from _unusual(keys | {"rocks": rocks, "accuracy": None}, "")
+    surface, spacing = configuration.surface, configuration.grid.spacing
     for check in (
         *(lambda effects=each: check_scene(effects) for each in _scenes(keys, configuration)),
-        lambda: check_choices(configuration.choices, configuration.grid.spacing),
+        lambda: spectrum_of(surface.hurst, surface.rule, surface.roll_off, spacing),
+        lambda: check_choices(configuration.choices, spacing),
         lambda: check_numerics(configuration.numerics, tuple(SOLVERS)),
     ):
         try:

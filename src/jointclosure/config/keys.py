@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, StringConstrai
 
 from jointclosure.solvers.registry import SOLVERS
 from jointclosure.surface.roughness import RELATIONS
+from jointclosure.surface.synthesis import RULES
 
 NAME = r"^[a-z][a-z0-9_]{0,40}$"
 
@@ -189,6 +190,15 @@ class SurfaceKeys(Keys):
         le=1,
     )
     shift_in_cells: int = entry("Shift of the mated part along x, in cells.", ge=0, le=4096)
+    rule: Literal[RULES] = entry(
+        "self_affine: profiles have the Hurst exponent; walk: independent slopes along x and y, "
+        "projected on the nearest heights, where hurst only carries Z2 to the spacing."
+    )
+    roll_off_mm: float | None = entry(
+        "Wavelength beyond which the power spectrum is flat [mm], at least two spacings; null for "
+        "none.",
+        gt=0,
+    )
 
 
 class EffectKeys(Keys):
@@ -215,8 +225,9 @@ class ChoiceKeys(Keys):
         "Base radius r of an asperity over the grid spacing.", gt=0, le=1
     )
     peak_modulus_ratio: float = entry("Young's modulus of a peak over the rock's.", gt=0, le=1)
-    concave: Literal["magnitude"] = entry(
-        "How valleys and saddles count. magnitude: by the size of their curvature."
+    concave: Literal["magnitude", "flat"] = entry(
+        "How valleys and saddles count. magnitude: by the size of their curvature; flat: such a "
+        "cell of a wall is level, and only the other wall's asperity gives the pair a curvature."
     )
     peaks: Literal["pristine", "current"] = entry(
         "Whether peaks are those of the walls before loading, or of the walls as they are."

@@ -23,9 +23,8 @@ def profile_curvature(before, here, after, spacing):
 
     Notes
     -----
-    Menger's formula, 4 area / (product of the sides). Its size counts and
-    not its side: a valley is treated as the peak that mirrors it (choice
-    ``concave: magnitude``, docs/decisions/0002-curvature.md).
+    Menger's formula, 4 area / (product of the sides). A valley has the curvature of the
+    peak that mirrors it; what it counts is a choice, see `gaussian_curvature`.
     """
     bend = abs((before - here) + (after - here))
     sides = (
@@ -37,28 +36,33 @@ def profile_curvature(before, here, after, spacing):
 
 
 @kernel
-def gaussian_curvature(west, east, south, north, here, spacing):
+def gaussian_curvature(west, east, south, north, here, concave, spacing):
     """Inverse of the Gaussian radius of an asperity, 1/R = sqrt(1/(Rx Ry)).
 
     Parameters
     ----------
     west, east, south, north, here : float
         Heights of the four edge neighbours and of the cell [m].
+    concave : float
+        What a concave profile counts: 1 as a convex one of its size, 0 as a straight one.
     spacing : float
         Grid spacing h [m].
 
     Returns
     -------
     float
-        1/R_at or 1/R_ab [1/m]; 0 where either profile is straight.
+        1/R_at or 1/R_ab [1/m]; 0 where either profile is straight, or counts as such.
 
     Notes
     -----
     Eqs. (1) and (2) in curvatures, with `profile_curvature` in x and y under
-    one root: this is the innermost operation of the breakage loop.
+    one root: this is the innermost operation of the breakage loop. Choice ``concave``:
+    "magnitude" is 1 and "flat" 0 (docs/decisions/0002-curvature.md).
     """
     area = spacing * spacing
-    bend = abs((west - here) + (east - here)) * abs((south - here) + (north - here))
+    x_bend, y_bend = (west - here) + (east - here), (south - here) + (north - here)
+    weight = (concave if x_bend > 0.0 else 1.0) * (concave if y_bend > 0.0 else 1.0)
+    bend = abs(x_bend) * abs(y_bend) * weight
     x_sides = (
         (area + (here - west) ** 2)
         * (area + (east - here) ** 2)

@@ -176,7 +176,7 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
         confined = padded(np.zeros((ny, nx), np.bool_), False)
         beside = neighbour_offsets(stride)
         spacing = law.spacing
-        least_curvature = law.least_curvature
+        least_curvature, concave = law.least_curvature, law.concave
         allowed = 1.0 + 0.5 * band if resolved else 1.0
         batch = new_batch()
         lists = np.empty((_COLOURS, ny * nx + 1), np.int64)
@@ -211,7 +211,7 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
                     set_current_laws(batch, n, cells, state, law)
                 else:
                     set_laws(batch, n, cells, state, law)
-                measure(batch, n, least_curvature, spacing, allowed)
+                measure(batch, n, least_curvature, concave, spacing, allowed)
                 m = 0
                 for i in range(n):
                     waiting[cells[i]] = 0
@@ -228,7 +228,7 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
                 for turn in range(_MOST_PASSES):
                     if current_peaks and turn > 0:
                         set_current_laws(batch, m, some, state, law)
-                    measure(batch, m, least_curvature, spacing, allowed)
+                    measure(batch, m, least_curvature, concave, spacing, allowed)
                     if gouge:
                         measure_falls(batch, m, UPPER, 0, tie_tolerance)
                         measure_falls(batch, m, LOWER, 1, tie_tolerance)
@@ -243,7 +243,7 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
                     steps += going
                     if resolved:
                         returning_losses(
-                            batch, m, band, tie_tolerance, least_curvature, spacing, gouge
+                            batch, m, band, tie_tolerance, least_curvature, concave, spacing, gouge
                         )
                     else:
                         scale_losses(batch, m, breakage_step)

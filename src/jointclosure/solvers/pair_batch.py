@@ -77,19 +77,19 @@ def scatter(batch, i, cell, top, bottom, stride):
 
 
 @kernel
-def curvature_of(here, west, east, south, north, least_curvature, spacing):
+def curvature_of(here, west, east, south, north, least_curvature, concave, spacing):
     """`jointclosure.solvers.cells.wall_curvature` without a branch."""
     left = east if west == math.inf else west
     right = west if east == math.inf else east
     below = north if south == math.inf else south
     above = south if north == math.inf else north
-    found = gaussian_curvature(left, right, below, above, here, spacing)
+    found = gaussian_curvature(left, right, below, above, here, concave, spacing)
     # not a number for a single cell in a direction, which is straight
     return found if found > least_curvature else least_curvature
 
 
 @kernel
-def measure(batch, n, least_curvature, spacing, allowed):
+def measure(batch, n, least_curvature, concave, spacing, allowed):
     """Curvatures, overlap, stress ratio and whether a pair is overstressed.
 
     The ratio is the overlap over that at which the pair breaks, see
@@ -106,6 +106,7 @@ def measure(batch, n, least_curvature, spacing, allowed):
             batch[(UPPER + 1) * BATCH + i],
             batch[(UPPER + 7) * BATCH + i],
             least_curvature,
+            concave,
             spacing,
         )
         bend_lower = curvature_of(
@@ -115,6 +116,7 @@ def measure(batch, n, least_curvature, spacing, allowed):
             batch[(LOWER + 1) * BATCH + i],
             batch[(LOWER + 7) * BATCH + i],
             least_curvature,
+            concave,
             spacing,
         )
         overlap = high + low + batch[LIFT * BATCH + i]
@@ -230,7 +232,9 @@ def shed_losses(batch, n, wall, side, tie_tolerance, gouge):
 
 
 @kernel
-def curvature_after(batch, i, wall, side, loss, tie_tolerance, least_curvature, spacing, gouge):
+def curvature_after(
+    batch, i, wall, side, loss, tie_tolerance, least_curvature, concave, spacing, gouge
+):
     """Curvature of a wall's cell once pair i has lost a height [m], its gouge laid around."""
     here = batch[(wall + CENTRE) * BATCH + i]
     share = batch[(LOSS + side) * BATCH + i]
@@ -245,24 +249,28 @@ def curvature_after(batch, i, wall, side, loss, tie_tolerance, least_curvature, 
         east += rise * fall(here, east, tie_tolerance)
         south += rise * fall(here, south, tie_tolerance)
         north += rise * fall(here, north, tie_tolerance)
-    return curvature_of(here - share * loss, west, east, south, north, least_curvature, spacing)
+    return curvature_of(
+        here - share * loss, west, east, south, north, least_curvature, concave, spacing
+    )
 
 
 @kernel
-def ratio_after(batch, i, loss, tie_tolerance, least_curvature, spacing, gouge):
+def ratio_after(batch, i, loss, tie_tolerance, least_curvature, concave, spacing, gouge):
     """Stress ratio of pair i once it has lost a height [m], its gouge on its neighbours.
 
     The shares are in the loss rows, falls and overlap as measured.
     """
     bend = curvature_after(
-        batch, i, UPPER, 0, loss, tie_tolerance, least_curvature, spacing, gouge
-    ) + curvature_after(batch, i, LOWER, 1, loss, tie_tolerance, least_curvature, spacing, gouge)
+        batch, i, UPPER, 0, loss, tie_tolerance, least_curvature, concave, spacing, gouge
+    ) + curvature_after(
+        batch, i, LOWER, 1, loss, tie_tolerance, least_curvature, concave, spacing, gouge
+    )
     strength = batch[BEND * BATCH + i] * bend + batch[STRENGTH * BATCH + i]
     return (batch[OVERLAP * BATCH + i] - loss) * bend * bend / strength
 
 
 @kernel
-def returning_losses(batch, n, band, tie_tolerance, least_curvature, spacing, gouge):
+def returning_losses(batch, n, band, tie_tolerance, least_curvature, concave, spacing, gouge):
     """Return mapping: both walls lose what brings a pair back to its strength.
 
     The smallest loss found at which the stress ratio lies between 1 - 3/4 band
@@ -297,7 +305,10 @@ def returning_losses(batch, n, band, tie_tolerance, least_curvature, spacing, go
         for i in range(n):
             trial = batch[TRIAL * BATCH + i]
             answer = (
-                ratio_after(batch, i, trial, tie_tolerance, least_curvature, spacing, gouge) - goal
+                ratio_after(
+                    batch, i, trial, tie_tolerance, least_curvature, concave, spacing, gouge
+                )
+                - goal
             )
             most = batch[MOST * BATCH + i]
             left, right = batch[LEFT * BATCH + i], batch[RIGHT * BATCH + i]
