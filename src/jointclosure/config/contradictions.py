@@ -14,7 +14,12 @@ from jointclosure.solvers.registry import SOLVERS
 from jointclosure.surface.roughness import relation_of
 from jointclosure.surface.synthesis import spectrum_of
 
-OTHER_TARGETS = {"hard_cases": "", "accuracy": "accuracy", "effects": "ablation"}
+OTHER_TARGETS = {
+    "hard_cases": "",
+    "accuracy": "accuracy",
+    "effects": "ablation",
+    "readings": "readings",
+}
 """Folders of results of other targets, and the section that a study of that name must have."""
 USUAL = _OF_ROCK | {
     "stress": _OF_ROCK["max_normal_stress"],
@@ -44,8 +49,8 @@ def contradictions(keys: dict, typed: Callable[[dict], Configuration]) -> Iterat
     yield from _study_problems(keys)
     if configuration.study.unusual_values == "refuse":
         rocks = {name: keys["rocks"][name] for name in configuration.rocks}
-        # the settings of an accuracy study are checked one by one
-        yield from _unusual(keys | {"rocks": rocks, "accuracy": None}, "")
+        # the settings of these studies are checked one by one
+        yield from _unusual(keys | {"rocks": rocks, "accuracy": None, "readings": None}, "")
     surface, spacing = configuration.surface, configuration.grid.spacing
     for check in (
         *(lambda effects=each: check_scene(effects) for each in _scenes(keys, configuration)),
