@@ -18,6 +18,7 @@ include: "workflow/rules/report.smk"
 include: "workflow/rules/hard_cases.smk"
 include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/effects.smk"
+include: "workflow/rules/readings.smk"
 include: "workflow/rules/numerics.smk"
 
 

@@ -146,12 +146,14 @@ def can_be_run(design: Design, keys: dict, reading: str) -> bool:
     return True
 
 
-def entering(design: Design, number: int, judged: pd.DataFrame | None) -> list[str]:
-    """Readings that enter a round, the configured one first.
+def entering(design: Design, keys: dict, number: int, judged: pd.DataFrame | None) -> list[str]:
+    """Readings that enter a round, the configured one first; pairs only where they can be run.
 
     Parameters
     ----------
     design : Design
+    keys : dict
+        As for `design_of`.
     number : int
         Of the round, from 0.
     judged : DataFrame, optional
@@ -175,8 +177,22 @@ def entering(design: Design, number: int, judged: pd.DataFrame | None) -> list[s
     if this.candidates == PAIRS:
         possible = {frozenset(names): pair_name(*names) for names in _pairs_of(design.singles)}
         chosen = (frozenset(names) for names in itertools.combinations(kept, 2))
-        answer += [possible[names] for names in chosen if names in possible]
+        pairs = (possible[names] for names in chosen if names in possible)
+        answer += [name for name in pairs if can_be_run(design, keys, name)]
     return answer
+
+
+def files_of(
+    design: Design, folder: str, number: int, readings: list[str]
+) -> list[tuple[str, str, str]]:
+    """(run, rock, file) of the blocks that the readings of a round need, and the configured one."""
+    found = {}
+    for name in dict.fromkeys([AS_CONFIGURED, *readings] if readings else []):
+        run = design.reading(name).run
+        for rock in design.rocks:
+            for block in design.blocks(design.realizations_of(name, number, rock)):
+                found[f"{folder}/{run}/{rock}.{block.start}.nc"] = (run, rock)
+    return [(run, rock, file) for file, (run, rock) in found.items()]
 
 
 def pair_name(one: str, other: str) -> str:
@@ -244,6 +260,8 @@ def _no_table(path):
 def _round_problems(design: Design) -> Iterator[str]:
     for number, each in enumerate(design.rounds):
         where = f"readings.rounds.{each.name}"
+        if each.candidates == PAIRS and each is not _first_of_pairs(design):
+            yield f"{where}.candidates = {PAIRS!r}: must be so in one round at most"
         if (each.candidates == SINGLES) != (number == 0):
             yield (
                 f"{where}.candidates = {each.candidates!r}: must be {SINGLES} in the first round "
@@ -263,6 +281,10 @@ def _round_problems(design: Design) -> Iterator[str]:
                 f"{where}.realizations = {each.realizations}: must be at most "
                 f"reference_realizations = {design.reference_realizations}"
             )
+
+
+def _first_of_pairs(design: Design) -> Round | None:
+    return next((each for each in design.rounds if each.candidates == PAIRS), None)
 
 
 def _reading_problems(design: Design, keys: dict) -> Iterator[str]:

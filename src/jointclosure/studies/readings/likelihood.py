@@ -76,6 +76,30 @@ def published_lengths(table: pd.DataFrame, parameters: Parameters) -> dict:
     return lengths
 
 
+def question_of(settings: dict, paper: pd.DataFrame) -> Question:
+    """The question that settings ask, which are plain data: all its fields but the published.
+
+    Parameters
+    ----------
+    settings : dict
+        parameters, draws, significance, repetitions, groups, root_seed.
+    paper : DataFrame
+        The paper's Table 3.
+    """
+    parameters = {
+        rock: {name: (tuple(levels), base) for name, (levels, base) in of_rock.items()}
+        for rock, of_rock in settings["parameters"].items()
+    }
+    return Question(
+        published_lengths(paper, parameters),
+        parameters,
+        Design(settings["draws"], settings["significance"]),
+        settings["repetitions"],
+        settings["groups"],
+        settings["root_seed"],
+    )
+
+
 def answer_of(question: Question, closed: Closures, reference: Closures) -> Answer:
     """The log-likelihood of Table 3 in a reading, and its error.
 
@@ -100,7 +124,7 @@ def answer_of(question: Question, closed: Closures, reference: Closures) -> Answ
     return Answer(of(lambda number: number >= 0), np.array(without))
 
 
-def tested(question: Question, closed: Closures, reference: Closures) -> JointTest:
+def judged_by_table_3(question: Question, closed: Closures, reference: Closures) -> JointTest:
     """Joint test of Table 3 in a reading: where it lies among tables drawn from it."""
     whole = _all_rocks(closed, reference, question.parameters, lambda number: number >= 0)
     return joint_test(lengths_table(_drawn(question, whole)), _observed(question))

@@ -24,8 +24,10 @@ class Response(NamedTuple):
     means: np.ndarray
 
     def sensitivity(self, parameter: str, cycle: int) -> float:
-        """|elasticity|, which ranks the parameters of a rock and cycle as their percent intervals do:
-        these are near 100 t sqrt(2/n) S/mean over it (docs/model.md)."""
+        """|elasticity|, which ranks the parameters as their percent intervals do.
+
+        These are near 100 t sqrt(2/n) S/mean over it, and S/mean is that of the rock and cycle.
+        """
         return float(abs(self.elasticities[parameter][cycle - 1]))
 
     def others(self, parameters: tuple[str, ...], cycle: int) -> float:
@@ -82,6 +84,7 @@ CLAIMS: dict[str, tuple[str, Callable[[Response], float]]] = {
     ),
 }
 """The paper's claims on sensitivity, each as a number that is positive where it is true."""
+_ALL = {NU, E, STRENGTH, JRC}
 
 
 def quantities(closures: Closures, parameters: Parameters) -> Iterator[dict]:
@@ -123,8 +126,10 @@ def claims_judged(
     """Which claims stand in a reading, of all rocks closed: a word of
     `jointclosure.statistics.verdicts` by claim.
 
-    A claim's number has the standard error of a jackknife over groups of surfaces.
+    A claim's number has the standard error of a jackknife over groups of surfaces. A rock of
+    which not all parameters are varied is left out.
     """
+    closures = {rock: each for rock, each in closures.items() if set(parameters[rock]) == _ALL}
     verdicts: dict[str, list[str]] = {number: [] for number in CLAIMS}
     for rock, of_rock in closures.items():
         numbers = of_rock.realization.values

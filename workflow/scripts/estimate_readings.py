@@ -1,0 +1,44 @@
+"""Estimate what a study of readings takes, by one joint in every reading and rock."""
+
+import sys
+
+from jointclosure.config.plain import from_plain
+from jointclosure.dataset import write_csv
+from jointclosure.ensemble.settings import ClosureSettings
+from jointclosure.logbook import Logbook, logging_to
+from jointclosure.studies.readings.closing import close_block, one_simulation
+from jointclosure.studies.readings.cost import costs
+from jointclosure.studies.readings.design import AS_CONFIGURED, Design
+
+
+def main(design: Design, settings: dict, output: str, log: Logbook) -> None:
+    """Write core-minutes for each round, and say the sum where the user sees it."""
+
+    def seconds(each: tuple[ClosureSettings, ...]) -> float:
+        return float(close_block(one_simulation(each)).seconds.sum())
+
+    rocks = from_plain(dict[str, tuple[ClosureSettings, ...]], settings["rocks"])
+    readings = from_plain(dict[str, tuple[ClosureSettings, ...]], settings["readings"])
+    of_rocks = {rock: seconds(each) for rock, each in rocks.items()}
+    of_readings = {name: seconds(each) for name, each in readings.items()}
+    for name, time in (of_rocks | of_readings).items():
+        log(f"{name}: {time:.2f} s a simulation")
+    cases = len(readings[AS_CONFIGURED])
+    table = costs(design, cases, of_rocks, of_readings)
+    write_csv(table, output)
+    said = (
+        f"{table.simulations.sum()} simulations at most, about {table.core_minutes.sum():.0f} "
+        "core-minutes"
+    )
+    log(said)
+    print(said, file=sys.__stderr__, flush=True)
+
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as logbook:
+        main(
+            from_plain(Design, snakemake.params.design),
+            dict(snakemake.params),
+            snakemake.output[0],
+            logbook,
+        )

@@ -1,0 +1,31 @@
+"""Rank the readings that entered a round by the likelihood of Table 3, and say which are kept."""
+
+from jointclosure.config.plain import from_plain
+from jointclosure.dataset import read_csv, read_netcdf, write_csv
+from jointclosure.logbook import Logbook, logging_to
+from jointclosure.studies.readings.design import Design, entering, files_of
+from jointclosure.studies.readings.likelihood import question_of
+from jointclosure.studies.readings.rounds import blocks_of, round_table
+
+
+def main(settings: dict, inputs: dict, output: str, log: Logbook) -> None:
+    """Write the ranking of a round; it is empty where no reading entered."""
+    design = from_plain(Design, settings["design"])
+    number = settings["number"]
+    judged = read_csv(inputs["before"]) if inputs.get("before") else None
+    readings = entering(design, settings["configuration"], number, judged)
+    table = round_table(
+        design,
+        number,
+        readings,
+        blocks_of(files_of(design, settings["folder"], number, readings), read_netcdf),
+        question_of(settings["question"], read_csv(inputs["paper"])),
+    )
+    write_csv(table, output)
+    for row in table.itertuples():
+        log(f"{row.reading}: {row.log_likelihood:.1f}, {'kept' if row.kept else 'dropped'}")
+
+
+if __name__ == "__main__":
+    with logging_to(snakemake.log[0]) as logbook:
+        main(dict(snakemake.params), dict(snakemake.input), snakemake.output[0], logbook)
