@@ -21,7 +21,7 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects docs test test-all lint clean
+.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects readings docs test test-all lint clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -88,6 +88,9 @@ accuracy: $(STAMP) ## Measure what accuracy costs in time (40 minutes on two cor
 
 effects: $(STAMP) ## Measure what each effect adds, and what it costs (up to an hour on two cores)
 	$(call run,effects --configfile $(or $(CONFIG),config/effects.yaml),$(or $(CONFIG),config/effects.yaml),estimate_effects)
+
+readings: $(STAMP) ## Ask which reading of the paper gives its Table 3 (ninety minutes on two cores)
+	$(call run,readings --configfile $(or $(CONFIG),config/readings.yaml),$(or $(CONFIG),config/readings.yaml),estimate_readings)
 
 docs: $(STAMP) ## Write reference pages from the docstrings and the schema to build/docs
 	@$(BIN)/python workflow/scripts/reference_pages.py

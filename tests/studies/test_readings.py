@@ -86,7 +86,7 @@ def test_a_pair_that_contradicts_itself_is_found_out():
 
 
 def one_round(**keys):
-    return {"name": "x", "candidates": "singles", "realizations": 2, "margin": 1.0} | keys
+    return {"name": "x", "candidates": "singles", "realizations": 3, "margin": 1.0} | keys
 
 
 @pytest.mark.parametrize(
@@ -95,7 +95,7 @@ def one_round(**keys):
         ({"aspects": {"a": {"b": one_way({"surface": {"hurts": 1}})}}}, "b: surface.hurts"),
         ({"aspects": {"a": {"b": one_way({"study": {"cycles": 1}})}}}, "b: study: must be one"),
         ({"aspects": {"a": {"b": one_way({"rocks": {"slate": {"jrc": 9}}})}}}, "may not change"),
-        ({"reference_realizations": 3}, "reference_realizations = 3: must be a multiple of 2"),
+        ({"reference_realizations": 4}, "reference_realizations = 4: must be a multiple of 3"),
         ({"rounds": [one_round(candidates="kept")]}, "must be singles in the first round"),
         ({"rounds": [one_round(rocks=["marl"])]}, "rocks = 'marl': must be one of slate"),
     ],

@@ -467,7 +467,7 @@ class RoundKeys(Keys):
     rocks: list[str] | None = entry(
         "Rocks that are closed; the others are taken to change as these do. null: all.", None
     )
-    realizations: int = entry("Surfaces of each case, with those of earlier rounds.", ge=2)
+    realizations: int = entry("Surfaces of each case, with those of earlier rounds.", ge=3)
     most: int = entry("How many of those kept may enter, the best first.", 1000, ge=1)
     margin: float = entry(
         "Standard errors by which a reading may be behind the best and still be kept.", gt=0
@@ -479,7 +479,7 @@ class ReadingsKeys(Keys):
     (config/readings.yaml)."""
 
     reference_realizations: int = entry(
-        "Surfaces of each case of the study as configured, in all rocks.", ge=2
+        "Surfaces of each case of the study as configured, in all rocks.", ge=3
     )
     draws: int = entry("Surfaces of each case in the paper's own study.", ge=2)
     repetitions: int = entry("Repetitions of the paper's study that are drawn.", ge=100)
