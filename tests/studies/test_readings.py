@@ -8,6 +8,7 @@ import xarray as xr
 from jointclosure.config.files import ConfigurationError, read_plain
 from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
 from jointclosure.studies.readings.closing import close_block, joined, one_simulation
+from jointclosure.studies.readings.cost import costs
 from jointclosure.studies.readings.design import (
     AS_CONFIGURED,
     can_be_run,
@@ -66,9 +67,10 @@ def test_readings_with_the_same_keys_read_the_same_closures():
 
 
 def test_pairs_are_of_two_aspects_and_have_the_keys_of_both():
-    design, keys = tiny()
+    keys = checked_study(FULL).keys
+    design = design_of(keys)
     assert "hurst_05-walk" not in design.pairs
-    pair = settings_of(design, keys, "hurst_05-flat_valleys", "slate", range(2))[0]
+    pair = settings_of(design, keys, "hurst_05-flat_valleys", "slate", range(6))[0]
     assert pair.surfaces.surface.hurst == 0.5
     assert pair.choices.concave == "flat"
 
@@ -105,24 +107,36 @@ def test_a_design_that_cannot_be_run_is_refused_by_name(change, message):
         tiny({"readings": change})
 
 
+ROUNDS = {
+    "readings": {
+        "rounds": [
+            {"name": "screen", "candidates": "singles", "rocks": ["slate"]},
+            {"name": "pairs", "candidates": "pairs", "rocks": ["slate"], "most": 2},
+            {"name": "finalists", "candidates": "kept", "most": 2},
+            {"name": "separation", "candidates": "kept"},
+        ]
+    }
+}
+for each in ROUNDS["readings"]["rounds"]:
+    each |= {"realizations": 3, "margin": 2.0}
+
+
 def judged(**kept):
     return pd.DataFrame({"reading": list(kept), "kept": list(kept.values())})
 
 
 def test_a_round_is_entered_by_those_kept_the_best_first_and_by_their_pairs():
-    design, keys = tiny()
+    design, keys = tiny(ROUNDS)
     assert entering(design, keys, 0, None) == list(design.singles)
-    found = entering(
-        design, keys, 1, judged(hurst_05=True, seated=True, walk=True, flat_valleys=False)
-    )
+    found = entering(design, keys, 1, judged(hurst_05=True, seated=True, walk=True))
     # two at most, of two aspects
     assert found == [AS_CONFIGURED, "hurst_05", "seated", "hurst_05-seated"]
-    found = entering(design, keys, 2, judged(seated=True, walk=True, flat_valleys=False))
+    found = entering(design, keys, 2, judged(seated=True, walk=True))
     assert found == [AS_CONFIGURED, "seated", "walk"]
 
 
 def test_nobody_enters_a_round_where_one_reading_is_left_and_nothing_new_is_asked():
-    design, keys = tiny()
+    design, keys = tiny(ROUNDS)
     # all rocks for the first time: worth it
     assert entering(design, keys, 2, judged(walk=True, seated=False)) == [AS_CONFIGURED, "walk"]
     assert entering(design, keys, 3, judged(walk=True, seated=False)) == []
@@ -155,6 +169,12 @@ def test_the_true_reading_is_ranked_first_and_its_table_is_no_rarity():
     assert behind(answers["half"], answers["double"]).value > 5.0
     assert judged_by_table_3(asked, readings["half"], reference).p > 0.05
     assert judged_by_table_3(asked, readings["double"], reference).p < 0.05
+
+
+def test_pools_so_small_that_some_repetitions_have_no_scatter_still_give_numbers():
+    few = world(3)
+    found = answer_of(question(table_3(seed=3), repetitions=200), few, few)
+    assert np.isfinite([found.log_likelihood, *found.without]).all()
 
 
 def test_elasticities_too_tell_readings_apart():
@@ -228,6 +248,23 @@ def test_claims_that_are_true_of_the_world_stand_and_others_fall():
     assert turned["5a"] == turned["5b"] == turned["5c"] == FALLS
     part = {rock: {"jrc": each["jrc"]} for rock, each in PARAMETERS.items()}
     assert set(claims_judged(world(12), part, 4, 0.95).values()) == {CANNOT_BE_TOLD}
+
+
+def test_the_cost_counts_each_surface_once_and_each_pair_anew():
+    design, _ = tiny(ROUNDS, {"readings": {"reference_realizations": 6}})
+    of_rocks = {"slate": 60.0, "dolerite": 120.0}
+    # seated reads what is closed anyway
+    table = costs(design, 9, of_rocks, {AS_CONFIGURED: 60.0, "hurst_05": 60.0, "walk": 120.0})
+    table = table.set_index("round")
+    assert table.simulations.to_dict() == {
+        "as configured": 9 * 6 * 2,
+        "screen": 2 * 9 * 3,
+        "pairs": 1 * 9 * 3,
+        "finalists": 2 * 9 * 3,  # dolerite; slate was closed before
+        "separation": 0,
+    }
+    assert table.core_minutes["as configured"] == pytest.approx(9 * 6 * (1.0 + 2.0))
+    assert table.core_minutes["screen"] == pytest.approx(9 * 3 * (1.0 + 2.0))
 
 
 def test_a_block_closes_every_case_and_a_failed_surface_leaves_all_cases():

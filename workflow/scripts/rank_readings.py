@@ -12,7 +12,7 @@ def main(settings: dict, inputs: dict, output: str, log: Logbook) -> None:
     """Write the ranking of a round; it is empty where no reading entered."""
     design = from_plain(Design, settings["design"])
     number = settings["number"]
-    judged = read_csv(inputs["before"]) if inputs.get("before") else None
+    judged = read_csv(inputs["before"][0]) if inputs["before"] else None
     readings = entering(design, settings["configuration"], number, judged)
     table = round_table(
         design,

@@ -11,7 +11,6 @@ from jointclosure.inputs import InputError
 from jointclosure.randomness import generator, seed_of
 from jointclosure.statistics.drawn_studies import (
     Design,
-    Sensitivity,
     draw_studies,
     jackknife_error,
     lengths_table,
@@ -113,9 +112,8 @@ def answer_of(question: Question, closed: Closures, reference: Closures) -> Answ
     """
 
     def of(with_surface: Callable) -> float:
-        lengths = lengths_table(
-            _drawn(question, _all_rocks(closed, reference, question.parameters, with_surface))
-        )
+        whole = _all_rocks(closed, reference, question.parameters, with_surface)
+        lengths = _drawn_lengths(question, whole)
         return float(log_likelihoods(lengths, _observed(question)[None])[0])
 
     fewest = min(closures.sizes["realization"] for closures in closed.values())
@@ -127,7 +125,7 @@ def answer_of(question: Question, closed: Closures, reference: Closures) -> Answ
 def judged_by_table_3(question: Question, closed: Closures, reference: Closures) -> JointTest:
     """Joint test of Table 3 in a reading: where it lies among tables drawn from it."""
     whole = _all_rocks(closed, reference, question.parameters, lambda number: number >= 0)
-    return joint_test(lengths_table(_drawn(question, whole)), _observed(question))
+    return joint_test(_drawn_lengths(question, whole), _observed(question))
 
 
 def behind(best: Answer, other: Answer) -> Estimate:
@@ -149,7 +147,7 @@ def ranking(answers: Mapping[str, Answer], margin: float) -> pd.DataFrame:
     -------
     DataFrame
         Columns reading, log_likelihood, standard_error, behind, behind_error, kept: not behind
-        the best by more than ``margin`` standard errors.
+        the best by more than ``margin`` standard errors, as far as these are known.
     """
     order = sorted(answers, key=lambda name: -answers[name].log_likelihood)
     rows = []
@@ -162,7 +160,7 @@ def ranking(answers: Mapping[str, Answer], margin: float) -> pd.DataFrame:
                 "standard_error": answers[name].standard_error,
                 "behind": apart.value,
                 "behind_error": apart.standard_error,
-                "kept": bool(apart.value <= margin * apart.standard_error),
+                "kept": not apart.value > margin * apart.standard_error,
             }
         )
     return pd.DataFrame(rows, columns=COLUMNS)
@@ -199,8 +197,9 @@ def implied_scatter(question: Question, closed: Closures, reference: Closures, f
     observed = _observed(question).reshape(-1, cycles.size)
     found = []
     for factor in factors:
-        drawn = _drawn(question, {rock: _scattered(each, factor) for rock, each in whole.items()})
-        lengths = lengths_table(drawn).reshape(question.repetitions, -1, cycles.size)
+        scattered = {rock: _scattered(each, factor) for rock, each in whole.items()}
+        lengths = _drawn_lengths(question, scattered)
+        lengths = lengths.reshape(question.repetitions, -1, cycles.size)
         found.append(
             [log_likelihoods(lengths[:, :, i], observed[None, :, i])[0] for i in range(cycles.size)]
         )
@@ -237,12 +236,17 @@ def _all_rocks(closed: Closures, reference: Closures, parameters: Parameters, ke
     return transferred(closed, reference, parameters)
 
 
-def _drawn(question: Question, closures: Closures):
-    sensitivities: dict[tuple[str, str], Sensitivity] = sensitivities_of(
-        closures, question.parameters
-    )
+def _drawn_lengths(question: Question, closures: Closures) -> np.ndarray:
+    """Lengths (repetitions, entries) of repetitions of the paper's study.
+
+    A repetition whose resampled pool is one surface many times has no scatter, and the
+    length 0, which has no logarithm: it counts as the shortest other.
+    """
     random = generator(seed_of(question.root_seed, "readings"))
-    return draw_studies(sensitivities, question.design, question.repetitions, random)
+    sensitivities = sensitivities_of(closures, question.parameters)
+    drawn = draw_studies(sensitivities, question.design, question.repetitions, random)
+    lengths = lengths_table(drawn)
+    return np.maximum(lengths, np.where(lengths > 0.0, lengths, np.inf).min(axis=0))
 
 
 def _observed(question: Question) -> np.ndarray:
