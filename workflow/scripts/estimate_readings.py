@@ -14,15 +14,15 @@ from jointclosure.studies.readings.design import AS_CONFIGURED, Design
 def main(design: Design, settings: dict, output: str, log: Logbook) -> None:
     """Write core-minutes for each round, and say the sum where the user sees it."""
 
-    def seconds(each: tuple[ClosureSettings, ...]) -> float:
-        return float(close_block(one_simulation(each)).seconds.sum())
+    def seconds(name: str, each: tuple[ClosureSettings, ...]) -> float:
+        time = float(close_block(one_simulation(each)).seconds.sum())
+        log(f"{name}: {time:.2f} s a simulation")
+        return time
 
     rocks = from_plain(dict[str, tuple[ClosureSettings, ...]], settings["rocks"])
     readings = from_plain(dict[str, tuple[ClosureSettings, ...]], settings["readings"])
-    of_rocks = {rock: seconds(each) for rock, each in rocks.items()}
-    of_readings = {name: seconds(each) for name, each in readings.items()}
-    for name, time in (of_rocks | of_readings).items():
-        log(f"{name}: {time:.2f} s a simulation")
+    of_rocks = {rock: seconds(rock, each) for rock, each in rocks.items()}
+    of_readings = {name: seconds(name, each) for name, each in readings.items()}
     cases = len(readings[AS_CONFIGURED])
     table = costs(design, cases, of_rocks, of_readings)
     write_csv(table, output)
