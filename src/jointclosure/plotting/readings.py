@@ -82,7 +82,7 @@ def sensitivities(table: pd.DataFrame, paper: pd.DataFrame, draws: int) -> Figur
     -----
     Where the response is near linear, the length of an interval in percent is
     100 t sqrt(2/n) S/mean over |elasticity|: every entry of Table 3 implies a ratio. Grey
-    bars are the paper's rocks; a dash implies none.
+    lines are the paper's rocks; a dash implies none.
     """
     shown = table.head(_SHOWN)[::-1].reset_index(drop=True)
     parameters = [name for name in PARAMETER_TITLES if f"{name}_1" in table]
@@ -90,7 +90,6 @@ def sensitivities(table: pd.DataFrame, paper: pd.DataFrame, draws: int) -> Figur
         len(_CYCLES),
         len(parameters),
         figsize=(2.6 * len(parameters) + 1.6, 0.5 * len(shown) + 2.4),
-        sharex="col",
         sharey=True,
         squeeze=False,
         layout="constrained",
@@ -99,8 +98,8 @@ def sensitivities(table: pd.DataFrame, paper: pd.DataFrame, draws: int) -> Figur
     for row, cycle in zip(panels, _CYCLES, strict=True):
         for axes, name in zip(row, parameters, strict=True):
             percents = paper[(paper.parameter == name) & (paper.cycle == cycle)].paper_percent
-            for percent in percents.dropna():
-                ratio = 100.0 * critical * np.sqrt(2.0 / draws) / percent
+            implied = 100.0 * critical * np.sqrt(2.0 / draws) / percents.dropna()
+            for ratio in implied:
                 axes.axvline(ratio, color="0.75", zorder=0)
             elasticity, scatter = shown[f"{name}_{cycle}"].abs(), shown[f"scatter_{cycle}"]
             relative = np.hypot(
@@ -110,7 +109,7 @@ def sensitivities(table: pd.DataFrame, paper: pd.DataFrame, draws: int) -> Figur
             value = elasticity / scatter
             axes.errorbar(value, shown.index, xerr=value * relative, fmt="o", markersize=4)
             axes.set_title(f"{PARAMETER_TITLES[name]}, cycle {cycle}", fontsize="small")
-            axes.set_xlim(left=0.0)
+            axes.set_xlim(0.0, 1.1 * max(*implied, *value))
         row[0].set_yticks(shown.index, shown.title)
     for axes in panels[-1]:
         axes.set_xlabel("|elasticity| / (S/mean)")
