@@ -30,7 +30,7 @@ def close_block(
     -------
     Dataset
         Over (case, realization, cycle): ``max_closure``, ``max_closure_seated``,
-        ``max_closure_net`` [m]; ``status`` and ``seconds`` of each simulation. Coordinates
+        ``max_closure_net`` [m]; ``status`` and ``seconds`` (of the processor) of each simulation. Coordinates
         ``parameter`` and ``value`` [SI, NaN at the base] along case.
     """
     first = settings[0].surfaces
@@ -41,9 +41,9 @@ def close_block(
     for row, each in enumerate(settings):
         conditions = each.conditions()
         for column, walls in enumerate(walls_of(each.surfaces)):
-            start = time.perf_counter()
+            start = time.process_time()
             closed = close_walls(*walls, conditions)
-            seconds[row, column] = time.perf_counter() - start
+            seconds[row, column] = time.process_time() - start
             status[row, column] = closed.status
             for name in CLOSURES:
                 found[name][row, column] = closed[name].values
