@@ -30,7 +30,8 @@ def close_block(
     -------
     Dataset
         Over (case, realization, cycle): ``max_closure``, ``max_closure_seated``,
-        ``max_closure_net`` [m]; ``status`` and ``seconds`` (of the processor) of each simulation. Coordinates
+        ``max_closure_net`` [m]; ``status`` and ``seconds`` (of the processor) of each simulation.
+        Coordinates
         ``parameter`` and ``value`` [SI, NaN at the base] along case.
     """
     first = settings[0].surfaces
