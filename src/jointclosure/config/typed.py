@@ -91,6 +91,8 @@ class Surface(NamedTuple):
     normalise: str
     correlation: float
     shift_in_cells: int
+    rule: str
+    roll_off: float | None
 
 
 class Statistics(NamedTuple):

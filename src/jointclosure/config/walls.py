@@ -41,7 +41,7 @@ def wall_problems(keys: dict, name: str) -> Iterator[str]:
             yield f"{where}.walls.inverted = {walls['inverted']!r}: {side} is not a file"
     if keys["effects"]["auto"] is not None:
         yield f"effects: auto: not with {where}.walls; its pilot draws walls of given JRC"
-    for section in ("accuracy", "ablation"):
+    for section in ("accuracy", "ablation", "readings"):
         if keys[section]:
             yield f"{section}: not with {where}.walls; it draws walls of given JRC"
 

@@ -72,7 +72,7 @@ def walls_rocks(rock):
     return (rock, rock) if hasattr(rock, "youngs_modulus") else tuple(rock)
 
 
-def curvature(z, h, largest_radius=None):
+def curvature(z, h, largest_radius=None, concave="magnitude"):
     """Gaussian curvature (y, x) from circles through three points, mirrored at the edges."""
     padded = np.pad(z, 1, mode="reflect")
 
@@ -80,7 +80,9 @@ def curvature(z, h, largest_radius=None):
         a = np.hypot(h, here - before)
         b = np.hypot(h, after - here)
         c = np.hypot(2 * h, after - before)
-        area = 0.5 * h * np.abs((before - here) + (after - here))
+        side = (before - here) + (after - here)
+        size = np.abs(side) if concave == "magnitude" else np.maximum(-side, 0.0)
+        area = 0.5 * h * size
         return 4 * area / (a * b * c)
 
     x = circle(padded[1:-1, :-2], z, padded[1:-1, 2:])
@@ -170,12 +172,10 @@ def residual(
     return np.where(force > 0, np.abs(overlap - deformation), np.maximum(overlap, 0.0)).max()
 
 
-def pressures_over_limit(
-    upper, lower, force, *, h, rock, peak_maps, ratio=0.05, largest_radius=None
-):
+def pressures_over_limit(upper, lower, force, *, h, rock, peak_maps, ratio=0.05, curvature_rule=()):
     """c(nu) p0 / sigma_c of every contact, Eqs. (5), (22), (23): of the wall that holds less."""
     asperity, _ = moduli(rock, ratio, *peak_maps)
-    kappa = curvature(upper, h, largest_radius) + curvature(lower, h, largest_radius)
+    kappa = curvature(upper, h, *curvature_rule) + curvature(lower, h, *curvature_rule)
     deformation = (9 * kappa * force**2 / (16 * asperity**2)) ** (1 / 3)
     pressure = 2 / np.pi * asperity * np.sqrt(deformation * kappa)
     return pressure * max(
@@ -253,7 +253,8 @@ def judge(joint: Joint, state: State) -> Verdict:
     overlap = overlap.ravel()[cells]
     if effects.interaction:
         overlap = overlap - interaction(force, h, r, rock_modulus, cells)
-    kappa = sum(curvature(z, h, choices.largest_radius) for z in (state.upper, state.lower))
+    bounds = choices.largest_radius, choices.concave
+    kappa = sum(curvature(z, h, *bounds) for z in (state.upper, state.lower))
     compliance = np.cbrt(9 * kappa / (16 * asperity**2)).ravel()[cells]
     substrate = 3 / (4 * r * rock_modulus) if effects.substrate else 0.0
     answer = forces_of_overlaps(np.maximum(overlap, 0.0), compliance, substrate)
@@ -317,7 +318,7 @@ def _excess(joint: Joint, state: State, maps, ratio) -> float:
         rock=joint.rock,
         peak_maps=maps,
         ratio=ratio,
-        largest_radius=joint.choices.largest_radius,
+        curvature_rule=(joint.choices.largest_radius, joint.choices.concave),
     )
     if joint.effects.gouge:
         rms = math.sqrt(0.5 * (np.var(joint.upper) + np.var(joint.lower)))
