@@ -7,8 +7,8 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.ensemble.settings import ClosureSettings, Conditions
+from jointclosure.history import branch_of, closure_at_stresses, first_crossing
 from jointclosure.protocol import FAILURE, LOADING, UNLOADING, Report
-from jointclosure.readings import branch_of, closure_at_stresses, first_crossing
 from jointclosure.simulation import ATTRIBUTES, simulate
 
 PER_CYCLE = (

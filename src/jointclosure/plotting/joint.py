@@ -4,9 +4,9 @@ import seaborn as sns
 import xarray as xr
 from matplotlib.figure import Figure
 
+from jointclosure.history import branch_of
 from jointclosure.plotting.style import styled, subplots
 from jointclosure.protocol import LOADING, UNLOADING
-from jointclosure.readings import branch_of
 
 
 @styled
