@@ -118,7 +118,7 @@ checkpoint rank_readings:
         number=lambda wildcards: READING_ROUNDS.index(wildcards.round),
         folder=READINGS_FOLDER,
         question=lambda wildcards: reading_question(),
-        made_with=lambda wildcards, input: readings_with(input.closed),
+        made_with=lambda wildcards: readings_with(closed_for_round(wildcards)),
         code=code_of("rank_readings"),
     message:
         "Rank the readings of round {wildcards.round}"
@@ -148,7 +148,7 @@ rule weigh_readings:
         rankings=[ranking_of(number) for number in range(len(READING_ROUNDS))],
         folder=READINGS_FOLDER,
         question=lambda wildcards: reading_question(),
-        made_with=lambda wildcards, input: readings_with(input.closed),
+        made_with=lambda wildcards: readings_with(closed_in_all_rounds(wildcards)),
         code=code_of("weigh_readings"),
     message:
         "Put the readings of all rounds together"
