@@ -281,10 +281,6 @@ def test_every_scene_closes(effects, breakage):
         np.testing.assert_array_equal(closed.upper_final, walls[0])
 
 
-def test_there_are_18_scenes():
-    assert len(set(SCENES)) == 18
-
-
 @pytest.mark.parametrize(
     ("change", "named"),
     [

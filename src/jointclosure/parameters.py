@@ -30,7 +30,7 @@ class Rock(NamedTuple):
 
 
 class Effects(NamedTuple):
-    """Which effects a scene has; see `check_scene` for the 18 well-posed ones."""
+    """Which effects act; `check_scene` says which combinations are well-posed."""
 
     substrate: bool = True
     interaction: bool = True
@@ -206,7 +206,7 @@ def check_scene(effects: Effects) -> None:
 
 
 def well_posed_scenes() -> Iterator[Effects]:
-    """The 18 combinations of effects that have an answer."""
+    """The combinations of effects that have an answer."""
     for substrate, interaction in ((False, False), (True, False), (True, True)):
         for breakage, gouge in ((False, False), (True, False), (True, True)):
             for soft_peaks in (False, True):

@@ -108,7 +108,7 @@ def test_a_preset_is_said_to_be_off_by_what_was_measured_of_the_same_model():
     stated = TABLE.assign(scene="full", error_percent=7.0)
     both = pd.concat([TABLE, stated], ignore_index=True)
     assert "by 7 %" in chosen(both, radius=None, preset="accurate").said
-    assert "radii are the paper's" in chosen(both, radius=None, preset="accurate").said
+    assert "radii are as in the paper" in chosen(both, radius=None, preset="accurate").said
     assert "by 1 %" in chosen(both, preset="accurate").said
 
 

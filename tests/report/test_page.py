@@ -210,7 +210,7 @@ def test_the_preset_that_a_study_has_is_told_from_the_others(material):
         rows = content(material._replace(study=study))["sheets"]["presets"].rows
         return [(row[0].text, row[1].text) for row in rows if row[5].text == "yes"]
 
-    assert own({"numerics": material.default["numerics"]}) == [("as the paper has them", "paper")]
+    assert own({"numerics": material.default["numerics"]}) == [("as in the paper", "paper")]
     accurate = material.default["numerics"] | {"breakage": "resolved", "tolerance": 0.02}
     bounded = {"choices": {"largest_radius_mm": 20.0}}
     assert own({"numerics": accurate} | bounded) == [("bounded to 20 mm", "accurate")]

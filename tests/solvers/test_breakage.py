@@ -49,6 +49,13 @@ def settled(name, walls, effects=Effects(), choices=Choices(), closures=CLOSURES
     return joint, broken
 
 
+def judged(walls, joint, choices=Choices()):
+    """What the oracle is told of a settled joint, and of its state."""
+    given = oracle.Joint(*walls, SPACING, DOLERITE, Effects(), choices)
+    state = (joint.upper, joint.lower, joint.force, CLOSURES[-1], joint.force.sum())
+    return given, oracle.State(*state)
+
+
 @pytest.fixture(params=METHODS)
 def solver(request):
     return request.param
@@ -57,11 +64,7 @@ def solver(request):
 @pytest.mark.parametrize("peaks", ["pristine", "current"])
 def test_at_rest_every_contact_holds_or_is_locked(solver, small_joint, peaks):
     joint, broken = settled(solver, small_joint, choices=Choices(peaks=peaks))
-    upper, lower = small_joint if peaks == "pristine" else (joint.upper, joint.lower)
-    maps = (oracle.peaks(upper), oracle.peaks(lower))
-    load = oracle.pressures_over_limit(
-        joint.upper, joint.lower, joint.force, h=SPACING, rock=DOLERITE, peak_maps=maps
-    )
+    load = oracle.pressures_over_limit(*judged(small_joint, joint, Choices(peaks=peaks)))
     held = (load <= 1.0 + EXCESS[solver]) | oracle.locked(joint.upper, joint.lower)
     # something did break: at least a step for each cell that lost height and got none
     lowered = (joint.upper < small_joint[0]) | (joint.lower < small_joint[1])
@@ -71,16 +74,7 @@ def test_at_rest_every_contact_holds_or_is_locked(solver, small_joint, peaks):
 
 def test_at_rest_forces_are_in_equilibrium(solver, small_joint):
     joint, _ = settled(solver, small_joint)
-    misfit = oracle.residual(
-        joint.upper,
-        joint.lower,
-        joint.force,
-        h=SPACING,
-        rock=DOLERITE,
-        closure=CLOSURES[-1],
-        first_touch=sum(small_joint).max(),
-        peak_maps=(oracle.peaks(small_joint[0]), oracle.peaks(small_joint[1])),
-    )
+    misfit = oracle.residual(*judged(small_joint, joint))
     assert misfit < 1e-6 * CLOSURES[-1]
     assert joint.force.min() >= 0.0
 
@@ -221,14 +215,9 @@ def test_limited_forces_are_complementary_and_no_contact_carries_more_than_its_s
     np.testing.assert_array_equal(np.isinf(limit), locked | (curvature == 0.0))
     load = np.zeros(upper.size)
     load[cells] = np.where(np.isinf(limit), 0.0, limit)
-    pressure = oracle.pressures_over_limit(
-        upper,
-        lower,
-        load.reshape(upper.shape),
-        h=SPACING,
-        rock=rock,
-        peak_maps=(oracle.peaks(upper), oracle.peaks(lower)),
-    )
+    given = oracle.Joint(upper, lower, SPACING, rock, Effects(), Choices())
+    state = oracle.State(upper, lower, load.reshape(upper.shape), 3e-4, load.sum())
+    pressure = oracle.pressures_over_limit(given, state)
     np.testing.assert_allclose(pressure.ravel()[cells][np.isfinite(limit)], 1.0, rtol=1e-9)
     table = influence_table(*upper.shape, law.base_radius, law.substrate_modulus, law.spacing)
     contacts = Contacts(cells, overlap, compliance, limit, law.substrate)

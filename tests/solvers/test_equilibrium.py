@@ -42,6 +42,13 @@ def tight(solver):
     return jc.Numerics(solver=solver, force_tolerance=1e-10, sweep_tolerance=1e-12)
 
 
+def force_of_contact(overlap, kappa, modulus, r):
+    """Of one contact on its substrates [N], of one modulus [Pa]."""
+    law = oracle.Law(modulus, modulus, 3 / (4 * r * modulus), r)
+    compliance = oracle.asperity_compliances(np.array([kappa]), law)
+    return oracle.forces_of_overlaps(np.array([overlap]), compliance, law.substrate)[0]
+
+
 @pytest.fixture(params=SOLVERS)
 def numerics(request):
     return tight(request.param)
@@ -65,7 +72,7 @@ def test_a_sphere_on_a_flat_is_hertzian_over_12_decades(numerics, decade, substr
     kappa = oracle.curvature(upper, SPACING)[1, 1]
     modulus = 78e9 / (1 - 0.2**2) / 2
     if substrate:
-        expected = oracle.force_of_single_contact(closure, kappa, modulus, modulus, SPACING / 2)
+        expected = force_of_contact(closure, kappa, modulus, SPACING / 2)
     else:
         expected = 4 / 3 * modulus * np.sqrt(closure**3 / kappa)
     assert found.force.values[1, 1] == pytest.approx(expected, rel=1e-12)
@@ -93,9 +100,7 @@ def test_two_distant_contacts_push_each_other_as_two_point_forces(numerics):
     influence = (1 + (r / zeta) ** 2 / 10) / (np.pi * modulus * zeta)
     force = 0.0
     for _ in range(60):
-        force = oracle.force_of_single_contact(
-            closure - influence * force, kappa, modulus, modulus, r
-        )
+        force = force_of_contact(closure - influence * force, kappa, modulus, r)
     assert found.force.values[1, 5] == pytest.approx(force, rel=1e-9)
     assert found.force.values[1, 54] == pytest.approx(force, rel=1e-9)
 
@@ -104,28 +109,20 @@ def test_two_distant_contacts_push_each_other_as_two_point_forces(numerics):
 @pytest.mark.parametrize("soft_peaks", [True, False])
 def test_forces_and_gaps_are_complementary(numerics, small_joint, closure, soft_peaks):
     upper, lower = small_joint
+    effects = ELASTIC._replace(soft_peaks=soft_peaks)
     found = jc.equilibrium(
         upper,
         lower,
         spacing=SPACING,
         rock=DOLERITE,
         closure=closure,
-        effects=ELASTIC._replace(soft_peaks=soft_peaks),
+        effects=effects,
         numerics=numerics,
     )
     force = found.force.values
     assert force.min() >= 0.0
-    misfit = oracle.residual(
-        upper,
-        lower,
-        force,
-        h=SPACING,
-        rock=DOLERITE,
-        closure=closure,
-        first_touch=(upper + lower).max(),
-        peak_maps=(oracle.peaks(upper), oracle.peaks(lower)),
-        ratio=0.05 if soft_peaks else 1.0,
-    )
+    joint = oracle.Joint(upper, lower, SPACING, DOLERITE, effects, Choices())
+    misfit = oracle.residual(joint, oracle.State(upper, lower, force, closure, force.sum()))
     assert misfit < 1e-8 * closure
     assert found.normal_stress == pytest.approx(force.sum() / (upper.size * SPACING**2))
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from jointclosure.parameters import Choices, Effects
 from jointclosure.solvers.equilibrium import solve_equilibrium
 from jointclosure.solvers.interaction_operator import influence_of
 from jointclosure.verification import oracle, sweeps
@@ -67,18 +68,10 @@ def test_the_fast_solver_is_in_equilibrium_at_every_load_of_the_hardest_walls(wa
     problem = sweeps.problem_at(upper, lower, closure, 1.0, False)
     found = field(problem, sweeps.fast(problem, 1e-12)[0], upper.shape)
     assert found.min() >= 0.0
-    misfit = oracle.residual(
-        upper,
-        lower,
-        found,
-        h=SPACING,
-        rock=DOLERITE,
-        closure=closure,
-        first_touch=(upper + lower).max(),
-        peak_maps=(np.zeros(upper.shape, bool),) * 2,
-        ratio=1.0,
-        base_radius_in_cells=1.0,
-    )
+    effects, choices = Effects(breakage=False, gouge=False, soft_peaks=False), Choices(1.0)
+    joint = oracle.Joint(upper, lower, SPACING, DOLERITE, effects, choices)
+    state = oracle.State(upper, lower, found, closure, found.sum())
+    misfit = oracle.residual(joint, state)
     assert misfit < 1e-10 * closure
 
 

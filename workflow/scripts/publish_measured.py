@@ -11,6 +11,7 @@ from pathlib import Path
 import pandas as pd
 from markers import fill
 
+from jointclosure.config.presets import SCENES, radii_words
 from jointclosure.storage.text import read_csv
 
 ROOT = Path(__file__).parents[2]
@@ -36,7 +37,7 @@ def presets() -> str:
     costs = read_csv(ACCURACY / "tables/accuracy_cost.csv")
     rows = []
     for row in settings[settings.preset.notna()].itertuples():
-        if row.scene not in ("full", "regularised"):
+        if row.scene not in SCENES.values():
             continue
         here = (costs.scene == row.scene) & (costs.knob == row.knob)
         own = costs[here & (costs["value"].fillna("") == ("" if pd.isna(row.value) else row.value))]
@@ -48,7 +49,7 @@ def presets() -> str:
         rows.append(
             {
                 "preset": row.preset,
-                "model": {"full": "as stated", "regularised": "radii to 20 mm"}[row.scene],
+                "radii": radii_words(row.scene),
                 "numerics": row.numerics.strip("{}").replace('"', "") or "the paper's",
             }
             | errors

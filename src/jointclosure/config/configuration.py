@@ -72,11 +72,10 @@ def merged_study(*paths: Path) -> dict:
 
 
 def written_out(keys: dict) -> dict:
-    """Keys whose ``effects: auto`` is written out: all may act, chosen to 2 %."""
+    """Keys whose ``effects: auto`` is written out: those of the full model, chosen to 2 %."""
     if keys.get("effects") != "auto":
         return keys
-    everything = dict.fromkeys(Effects._fields, True)
-    return keys | {"effects": everything | {"auto": _AUTO_TOLERANCE}}
+    return keys | {"effects": Effects()._asdict() | {"auto": _AUTO_TOLERANCE}}
 
 
 def configured(keys: dict, read: Callable[[Path], pd.DataFrame]) -> Configured:

@@ -7,9 +7,17 @@ in ``default.yaml``; what a key is in the library is in `jointclosure.config.typ
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, StringConstraints, Tag
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    StringConstraints,
+    Tag,
+    create_model,
+)
 
-from jointclosure.parameters import Rock
+from jointclosure.parameters import Effects, Rock
 from jointclosure.solvers.registry import SOLVERS
 from jointclosure.surface.roughness import RELATIONS
 from jointclosure.surface.synthesis import RULES
@@ -86,14 +94,12 @@ class LevelKeys(Keys):
     jrc: list[Jrc] | None = entry(_about, None, min_length=2)
 
 
-class RockEffectKeys(Keys):
-    """Effects of this rock's cases, over those of the study."""
-
-    substrate: bool | None = entry("As in effects.", None)
-    interaction: bool | None = entry("As in effects.", None)
-    breakage: bool | None = entry("As in effects.", None)
-    gouge: bool | None = entry("As in effects.", None)
-    soft_peaks: bool | None = entry("As in effects.", None)
+RockEffectKeys = create_model(
+    "RockEffectKeys",
+    __base__=Keys,
+    __doc__="Effects of this rock's cases, over those of the study.",
+    **{name: (bool | None, entry("As in effects.", None)) for name in Effects._fields},
+)
 
 
 _WALL = (

@@ -22,6 +22,17 @@ SCENES = {None: "full", 20.0: "regularised"}
 stated, which has no limit to be near."""
 
 
+def radius_of(scene: str) -> float | None:
+    """The largest radius [mm] of a scene of the measurements."""
+    return next(radius for radius, name in SCENES.items() if name == scene)
+
+
+def radii_words(scene: str) -> str:
+    """What the radii of such a scene are, in words."""
+    radius = radius_of(scene)
+    return "as in the paper" if radius is None else f"bounded to {radius:g} mm"
+
+
 def numerics_in_full(keys: dict) -> dict:
     """Numerics without the preset or accuracy that chose them."""
     return {key: value for key, value in keys["numerics"].items() if key not in CHOSEN_BY}
@@ -90,12 +101,17 @@ def _scene(configuration: dict) -> str:
     radius = configuration["choices"]["largest_radius_mm"]
     if radius in SCENES:
         return SCENES[radius]
-    measured = ", ".join("null" if each is None else f"{each:g}" for each in SCENES)
     key = next(key for key in CHOSEN_BY if configuration["numerics"].get(key) is not None)
     raise InputError(
-        f"choices.largest_radius_mm = {radius!r}: numerics.{key} was measured for {measured} only; "
+        f"choices.largest_radius_mm = {radius!r}: numerics.{key} was measured for "
+        f"{_measured_radii()} only; "
         "give the keys of numerics themselves"
     )
+
+
+def _measured_radii(bounded: bool = False) -> str:
+    radii = [radius for radius in SCENES if radius is not None or not bounded]
+    return ", ".join("null" if radius is None else f"{radius:g}" for radius in radii)
 
 
 def anything_breaks(configuration: dict) -> bool:
@@ -114,12 +130,13 @@ def _preset(known: pd.DataFrame, name: object) -> pd.Series:
 
 
 def _accurate(known: pd.DataFrame, accuracy: float, scene: str) -> pd.Series:
-    """The cheapest setting whose bound, of the worse rock and cycle, is within an accuracy."""
+    """The cheapest setting whose bound, of the worst rock and cycle, is within an accuracy."""
     if scene == SCENES[None]:
         raise InputError(
             f"numerics.accuracy = {accuracy!r}: the model without choices.largest_radius_mm has no "
             "limit on the first cycle to be near (docs/decisions/0010-resolved-breakage.md): "
-            "set it, to 20 for example, or give numerics.preset instead"
+            f"set it to one that was measured ({_measured_radii(bounded=True)}), or give "
+            "numerics.preset instead"
         )
     enough = known[known.bound_percent <= 100.0 * accuracy]
     if enough.empty:
@@ -133,10 +150,9 @@ def _accurate(known: pd.DataFrame, accuracy: float, scene: str) -> pd.Series:
 
 def _said(row: pd.Series, preset: object, accuracy: object) -> str:
     what = f"preset {preset}" if accuracy is None else f"accuracy {accuracy:g}"
-    radii = "radii are the paper's" if row.scene == SCENES[None] else "radii are bounded to 20 mm"
     return (
         f"numerics: {what} is {row.knob} {row['value']}: {row.numerics}; mean closures of the "
-        f"worse of two rocks were off by {row.error_percent:.2g} % (95 % confidence: up to "
-        f"{row.bound_percent:.2g} %) where {radii}, at {row.relative_time:.2g} times the time of "
-        "the paper's steps"
+        f"worst rock were off by {row.error_percent:.2g} % (95 % confidence: up to "
+        f"{row.bound_percent:.2g} %) where radii are {radii_words(row.scene)}, at "
+        f"{row.relative_time:.2g} times the time of the paper's steps"
     ).replace(" nan", "")

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from jointclosure.parameters import Effects
+from jointclosure.parameters import Effects, scene_name
 from jointclosure.plotting.style import styled, subplots
 
 _FLOOR = 0.1
@@ -111,7 +111,7 @@ def choice_figure(table: pd.DataFrame) -> Figure:
         squeeze=False,
     )
     names = sorted(table.chosen.unique(), key=lambda name: -name.count("-"))
-    everything = "-".join(Effects._fields)
+    everything = scene_name(Effects())
     colours = dict(zip(names, sns.color_palette("colorblind", len(names)), strict=True))
     colours[everything] = "0.7"
     for (upper, lower), tolerance in zip(panels.T, tolerances, strict=True):
@@ -142,6 +142,7 @@ def choice_figure(table: pd.DataFrame) -> Figure:
 
 def _left_out(scene: str) -> str:
     """What a scene goes without, in words."""
-    missing = [name for name in Effects._fields if name not in scene.split("-")]
+    full, left = scene_name(Effects()).split("-"), scene.split("-")
+    missing = [name for name in full if name not in left]
     words = " or ".join(name.replace("_", " ") for name in missing)
     return f"without {words}" if missing else "all effects"

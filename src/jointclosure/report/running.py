@@ -7,7 +7,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.config.presets import anything_breaks, numerics_in_full
+from jointclosure.config.presets import (
+    SCENES,
+    anything_breaks,
+    numerics_in_full,
+    radii_words,
+    radius_of,
+)
 from jointclosure.config.properties import PARAMETER_TITLES
 from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.protocol import FAILURE
@@ -15,9 +21,6 @@ from jointclosure.report.sheets import Sheet, given, sheet
 
 MOST_FAILURES = 500
 """Failed simulations that are listed one by one."""
-_LIMITS = {"full": None, "regularised": 20.0}
-"""Scenes of the study of accuracy in which contacts break, and the largest radius there [mm]."""
-_RADII = {"full": "as the paper has them", "regularised": "bounded to 20 mm"}
 
 
 def check_sheet(checks: pd.DataFrame) -> Sheet:
@@ -57,9 +60,9 @@ def preset_sheet(measured: pd.DataFrame, configuration: dict, default: dict) -> 
     mine = numerics_in_full(configuration)
     changed = {key: value for key, value in mine.items() if value != default["numerics"][key]}
     breaks = anything_breaks(configuration)
-    rows = measured[measured.scene.isin(_LIMITS) & measured.preset.fillna("").ne("")]
+    rows = measured[measured.scene.isin(SCENES.values()) & measured.preset.fillna("").ne("")]
     radius = configuration["choices"]["largest_radius_mm"]
-    bounded = np.array([_LIMITS[scene] == radius for scene in rows.scene], dtype=bool)
+    bounded = np.array([radius_of(scene) == radius for scene in rows.scene], dtype=bool)
     same = rows.numerics.map(json.loads).map(lambda each: each == changed)
     errors = ["error_percent", "bound_percent", "relative_time"]
     columns = {
@@ -72,10 +75,9 @@ def preset_sheet(measured: pd.DataFrame, configuration: dict, default: dict) -> 
     }
     return sheet(
         "presets",
-        "Presets of the numerics: the larger error of both cycles, in the mean of dolerite and "
-        "siltstone",
+        "Presets of the numerics: the largest error of a rock and cycle",
         rows.assign(
-            scene=rows.scene.map(_RADII),
+            scene=rows.scene.map(radii_words),
             mine=np.where(bounded & same & breaks, "yes", ""),
             **{name: rows[name].map(lambda value: given(float(f"{value:.2g}"))) for name in errors},
         ),

@@ -10,7 +10,6 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 from scipy.special import hyp2f1
 
 _CHUNK = 500
@@ -40,6 +39,19 @@ class State(NamedTuple):
     force: np.ndarray
     closure: float
     total_force: float
+
+
+class Law(NamedTuple):
+    """What rocks, peaks, effects and choices make of a joint's contacts.
+
+    ``asperity``: E_a* of every pair (y, x) [Pa]; ``rock_modulus``: 1/(1/E_t* + 1/E_b*) of the
+    substrates [Pa]; ``substrate``: their compliance A [m/N], 0 without; ``base_radius`` [m].
+    """
+
+    asperity: np.ndarray
+    rock_modulus: float
+    substrate: float
+    base_radius: float
 
 
 class Verdict(NamedTuple):
@@ -145,45 +157,6 @@ def interaction(force, h, r, modulus, at=None):
     return u.reshape(force.shape) if at is None else u
 
 
-def residual(
-    upper,
-    lower,
-    force,
-    *,
-    h,
-    rock,
-    closure,
-    first_touch,
-    peak_maps,
-    substrate=True,
-    interacting=True,
-    ratio=0.05,
-    base_radius_in_cells=0.5,
-):
-    """Largest misfit of equilibrium [m]: gap where there is force, overlap where none."""
-    r = base_radius_in_cells * h
-    asperity, rock_modulus = moduli(rock, ratio, *peak_maps)
-    u = interaction(force, h, r, rock_modulus) if interacting else np.zeros(force.shape)
-    overlap = upper + lower - (first_touch - closure) - u
-    kappa = curvature(upper, h) + curvature(lower, h)
-    deformation = (9 * kappa * force**2 / (16 * asperity**2)) ** (1 / 3)
-    if substrate:
-        deformation = deformation + 3 * force / (4 * r * rock_modulus)
-    return np.where(force > 0, np.abs(overlap - deformation), np.maximum(overlap, 0.0)).max()
-
-
-def pressures_over_limit(upper, lower, force, *, h, rock, peak_maps, ratio=0.05, curvature_rule=()):
-    """c(nu) p0 / sigma_c of every contact, Eqs. (5), (22), (23): of the wall that holds less."""
-    asperity, _ = moduli(rock, ratio, *peak_maps)
-    kappa = curvature(upper, h, *curvature_rule) + curvature(lower, h, *curvature_rule)
-    deformation = (9 * kappa * force**2 / (16 * asperity**2)) ** (1 / 3)
-    pressure = 2 / np.pi * asperity * np.sqrt(deformation * kappa)
-    return pressure * max(
-        (0.1251 * r.poisson_ratio**2 - 0.536 * r.poisson_ratio + 0.7695) / r.compressive_strength
-        for r in walls_rocks(rock)
-    )
-
-
 def locked(upper, lower, tolerance=1e-11):
     """Pairs of which neither wall's cell has a lower neighbour."""
 
@@ -202,16 +175,6 @@ def locked(upper, lower, tolerance=1e-11):
         return z - lowest <= tolerance
 
     return no_lower(upper) & no_lower(lower)
-
-
-def force_of_single_contact(overlap, curvature_, asperity, rock_modulus, r):
-    """Force of one contact on its substrates, by bisection."""
-
-    def misfit(force):
-        own = (9 * curvature_ * force**2 / (16 * asperity**2)) ** (1 / 3)
-        return own + 3 * force / (4 * r * rock_modulus) - overlap
-
-    return brentq(misfit, 0.0, 2 * overlap * 4 * r * rock_modulus / 3, xtol=1e-300, rtol=1e-15)
 
 
 def forces_of_overlaps(overlap, compliance, substrate):
@@ -237,33 +200,85 @@ def forces_of_overlaps(overlap, compliance, substrate):
     return np.where(rigid, np.inf, (0.5 * (low + high)) ** 3)
 
 
-def judge(joint: Joint, state: State) -> Verdict:
-    """Recompute a state at rest from its walls, forces and closure alone."""
-    force, effects, choices = state.force, joint.effects, joint.choices
-    h, r = joint.spacing, choices.base_radius_in_cells * joint.spacing
-    ratio = choices.peak_modulus_ratio if effects.soft_peaks else 1.0
-    of_peaks = state if choices.peaks == "current" else joint
-    maps = (peaks(of_peaks.upper), peaks(of_peaks.lower))
-    asperity, rock_modulus = moduli(joint.rock, ratio, *maps)
-    total = math.fsum(force.ravel())
-    over_total = 1.0 / total if total > 0 else 0.0
-    summed = state.upper + state.lower
-    overlap = summed - ((joint.upper + joint.lower).max() - state.closure)
-    cells = np.flatnonzero((overlap > 0) | (force > 0))
-    overlap = overlap.ravel()[cells]
-    if effects.interaction:
-        overlap = overlap - interaction(force, h, r, rock_modulus, cells)
-    bounds = choices.largest_radius, choices.concave
-    kappa = sum(curvature(z, h, *bounds) for z in (state.upper, state.lower))
-    compliance = np.cbrt(9 * kappa / (16 * asperity**2)).ravel()[cells]
-    substrate = 3 / (4 * r * rock_modulus) if effects.substrate else 0.0
-    answer = forces_of_overlaps(np.maximum(overlap, 0.0), compliance, substrate)
-    carried = force.ravel()[cells]
-    # dF/d(delta_S) of the law: each contact's overlap is good to a few units in the last place
-    root = np.cbrt(np.where(np.isinf(answer), 0.0, answer))
+def slopes_of_forces(force, compliance, substrate):
+    """dF/d(delta_S) (n,) [N/m] of contacts at forces (n,), as in `forces_of_overlaps`.
+
+    0 where the force is 0 or infinite.
+    """
+    root = np.cbrt(np.where(np.isinf(force), 0.0, force))
     slope = np.zeros(root.size)
     stiff = 3 * substrate * root + 2 * compliance
     np.divide(3 * root, stiff, out=slope, where=stiff > 0)
+    return slope
+
+
+def law_of(joint: Joint, state: State) -> Law:
+    """The contact law of a joint at a state, whose own peaks count where they are current."""
+    walls = state if joint.choices.peaks == "current" else joint
+    ratio = joint.choices.peak_modulus_ratio if joint.effects.soft_peaks else 1.0
+    asperity, rock_modulus = moduli(joint.rock, ratio, peaks(walls.upper), peaks(walls.lower))
+    r = joint.choices.base_radius_in_cells * joint.spacing
+    substrate = 3 / (4 * r * rock_modulus) if joint.effects.substrate else 0.0
+    return Law(asperity, rock_modulus, substrate, r)
+
+
+def asperity_compliances(kappa, law: Law):
+    """B (y, x) [m N^(-2/3)] of curvatures (y, x) [1/m]."""
+    return np.cbrt(9 * kappa / (16 * law.asperity**2))
+
+
+def overlaps_of(joint: Joint, state: State, law: Law):
+    """Cells (n,) that overlap undeformed or carry force, flat, and delta_S of each [m]."""
+    overlap = state.upper + state.lower - ((joint.upper + joint.lower).max() - state.closure)
+    cells = np.flatnonzero((overlap > 0) | (state.force > 0))
+    overlap = overlap.ravel()[cells]
+    if joint.effects.interaction:
+        overlap = overlap - interaction(
+            state.force, joint.spacing, law.base_radius, law.rock_modulus, cells
+        )
+    return cells, overlap
+
+
+def residual(joint: Joint, state: State) -> float:
+    """Largest misfit of equilibrium [m]: gap where there is force, overlap where none."""
+    law = law_of(joint, state)
+    cells, overlap = overlaps_of(joint, state, law)
+    force = state.force.ravel()[cells]
+    compliance = asperity_compliances(_curvatures(joint, state), law).ravel()[cells]
+    deformation = law.substrate * force + compliance * np.cbrt(force) ** 2
+    gap = np.where(force > 0, np.abs(overlap - deformation), np.maximum(overlap, 0.0))
+    return float(gap.max(initial=0.0))
+
+
+def pressures_over_limit(joint: Joint, state: State):
+    """c(nu) p0 / sigma_c (y, x), Eqs. (5), (22), (23): of the wall that holds less."""
+    asperity, kappa = law_of(joint, state).asperity, _curvatures(joint, state)
+    deformation = (9 * kappa * state.force**2 / (16 * asperity**2)) ** (1 / 3)
+    pressure = 2 / np.pi * asperity * np.sqrt(deformation * kappa)
+    return pressure * max(
+        (0.1251 * r.poisson_ratio**2 - 0.536 * r.poisson_ratio + 0.7695) / r.compressive_strength
+        for r in walls_rocks(joint.rock)
+    )
+
+
+def _curvatures(joint: Joint, state: State):
+    """Both walls' together (y, x) [1/m], as they are."""
+    rule = joint.choices.largest_radius, joint.choices.concave
+    return sum(curvature(z, joint.spacing, *rule) for z in (state.upper, state.lower))
+
+
+def judge(joint: Joint, state: State) -> Verdict:
+    """Recompute a state at rest from its walls, forces and closure alone."""
+    force, law = state.force, law_of(joint, state)
+    total = math.fsum(force.ravel())
+    over_total = 1.0 / total if total > 0 else 0.0
+    cells, overlap = overlaps_of(joint, state, law)
+    compliance = asperity_compliances(_curvatures(joint, state), law).ravel()[cells]
+    answer = forces_of_overlaps(np.maximum(overlap, 0.0), compliance, law.substrate)
+    carried = force.ravel()[cells]
+    # each contact's overlap is good to a few units in the last place
+    slope = slopes_of_forces(answer, compliance, law.substrate)
+    summed = state.upper + state.lower
     ulp = np.spacing(np.abs(summed).max() + abs(state.closure))
     return Verdict(
         negative_force=abs(min(float(force.min()), 0.0)),
@@ -277,10 +292,10 @@ def judge(joint: Joint, state: State) -> Verdict:
             for pair in ((joint.upper, state.upper), (joint.lower, state.lower))
         ),
         raised=max(
-            raised(*pair, effects.gouge)
+            raised(*pair, joint.effects.gouge)
             for pair in ((joint.upper, state.upper), (joint.lower, state.lower))
         ),
-        strength=_excess(joint, state, maps, ratio),
+        strength=_excess(joint, state),
     )
 
 
@@ -306,20 +321,11 @@ def raised(before, after, gouge):
     return rise / reach if reach > 0.0 else math.inf
 
 
-def _excess(joint: Joint, state: State, maps, ratio) -> float:
+def _excess(joint: Joint, state: State) -> float:
     """By what the worst contact is beyond its strength, where it could break."""
     if not joint.effects.breakage:
         return 0.0
-    load = pressures_over_limit(
-        state.upper,
-        state.lower,
-        state.force,
-        h=joint.spacing,
-        rock=joint.rock,
-        peak_maps=maps,
-        ratio=ratio,
-        curvature_rule=(joint.choices.largest_radius, joint.choices.concave),
-    )
+    load = pressures_over_limit(joint, state)
     if joint.effects.gouge:
         rms = math.sqrt(0.5 * (np.var(joint.upper) + np.var(joint.lower)))
         tie = joint.choices.tie_tolerance * rms
