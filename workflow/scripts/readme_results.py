@@ -16,6 +16,8 @@ from jointclosure.storage.text import read_csv
 
 ROOT = Path(__file__).parents[2]
 PAPER = ROOT / "results/paper"
+EXCLUDED = 0.05
+"""Joint p below which the README says that Table 3 excludes the model (decision 0013)."""
 
 
 def interval_table() -> str:
@@ -44,17 +46,33 @@ def claim_table() -> str:
     return head + "|---|---|---|---|---|\n" + "\n".join(rows) + "\n"
 
 
-def predictive() -> str:
-    """What repetitions of the study would publish: the figure, and the paper's entries together."""
+def picture() -> str:
+    """The figure of repetitions, which leads."""
+    return (
+        "![The paper's Table 3 among repetitions of this study]"
+        "(docs/images/table_3_predictive.png)\n\n"
+        "*The paper's indifference intervals (diamonds) among those that repetitions of this study "
+        "would publish (curves), and among those of properties without any effect (grey).*\n"
+    )
+
+
+def joint_tests() -> str:
+    """The paper's entries together, and whether they exclude the model."""
     joint = read_csv(PAPER / "tables/table_3_joint_tests.csv")
     rows = [
         f"| {row.entries} | {row.number} | {_p(row.p)} | {_p(row.null_p)} |"
         for row in joint.itertuples()
     ]
     head = "| entries | number | p of this model | p without any effect |\n|---|---|---|---|\n"
-    figure = "![Table 3 of repetitions of the study](docs/images/table_3_predictive.png)\n"
-    said = "*What repetitions of the study would publish, and the paper's entries.*\n"
-    return "\n".join((figure, said, head + "\n".join(rows) + "\n"))
+    whole = joint.iloc[0]
+    outcome = "exclude this model as configured" if whole.p < EXCLUDED else "do not exclude it"
+    said = f"Together the paper's {whole.number} entries {outcome} (p {_sign(whole.p)}):\n\n"
+    return said + head + "\n".join(rows) + "\n"
+
+
+def _sign(value: float) -> str:
+    text = _p(value)
+    return text if text.startswith("<") else f"= {text}"
 
 
 def _p(value: float) -> str:
@@ -73,18 +91,21 @@ def facts() -> str:
         lines.append(f"{part.min():.0f} to {part.max():.0f} % in cycle {cycle}")
     flagged = int(((study.status.values & 2) > 0).sum())
     seconds = pd.Series(study.timing_simulation.values.ravel())
+    whole = seconds.sum()
+    if (PAPER / "pool.nc").exists():
+        whole += float(read_netcdf(PAPER / "pool.nc").timing_simulation.sum())
     return (
         f"In this study the standard deviation over surfaces is {', '.join(lines)} of the mean "
         f"maximum closure; {flagged} of {study.status.size} simulations are flagged as outside the "
         f"model's range (contacts that cannot break carry over 10 % of the force); a simulation "
-        f"took {seconds.median():.1f} s (median).\n"
+        f"took {seconds.median():.1f} s (median), all of them {whole / 60:.0f} minutes of a core.\n"
     )
 
 
 def main() -> None:
     """Fill the README and copy its figures."""
     parts = {"intervals": interval_table(), "claims": claim_table(), "facts": facts()}
-    parts["predictive"] = predictive()
+    parts |= {"picture": picture(), "joint tests": joint_tests()}
     fill(ROOT / "README.md", parts)
     for figure in ("fig_5_closure", "table_3_predictive"):
         shutil.copy(PAPER / f"figures/{figure}.png", ROOT / f"docs/images/{figure}.png")
