@@ -1,14 +1,14 @@
 """The command line: `jointclosure --help`. Each command is a module of `commands`."""
 
 import argparse
+import importlib
 import sys
+from collections.abc import Sequence
 from typing import NoReturn
 
 from jointclosure import __version__
-from jointclosure.commands import compare, doctor, plan, repeat, report, roughness, simulate
+from jointclosure.commands import COMMANDS
 from jointclosure.inputs import InputError
-
-COMMANDS = (simulate, roughness, compare, report, plan, repeat, doctor)
 
 
 class Parser(argparse.ArgumentParser):
@@ -18,19 +18,24 @@ class Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
 
 
-def parser() -> argparse.ArgumentParser:
-    """Commands and their arguments."""
+def parser(words: Sequence[str]) -> argparse.ArgumentParser:
+    """All commands, and the arguments of the one that is named first among words."""
+    named = next((word for word in words if not word.startswith("-")), "")
     program = Parser(prog="jointclosure", description="Closure of rock joints.")
     program.add_argument("--version", action="version", version=__version__)
     commands = program.add_subparsers(required=True, metavar="command")
-    for command in COMMANDS:
-        command.add_to(commands)
+    for name, what_it_does in COMMANDS.items():
+        if name == named:
+            importlib.import_module(f"jointclosure.commands.{name}").add_to(commands)
+        else:
+            commands.add_parser(name, help=what_it_does)
     return program
 
 
-def main(words: list[str] | None = None) -> int:
+def main(words: Sequence[str] | None = None) -> int:
     """Run a command; what is wrong with its input is one line on standard error."""
-    arguments = parser().parse_args(words)
+    words = sys.argv[1:] if words is None else words
+    arguments = parser(words).parse_args(words)
     try:
         return arguments.run(arguments)
     except (InputError, OSError, ValueError) as error:

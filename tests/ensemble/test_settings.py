@@ -25,6 +25,7 @@ from jointclosure.ensemble.settings import (
 )
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import surfaces_of
+from jointclosure.parameters import Effects
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf_regions
 from jointclosure.studies.effects.choice import choose_for_case
 from jointclosure.studies.sensitivity.closures import max_closure_table
@@ -193,10 +194,8 @@ def test_a_case_has_the_effects_of_its_rock_whatever_the_studys():
     own = {"rocks": {"slate": {"effects": {"interaction": False}}}}
     for changes, interaction in ((SMALL,), True), ((SMALL, own), False):
         settings = settings_of(study_of(*changes), "slate-base", range(2))
-        assert settings.case.effects._asdict() == ELASTIC | {
-            "interaction": interaction,
-            "soft_peaks": True,
-        }
+        expected = ELASTIC | {"interaction": interaction, "soft_peaks": True}
+        assert settings.case.effects == Effects(**expected)
         assert settings.conditions().effects == settings.case.effects
         assert settings.effects_chosen_to is None
 

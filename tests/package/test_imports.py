@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 
 import jointclosure as jc
+from jointclosure.commands import COMMANDS
 
+PREFIX = "jointclosure.commands."
 SCRIPTS = Path(__file__).parents[2] / "workflow/scripts"
 HEAVY = {
     "IPython", "SurfaceTopography", "docutils", "jinja2", "matplotlib", "mpmath", "netCDF4",
@@ -21,7 +23,7 @@ FILES = {"netCDF4", "numpy", "pandas", "xarray"}
 
 def loaded(code: str) -> set[str]:
     """Which heavy modules a fresh process has loaded after some code."""
-    report = f"import json, sys; {code}; print(json.dumps(list(sys.modules)))"
+    report = f"import json, sys\n{code}\nprint(json.dumps(list(sys.modules)))"
     command = [sys.executable, "-c", report]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     return HEAVY & set(json.loads(done.stdout.splitlines()[-1]))
@@ -33,6 +35,20 @@ def test_the_package_itself_loads_nothing():
 
 def test_parameters_load_numpy_alone():
     assert loaded("import jointclosure as jc; jc.Rock, jc.Effects, jc.Numerics") == {"numpy"}
+
+
+def test_help_loads_no_command():
+    code = "from jointclosure import cli; import contextlib\n"
+    code += "with contextlib.suppress(SystemExit): cli.main(['--help'])"
+    assert loaded(code) == {"numpy"}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_command_loads_its_own_module_and_takes_its_arguments(name):
+    code = f"from jointclosure import cli; cli.parser(['{name}'])"
+    report = f"import sys; {code}; print([m for m in sys.modules if m.startswith('{PREFIX}')])"
+    done = subprocess.run([sys.executable, "-c", report], capture_output=True, text=True)
+    assert done.stdout.strip() == repr([f"{PREFIX}{name}"]), done.stderr
 
 
 @pytest.mark.parametrize(

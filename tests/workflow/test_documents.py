@@ -127,7 +127,7 @@ def test_shell_samples_name_what_there_is_and_joints_are_closed(code, project, c
                 assert key in ("CONFIG", "CORES", "PYTHON")
                 assert key != "CONFIG" or (ROOT / value).is_file()
         elif program == "jointclosure":
-            arguments = cli.parser().parse_args(words)
+            arguments = cli.parser(words).parse_args(words)
             if words[0] == "simulate":
                 assert arguments.run(arguments) == 0
         elif program == "python":

@@ -1,1 +1,12 @@
 """The commands of the command line, a module each: `add_to` declares it, `run` does it."""
+
+COMMANDS = {
+    "simulate": "close one joint",
+    "roughness": "slopes, JRC, Hurst exponent, curvature and peaks of a measured wall",
+    "compare": "what moved between two studies",
+    "report": "a finished study as one page to read",
+    "plan": "how many surfaces a precision or a power needs",
+    "repeat": "one realisation of a study again",
+    "doctor": "is the environment fit for a study, and what to do where it is not",
+}
+"""Names of the modules, and what each does: they are imported when they are asked for."""

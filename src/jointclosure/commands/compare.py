@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from jointclosure.commands import COMMANDS
 from jointclosure.ensemble import comparison
 from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import read_netcdf
@@ -15,7 +16,7 @@ def add_to(commands) -> None:
     """Declare the command and its arguments."""
     command = commands.add_parser(
         "compare",
-        help="what moved between two studies",
+        help=COMMANDS["compare"],
         description="Mean closures, indifference intervals and verdicts of two studies. "
         "Surfaces with the same seeds are compared one by one.",
     )

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import psutil
 
+from jointclosure.commands import COMMANDS
 from jointclosure.compilation import cache_folder, compiles
 from jointclosure.config.configuration import DEFAULT, configured, merged_study
 from jointclosure.extras import EXTRAS, installed
@@ -45,7 +46,7 @@ def add_to(commands) -> None:
     """Declare the command and its arguments."""
     command = commands.add_parser(
         "doctor",
-        help="is the environment fit for a study, and what to do where it is not",
+        help=COMMANDS["doctor"],
         description="Versions, cores, thread settings, compiled kernels, memory, results folder "
         "and Snakemake, each with advice where it is not well. Run it where `make study` is run; "
         "it changes nothing, and fails where something is not well.",

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from jointclosure.commands import COMMANDS
 from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import read_netcdf
@@ -13,7 +14,7 @@ def add_to(commands) -> None:
     """Declare the command and its arguments."""
     command = commands.add_parser(
         "plan",
-        help="how many surfaces a precision or a power needs",
+        help=COMMANDS["plan"],
         description="From a finished study: surfaces per case that a wish needs, for each rock, "
         "parameter and cycle, and the time they take here. Give one wish.",
     )

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from jointclosure.commands import COMMANDS
 from jointclosure.config.plain import from_plain
 from jointclosure.ensemble.comparison import differences
 from jointclosure.ensemble.repetition import repeated
@@ -21,7 +22,7 @@ def add_to(commands) -> None:
     """Declare the command and its arguments."""
     command = commands.add_parser(
         "repeat",
-        help="one realisation of a study again",
+        help=COMMANDS["repeat"],
         description="Closes one surface pair of a study again, with the settings that its files "
         "or, where its job failed, its logs tell, and says whether the numbers are those stored.",
     )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 import xarray as xr
 
+from jointclosure.commands import COMMANDS
 from jointclosure.config.files import DEFAULT, MEASURED, PAPER_TABLE_3, read_plain
 from jointclosure.config.keys import ConfigurationKeys
 from jointclosure.config.schema import json_schema
@@ -28,7 +29,7 @@ def add_to(commands) -> None:
     """Declare the command and its arguments."""
     command = commands.add_parser(
         "report",
-        help="a finished study as one page to read",
+        help=COMMANDS["report"],
         description="Writes report.html from the results of a study, wherever they were made: "
         "nothing is computed again. Every file must be as it was written.",
     )

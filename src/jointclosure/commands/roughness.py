@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from jointclosure.commands import COMMANDS
 from jointclosure.inputs import InputError
 from jointclosure.scans import read_scan
 from jointclosure.scans.units import UNITS
@@ -23,7 +24,7 @@ def add_to(commands) -> None:
     """Declare the command and its arguments."""
     command = commands.add_parser(
         "roughness",
-        help="slopes, JRC, Hurst exponent, curvature and peaks of a measured wall",
+        help=COMMANDS["roughness"],
         description="Roughness of a wall from a file (npy, npz, netCDF, csv, xyz; with the extra "
         "jointclosure[walls] also STL, TIFF and what surface scanners write), its mean plane "
         "removed. Every measure has a 95 % confidence interval.",

@@ -7,6 +7,7 @@ from typing import Any
 
 import xarray as xr
 
+from jointclosure.commands import COMMANDS
 from jointclosure.config.configuration import Configured, configured, merged, merged_study
 from jointclosure.config.files import value_of
 from jointclosure.config.typed import Configuration
@@ -55,7 +56,7 @@ def add_to(commands) -> None:
     """Declare the command and its arguments."""
     command = commands.add_parser(
         "simulate",
-        help="close one joint",
+        help=COMMANDS["simulate"],
         description="Press two random walls together and release them, and print how far they\n"
         "close. The rock is one of a configuration, by its name, or given by its properties.",
         epilog=_EXAMPLES,

@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import seaborn as sns
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -79,10 +80,16 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
         axes.set_xlabel("time a simulation / that of the marked setting")
     for row in panels:
         row[0].set_ylabel("error of mean max. closure (%)")
-    handles, labels = panels[0, 0].get_legend_handles_labels()
-    handles.append(Line2D([], [], ls="", marker="o", color="0.3", mfc="w", ms=5))
-    labels.append("not told from no error")
-    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
+    entries: dict[str, Artist] = {}
+    for axes in panels.flat:  # a panel may lack a knob that others have
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    entries["not told from no error"] = Line2D(
+        [], [], ls="", marker="o", color="0.3", mfc="w", ms=5
+    )
+    figure.legend(
+        entries.values(), entries.keys(), loc="outside lower center", ncols=3, frameon=False
+    )
     figure.suptitle(title, x=0.01, ha="left")
     sns.despine(figure)
     return figure
@@ -157,15 +164,14 @@ def error_sources(sources: pd.DataFrame, title: str) -> Figure:
     figure, axes = subplots(figsize=(7.2, 3.6), layout="constrained")
     width = 0.8 / len(kinds)
     for k, kind in enumerate(kinds):
+        axes.bar([], [], color=f"C{k}", label=kind)
         for g, (_, part) in enumerate(groups):
             row = part[part.kind == kind]
             if row.empty:
                 continue
             row = row.iloc[0]
             x = g + (k - 0.5 * (len(kinds) - 1)) * width
-            axes.bar(
-                x, abs(row.error_percent), width, color=f"C{k}", label=kind if g == 0 else None
-            )
+            axes.bar(x, abs(row.error_percent), width, color=f"C{k}")
             if abs(row.error_percent) < _HARDLY_SEEN:
                 size = f"{abs(row.error_percent):.1f}"
                 side = "right" if np.isfinite(row.low) else "center"  # beside the interval

@@ -11,9 +11,9 @@ import json
 import math
 import time
 import warnings
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -114,7 +114,7 @@ class JudgedSolver:
         settled = self._inner.elastic_curve(joint, targets)
         self._judge(joint, settled[-1])
         last = joint.force.copy()
-        parts = range(1, len(settled))
+        parts = list(range(1, len(settled)))
         if joint.upper.size > _LARGEST_CURVE:
             parts = sorted({1, targets.size // 2} & set(parts))
         for part in parts:
@@ -214,8 +214,6 @@ def failed_requirements(outcome: Outcome, cases: dict[str, dict]) -> list[str]:
 def row_of(outcome: Outcome, failed: list[str]) -> dict:
     """The case's line of the table."""
     case, data = outcome.case, outcome.dataset
-    cycles = data is not None and "max_closure" in data
-    stress = data.normal_stress.values if data is not None else np.array([np.nan])
     return {
         "name": case["name"],
         "group": case["group"],
@@ -225,18 +223,7 @@ def row_of(outcome: Outcome, failed: list[str]) -> dict:
         "status": outcome.status,
         "holds": not failed,
         "failed": "; ".join(failed),
-        "max_closure_1_m": float(data.max_closure[0]) if cycles else math.nan,
-        "max_closure_last_m": float(data.max_closure[-1]) if cycles else math.nan,
-        "residual_closure_last_m": float(data.residual_closure[-1]) if cycles else math.nan,
-        "target_Pa": outcome.target,
-        "max_stress_Pa": float(np.max(stress)),
-        "unbreakable_share": float((data.locked_share + data.flat_share).max())
-        if cycles
-        else math.nan,
-        "unloading_excess_over_target": float(data.unloading_excess.max()) / outcome.target
-        if cycles
-        else math.nan,
-        "breakage_steps": int(data.breakage_steps) if cycles else 0,
+        **_measured(outcome),
         "steps": data.sizes.get("step", 1) if data is not None else 0,
         "states_judged": outcome.judge.states,
         **{
@@ -248,6 +235,26 @@ def row_of(outcome: Outcome, failed: list[str]) -> dict:
         "budget_s": case["seconds"],
         "seconds": round(outcome.seconds, 3),
         "within_budget": outcome.seconds <= case["seconds"],
+    }
+
+
+def _measured(outcome: Outcome) -> dict[str, float]:
+    """What a case's line says of its closures; NaN where it has no cycles."""
+    data, target = outcome.dataset, outcome.target
+    cycles = data is not None and "max_closure" in data
+
+    def found(value: Callable[[xr.Dataset], float]) -> float:
+        return float(value(data)) if data is not None and cycles else math.nan
+
+    return {
+        "max_closure_1_m": found(lambda each: each.max_closure[0]),
+        "max_closure_last_m": found(lambda each: each.max_closure[-1]),
+        "residual_closure_last_m": found(lambda each: each.residual_closure[-1]),
+        "target_Pa": target,
+        "max_stress_Pa": math.nan if data is None else float(np.max(data.normal_stress.values)),
+        "unbreakable_share": found(lambda each: (each.locked_share + each.flat_share).max()),
+        "unloading_excess_over_target": found(lambda each: each.unloading_excess.max()) / target,
+        "breakage_steps": int(data.breakage_steps) if data is not None and cycles else 0,
     }
 
 
@@ -286,7 +293,12 @@ def compile_for(case: dict) -> None:
 
 
 @lru_cache(maxsize=None)
-def _compile_scene(scene: tuple, peaks: str, solver: str, breakage: str) -> None:
+def _compile_scene(
+    scene: tuple,
+    peaks: Literal["pristine", "current"],
+    solver: str,
+    breakage: Literal["fixed_step", "resolved"],
+) -> None:
     compile_kernels(Effects(**dict(scene)), Choices(peaks=peaks), solver, breakage)
 
 
@@ -334,7 +346,7 @@ def _run(frozen: str) -> Outcome:
         except InputError as error:
             status, message = "refused", str(error)
     seconds = time.perf_counter() - start
-    if case["closure"] is not None and int(dataset.status) < FAILURE:
+    if case["closure"] is not None and dataset is not None and int(dataset.status) < FAILURE:
         total = float(dataset.normal_stress) * upper.size * setting["spacing"] ** 2
         force = dataset.force.values
         judge(oracle.State(given.upper, given.lower, force, case["closure"], total))
@@ -347,12 +359,12 @@ def _setting(case: dict) -> dict:
     lengths, stresses = case["scale_lengths"], case["scale_stresses"]
     walls = case["walls"]
     spacing = case["spacing"]
-    pair = hard_walls(
+    made = hard_walls(
         walls["kind"], walls["cells"], spacing, walls["height"], walls["jrc"], walls["seed"]
     )
     pair = [
         walls["factor"] * lengths * wall + offset
-        for wall, offset in zip(pair, walls["offset"], strict=True)
+        for wall, offset in zip(made, walls["offset"], strict=True)
     ]
     rocks = [
         Rock(

@@ -1,5 +1,7 @@
 """What must hold of every hard case, and what is asked of single ones."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from jointclosure.protocol import FAILURE, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
@@ -166,7 +168,7 @@ def _forgets(outcome, asked: dict, other) -> list[str]:
     return [] if spread <= asked["within"] else [f"maximum closures spread by {spread:.3g}"]
 
 
-EXTRA = {
+EXTRA: dict[str, Callable[..., list[str]]] = {
     "same_as": _same_as,
     "no_drift": _no_drift,
     "nothing_breaks": _nothing_breaks,

@@ -105,7 +105,7 @@ def cost_table(
         truth = runs[_run_of(settings, setting, against)]
         base = runs[_run_of(settings, setting, {"knob": BASE, "value": ""})]
         for cycle in run.cycle.values.tolist():
-            row = {"scene": setting.scene, "rock": setting.rock, "knob": setting.knob}
+            row: dict = {"scene": setting.scene, "rock": setting.rock, "knob": setting.knob}
             row |= {"value": setting.value, "cycle": cycle, "run": setting.run}
             row["other_joints"] = other
             own, exact = (_sample(each, cycle, significance) for each in (run, truth))
@@ -131,7 +131,7 @@ def _errors(own: _Sample, truth: _Sample, random, resamples, confidence, other) 
         mine, theirs = np.flatnonzero(own.good), np.flatnonzero(truth.good)
     else:
         mine = theirs = np.flatnonzero(own.good & truth.good)
-    row = {"samples": mine.size, "failed": int((~own.good).sum())}
+    row: dict = {"samples": mine.size, "failed": int((~own.good).sum())}
     if mine.size < 2:
         return row
     exact = truth.measures(theirs)

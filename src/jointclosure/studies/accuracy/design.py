@@ -69,7 +69,8 @@ def design_of(keys: dict) -> tuple[list[Setting], dict[str, Run]]:
         the model cannot take.
     """
     problems = list(_unknown(keys))
-    settings, runs = [], {}
+    settings: list[Setting] = []
+    runs: dict[str, Run] = {}
     if not problems:
         for setting, whole in _settings(keys):
             try:
@@ -98,7 +99,7 @@ def _settings(keys: dict) -> Iterator[tuple[Setting, dict]]:
         overrides = {key: value for key, value in scene_keys.items() if key not in _POINTS}
         for rock in keys["study"]["rocks"]:
             base = merged(plain, overrides, {"study": {"rocks": [rock]}})
-            turned = [(BASE, "", base)]
+            turned: list[tuple[str, float | str, dict]] = [(BASE, "", base)]
             for knob, way in design["knobs"].items():
                 if scene in way["scenes"]:
                     turned += [(knob, value, whole) for value, whole in _turned(base, way)]

@@ -77,7 +77,7 @@ def close_scene(
     status = np.zeros(shape, np.int16)
     seconds, pairs = np.zeros(shape), np.zeros(shape)
     for number, settings in enumerate(conditions):
-        at = np.unravel_index(number, shape[:2])
+        at = divmod(number, len(design.stress))
         told = settings.with_effects(effects).conditions()
         for realization, walls in enumerate(walls_of(settings.surfaces)):
             here = (*at, realization)
@@ -149,11 +149,11 @@ def effect_table(runs: Mapping[tuple[str, str], xr.Dataset]) -> pd.DataFrame:
             one, two = (runs[rock, scene_name(effects)] for effects in (with_it, without_it))
             for jrc in one.jrc.values:
                 for stress in one.stress.values:
-                    pair = tuple(part.sel(jrc=jrc, stress=stress) for part in (one, two))
+                    on, off = (part.sel(jrc=jrc, stress=stress) for part in (one, two))
                     about = {"rock": rock, "jrc": jrc, "stress_MPa": 1e-6 * stress}
-                    about |= {"effect": effect} | _cost(*pair)
+                    about |= {"effect": effect} | _cost(on, off)
                     for cycle in one.cycle.values.tolist():
-                        rows.append(about | {"cycle": cycle} | _added(*pair, cycle))
+                        rows.append(about | {"cycle": cycle} | _added(on, off, cycle))
     return pd.DataFrame(rows)
 
 

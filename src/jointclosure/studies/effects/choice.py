@@ -153,19 +153,27 @@ def choose_among(
 def choose_for_case(
     settings: ClosureSettings, report: Callable[[str], None] = lambda line: None
 ) -> SceneChoice:
-    """`choose_effects` for a case of a study, among its effects and to its tolerance."""
-    walls = walls_of(settings.surfaces)
-    return choose_among(walls, settings.conditions(), settings.effects_chosen_to, report)
+    """`choose_effects` for a case of a study, among its effects and to its tolerance.
+
+    Raises
+    ------
+    InputError
+        The study chooses none.
+    """
+    tolerance = settings.effects_chosen_to
+    if tolerance is None:
+        raise InputError("effects.auto = null: the study chooses no effects")
+    return choose_among(walls_of(settings.surfaces), settings.conditions(), tolerance, report)
 
 
 class _Pilot:
     """Pieces of walls, closed in the scenes that are asked for and no more often than needed."""
 
-    def __init__(self, pairs: list, conditions: Conditions):
+    def __init__(self, pairs: list[tuple[np.ndarray, np.ndarray]], conditions: Conditions):
         if len(pairs) < _FIRST:
             raise InputError(f"walls: {len(pairs)} pairs, a pilot needs {_FIRST} at least")
         self.pairs, self.effects, self.conditions = pairs, conditions.effects, conditions
-        self.pieces = [tuple(_piece(wall) for wall in pair) for pair in pairs]
+        self.pieces = [(_piece(upper), _piece(lower)) for upper, lower in pairs]
         self._known: dict[Effects, list[np.ndarray]] = {}
 
     def changes(self, scene: Effects, count: int) -> np.ndarray:
@@ -208,7 +216,7 @@ def _piece(wall: np.ndarray) -> np.ndarray:
     return wall[tuple(cuts)]
 
 
-def max_closures(pair: tuple, conditions: Conditions) -> np.ndarray:
+def max_closures(pair: tuple[np.ndarray, np.ndarray], conditions: Conditions) -> np.ndarray:
     """Maximum closures (cycle,) [m] of a pair of walls; NaN where the simulation failed."""
     closed = close_walls(*pair, conditions)
     return np.where(int(closed.status) >= FAILURE, np.nan, closed.max_closure.values)

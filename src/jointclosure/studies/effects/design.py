@@ -2,16 +2,23 @@
 
 import itertools
 
-from jointclosure.config.typed import Configuration
+from jointclosure.config.typed import Ablation, Configuration
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.slices import closure_settings, surface_settings
+from jointclosure.inputs import InputError
 from jointclosure.studies.effects.validation import ValidationSettings
 
 
 def conditions_of(configuration: Configuration, rock: str) -> list[ClosureSettings]:
-    """Settings of a rock's closures at every roughness and stress of the design, in that order."""
-    design, base = configuration.ablation, base_case(rock, configuration.rocks[rock])
+    """Settings of a rock's closures at every roughness and stress of the design, in that order.
+
+    Raises
+    ------
+    InputError
+        The study has no ``ablation``.
+    """
+    design, base = _design(configuration), base_case(rock, configuration.rocks[rock])
     block = range(configuration.study.realizations)
     found = []
     for jrc, stress in itertools.product(design.jrc, design.stress):
@@ -24,10 +31,18 @@ def conditions_of(configuration: Configuration, rock: str) -> list[ClosureSettin
 
 
 def validation_settings(configuration: Configuration) -> ValidationSettings:
-    """Settings of the random scenes of a study that has an ``ablation.validation``."""
-    study = configuration.study
+    """Settings of the random scenes of a study.
+
+    Raises
+    ------
+    InputError
+        The study has no ``ablation.validation``.
+    """
+    study, validation = configuration.study, _design(configuration).validation
+    if validation is None:
+        raise InputError("ablation.validation = null: the study has no random scenes")
     return ValidationSettings(
-        configuration.ablation.validation,
+        validation,
         study.root_seed,
         study.cycles,
         configuration.grid,
@@ -35,3 +50,9 @@ def validation_settings(configuration: Configuration) -> ValidationSettings:
         configuration.choices,
         configuration.numerics,
     )
+
+
+def _design(configuration: Configuration) -> Ablation:
+    if configuration.ablation is None:
+        raise InputError("ablation = null: the study is none of effects (config/effects.yaml)")
+    return configuration.ablation

@@ -160,9 +160,9 @@ def parsed_curve(
         rows.append((*values, number))
     if not rows:
         raise InputError(f"{name}: has a header and no rows")
-    stress, closure, cycle, line = (np.array(column) for column in zip(*rows, strict=True))
+    stress, closure, cycle, numbers = (np.array(column) for column in zip(*rows, strict=True))
     factors = [SI_FACTORS.get(unit, 1.0) for _, unit in columns.values()]
-    return MeasuredCurve(stress * factors[0], closure * factors[1], cycle.astype(int), line)
+    return MeasuredCurve(stress * factors[0], closure * factors[1], cycle.astype(int), numbers)
 
 
 def _columns(header: list[str], where: str, units: dict) -> dict[str, tuple[int, str]]:

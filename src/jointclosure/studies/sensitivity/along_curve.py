@@ -78,7 +78,7 @@ def _rows(
     rows = []
     levels = sample.levels[parameter]
     for i, (name, cycle) in enumerate(sample.names):
-        values = sample.values[i, levels.index]
+        values = sample.values[i, levels.cases]
         row = {"rock": sample.rock, "parameter": parameter, "cycle": cycle}
         row |= {"stress_MPa": 1e-6 * stresses[int(name)], "samples": values.shape[1]}
         if levels.base != 0.0:

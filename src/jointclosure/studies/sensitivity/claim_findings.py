@@ -53,7 +53,7 @@ def as_found(samples: list[RockSample], significance: float) -> Findings:
     drawn = {}
     for sample in samples:
         for parameter, levels in sample.levels.items():
-            values = sample.values[:, levels.index]
+            values = sample.values[:, levels.cases]
             means, deviations = values.mean(axis=2), values.std(axis=2, ddof=1)
             lengths = indifference_lengths(
                 levels.values, means, deviations, values.shape[2], significance, levels.base

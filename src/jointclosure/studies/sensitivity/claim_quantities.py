@@ -71,7 +71,7 @@ def fit_of(sample: RockSample, parameter: str, cycle: int, variable: str = TARGE
     levels, target = sample.levels[parameter], sample.target(variable, cycle)
 
     def fit(means: Means) -> Quadratic:
-        return fit_quadratic(levels.values, means[target, levels.index], levels.base)
+        return fit_quadratic(levels.values, means[target, levels.cases], levels.base)
 
     return fit
 
@@ -117,7 +117,7 @@ def rises(
 
     def step(i: int) -> Callable[[Means], float]:
         def value(means: Means) -> float:
-            lower, upper = means[target, levels.index[i : i + 2]]
+            lower, upper = means[target, levels.cases[i : i + 2]]
             return sign * (upper / lower - 1.0)
 
         return value

@@ -181,7 +181,7 @@ def _true(rule: Rule, samples: list[RockSample], figure: float | None) -> dict:
 def _found(rule: Rule, judged: _Judged, figure: float | None) -> dict:
     """How often repetitions of the study find the claim, and whether the study does."""
     here = _finds(rule, judged.study, figure)
-    row = {"found_here": None if here is None else YES if here[0] else NO}
+    row: dict = {"found_here": None if here is None else YES if here[0] else NO}
     found = _finds(rule, judged.drawn, figure)
     if found is not None:
         often = frequency(found)

@@ -42,11 +42,11 @@ class Response(NamedTuple):
 class Levels(NamedTuple):
     """The levels (k,) of one parameter of one rock [SI], ascending, and the cases that have them.
 
-    ``index`` (k,) is that of the cases in the dataset; ``base`` the rock's own value.
+    ``cases`` (k,) are the indices of the cases in the dataset; ``base`` the rock's own value.
     """
 
     values: np.ndarray
-    index: np.ndarray
+    cases: np.ndarray
     base: float
 
 
@@ -55,7 +55,7 @@ class RockSample(NamedTuple):
 
     Realisations that failed, or lack a target, in any of its cases are left out. ``names``
     (targets) are pairs of a variable and a cycle; ``levels`` has the parameters that are
-    varied, their index among these cases. ``paired`` as of `Response`.
+    varied, their indices among these cases. ``paired`` as of `Response`.
     """
 
     rock: str
@@ -102,9 +102,9 @@ def responses(study: xr.Dataset, target: str) -> Iterator[Response]:
     for rock in rocks_of(study):
         paired = same_surfaces(study, rock)
         for parameter, levels in levels_of(study, rock).items():
-            kept = good[levels.index].all(axis=0)
+            kept = good[levels.cases].all(axis=0)
             for cycle in study.cycle.values.tolist():
-                samples = study[target].sel(cycle=cycle).values[levels.index][:, kept]
+                samples = study[target].sel(cycle=cycle).values[levels.cases][:, kept]
                 yield Response(
                     rock, parameter, int(cycle), levels.base, levels.values, samples, paired
                 )
@@ -130,7 +130,7 @@ def rock_sample(study: xr.Dataset, rock: str, variables: dict[str, xr.DataArray]
     kept &= np.isfinite(values).all(axis=(0, 1))
     place = {int(case): i for i, case in enumerate(cases)}
     levels = {
-        parameter: each._replace(index=np.array([place[i] for i in each.index.tolist()]))
+        parameter: each._replace(cases=np.array([place[i] for i in each.cases.tolist()]))
         for parameter, each in levels_of(study, rock).items()
     }
     return RockSample(
@@ -148,7 +148,7 @@ def sensitivities(samples: list[RockSample]) -> dict[tuple[str, str], Sensitivit
         for parameter, levels in sample.levels.items():
             pools = tuple(
                 Pool(sample.values[:, i], sample.rock if sample.paired else f"{sample.rock} {i}")
-                for i in levels.index
+                for i in levels.cases
             )
             found[sample.rock, parameter] = Sensitivity(levels.values, levels.base, pools)
     return found

@@ -1,0 +1,70 @@
+"""The page of hard cases shows what it is given; people look at the rest."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import pytest
+
+from jointclosure.plotting.hard_cases import COLUMNS, MARKS, METHODS, hard_case_page
+
+CASES = (
+    ("flat_on_flat", "success", True),
+    ("flat_on_flat_resolved", "target_jumped", True),
+    ("mated_walls_of_a_very_long_name_indeed", "refused", True),
+    ("spikes", "not_converged", False),
+)
+
+
+@pytest.fixture(autouse=True)
+def close_figures():
+    yield
+    plt.close("all")
+
+
+@pytest.fixture
+def page():
+    table = pd.DataFrame(CASES, columns=["name", "status", "holds"])
+    curves = pd.DataFrame(
+        {
+            "case": ["flat_on_flat"] * 3 + ["flat_on_flat_resolved"] * 3 + ["spikes"],
+            "closure_m": [0.0, 1e-6, 2e-6, 0.0, 1e-6, 3e-6, 0.0],
+            "normal_stress_Pa": [0.0, 1e6, 4e6, 0.0, 1e6, 5e6, 0.0],
+        }
+    )
+    return hard_case_page(table, curves)
+
+
+def shown(page):
+    return [axes for axes in page.axes if axes.get_visible()]
+
+
+def test_a_case_with_both_ways_of_breakage_is_one_panel_and_no_panel_is_empty(page):
+    titles = [axes.get_title() for axes in shown(page)]
+    assert titles == ["flat on flat", "mated walls of a very long\nname indeed", "spikes"]
+    assert len(page.axes) == COLUMNS
+
+
+def test_each_way_of_breakage_has_its_curve_and_its_own_line(page):
+    curves = [line for line in shown(page)[0].lines if len(line.get_xdata()) > 1]
+    np.testing.assert_array_equal([line.get_xdata()[-1] for line in curves], [2e-6, 3e-6])
+    styles = [(line.get_color(), line.get_linestyle()) for line in curves]
+    assert styles == [METHODS["fixed_step"], METHODS["resolved"]]
+
+
+def test_a_panel_tells_the_largest_closure_and_stress_or_the_status_where_there_is_no_curve(page):
+    texts = [[text.get_text() for text in axes.texts] for axes in shown(page)]
+    assert texts == [
+        ["2.0 \N{MICRO SIGN}m, 4.0 MPa", "3.0 \N{MICRO SIGN}m, 5.0 MPa"], ["refused"],
+        ["not converged"],
+    ]  # fmt: skip
+
+
+def test_each_mark_says_whether_the_case_holds_and_the_title_how_many_do(page):
+    colours = [
+        line.get_color() for axes in shown(page) for line in axes.lines if line.get_marker() == "s"
+    ]
+    assert colours == list(MARKS.values())
+    assert page.get_suptitle().startswith("3 of 4 hard cases hold\n")
+    legend = [text.get_text() for text in page.legends[0].get_texts()]
+    assert legend[: len(MARKS)] == list(MARKS)
+    assert legend[len(MARKS) :] == ["breakage: fixed_step, or none", "breakage: resolved"]
