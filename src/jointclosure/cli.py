@@ -5,10 +5,10 @@ import sys
 from typing import NoReturn
 
 from jointclosure import __version__
-from jointclosure.commands import compare, doctor, plan, repeat, report, roughness, simulate
+from jointclosure.commands import close, compare, doctor, plan, repeat, report, roughness, simulate
 from jointclosure.inputs import InputError
 
-COMMANDS = (simulate, roughness, compare, report, plan, repeat, doctor)
+COMMANDS = (close, simulate, roughness, compare, report, plan, repeat, doctor)
 
 
 class Parser(argparse.ArgumentParser):
