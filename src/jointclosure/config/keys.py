@@ -19,6 +19,7 @@ from pydantic import (
 
 from jointclosure.parameters import Effects, Rock
 from jointclosure.solvers.registry import SOLVERS
+from jointclosure.surface.registration import ORIENTATIONS, SHIFTS
 from jointclosure.surface.roughness import RELATIONS
 from jointclosure.surface.synthesis import RULES
 
@@ -136,6 +137,26 @@ class WallKeys(Keys):
         "wall in the lower one's frame; none unless given.",
         [],
         json_schema_extra={"uniqueItems": True},
+    )
+    bring_together: bool = entry(
+        "Whether two files are brought together first: orientation checked, spikes cut, the common "
+        "plane removed, the overlap found; false unless given: they are taken cell by cell.",
+        False,
+    )
+    orientation: Literal[tuple(ORIENTATIONS)] | None = entry(
+        "Of the upper file, where walls are brought together; null: the one that fits, if it is "
+        "clear.",
+        None,
+    )
+    shift: Literal[SHIFTS] | None = entry(
+        "Where walls are brought together: scanned (left where they were) or mated (the upper one "
+        "moved to where they fit best); null: scanned in a common frame, else mated.",
+        None,
+    )
+    spikes: Literal["keep", "cut"] = entry(
+        "Points that stand out from all but one of their neighbours, where walls are brought "
+        "together: cut unless given.",
+        "cut",
     )
 
 

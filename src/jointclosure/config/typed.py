@@ -42,6 +42,10 @@ class Walls(NamedTuple):
     missing: str
     largest_filled_share: float
     inverted: tuple[str, ...]
+    bring_together: bool = False
+    orientation: str | None = None
+    shift: str | None = None
+    spikes: str = "cut"
 
 
 class MeasuredFile(NamedTuple):
