@@ -7,12 +7,15 @@ import re
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 from markers import fill
 
+from jointclosure.protocol import FAILURE
 from jointclosure.report.findings import percent_text
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv
+from jointclosure.statistics.standard_errors import variation_of
 
 ROOT = Path(__file__).parents[2]
 PAPER = ROOT / "results/paper"
@@ -80,25 +83,21 @@ def _p(value: float) -> str:
 
 
 def facts() -> str:
-    """Scatter over surfaces, flags, and the time of a simulation."""
+    """Scatter over surfaces, and flags."""
     study = read_netcdf(PAPER / "study.nc")
-    closures = read_csv(PAPER / "tables/max_closure.csv")
-    base = closures[closures.parameter == "base"]
-    scatter = base.max_closure_standard_deviation_mm / base.max_closure_mean_mm
+    pool = read_netcdf(PAPER / "pool.nc")
+    base = pool.max_closure[(pool.parameter == "base").values].where(pool.status < FAILURE)
     lines = []
     for cycle in (1, 2):
-        part = 100 * scatter[base.cycle == cycle]
-        lines.append(f"{part.min():.0f} to {part.max():.0f} % in cycle {cycle}")
+        found = [variation_of(row[np.isfinite(row)]) for row in base.sel(cycle=cycle).values]
+        values = [100 * each.value for each in found]
+        error = 100 * max(each.standard_error for each in found)
+        lines.append(f"{min(values):.0f} to {max(values):.0f} (± {error:.1g}) % in cycle {cycle}")
     flagged = int(((study.status.values & 2) > 0).sum())
-    seconds = pd.Series(study.timing_simulation.values.ravel())
-    whole = seconds.sum()
-    if (PAPER / "pool.nc").exists():
-        whole += float(read_netcdf(PAPER / "pool.nc").timing_simulation.sum())
     return (
-        f"In this study the standard deviation over surfaces is {', '.join(lines)} of the mean "
-        f"maximum closure; {flagged} of {study.status.size} simulations are flagged as outside the "
-        f"model's range (contacts that cannot break carry over 10 % of the force); a simulation "
-        f"took {seconds.median():.1f} s (median), all of them {whole / 60:.0f} minutes of a core.\n"
+        f"The standard deviation over {pool.sizes['realization']} surfaces is {', '.join(lines)} of "
+        f"the mean maximum closure; {flagged} of {study.status.size} simulations are flagged as outside the "
+        f"model's range (contacts that cannot break carry over 10 % of the force).\n"
     )
 
 
