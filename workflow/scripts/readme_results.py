@@ -13,9 +13,9 @@ from markers import fill
 
 from jointclosure.protocol import FAILURE
 from jointclosure.report.findings import percent_text
+from jointclosure.statistics.standard_errors import variation_of
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv
-from jointclosure.statistics.standard_errors import variation_of
 
 ROOT = Path(__file__).parents[2]
 PAPER = ROOT / "results/paper"
@@ -95,9 +95,9 @@ def facts() -> str:
         lines.append(f"{min(values):.0f} to {max(values):.0f} (± {error:.1g}) % in cycle {cycle}")
     flagged = int(((study.status.values & 2) > 0).sum())
     return (
-        f"The standard deviation over {pool.sizes['realization']} surfaces is {', '.join(lines)} of "
-        f"the mean maximum closure; {flagged} of {study.status.size} simulations are flagged as outside the "
-        f"model's range (contacts that cannot break carry over 10 % of the force).\n"
+        f"The standard deviation over {pool.sizes['realization']} surfaces is {', '.join(lines)} "
+        f"of the mean maximum closure; {flagged} of {study.status.size} simulations are flagged as "
+        f"outside the model's range (contacts that cannot break carry over 10 % of the force).\n"
     )
 
 
