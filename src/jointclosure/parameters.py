@@ -103,7 +103,7 @@ class Numerics(NamedTuple):
     later_breakage_step: float = 2.5e-6
     target: Literal["equilibrate", "interpolate"] = "equilibrate"
     stress_tolerance: float = 1e-3
-    force_tolerance: float = 1e-8
+    force_tolerance: float = 1e-5
     sweep_tolerance: float = 0.01
     solver: str = "fast"
     curve_points: int = 20

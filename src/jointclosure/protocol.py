@@ -170,8 +170,13 @@ def run_cycles(
         if run.failed:
             break
         _judge_range(run)
+        broken = run.effort.breakage_steps
         _unload(run, cycle)
         if run.failed:
+            break
+        at_rest = numerics.target == "equilibrate" and not run.status & TARGET_JUMPED
+        if at_rest and run.effort.breakage_steps == broken:
+            _repeat_elastic(run, cycle, cycles)
             break
     return History(run.steps, run.status, run.effort)
 
@@ -321,6 +326,22 @@ def _unload(run: _Run, cycle: int) -> None:
         run.accept(cycle, UNLOADING, settled)
         if settled.total_force == 0.0 or settled.closure <= run.joint.last_touch:
             return
+
+
+def _repeat_elastic(run: _Run, cycle: int, cycles: int) -> None:
+    """Later cycles where unloading broke nothing: down and up the same curve, solved once.
+
+    The walls are those that were at rest at the maximum, and equilibrium is unique, so that
+    every later state at a closure of this one's is the same.
+    """
+    opened = [step.settled for step in run.steps if step[:2] == (cycle, UNLOADING)]
+    before = next(i for i, step in enumerate(run.steps) if step[:2] == (cycle, UNLOADING))
+    maximum = run.steps[before - 1].settled
+    closed = [*opened[-2::-1], maximum]
+    for later in range(cycle + 1, cycles + 1):
+        for branch, states in ((LOADING, closed), (UNLOADING, opened)):
+            for settled in states:
+                run.accept(later, branch, settled._replace(effort=Effort()))
 
 
 def _judge_range(run: _Run) -> None:

@@ -58,8 +58,8 @@ def solve_equilibrium(
         Total force [N] that the shift is to bring about; NaN for a shift of 0.
     tolerance : float
         Relative residual to reach; below `ROUNDING` none does.
-    matrix : array (n, n), optional
-        The contacts' `influence_matrix` where it is at hand already.
+    matrix : array (m, m), optional
+        The contacts' `influence_matrix`, in its first n rows and columns, where it is at hand.
     elastic_displacement : array (n,), optional
         The interaction [m] of the forces to start from, or about that, where it is
         at hand: saves a product.

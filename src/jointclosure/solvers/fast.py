@@ -30,7 +30,7 @@ from jointclosure.solvers.breakage import breakage_kernel, strength_limits
 from jointclosure.solvers.contacts import Contacts
 from jointclosure.solvers.elastic import elastic_curve
 from jointclosure.solvers.equilibrium import Equilibrium, solve_equilibrium
-from jointclosure.solvers.interaction_operator import interaction_field
+from jointclosure.solvers.interaction_operator import dense_limit, interaction_field
 from jointclosure.solvers.joint import (
     CONVERGED,
     NOT_AT_REST,
@@ -43,7 +43,7 @@ from jointclosure.solvers.joint import (
 from jointclosure.solvers.newton import ROUNDING
 from jointclosure.solvers.pair_batch import batch_memory
 
-PROVISIONAL_TOLERANCES = (1e-2, 1e-4)
+PROVISIONAL_TOLERANCES = (3e-2, 1e-3)
 """Residuals that suffice to find what breaks next, stage by stage."""
 BAND = 10.0
 """Width of the band about its strength in which a contact rests, over `Numerics.tolerance`."""
@@ -69,7 +69,10 @@ class FastSolver:
                 predicted = path.begin_within_strength(asked)
                 path.alternate(asked)
             else:
-                path.begin_extrapolated(step, asked)
+                if step < 0.0:
+                    path.begin_elastic(step, asked)
+                else:
+                    path.begin_extrapolated(step, asked)
                 path.alternate(asked)
             settled = path.described(CONVERGED)
             while not settled.residual <= asked:
@@ -122,6 +125,13 @@ class _PathToRest:
         else:
             np.maximum(joint.force + step * joint.force_rate, 0.0, out=joint.force)
             self.solve(asked)
+
+    def begin_elastic(self, step: float, asked: float) -> None:
+        """First equilibrium while the joint opens, when forces fall and nothing need break."""
+        joint = self.joint
+        joint.interaction += step * joint.interaction_rate
+        np.maximum(joint.force + step * joint.force_rate, 0.0, out=joint.force)
+        self.solve(asked)
 
     def begin_within_strength(self, asked: float) -> float:
         """First equilibrium with resolved breakage; the total force [N] that it predicts."""
@@ -176,7 +186,7 @@ class _PathToRest:
         if self.rounds >= MOST_ROUNDS:
             raise _GivenUp(NOT_AT_REST)
         joint = self.joint
-        contacts = _contacts(joint, self.closure)
+        contacts, matrix = _with_matrix(joint, _contacts(joint, self.closure))
         cells = contacts.cells
         answer = solve_equilibrium(
             joint.influence,
@@ -184,6 +194,7 @@ class _PathToRest:
             joint.force.ravel()[cells],
             np.nan,
             tolerance,
+            matrix,
             # the interaction of those forces, or what it is expected to become
             elastic_displacement=joint.interaction.ravel()[cells],
         )
@@ -222,6 +233,24 @@ def _contacts(joint: Joint, closure: float) -> Contacts:
         _band(joint),
     )
     return contacts._replace(limit=limit)
+
+
+def _with_matrix(joint: Joint, contacts: Contacts) -> tuple[Contacts, np.ndarray | None]:
+    """The contacts among all cells that overlapped lately, and the influence between these.
+
+    Cells that do not overlap now are given an overlap that no force answers.
+    """
+    if joint.influence is None:
+        return contacts, None
+    if contacts.cells.size > dense_limit(joint.upper.shape):
+        return contacts, np.empty((0, 0))
+    near = joint.neighbours
+    slot = near.slots(contacts.cells)
+    n = near.cells.size
+    overlap, compliance, limit = np.full(n, -1.0), np.ones(n), np.full(n, np.inf)
+    overlap[slot], compliance[slot] = contacts.overlap, contacts.compliance
+    limit[slot] = contacts.limit
+    return Contacts(near.cells, overlap, compliance, limit, contacts.substrate), near.matrix
 
 
 def _stages(asked: float) -> tuple[float, ...]:

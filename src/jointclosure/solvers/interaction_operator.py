@@ -51,18 +51,95 @@ def influence_table(ny, nx, base_radius, substrate_modulus, spacing):
 
 
 @kernel
+def influence_by_place(table):
+    """Influence [m/N] by the difference of two places, flat, and the index of no difference.
+
+    The place of a cell (y, x) is y (2 nx - 1) + x (`places`): then the influence between two
+    cells is found by the difference of their places alone.
+    """
+    ny, nx = table.shape
+    stride = 2 * nx - 1
+    wide = np.empty((2 * ny - 1) * stride)
+    for y in range(2 * ny - 1):
+        for x in range(stride):
+            wide[y * stride + x] = table[abs(y - ny + 1), abs(x - nx + 1)]
+    return wide, (ny - 1) * stride + nx - 1
+
+
+@kernel
+def places(cells, nx):
+    """Places (n,) of cells (n,) given by flat index, see `influence_by_place`."""
+    found = np.empty(cells.size, np.int64)
+    for i in range(cells.size):
+        y, x = divmod(cells[i], nx)
+        found[i] = y * (2 * nx - 1) + x
+    return found
+
+
+@kernel
+def fill_influence(matrix, wide, middle, place, known):
+    """Influences [m/N] between cells at places (n,), of which ``known`` are in the matrix already."""
+    n = place.size
+    for i in range(known):
+        row, at = matrix[i], middle + place[i]
+        for j in range(known, n):
+            row[j] = wide[at - place[j]]
+    for i in range(known, n):
+        row, at = matrix[i], middle + place[i]
+        for j in range(n):
+            row[j] = wide[at - place[j]]
+
+
+@kernel
 def influence_matrix(table, cells):
     """Dense influence matrix (n, n) [m/N] between cells given by flat index."""
-    nx = table.shape[1]
-    n = cells.size
-    matrix = np.empty((n, n))
-    for i in range(n):
-        y, x = divmod(cells[i], nx)
-        for j in range(i + 1):
-            v, w = divmod(cells[j], nx)
-            matrix[i, j] = table[abs(y - v), abs(x - w)]
-            matrix[j, i] = matrix[i, j]
+    matrix = np.empty((cells.size, cells.size))
+    wide, middle = influence_by_place(table)
+    fill_influence(matrix, wide, middle, places(cells, table.shape[1]), 0)
     return matrix
+
+
+class Neighbours:
+    """Cells that overlapped lately, and the influence between them, which grows with them.
+
+    From round to round of a joint nearly the same cells overlap. Their matrix is kept, with rows
+    for those that are new; where over a quarter of it is no longer wanted it is begun anew.
+
+    ``cells`` (n,) are flat indices in the order in which they came, ``matrix`` (m, m) has the
+    influences between them in its first n rows and columns.
+    """
+
+    def __init__(self, table: np.ndarray):
+        self._table, (self._wide, self._middle) = table, influence_by_place(table)
+        self._slot = np.full(table.size, -1)
+        self.cells = np.empty(0, np.int64)
+        self._place = self.cells
+        self.matrix = np.empty((0, 0))
+
+    def slots(self, cells: np.ndarray) -> np.ndarray:
+        """Where the given cells (k,) are among `cells`, after those that were not yet."""
+        slot = self._slot[cells]
+        new = cells[slot < 0]
+        if self.cells.size + new.size > 1.25 * cells.size:
+            self._slot[self.cells] = -1
+            self.cells = self._place = self.cells[:0]
+            new = cells
+        if new.size:
+            self._add(new)
+            slot = self._slot[cells]
+        return slot
+
+    def _add(self, new: np.ndarray) -> None:
+        known, n = self.cells.size, self.cells.size + new.size
+        self._slot[new] = np.arange(known, n)
+        self.cells = np.concatenate([self.cells, new])
+        self._place = np.concatenate([self._place, places(new, self._table.shape[1])])
+        if n > self.matrix.shape[0]:
+            room = int(1.3 * n) // 8 * 8 + 8
+            larger = np.empty((room, room))
+            larger[:known, :known] = self.matrix[:known, :known]
+            self.matrix = larger
+        fill_influence(self.matrix, self._wide, self._middle, self._place, known)
 
 
 @kernel
@@ -151,7 +228,7 @@ def dense_limit(shape: tuple[int, int]) -> int:
     Measured: 600 on 100 x 100 cells; both costs go as the number of cells if
     the limit goes as its root.
     """
-    return min(int(6.0 * math.sqrt(shape[0] * shape[1])), LARGEST_DENSE)
+    return min(int(8.0 * math.sqrt(shape[0] * shape[1])), LARGEST_DENSE)
 
 
 def dense_influence(table: np.ndarray) -> Influence:

@@ -13,6 +13,7 @@ from jointclosure.solvers.cells import overlapping_cells, peak_map
 from jointclosure.solvers.contacts import Contacts, separate_equilibrium
 from jointclosure.solvers.interaction_operator import (
     Influence,
+    Neighbours,
     influence_of,
     influence_table,
     interaction_field,
@@ -119,6 +120,11 @@ class Joint:
     def influence(self) -> Influence | None:
         """The interaction as a convolution; None in a scene without."""
         return influence_of(self.influence_table) if self.effects.interaction else None
+
+    @cached_property
+    def neighbours(self) -> Neighbours:
+        """Cells that overlapped lately, and their influence on each other."""
+        return Neighbours(self.influence_table)
 
     @cached_property
     def _mean_displacement(self) -> np.ndarray:
