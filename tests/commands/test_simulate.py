@@ -92,7 +92,7 @@ def test_a_failed_simulation_is_said_and_fails(capsys, monkeypatch):
         (["--rock", "slate", "--set", "grid.cell_x=3"], "grid.cell_x = 3: unknown key; did you"),
         (
             ["--config", "config/measured_wall.yaml", "--rock", "granite"],
-            "--rock granite: has measured walls; this closes random ones",
+            "--rock granite: has scanned walls; this closes random ones",
         ),
         (["--rock", "slate", "--set", "rocks=3"], "rocks = 3: must be of type object"),
         (["--rock", "slate", "--config", "nowhere.yaml"], "nowhere.yaml: there is no such file"),

@@ -68,7 +68,7 @@ def add_to(commands) -> None:
         "--config",
         type=Path,
         metavar="FILE",
-        help="study whose rocks and settings are used, over the paper's",
+        help="study whose rocks and other keys are used, over the paper's",
     )
     rock.add_argument("--youngs-modulus", type=float, metavar="GPa", help="Young's modulus E")
     rock.add_argument("--poisson-ratio", type=float, metavar="NU", help="Poisson's ratio")
@@ -150,7 +150,7 @@ def _settings(arguments) -> Configured:
     if arguments.seed < 0:
         raise InputError(f"--seed {arguments.seed}: must be 0 or above")
     if base["rocks"].get(arguments.rock, {}).get("walls"):
-        raise InputError(f"--rock {arguments.rock}: has measured walls; this closes random ones")
+        raise InputError(f"--rock {arguments.rock}: has scanned walls; this closes random ones")
     base["rocks"].setdefault(arguments.rock or _UNNAMED, {})["levels"] = {}
     return configured(merged(base, _changes(arguments), *arguments.set), read_csv)
 

@@ -41,12 +41,12 @@ _BESIDE_STAR = 0.08
 
 @styled
 def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
-    """Error of the mean maximum closure against time, for one scene.
+    """Error of the mean maximum closure against time, for one variant of the model.
 
     Parameters
     ----------
     costs : DataFrame
-        Rows of one scene from `jointclosure.studies.accuracy.cost.cost_table`.
+        Rows of one variant from `jointclosure.studies.accuracy.cost.cost_table`.
     title : str
     paper : str
         Name of the setting that is marked with a star.
