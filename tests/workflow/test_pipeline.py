@@ -201,6 +201,23 @@ def test_an_edit_of_the_statistics_reruns_no_simulation(study):
     assert jobs["find_indifference_intervals"] == 1
 
 
+def test_a_comment_in_a_module_reruns_nothing_and_an_edit_what_imports_it(tmp_path):
+    package = tmp_path / "package/jointclosure"
+    shutil.copytree(ROOT / "src/jointclosure", package)  # with the compiled kernels
+    folder = checkout(tmp_path)
+    own = {"PYTHONPATH": str(package.parent)}
+    answer = snakemake(folder, environment=own)
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    module = package / "statistics/bootstrap.py"
+    text = module.read_text(encoding="utf-8")
+    module.write_text(f'# a comment\n{text}\n"""And a text."""\n', encoding="utf-8")
+    assert planned(folder, environment=own) == {}
+    module.write_text(f"{text}\nADDED = 1\n", encoding="utf-8")
+    jobs = planned(folder, environment=own)
+    assert jobs["find_indifference_intervals"] == 1
+    assert not {"close_surfaces", "make_surfaces", "compile_kernels"} & set(jobs)
+
+
 def test_a_bad_configuration_is_refused_before_any_job(study):
     (study / "bad.yaml").write_text("grid: {cells_x: 2, spcing_mm: 1}\n")
     answer = snakemake(study, config="bad.yaml")
