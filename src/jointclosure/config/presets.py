@@ -1,4 +1,4 @@
-"""Numerics by one word, or by the accuracy that is wanted, from what was measured.
+"""Numerics by one word, or by the accuracy that is wanted, from what was found of them.
 
 The study of accuracy (config/accuracy.yaml) writes `setting_table`, of which the
 package keeps a copy (accuracy_settings.csv): what each setting was off by, and what

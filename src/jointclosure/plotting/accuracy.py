@@ -139,7 +139,7 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> None:
     best = best.sort_values("relative_time")
     axes.plot(
         best.relative_time, best["size"], drawstyle="steps-post", color="0.6", lw=4, alpha=0.5,
-        zorder=0, label="not beaten in both",
+        zorder=0, label="none is faster and more exact",
     )  # fmt: skip
     axes.set(xscale="log", yscale="log")
     for axis in (axes.xaxis, axes.yaxis):
