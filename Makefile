@@ -30,7 +30,7 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects test test-all lint docs coverage wheel lock clean
+.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects readings test test-all lint docs coverage wheel lock clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -76,6 +76,9 @@ accuracy: $(STAMP) ## Measure what accuracy costs in time (40 minutes on two cor
 
 effects: $(STAMP) ## Measure what each effect adds, and what it costs (up to an hour on two cores)
 	$(RUN) effects
+
+readings: $(STAMP) ## Ask which reading of the paper gives its Table 3 (ninety minutes on two cores)
+	$(RUN) readings
 
 test: $(STAMP) ## Pass the tests
 	@echo "Compiling the kernels of all scenes (two minutes when they are new) ..."

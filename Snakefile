@@ -21,6 +21,8 @@ include: "workflow/rules/report.smk"
 include: "workflow/rules/hard_cases.smk"
 include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/effects.smk"
+include: "workflow/rules/readings_setting.smk"
+include: "workflow/rules/readings.smk"
 include: "workflow/rules/numerics.smk"
 
 
@@ -28,7 +30,7 @@ DRY_RUN = bool({"-n", "--dry-run", "--dryrun"} & set(sys.argv))
 # a file that is not the one that its seal, or this configuration, says is made again
 for folder, made_with in (
     (RESULTS, STUDY_WITH | CHOSEN_WITH | WALLS_WITH),
-    (RESULTS, ACCURACY_WITH | SCENES_WITH | VALIDATED_WITH),
+    (RESULTS, ACCURACY_WITH | SCENES_WITH | VALIDATED_WITH | READINGS_WITH),
     (HARD_RESULTS, HARD_WITH),
 ):
     for seal, reason in list(unmet_seals(folder, made_with)):

@@ -8,7 +8,7 @@ from hypothesis import given
 import jointclosure as jc
 from jointclosure.parameters import well_posed_scenes
 from jointclosure.protocol import FAILURE
-from jointclosure.surface.synthesis import self_affine_field
+from jointclosure.surface.synthesis import Spectrum, gaussian_field
 from jointclosure.verification import oracle
 from tests import invariants
 
@@ -23,7 +23,7 @@ def wall_of(kind, shape, seed):
     """A wall (y, x) of heights of about 1."""
     random = np.random.default_rng(seed)
     if kind == "self-affine":
-        field = self_affine_field(shape, 0.8, random)
+        field = gaussian_field(shape, Spectrum(0.8), random)
         return field / np.abs(field).max()
     if kind == "integer":
         return random.integers(-3, 4, shape).astype(float)

@@ -78,7 +78,7 @@ def test_last_contact_is_where_the_walls_as_they_are_only_just_touch(closed, wal
     assert closed.residual_closure.values[-1] == pytest.approx(touch, abs=1e-18)
 
 
-def test_readings_follow_the_conventions(closed):
+def test_closures_follow_the_conventions(closed):
     first, second = on(closed, 1, "loading"), on(closed, 2, "loading")
     ends = [on(closed, cycle, "unloading")[0][-1] for cycle in (1, 2)]
     expected = [first[0][-1], second[0][-1] - ends[0]]

@@ -12,6 +12,7 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # type checkers and `jointclosure.sources` read these imports, Python does not
+    from jointclosure.ensemble.scanned_joint import close
     from jointclosure.inputs import InputError
     from jointclosure.parameters import (
         Choices,
@@ -19,6 +20,7 @@ if TYPE_CHECKING:  # type checkers and `jointclosure.sources` read these imports
         Numerics,
         Rock,
     )
+    from jointclosure.scans import read_scan
     from jointclosure.simulation import equilibrium, simulate
     from jointclosure.statistics.indifference import indifference_interval
     from jointclosure.studies.effects.choice import choose_effects
@@ -33,8 +35,10 @@ _MODULES = {
     "Numerics": "parameters",
     "Rock": "parameters",
     "choose_effects": "studies.effects.choice",
+    "close": "ensemble.scanned_joint",
     "equilibrium": "simulation",
     "indifference_interval": "statistics.indifference",
+    "read_scan": "scans",
     "simulate": "simulation",
     "wall_pair": "surface.synthesis",
 }
@@ -47,8 +51,10 @@ __all__ = [
     "Numerics",
     "Rock",
     "choose_effects",
+    "close",
     "equilibrium",
     "indifference_interval",
+    "read_scan",
     "simulate",
     "wall_pair",
 ]

@@ -54,7 +54,8 @@ class Choices(NamedTuple):
 
     ``base_radius_in_cells`` is r/h in (0, 1]; ``peak_modulus_ratio`` the
     modulus of a peak over the rock's; ``concave`` how valleys and saddles
-    count ("magnitude"); ``peaks`` whether peaks are those of the "pristine"
+    count: by the size of their curvature ("magnitude"), or as "flat", which a wall then is
+    where either of its profiles is not convex; ``peaks`` whether peaks are those of the "pristine"
     or of the "current" walls; ``largest_radius`` [m] bounds each wall's
     Gaussian radius from above (None: unbounded, as in the paper);
     ``tie_tolerance`` is the difference in height that counts as lower, over
@@ -63,7 +64,7 @@ class Choices(NamedTuple):
 
     base_radius_in_cells: float = 0.5
     peak_modulus_ratio: float = 0.05
-    concave: Literal["magnitude"] = "magnitude"
+    concave: Literal["magnitude", "flat"] = "magnitude"
     peaks: Literal["pristine", "current"] = "pristine"
     largest_radius: float | None = None
     tie_tolerance: float = 2e-9
@@ -229,7 +230,7 @@ def check_choices(choices: Choices, spacing: float) -> None:
         )
     if not 0.0 < choices.peak_modulus_ratio <= 1.0:
         raise InputError(f"peak_modulus_ratio = {choices.peak_modulus_ratio!r}: must be in (0, 1]")
-    check_one_of("concave", choices.concave, ("magnitude",))
+    check_one_of("concave", choices.concave, ("magnitude", "flat"))
     check_one_of("peaks", choices.peaks, ("pristine", "current"))
     if choices.largest_radius is not None:
         check_length("largest_radius", choices.largest_radius)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from jointclosure.foresight import check_foreseen
 from jointclosure.given_walls import checked_walls
+from jointclosure.history import cycle_closures, unloading_excess
 from jointclosure.inputs import (
     LENGTHS,
     InputError,
@@ -37,7 +38,6 @@ from jointclosure.protocol import (
     Report,
     run_cycles,
 )
-from jointclosure.readings import cycle_readings, unloading_excess
 from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import Joint, Settled, Solver
 from jointclosure.solvers.registry import SOLVERS, solver_named
@@ -338,7 +338,7 @@ def _history_dataset(
         "bulk_indentation": np.array([p.mean_interaction for p in settled]),
         "equilibrium_residual": np.array([p.residual for p in settled]),
     }
-    along_cycle = cycle_readings(closure, stress, cycle, branch, cycles, seating_stress)
+    along_cycle = cycle_closures(closure, stress, cycle, branch, cycles, seating_stress)
     along_cycle["unloading_excess"] = unloading_excess(closure, stress, cycle, branch, cycles)
     at_maximum = _at_maxima(settled, cycle, branch, cycles)
     along_cycle |= {

@@ -176,3 +176,34 @@ def test_cut_surfaces_are_those_of_the_cutter_with_their_places(scan):
 def test_what_is_left_out_of_walls_has_its_usual_value_and_lengths_are_in_metres():
     walls = study_of(with_walls(spacing_mm=0.3)).rocks["slate"].walls
     assert walls == Walls("rotated", "scan.npz", "mm", 0.3e-3, None, "refuse", 0.05, ())
+
+
+def test_two_files_that_lie_anyhow_are_brought_together_if_asked_to():
+    upper, lower = jc.wall_pair(9.0, (64, 72), SPACING, seed=4, correlation=0.9)
+    scans = {
+        "upper": Scan(-upper[:, 6:], (SPACING, SPACING), (0.0, 6 * SPACING)),
+        "lower": Scan(lower, (SPACING, SPACING)),
+    }
+    with pytest.raises(jc.InputError, match="bring_together: true finds what both cover"):
+        prepared(scans, upper="a.csv", lower="b.csv")
+    found = prepared(scans, upper="a.csv", lower="b.csv", bring_together=True)
+    assert found.upper.shape == found.lower.shape == (64, 66)
+    np.testing.assert_allclose(found.upper, detrended(upper[:, 6:]), atol=1e-9)
+    np.testing.assert_allclose(found.lower, detrended(lower[:, 6:]), atol=1e-9)
+    assert "found: common_frame" in found.attrs["registration"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"bring_together": True}, "bring_together = true: needs two files"),
+        ({"shift": "mated"}, "shift = mated: only with bring_together: true"),
+        (
+            {"bring_together": True, "upper": "a.npz", "inverted": ["upper"]},
+            "not with bring_together, which finds how the upper file lies",
+        ),
+    ],
+)
+def test_how_files_are_brought_together_contradicts_nothing(changes, said):
+    with pytest.raises(ConfigurationError, match=said):
+        study_of(with_walls(**changes))

@@ -11,7 +11,7 @@ heights = st.floats(-1e-3, 1e-3)
 
 def profile_curvature(before, here, after, spacing):
     """That of a cell with this profile both ways."""
-    return gaussian_curvature(before, after, before, after, here, spacing)
+    return gaussian_curvature(before, after, before, after, here, 1.0, spacing)
 
 
 @given(radius=st.floats(1e-3, 10.0), start=st.floats(-0.5, 0.5))
@@ -34,7 +34,7 @@ def test_gaussian_curvature_is_the_geometric_mean_of_the_profiles(z):
     west, east, south, north, here = z
     h = 0.25e-3
     product = profile_curvature(west, here, east, h) * profile_curvature(south, here, north, h)
-    assert gaussian_curvature(west, east, south, north, here, h) == pytest.approx(
+    assert gaussian_curvature(west, east, south, north, here, 1.0, h) == pytest.approx(
         np.sqrt(product), rel=1e-12, abs=1e-9
     )
 
@@ -42,20 +42,29 @@ def test_gaussian_curvature_is_the_geometric_mean_of_the_profiles(z):
 @given(st.lists(heights, min_size=5, max_size=5))
 def test_a_valley_counts_as_the_peak_that_mirrors_it(z):
     h = 0.25e-3
-    assert gaussian_curvature(*z, h) == gaussian_curvature(*[-v for v in z], h)
+    assert gaussian_curvature(*z, 1.0, h) == gaussian_curvature(*[-v for v in z], 1.0, h)
+
+
+@given(st.lists(heights, min_size=5, max_size=5))
+def test_a_flat_reading_leaves_convex_caps_and_levels_valleys_and_saddles(z):
+    west, east, south, north, here = z
+    h = 0.25e-3
+    convex = (west - here) + (east - here) < 0.0 and (south - here) + (north - here) < 0.0
+    expected = gaussian_curvature(*z, 1.0, h) if convex else 0.0
+    assert gaussian_curvature(*z, 0.0, h) == expected
 
 
 # products of heights far below any length would round as subnormal numbers do
 @given(st.lists(heights.map(lambda z: z if abs(z) > 1e-30 else 0.0), min_size=5, max_size=5))
 def test_curvature_scales_exactly_with_powers_of_64(z):
     h = 0.25e-3
-    assert gaussian_curvature(*[64.0 * v for v in z], 64.0 * h) == (
-        gaussian_curvature(*z, h) / 64.0
+    assert gaussian_curvature(*[64.0 * v for v in z], 1.0, 64.0 * h) == (
+        gaussian_curvature(*z, 1.0, h) / 64.0
     )
 
 
 def test_a_ridge_has_no_gaussian_curvature():
-    assert gaussian_curvature(0.0, 0.0, -1e-4, -1e-4, 0.0, 0.25e-3) == 0.0
+    assert gaussian_curvature(0.0, 0.0, -1e-4, -1e-4, 0.0, 1.0, 0.25e-3) == 0.0
 
 
 def exact_profile(before, here, after, spacing):
@@ -110,6 +119,6 @@ def test_gaussian_curvature_of_nearly_collinear_points_keeps_14_digits(slopes, s
     here = h * (1.0 + sag)
     x, _ = exact_profile(west, here, east, h)
     y, _ = exact_profile(south, here, north, h)
-    found = gaussian_curvature(west, east, south, north, here, h)
+    found = gaussian_curvature(west, east, south, north, here, 1.0, h)
     with mpmath.workdps(50):
         assert abs(found - mpmath.sqrt(x * y)) <= 1e-14 * mpmath.sqrt(x * y)

@@ -413,3 +413,20 @@ def test_plain_formats_need_no_extra(wall, tmp_path, monkeypatch):
         (tmp_path / name).write_bytes(b"something")
         with pytest.raises(jc.InputError, match=r"jointclosure\[walls\]"):
             read_scan(tmp_path / name, units="mm", spacing=SPACING)
+
+
+def test_geotiffs_of_one_frame_stay_in_it(tmp_path):
+    """Two scans of the same ground whose first pixels are apart have origins apart."""
+    tifffile = pytest.importorskip("tifffile")
+    ground = np.arange(80.0).reshape(8, 10) ** 1.5
+    keys = (1, 1, 0, 2, 3076, 0, 1, 9001, 4099, 0, 1, 9001)
+    scans = []
+    for name, rows, columns in (("a.tif", 0, 0), ("b.tif", 2, 3)):
+        tags = [
+            (33550, "d", 3, (0.5, 0.25, 0.0), True),
+            (33922, "d", 6, (0.0, 0.0, 0.0, 100.0 + 0.5 * columns, 700.0 - 0.25 * rows, 0.0), True),
+            (34735, "H", len(keys), keys, True),
+        ]
+        tifffile.imwrite(tmp_path / name, ground[rows:, columns:], extratags=tags)
+        scans.append(read_scan(tmp_path / name))
+    assert np.subtract(scans[1].origin, scans[0].origin) == pytest.approx((0.5, 1.5))

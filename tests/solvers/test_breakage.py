@@ -168,7 +168,7 @@ def test_the_returning_loss_brings_a_pair_back_to_its_strength_or_is_all_there_i
     batch.substrate_strength[0] = LAW.substrate * LAW.breaking_force[0]
 
     def measured():
-        pb.assess(batch, 1, 0.0, SPACING, 1.0 + 0.5 * band)
+        pb.assess(batch, 1, 0.0, 1.0, SPACING, 1.0 + 0.5 * band)
         pb.measure_drops(batch, 1, pb.UPPER, tie)
         pb.measure_drops(batch, 1, pb.LOWER, tie)
         ratio = batch.stress_ratio[0]
@@ -186,7 +186,7 @@ def test_the_returning_loss_brings_a_pair_back_to_its_strength_or_is_all_there_i
     pb.share_losses(batch, 1, gouge)
     hypothesis.assume(batch.breaks[0] == 1.0)
     volume = heights[:, :, 0].sum()
-    pb.returning_losses(batch, 1, band, tie, 0.0, SPACING, gouge)
+    pb.returning_losses(batch, 1, band, tie, 0.0, 1.0, SPACING, gouge)
     lost = batch.loss[:, 0].sum()
     most = batch.most[0]
     assert 0.0 < lost <= overlap * (1.0 + 1e-12)

@@ -311,3 +311,13 @@ def test_the_walls_of_a_published_fracture_are_laid_together_in_any_orientation(
     assert found.orientation == name
     assert found.correlation == pytest.approx(right.correlation, abs=0.005)
     assert found.aperture.std() == pytest.approx(right.aperture.std(), rel=0.02)
+
+
+def test_a_cell_that_stands_out_far_is_warned_of(joint):
+    upper, lower = (np.array(wall) for wall in joint)
+    said = "Warning: what touches first stands out far"
+    assert not any(said in line for line in registered(grid(-upper), grid(lower)).report)
+    lower[40:42, 50:53] += 2e-3
+    found = registered(grid(-upper), grid(lower), cut_spikes=False)
+    assert any(said in line for line in found.report)
+    assert found.first_touch[0] in (40, 41)

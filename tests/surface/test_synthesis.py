@@ -10,7 +10,7 @@ from jointclosure.surface.roughness import (
     rms_slope,
     z2_of_jrc,
 )
-from jointclosure.surface.synthesis import power
+from jointclosure.surface.synthesis import Spectrum, gaussian_field, power
 from tests.conftest import SPACING
 from tests.same_bits import PROCESSORS, printed
 
@@ -76,6 +76,74 @@ def test_the_slope_scales_with_the_hurst_exponent(hurst):
     assert found == pytest.approx(hurst - 1.0, abs=0.12)
 
 
+def waves(spectrum, shape=(32, 48)):
+    """Fourier coefficients of a periodic field, and the wavelengths [cells]."""
+    field = gaussian_field(shape, spectrum, np.random.default_rng(5), oversize=1)
+    frequencies = np.hypot(np.fft.fftfreq(shape[0])[:, None], np.fft.rfftfreq(shape[1]))
+    with np.errstate(divide="ignore"):
+        return np.fft.rfft2(field), 1.0 / frequencies
+
+
+@pytest.mark.parametrize("rule", ["self_affine", "walk"])
+def test_the_power_is_flat_beyond_the_roll_off_and_unchanged_below_it(rule):
+    plain, length = waves(Spectrum(0.7, rule))
+    rolled, _ = waves(Spectrum(0.7, rule, roll_off=8.0))
+    noise, _ = waves(Spectrum(-1.0))  # k^0: all waves alike
+    gain = np.abs(rolled / np.where(noise == 0.0, 1.0, noise))
+    beyond, below = (length > 8.1) & np.isfinite(length), length < 7.9
+    np.testing.assert_allclose(gain[beyond], 8.0 ** (1.7 if rule == "self_affine" else 1.0), 2e-2)
+    np.testing.assert_allclose(rolled[below & (length < 6.0)], plain[below & (length < 6.0)], 1e-9)
+    assert np.all(np.abs(rolled[beyond]) < np.abs(plain[beyond]))
+    assert rolled[0, 0] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_roll_off_beyond_the_longest_wave_changes_nothing():
+    plain = jc.wall_pair(8.0, (20, 24), SPACING, seed=3)
+    np.testing.assert_array_equal(jc.wall_pair(8.0, (20, 24), SPACING, 3, roll_off=1.0), plain)
+
+
+class Impulse:
+    """In place of a generator: 1 in one cell, so that a field is a column of its filter."""
+
+    def __init__(self, cell):
+        self.cell = cell
+
+    def standard_normal(self, shape):
+        noise = np.zeros(shape)
+        noise.flat[self.cell] = 1.0
+        return noise
+
+
+def test_a_walk_has_the_law_of_independent_slopes_projected_on_the_nearest_heights():
+    shape = (4, 6)
+    cells = np.arange(24).reshape(shape)
+    # the difference to the next cell along each axis, periodic
+    steps = np.concatenate(
+        [np.eye(24)[np.roll(cells, -1, axis).ravel()] - np.eye(24) for axis in (0, 1)]
+    )
+    nearest = np.linalg.pinv(steps)  # heights from all slopes, by least squares
+    filtered = np.array(
+        [gaussian_field(shape, Spectrum(0.8, "walk"), Impulse(i), 1).ravel() for i in range(24)]
+    )
+    found, expected = filtered.T @ filtered, nearest @ nearest.T
+    np.testing.assert_allclose(found / found[0, 0], expected / expected[0, 0], atol=1e-12)
+
+
+def test_slopes_of_a_walk_are_alike_in_both_directions_and_oppose_their_neighbours():
+    squares, products = np.zeros(2), np.zeros(2)
+    for seed in range(20):
+        wall = jc.wall_pair(8.0, (100, 100), SPACING, seed, rule="walk")[0]
+        assert rms_slope(wall, SPACING) == pytest.approx((8.0 + 4.51) / 60.32, rel=1e-12)
+        for axis in (0, 1):
+            slopes = np.moveaxis(np.diff(wall, axis=axis), axis, 0)
+            squares[axis] += np.mean(slopes**2)
+            products[axis] += np.mean(slopes[1:] * slopes[:-1])
+    assert squares[0] == pytest.approx(squares[1], rel=0.02)
+    # consistent in two directions they cannot stay independent: a(2)/(2 a(1)) - 1 of the
+    # potential kernel of the square lattice
+    np.testing.assert_allclose(products / squares, 1.0 - 4.0 / np.pi, atol=0.01)
+
+
 @pytest.mark.parametrize("relation", RELATIONS)
 def test_relations_invert(relation):
     for jrc in (0.5, 8.0, 20.0):
@@ -94,6 +162,8 @@ def test_relations_invert(relation):
         ({"shift_in_cells": -1}, "shift_in_cells = -1"),
         ({"jrc_relation": "none"}, "jrc_relation = 'none'"),
         ({"normalise": "no"}, "normalise = 'no'"),
+        ({"rule": "stairs"}, "rule = 'stairs': must be one of self_affine, walk"),
+        ({"roll_off": 0.4e-3}, "roll_off = 0.0004 m: must be at least two spacings"),
     ],
 )
 def test_bad_input_is_refused_by_name(change, named):
@@ -182,8 +252,10 @@ def test_a_power_is_numpys_to_its_last_digits(exponent):
 
 WALLS = """
 import hashlib, jointclosure as jc
-for normalise in ("wall", "expectation"):
-    pair = jc.wall_pair(8.0, (40, 50), 0.25e-3, seed=3, normalise=normalise)
+rules = [{"normalise": "wall"}, {"normalise": "expectation"}]
+rules += [rule | {"rule": "walk", "roll_off": 3e-3} for rule in rules]
+for rule in rules:
+    pair = jc.wall_pair(8.0, (40, 50), 0.25e-3, seed=3, **rule)
     print(*(hashlib.sha256(wall.tobytes()).hexdigest() for wall in pair))
 """
 

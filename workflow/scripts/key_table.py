@@ -27,6 +27,7 @@ its value and what is allowed. Numbers beyond what is usual of rock are more oft
 - `many_levels.yaml`: nine levels of every property: is a quadratic enough?
 - `regularised.yaml`: the model that has a limit, to 10 MPa; `paper_at_10_mpa.yaml`: what it is held against.
 - `accuracy.yaml`: what accuracy costs in time (`make accuracy`).
+- `readings.yaml`: which reading of the paper gives its Table 3 (`make readings`).
 - `effects.yaml`: what each effect adds, and what it costs (`make effects`).
 - `many_realizations.yaml`: 100,000 small joints of one case ([docs/clusters.md](../docs/clusters.md)).
 - `measured_wall.yaml`: a rock whose walls were scanned ([scanned walls](../docs/measured_walls.md)).

@@ -7,15 +7,20 @@ import re
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 from markers import fill
 
+from jointclosure.protocol import FAILURE
 from jointclosure.report.findings import percent_text
+from jointclosure.statistics.standard_errors import variation_of
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv
 
 ROOT = Path(__file__).parents[2]
 PAPER = ROOT / "results/paper"
+EXCLUDED = 0.05
+"""Joint p below which the README says that Table 3 excludes the model (decision 0013)."""
 
 
 def interval_table() -> str:
@@ -44,17 +49,33 @@ def claim_table() -> str:
     return head + "|---|---|---|---|---|\n" + "\n".join(rows) + "\n"
 
 
-def predictive() -> str:
-    """What repetitions of the study would publish: the figure, and the paper's entries together."""
+def picture() -> str:
+    """The figure of repetitions, which leads."""
+    return (
+        "![The paper's Table 3 among repetitions of this study]"
+        "(docs/images/table_3_predictive.png)\n\n"
+        "*The paper's indifference intervals (diamonds) among those that repetitions of this study "
+        "would publish (curves), and among those of properties without any effect (grey).*\n"
+    )
+
+
+def joint_tests() -> str:
+    """The paper's entries together, and whether they exclude the model."""
     joint = read_csv(PAPER / "tables/table_3_joint_tests.csv")
     rows = [
         f"| {row.entries} | {row.number} | {_p(row.p)} | {_p(row.null_p)} |"
         for row in joint.itertuples()
     ]
     head = "| entries | number | p of this model | p without any effect |\n|---|---|---|---|\n"
-    figure = "![Table 3 of repetitions of the study](docs/images/table_3_predictive.png)\n"
-    said = "*What repetitions of the study would publish, and the paper's entries.*\n"
-    return "\n".join((figure, said, head + "\n".join(rows) + "\n"))
+    whole = joint.iloc[0]
+    outcome = "exclude this model as configured" if whole.p < EXCLUDED else "do not exclude it"
+    said = f"Together the paper's {whole.number} entries {outcome} (p {_sign(whole.p)}):\n\n"
+    return said + head + "\n".join(rows) + "\n"
+
+
+def _sign(value: float) -> str:
+    text = _p(value)
+    return text if text.startswith("<") else f"= {text}"
 
 
 def _p(value: float) -> str:
@@ -62,29 +83,28 @@ def _p(value: float) -> str:
 
 
 def facts() -> str:
-    """Scatter over surfaces, flags, and the time of a simulation."""
+    """Scatter over surfaces, and flags."""
     study = read_netcdf(PAPER / "study.nc")
-    closures = read_csv(PAPER / "tables/max_closure.csv")
-    base = closures[closures.parameter == "base"]
-    scatter = base.max_closure_standard_deviation_mm / base.max_closure_mean_mm
+    pool = read_netcdf(PAPER / "pool.nc")
+    base = pool.max_closure[(pool.parameter == "base").values].where(pool.status < FAILURE)
     lines = []
     for cycle in (1, 2):
-        part = 100 * scatter[base.cycle == cycle]
-        lines.append(f"{part.min():.0f} to {part.max():.0f} % in cycle {cycle}")
+        found = [variation_of(row[np.isfinite(row)]) for row in base.sel(cycle=cycle).values]
+        values = [100 * each.value for each in found]
+        error = 100 * max(each.standard_error for each in found)
+        lines.append(f"{min(values):.0f} to {max(values):.0f} (± {error:.1g}) % in cycle {cycle}")
     flagged = int(((study.status.values & 2) > 0).sum())
-    seconds = pd.Series(study.timing_simulation.values.ravel())
     return (
-        f"In this study the standard deviation over surfaces is {', '.join(lines)} of the mean "
-        f"maximum closure; {flagged} of {study.status.size} simulations are flagged as outside the "
-        f"model's range (contacts that cannot break carry over 10 % of the force); a simulation "
-        f"took {seconds.median():.1f} s (median).\n"
+        f"The standard deviation over {pool.sizes['realization']} surfaces is {', '.join(lines)} "
+        f"of the mean maximum closure; {flagged} of {study.status.size} simulations are flagged as "
+        f"outside the model's range (contacts that cannot break carry over 10 % of the force).\n"
     )
 
 
 def main() -> None:
     """Fill the README and copy its figures."""
     parts = {"intervals": interval_table(), "claims": claim_table(), "facts": facts()}
-    parts["predictive"] = predictive()
+    parts |= {"picture": picture(), "joint tests": joint_tests()}
     fill(ROOT / "README.md", parts)
     for figure in ("fig_5_closure", "table_3_predictive"):
         shutil.copy(PAPER / f"figures/{figure}.png", ROOT / f"docs/images/{figure}.png")

@@ -1,7 +1,8 @@
 """The commands of the command line, a module each: `add_to` declares it, `run` does it."""
 
 COMMANDS = {
-    "simulate": "close one joint",
+    "close": "close the joint whose two walls were scanned",
+    "simulate": "close one joint of random walls",
     "roughness": "slopes, JRC, Hurst exponent, curvature and peaks of a scanned wall",
     "compare": "what moved between two studies",
     "report": "a finished study as one page to read",

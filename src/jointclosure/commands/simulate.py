@@ -3,42 +3,34 @@
 import argparse
 import time
 from pathlib import Path
-from typing import Any
 
 import xarray as xr
 
 from jointclosure.commands import COMMANDS
-from jointclosure.config.configuration import Configured, configured, merged, merged_study
-from jointclosure.config.files import value_of
+from jointclosure.commands.joint_options import (
+    add_load_and_model,
+    add_rock,
+    base_keys,
+    joint_configuration,
+    shown_progress,
+    status_text,
+    summary,
+)
+from jointclosure.config.configuration import Configured
 from jointclosure.config.typed import Configuration
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Case
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.inputs import InputError
-from jointclosure.parameters import Effects
-from jointclosure.progress import bar, duration
-from jointclosure.protocol import FAILURE, LOADING
+from jointclosure.progress import duration
+from jointclosure.protocol import FAILURE
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.provenance import provenance
-from jointclosure.storage.text import read_csv
 from jointclosure.surface.synthesis import wall_pair
 
-_OF_ROCK = {
-    "youngs_modulus": "youngs_modulus_GPa",
-    "poisson_ratio": "poisson_ratio",
-    "strength": "compressive_strength_MPa",
-    "jrc": "jrc",
-    "stress": "max_normal_stress_MPa",
-}
-"""Options that say what a configuration says of a rock."""
-_UNNAMED = "rock"
-"""Name of a rock that is given by its properties."""
 _PICTURES = (".png", ".pdf", ".svg")
-_FIRST_LOADING = 5.0
-"""Time of the first loading over that of a later cycle, for the progress bar: 4 to 10 measured on
-joints of the paper's size; the first unloading takes a third of a cycle."""
 
 _EXAMPLES = """examples:
   jointclosure simulate --rock dolerite --stress 10
@@ -62,17 +54,7 @@ def add_to(commands) -> None:
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    rock = command.add_argument_group("rock")
-    rock.add_argument("--rock", metavar="NAME", help="one of the configuration's rocks")
-    rock.add_argument(
-        "--config",
-        type=Path,
-        metavar="FILE",
-        help="study whose rocks and other keys are used, over the paper's",
-    )
-    rock.add_argument("--youngs-modulus", type=float, metavar="GPa", help="Young's modulus E")
-    rock.add_argument("--poisson-ratio", type=float, metavar="NU", help="Poisson's ratio")
-    rock.add_argument("--strength", type=float, metavar="MPa", help="compressive strength sigma_c")
+    add_rock(command)
     joint = command.add_argument_group("joint")
     joint.add_argument("--jrc", type=float, metavar="JRC", help="joint roughness coefficient")
     joint.add_argument("--cells", type=_cells, metavar="N", help="cells: 100, or 200x100 (x by y)")
@@ -80,29 +62,7 @@ def add_to(commands) -> None:
     joint.add_argument(
         "--seed", type=int, default=1, metavar="N", help="which random walls (default 1)"
     )
-    load = command.add_argument_group("load")
-    load.add_argument("--stress", type=float, metavar="MPa", help="maximum normal stress")
-    load.add_argument("--cycles", type=int, metavar="N", help="load-unload cycles")
-    load.add_argument(
-        "--seating", type=float, metavar="MPa", help="stress from which seated closures count"
-    )
-    model = command.add_argument_group("model")
-    model.add_argument(
-        "--without",
-        nargs="+",
-        choices=Effects._fields,
-        default=[],
-        metavar="EFFECT",
-        help=f"effects to leave out, of {', '.join(Effects._fields)}",
-    )
-    model.add_argument(
-        "--set",
-        nargs="+",
-        type=_setting,
-        default=[],
-        metavar="KEY=VALUE",
-        help="any other key of the configuration, as in choices.largest_radius_mm=20",
-    )
+    add_load_and_model(command)
     results = command.add_argument_group("results")
     results.add_argument("--output", type=Path, metavar="FILE.nc", help="netCDF of all steps")
     results.add_argument(
@@ -128,9 +88,9 @@ def run(arguments) -> int:
     print(f"{about}: {1e-6 * case.max_normal_stress:g} MPa, {cycles} cycles")
     start = time.perf_counter()
     closed = _close(configuration, case, arguments.seed)
-    print(_summary(closed))
+    print(summary(closed))
     status = int(closed.status)
-    print(f"{_status_text(closed)}; {duration(time.perf_counter() - start)}")
+    print(f"{status_text(closed)}; {duration(time.perf_counter() - start)}")
     closed.attrs |= {"joint": about} | provenance(settings.keys)
     if arguments.output:
         write_netcdf(closed, arguments.output)
@@ -143,79 +103,25 @@ def run(arguments) -> int:
 
 def _settings(arguments) -> Configured:
     """The whole configuration that the arguments describe, checked."""
-    base = merged_study(*([arguments.config] if arguments.config else []))
-    configured(base, read_csv)
-    if arguments.rock and arguments.rock not in base["rocks"]:
-        raise InputError(f"--rock {arguments.rock}: must be one of {', '.join(base['rocks'])}")
+    base = base_keys(arguments)
     if arguments.seed < 0:
         raise InputError(f"--seed {arguments.seed}: must be 0 or above")
     if base["rocks"].get(arguments.rock, {}).get("walls"):
         raise InputError(f"--rock {arguments.rock}: has scanned walls; this closes random ones")
-    base["rocks"].setdefault(arguments.rock or _UNNAMED, {})["levels"] = {}
-    return configured(merged(base, _changes(arguments), *arguments.set), read_csv)
-
-
-def _changes(arguments) -> dict:
-    """What the arguments change in a configuration."""
-    given = {name: value for name, value in vars(arguments).items() if value is not None}
-    own = {key: given[option] for option, key in _OF_ROCK.items() if option in given}
-    if not arguments.rock:
-        missing = ["--" + option.replace("_", "-") for option in _OF_ROCK if option not in given]
-        if missing:
-            raise InputError(f"without --rock: {', '.join(missing)} must be given")
-        own["title"] = "Rock"
-    if arguments.without:  # the rock's own settings go before the study's
-        own["effects"] = dict.fromkeys(arguments.without, False)
-    name = arguments.rock or _UNNAMED
-    changes: dict = {
-        "study": {"rocks": [name]},
-        "rocks": {name: own},
-        "grid": dict(zip(("cells_x", "cells_y"), given.get("cells", ()), strict=False)),
-    }
-    if "spacing" in given:
-        changes["grid"]["spacing_mm"] = given["spacing"]
-    if "cycles" in given:
-        changes["study"]["cycles"] = given["cycles"]
-    if "seating" in given:
-        changes["seating_stress_MPa"] = given["seating"]
-    return changes
+    grid = dict(zip(("cells_x", "cells_y"), arguments.cells or (), strict=False))
+    if arguments.spacing is not None:
+        grid["spacing_mm"] = arguments.spacing
+    return joint_configuration(base, arguments, {}, {"grid": grid})
 
 
 def _close(configuration: Configuration, case: Case, seed: int) -> xr.Dataset:
-    grid, cycles = configuration.grid, configuration.study.cycles
+    grid = configuration.grid
     surfaces = surface_settings(configuration, case, range(1))
     conditions = closure_settings(configuration, case, surfaces).conditions()
     surface = configuration.surface._asdict()
     walls = wall_pair(case.jrc, grid.shape, grid.spacing, seed, **surface)
-    whole = _FIRST_LOADING + cycles - 1
-    with bar("closing") as show:
-
-        def report(cycle: int, branch: str, share: float) -> None:
-            share = min(share, 1.0) if branch == LOADING else 1.0
-            done = _FIRST_LOADING * share if cycle == 1 else _FIRST_LOADING + cycle - 2 + share
-            show(done / whole, f"cycle {cycle} of {cycles}, {branch}")
-
+    with shown_progress(configuration.study.cycles) as report:
         return close_walls(*walls, conditions, report)
-
-
-def _summary(closed: xr.Dataset) -> str:
-    seating = 1e-6 * closed.attrs["seating_stress_Pa"]
-    columns = {
-        "maximum": closed.max_closure,
-        f"since {seating:g} MPa": closed.max_closure_seated,
-        "at its end": closed.residual_closure,
-    }
-    frame = xr.Dataset({name: 1e3 * values for name, values in columns.items()}).to_dataframe()
-    frame.index = [f"cycle {number}" for number in range(1, len(frame) + 1)]
-    return "closure (mm)\n" + frame.to_string(float_format="{:.5f}".format)
-
-
-def _status_text(closed: xr.Dataset) -> str:
-    about, status = closed.status.attrs, int(closed.status)
-    named = zip(about["flag_masks"], about["flag_meanings"].split(), strict=True)
-    found = [name for mask, name in named if status & int(mask)]
-    word = "failed" if status >= FAILURE else "success"
-    return f"{word}{': ' + ', '.join(found) if found else ''}"
 
 
 def _cells(text: str) -> tuple[int, int]:
@@ -223,17 +129,6 @@ def _cells(text: str) -> tuple[int, int]:
     if len(numbers) > 2 or not all(number.isdigit() for number in numbers):
         raise argparse.ArgumentTypeError(f"{text!r}: must be a number, or two as in 200x100")
     return int(numbers[0]), int(numbers[-1])
-
-
-def _setting(text: str) -> dict:
-    """A nested setting from `section.key=value`."""
-    key, equals, value = text.partition("=")
-    if not equals or not key:
-        raise argparse.ArgumentTypeError(f"{text!r}: must be as in numerics.breakage=resolved")
-    setting: Any = value_of(value)
-    for part in reversed(key.split(".")):
-        setting = {part: setting}
-    return setting
 
 
 def _check_destination(path: Path | None, suffixes: tuple[str, ...]) -> None:

@@ -12,8 +12,14 @@ from jointclosure.parameters import USUAL as _OF_ROCK
 from jointclosure.parameters import check_choices, check_numerics, check_scene
 from jointclosure.solvers.registry import SOLVERS
 from jointclosure.surface.roughness import relation_of
+from jointclosure.surface.synthesis import spectrum_of
 
-OTHER_TARGETS = {"hard_cases": "", "accuracy": "accuracy", "effects": "ablation"}
+OTHER_TARGETS = {
+    "hard_cases": "",
+    "accuracy": "accuracy",
+    "effects": "ablation",
+    "readings": "readings",
+}
 """Folders of results of other targets, and the section that a study of that name must have."""
 USUAL = _OF_ROCK | {
     "stress": _OF_ROCK["max_normal_stress"],
@@ -43,13 +49,16 @@ def contradictions(keys: dict, typed: Callable[[dict], Configuration]) -> Iterat
     yield from _study_problems(keys)
     if configuration.study.unusual_values == "refuse":
         rocks = {name: keys["rocks"][name] for name in configuration.rocks}
-        # the settings of an accuracy study are checked one by one
-        yield from _unusual(keys | {"rocks": rocks, "accuracy": None}, "")
-    for check in (
+        # the settings of these studies are checked one by one
+        yield from _unusual(keys | {"rocks": rocks, "accuracy": None, "readings": None}, "")
+    surface, spacing = configuration.surface, configuration.grid.spacing
+    checks: tuple[Callable[[], object], ...] = (
         *(lambda effects=each: check_scene(effects) for each in _scenes(keys, configuration)),
-        lambda: check_choices(configuration.choices, configuration.grid.spacing),
+        lambda: spectrum_of(surface.hurst, surface.rule, surface.roll_off, spacing),
+        lambda: check_choices(configuration.choices, spacing),
         lambda: check_numerics(configuration.numerics, tuple(SOLVERS)),
-    ):
+    )
+    for check in checks:
         try:
             check()
         except InputError as error:

@@ -19,7 +19,9 @@ from pydantic import (
 
 from jointclosure.parameters import Effects, Rock
 from jointclosure.solvers.registry import SOLVERS
+from jointclosure.surface.registration import ORIENTATIONS, SHIFTS
 from jointclosure.surface.roughness import RELATIONS
+from jointclosure.surface.synthesis import RULES
 
 NAME = r"^[a-z][a-z0-9_]{0,40}$"
 
@@ -136,6 +138,26 @@ class WallKeys(Keys):
         [],
         json_schema_extra={"uniqueItems": True},
     )
+    bring_together: bool = entry(
+        "Whether two files are brought together first: orientation checked, spikes cut, the common "
+        "plane removed, the overlap found; false unless given: they are taken cell by cell.",
+        False,
+    )
+    orientation: Literal[tuple(ORIENTATIONS)] | None = entry(
+        "Of the upper file, where walls are brought together; null: the one that fits, if it is "
+        "clear.",
+        None,
+    )
+    shift: Literal[SHIFTS] | None = entry(
+        "Where walls are brought together: scanned (left where they were) or mated (the upper one "
+        "moved to where they fit best); null: scanned in a common frame, else mated.",
+        None,
+    )
+    spikes: Literal["keep", "cut"] = entry(
+        "Points that stand out from all but one of their neighbours, where walls are brought "
+        "together: cut unless given.",
+        "cut",
+    )
 
 
 class MeasuredKeys(Keys):
@@ -204,6 +226,15 @@ class SurfaceKeys(Keys):
         le=1,
     )
     shift_in_cells: int = entry("Shift of the mated part along x, in cells.", ge=0, le=4096)
+    rule: Literal[RULES] = entry(
+        "self_affine: profiles have the Hurst exponent; walk: independent slopes along x and y, "
+        "projected on the nearest heights, where hurst only carries Z2 to the spacing."
+    )
+    roll_off_mm: float | None = entry(
+        "Wavelength beyond which the power spectrum is flat [mm], at least two spacings; null for "
+        "none.",
+        gt=0,
+    )
 
 
 class EffectKeys(Keys):
@@ -230,8 +261,9 @@ class ChoiceKeys(Keys):
         "Base radius r of an asperity over the grid spacing.", gt=0, le=1
     )
     peak_modulus_ratio: float = entry("Young's modulus of a peak over the rock's.", gt=0, le=1)
-    concave: Literal["magnitude"] = entry(
-        "How valleys and saddles count. magnitude: by the size of their curvature."
+    concave: Literal["magnitude", "flat"] = entry(
+        "How valleys and saddles count. magnitude: by the size of their curvature; flat: such a "
+        "cell of a wall is level, and only the other wall's asperity gives the pair a curvature."
     )
     peaks: Literal["pristine", "current"] = entry(
         "Whether peaks are those of the walls before loading, or of the walls as they are."
@@ -463,6 +495,53 @@ class AblationKeys(Keys):
     validation: ValidationKeys | None = entry(ValidationKeys.__doc__, None)
 
 
+class ReadingKeys(Keys):
+    """A reading of the paper: settings that are merged over the study's."""
+
+    title: Text = entry("Its name in tables and figures.")
+    set: dict[str, Any] = entry("Settings that it stands for, merged over the study's.", {})
+    closure: Literal["max_closure", "max_closure_seated", "max_closure_net"] = entry(
+        "Which closure is read: from first touch, from seating, or net of bulk indentation.",
+        "max_closure",
+    )
+    allowed: bool = entry("Whether the paper's text allows it.", True)
+
+
+class RoundKeys(Keys):
+    """A round of a study of readings: who enters, and how much is spent on each."""
+
+    name: Name = entry("Its name.")
+    candidates: Literal["singles", "kept", "pairs"] = entry(
+        "singles: all readings (first round); kept: those that the round before kept; pairs: these "
+        "and their pairs."
+    )
+    rocks: list[str] | None = entry(
+        "Rocks that are closed; the others are taken to change as these do. null: all.", None
+    )
+    realizations: int = entry("Surfaces of each case, with those of earlier rounds.", ge=3)
+    most: int = entry("How many of those kept may enter, the best first.", 1000, ge=1)
+    margin: float = entry(
+        "Standard errors by which a reading may be behind the best and still be kept.", gt=0
+    )
+
+
+class ReadingsKeys(Keys):
+    """Design of a study of which reading of the paper gives its Table 3
+    (config/readings.yaml)."""
+
+    reference_realizations: int = entry(
+        "Surfaces of each case of the study as configured, in all rocks.", ge=3
+    )
+    draws: int = entry("Surfaces of each case in the paper's own study.", ge=2)
+    repetitions: int = entry("Repetitions of the paper's study that are drawn.", ge=100)
+    groups: int = entry("Groups of surfaces of the jackknife, at most.", ge=2)
+    aspects: dict[Name, dict[Name, ReadingKeys]] = entry(
+        "Readings by what they are a reading of, and by name; pairs are made of two aspects.",
+        min_length=1,
+    )
+    rounds: list[RoundKeys] = entry("What is closed, in turn.", min_length=1)
+
+
 class ConfigurationKeys(Keys):
     """Configuration of a study."""
 
@@ -484,3 +563,4 @@ class ConfigurationKeys(Keys):
     output: OutputKeys = entry(OutputKeys.__doc__)
     accuracy: AccuracyKeys | None = entry(AccuracyKeys.__doc__, None)
     ablation: AblationKeys | None = entry(AblationKeys.__doc__, None)
+    readings: ReadingsKeys | None = entry(ReadingsKeys.__doc__, None)

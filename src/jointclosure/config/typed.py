@@ -42,6 +42,10 @@ class Walls(NamedTuple):
     missing: str
     largest_filled_share: float
     inverted: tuple[str, ...]
+    bring_together: bool = False
+    orientation: str | None = None
+    shift: str | None = None
+    spikes: str = "cut"
 
 
 class MeasuredFile(NamedTuple):
@@ -91,6 +95,8 @@ class Surface(NamedTuple):
     normalise: str
     correlation: float
     shift_in_cells: int
+    rule: str
+    roll_off: float | None
 
 
 class Statistics(NamedTuple):

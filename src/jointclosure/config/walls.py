@@ -39,11 +39,33 @@ def wall_problems(keys: dict, name: str) -> Iterator[str]:
     for side in walls["inverted"]:
         if side not in files:
             yield f"{where}.walls.inverted = {walls['inverted']!r}: {side} is not a file"
+    yield from _registration_problems(walls, files, f"{where}.walls")
     if keys["effects"]["auto"] is not None:
         yield f"effects: auto: not with {where}.walls; its pilot draws walls of given JRC"
-    for section in ("accuracy", "ablation"):
+    for section in ("accuracy", "ablation", "readings"):
         if keys[section]:
             yield f"{section}: not with {where}.walls; it draws walls of given JRC"
+
+
+def _registration_problems(walls: dict, files: list[str], where: str) -> Iterator[str]:
+    """What is wrong with how two scans are brought together, one line each."""
+    if not walls["bring_together"]:
+        for key in ("orientation", "shift"):
+            if walls[key] is not None:
+                yield f"{where}.{key} = {walls[key]}: only with bring_together: true"
+        return
+    if len(files) < 2:
+        yield f"{where}.bring_together = true: needs two files, upper and lower"
+    if walls["inverted"]:
+        yield (
+            f"{where}.inverted = {walls['inverted']!r}: not with bring_together, which finds how "
+            "the upper file lies; say it by orientation"
+        )
+    if walls["missing"] != "refuse":
+        yield (
+            f"{where}.missing = {walls['missing']}: not with bring_together, which takes the "
+            "largest rectangle without holes, and fills those up to largest_filled_share"
+        )
 
 
 def check_files(configuration: Configuration) -> None:

@@ -14,6 +14,7 @@ from jointclosure.randomness import seed_of
 from jointclosure.surface.measured import Cloud, Scan, disjoint, filled, wall_on_grid
 from jointclosure.surface.measured_pairs import Cutter, MeasuredWalls
 from jointclosure.surface.measures import hurst_of
+from jointclosure.surface.registration import RegisteredPair, registered
 from jointclosure.surface.roughness import jrc_of_z2, rms_slope
 
 
@@ -38,23 +39,14 @@ def prepared_walls(
         ``upper``, ``lower`` or both over (y, x) [m], heights towards the other wall, with slope,
         Hurst exponent and JRC of each, and the shares of cells that were missing.
     """
-    bounds = _common_bounds(scans)
     walls = xr.Dataset(attrs={"spacing_m": spacing, "partner": ""})
-    for side, scan in scans.items():
-        try:
-            wall = wall_on_grid(scan, spacing, bounds)
-            share = float(np.mean(~np.isfinite(wall)))
-            wall = filled(wall, settings.missing, settings.largest_filled_share)
-        except InputError as error:
-            raise InputError(f"{getattr(settings, side)}: {error}") from None
-        others = [other.shape for other in walls.data_vars.values()]
-        if any(shape != wall.shape for shape in others):
-            sizes = [*others, wall.shape]
-            raise InputError(
-                f"{settings.upper} and {settings.lower}: {sizes[0]} and {sizes[1]} cells "
-                "(y, x) at the grid's spacing; both scans must cover the same, cell by cell"
-            )
-        sign = -1.0 if side in settings.inverted else 1.0
+    if settings.bring_together:
+        pair = brought_together(scans["upper"], scans["lower"], settings, spacing)
+        heights = {"upper": (pair.upper, 0.0), "lower": (pair.lower, 0.0)}
+        walls.attrs["registration"] = "; ".join(pair.report)
+    else:
+        heights = _as_they_lie(scans, settings, spacing)
+    for side, (wall, share) in heights.items():
         # the relations and the synthesis know no H beyond 1, where walls are smooth at the grid
         z2, hurst = _slope(wall, spacing), float(np.clip(hurst_of(wall), 0.05, 1.0))
         about = {
@@ -66,13 +58,57 @@ def prepared_walls(
             "jrc": jrc_of_z2(z2, spacing, hurst, jrc_relation),
             "jrc_relation": jrc_relation,
         }
-        if scan.remarks:  # what was left out in reading is told beside the results
-            about["remarks"] = "; ".join(scan.remarks)
-        walls[side] = (("y", "x"), sign * wall, about)
+        if scans[side].remarks:  # what was left out in reading is told beside the results
+            about["remarks"] = "; ".join(scans[side].remarks)
+        walls[side] = (("y", "x"), wall, about)
     missing = {"upper", "lower"} - set(scans)
     if missing:
         walls.attrs["partner"] = getattr(settings, missing.pop())
     return walls
+
+
+def brought_together(
+    upper: Scan | Cloud, lower: Scan | Cloud, settings: Walls, spacing: float | None
+) -> RegisteredPair:
+    """Two scans registered as a configuration says; errors name their files."""
+    try:
+        return registered(
+            upper,
+            lower,
+            spacing,
+            orientation=settings.orientation,
+            shift=settings.shift,
+            cut_spikes=settings.spikes == "cut",
+            largest_filled_share=settings.largest_filled_share,
+        )
+    except InputError as error:
+        raise InputError(f"{settings.upper} and {settings.lower}: {error}") from None
+
+
+def _as_they_lie(
+    scans: dict[str, Scan | Cloud], settings: Walls, spacing: float
+) -> dict[str, tuple[np.ndarray, float]]:
+    """Walls cell by cell, heights towards the other, with the share of cells that were missing."""
+    bounds = _common_bounds(scans)
+    heights: dict[str, tuple[np.ndarray, float]] = {}
+    for side, scan in scans.items():
+        try:
+            wall = wall_on_grid(scan, spacing, bounds)
+            share = float(np.mean(~np.isfinite(wall)))
+            wall = filled(wall, settings.missing, settings.largest_filled_share)
+        except InputError as error:
+            raise InputError(f"{getattr(settings, side)}: {error}") from None
+        others = [other.shape for other, _ in heights.values()]
+        if any(shape != wall.shape for shape in others):
+            sizes = [*others, wall.shape]
+            raise InputError(
+                f"{settings.upper} and {settings.lower}: {sizes[0]} and {sizes[1]} cells "
+                "(y, x) at the grid's spacing; both scans must cover the same, cell by cell "
+                "(bring_together: true finds what both cover)"
+            )
+        sign = -1.0 if side in settings.inverted else 1.0
+        heights[side] = (sign * wall, share)
+    return heights
 
 
 def cutter_of(walls: xr.Dataset, shape: tuple[int, int], order_seed: int, normalise: str) -> Cutter:

@@ -78,7 +78,7 @@ class Conditions(NamedTuple):
     """What a joint is told besides its walls: the arguments of `jointclosure.simulate`, in SI."""
 
     spacing: float
-    rock: Rock
+    rock: Rock | tuple[Rock, Rock]
     max_normal_stress: float
     cycles: int
     seating_stress: float

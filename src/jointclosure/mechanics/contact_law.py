@@ -23,6 +23,7 @@ class ContactLaw(NamedTuple):
     spacing: float
     base_radius: float
     least_curvature: float
+    concave: float  # what a concave profile's curvature counts: 1 as a convex one's, 0 not
     substrate_modulus: float  # 1/(1/E_t* + 1/E_b*) [Pa]
     substrate: float  # compliance A [m/N], 0 without substrate
     asperity_modulus: np.ndarray  # E_a* [Pa], Eq. (4)
@@ -48,6 +49,7 @@ def contact_law(
         spacing=float(spacing),
         base_radius=float(base_radius),
         least_curvature=1.0 / choices.largest_radius if choices.largest_radius else 0.0,
+        concave=1.0 if choices.concave == "magnitude" else 0.0,
         substrate_modulus=float(substrate_modulus),
         substrate=float(substrate_compliance(base_radius, substrate_modulus))
         if effects.substrate

@@ -6,31 +6,35 @@ from jointclosure.compilation import kernel
 
 
 @kernel
-def gaussian_curvature(west, east, south, north, here, spacing):
+def gaussian_curvature(west, east, south, north, here, concave, spacing):
     """Inverse of the Gaussian radius of an asperity, 1/R = sqrt(1/(Rx Ry)).
 
     Parameters
     ----------
     west, east, south, north, here : float
         Heights of the four edge neighbours and of the cell [m].
+    concave : float
+        What a concave profile counts: 1 as a convex one of its size, 0 as a straight one.
     spacing : float
         Grid spacing h [m].
 
     Returns
     -------
     float
-        1/R_at or 1/R_ab [1/m]; 0 where either profile is straight.
+        1/R_at or 1/R_ab [1/m]; 0 where either profile is straight, or counts as such.
 
     Notes
     -----
     Eqs. (1) and (2) in curvatures: those of the circles through three points in x
     and y by Menger's formula, 4 area / (product of the sides), under one root, as
-    this is the innermost operation of the breakage loop. The size of a curvature
-    counts and not its side: a valley is treated as the peak that mirrors it (choice
-    ``concave: magnitude``, docs/decisions/0002-curvature.md).
+    this is the innermost operation of the breakage loop. A valley has the curvature of
+    the peak that mirrors it; what it counts is choice ``concave``: "magnitude" is 1 and
+    "flat" 0 (docs/decisions/0002-curvature.md).
     """
     area = spacing * spacing
-    second_differences = abs((west - here) + (east - here)) * abs((south - here) + (north - here))
+    second_x, second_y = (west - here) + (east - here), (south - here) + (north - here)
+    weight = (concave if second_x > 0.0 else 1.0) * (concave if second_y > 0.0 else 1.0)
+    second_differences = abs(second_x) * abs(second_y) * weight
     x_sides = (
         (area + (here - west) ** 2)
         * (area + (east - here) ** 2)

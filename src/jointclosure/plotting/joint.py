@@ -4,9 +4,9 @@ import seaborn as sns
 import xarray as xr
 from matplotlib.figure import Figure
 
+from jointclosure.history import branch_of
 from jointclosure.plotting.style import styled, subplots
 from jointclosure.protocol import LOADING, UNLOADING
-from jointclosure.readings import branch_of
 
 
 @styled
@@ -29,6 +29,8 @@ def closure_curve(closed: xr.Dataset, title: str) -> Figure:
                 1e-6 * closed.normal_stress.values[here],
                 style,
                 color=f"C{number - 1}",
+                # the next cycle's loading lies on it
+                zorder=2 if name == LOADING else 3,
                 label=f"cycle {number}, {name}",
             )
     axes.set(

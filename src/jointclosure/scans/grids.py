@@ -94,16 +94,28 @@ def read_tiff(path: Path, variable: str | None) -> Contents:
     heights = heights.astype(float)
     if (value := _no_data(nothing)) is not None:
         heights[heights == value] = np.nan
-    spacing = None
+    spacing = origin = None
     if "ModelPixelScale" in geo:
         across, down = (float(value) for value in geo["ModelPixelScale"][:2])
         spacing = (down, across)
+        origin = _first_pixel(geo.get("ModelTiepoint"), spacing)
     units = {
         key: "m" if int(geo[key]) == _METRE else f"EPSG unit {int(geo[key])}"
         for key in (_LINEAR, _VERTICAL)
         if key in geo
     }
-    return Contents(heights, spacing, None, units.get(_VERTICAL), units.get(_LINEAR))
+    return Contents(heights, spacing, None, units.get(_VERTICAL), units.get(_LINEAR), origin)
+
+
+def _first_pixel(tie, spacing: tuple[float, float]) -> tuple[float, float] | None:
+    """(y, x) of the first pixel from a GeoTIFF's tie point, None where there is not just one.
+
+    y counts downwards, as the rows do: two scans of one frame stay in one.
+    """
+    if tie is None or len(tie) != 6:
+        return None
+    column, row, _, x, y, _ = (float(value) for value in tie)
+    return -y - row * spacing[0], x - column * spacing[1]
 
 
 def _no_data(written) -> float | None:

@@ -293,7 +293,7 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
         stride, kind = cells.stride, cells.kind
         turns = new_turns(ny, nx)
         beside = neighbour_offsets(stride)
-        spacing, flattest = law.spacing, law.least_curvature
+        spacing, flattest, concave = law.spacing, law.least_curvature, law.concave
         allowed = 1.0 + 0.5 * band if resolved else 1.0
         taken = np.empty(ny * nx, np.int64)
         some = np.empty(BATCH + 1, np.int64)
@@ -328,7 +328,7 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
                 if current_peaks:
                     find_peaks(batch, n, looked_at, kind)
                 set_laws(batch, n, looked_at, kind, law)
-                assess(batch, n, flattest, spacing, allowed)
+                assess(batch, n, flattest, concave, spacing, allowed)
                 n = pick_overstressed(batch, n, looked_at, cells, turns, some)
                 if n == 0:
                     continue
@@ -339,7 +339,7 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
                     if current_peaks and turn > 0:
                         find_peaks(batch, n, some, kind)
                         set_laws(batch, n, some, kind, law)
-                    assess(batch, n, flattest, spacing, allowed)
+                    assess(batch, n, flattest, concave, spacing, allowed)
                     if gouge:
                         measure_drops(batch, n, UPPER, tie_tolerance)
                         measure_drops(batch, n, LOWER, tie_tolerance)
@@ -351,7 +351,9 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
                         break
                     steps += breaking
                     if resolved:
-                        returning_losses(batch, n, band, tie_tolerance, flattest, spacing, gouge)
+                        returning_losses(
+                            batch, n, band, tie_tolerance, flattest, concave, spacing, gouge
+                        )
                     else:
                         fixed_losses(batch, n, breakage_step)
                     shed_losses(batch, n, UPPER, tie_tolerance, gouge)

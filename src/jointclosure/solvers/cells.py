@@ -38,7 +38,7 @@ def neighbourhood(heights, y, x, out):
 
 
 @kernel
-def wall_curvature(height, neighbours, least_curvature, spacing):
+def wall_curvature(height, neighbours, least_curvature, concave, spacing):
     """Gaussian curvature of a wall's cell from its neighbours' heights [1/m].
 
     Parameters
@@ -49,6 +49,8 @@ def wall_curvature(height, neighbours, least_curvature, spacing):
         In the order of `jointclosure.mechanics.gouge`, infinite outside the grid [m].
     least_curvature : float
         1 / largest radius, or 0 [1/m].
+    concave : float
+        What concave profiles count, see `gaussian_curvature`.
     spacing : float
         Grid spacing [m].
     """
@@ -63,7 +65,8 @@ def wall_curvature(height, neighbours, least_curvature, spacing):
         north = south
     if west == math.inf or south == math.inf:
         return least_curvature  # a single cell in this direction is straight
-    return max(gaussian_curvature(west, east, south, north, height, spacing), least_curvature)
+    found = gaussian_curvature(west, east, south, north, height, concave, spacing)
+    return max(found, least_curvature)
 
 
 @kernel
@@ -137,9 +140,13 @@ def overlapping_cells(upper, lower, offset, peaks, law):
                 cells[k] = y * nx + x
                 overlap[k] = gap
                 neighbourhood(upper, y, x, around)
-                kappa = wall_curvature(upper[y, x], around, law.least_curvature, law.spacing)
+                kappa = wall_curvature(
+                    upper[y, x], around, law.least_curvature, law.concave, law.spacing
+                )
                 neighbourhood(lower, y, x, around)
-                kappa += wall_curvature(lower[y, x], around, law.least_curvature, law.spacing)
+                kappa += wall_curvature(
+                    lower[y, x], around, law.least_curvature, law.concave, law.spacing
+                )
                 curvature[k] = kappa
                 compliance[k] = asperity_compliance(kappa, law.asperity_modulus[peaks[y, x]])
                 k += 1

@@ -114,19 +114,19 @@ def scatter(batch, i, cell, upper, lower, stride):
 
 
 @kernel
-def curvature_of(here, west, east, south, north, least_curvature, spacing):
+def curvature_of(here, west, east, south, north, least_curvature, concave, spacing):
     """`jointclosure.solvers.cells.wall_curvature` without a branch."""
     left = east if west == math.inf else west
     right = west if east == math.inf else east
     below = north if south == math.inf else south
     above = south if north == math.inf else north
-    found = gaussian_curvature(left, right, below, above, here, spacing)
+    found = gaussian_curvature(left, right, below, above, here, concave, spacing)
     # not a number for a single cell in a direction, which is straight
     return found if found > least_curvature else least_curvature
 
 
 @kernel
-def assess(batch, n, least_curvature, spacing, allowed):
+def assess(batch, n, least_curvature, concave, spacing, allowed):
     """Curvatures, overlap, stress ratio, and whether that exceeds the allowed one."""
     for i in range(n):
         for wall in range(2):
@@ -137,6 +137,7 @@ def assess(batch, n, least_curvature, spacing, allowed):
                 batch.heights[wall, SOUTH, i],
                 batch.heights[wall, NORTH, i],
                 least_curvature,
+                concave,
                 spacing,
             )
         kappa = batch.curvature[UPPER, i] + batch.curvature[LOWER, i]
@@ -254,7 +255,7 @@ def shed_losses(batch, n, wall, tie_tolerance, gouge):
 
 
 @kernel
-def curvature_after(batch, i, wall, loss, tie_tolerance, least_curvature, spacing, gouge):
+def curvature_after(batch, i, wall, loss, tie_tolerance, least_curvature, concave, spacing, gouge):
     """Curvature of a wall's cell once pair i has lost a height [m], its gouge laid around."""
     here = batch.heights[wall, CENTRE, i]
     share = batch.loss[wall, i]
@@ -269,18 +270,22 @@ def curvature_after(batch, i, wall, loss, tie_tolerance, least_curvature, spacin
         east += rise * fall(here, east, tie_tolerance)
         south += rise * fall(here, south, tie_tolerance)
         north += rise * fall(here, north, tie_tolerance)
-    return curvature_of(here - share * loss, west, east, south, north, least_curvature, spacing)
+    return curvature_of(
+        here - share * loss, west, east, south, north, least_curvature, concave, spacing
+    )
 
 
 @kernel
-def ratio_after(batch, i, loss, tie_tolerance, least_curvature, spacing, gouge):
+def ratio_after(batch, i, loss, tie_tolerance, least_curvature, concave, spacing, gouge):
     """Stress ratio of pair i once it has lost a height [m], its gouge on its neighbours.
 
     ``batch.loss`` holds the shares, drops and overlap are as measured.
     """
     kappa = curvature_after(
-        batch, i, UPPER, loss, tie_tolerance, least_curvature, spacing, gouge
-    ) + curvature_after(batch, i, LOWER, loss, tie_tolerance, least_curvature, spacing, gouge)
+        batch, i, UPPER, loss, tie_tolerance, least_curvature, concave, spacing, gouge
+    ) + curvature_after(
+        batch, i, LOWER, loss, tie_tolerance, least_curvature, concave, spacing, gouge
+    )
     strength = batch.critical_indentation[i] * kappa + batch.substrate_strength[i]
     return (batch.overlap[i] - loss) * kappa * kappa / strength
 
@@ -319,11 +324,14 @@ def bracket_losses(batch, n, goal, gouge):
 
 
 @kernel
-def narrow_losses(batch, n, goal, near, tie_tolerance, least_curvature, spacing, gouge):
+def narrow_losses(batch, n, goal, near, tie_tolerance, least_curvature, concave, spacing, gouge):
     """One step of false position (Illinois) for every pair; how many are not there yet."""
     for i in range(n):
         trial = batch.trial[i]
-        answer = ratio_after(batch, i, trial, tie_tolerance, least_curvature, spacing, gouge) - goal
+        answer = (
+            ratio_after(batch, i, trial, tie_tolerance, least_curvature, concave, spacing, gouge)
+            - goal
+        )
         most = batch.most[i]
         left, right = batch.left[i], batch.right[i]
         excess, shortage = batch.excess[i], batch.shortage[i]
@@ -354,7 +362,7 @@ def narrow_losses(batch, n, goal, near, tie_tolerance, least_curvature, spacing,
 
 
 @kernel
-def returning_losses(batch, n, band, tie_tolerance, least_curvature, spacing, gouge):
+def returning_losses(batch, n, band, tie_tolerance, least_curvature, concave, spacing, gouge):
     """Return mapping: both walls lose what brings a pair back to its strength.
 
     The smallest loss found at which the stress ratio lies between 1 - 3/4 band
@@ -365,7 +373,7 @@ def returning_losses(batch, n, band, tie_tolerance, least_curvature, spacing, go
     bracket_losses(batch, n, goal, gouge)
     for _ in range(60):
         left_over = narrow_losses(
-            batch, n, goal, near, tie_tolerance, least_curvature, spacing, gouge
+            batch, n, goal, near, tie_tolerance, least_curvature, concave, spacing, gouge
         )
         if left_over == 0:
             break

@@ -95,10 +95,10 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
                         state += is_peak(lower[y, x], around_lower)
                         peaks[y, x] = state
                     kappa_upper = wall_curvature(
-                        upper[y, x], around_upper, law.least_curvature, law.spacing
+                        upper[y, x], around_upper, law.least_curvature, law.concave, law.spacing
                     )
                     kappa_lower = wall_curvature(
-                        lower[y, x], around_lower, law.least_curvature, law.spacing
+                        lower[y, x], around_lower, law.least_curvature, law.concave, law.spacing
                     )
                     kappa = kappa_upper + kappa_lower
                     # 4. breakage: 4.3 until the contact holds with its new geometry

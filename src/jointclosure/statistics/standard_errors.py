@@ -147,7 +147,8 @@ def elasticity(levels, samples, base: float, paired: bool) -> Estimate:
     value = mean.c / mean.d * base / mean.half_range
     covariance = quadratic_errors(levels, mean_covariance(samples, paired), base).covariance
     gradient = np.array([0.0, base / (mean.half_range * mean.d), -value / mean.d])
-    return Estimate(float(value), float(np.sqrt(gradient @ covariance @ gradient)))
+    variance = max(float(gradient @ covariance @ gradient), 0.0)  # rounding may make it negative
+    return Estimate(float(value), float(np.sqrt(variance)))
 
 
 def rounded(value: float, standard_error: float) -> str:

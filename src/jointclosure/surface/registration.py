@@ -327,6 +327,7 @@ def _described(
     y, x = (int(i) for i in np.unravel_index(int(np.argmin(aperture)), aperture.shape))
     correlation = float(np.corrcoef(upper.ravel(), -lower.ravel())[0, 1])
     by_wavelength = mating(upper, lower, spacing)
+    early = float(np.quantile(aperture, 1e-3))
     gap = float(np.mean(found.upper - found.lower))
     filled_said = f", {found.filled_cells} of them in holes, filled" if found.filled_cells else ""
     report += [
@@ -338,6 +339,8 @@ def _described(
         f"heights correlate by {correlation:.3f}; {_mating_said(by_wavelength)}",
         f"at first touch, at cell (y, x) = ({y}, {x}), the mean aperture is "
         f"{1e3 * aperture.mean():.3g} mm",
+        f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
+        + (_STANDS_OUT if early > _FAR * aperture.std() else ""),
     ]
     if name == "common_frame" and applied == (0.0, 0.0):
         side = "above" if gap > 0.0 else "below"
@@ -351,6 +354,13 @@ def _described(
     )  # fmt: skip
 
 
+_FAR = 1.5
+"""Standard deviations of the aperture by which first touch may lie before the touch of a thousandth
+of the cells. Of 144 Gaussian pairs (64 to 256 cells a side, H 0.5 and 0.8) the largest was 0.95."""
+_STANDS_OUT = (
+    ": Warning: what touches first stands out far, perhaps a spike that was left; trust closures "
+    "since seating, not those from first touch"
+)
 _BELOW = (
     ": Warning: if both scans have one zero of heights, the walls are interchanged or heights "
     "count downwards"

@@ -7,38 +7,55 @@ a published relation gives for the JRC: docs/decisions/0007-surfaces.md.
 
 import math
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 import scipy.fft
 
-from jointclosure.inputs import InputError, check_number
+from jointclosure.inputs import InputError, check_length, check_number, check_one_of
 from jointclosure.randomness import generator, seed_of
 from jointclosure.surface.roughness import DEFAULT_RELATION, detrended, rms_slope, z2_of_jrc
 
+RULES = ("self_affine", "walk")
+"""How the long waves of a wall go with the short ones."""
 
-def self_affine_field(
+
+class Spectrum(NamedTuple):
+    """Power spectrum of a wall's heights, of arbitrary scale.
+
+    ``rule`` "self_affine": power ~ k^(-2 (H + 1)), so that profiles have the Hurst exponent
+    ``hurst``. "walk": independent Gaussian slopes along x and along y between all neighbours,
+    projected on the nearest field of heights; ``hurst`` is not used. ``roll_off`` [cells]: a
+    wavelength beyond which the power is flat; None for none.
+    """
+
+    hurst: float
+    rule: str = "self_affine"
+    roll_off: float | None = None
+
+
+def gaussian_field(
     shape: tuple[int, int],
-    hurst: float,
+    spectrum: Spectrum,
     random: np.random.Generator,
     oversize: int = 2,
 ) -> np.ndarray:
-    """Self-affine Gaussian heights (y, x) of arbitrary scale.
+    """Gaussian heights (y, x) of a spectrum and arbitrary scale.
 
-    Spectral synthesis (power spectrum ~ k^(-2 (H + 1))) on a periodic grid
-    ``oversize`` times as long, of which a corner is cropped, so that opposite
-    edges are not neighbours.
+    Spectral synthesis on a periodic grid ``oversize`` times as long, of which a corner is
+    cropped, so that opposite edges are not neighbours. All spectra filter the same noise.
     """
     size = (oversize * max(shape[0], 2), oversize * max(shape[1], 2))
-    waves = _self_affine_waves(size, hurst, random)
+    waves = _random_waves(size, spectrum, random)
     return scipy.fft.irfft2(waves, s=size, workers=1)[: shape[0], : shape[1]]
 
 
-def _self_affine_waves(
-    size: tuple[int, int], hurst: float, random: np.random.Generator
+def _random_waves(
+    size: tuple[int, int], spectrum: Spectrum, random: np.random.Generator
 ) -> np.ndarray:
-    """Fourier coefficients of self-affine heights on a periodic grid, as of `scipy.fft.rfft2`."""
+    """Fourier coefficients of Gaussian heights on a periodic grid, as of `scipy.fft.rfft2`."""
     noise = scipy.fft.rfft2(random.standard_normal(size), workers=1)
-    return noise * _amplitudes(*size, hurst)
+    return noise * _amplitudes(*size, spectrum)
 
 
 def _wave_numbers(size: tuple[int, int]) -> np.ndarray:
@@ -48,16 +65,42 @@ def _wave_numbers(size: tuple[int, int]) -> np.ndarray:
 
 
 @lru_cache(maxsize=8)
-def _amplitudes(ny: int, nx: int, hurst: float) -> np.ndarray:
-    """k^-(H + 1) of the waves (ny, nx // 2 + 1) of a real transform, 0 for the mean."""
-    wave_y = scipy.fft.fftfreq(ny)[:, None]
-    wave_x = scipy.fft.rfftfreq(nx)[None, :]
-    square = wave_y * wave_y + wave_x * wave_x
-    square[0, 0] = 1.0
-    amplitudes = power(square, -0.5 * (hurst + 1.0))
+def _amplitudes(ny: int, nx: int, spectrum: Spectrum) -> np.ndarray:
+    """Amplitudes of the waves (ny, nx // 2 + 1) of a real transform, 0 for the mean."""
+    amplitudes = power(_squares(ny, scipy.fft.rfftfreq(nx), spectrum), 0.5 * _exponent(spectrum))
     amplitudes[0, 0] = 0.0
     amplitudes.flags.writeable = False
     return amplitudes
+
+
+def _exponent(spectrum: Spectrum) -> float:
+    """Of the squared wave number in the power."""
+    return -1.0 if spectrum.rule == "walk" else -(spectrum.hurst + 1.0)
+
+
+def _squares(ny: int, wave_x: np.ndarray, spectrum: Spectrum) -> np.ndarray:
+    """Squared wave numbers (ny, waves along x) [1/cell^2], 1 for the mean; bounded by the roll-off.
+
+    Notes
+    -----
+    For a walk, of the differences d between neighbours, |d|^2 = 4 sin^2(pi f) along each axis,
+    over (2 pi)^2. Independent slopes g of variance 1 have white spectra; the heights z that
+    minimise sum (d_x z - g_x)^2 + (d_y z - g_y)^2 are, wave by wave,
+    (d_x* g_x + d_y* g_y)/(|d_x|^2 + |d_y|^2), which is Gaussian with power 1/(|d_x|^2 + |d_y|^2).
+    """
+    wave_y, wave_x = scipy.fft.fftfreq(ny)[:, None], wave_x[None, :]
+    if spectrum.rule == "walk":
+        wave_y, wave_x = (_sines(wave) / np.pi for wave in (wave_y, wave_x))
+    square = wave_y * wave_y + wave_x * wave_x
+    square[0, 0] = 1.0
+    if spectrum.roll_off is not None:
+        square = np.maximum(square, 1.0 / (spectrum.roll_off * spectrum.roll_off))
+    return square
+
+
+def _sines(wave: np.ndarray) -> np.ndarray:
+    """sin(pi f), to the same bits on any processor, as `power`."""
+    return np.vectorize(math.sin)(np.pi * wave)
 
 
 def power(base: np.ndarray, exponent: float) -> np.ndarray:
@@ -96,6 +139,8 @@ def synthetic_wall(
     hurst: float,
     random: np.random.Generator,
     normalise: str = "wall",
+    rule: str = "self_affine",
+    roll_off: float | None = None,
 ) -> np.ndarray:
     """One wall (y, x) of given RMS slope, plane-detrended [m].
 
@@ -114,12 +159,16 @@ def synthetic_wall(
     normalise : {"wall", "expectation"}
         Whether every wall has exactly this Z2, or walls have it on average:
         then all are scaled by the RMS slope that the spectrum has itself.
+    rule : {"self_affine", "walk"}
+    roll_off : float, optional
+        Wavelength [m] beyond which the power is flat; see `wall_pair`.
     """
     _check_normalise(normalise)
-    field = detrended(self_affine_field(shape, hurst, random))
+    spectrum = spectrum_of(hurst, rule, roll_off, spacing)
+    field = detrended(gaussian_field(shape, spectrum, random))
     if normalise == "wall":
         return field * (z2 / rms_slope(field, spacing))
-    return field * (z2 / _expected_rms_slope(shape, hurst, spacing))
+    return field * (z2 / _expected_rms_slope(shape, spectrum, spacing))
 
 
 def wall_pair(
@@ -134,6 +183,8 @@ def wall_pair(
     correlation: float = 0.0,
     shift_in_cells: int = 0,
     mismatch_wavelength: float | None = None,
+    rule: str = "self_affine",
+    roll_off: float | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Upper and lower wall of a joint, heights towards the other wall.
 
@@ -162,6 +213,12 @@ def wall_pair(
         Waves longer than this [m] mate, shorter ones are independent (Brown and Glover); in the
         place of ``correlation``, which must be 0. Under ``normalise`` "wall" both walls are
         scaled alike, so that the long waves mate: their slopes pooled have the Z2 of the JRC.
+    rule : {"self_affine", "walk"}
+        self_affine: profiles have the Hurst exponent; walk: independent slopes along x and
+        along y, projected on the nearest heights (`Spectrum`). Then ``hurst`` only carries Z2 from
+        the interval of the relation to the spacing.
+    roll_off : float, optional
+        Wavelength [m] beyond which the power spectrum is flat; None for none.
 
     Returns
     -------
@@ -198,14 +255,17 @@ def wall_pair(
     wide = (ny, nx + shift_in_cells)
     if mismatch_wavelength is not None:
         longest = float(mismatch_wavelength) / spacing
-        pair = _partly_mated(wide, hurst, longest, seed, shift_in_cells)
+        spectrum = spectrum_of(hurst, rule, roll_off, spacing)
+        pair = _partly_mated(wide, spectrum, longest, seed, shift_in_cells)
         if normalise == "wall":
             own = np.sqrt(np.mean([rms_slope(wall, spacing) ** 2 for wall in pair]))
         else:
-            own = _expected_rms_slope(wide, hurst, spacing)
+            own = _expected_rms_slope(wide, spectrum, spacing)
         return pair[0] * (z2 / own), pair[1] * (z2 / own)
-    upper = synthetic_wall(z2, wide, spacing, hurst, generator(seed_of(seed, "upper")), normalise)
-    lower = synthetic_wall(z2, wide, spacing, hurst, generator(seed_of(seed, "lower")), normalise)
+    upper, lower = (
+        synthetic_wall(z2, wide, spacing, hurst, random, normalise, rule, roll_off)
+        for random in (generator(seed_of(seed, side)) for side in ("upper", "lower"))
+    )
     mated = -correlation * np.roll(upper, shift_in_cells, axis=1)
     lower = mated + np.sqrt(1.0 - correlation**2) * lower
     walls = []
@@ -218,7 +278,7 @@ def wall_pair(
 
 
 def _partly_mated(
-    wide: tuple[int, int], hurst: float, wavelength: float, seed: int, shift: int
+    wide: tuple[int, int], spectrum: Spectrum, wavelength: float, seed: int, shift: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Walls (y, x) of arbitrary scale whose waves longer than a wavelength [cells] mate.
 
@@ -226,8 +286,7 @@ def _partly_mated(
     """
     size = (2 * max(wide[0], 2), 2 * max(wide[1], 2))
     upper, other = (
-        _self_affine_waves(size, hurst, generator(seed_of(seed, side)))
-        for side in ("upper", "lower")
+        _random_waves(size, spectrum, generator(seed_of(seed, side))) for side in ("upper", "lower")
     )
     lower = np.where(_wave_numbers(size) * wavelength < 1.0, -upper, other)
     fields = (scipy.fft.irfft2(waves, s=size, workers=1) for waves in (upper, lower))
@@ -264,20 +323,32 @@ def _check(
         raise InputError(f"shift_in_cells = {shift_in_cells!r}: must be a whole number from 0 on")
 
 
-def _expected_rms_slope(shape: tuple[int, int], hurst: float, spacing: float) -> float:
-    """RMS slope of `self_affine_field` over all its draws, from its spectrum."""
+def spectrum_of(hurst: float, rule: str, roll_off: float | None, spacing: float) -> Spectrum:
+    """The spectrum of a wall's settings; `InputError` where one is not allowed."""
+    check_one_of("rule", rule, RULES)
+    if roll_off is None:
+        return Spectrum(hurst, rule)
+    check_length("roll_off", roll_off)
+    if roll_off < 2.0 * spacing:
+        raise InputError(
+            f"roll_off = {roll_off!r} m: must be at least two spacings, {2.0 * spacing!r} m, the "
+            "shortest wave there is (or None: no roll-off)"
+        )
+    return Spectrum(hurst, rule, float(roll_off) / spacing)
+
+
+def _expected_rms_slope(shape: tuple[int, int], spectrum: Spectrum, spacing: float) -> float:
+    """RMS slope of `gaussian_field` over all its draws, from its spectrum."""
     ny, nx = (2 * max(n, 2) for n in shape)
-    wave_y = scipy.fft.fftfreq(ny)[:, None]
-    wave_x = scipy.fft.fftfreq(nx)[None, :]
-    square = wave_y * wave_y + wave_x * wave_x
-    square[0, 0] = 1.0
-    spectrum = power(square, -(hurst + 1.0)) / (ny * nx)
-    spectrum[0, 0] = 0.0
+    wave_y, wave_x = scipy.fft.fftfreq(ny)[:, None], scipy.fft.fftfreq(nx)[None, :]
+    squares = _squares(ny, wave_x[0], spectrum)
+    powers = power(squares, _exponent(spectrum)) / (ny * nx)
+    powers[0, 0] = 0.0
     directions = [
-        4.0 * np.vectorize(math.sin)(np.pi * frequency) ** 2
+        4.0 * _sines(frequency) ** 2
         for frequency, cells in ((wave_y, shape[0]), (wave_x, shape[1]))
         if cells > 1
     ]
     weights = [(n0 - 1) * n1 for n0, n1 in (shape, shape[::-1]) if n0 > 1]
-    mean_squares = [float(np.sum(spectrum * factor)) for factor in directions]
+    mean_squares = [float(np.sum(powers * factor)) for factor in directions]
     return float(np.sqrt(np.average(mean_squares, weights=weights))) / spacing

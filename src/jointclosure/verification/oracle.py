@@ -84,7 +84,7 @@ def walls_rocks(rock):
     return (rock, rock) if hasattr(rock, "youngs_modulus") else tuple(rock)
 
 
-def curvature(z, h, largest_radius=None):
+def curvature(z, h, largest_radius=None, concave="magnitude"):
     """Gaussian curvature (y, x) from circles through three points, mirrored at the edges."""
     padded = np.pad(z, 1, mode="reflect")
 
@@ -92,7 +92,9 @@ def curvature(z, h, largest_radius=None):
         a = np.hypot(h, here - before)
         b = np.hypot(h, after - here)
         c = np.hypot(2 * h, after - before)
-        area = 0.5 * h * np.abs((before - here) + (after - here))
+        side = (before - here) + (after - here)
+        size = np.abs(side) if concave == "magnitude" else np.maximum(-side, 0.0)
+        area = 0.5 * h * size
         return 4 * area / (a * b * c)
 
     x = circle(padded[1:-1, :-2], z, padded[1:-1, 2:])
@@ -261,8 +263,8 @@ def pressures_over_limit(joint: Joint, state: State):
 
 def _curvatures(joint: Joint, state: State):
     """Both walls' together (y, x) [1/m], as they are."""
-    largest = joint.choices.largest_radius
-    return sum(curvature(z, joint.spacing, largest) for z in (state.upper, state.lower))
+    rule = joint.choices.largest_radius, joint.choices.concave
+    return sum(curvature(z, joint.spacing, *rule) for z in (state.upper, state.lower))
 
 
 def judge(joint: Joint, state: State) -> Verdict:

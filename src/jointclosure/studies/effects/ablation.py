@@ -16,9 +16,9 @@ from jointclosure.config.typed import Ablation
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.surfaces import walls_of
 from jointclosure.ensemble.timing import timed_simulation
+from jointclosure.history import branch_of
 from jointclosure.parameters import Effects, scene_name, well_posed_scenes
 from jointclosure.protocol import FAILURE, LOADING, UNLOADING
-from jointclosure.readings import branch_of
 
 TARGETS = ("max_closure", "residual_closure", "hysteresis")
 

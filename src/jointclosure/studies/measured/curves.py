@@ -20,9 +20,9 @@ import xarray as xr
 from jointclosure.config.typed import Configuration, MeasuredFile
 from jointclosure.config.units import SI_FACTORS
 from jointclosure.ensemble.aggregation import seats, succeeded
+from jointclosure.history import first_crossing
 from jointclosure.inputs import InputError
 from jointclosure.protocol import LOADING, UNLOADING
-from jointclosure.readings import first_crossing
 
 STRESS_UNITS, CLOSURE_UNITS = ("Pa", "MPa", "GPa"), ("m", "mm", "um")
 _READ = ("closure", "status", "max_closure", "max_closure_seated", "residual_closure")

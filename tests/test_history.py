@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from jointclosure.empirical import barton_bandis
-from jointclosure.readings import (
+from jointclosure.history import (
     closure_at_stresses,
     first_crossing,
     last_crossing,

@@ -55,7 +55,7 @@ def _between(
     return float(closure[before] + part * (closure[after] - closure[before]))
 
 
-def cycle_readings(
+def cycle_closures(
     closure: np.ndarray,
     stress: np.ndarray,
     cycle: np.ndarray,
@@ -83,7 +83,7 @@ def cycle_readings(
         ``residual_closure`` from first touch.
     """
     names = ("max_closure", "residual_closure", "max_closure_seated", "residual_closure_seated")
-    readings = {name: np.full(cycles, np.nan) for name in names}
+    closures = {name: np.full(cycles, np.nan) for name in names}
     for index in range(cycles):
         loading = branch_of(cycle, branch, index + 1, LOADING)
         unloading = branch_of(cycle, branch, index + 1, UNLOADING)
@@ -91,11 +91,11 @@ def cycle_readings(
             continue
         seat = first_crossing(stress[loading], closure[loading], seating_stress)
         maximum, end = closure[loading[-1]], closure[unloading[-1]]
-        readings["max_closure"][index] = maximum - closure[loading[0]]
-        readings["residual_closure"][index] = end
-        readings["max_closure_seated"][index] = maximum - seat
-        readings["residual_closure_seated"][index] = end - seat
-    return readings
+        closures["max_closure"][index] = maximum - closure[loading[0]]
+        closures["residual_closure"][index] = end
+        closures["max_closure_seated"][index] = maximum - seat
+        closures["residual_closure_seated"][index] = end - seat
+    return closures
 
 
 def unloading_excess(

@@ -1,0 +1,227 @@
+"""`jointclosure close`: close the joint whose two walls were scanned."""
+
+import argparse
+import json
+import time
+from pathlib import Path
+
+from jointclosure.commands import COMMANDS
+from jointclosure.commands.joint_options import (
+    OF_ROCK,
+    add_load_and_model,
+    add_rock,
+    base_keys,
+    joint_configuration,
+    shown_progress,
+    status_text,
+    summary,
+)
+from jointclosure.config.configuration import Configured
+from jointclosure.config.typed import Walls
+from jointclosure.engineering.curves import curve_table
+from jointclosure.ensemble.cases import cases_of
+from jointclosure.ensemble.measured_walls import brought_together
+from jointclosure.ensemble.scanned_joint import ClosedJoint, closed_pair, read_wall
+from jointclosure.ensemble.slices import closure_settings, surface_settings
+from jointclosure.inputs import InputError
+from jointclosure.progress import duration
+from jointclosure.protocol import FAILURE
+from jointclosure.scans.units import UNITS
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.netcdf import write_netcdf
+from jointclosure.storage.provenance import provenance
+from jointclosure.storage.text import write_csv, write_text
+from jointclosure.surface.registration import ORIENTATIONS, SHIFTS, RegisteredPair
+
+_EXAMPLES = """examples:
+  jointclosure close top.xyz bottom.xyz --units mm --rock granite
+  jointclosure close top.stl bottom.stl --units mm --rock granite --stress 5 --cycles 3
+  jointclosure close top.csv bottom.csv --units mm --youngs-modulus 60 --poisson-ratio 0.22 \\
+      --strength 180 --stress 15 --grid-spacing 0.5 --output my_joint
+
+What is not given is as in the configuration (config/README.md); docs/own_joint.md goes through it.
+"""
+
+
+def add_to(commands) -> None:
+    """Declare the command and its arguments."""
+    command = commands.add_parser(
+        "close",
+        help=COMMANDS["close"],
+        description="Bring two scanned walls together, press them together and release them.\n"
+        "Says what was found in the scans, how well they fit, and how far they close.",
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.add_argument("upper", type=Path, help="scan of the upper wall")
+    command.add_argument("lower", type=Path, help="scan of the lower wall")
+    scans = command.add_argument_group("scans")
+    scans.add_argument(
+        "--units", choices=list(UNITS), help="of their lengths, where the files do not say them"
+    )
+    scans.add_argument(
+        "--spacing", type=float, metavar="mm", help="of their grids, where the files do not say it"
+    )
+    scans.add_argument(
+        "--variable", help="the array or channel, where a file has several; columns of a text"
+    )
+    scans.add_argument(
+        "--spikes",
+        choices=("keep", "cut"),
+        default="cut",
+        help="points that stand out from all but one of their neighbours (default: cut)",
+    )
+    joint = command.add_argument_group("joint")
+    joint.add_argument(
+        "--grid-spacing",
+        type=float,
+        metavar="mm",
+        help="of the joint; by default the larger point distance of the scans",
+    )
+    joint.add_argument(
+        "--orientation",
+        choices=list(ORIENTATIONS),
+        help="how the upper scan lies to the lower one; by default the one that fits, if clear",
+    )
+    joint.add_argument(
+        "--shift",
+        choices=SHIFTS,
+        help="leave the walls as scanned, or move the upper one to where they mate best; by "
+        "default scanned where both scans are in one frame, else mated",
+    )
+    add_rock(command)
+    add_load_and_model(command)
+    results = command.add_argument_group("results")
+    results.add_argument(
+        "--output",
+        type=Path,
+        default=Path("closed_joint"),
+        metavar="FOLDER",
+        help="where results go (default closed_joint)",
+    )
+    command.set_defaults(run=run)
+
+
+def run(arguments) -> int:
+    """Close the joint and write its folder; 1 where the simulation failed."""
+    from jointclosure.plotting.joint import closure_curve
+    from jointclosure.plotting.scanned_joint import pair_figure
+
+    _check_folder(arguments.output)
+    settings = _settings(arguments)
+    walls = next(iter(settings.typed.rocks.values())).walls
+    assert walls is not None  # they are the arguments' own
+    pair = _pair(arguments, walls)
+    print("\n".join(f"- {line}" for line in pair.report))
+    start = time.perf_counter()
+    joint = _closed(settings, pair)
+    print(summary(joint.history))
+    print(f"{status_text(joint.history)}; {duration(time.perf_counter() - start)}")
+    title = f"{arguments.upper.name} on {arguments.lower.name}"
+    _write(joint, settings, arguments.output)
+    folder = arguments.output
+    save_figure(pair_figure(pair, title), folder / "walls.png")
+    save_figure(closure_curve(joint.history, title), folder / "closure.png")
+    print(f"wrote {folder}: {', '.join(sorted(path.name for path in folder.iterdir()))}")
+    return 1 if int(joint.history.status) >= FAILURE else 0
+
+
+def _settings(arguments) -> Configured:
+    """The whole configuration that the arguments describe, checked: the walls are its rock's."""
+    walls = {
+        "upper": str(arguments.upper),
+        "lower": str(arguments.lower),
+        "units": arguments.units,
+        "spacing_mm": arguments.spacing,
+        "variable": arguments.variable,
+        "missing": "refuse",
+        "inverted": [],
+        "bring_together": True,
+        "orientation": arguments.orientation,
+        "shift": arguments.shift,
+        "spikes": arguments.spikes,
+    }
+    grid = {} if arguments.grid_spacing is None else {"spacing_mm": arguments.grid_spacing}
+    needed = tuple(option for option in OF_ROCK if option != "jrc")
+    own = {"jrc": None, "walls": walls}
+    return joint_configuration(base_keys(arguments), arguments, own, {"grid": grid}, needed)
+
+
+def _pair(arguments, walls: Walls) -> RegisteredPair:
+    """The scans, read and brought together as their configuration says."""
+    spacing = None if arguments.grid_spacing is None else 1e-3 * arguments.grid_spacing
+    upper, lower = (
+        read_wall(path, walls.units, walls.spacing, walls.variable)
+        for path in (walls.upper, walls.lower)
+    )
+    return brought_together(upper, lower, walls, spacing)
+
+
+def _closed(settings: Configured, pair: RegisteredPair) -> ClosedJoint:
+    configuration = settings.typed
+    case = cases_of(configuration)[0]
+    surfaces = surface_settings(configuration, case, range(1))
+    conditions = closure_settings(configuration, case, surfaces).conditions()
+    ny, nx = pair.upper.shape
+    rock = configuration.rocks[case.rock].title
+    print(
+        f"{rock}, {nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm: "
+        f"{1e-6 * case.max_normal_stress:g} MPa, {conditions.cycles} cycles"
+    )
+    with shown_progress(conditions.cycles) as report:
+        return closed_pair(pair, conditions, report)
+
+
+def _write(joint: ClosedJoint, settings: Configured, folder: Path) -> None:
+    """All numbers of a joint: its history, its curves, and what was found on the way."""
+    about = provenance(settings.keys)
+    write_netcdf(joint.history.assign_attrs(about), folder / "joint.nc")
+    write_csv(curve_table(joint.history), folder / "curves.csv")
+    write_text(json.dumps(_record(joint, settings, about), indent=1) + "\n", folder / "joint.json")
+
+
+def _record(joint: ClosedJoint, settings: Configured, about: dict[str, str]) -> dict:
+    """What was found and done, with units in the names, and where it comes from."""
+    pair, history = joint.pair, joint.history
+    case = cases_of(settings.typed)[0]
+    surfaces = surface_settings(settings.typed, case, range(1))
+    per_cycle = {
+        f"{name}_mm": [1e3 * float(value) for value in history[name].values]
+        for name in (
+            "max_closure",
+            "residual_closure",
+            "max_closure_seated",
+            "residual_closure_seated",
+            "max_bulk_indentation",
+        )
+    }
+    return {
+        "joint": repr(joint),
+        "status": status_text(history),
+        "found": pair.report,
+        "cells_y_x": list(pair.upper.shape),
+        "spacing_mm": 1e3 * pair.spacing,
+        "orientation": pair.orientation,
+        "slope_correlation": {fit.orientation: fit.correlation for fit in pair.fits},
+        "shift_mm_y_x": [1e3 * part for part in pair.shift],
+        "mating_shift_mm_y_x": [1e3 * part for part in pair.mating_shift],
+        "correlation": pair.correlation,
+        "mating": {
+            "wavelength_mm": (1e3 * pair.mating.wavelengths).tolist(),
+            "correlation": pair.mating.correlation.tolist(),
+        },
+        "mean_aperture_at_first_touch_mm": 1e3 * float(pair.aperture.mean()),
+        "first_touch_y_x": list(pair.first_touch),
+        "per_cycle": per_cycle,
+        "sha256": surfaces.sha256,
+        "provenance": about,
+    }
+
+
+def _check_folder(folder: Path) -> None:
+    """Make the folder of the results, before anything is computed."""
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder}: is a file, and must be a folder")
+    if not folder.parent.is_dir():
+        raise InputError(f"{folder}: there is no folder {folder.parent}")
+    folder.mkdir(exist_ok=True)

@@ -1,0 +1,174 @@
+"""What the commands that close a joint share: rock, load and model, and what they say of it."""
+
+import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from jointclosure.config.configuration import Configured, configured, merged, merged_study
+from jointclosure.config.files import value_of
+from jointclosure.config.rocks import other_rocks
+from jointclosure.inputs import InputError
+from jointclosure.parameters import Effects
+from jointclosure.progress import bar
+from jointclosure.protocol import FAILURE, LOADING, Report
+from jointclosure.storage.text import read_csv
+
+OF_ROCK = {
+    "youngs_modulus": "youngs_modulus_GPa",
+    "poisson_ratio": "poisson_ratio",
+    "strength": "compressive_strength_MPa",
+    "jrc": "jrc",
+    "stress": "max_normal_stress_MPa",
+}
+"""Options that say what a configuration says of a rock."""
+_UNNAMED = "rock"
+"""Name of a rock that is given by its properties."""
+_FIRST_LOADING = 5.0
+"""Time of the first loading over that of a later cycle, for the progress bar: 4 to 10 measured on
+joints of the paper's size; the first unloading takes a third of a cycle."""
+
+
+def add_rock(command: argparse.ArgumentParser) -> None:
+    """Declare the arguments that say what the joint is made of."""
+    rock = command.add_argument_group("rock")
+    rock.add_argument("--rock", metavar="NAME", help="one of the configuration's, or granite")
+    rock.add_argument(
+        "--config",
+        type=Path,
+        metavar="FILE",
+        help="study whose rocks and other keys are used, over the paper's",
+    )
+    rock.add_argument("--youngs-modulus", type=float, metavar="GPa", help="Young's modulus E")
+    rock.add_argument("--poisson-ratio", type=float, metavar="NU", help="Poisson's ratio")
+    rock.add_argument("--strength", type=float, metavar="MPa", help="compressive strength sigma_c")
+
+
+def add_load_and_model(command: argparse.ArgumentParser) -> None:
+    """Declare the arguments that say how the joint is loaded, and by what model."""
+    load = command.add_argument_group("load")
+    load.add_argument("--stress", type=float, metavar="MPa", help="maximum normal stress")
+    load.add_argument("--cycles", type=int, metavar="N", help="load-unload cycles")
+    load.add_argument(
+        "--seating", type=float, metavar="MPa", help="stress from which seated closures count"
+    )
+    model = command.add_argument_group("model")
+    model.add_argument(
+        "--without",
+        nargs="+",
+        choices=Effects._fields,
+        default=[],
+        metavar="EFFECT",
+        help=f"effects to leave out, of {', '.join(Effects._fields)}",
+    )
+    model.add_argument(
+        "--set",
+        nargs="+",
+        type=_setting,
+        default=[],
+        metavar="KEY=VALUE",
+        help="any other key of the configuration, as in choices.largest_radius_mm=20",
+    )
+
+
+def base_keys(arguments) -> dict:
+    """Keys of the configuration that the joint is taken from, checked, with the rock that is meant.
+
+    A rock that comes with the package and is in no study is put beside the study's.
+    """
+    base = merged_study(*([arguments.config] if arguments.config else []))
+    configured(base, read_csv)
+    name, others = arguments.rock, other_rocks()
+    if name and name not in base["rocks"]:
+        if name not in others:
+            known = ", ".join([*base["rocks"], *others])
+            raise InputError(f"--rock {name}: must be one of {known}")
+        base["rocks"][name] = others[name]
+    return base
+
+
+def joint_configuration(
+    base: dict, arguments, own: dict, changes: dict, needed: tuple[str, ...] = tuple(OF_ROCK)
+) -> Configured:
+    """The whole configuration that the arguments describe, checked.
+
+    Parameters
+    ----------
+    base : dict
+        As from `base_keys`.
+    arguments
+        Of `add_rock` and `add_load_and_model`.
+    own : dict
+        Further keys of the rock.
+    changes : dict
+        Further keys of the study.
+    needed : tuple of str
+        Options that must be given where no rock is named, of `OF_ROCK`.
+    """
+    given = {name: value for name, value in vars(arguments).items() if value is not None}
+    own = own | {key: given[option] for option, key in OF_ROCK.items() if option in given}
+    name = arguments.rock or _UNNAMED
+    base["rocks"].setdefault(name, {})["levels"] = {}
+    if not arguments.rock:
+        missing = ["--" + option.replace("_", "-") for option in needed if option not in given]
+        if missing:
+            raise InputError(f"without --rock: {', '.join(missing)} must be given")
+        own["title"] = "Rock"
+    if arguments.without:  # the rock's own settings go before the study's
+        own["effects"] = dict.fromkeys(arguments.without, False)
+    changes = merged({"study": {"rocks": [name]}, "rocks": {name: own}}, changes)
+    if "cycles" in given:
+        changes["study"]["cycles"] = given["cycles"]
+    if "seating" in given:
+        changes["seating_stress_MPa"] = given["seating"]
+    return configured(merged(base, changes, *arguments.set), read_csv)
+
+
+@contextmanager
+def shown_progress(cycles: int) -> Iterator[Report]:
+    """A progress bar, and what tells it of the steps of a history of some cycles."""
+    whole = _FIRST_LOADING + cycles - 1
+    with bar("closing") as show:
+
+        def report(cycle: int, branch: str, share: float) -> None:
+            share = min(share, 1.0) if branch == LOADING else 1.0
+            done = _FIRST_LOADING * share if cycle == 1 else _FIRST_LOADING + cycle - 2 + share
+            show(done / whole, f"cycle {cycle} of {cycles}, {branch}")
+
+        yield report
+
+
+def summary(closed: xr.Dataset) -> str:
+    """The closures of each cycle, as lines of text."""
+    seating = 1e-6 * closed.attrs["seating_stress_Pa"]
+    columns = {
+        "maximum": closed.max_closure,
+        f"since {seating:g} MPa": closed.max_closure_seated,
+        "at its end": closed.residual_closure,
+    }
+    frame = xr.Dataset({name: 1e3 * values for name, values in columns.items()}).to_dataframe()
+    frame.index = [f"cycle {number}" for number in range(1, len(frame) + 1)]
+    return "closure (mm)\n" + frame.to_string(float_format="{:.5f}".format)
+
+
+def status_text(closed: xr.Dataset) -> str:
+    """Success or failure, with the remarks of the status in words."""
+    about, status = closed.status.attrs, int(closed.status)
+    named = zip(about["flag_masks"], about["flag_meanings"].split(), strict=True)
+    found = [name for mask, name in named if status & int(mask)]
+    word = "failed" if status >= FAILURE else "success"
+    return f"{word}{': ' + ', '.join(found) if found else ''}"
+
+
+def _setting(text: str) -> dict:
+    """A nested setting from `section.key=value`."""
+    key, equals, value = text.partition("=")
+    if not equals or not key:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be as in numerics.breakage=resolved")
+    setting: Any = value_of(value)
+    for part in reversed(key.split(".")):
+        setting = {part: setting}
+    return setting

@@ -1,0 +1,137 @@
+"""The joint whose two walls were scanned: brought together, closed, and described in a line."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import xarray as xr
+
+from jointclosure.config.rocks import named_rock
+from jointclosure.ensemble.closing import close_walls
+from jointclosure.ensemble.settings import Conditions
+from jointclosure.inputs import InputError
+from jointclosure.parameters import Choices, Effects, Numerics, Rock, both_walls, check_usual
+from jointclosure.protocol import FAILURE, Report
+from jointclosure.scans import read_scan
+from jointclosure.surface.measured import Cloud, Scan
+from jointclosure.surface.registration import RegisteredPair, registered
+
+
+class ClosedJoint(NamedTuple):
+    """Two scanned walls, brought together and closed.
+
+    Attributes
+    ----------
+    pair : RegisteredPair
+        The walls as they were closed, and in its ``report`` what was found and done.
+    history : Dataset
+        As from `jointclosure.simulate`.
+    conditions : Conditions
+        What the joint was told besides its walls.
+    """
+
+    pair: RegisteredPair
+    history: xr.Dataset
+    conditions: Conditions
+
+    def __repr__(self) -> str:
+        ny, nx = self.pair.upper.shape
+        step = 1e3 * self.pair.spacing
+        closures = ", ".join(f"{1e3 * value:.4g}" for value in self.history.max_closure.values)
+        failed = ", failed" if int(self.history.status) >= FAILURE else ""
+        return (
+            f"<ClosedJoint: {nx} x {ny} cells of {step:.4g} mm ({nx * step:.3g} x {ny * step:.3g} "
+            f"mm), closes {closures} mm at {1e-6 * self.conditions.max_normal_stress:g} MPa in "
+            f"{self.conditions.cycles} cycles{failed}>"
+        )
+
+
+def close(
+    upper: str | Path | Scan | Cloud,
+    lower: str | Path | Scan | Cloud,
+    *,
+    rock: str | Rock | tuple[Rock, Rock],
+    max_normal_stress: float,
+    cycles: int = 2,
+    seating_stress: float = 0.5e6,
+    units: str | None = None,
+    spacing: float | None = None,
+    orientation: str | None = None,
+    shift: str | None = None,
+    cut_spikes: bool = True,
+    effects: Effects = Effects(),
+    choices: Choices = Choices(),
+    numerics: Numerics = Numerics(),
+    unusual_values: bool = False,
+    report: Report | None = None,
+) -> ClosedJoint:
+    """Bring two scanned walls of a joint together, press them together and release them.
+
+    Parameters
+    ----------
+    upper, lower : path, Scan or Cloud
+        Files that `jointclosure.read_scan` reads, or what it gave.
+    rock : str, Rock or (Rock, Rock)
+        "granite" or another that comes with the package
+        (`jointclosure.config.rocks.named_rock`); or of both walls, or of upper and lower.
+    max_normal_stress : float
+        Target of every cycle [Pa].
+    cycles : int
+    seating_stress : float
+        Where the ``_seated`` closures start to count [Pa]: laboratory curves start there.
+    units : {"m", "mm", "um", "nm"}, optional
+        Of both files, where these do not say them.
+    spacing : float, optional
+        Of the joint's grid [m]; by default the larger point distance of the scans. It is a
+        parameter of the model: a cell is an asperity.
+    orientation, shift, cut_spikes
+        As for `jointclosure.surface.registration.registered`.
+    effects, choices, numerics, unusual_values, report
+        As for `jointclosure.simulate`.
+
+    Returns
+    -------
+    ClosedJoint
+
+    Raises
+    ------
+    InputError
+        A file that cannot be read, units that nobody says, walls of which no orientation is
+        clear or that do not overlap, a number out of its range.
+    """
+    intact = both_walls(named_rock(rock) if isinstance(rock, str) else rock)
+    if not unusual_values:
+        check_usual(intact, max_normal_stress=max_normal_stress)
+    above, below = read_wall(upper, units), read_wall(lower, units)
+    pair = registered(
+        above, below, spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes
+    )
+    conditions = Conditions(
+        pair.spacing, intact, max_normal_stress, cycles, seating_stress, effects, choices, numerics
+    )
+    return closed_pair(pair, conditions, report)
+
+
+def closed_pair(
+    pair: RegisteredPair, conditions: Conditions, report: Report | None = None
+) -> ClosedJoint:
+    """Close walls that were brought together, on their own grid, as any other walls."""
+    conditions = conditions._replace(spacing=pair.spacing)
+    history = close_walls(pair.upper, pair.lower, conditions, report)
+    return ClosedJoint(pair, history, conditions)
+
+
+def read_wall(
+    wall: str | Path | Scan | Cloud,
+    units: str | None = None,
+    spacing: float | None = None,
+    variable: str | None = None,
+) -> Scan | Cloud:
+    """A scan, read where it is a file; arguments as for `jointclosure.read_scan`."""
+    if isinstance(wall, Scan | Cloud):
+        return wall
+    if not isinstance(wall, str | Path):
+        raise InputError(
+            f"a wall of type {type(wall).__name__}: must be a file, or a Scan or Cloud of it; "
+            "walls that are arrays, with heights towards each other, are closed by simulate"
+        )
+    return read_scan(wall, units=units, spacing=spacing, variable=variable)

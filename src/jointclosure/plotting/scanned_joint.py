@@ -1,0 +1,121 @@
+"""Pictures of two scanned walls that were brought together."""
+
+import matplotlib.ticker
+import numpy as np
+import seaborn as sns
+from matplotlib.figure import Figure
+
+from jointclosure.plotting.style import styled, subplots
+from jointclosure.surface.mating import mismatch_wavelength
+from jointclosure.surface.registration import CLEAR, RegisteredPair
+
+
+@styled
+def pair_figure(pair: RegisteredPair, title: str) -> Figure:
+    """Both walls, the aperture and a section at first touch, how they mate, and how they lie.
+
+    Parameters
+    ----------
+    pair : RegisteredPair
+    title : str
+    """
+    figure, panels = subplots(2, 3, figsize=(13.5, 8.2), layout="constrained")
+    # z upwards on both, so that mates look alike
+    _draw_wall(panels[0, 0], -pair.upper, pair, "upper wall, seen from above")
+    _draw_wall(panels[0, 1], pair.lower, pair, "lower wall, seen from above")
+    _draw_aperture(panels[0, 2], pair)
+    _draw_section(panels[1, 0], pair)
+    _draw_mating(panels[1, 1], pair)
+    _draw_orientations(panels[1, 2], pair)
+    figure.suptitle(title, parse_math=False)  # a file's name is no formula
+    for axes in panels[1]:
+        sns.despine(ax=axes)
+    return figure
+
+
+def map_extent(pair_shape: tuple[int, int], spacing: float) -> tuple[float, float, float, float]:
+    """Edges (left, right, bottom, top) [mm] of a map of cells (y, x)."""
+    ny, nx = pair_shape
+    return 0.0, 1e3 * nx * spacing, 0.0, 1e3 * ny * spacing
+
+
+def _place(pair: RegisteredPair) -> tuple[float, float]:
+    """x and y of the middle of the cell of first touch [mm]."""
+    y, x = pair.first_touch
+    return 1e3 * (x + 0.5) * pair.spacing, 1e3 * (y + 0.5) * pair.spacing
+
+
+def _draw_wall(axes, heights: np.ndarray, pair: RegisteredPair, title: str) -> None:
+    reach = 1e3 * max(np.abs(pair.upper).max(), np.abs(pair.lower).max())
+    image = axes.imshow(
+        1e3 * heights, origin="lower", extent=map_extent(heights.shape, pair.spacing), cmap="vlag",
+        vmin=-reach, vmax=reach,
+    )  # fmt: skip
+    axes.figure.colorbar(image, ax=axes, label="height (mm)", shrink=0.85)
+    axes.set(title=title, xlabel="x (mm)", ylabel="y (mm)")
+
+
+def _draw_aperture(axes, pair: RegisteredPair) -> None:
+    image = axes.imshow(
+        1e3 * pair.aperture, origin="lower", extent=map_extent(pair.aperture.shape, pair.spacing),
+        cmap="viridis", vmin=0.0, vmax=1e3 * np.percentile(pair.aperture, 99.0),
+    )  # fmt: skip
+    axes.figure.colorbar(image, ax=axes, label="aperture (mm)", shrink=0.85, extend="max")
+    x, y = _place(pair)
+    axes.plot(x, y, "o", ms=11, mfc="none", mec="red", mew=1.8)
+    axes.set(title="aperture at first touch (circle: where)", xlabel="x (mm)", ylabel="y (mm)")
+
+
+def _draw_section(axes, pair: RegisteredPair) -> None:
+    """Both walls along x through first touch, the gap between them shaded."""
+    row = pair.first_touch[0]
+    lower = 1e3 * pair.lower[row]
+    upper = lower + 1e3 * pair.aperture[row]
+    x = 1e3 * (np.arange(lower.size) + 0.5) * pair.spacing
+    axes.fill_between(x, lower, upper, color="0.85", lw=0.0)
+    axes.plot(x, upper, color="C0", lw=1.1, label="upper wall")
+    axes.plot(x, lower, color="C1", lw=1.1, label="lower wall")
+    at, y = _place(pair)
+    axes.plot(at, lower[pair.first_touch[1]], "o", ms=9, mfc="none", mec="red", mew=1.6)
+    axes.set(title=f"section at y = {y:.3g} mm", xlabel="x (mm)", ylabel="height (mm)")
+    axes.legend(frameon=False, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.16))
+
+
+def _draw_mating(axes, pair: RegisteredPair) -> None:
+    """Correlation over wavelength, with one standard error, and where it falls below 0.5."""
+    found = pair.mating
+    error = (1.0 - found.correlation**2) / np.sqrt(found.modes)
+    wavelengths = 1e3 * found.wavelengths
+    axes.axhline(0.0, color="0.7", lw=0.8)
+    axes.errorbar(
+        wavelengths, found.correlation, error, fmt="o-", color="C0", ms=4, lw=1.1, capsize=2
+    )
+    limit = mismatch_wavelength(found)
+    if limit is not None and np.isfinite(limit):
+        axes.axvline(1e3 * limit, color="0.3", lw=1.0, ls="--")
+        axes.annotate(
+            f" {1e3 * limit:.3g} mm", (1e3 * limit, 0.02), xycoords=("data", "axes fraction"),
+            fontsize=9,
+        )  # fmt: skip
+    axes.set(
+        xscale="log", ylim=(min(-0.3, 1.1 * (found.correlation - error).min()), 1.05),
+        title="how well the walls mate", xlabel="wavelength (mm)",
+        ylabel="correlation (1: mates, 0: independent)",
+    )  # fmt: skip
+    axes.xaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.xaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
+    axes.xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
+
+
+def _draw_orientations(axes, pair: RegisteredPair) -> None:
+    """Correlation of slopes in each orientation, the one that was taken in colour."""
+    fits = pair.fits[::-1]
+    colours = ["C0" if fit.orientation == pair.orientation else "0.75" for fit in fits]
+    axes.barh([fit.orientation for fit in fits], [fit.correlation for fit in fits], color=colours)
+    second = pair.fits[1].correlation
+    if second > 0.0:
+        axes.axvline(CLEAR * second, color="0.3", lw=1.0, ls="--")
+    axes.set(
+        title="how the upper scan lies",
+        xlabel=f"correlation of slopes (line: {CLEAR:g} times the second)",
+    )

@@ -1,0 +1,1 @@
+"""Which reading of what the paper leaves open gives the paper's Table 3."""

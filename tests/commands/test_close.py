@@ -1,0 +1,150 @@
+"""`jointclosure close` and `jc.close`: two scans in, curves out; refusals in one line."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import jointclosure as jc
+from jointclosure import cli
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.surface.registration import registered
+from tests.conftest import SPACING, TWO_WALLS
+
+SHAPE = (64, 72)
+LOAD = {"max_normal_stress": 2e6, "seating_stress": 0.2e6}
+WORDS = ["--units", "mm", "--stress", 2, "--seating", 0.2]
+
+
+def write_points(path, heights):
+    """A scan as instruments write it: a head, separators at the ends of lines, millimetres."""
+    y, x = np.indices(heights.shape) * 1e3 * SPACING
+    points = np.column_stack([x.ravel(), y.ravel(), 1e3 * heights.ravel()])
+    lines = [",".join(f"{value:.6f}" for value in point) + "," for point in points]
+    path.write_text("\n".join(["x,y,z", "x,y,z", *lines]))
+
+
+@pytest.fixture(scope="module")
+def scans(tmp_path_factory):
+    """Both walls of a joint in one frame, z upwards, and a wall of another joint."""
+    folder = tmp_path_factory.mktemp("scans")
+    upper, lower = jc.wall_pair(9.0, SHAPE, SPACING, seed=4, correlation=0.9)
+    write_points(folder / "top.xyz", 0.6e-3 - upper)
+    write_points(folder / "bottom.xyz", lower)
+    write_points(folder / "other.xyz", jc.wall_pair(9.0, SHAPE, SPACING, seed=5)[0])
+    return folder
+
+
+def said(capsys, *words):
+    code = cli.main(["close", *map(str, words)])
+    return code, *capsys.readouterr()
+
+
+def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, capsys):
+    files = scans / "top.xyz", scans / "bottom.xyz"
+    code, out, err = said(capsys, *files, *WORDS, "--rock", "granite", "--output", tmp_path / "j")
+    assert (code, err) == (0, "")
+    assert "orientation of the upper wall, found: common_frame" in out
+    assert "Granite, 72 x 64 cells of 0.25 mm: 2 MPa, 2 cycles" in out
+    pair = registered(*(jc.read_scan(file, units="mm") for file in files))
+    rock = jc.Rock(73e9, 0.25, 173e6)
+    alone = jc.simulate(pair.upper, pair.lower, spacing=pair.spacing, rock=rock, **LOAD)
+    library = jc.close(*files, units="mm", rock="granite", **LOAD)
+    written = read_netcdf(tmp_path / "j/joint.nc")
+    for name in alone.data_vars:
+        np.testing.assert_array_equal(written[name], alone[name])
+        np.testing.assert_array_equal(library.history[name], alone[name])
+    curves = pd.read_csv(tmp_path / "j/curves.csv")
+    first = curves[(curves.cycle == 1) & (curves.branch == "loading")]
+    assert first.closure_mm.iloc[-1] == pytest.approx(1e3 * float(alone.max_closure[0]))
+    seated = float(alone.max_closure_seated[0])
+    assert first.closure_since_seating_mm.iloc[-1] == pytest.approx(1e3 * seated)
+    record = json.loads((tmp_path / "j/joint.json").read_text())
+    assert record["found"] == pair.report
+    assert set(record["sha256"]) == {"upper", "lower"}
+    told = json.loads(record["provenance"]["configuration"])
+    assert told["rocks"]["granite"]["walls"]["upper"] == str(files[0])
+    assert record["provenance"]["source_digest"]
+    for picture in ("walls.png", "closure.png"):
+        assert (tmp_path / "j" / picture).stat().st_size > 20000
+    line = repr(library)
+    assert line.startswith("<ClosedJoint: 72 x 64 cells of 0.25 mm (18 x 16 mm), closes ")
+    assert "\n" not in line
+
+
+def test_walls_lie_as_is_stated_and_are_moved_if_asked_to(scans):
+    files = scans / "top.xyz", scans / "bottom.xyz"
+    about = {"units": "mm", "rock": "granite", **LOAD, "cycles": 1}
+    fits, wrong = (jc.close(*files, **about, orientation=name) for name in (None, "rotated"))
+    assert any("Warning: the stated orientation rotated" in line for line in wrong.pair.report)
+    assert float(wrong.history.max_closure[0]) > 1.3 * float(fits.history.max_closure[0])
+    moved = jc.close(*files, **about, shift="mated", orientation="rotated").pair
+    assert moved.shift == moved.mating_shift != (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("files", "words", "message"),
+    [
+        (("top.xyz", "bottom.xyz"), ["--rock", "granite"], "does not say the units"),
+        (
+            ("other.xyz", "bottom.xyz"),
+            [*WORDS, "--rock", "granite"],
+            "other.xyz and {}/bottom.xyz: the orientation of the upper wall is not clear",
+        ),
+        (
+            ("top.xyz", "no.xyz"),
+            [*WORDS, "--rock", "granite"],
+            "no.xyz: there is no such file",
+        ),
+        (
+            ("top.xyz", "bottom.xyz"),
+            [*WORDS, "--rock", "granit"],
+            "--rock granit: must be one of dolerite, siltstone, limestone, slate, granite",
+        ),
+        (("top.xyz", "bottom.xyz"), WORDS, "without --rock: --youngs-modulus, --poisson-ratio"),
+        (
+            ("top.xyz", "bottom.xyz"),
+            [*WORDS, "--rock", "granite", "--grid-spacing", 0.1],
+            "grid spacing 0.1 mm: finer than the scan",
+        ),
+        (
+            ("top.xyz", "bottom.xyz"),
+            [*WORDS, "--rock", "granite", "--output", "no/where"],
+            "no/where: there is no folder no",
+        ),
+    ],
+)
+def test_what_is_wrong_is_one_line_and_nothing_is_closed(
+    files, words, message, scans, capsys, monkeypatch, tmp_path
+):
+    monkeypatch.setattr("jointclosure.commands.close.closed_pair", None)
+    output = [] if "--output" in words else ["--output", tmp_path / "j"]
+    code, _, err = said(capsys, *(scans / file for file in files), *words, *output)
+    assert code == 2
+    assert err.count("\n") == 1
+    assert message.format(scans) in err
+
+
+def test_a_wall_that_is_an_array_is_refused_with_what_closes_it(small_joint):
+    with pytest.raises(jc.InputError, match=r"of type ndarray: must be a file.*simulate"):
+        jc.close(*small_joint, rock="granite", max_normal_stress=1e6)
+    with pytest.raises(jc.InputError, match="rock = 'marble': must be a Rock or one of dolerite"):
+        jc.close("a.xyz", "b.xyz", rock="marble", max_normal_stress=1e6)
+
+
+@pytest.mark.slow
+def test_both_walls_of_a_published_fracture_are_closed_with_defaults_for_granite(tmp_path, capsys):
+    if not TWO_WALLS.is_dir():
+        pytest.skip("the two walls are not here")
+    files = TWO_WALLS / "side_b_top.txt", TWO_WALLS / "side_a_bottom.txt"
+    words = ["--units", "mm", "--rock", "granite", "--output", tmp_path / "j"]
+    code, out, err = said(capsys, *files, *words)
+    assert (code, err) == (0, "")
+    record = json.loads((tmp_path / "j/joint.json").read_text())
+    assert record["status"] == "success"
+    assert record["orientation"] == "common_frame"
+    assert record["cells_y_x"] == [188, 188]
+    assert "Warning: what touches first stands out far" in out
+    first, second = record["per_cycle"]["max_closure_seated_mm"]
+    assert 0.0 < second < first < record["per_cycle"]["max_closure_mm"][0]

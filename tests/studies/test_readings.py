@@ -1,0 +1,287 @@
+"""Readings of the paper: designs, closing, who is kept, and likelihoods in a known world."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from jointclosure.config.files import ConfigurationError, read_plain
+from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
+from jointclosure.studies.readings.closing import close_block, joined, one_simulation
+from jointclosure.studies.readings.cost import costs
+from jointclosure.studies.readings.design import (
+    AS_CONFIGURED,
+    can_be_run,
+    design_of,
+    entering,
+    settings_of,
+)
+from jointclosure.studies.readings.likelihood import (
+    Answer,
+    answer_of,
+    behind,
+    implied_scatter,
+    judged_by_table_3,
+    published_lengths,
+    ranking,
+)
+from jointclosure.studies.readings.pools import transferred
+from jointclosure.studies.readings.summary import claims_judged, over_rocks, quantities
+from tests.studied import ROOT, checked_study
+from tests.studies.readings_world import (
+    ELASTICITIES,
+    PARAMETERS,
+    SCATTER,
+    as_paper_table,
+    closures,
+    question,
+    table_3,
+    world,
+)
+
+TINY = read_plain(ROOT / "tests/workflow/tiny_readings.yaml")
+FULL = read_plain(ROOT / "config/readings.yaml")
+
+
+def tiny(*changes):
+    keys = checked_study(TINY, *changes).keys
+    return design_of(keys), keys
+
+
+def test_every_reading_of_the_study_can_be_run():
+    keys = checked_study(FULL).keys
+    design = design_of(keys)
+    assert len(design.singles) > 20
+    for name, reading in design.singles.items():
+        assert len(settings_of(design, keys, name, "slate", range(6))) == 9
+        assert reading.name == name
+
+
+def test_readings_with_the_same_keys_read_the_same_closures():
+    design, _ = tiny()
+    assert design.reading("seated").run == AS_CONFIGURED
+    assert design.reading("seated").closure == "max_closure_seated"
+    pair = design.reading("hurst_05-seated")
+    assert (pair.run, pair.closure) == ("hurst_05", "max_closure_seated")
+    assert design.reading("hurst_05").run == "hurst_05"
+
+
+def test_pairs_are_of_two_aspects_and_have_the_keys_of_both():
+    keys = checked_study(FULL).keys
+    design = design_of(keys)
+    assert "hurst_05-walk" not in design.pairs
+    pair = settings_of(design, keys, "hurst_05-flat_valleys", "slate", range(6))[0]
+    assert pair.surfaces.surface.hurst == 0.5
+    assert pair.choices.concave == "flat"
+
+
+def one_way(settings):
+    return {"title": "a reading", "set": settings}
+
+
+def test_a_pair_that_contradicts_itself_is_found_out():
+    ways = {"resolved": {"breakage": "resolved"}, "passed": {"target": "interpolate"}}
+    aspects = {name: {name: one_way({"numerics": way})} for name, way in ways.items()}
+    design, keys = tiny({"readings": {"aspects": aspects}})
+    assert not can_be_run(design, keys, "resolved-passed")
+    assert can_be_run(design, keys, "hurst_05-passed")
+
+
+def one_round(**keys):
+    return {"name": "x", "candidates": "singles", "realizations": 3, "margin": 1.0} | keys
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"aspects": {"a": {"b": one_way({"surface": {"hurts": 1}})}}}, "b: surface.hurts"),
+        ({"aspects": {"a": {"b": one_way({"study": {"cycles": 1}})}}}, "b: study: must be one"),
+        ({"aspects": {"a": {"b": one_way({"rocks": {"slate": {"jrc": 9}}})}}}, "may not change"),
+        ({"reference_realizations": 4}, "reference_realizations = 4: must be a multiple of 3"),
+        ({"rounds": [one_round(candidates="kept")]}, "must be singles in the first round"),
+        ({"rounds": [one_round(rocks=["marl"])]}, "rocks = 'marl': must be one of slate"),
+    ],
+)
+def test_a_design_that_cannot_be_run_is_refused_by_name(change, message):
+    with pytest.raises(ConfigurationError, match=message):
+        tiny({"readings": change})
+
+
+ROUNDS = {
+    "readings": {
+        "rounds": [
+            {"name": "screen", "candidates": "singles", "rocks": ["slate"]},
+            {"name": "pairs", "candidates": "pairs", "rocks": ["slate"], "most": 2},
+            {"name": "finalists", "candidates": "kept", "most": 2},
+            {"name": "separation", "candidates": "kept"},
+        ]
+    }
+}
+for each in ROUNDS["readings"]["rounds"]:
+    each |= {"realizations": 3, "margin": 2.0}
+
+
+def judged(**kept):
+    return pd.DataFrame({"reading": list(kept), "kept": list(kept.values())})
+
+
+def test_a_round_is_entered_by_those_kept_the_best_first_and_by_their_pairs():
+    design, keys = tiny(ROUNDS)
+    assert entering(design, keys, 0, None) == list(design.singles)
+    found = entering(design, keys, 1, judged(hurst_05=True, seated=True, walk=True))
+    # two at most, of two aspects
+    assert found == [AS_CONFIGURED, "hurst_05", "seated", "hurst_05-seated"]
+    found = entering(design, keys, 2, judged(seated=True, walk=True))
+    assert found == [AS_CONFIGURED, "seated", "walk"]
+
+
+def test_nobody_enters_a_round_where_one_reading_is_left_and_nothing_new_is_asked():
+    design, keys = tiny(ROUNDS)
+    # all rocks for the first time: worth it
+    assert entering(design, keys, 2, judged(walk=True, seated=False)) == [AS_CONFIGURED, "walk"]
+    assert entering(design, keys, 3, judged(walk=True, seated=False)) == []
+    assert entering(design, keys, 3, judged()) == []
+
+
+def test_a_reading_that_is_clearly_behind_is_dropped_and_one_within_its_error_is_kept():
+    shared = np.linspace(-3.0, 3.0, 6)  # surfaces move all readings alike
+    jitter = 0.1 * np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])
+    answers = {
+        "worse": Answer(-25.0, -25.0 + shared + jitter),
+        "best": Answer(-20.0, -20.0 + shared),
+        "near": Answer(-20.1, -20.1 + shared - jitter),
+    }
+    table = ranking(answers, margin=2.0)
+    assert table.reading.tolist() == ["best", "near", "worse"]
+    assert table.kept.tolist() == [True, True, False]
+    # five behind, of which the error is far less than that of either
+    assert table.behind.iloc[2] == pytest.approx(5.0)
+    assert table.behind_error.iloc[2] < 0.1 * answers["worse"].standard_error
+
+
+def test_the_true_reading_is_ranked_first_and_its_table_is_no_rarity():
+    asked = question(table_3(seed=3, scatter=0.5))
+    reference = world(60)
+    readings = {name: world(60, scatter=s) for name, s in (("half", 0.5), ("double", 2.0))}
+    readings[AS_CONFIGURED] = reference
+    answers = {name: answer_of(asked, each, reference) for name, each in readings.items()}
+    assert next(iter(ranking(answers, 2.0).reading)) == "half"
+    assert behind(answers["half"], answers["double"]).value > 5.0
+    assert judged_by_table_3(asked, readings["half"], reference).p > 0.05
+    assert judged_by_table_3(asked, readings["double"], reference).p < 0.05
+
+
+def test_pools_so_small_that_some_repetitions_have_no_scatter_still_give_numbers():
+    few = world(3)
+    found = answer_of(question(table_3(seed=3), repetitions=200), few, few)
+    assert np.isfinite([found.log_likelihood, *found.without]).all()
+
+
+def test_elasticities_too_tell_readings_apart():
+    asked = question(table_3(seed=5))
+    answers = {
+        name: answer_of(asked, world(60, factor=factor), world(60))
+        for name, factor in (("true", 1.0), ("insensitive", 0.3))
+    }
+    assert behind(answers["true"], answers["insensitive"]).value > 5.0
+
+
+def test_a_reading_of_one_rock_is_carried_to_the_others():
+    reference = world(12)
+    changed = {"slate": closures("slate", 6, scatter=0.5, factor=0.6)}
+    carried = transferred(changed, reference, PARAMETERS)
+    truth = world(12, scatter=0.5, factor=0.6)
+    for rock in PARAMETERS:
+        # their means are wrong by the noise that the other rock's surfaces have
+        for of, tolerance in (("mean", 0.06), ("std", 0.1)):
+            found, true = (getattr(each[rock], of)("realization") for each in (carried, truth))
+            np.testing.assert_allclose(found, true, rtol=tolerance)
+    # unchanged, it is the reference
+    same = transferred({"slate": closures("slate", 6)}, reference, PARAMETERS)
+    np.testing.assert_allclose(same["limestone"], reference["limestone"], rtol=1e-12)
+
+
+def test_the_error_covers_what_other_surfaces_would_have_given():
+    asked = question(table_3(seed=3), repetitions=300)
+    found = [
+        answer_of(asked, *(2 * [{rock: closures(rock, 24, first=i) for rock in PARAMETERS}]))
+        for i in range(0, 192, 24)
+    ]
+    spread = np.std([each.log_likelihood for each in found], ddof=1)
+    said = np.mean([each.standard_error for each in found])
+    assert 0.5 * spread < said < 3.0 * spread
+
+
+def test_table_3_implies_the_scatter_it_was_drawn_with():
+    asked = question(table_3(seed=3, scatter=0.5))
+    found = implied_scatter(asked, world(24), world(24), np.linspace(0.2, 1.4, 13))
+    assert [each.cycle for each in found] == [1, 2]
+    for each in found:
+        assert each.low <= 0.5 <= each.high
+        assert each.low <= each.factor <= each.high < 1.0
+
+
+def test_published_lengths_are_in_si_and_a_rock_that_is_not_in_them_is_refused():
+    published = table_3(seed=1)
+    again = published_lengths(as_paper_table(published), PARAMETERS)
+    assert again.keys() == published.keys()
+    for key, length in published.items():
+        assert again[key] == pytest.approx(length, nan_ok=True)
+    with pytest.raises(ValueError, match=r"rocks.marl: jrc is not in the paper's Table 3"):
+        published_lengths(as_paper_table(published), {"marl": {"jrc": ((1.0, 2.0, 3.0), 2.0)}})
+
+
+def test_scatter_and_elasticities_are_those_of_the_world():
+    table = over_rocks(pd.DataFrame(quantities(world(60), PARAMETERS)))
+    for row in table.itertuples():
+        true = ELASTICITIES.get(row.quantity, SCATTER)[row.cycle - 1]
+        assert abs(row.value - true) < 4.0 * row.standard_error + 0.02
+        assert 0.0 <= row.standard_error < 0.1
+
+
+def test_claims_that_are_true_of_the_world_stand_and_others_fall():
+    verdicts = claims_judged(world(60), PARAMETERS, groups=10, confidence=0.95)
+    for claim in ("1a, cycle 1", "2a", "2b", "3", "4", "5a", "5b", "5c"):
+        assert verdicts[claim] == STANDS, claim
+    assert verdicts["6b"] == CANNOT_BE_TOLD  # both cycles have the same mean there
+    turned = claims_judged(world(60, factor=-1.0), PARAMETERS, groups=10, confidence=0.95)
+    assert turned["5a"] == turned["5b"] == turned["5c"] == FALLS
+    part = {rock: {"jrc": each["jrc"]} for rock, each in PARAMETERS.items()}
+    assert set(claims_judged(world(12), part, 4, 0.95).values()) == {CANNOT_BE_TOLD}
+
+
+def test_the_cost_counts_each_surface_once_and_each_pair_anew():
+    design, _ = tiny(ROUNDS, {"readings": {"reference_realizations": 6}})
+    of_rocks = {"slate": 60.0, "dolerite": 120.0}
+    # seated reads what is closed anyway
+    table = costs(design, 9, of_rocks, {AS_CONFIGURED: 60.0, "hurst_05": 60.0, "walk": 120.0})
+    table = table.set_index("round")
+    assert table.simulations.to_dict() == {
+        "as configured": 9 * 6 * 2,
+        "screen": 2 * 9 * 3,
+        "pairs": 1 * 9 * 3,
+        "finalists": 2 * 9 * 3,  # dolerite; slate was closed before
+        "separation": 0,
+    }
+    assert table.core_minutes["as configured"] == pytest.approx(9 * 6 * (1.0 + 2.0))
+    assert table.core_minutes["screen"] == pytest.approx(9 * 3 * (1.0 + 2.0))
+
+
+def test_a_block_closes_every_case_and_a_failed_surface_leaves_all_cases():
+    elastic = {"effects": {"breakage": False, "gouge": False}}
+    design, keys = tiny({"grid": {"cells_x": 8, "cells_y": 8}}, elastic)
+    settings = settings_of(design, keys, "walk", "slate", range(2, 4))
+    block = close_block(settings)
+    assert dict(block.sizes) == {"case": 9, "realization": 2, "cycle": 2}
+    assert block.realization.values.tolist() == [2, 3]
+    assert set(block.parameter.values) == {"base", *PARAMETERS["slate"]}
+    stiffer = block.max_closure[(block.value == 72e9).values]
+    assert np.all(stiffer.values < block.max_closure[0].values)
+    assert np.all(block.max_closure_net < block.max_closure)
+    assert one_simulation(settings)[0].surfaces.realizations == 1
+    other = close_block(settings_of(design, keys, "walk", "slate", range(2)))
+    assert joined([other, block], "max_closure").realization.values.tolist() == [0, 1, 2, 3]
+    other.status[4, 1] = 16
+    kept = joined([other, block], "max_closure")
+    assert kept.realization.values.tolist() == [0, 2, 3]
+    xr.testing.assert_equal(kept.isel(realization=[1, 2]), block.max_closure)

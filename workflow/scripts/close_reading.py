@@ -1,0 +1,20 @@
+"""Close a block of surfaces at all cases of a rock, in one reading of the paper."""
+
+from jointclosure.config.plain import from_plain
+from jointclosure.ensemble.settings import ClosureSettings
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.netcdf import write_netcdf
+from jointclosure.studies.readings.closing import close_block
+
+
+def main(settings: tuple[ClosureSettings, ...], output: str, log: Logbook) -> None:
+    """Write closures (case, realization, cycle)."""
+    write_netcdf(close_block(settings, log), output)
+    log(f"wrote {output}")
+
+
+if __name__ == "__main__":
+    with job(snakemake) as logbook:
+        settings = from_plain(tuple[ClosureSettings, ...], snakemake.params.settings)
+        main(settings, snakemake.output[0], logbook)
