@@ -68,6 +68,6 @@ def test_every_public_name_is_what_its_module_defines():
     assert sorted(jc.__all__) == jc.__all__ == sorted(jc._MODULES)
     for name, module in jc._MODULES.items():
         assert getattr(jc, name).__module__ == f"jointclosure.{module}"
-    assert set(jc.__all__) <= set(dir(jc))
+    assert dir(jc) == sorted([*jc.__all__, "__version__"])
     with pytest.raises(AttributeError, match="no attribute 'simulte'"):
         jc.simulte  # noqa: B018
