@@ -111,7 +111,7 @@ wheel: $(STAMP) ## Build the package to build/wheel
 LOCK := $(BIN)/uv pip compile --quiet --universal --fork-strategy fewest --generate-hashes --no-header --no-annotate
 
 lock: $(STAMP) ## Write requirements.lock anew, keeping the versions that still fit (needs a network)
-	$(LOCK) --extra workflow --extra walls --group dev pyproject.toml --output-file requirements.lock
+	$(LOCK) --extra workflow --extra walls --extra exchange --group dev pyproject.toml --output-file requirements.lock
 
 clean: ## Remove the environment and all that was compiled, but no results
 	rm -rf $(VENV) .pytest_cache .hypothesis .ruff_cache .import_linter_cache .mypy_cache .coverage

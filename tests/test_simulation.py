@@ -47,6 +47,7 @@ def test_history_starts_at_first_touch_and_has_the_promised_variables(closed):
         "normal_stress",
         "contact_fraction",
         "bulk_indentation",
+        "mean_aperture",
         "equilibrium_residual",
     }
     assert along_step == {name for name, v in closed.data_vars.items() if v.dims == ("step",)}

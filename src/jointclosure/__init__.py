@@ -78,4 +78,4 @@ if not TYPE_CHECKING:  # a type checker would take it to answer for any name
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__, "__version__"})
+    return sorted([*__all__, "__version__"])

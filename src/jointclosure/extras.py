@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from jointclosure.inputs import InputError
 
 EXTRAS: dict[str, tuple[str, ...]] = {
+    "exchange": ("meshio",),
     "figures": ("matplotlib", "seaborn"),
     "report": ("docutils", "jinja2", "plotly"),
     "walls": ("SurfaceTopography", "tifffile", "trimesh"),

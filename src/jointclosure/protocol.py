@@ -61,11 +61,15 @@ _RETRY = 0.4
 
 
 class Step(NamedTuple):
-    """One accepted point of the history: what was settled, and where in it."""
+    """One accepted point of the history: what was settled, and where in it.
+
+    ``mean_height`` is that of both walls together [m]: it falls where what breaks vanishes.
+    """
 
     cycle: int
     branch: str
     settled: Settled
+    mean_height: float
 
 
 class History(NamedTuple):
@@ -116,7 +120,7 @@ class _Run:
 
     def accept(self, cycle: int, branch: str, settled: Settled) -> None:
         self.closure, self.total_force = settled.closure, settled.total_force
-        self.steps.append(Step(cycle, branch, settled))
+        self.steps.append(Step(cycle, branch, settled, _mean_height(self.joint)))
         if self.report:
             self.report(cycle, branch, settled.total_force / self.target_force)
 
@@ -191,11 +195,13 @@ def _elastic_cycles(joint, solver, numerics, target_force, cycles, extra_force) 
     failed = curve[-1].outcome != CONVERGED
     status = FLAG_OF_OUTCOME[curve[-1].outcome] if failed else 0
     up = curve[:-1] if failed else curve
-    steps = [Step(1, LOADING, start)]
+    height = _mean_height(joint)
+    steps = [Step(1, LOADING, start, height)]
     for cycle in range(1, (1 if failed else cycles) + 1):
-        steps += [Step(cycle, LOADING, settled) for settled in up]
+        steps += [Step(cycle, LOADING, settled, height) for settled in up]
         if not failed:
-            steps += [Step(cycle, UNLOADING, settled) for settled in [*up[-2::-1], start]]
+            down = [*up[-2::-1], start]
+            steps += [Step(cycle, UNLOADING, settled, height) for settled in down]
     if not failed:
         joint.force[:] = 0.0
     effort = Effort()
@@ -355,6 +361,10 @@ def _judge_range(run: _Run) -> None:
 def _untouched(joint: Joint) -> Settled:
     nowhere = np.zeros(joint.upper.shape, dtype=bool)
     return joint.describe(0.0, CONVERGED, nowhere, Effort())
+
+
+def _mean_height(joint: Joint) -> float:
+    return float(joint.upper.mean() + joint.lower.mean())
 
 
 def _closure_limit(joint: Joint, target_force: float) -> float:

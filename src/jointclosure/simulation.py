@@ -49,6 +49,7 @@ ATTRIBUTES: dict[str, dict[str, Any]] = {
         ("normal_stress", "Pa", "nominal normal stress"),
         ("contact_fraction", "1", "fraction of the cells in contact"),
         ("bulk_indentation", "m", "mean displacement by the interaction"),
+        ("mean_aperture", "m", "mean distance of the deformed walls"),
         ("equilibrium_residual", "1", "recomputed residual of the forces over their sum"),
         ("max_closure", "m", "closure at the cycle's maximum from the cycle's start"),
         ("residual_closure", "m", "closure at the cycle's end from first touch"),
@@ -139,8 +140,9 @@ def simulate(
     xarray.Dataset
         Along ``step``, starting with (0, 0): ``closure`` [m] from first
         touch, ``normal_stress`` [Pa], ``contact_fraction``,
-        ``bulk_indentation`` [m], ``equilibrium_residual``, with coordinates
-        ``cycle`` and ``branch``. Along ``cycle``: ``max_closure``,
+        ``bulk_indentation`` [m], ``mean_aperture`` [m] (the mean distance of the deformed walls,
+        negative where asperities are pressed into each other), ``equilibrium_residual``, with
+        coordinates ``cycle`` and ``branch``. Along ``cycle``: ``max_closure``,
         ``residual_closure`` [m], both ``_seated`` too, ``locked_share`` and
         ``flat_share`` of the force at the maximum, ``unloading_excess`` [Pa], by
         which stress on unloading exceeds that on loading. The walls as they ended,
@@ -338,6 +340,10 @@ def _history_dataset(
         "bulk_indentation": np.array([p.mean_interaction for p in settled]),
         "equilibrium_residual": np.array([p.residual for p in settled]),
     }
+    heights = np.array([step.mean_height for step in history.steps])
+    along_step["mean_aperture"] = (
+        joint.first_touch - heights - closure + along_step["bulk_indentation"]
+    )
     along_cycle = cycle_closures(closure, stress, cycle, branch, cycles, seating_stress)
     along_cycle["unloading_excess"] = unloading_excess(closure, stress, cycle, branch, cycles)
     at_maximum = _at_maxima(settled, cycle, branch, cycles)

@@ -41,7 +41,7 @@ def rock_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None
 
 def roughness_title(rock: StudyRock) -> str:
     """What a rock's walls are, for a figure: their JRC, or that they were measured."""
-    return "measured walls" if rock.walls else f"JRC {rock.jrc:g}"
+    return "scanned walls" if rock.walls else f"JRC {rock.jrc:g}"
 
 
 def case_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None) -> pd.DataFrame:

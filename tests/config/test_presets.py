@@ -117,13 +117,13 @@ def test_a_preset_is_said_to_be_off_by_what_was_measured_of_the_same_model():
     [
         ({"preset": "best"}, "numerics.preset = 'best': must be one of paper, accurate, converged"),
         ({"preset": "paper", "accuracy": 0.1}, "give one of them"),
-        ({"accuracy": 0.001}, "must be at least 0.006, the best bound that was measured"),
+        ({"accuracy": 0.001}, "must be at least 0.006, the best bound that is known"),
         ({"accuracy": 0.1, "radius": None}, "choices.largest_radius_mm"),
         (
             {"accuracy": 0.1, "radius": 10.0},
             "largest_radius_mm = 10.0: numerics.accuracy",
         ),
-        ({"preset": "quick", "radius": 10.0}, "was measured for null, 20 only"),
+        ({"preset": "quick", "radius": 10.0}, "is known for null, 20 only"),
         ({"preset": "accurate", "tolerance": 0.07}, "numerics.tolerance = 0.07: leave it out"),
     ],
 )

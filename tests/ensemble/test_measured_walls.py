@@ -1,4 +1,4 @@
-"""Measured walls in a study: what its configuration may say, and the joints that are cut."""
+"""Scanned walls in a study: what its configuration may say, and the joints that are cut."""
 
 import json
 
@@ -60,7 +60,7 @@ def test_measured_walls_take_the_place_of_a_jrc():
         ({"walls": WALLS, "levels": {"jrc": None}}, "rocks.slate.jrc = 6.5: not with walls"),
         (
             {"walls": WALLS, "jrc": None},
-            "rocks.slate.levels.jrc = [5, 8]: measured walls have no JRC",
+            "rocks.slate.levels.jrc = [5, 8]: scanned walls have no JRC",
         ),
         ({"jrc": None}, "rocks.slate: lacks jrc, or walls"),
         (NO_JRC | {"walls": WALLS | {"lower": "mirrored"}}, "at least one must be a file"),

@@ -63,7 +63,7 @@ def test_there_is_a_panel_for_each_rock_and_cycle_with_both_axes_named(costs):
 def test_every_knob_that_is_drawn_in_some_panel_is_in_the_legend_and_other_joints_are_not(costs):
     names = legend(work_precision(costs, "", PAPER))
     assert set(names) == {
-        KNOB_TITLES["steps"], KNOB_TITLES["resolved"], PAPER, "not beaten in both",
+        KNOB_TITLES["steps"], KNOB_TITLES["resolved"], PAPER, "none is faster and more exact",
         "not told from no error",
     }  # fmt: skip
     assert len(names) == len(set(names))
@@ -82,7 +82,7 @@ def test_a_mark_is_hollow_where_its_interval_includes_zero_and_stands_at_the_flo
 
 def test_what_no_setting_beats_in_both_leaves_out_the_finest(costs):
     axes = work_precision(costs, "", PAPER).axes[0]
-    (best,) = [line for line in axes.lines if line.get_label() == "not beaten in both"]
+    (best,) = [line for line in axes.lines if line.get_label() == "none is faster and more exact"]
     np.testing.assert_array_equal(best.get_xdata(), [0.5, 1.0, 4.0, 8.0])
 
 

@@ -106,14 +106,14 @@ def test_a_measured_curve_is_drawn_from_its_seating_with_what_fits_it_best(study
     (row,) = fits.itertuples()
     assert f"cycle 1 {row.misfit_mm:.2g} mm ({row.misfit_percent:.2g} %)" in axes.get_title()
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert "measured" in labels
+    assert "measured curve" in labels
     assert "surface that fits cycle 1 best" in labels
 
 
 def test_without_a_measured_curve_nothing_is_said_of_one(study):
     figure = plotting.closure_figure(study, {"one": ROCK}, 5e5, 1.5)
     assert "misfit" not in figure.axes[0].get_title()
-    assert "measured" not in [text.get_text() for text in figure.legends[0].get_texts()]
+    assert "measured curve" not in [text.get_text() for text in figure.legends[0].get_texts()]
 
 
 @pytest.mark.parametrize(("jrc", "drawn"), [(8, True), (4, False), (16, False), (0, False)])

@@ -188,15 +188,15 @@ def test_every_claim_has_its_verdict(material, outline):
         assert claim in outline.read()
 
 
-def test_accuracy_that_was_not_measured_is_said_to_be_so(material, outline):
-    assert "is not measured here" in outline.read()
+def test_accuracy_that_is_not_known_is_said_to_be_so(material, outline):
+    assert "is not known here" in outline.read()
     assert "accuracy-cost" not in content(material)["sheets"]
     costs = pd.DataFrame(
         [{"scene": "full", "rock": "slate", "knob": "steps", "value": 0.5, "cycle": 1,
           "mean_error_percent": 2.5, "mean_low": 1.0, "mean_high": 4.0, "relative_time": 3.0}]
     )  # fmt: skip
     measured = Outline(render(content(material._replace(accuracy=costs)))).read()
-    assert "is not measured here" not in measured
+    assert "is not known here" not in measured
     assert "Error and time of every setting that was tried" in measured
 
 

@@ -1,4 +1,4 @@
-"""The page on measured walls and its example, held against the project."""
+"""The page on scanned walls and its example, held against the project."""
 
 import re
 from pathlib import Path

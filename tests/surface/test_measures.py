@@ -94,7 +94,7 @@ def test_a_wall_too_small_to_be_measured_is_refused():
         measure_wall(np.zeros((20, 40)), SPACING)
 
 
-@pytest.mark.skipif(not SCAN.is_file(), reason="the measured wall is not part of the project")
+@pytest.mark.skipif(not SCAN.is_file(), reason="the scanned wall is not part of the project")
 def test_the_measured_wall_has_the_roughness_that_it_was_published_with():
     scan = read_scan(SCAN, variable="patch63_mm")
     wall = wall_on_grid(scan, SPACING)

@@ -52,11 +52,11 @@ def snakemake(
     )
 
 
-def planned(folder: Path, **settings) -> dict[str, int]:
+def planned(folder: Path, *targets: str, **settings) -> dict[str, int]:
     """Jobs that a dry run would do, by rule."""
-    answer = snakemake(folder, "--dry-run", "--quiet", "rules", **settings)
+    answer = snakemake(folder, "--dry-run", "--quiet", "rules", *targets, **settings)
     assert answer.returncode == 0, answer.stderr
-    listing = snakemake(folder, "--dry-run", **settings).stdout
+    listing = snakemake(folder, "--dry-run", *targets, **settings).stdout
     table = re.search(r"job\s+count\n[-\s]+\n(.*?)\n\n", listing, re.S)
     if table is None:
         return {}
@@ -199,6 +199,27 @@ def test_an_edit_of_the_statistics_reruns_no_simulation(study):
     jobs = planned(study, config="edited.yaml")
     assert not {"close_surfaces", "make_surfaces", "compile_kernels"} & set(jobs)
     assert jobs["find_indifference_intervals"] == 1
+
+
+def test_a_comment_in_a_module_reruns_nothing_and_an_edit_what_imports_it(tmp_path):
+    package = tmp_path / "package/jointclosure"
+    shutil.copytree(ROOT / "src/jointclosure", package)
+    folder, own = checkout(tmp_path), {"PYTHONPATH": str(package.parent)}
+    walls = "results/tiny/cases/slate-base.0.surfaces.nc"
+    answer = snakemake(folder, "--", walls, environment=own)
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+
+    def jobs_after(module: str, before: str, after: str) -> dict[str, int]:
+        file = package / module
+        text = file.read_text(encoding="utf-8")
+        file.write_text(before + text + after, encoding="utf-8")
+        jobs = planned(folder, "--", walls, environment=own)
+        file.write_text(text, encoding="utf-8")
+        return jobs
+
+    assert jobs_after("surface/synthesis.py", "# a comment\n", '"""A text."""\n') == {}
+    assert jobs_after("surface/synthesis.py", "", "ADDED = 1\n") == {"make_surfaces": 1}
+    assert jobs_after("solvers/newton.py", "", "ADDED = 1\n") == {}  # makes no walls
 
 
 def test_a_bad_configuration_is_refused_before_any_job(study):

@@ -1,4 +1,4 @@
-"""A study of measured walls, from the scan to the tables."""
+"""A study of scanned walls, from the scan to the tables."""
 
 import hashlib
 import json
@@ -20,7 +20,7 @@ WALLS = {"lower": "scans/lower.npz", "upper": "mirrored", "missing": "avoid"}
 
 
 def configured(folder, name="walls.yaml", **changes):
-    """A tiny study whose slate has measured walls."""
+    """A tiny study whose slate has scanned walls."""
     study = yaml.safe_load(TINY.read_text())
     rock = {"jrc": None, "walls": WALLS | changes, "max_normal_stress_MPa": 1}
     rock["levels"] = {"jrc": None}

@@ -194,7 +194,7 @@ rule validate_choice:
         settings=lambda wildcards: to_plain(design.validation_settings(CONFIGURATION)),
         code=code_of("validate_choice"),
     message:
-        "Hold chosen effects against all of them in random scene {wildcards.number}"
+        "Hold selected effects against all of them at random conditions {wildcards.number}"
     script:
         "../scripts/validate_choice.py"
 

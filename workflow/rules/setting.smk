@@ -138,7 +138,7 @@ def choosing(rock):
 
 
 def preparing(rock):
-    """What the reading of a rock's measured walls is told."""
+    """What the reading of a rock's scanned walls is told."""
     return {
         "walls": to_plain(ROCKS[rock].walls),
         "digests": slices.wall_digests(ROCKS[rock].walls),

@@ -33,7 +33,7 @@ rule prepare_walls:
         realizations=lambda wildcards: preparing(wildcards.rock)["realizations"],
         code=code_of("prepare_walls"),
     message:
-        "Read and check the measured walls of {wildcards.rock}"
+        "Read and check the scanned walls of {wildcards.rock}"
     script:
         "../scripts/prepare_walls.py"
 

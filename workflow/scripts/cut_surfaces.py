@@ -1,4 +1,4 @@
-"""Cut the surface pairs of a case, or of a block of its realisations, out of measured walls."""
+"""Cut the surface pairs of a case, or of a block of its realisations, out of scanned walls."""
 
 from jointclosure.config.plain import from_plain
 from jointclosure.ensemble.measured_walls import cut_surfaces, cutter_for

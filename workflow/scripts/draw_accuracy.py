@@ -1,4 +1,4 @@
-"""Draw error against time, scene by scene, and where the error comes from."""
+"""Draw error against time, variant by variant, and where the error comes from."""
 
 from pathlib import Path
 

@@ -30,7 +30,7 @@ its value and what is allowed. Numbers beyond what is usual of rock are more oft
 - `readings.yaml`: which reading of the paper gives its Table 3 (`make readings`).
 - `effects.yaml`: what each effect adds, and what it costs (`make effects`).
 - `many_realizations.yaml`: 100,000 small joints of one case ([docs/clusters.md](../docs/clusters.md)).
-- `measured_wall.yaml`: a rock whose walls were scanned ([measured walls](../docs/measured_walls.md)).
+- `measured_wall.yaml`: a rock whose walls were scanned ([scanned walls](../docs/measured_walls.md)).
 - `hard_cases.yaml`: joints that are hard on a solver (`make hard-cases`); its keys are in `verification/hard_case_keys.py`.
 - `my_rock.yaml`: a worked example of a study of one's own, with a measured curve ([how to](../docs/own_rock.md)).
 

@@ -1,4 +1,4 @@
-"""Read the measured walls of a rock, bring them to the grid, and check that there is room."""
+"""Read the scanned walls of a rock, bring them to the grid, and check that there is room."""
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Grid, Walls

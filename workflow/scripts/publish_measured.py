@@ -84,7 +84,8 @@ def orders() -> str:
     """Observed orders of convergence, or why there is none."""
     table = read_csv(ACCURACY / "tables/accuracy_orders.csv")
     table = table[~table.knob.str.contains("tolerance")]
-    return markdown(table[["scene", "rock", "knob", "cycle", "order", "error", "remark"]].round(2))
+    columns = ["variant", "rock", "knob", "cycle", "order", "error", "remark"]
+    return markdown(table.rename(columns={"scene": "variant"})[columns].round(2))
 
 
 def joints() -> str:

@@ -1,4 +1,4 @@
-"""Sum up how well effects were chosen in random scenes."""
+"""Sum up how well effects were selected at random conditions."""
 
 import pandas as pd
 

@@ -1,4 +1,4 @@
-"""Hold the chosen effects of a random scene against all of them."""
+"""Hold the selected effects at random conditions against all of them."""
 
 from jointclosure.config.plain import from_plain
 from jointclosure.jobs import job

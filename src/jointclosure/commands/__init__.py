@@ -3,7 +3,7 @@
 COMMANDS = {
     "close": "close the joint whose two walls were scanned",
     "simulate": "close one joint of random walls",
-    "roughness": "slopes, JRC, Hurst exponent, curvature and peaks of a measured wall",
+    "roughness": "slopes, JRC, Hurst exponent, curvature and peaks of a scanned wall",
     "compare": "what moved between two studies",
     "report": "a finished study as one page to read",
     "plan": "how many surfaces a precision or a power needs",

@@ -6,11 +6,13 @@ import time
 from pathlib import Path
 
 from jointclosure.commands import COMMANDS
+from jointclosure.commands.engineering_files import write_engineering
 from jointclosure.commands.joint_options import (
     OF_ROCK,
     add_load_and_model,
     add_rock,
     base_keys,
+    check_folder,
     joint_configuration,
     shown_progress,
     status_text,
@@ -18,19 +20,17 @@ from jointclosure.commands.joint_options import (
 )
 from jointclosure.config.configuration import Configured
 from jointclosure.config.typed import Walls
-from jointclosure.engineering.curves import curve_table
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.measured_walls import brought_together
 from jointclosure.ensemble.scanned_joint import ClosedJoint, closed_pair, read_wall
 from jointclosure.ensemble.slices import closure_settings, surface_settings
-from jointclosure.inputs import InputError
 from jointclosure.progress import duration
 from jointclosure.protocol import FAILURE
 from jointclosure.scans.units import UNITS
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.provenance import provenance
-from jointclosure.storage.text import write_csv, write_text
+from jointclosure.storage.text import write_text
 from jointclosure.surface.registration import ORIENTATIONS, SHIFTS, RegisteredPair
 
 _EXAMPLES = """examples:
@@ -107,7 +107,7 @@ def run(arguments) -> int:
     from jointclosure.plotting.joint import closure_curve
     from jointclosure.plotting.scanned_joint import pair_figure
 
-    _check_folder(arguments.output)
+    check_folder(arguments.output)
     settings = _settings(arguments)
     walls = next(iter(settings.typed.rocks.values())).walls
     assert walls is not None  # they are the arguments' own
@@ -118,8 +118,11 @@ def run(arguments) -> int:
     print(summary(joint.history))
     print(f"{status_text(joint.history)}; {duration(time.perf_counter() - start)}")
     title = f"{arguments.upper.name} on {arguments.lower.name}"
-    _write(joint, settings, arguments.output)
     folder = arguments.output
+    _write(joint, settings, folder)
+    if int(joint.history.status) < FAILURE:
+        said = write_engineering(joint.history, folder, title)
+        print("\n".join(f"- {line}" for line in said))
     save_figure(pair_figure(pair, title), folder / "walls.png")
     save_figure(closure_curve(joint.history, title), folder / "closure.png")
     print(f"wrote {folder}: {', '.join(sorted(path.name for path in folder.iterdir()))}")
@@ -173,10 +176,9 @@ def _closed(settings: Configured, pair: RegisteredPair) -> ClosedJoint:
 
 
 def _write(joint: ClosedJoint, settings: Configured, folder: Path) -> None:
-    """All numbers of a joint: its history, its curves, and what was found on the way."""
+    """All numbers of a joint: its history, and what was found on the way."""
     about = provenance(settings.keys)
     write_netcdf(joint.history.assign_attrs(about), folder / "joint.nc")
-    write_csv(curve_table(joint.history), folder / "curves.csv")
     write_text(json.dumps(_record(joint, settings, about), indent=1) + "\n", folder / "joint.json")
 
 
@@ -216,12 +218,3 @@ def _record(joint: ClosedJoint, settings: Configured, about: dict[str, str]) -> 
         "sha256": surfaces.sha256,
         "provenance": about,
     }
-
-
-def _check_folder(folder: Path) -> None:
-    """Make the folder of the results, before anything is computed."""
-    if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder}: is a file, and must be a folder")
-    if not folder.parent.is_dir():
-        raise InputError(f"{folder}: there is no folder {folder.parent}")
-    folder.mkdir(exist_ok=True)

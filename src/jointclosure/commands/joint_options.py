@@ -172,3 +172,12 @@ def _setting(text: str) -> dict:
     for part in reversed(key.split(".")):
         setting = {part: setting}
     return setting
+
+
+def check_folder(folder: Path) -> None:
+    """Make the folder of the results, before anything is computed."""
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder}: is a file, and must be a folder")
+    if not folder.parent.is_dir():
+        raise InputError(f"{folder}: there is no folder {folder.parent}")
+    folder.mkdir(exist_ok=True)

@@ -1,11 +1,12 @@
 """`jointclosure plan`: how many surfaces a wish needs, and what they cost, from a study."""
 
+import json
 from pathlib import Path
 
 from jointclosure.commands import COMMANDS
 from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.inputs import InputError
-from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
 from jointclosure.storage.seals import check_folder
 from jointclosure.studies.sensitivity.planning import WISHES, Wish, plan
 
@@ -31,6 +32,12 @@ def add_to(commands) -> None:
     command.set_defaults(run=run)
 
 
+def _has_a_pool(study: Path) -> bool:
+    """Whether a study has one: a pool.nc may be left of an earlier configuration."""
+    with reading_netcdf(study) as dataset:
+        return json.loads(dataset.attrs["configuration"])["study"].get("pool") is not None
+
+
 def run(arguments) -> int:
     """Print the plan."""
     (wish,) = [
@@ -38,11 +45,11 @@ def run(arguments) -> int:
         for kind in WISHES
         if (amount := getattr(arguments, kind.replace("-", "_"))) is not None
     ]
-    pool, study = (arguments.results / name for name in ("pool.nc", "study.nc"))
-    source = pool if pool.is_file() else study
-    if not source.is_file():
+    study = arguments.results / "study.nc"
+    if not study.is_file():
         raise InputError(f"{study}: there is no such file; is the study finished?")
     check_folder(arguments.results)
+    source = arguments.results / "pool.nc" if _has_a_pool(study) else study
     table = plan(
         read_netcdf(source, without=CURVES), wish, arguments.significance, arguments.paired
     )

@@ -1,4 +1,4 @@
-"""`jointclosure roughness`: what the roughness of a measured wall is."""
+"""`jointclosure roughness`: what the roughness of a scanned wall is."""
 
 from pathlib import Path
 
@@ -29,7 +29,7 @@ def add_to(commands) -> None:
         "jointclosure[walls] also STL, TIFF and what surface scanners write), its mean plane "
         "removed. Every measure has a 95 % confidence interval.",
     )
-    command.add_argument("file", type=Path, help="the measured wall")
+    command.add_argument("file", type=Path, help="the scanned wall")
     command.add_argument(
         "--units", choices=list(UNITS), help="of its lengths, where the file does not say them"
     )

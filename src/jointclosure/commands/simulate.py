@@ -7,10 +7,12 @@ from pathlib import Path
 import xarray as xr
 
 from jointclosure.commands import COMMANDS
+from jointclosure.commands.engineering_files import write_engineering
 from jointclosure.commands.joint_options import (
     add_load_and_model,
     add_rock,
     base_keys,
+    check_folder,
     joint_configuration,
     shown_progress,
     status_text,
@@ -68,6 +70,12 @@ def add_to(commands) -> None:
     results.add_argument(
         "--picture", type=Path, metavar="FILE.png", help="closure curve (png, pdf or svg)"
     )
+    results.add_argument(
+        "--tables",
+        type=Path,
+        metavar="FOLDER",
+        help="curves, stiffness, fitted laws and other programs' inputs (docs/engineering.md)",
+    )
     command.set_defaults(run=run)
 
 
@@ -75,6 +83,8 @@ def run(arguments) -> int:
     """Close the joint; 1 where the simulation failed."""
     _check_destination(arguments.output, (".nc",))
     _check_destination(arguments.picture, _PICTURES)
+    if arguments.tables:
+        check_folder(arguments.tables)
     if arguments.picture:  # drawing takes a second to load, and an extra that may be missing
         from jointclosure.plotting.joint import closure_curve
     settings = _settings(arguments)
@@ -98,6 +108,9 @@ def run(arguments) -> int:
     if arguments.picture:
         save_figure(closure_curve(closed, about), arguments.picture)
         print(f"wrote {arguments.picture}")
+    if arguments.tables and status < FAILURE:
+        said = write_engineering(closed, arguments.tables, about)
+        print("\n".join([*(f"- {line}" for line in said), f"wrote {arguments.tables}"]))
     return 1 if status >= FAILURE else 0
 
 

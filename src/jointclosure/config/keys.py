@@ -111,7 +111,7 @@ _WALL = (
 
 
 class WallKeys(Keys):
-    """Measured walls instead of a JRC, docs/measured_walls.md."""
+    """Scanned walls instead of a JRC, docs/measured_walls.md."""
 
     upper: Text = entry(_WALL)
     lower: Text = entry(_WALL)
@@ -238,10 +238,10 @@ class SurfaceKeys(Keys):
 
 
 class EffectKeys(Keys):
-    """Effects of the scene; interaction needs substrate, gouge needs breakage."""
+    """Effects that act; interaction needs substrate, gouge needs breakage."""
 
     substrate: bool = entry("Substrates deform, Eqs. (6) and (7).")
-    interaction: bool = entry("Contacts push each other down, Eqs. (17) and (18).")
+    interaction: bool = entry("Contacts displace each other, Eqs. (17) and (18).")
     breakage: bool = entry("Overloaded asperities break.")
     gouge: bool = entry("Broken material fills the valleys around.")
     soft_peaks: bool = entry("Peaks have a lower modulus than the rock.")
@@ -383,7 +383,7 @@ class PointKeys(Keys):
 
 
 class SceneKeys(Keys):
-    """A scene of an accuracy study: sections that are merged over the study's."""
+    """A variant of the model in an accuracy study: sections that are merged over the study's."""
 
     study: dict[str, Any] = entry("Merged over study.", {})
     effects: dict[str, Any] = entry("Merged over effects.", {})
@@ -393,11 +393,11 @@ class SceneKeys(Keys):
     surface: dict[str, Any] = entry("Merged over surface.", {})
     rocks: dict[str, Any] = entry("Merged over rocks.", {})
     finest: PointKeys = entry(
-        "Knob and value that the other settings of the scene are held against; knob `base` for "
+        "Knob and value that the other settings of the variant are held against; knob `base` for "
         "none turned."
     )
     cross: PointKeys | None = entry(
-        "The finest setting of another integrator, that the scene's own is held against.", None
+        "The finest setting of another integrator, that the variant's own is held against.", None
     )
 
 
@@ -417,7 +417,7 @@ KnobValue = Annotated[
 class KnobKeys(Keys):
     """A knob: ``key`` is set to each value, or ``scale`` multiplied, or a value brings its own."""
 
-    scenes: list[str] = entry("Scenes in which it is turned.", min_length=1)
+    scenes: list[str] = entry("Variants of the model in which it is turned.", min_length=1)
     other_joints: bool = entry(
         "Whether it changes the joints themselves: a difference there is no numerical error.",
         False,
@@ -434,8 +434,8 @@ class KnobKeys(Keys):
 
 
 class AccuracyKeys(Keys):
-    """Design of a study of what accuracy costs (config/accuracy.yaml): scenes, and the knobs
-    that are turned in each."""
+    """Design of a study of what accuracy costs (config/accuracy.yaml): variants of the model, and
+    the knobs that are turned in each."""
 
     parameter: Literal[Rock._fields] = entry(
         "Rock property at whose levels every run closes the surfaces, and whose indifference "
@@ -447,8 +447,8 @@ class AccuracyKeys(Keys):
         "Words for settings of the numerics (numerics.preset), each a knob and its value."
     )
     scenes: dict[Name, SceneKeys] = entry(
-        "Scenes by name: sections of a configuration that are merged over the study's, and "
-        "`finest`, the knob and value that the others are held against.",
+        "Variants of the model by name: sections of a configuration that are merged over the "
+        "study's, and `finest`, the knob and value that the others are held against.",
         min_length=1,
     )
     knobs: dict[Name, KnobKeys] = entry(
@@ -463,12 +463,14 @@ def _range(kind: Any, description: str):
 
 
 class ValidationKeys(Keys):
-    """Random scenes on which the choice of effects (effects.auto) is held against the full
-    model."""
+    """Random conditions at which the effects that a pilot selects (effects.auto) are held against
+    the full model."""
 
-    scenes: int = entry("Number of random scenes.", ge=1, le=100_000)
-    realizations: int = entry("Surfaces of each scene.", ge=2, le=100_000)
-    tolerances: list[Share] = entry("Tolerances of the choice.", min_length=1)
+    scenes: int = entry(
+        "Number of random conditions: rock, roughness, stress and size.", ge=1, le=100_000
+    )
+    realizations: int = entry("Surfaces of each.", ge=2, le=100_000)
+    tolerances: list[Share] = entry("Tolerances of the selection.", min_length=1)
     cells: _range(Annotated[float, Field(ge=3, le=512)], "Range of the cells along a square joint.")
     youngs_modulus_GPa: _range(
         Positive, "Range of Young's modulus [GPa], uniform in its logarithm."

@@ -1,4 +1,4 @@
-"""Numerics by one word, or by the accuracy that is wanted, from what was measured.
+"""Numerics by one word, or by the accuracy that is wanted, from what was found of them.
 
 The study of accuracy (config/accuracy.yaml) writes `setting_table`, of which the
 package keeps a copy (accuracy_settings.csv): what each setting was off by, and what
@@ -18,17 +18,17 @@ CHOSEN_BY = ("preset", "accuracy")
 """Keys of ``numerics`` that stand for others."""
 
 SCENES = {None: "full", 20.0: "regularised"}
-"""Scenes of the measurements by the largest radius [mm] that they have, None for the model as
+"""Variants of the accuracy study by the largest radius [mm] that they have, None for the model as
 stated, which has no limit to be near."""
 
 
 def radius_of(scene: str) -> float | None:
-    """The largest radius [mm] of a scene of the measurements."""
+    """The largest radius [mm] of a variant of the accuracy study."""
     return next(radius for radius, name in SCENES.items() if name == scene)
 
 
 def radii_words(scene: str) -> str:
-    """What the radii of such a scene are, in words."""
+    """What the radii of such a variant are, in words."""
     radius = radius_of(scene)
     return "as in the paper" if radius is None else f"bounded to {radius:g} mm"
 
@@ -97,13 +97,13 @@ def chosen_numerics(
 
 
 def _scene(configuration: dict) -> str:
-    """Scene of the measurements that has a study's largest radius; others were not measured."""
+    """Variant of the accuracy study that has a study's largest radius; others are not known."""
     radius = configuration["choices"]["largest_radius_mm"]
     if radius in SCENES:
         return SCENES[radius]
     key = next(key for key in CHOSEN_BY if configuration["numerics"].get(key) is not None)
     raise InputError(
-        f"choices.largest_radius_mm = {radius!r}: numerics.{key} was measured for "
+        f"choices.largest_radius_mm = {radius!r}: numerics.{key} is known for "
         f"{_measured_radii()} only; "
         "give the keys of numerics themselves"
     )
@@ -135,7 +135,7 @@ def _accurate(known: pd.DataFrame, accuracy: float, scene: str) -> pd.Series:
         raise InputError(
             f"numerics.accuracy = {accuracy!r}: the model without choices.largest_radius_mm has no "
             "limit on the first cycle to be near (docs/decisions/0010-resolved-breakage.md): "
-            f"set it to one that was measured ({_measured_radii(bounded=True)}), or give "
+            f"set it to one that is known ({_measured_radii(bounded=True)}), or give "
             "numerics.preset instead"
         )
     enough = known[known.bound_percent <= 100.0 * accuracy]
@@ -143,7 +143,7 @@ def _accurate(known: pd.DataFrame, accuracy: float, scene: str) -> pd.Series:
         best = 0.01 * known.bound_percent.min()
         raise InputError(
             f"numerics.accuracy = {accuracy!r}: must be at least {best:.2g}, the best bound that "
-            "was measured (docs/accuracy.md)"
+            "is known (docs/accuracy.md)"
         )
     return enough.loc[enough.pairs.idxmin()]
 
@@ -151,8 +151,8 @@ def _accurate(known: pd.DataFrame, accuracy: float, scene: str) -> pd.Series:
 def _said(row: pd.Series, preset: object, accuracy: object) -> str:
     what = f"preset {preset}" if accuracy is None else f"accuracy {accuracy:g}"
     return (
-        f"numerics: {what} is {row.knob} {row['value']}: {row.numerics}; mean closures of the "
-        f"worst rock were off by {row.error_percent:.2g} % (95 % confidence: up to "
+        f"numerics: {what} is {row.knob} {row['value']}: {row.numerics}; mean closures were "
+        f"off by {row.error_percent:.2g} % (95 % confidence: up to "
         f"{row.bound_percent:.2g} %) where radii are {radii_words(row.scene)}, at "
         f"{row.relative_time:.2g} times the time of the paper's steps"
     ).replace(" nan", "")

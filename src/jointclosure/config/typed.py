@@ -32,7 +32,7 @@ class Study(NamedTuple):
 
 
 class Walls(NamedTuple):
-    """Measured walls of a rock: files or words for partners, and how they are read."""
+    """Scanned walls of a rock: files or words for partners, and how they are read."""
 
     upper: str
     lower: str
@@ -60,7 +60,7 @@ class StudyRock(NamedTuple):
     """A rock of a study: its properties, roughness and load [SI].
 
     ``levels`` has, for each varied parameter, all values in ascending order, the rock's own
-    among them. ``jrc`` is NaN where ``walls`` are measured ones.
+    among them. ``jrc`` is NaN where ``walls`` are scanned ones.
     """
 
     title: str
@@ -117,7 +117,7 @@ class Output(NamedTuple):
 
 
 class Validation(NamedTuple):
-    """Random scenes: how many, and the ranges (low, high) of what is drawn [SI]."""
+    """Random conditions: how many, and the ranges (low, high) of what is drawn [SI]."""
 
     scenes: int
     realizations: int

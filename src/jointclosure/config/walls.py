@@ -1,4 +1,4 @@
-"""What a configuration says of measured walls (`rocks.<rock>.walls`), checked."""
+"""What a configuration says of scanned walls (`rocks.<rock>.walls`), checked."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,7 +9,7 @@ from jointclosure.surface.measured_pairs import PARTNERS
 
 
 def wall_files(walls: Walls) -> dict[str, str]:
-    """Files of measured walls by "upper" and "lower"."""
+    """Files of scanned walls by "upper" and "lower"."""
     return {side: getattr(walls, side) for side in SIDES if getattr(walls, side) not in PARTNERS}
 
 
@@ -20,7 +20,7 @@ def wall_problems(keys: dict, name: str) -> Iterator[str]:
     where = f"rocks.{name}"
     if not walls:
         if jrc is None:
-            yield f"{where}: lacks jrc, or walls (measured ones)"
+            yield f"{where}: lacks jrc, or walls (scanned ones)"
         return
     if jrc is not None:
         yield (
@@ -29,7 +29,7 @@ def wall_problems(keys: dict, name: str) -> Iterator[str]:
         )
     if levels is not None:
         yield (
-            f"{where}.levels.jrc = [{', '.join(f'{level:g}' for level in levels)}]: measured walls "
+            f"{where}.levels.jrc = [{', '.join(f'{level:g}' for level in levels)}]: scanned walls "
             "have no JRC to be varied; leave it out, or set it to null where it is another file's"
         )
     files = [side for side in SIDES if walls[side] not in PARTNERS]

@@ -1,11 +1,18 @@
-"""The curves of a closed joint as a table, one row a step."""
+"""The curves of a closed joint as tables: a row a step, and a row a cycle."""
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.history import branch_of, first_crossing
-from jointclosure.protocol import LOADING
+from jointclosure.history import branch_of, first_crossing, last_crossing
+from jointclosure.protocol import LOADING, UNLOADING
+
+
+def area_of(history: xr.Dataset) -> float:
+    """Nominal area of a joint [m2], from the coordinates of its cells."""
+    axes = [history[name].values for name in ("y", "x")]
+    spacing = next(float(axis[1] - axis[0]) for axis in axes if axis.size > 1)
+    return spacing**2 * axes[0].size * axes[1].size
 
 
 def curve_table(history: xr.Dataset) -> pd.DataFrame:
@@ -21,29 +28,91 @@ def curve_table(history: xr.Dataset) -> pd.DataFrame:
     DataFrame
         ``cycle``, ``branch``, ``normal_stress_MPa``, ``closure_mm`` from first touch,
         ``closure_since_seating_mm`` from the point of the cycle's loading at the seating stress
-        (negative before it, NaN where it was not reached) and ``contact_fraction``. A branch
-        begins with the last step of the one before.
+        (negative before it, NaN where it was not reached), ``normal_stiffness_MPa_per_mm``
+        (kn = d sigma/d closure, by the chord of a step's neighbours, NaN where closure does not
+        change), ``mean_aperture_mm``, ``void_volume_mm3`` (mean aperture times nominal area),
+        ``contact_area_mm2`` (of the cells that carry force: an upper bound) and
+        ``contact_fraction``. A branch begins with the last step of the one before.
     """
-    cycle, branch = history.cycle.values, history.branch.values
     rows = []
-    for number in np.unique(cycle):
-        loading = branch_of(cycle, branch, number, LOADING)
-        stress, closure = history.normal_stress.values, history.closure.values
-        seat = first_crossing(
-            stress[loading], closure[loading], float(history.attrs["seating_stress_Pa"])
-        )
-        for name in dict.fromkeys(branch[cycle == number].tolist()):
-            here = branch_of(cycle, branch, number, name)
-            rows.append(
-                pd.DataFrame(
-                    {
-                        "cycle": number,
-                        "branch": name,
-                        "normal_stress_MPa": 1e-6 * stress[here],
-                        "closure_mm": 1e3 * closure[here],
-                        "closure_since_seating_mm": 1e3 * (closure[here] - seat),
-                        "contact_fraction": history.contact_fraction.values[here],
-                    }
-                )
+    area = area_of(history)
+    for number in np.unique(history.cycle.values):
+        seat = seat_of(history, number, LOADING)
+        for name in (LOADING, UNLOADING):
+            here = branch_of(history.cycle.values, history.branch.values, number, name)
+            if here.size < 2:
+                continue
+            stress, closure, aperture, contact = (
+                history[each].values[here]
+                for each in ("normal_stress", "closure", "mean_aperture", "contact_fraction")
             )
+            columns = {
+                "cycle": number,
+                "branch": name,
+                "normal_stress_MPa": 1e-6 * stress,
+                "closure_mm": 1e3 * closure,
+                "closure_since_seating_mm": 1e3 * (closure - seat),
+                "normal_stiffness_MPa_per_mm": 1e-9 * _chords(closure, stress),
+                "mean_aperture_mm": 1e3 * aperture,
+                "void_volume_mm3": 1e9 * area * aperture,
+                "contact_area_mm2": 1e6 * area * contact,
+                "contact_fraction": contact,
+            }
+            rows.append(pd.DataFrame(columns))
     return pd.concat(rows, ignore_index=True)
+
+
+def seat_of(history: xr.Dataset, cycle: int, branch: str) -> float:
+    """Closure [m] at the seating stress: first reached on loading, last had on unloading."""
+    here = branch_of(history.cycle.values, history.branch.values, cycle, branch)
+    crossing = first_crossing if branch == LOADING else last_crossing
+    level = float(history.attrs["seating_stress_Pa"])
+    return crossing(history.normal_stress.values[here], history.closure.values[here], level)
+
+
+def cycle_table(history: xr.Dataset) -> pd.DataFrame:
+    """Closures of each cycle as laboratories tell them: since seating, and what stays.
+
+    Parameters
+    ----------
+    history : Dataset
+        As from `jointclosure.simulate`.
+
+    Returns
+    -------
+    DataFrame
+        One row a cycle: ``max_closure_mm`` from the cycle's start, ``closure_since_seating_mm`` at
+        its maximum, ``residual_at_seating_mm``: closure at the seating stress on unloading less
+        that on loading, ``residual_share`` of the closure since seating,
+        ``mean_aperture_at_seating_mm``, ``mean_aperture_at_max_mm`` and ``contact_at_max``.
+    """
+    rows = []
+    cycle, branch = history.cycle.values, history.branch.values
+    for number in np.unique(cycle):
+        here = branch_of(cycle, branch, number, LOADING)
+        seat, back = (seat_of(history, number, name) for name in (LOADING, UNLOADING))
+        closure, aperture = history.closure.values[here], history.mean_aperture.values[here]
+        order = np.argsort(closure)
+        rows.append(
+            {
+                "cycle": number,
+                "max_closure_mm": 1e3 * (closure[-1] - closure[0]),
+                "closure_since_seating_mm": 1e3 * (closure[-1] - seat),
+                "residual_at_seating_mm": 1e3 * (back - seat),
+                "residual_share": (back - seat) / (closure[-1] - seat),
+                "mean_aperture_at_seating_mm": 1e3
+                * np.interp(seat, closure[order], aperture[order]),
+                "mean_aperture_at_max_mm": 1e3 * aperture[-1],
+                "contact_at_max": history.contact_fraction.values[here[-1]],
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _chords(closure: np.ndarray, stress: np.ndarray) -> np.ndarray:
+    """Slope [Pa/m] at each step (n,) by the chord from its neighbours; NaN where there is none."""
+    before = np.concatenate([[0], np.arange(closure.size - 1)])
+    after = np.concatenate([np.arange(1, closure.size), [closure.size - 1]])
+    run = closure[after] - closure[before]
+    rise = stress[after] - stress[before]
+    return np.divide(rise, run, out=np.full(run.shape, np.nan), where=run != 0.0)

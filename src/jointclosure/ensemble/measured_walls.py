@@ -1,4 +1,4 @@
-"""Measured walls of a rock: brought to the joint's grid, and cut into joints."""
+"""Scanned walls of a rock: brought to the joint's grid, and cut into joints."""
 
 import json
 from collections.abc import Iterator
@@ -21,7 +21,7 @@ from jointclosure.surface.roughness import jrc_of_z2, rms_slope
 def prepared_walls(
     scans: dict[str, Scan | Cloud], settings: Walls, spacing: float, jrc_relation: str
 ) -> xr.Dataset:
-    """Measured walls on the grid of the joint, as large as they were scanned.
+    """Scanned walls on the grid of the joint, as large as they were scanned.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def cutter_for(walls: xr.Dataset, settings: SurfaceSettings) -> Cutter:
 
 
 def cut_surfaces(cutter: Cutter, seeds: list[int], first: int = 0) -> Iterator[xr.Dataset]:
-    """Surface pairs as of `ensemble.surfaces.make_surfaces`, cut out of measured walls.
+    """Surface pairs as of `ensemble.surfaces.make_surfaces`, cut out of scanned walls.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def room(cutter: Cutter) -> dict[str, int]:
 
 
 def described(walls: dict[str, xr.Dataset]) -> str:
-    """JSON of what is known of the measured walls of each rock: files, digests, roughness."""
+    """JSON of what is known of the scanned walls of each rock: files, digests, roughness."""
     return json.dumps(
         {
             rock: dict(dataset.attrs)

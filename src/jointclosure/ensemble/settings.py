@@ -30,7 +30,7 @@ class Case(NamedTuple):
     ``rock`` is its name and ``intact`` its properties; ``effects`` those of the study or
     the rock's own. ``surface`` is the label of the case whose surfaces this one closes: its
     own, or with common draws and an unchanged JRC its rock's base case. ``jrc`` is
-    NaN where walls are measured ones.
+    NaN where walls are scanned ones.
     """
 
     label: str

@@ -38,7 +38,7 @@ def surface_settings(
 
 
 def wall_digests(walls: Walls) -> dict[str, str]:
-    """SHA-256 of the files of measured walls: their contents count, and not their time."""
+    """SHA-256 of the files of scanned walls: their contents count, and not their time."""
     return {side: file_digest(file) for side, file in wall_files(walls).items()}
 
 

@@ -69,7 +69,7 @@ def surfaces_of(settings: SurfaceSettings) -> Iterator[xr.Dataset]:
     """Surface pairs of a block, one by one."""
     if settings.walls:
         raise InputError(
-            "surfaces of measured walls are not made from a seed: run the study again, which cuts "
+            "surfaces of scanned walls are not made from a seed: run the study again, which cuts "
             "them out of their scans"
         )
     first = settings.first_realization

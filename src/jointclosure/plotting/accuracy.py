@@ -41,12 +41,12 @@ _BESIDE_STAR = 0.08
 
 @styled
 def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
-    """Error of the mean maximum closure against time, for one scene.
+    """Error of the mean maximum closure against time, for one variant of the model.
 
     Parameters
     ----------
     costs : DataFrame
-        Rows of one scene from `jointclosure.studies.accuracy.cost.cost_table`.
+        Rows of one variant from `jointclosure.studies.accuracy.cost.cost_table`.
     title : str
     paper : str
         Name of the setting that is marked with a star.
@@ -139,7 +139,7 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> None:
     best = best.sort_values("relative_time")
     axes.plot(
         best.relative_time, best["size"], drawstyle="steps-post", color="0.6", lw=4, alpha=0.5,
-        zorder=0, label="not beaten in both",
+        zorder=0, label="none is faster and more exact",
     )  # fmt: skip
     axes.set(xscale="log", yscale="log")
     for axis in (axes.xaxis, axes.yaxis):

@@ -88,7 +88,7 @@ def effect_figure(table: pd.DataFrame) -> Figure:
 
 @styled
 def choice_figure(table: pd.DataFrame) -> Figure:
-    """Error of the chosen effects against stress, and the time that the choice saves.
+    """Error of the selected effects against stress, and the time that the selection saves.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def choice_figure(table: pd.DataFrame) -> Figure:
 
     Notes
     -----
-    A column for each tolerance. Grey scenes run every effect, and lose the time of the
+    A column for each tolerance. Grey conditions run every effect, and lose the time of the
     pilot only; errors below a hundredth of a percent are drawn there.
     """
     tolerances = sorted(table.tolerance.unique())

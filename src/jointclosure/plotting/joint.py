@@ -30,7 +30,7 @@ def closure_curve(closed: xr.Dataset, title: str) -> Figure:
                 style,
                 color=f"C{number - 1}",
                 # the next cycle's loading lies on it
-                zorder=2 if name == LOADING else 3,
+                zorder=2.0 if name == LOADING else 3.0 - 0.01 * number,
                 label=f"cycle {number}, {name}",
             )
     axes.set(

@@ -98,7 +98,7 @@ def measured_handles(measured: Measurements) -> list:
         return []
     cycles = range(1, measured.cycles + 1)
     return [
-        Line2D([], [], color="0.1", lw=1.6, label="measured"),
+        Line2D([], [], color="0.1", lw=1.6, label="measured curve"),
         *(
             Line2D([], [], label=f"surface that fits cycle {cycle} best", **_style(cycle))
             for cycle in cycles

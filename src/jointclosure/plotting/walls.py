@@ -1,4 +1,4 @@
-"""Pictures of measured walls."""
+"""Pictures of scanned walls."""
 
 import matplotlib.ticker
 import numpy as np

@@ -23,7 +23,7 @@ class Material(NamedTuple):
     ``paper``: the paper's Table 3; ``default`` and ``schema``: the paper's configuration, and what
     keys mean; ``pictures``; ``benchmarks``: of the workflow's jobs; ``measured``: fits of measured
     curves, None where there are none; ``accuracy``: the table of `make accuracy`, None where
-    it was not made; ``presets``: what the presets of the numerics were measured to be off by.
+    it was not made; ``presets``: what the presets of the numerics were found to be off by.
     """
 
     study: xr.Dataset

@@ -34,7 +34,7 @@ def check_sheet(checks: pd.DataFrame) -> Sheet:
 def accuracy_sheet(costs: pd.DataFrame) -> Sheet:
     """Error against time of each setting that `make accuracy` tried."""
     columns = {
-        "scene": "Scene",
+        "scene": "Variant of the model",
         "rock": "Rock",
         "knob": "What is turned",
         "value": "Value",
@@ -42,7 +42,7 @@ def accuracy_sheet(costs: pd.DataFrame) -> Sheet:
         "mean_error_percent": "Error of the mean closure (%)",
         "mean_low": "From",
         "mean_high": "To",
-        "relative_time": "Time over the scene's base",
+        "relative_time": "Time over the variant's base",
     }
     return sheet("accuracy-cost", "Error and time of every setting that was tried", costs, columns)
 
@@ -75,7 +75,7 @@ def preset_sheet(measured: pd.DataFrame, configuration: dict, default: dict) -> 
     }
     return sheet(
         "presets",
-        "Presets of the numerics: the largest error of a rock and cycle",
+        "Presets of the numerics, and what the study of accuracy found them off by",
         rows.assign(
             scene=rows.scene.map(radii_words),
             mine=np.where(bounded & same & breaks, "yes", ""),

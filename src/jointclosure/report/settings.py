@@ -52,7 +52,7 @@ def setting_sheet(rows: pd.DataFrame) -> Sheet:
     """The configuration as a table."""
     titles = {"key": "Key", "value": "This study", "paper": "The paper's study"}
     titles |= {"differs": "Differs", "meaning": "What it is"}
-    return sheet("configuration", "Every setting of this study", rows, titles)
+    return sheet("configuration", "Every key of this study", rows, titles)
 
 
 def _leaves(value: dict, schema: dict, path: str):

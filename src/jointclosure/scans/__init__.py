@@ -1,4 +1,4 @@
-"""Files of measured walls, read: `read_scan`. They are data, never run nor written to.
+"""Files of scanned walls, read: `read_scan`. They are data, never run nor written to.
 
 numpy, netCDF and text files need nothing beyond the package; STL, TIFF and what surface scanners
 write need its extra ``walls``. A reader returns what its file says (`contents.Contents`); units are
@@ -41,7 +41,7 @@ def read_scan(
     spacing: float | None = None,
     variable: str | None = None,
 ) -> Scan | Cloud:
-    """A measured wall from a file.
+    """A scanned wall from a file.
 
     Parameters
     ----------

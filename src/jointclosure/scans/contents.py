@@ -1,4 +1,4 @@
-"""What the file of a measured wall says."""
+"""What the file of a scanned wall says."""
 
 from typing import NamedTuple
 

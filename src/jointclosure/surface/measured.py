@@ -1,4 +1,4 @@
-"""Measured walls: from what was scanned to heights on the square grid of a joint.
+"""Scanned walls: from what was scanned to heights on the square grid of a joint.
 
 No files here: `jointclosure.scans` reads them. See docs/measured_walls.md.
 """

@@ -1,4 +1,4 @@
-"""Joints of measured walls: windows of a scan, and what a single wall is met with."""
+"""Joints of scanned walls: windows of a scan, and what a single wall is met with."""
 
 from typing import NamedTuple
 
@@ -43,7 +43,7 @@ class Placed(NamedTuple):
 
 
 class Cutter:
-    """Cuts the joints of a study out of measured walls.
+    """Cuts the joints of a study out of scanned walls.
 
     Parameters
     ----------

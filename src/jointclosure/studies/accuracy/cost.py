@@ -80,7 +80,7 @@ def cost_table(
         Datasets as from `jointclosure.studies.accuracy.runs.close_run` by the name of
         their run.
     finest : mapping
-        Knob and value that the settings of each scene are held against.
+        Knob and value that the settings of each variant are held against.
     random : Generator
     resamples : int
     confidence : float

@@ -26,16 +26,16 @@ _OWN = ("study", "effects", "choices", "numerics", "grid", "surface", "rocks")
 
 
 _POINTS = ("finest", "cross")
-"""Keys of a scene that name a knob and its value, and are no settings."""
+"""Keys of a variant that name a knob and its value, and are no settings."""
 
 
 class Setting(NamedTuple):
-    """A knob turned to a value, in a scene of a rock.
+    """A knob turned to a value, in a variant of the model (``scene``) of a rock.
 
     Knob `BASE` is the setting in which none is turned. ``run`` names the run that has its
     results: settings with equal configurations share one. ``other_joints`` are closed where
     the knob changes the joints themselves: a difference there is no numerical error.
-    ``numerics`` are the keys in which it differs from the scene's base, None where it
+    ``numerics`` are the keys in which it differs from the variant's base, None where it
     differs in others too.
     """
 
@@ -59,13 +59,13 @@ def design_of(keys: dict) -> tuple[list[Setting], dict[str, Run]]:
     Returns
     -------
     settings : list of Setting
-        The base of each scene first.
+        The base of each variant first.
     runs : dict
 
     Raises
     ------
     ConfigurationError
-        Naming each scene, knob or key that does not exist, and each setting that
+        Naming each variant, knob or key that does not exist, and each setting that
         the model cannot take.
     """
     problems = list(_unknown(keys))
@@ -77,7 +77,7 @@ def design_of(keys: dict) -> tuple[list[Setting], dict[str, Run]]:
                 typed = configured(whole, _no_table).typed
                 runs.setdefault(setting.run, _run(typed, setting.rock, keys["accuracy"]))
             except InputError as error:
-                where = f"scene {setting.scene}, {setting.knob} {setting.value}"
+                where = f"variant {setting.scene}, {setting.knob} {setting.value}"
                 lines = str(error).removeprefix("configuration:").split("\n")
                 problems += [f"accuracy: {where}: {line.strip()}" for line in lines if line.strip()]
             settings.append(setting)
@@ -87,7 +87,7 @@ def design_of(keys: dict) -> tuple[list[Setting], dict[str, Run]]:
 
 
 def _no_table(path):
-    raise InputError("numerics.preset, numerics.accuracy: not in a scene or knob")
+    raise InputError("numerics.preset, numerics.accuracy: not in a variant or knob")
 
 
 def _settings(keys: dict) -> Iterator[tuple[Setting, dict]]:
@@ -143,7 +143,8 @@ def _unknown(keys: dict) -> Iterator[str]:
         for name in _POINTS:
             knob = (settings.get(name) or {"knob": BASE})["knob"]
             if knob != BASE and scene not in design["knobs"].get(knob, {"scenes": []})["scenes"]:
-                yield f"accuracy.scenes.{scene}.{name}.knob = {knob!r}: is not turned in this scene"
+                where = f"accuracy.scenes.{scene}.{name}.knob"
+                yield f"{where} = {knob!r}: is not turned in this variant"
     for name, point in design["presets"].items():
         if point["knob"] != BASE and point["knob"] not in design["knobs"]:
             yield f"accuracy.presets.{name}.knob = {point['knob']!r}: there is no such knob"

@@ -20,7 +20,7 @@ def setting_table(
     settings : list of Setting
         Those of the costs.
     scenes : dict
-        The scenes of the design, with their ``finest`` setting, and where there is one
+        The variants of the model, with their ``finest`` setting, and where there is one
         its ``cross``: the finest setting of another integrator.
     presets : dict
         Knob and value of every preset, by name.
@@ -28,14 +28,14 @@ def setting_table(
     Returns
     -------
     DataFrame
-        For each scene and setting: ``numerics``, as JSON, in which it differs from the
-        scene's base; ``error_percent``, the largest |error| of a mean maximum closure of a
+        For each variant and setting: ``numerics``, as JSON, in which it differs from the
+        variant's base; ``error_percent``, the largest |error| of a mean maximum closure of a
         rock and cycle; ``bound_percent``, the largest end of their confidence intervals;
         ``relative_time``, ``pairs`` (of FFTs) and ``seconds``, means of the rocks' medians.
 
     Notes
     -----
-    All settings of a scene are held against one truth, its finest setting. That one's own
+    All settings of a variant are held against one truth, its finest setting. That one's own
     error is 0 by this, and its bound that of the finest setting of the other integrator.
     """
     rows = []
@@ -73,7 +73,7 @@ def _rows_of(costs: pd.DataFrame, scene: str, point: dict) -> pd.DataFrame:
 
 
 def _numerical(settings: list[Setting], scene: str) -> Iterator[tuple[Setting, dict]]:
-    """Settings of a scene's first rock that differ from its base in the numerics only, and how."""
+    """Settings of a variant's first rock that differ from its base in numerics only, and how."""
     mine = [each for each in settings if each.scene == scene]
     mine = [each for each in mine if each.rock == mine[0].rock]
     for setting in mine:

@@ -31,7 +31,7 @@ def conditions_of(configuration: Configuration, rock: str) -> list[ClosureSettin
 
 
 def validation_settings(configuration: Configuration) -> ValidationSettings:
-    """Settings of the random scenes of a study.
+    """Settings of the random conditions of a study.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def validation_settings(configuration: Configuration) -> ValidationSettings:
     """
     study, validation = configuration.study, _design(configuration).validation
     if validation is None:
-        raise InputError("ablation.validation = null: the study has no random scenes")
+        raise InputError("ablation.validation = null: the study has no random conditions")
     return ValidationSettings(
         validation,
         study.root_seed,

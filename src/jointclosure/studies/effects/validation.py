@@ -1,8 +1,8 @@
-"""The chosen effects held against the full model, on scenes that no choice was designed on.
+"""The selected effects held against the full model, at conditions it was not designed on.
 
-Rock, roughness, stress and size of each scene are random. Its surfaces are
+Rock, roughness, stress and size are random. Its surfaces are
 closed with all effects, and with those that `choose_among` finds to matter
-at each tolerance; the change of the mean is what the choice was off by.
+at each tolerance; the change of the mean is what the selection was off by.
 """
 
 import time
@@ -36,7 +36,7 @@ class RandomScene(NamedTuple):
 
 
 class ValidationSettings(NamedTuple):
-    """What the random scenes of a study depend on."""
+    """What the random conditions of a study depend on."""
 
     design: Validation
     root_seed: int
@@ -48,7 +48,7 @@ class ValidationSettings(NamedTuple):
 
 
 def random_scene(settings: ValidationSettings, number: int) -> RandomScene:
-    """The scene of a number, from the ranges of the design.
+    """The conditions of a number, from the ranges of the design.
 
     Young's modulus, strength and stress are uniform in their logarithm; the stress
     is at most the strength.
@@ -74,20 +74,20 @@ def random_scene(settings: ValidationSettings, number: int) -> RandomScene:
 def validate(
     settings: ValidationSettings, number: int, report: Callable[[str], None] = lambda line: None
 ) -> pd.DataFrame:
-    """Close a random scene in full and as chosen, at every tolerance.
+    """Close joints at random conditions in full and as selected, at every tolerance.
 
     Returns
     -------
     DataFrame
-        For each tolerance: the scene, the ``chosen`` effects, ``estimated_percent``
+        For each tolerance: the conditions, the ``chosen`` effects, ``estimated_percent``
         and ``actual_percent`` (the largest change of a cycle's mean maximum closure),
         ``holds``; ``full_s`` and ``chosen_s`` of all surfaces, ``pilot_s``, and
         ``saved_percent`` of the full time, the pilot counted. Surfaces on which the
         full model fails are left out (``samples`` are left); where the chosen effects
-        fail on others (``failed``) there is no error, and the scene does not hold.
+        fail on others (``failed``) there is no error, and they do not hold.
     """
     scene = random_scene(settings, number)
-    report(f"scene {number}: {scene}")
+    report(f"conditions {number}: {scene}")
     design, spacing = settings.design, settings.grid.spacing
     walls = [
         wall_pair(

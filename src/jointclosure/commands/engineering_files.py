@@ -1,0 +1,83 @@
+"""The files of a closed joint that engineers and their programs take."""
+
+import json
+from pathlib import Path
+
+import xarray as xr
+
+from jointclosure.engineering.curves import area_of, curve_table, cycle_table
+from jointclosure.engineering.exchange import (
+    fracture_mesh,
+    geos_aperture_table,
+    itasca_tables,
+    porepy_parameters,
+)
+from jointclosure.engineering.laws import fitted_laws, law_said
+from jointclosure.engineering.stiffness import stiffness_table
+from jointclosure.inputs import InputError
+from jointclosure.protocol import LOADING
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.meshes import write_vtu
+from jointclosure.storage.text import write_csv, write_text
+
+_GEOS = """<!-- for <Functions>; its contact model has apertureTableName="joint_aperture" -->
+<TableFunction
+  name="joint_aperture"
+  coordinateFiles="{ geos_gap.csv }"
+  voxelFile="geos_aperture.csv"
+  interpolation="linear"/>
+"""
+
+
+def write_engineering(history: xr.Dataset, folder: Path, title: str) -> list[str]:
+    """Write curves, stiffness, laws and other programs' inputs.
+
+    Parameters
+    ----------
+    history : Dataset
+        As from `jointclosure.simulate`.
+    folder : path
+        That is there.
+    title : str
+        Of the figure.
+
+    Returns
+    -------
+    list of str
+        Sentences: the best law of each cycle's loading, and what could not be written.
+    """
+    from jointclosure.plotting.engineering import engineering_figure
+
+    write_csv(curve_table(history), folder / "curves.csv")
+    cycles, fits = cycle_table(history), fitted_laws(history)
+    write_csv(cycles, folder / "cycles.csv")
+    write_csv(stiffness_table(history), folder / "stiffness.csv")
+    write_csv(fits, folder / "laws.csv")
+    write_text(itasca_tables(history), folder / "joint_stiffness.dat")
+    said = [law_said(fits, cycle, LOADING) for cycle in cycles.cycle]
+    for write in (_write_porepy, _write_geos, _write_mesh):
+        try:
+            write(history, folder)
+        except InputError as error:  # one program's form that cannot be had spoils no other
+            said.append(f"not written: {error}")
+    save_figure(engineering_figure(history, title), folder / "engineering.png")
+    return said
+
+
+def _write_porepy(history: xr.Dataset, folder: Path) -> None:
+    text = json.dumps(porepy_parameters(history), indent=1)
+    write_text(text + "\n", folder / "porepy.json")
+
+
+def _write_geos(history: xr.Dataset, folder: Path) -> None:
+    for name, values in zip(("gap", "aperture"), geos_aperture_table(history), strict=True):
+        lines = [f"{value:.9e}" for value in values]
+        write_text("\n".join(lines) + "\n", folder / f"geos_{name}.csv")
+    write_text(_GEOS, folder / "geos.xml")
+
+
+def _write_mesh(history: xr.Dataset, folder: Path) -> None:
+    upper, lower = history.upper_final.values, history.lower_final.values
+    spacing = (area_of(history) / upper.size) ** 0.5
+    mesh = fracture_mesh(upper, lower, float((upper + lower).max()), spacing)
+    write_vtu(*mesh, folder / "fracture.vtu")

@@ -1,0 +1,156 @@
+"""A closed joint as other programs take it: parameters, tables and meshes; no files here."""
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from jointclosure.engineering.curves import cycle_table
+from jointclosure.engineering.laws import fitted_laws, parameter
+from jointclosure.engineering.stiffness import closures_at, stiffness_table, stress_levels
+from jointclosure.inputs import InputError
+from jointclosure.protocol import LOADING
+
+
+def porepy_parameters(history: xr.Dataset) -> dict[str, float]:
+    """Solid constants of PorePy's Barton-Bandis fracture, of the last cycle's loading.
+
+    Parameters
+    ----------
+    history : Dataset
+        As from `jointclosure.simulate`.
+
+    Returns
+    -------
+    dict
+        ``fracture_normal_stiffness`` [Pa/m], which is kni, ``maximum_elastic_fracture_opening``
+        [m], which is Vm, and ``residual_aperture`` [m]: the mean aperture at seating less Vm.
+
+    Raises
+    ------
+    InputError
+        The hyperbola could not be fitted, or closes more than there is aperture.
+    """
+    cycle = int(history.cycle.max())
+    fits, cycles = fitted_laws(history), cycle_table(history)
+    stiffness, largest = (
+        parameter(fits, cycle, LOADING, name) for name in ("kni_MPa_per_mm", "vm_mm")
+    )
+    aperture = float(cycles.mean_aperture_at_seating_mm.iloc[-1])
+    if not (stiffness > 0.0 and 0.0 < largest < aperture):
+        raise InputError(
+            f"PorePy: the hyperbola of cycle {cycle} has kni = {stiffness:g} MPa/mm and Vm = "
+            f"{largest:g} mm at a mean aperture of {aperture:g} mm: kni must be positive, and Vm "
+            "positive and below the aperture"
+        )
+    return {
+        "fracture_normal_stiffness": 1e9 * stiffness,
+        "maximum_elastic_fracture_opening": 1e-3 * largest,
+        "residual_aperture": 1e-3 * (aperture - largest),
+    }
+
+
+def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates and values [m] of the aperture table of GEOS' contact models.
+
+    Of the last cycle's loading: the normal gap, negative where walls are pressed together beyond
+    seating, ascending to 0, and the mean aperture there.
+
+    Raises
+    ------
+    InputError
+        GEOS takes no table whose last slope is 1 or more, as it is without interaction.
+    """
+    levels = stress_levels(history)
+    if float(history.attrs["seating_stress_Pa"]) == 0.0:
+        raise InputError("GEOS: its table begins at seating; give a seating_stress above 0")
+    closure = closures_at(history, levels)[-1, 0]
+    of_cycle = (history.cycle.values == int(history.cycle.max())) & (
+        history.branch.values == LOADING
+    )
+    order = np.argsort(history.closure.values[of_cycle])
+    aperture = np.interp(
+        closure, history.closure.values[of_cycle][order],
+        history.mean_aperture.values[of_cycle][order],
+    )  # fmt: skip
+    gap = -(closure - closure[0])[::-1]
+    gap[-1] = 0.0  # and not -0
+    values = aperture[::-1]
+    slope = (values[-1] - values[-2]) / (gap[-1] - gap[-2])
+    if not slope < 1.0:
+        raise InputError(
+            f"GEOS: the aperture rises by {slope:.6g} of the gap at its end: must be below 1"
+        )
+    return gap, values
+
+
+def itasca_tables(history: xr.Dataset) -> str:
+    """Commands that define tables of normal stiffness [Pa/m] against normal stress [Pa].
+
+    One table for each cycle's loading and unloading, in the form of 3DEC 7 and later,
+    ``table 'name' add (x,y) ...``.
+    """
+    lines = ["; normal stiffness (Pa/m) against normal stress (Pa) by cycle and branch"]
+    for (cycle, branch), own in stiffness_table(history).groupby(["cycle", "branch"], sort=False):
+        known = own.dropna()
+        pairs = " ".join(
+            f"({1e6 * stress:.6e},{1e9 * stiffness:.6e})"
+            for stress, stiffness in zip(
+                known.normal_stress_MPa, known.normal_stiffness_MPa_per_mm, strict=True
+            )
+        )
+        lines.append(f"table 'kn-cycle-{cycle}-{branch}' add {pairs}")
+    return "\n".join(lines) + "\n"
+
+
+class FractureMesh(NamedTuple):
+    """A triangulated midplane: points (n, 3) [m], triangles (m, 3), and fields of each triangle."""
+
+    points: np.ndarray
+    triangles: np.ndarray
+    cell_fields: dict[str, np.ndarray]
+
+
+def fracture_mesh(
+    upper: np.ndarray, lower: np.ndarray, opening: float, spacing: float
+) -> FractureMesh:
+    """The midplane of a joint, with its aperture and where walls touch.
+
+    Parameters
+    ----------
+    upper, lower : array (y, x)
+        Heights [m] towards the other wall.
+    opening : float
+        Distance of the planes that heights are counted from [m]: the sum of the heights where the
+        walls only just touch.
+    spacing : float
+        Of the cells [m].
+
+    Returns
+    -------
+    FractureMesh
+        Two triangles between four neighbouring cells; ``aperture`` [m] is the mean of a
+        triangle's corners, ``contact`` 1 where one of them touches, else 0, and ``MaterialIDs`` 0.
+    """
+    aperture = np.maximum(opening - upper - lower, 0.0)
+    midplane = lower + 0.5 * (opening - upper - lower)
+    ny, nx = upper.shape
+    y, x = np.indices(upper.shape) * spacing
+    points = np.column_stack([x.ravel(), y.ravel(), midplane.ravel()])
+    corner = (np.arange(ny - 1)[:, None] * nx + np.arange(nx - 1)).ravel()
+    triangles = np.concatenate(
+        [
+            np.stack([corner, corner + 1, corner + nx], axis=1),
+            np.stack([corner + 1, corner + nx + 1, corner + nx], axis=1),
+        ]
+    )
+    of_corners = aperture.ravel()[triangles]
+    return FractureMesh(
+        points,
+        triangles,
+        {
+            "aperture": of_corners.mean(axis=1),
+            "contact": (of_corners <= 0.0).any(axis=1).astype(np.int32),
+            "MaterialIDs": np.zeros(len(triangles), np.int32),
+        },
+    )

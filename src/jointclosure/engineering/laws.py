@@ -1,0 +1,179 @@
+"""Empirical laws of closure fitted to a joint's curves: what fits, how well, and where it fails.
+
+Closure D counts from the seating stress s, as laboratories count it:
+
+- hyperbolic (Bandis, Lumsden & Barton 1983): sigma - s = kni D/(1 - D/Vm);
+- semi-logarithmic (Bandis et al. 1983, mismatched joints): log10(sigma) = p + q D;
+- power (Swan 1983): D = c (sigma - s)^m.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import scipy
+import xarray as xr
+
+from jointclosure.engineering.stiffness import closures_at, stress_levels
+from jointclosure.protocol import LOADING, UNLOADING
+
+POINTS = 60
+"""Evenly spaced stresses at which a law is fitted: each counts alike."""
+FAILS = 0.05
+"""Of the largest closure: farther off than that a law fails."""
+
+
+class Law(NamedTuple):
+    """A law of closure: names and units of its parameters, closure of stress, a first guess.
+
+    ``closure(stress, seating, *parameters)`` in MPa and mm; ``guess(stress, closure, seating)``.
+    """
+
+    parameters: tuple[str, ...]
+    closure: Callable[..., np.ndarray]
+    guess: Callable[[np.ndarray, np.ndarray, float], tuple[float, ...]]
+
+
+def _hyperbola(stress: np.ndarray, seating: float, kni: float, vm: float) -> np.ndarray:
+    above = stress - seating
+    return above * vm / (kni * vm + above)
+
+
+def _semi_logarithmic(stress: np.ndarray, seating: float, p: float, q: float) -> np.ndarray:
+    return (np.log10(stress) - p) / q
+
+
+def _power(stress: np.ndarray, seating: float, c: float, m: float) -> np.ndarray:
+    return c * (stress - seating) ** m
+
+
+def _guess_hyperbola(stress, closure, seating) -> tuple[float, ...]:
+    # (sigma - s)/D = kni + (sigma - s)/Vm is a straight line
+    known = (stress > seating) & (closure > 0.0)
+    above = stress[known] - seating
+    slope, kni = np.polyfit(above, above / closure[known], 1)
+    return max(kni, 1e-9), 1.0 / max(slope, 1e-9)
+
+
+def _guess_semi_logarithmic(stress, closure, seating) -> tuple[float, ...]:
+    q, p = np.polyfit(closure, np.log10(stress), 1)
+    return p, q
+
+
+def _guess_power(stress, closure, seating) -> tuple[float, ...]:
+    known = (stress > seating) & (closure > 0.0)
+    m, c = np.polyfit(np.log(stress[known] - seating), np.log(closure[known]), 1)
+    return float(np.exp(c)), m
+
+
+LAWS = {
+    "hyperbolic": Law(("kni_MPa_per_mm", "vm_mm"), _hyperbola, _guess_hyperbola),
+    "semi_logarithmic": Law(("p", "q_per_mm"), _semi_logarithmic, _guess_semi_logarithmic),
+    "power": Law(("c_mm", "m"), _power, _guess_power),
+}
+
+
+def law_curves(history: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, np.ndarray]]:
+    """Stress [MPa] and closure since seating on that branch [mm], by cycle and branch.
+
+    Branches that do not reach from seating to the maximum are left out.
+    """
+    levels = stress_levels(history, POINTS)
+    seating = float(history.attrs["seating_stress_Pa"])
+    curves = {}
+    for index, branches in enumerate(closures_at(history, levels)):
+        for name, closure in zip((LOADING, UNLOADING), branches, strict=True):
+            if not np.isfinite(closure).all():
+                continue
+            start = closure[0] if seating > 0.0 else _start(history, index + 1, name)
+            curves[index + 1, name] = 1e-6 * levels, 1e3 * (closure - start)
+    return curves
+
+
+def _start(history: xr.Dataset, cycle: int, branch: str) -> float:
+    """Closure at which a branch without seating begins, or ends [m]."""
+    here = np.flatnonzero((history.cycle.values == cycle) & (history.branch.values == branch))
+    first = here[0] - 1 if here[0] > 0 else here[0]
+    return float(history.closure.values[first if branch == LOADING else here[-1]])
+
+
+def fitted_laws(history: xr.Dataset) -> pd.DataFrame:
+    """The laws fitted by least squares of closure, for each cycle and branch.
+
+    Parameters
+    ----------
+    history : Dataset
+        As from `jointclosure.simulate`.
+
+    Returns
+    -------
+    DataFrame
+        One row a parameter: ``cycle``, ``branch``, ``law``, ``parameter``, ``value``,
+        ``standard_error`` (by the scatter about the fit, as if points were independent), and of the
+        fit ``r_squared``, ``rms_mm``, ``holds_from_MPa`` and ``holds_to_MPa``: the longest range
+        of stresses in which the law misses closure by no more than `FAILS` of the largest one.
+        A law that cannot be fitted has NaN.
+    """
+    seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
+    rows = []
+    for (cycle, branch), (stress, closure) in law_curves(history).items():
+        for name, law in LAWS.items():
+            values, errors, fit = _fit(law, stress, closure, seating)
+            about = {"cycle": cycle, "branch": branch, "law": name}
+            rows += [
+                about | {"parameter": parameter, "value": value, "standard_error": error} | fit
+                for parameter, value, error in zip(law.parameters, values, errors, strict=True)
+            ]
+    return pd.DataFrame(rows)
+
+
+def _fit(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
+    """Parameters, their errors, and how well the law fits."""
+    nothing = np.full(len(law.parameters), np.nan)
+    names = ("r_squared", "rms_mm", "holds_from_MPa", "holds_to_MPa")
+    try:
+        start = law.guess(stress, closure, seating)
+        values, covariance = scipy.optimize.curve_fit(
+            lambda x, *parameters: law.closure(x, seating, *parameters),
+            stress, closure, start, maxfev=20_000,
+        )  # fmt: skip
+    except (RuntimeError, ValueError, np.linalg.LinAlgError):  # no fit is an answer
+        return nothing, nothing, dict.fromkeys(names, np.nan)
+    miss = law.closure(stress, seating, *values) - closure
+    square = float(np.sum(miss**2))
+    held = _longest(np.abs(miss) <= FAILS * closure.max())
+    fit = (
+        1.0 - square / float(np.sum((closure - closure.mean()) ** 2)),
+        float(np.sqrt(square / closure.size)),
+        *((float(stress[held[0]]), float(stress[held[1]])) if held else (np.nan, np.nan)),
+    )
+    return values, np.sqrt(np.diag(covariance)), dict(zip(names, fit, strict=True))
+
+
+def _longest(held: np.ndarray) -> tuple[int, int] | None:
+    """First and last index of the longest run of true, None where there is none."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], held, [False]]).astype(int)))
+    runs = edges.reshape(-1, 2)
+    if not len(runs):
+        return None
+    first, end = runs[np.argmax(runs[:, 1] - runs[:, 0])]
+    return int(first), int(end - 1)
+
+
+def parameter(fits: pd.DataFrame, cycle: int, branch: str, name: str) -> float:
+    """A parameter of `fitted_laws` by its name, NaN where it was not fitted."""
+    own = fits[(fits.cycle == cycle) & (fits.branch == branch) & (fits.parameter == name)]
+    return float(own.value.iloc[0]) if len(own) else float("nan")
+
+
+def law_said(fits: pd.DataFrame, cycle: int, branch: str) -> str:
+    """The best law of a branch in a line."""
+    own = fits[(fits.cycle == cycle) & (fits.branch == branch)]
+    best = own[own.rms_mm == own.rms_mm.min()]
+    words = ", ".join(f"{row.parameter} = {row.value:.4g}" for row in best.itertuples(index=False))
+    first = best.iloc[0]
+    return (
+        f"cycle {cycle}, {branch}: {first.law} ({words}), off by {first.rms_mm:.2g} mm rms, holds "
+        f"from {first.holds_from_MPa:.3g} to {first.holds_to_MPa:.3g} MPa"
+    )

@@ -1,0 +1,87 @@
+"""Normal stiffness against stress, as programs of blocks and joints take it."""
+
+import numpy as np
+import pandas as pd
+import scipy
+import xarray as xr
+
+from jointclosure.history import branch_of
+from jointclosure.protocol import LOADING, UNLOADING
+
+LEVELS = 20
+"""Stresses of a table, evenly spaced from seating to the maximum."""
+
+
+def stress_levels(history: xr.Dataset, count: int = LEVELS) -> np.ndarray:
+    """Evenly spaced stresses [Pa] from the seating stress to the largest that was reached.
+
+    Where seating is at no stress the first one is a level's distance above it.
+    """
+    seating = float(history.attrs["seating_stress_Pa"])
+    largest = float(history.normal_stress.max())
+    return np.linspace(seating, largest, count + (seating == 0.0))[(seating == 0.0) :]
+
+
+def closures_at(history: xr.Dataset, levels: np.ndarray) -> np.ndarray:
+    """Closure (cycles, 2, levels) [m] on loading and unloading at stresses [Pa].
+
+    Between the steps by a monotone cubic: chords between few steps would make stairs of the
+    stiffness. First crossings on loading, last ones on unloading; NaN where a level was not
+    reached.
+    """
+    cycles = int(history.cycle.max())
+    closures = np.full((cycles, 2, levels.size), np.nan)
+    for number in range(1, cycles + 1):
+        for side, name in enumerate((LOADING, UNLOADING)):
+            here = branch_of(history.cycle.values, history.branch.values, number, name)
+            if here.size < 2:
+                continue
+            here = here if name == LOADING else here[::-1]
+            stress, closure = history.normal_stress.values[here], history.closure.values[here]
+            rises = np.concatenate([[True], stress[1:] > np.maximum.accumulate(stress)[:-1]])
+            curve = scipy.interpolate.PchipInterpolator(
+                stress[rises], closure[rises], extrapolate=False
+            )
+            # a maximum within a percent below a level counts as having reached it
+            largest = float(stress.max())
+            reached = np.where((levels > largest) & (levels <= 1.01 * largest), largest, levels)
+            closures[number - 1, side] = curve(reached)
+    return closures
+
+
+def stiffness_table(history: xr.Dataset, count: int = LEVELS) -> pd.DataFrame:
+    """Normal stiffness by the chord between evenly spaced stresses, for each cycle and branch.
+
+    Parameters
+    ----------
+    history : Dataset
+        As from `jointclosure.simulate`.
+    count : int
+        Stresses from seating to the maximum.
+
+    Returns
+    -------
+    DataFrame
+        ``cycle``, ``branch``, ``from_MPa`` and ``to_MPa`` of the chord, ``normal_stress_MPa`` in
+        its middle, ``normal_stiffness_MPa_per_mm`` (NaN where closure does not change).
+    """
+    levels = stress_levels(history, count)
+    closures = closures_at(history, levels)
+    rows = []
+    for index, branches in enumerate(closures):
+        for name, closure in zip((LOADING, UNLOADING), branches, strict=True):
+            rise, run = np.diff(levels), np.diff(closure)
+            stiffness = np.divide(rise, run, out=np.full(run.shape, np.nan), where=run > 0.0)
+            rows.append(
+                pd.DataFrame(
+                    {
+                        "cycle": index + 1,
+                        "branch": name,
+                        "from_MPa": 1e-6 * levels[:-1],
+                        "to_MPa": 1e-6 * levels[1:],
+                        "normal_stress_MPa": 0.5e-6 * (levels[:-1] + levels[1:]),
+                        "normal_stiffness_MPa_per_mm": 1e-9 * stiffness,
+                    }
+                )
+            )
+    return pd.concat(rows, ignore_index=True)

@@ -1,0 +1,98 @@
+"""A closed joint as engineers look at it: closure since seating, stiffness, aperture."""
+
+import matplotlib.ticker
+import numpy as np
+import seaborn as sns
+import xarray as xr
+from matplotlib.figure import Figure
+
+from jointclosure.engineering.curves import curve_table
+from jointclosure.engineering.laws import LAWS, fitted_laws, law_curves
+from jointclosure.engineering.stiffness import stiffness_table
+from jointclosure.plotting.style import styled, subplots
+from jointclosure.protocol import LOADING, UNLOADING
+
+_STYLES = {LOADING: "-", UNLOADING: "--"}
+
+
+def _above(cycle: int, branch: str) -> float:
+    """Order of drawing: unloading on the next cycle's loading, which nearly is the same curve."""
+    return 2.0 if branch == LOADING else 3.0 - 0.01 * cycle
+
+
+@styled
+def engineering_figure(history: xr.Dataset, title: str) -> Figure:
+    """Closure since seating with the fitted laws, normal stiffness and mean aperture over stress.
+
+    Parameters
+    ----------
+    history : Dataset
+        As from `jointclosure.simulate`.
+    title : str
+    """
+    figure, panels = subplots(1, 3, figsize=(13.5, 4.6), layout="constrained")
+    _draw_closure(panels[0], history)
+    _draw_stiffness(panels[1], history)
+    _draw_aperture(panels[2], history)
+    figure.suptitle(title, parse_math=False)
+    for axes in panels:
+        sns.despine(ax=axes)
+    return figure
+
+
+def _draw_closure(axes, history: xr.Dataset) -> None:
+    """Loading of each cycle, from its own seating, and the laws that were fitted to it."""
+    seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
+    fits = fitted_laws(history)
+    for (cycle, branch), (stress, closure) in law_curves(history).items():
+        if branch != LOADING:
+            continue
+        axes.plot(closure, stress, color=f"C{cycle - 1}", lw=2.2, label=f"cycle {cycle}")
+        for style, name in zip((":", "-.", "--"), LAWS, strict=True):
+            own = fits[(fits.cycle == cycle) & (fits.branch == branch) & (fits.law == name)]
+            law = LAWS[name].closure(stress, seating, *own.value)
+            axes.plot(law, stress, style, color="0.25", lw=1.0)
+    for style, name in zip((":", "-.", "--"), LAWS, strict=True):
+        axes.plot([], [], style, color="0.25", lw=1.0, label=name.replace("_", "-"))
+    axes.set(
+        title="loading, and laws fitted to it", ylim=0.0,
+        xlabel=f"closure since {seating:g} MPa (mm)", ylabel="normal stress (MPa)",
+    )  # fmt: skip
+    axes.legend(frameon=False, fontsize=9)
+
+
+def _draw_stiffness(axes, history: xr.Dataset) -> None:
+    table = stiffness_table(history)
+    for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
+        axes.plot(
+            own.normal_stress_MPa, own.normal_stiffness_MPa_per_mm, _STYLES[branch],
+            marker="o", ms=3, color=f"C{cycle - 1}", label=f"cycle {cycle}, {branch}",
+            zorder=_above(cycle, branch),
+        )  # fmt: skip
+    axes.set(
+        title="normal stiffness, by chords", yscale="log", xlim=0.0,
+        xlabel="normal stress (MPa)", ylabel="kn (MPa/mm)",
+    )  # fmt: skip
+    axes.yaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
+    axes.yaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
+    axes.legend(frameon=False, fontsize=9)
+
+
+def _draw_aperture(axes, history: xr.Dataset) -> None:
+    """Mean aperture over stress from seating on, which leaves out what touches first."""
+    seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
+    table = curve_table(history)
+    top = 0.0
+    for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
+        axes.plot(
+            own.normal_stress_MPa, own.mean_aperture_mm, _STYLES[branch], color=f"C{cycle - 1}",
+            label=f"cycle {cycle}, {branch}", zorder=_above(cycle, branch),
+        )  # fmt: skip
+        loaded = own[own.normal_stress_MPa >= 0.5 * seating].mean_aperture_mm
+        top = max(top, float(np.nanmax(loaded)) if len(loaded) else 0.0)
+    axes.set(
+        title="mean aperture", xlim=0.0, ylim=(0.0, 1.15 * top),
+        xlabel="normal stress (MPa)", ylabel="mean aperture (mm)",
+    )  # fmt: skip
+    axes.legend(frameon=False, fontsize=9)

@@ -1,0 +1,126 @@
+"""Curves, stiffness and laws of a closed joint, held against what they must be."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import jointclosure as jc
+from jointclosure.engineering.curves import area_of, curve_table, cycle_table
+from jointclosure.engineering.laws import LAWS, fitted_laws, parameter
+from jointclosure.engineering.stiffness import stiffness_table
+from tests.conftest import DOLERITE, SPACING
+
+SEATING, LARGEST = 0.5, 10.0
+
+
+@pytest.fixture(scope="module")
+def closed():
+    walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=3)
+    about = {"max_normal_stress": 5e6, "seating_stress": 0.5e6}
+    return jc.simulate(*walls, spacing=SPACING, rock=DOLERITE, **about)
+
+
+def following(law, *parameters):
+    """A joint of one loading, and back, that follows a law in MPa and mm."""
+    stress = np.linspace(SEATING, LARGEST, 400)
+    closure = LAWS[law].closure(stress, SEATING, *parameters)
+    closure = np.concatenate([[closure[0] - 0.01], closure]) - closure[0] + 0.01
+    stress = np.concatenate([[0.0], stress])
+    up, down = stress.size, stress.size - 1
+    there = np.concatenate([np.arange(up), np.arange(down)[::-1]])
+    return xr.Dataset(
+        {
+            "closure": ("step", 1e-3 * closure[there]),
+            "normal_stress": ("step", 1e6 * stress[there]),
+            "mean_aperture": ("step", 1e-3 * (1.0 - closure[there])),
+            "contact_fraction": ("step", stress[there] / 100.0),
+        },
+        coords={
+            "cycle": ("step", np.ones(there.size, int)),
+            "branch": ("step", np.repeat(["loading", "unloading"], [up, down])),
+            "y": np.arange(3) * 1e-3,
+            "x": np.arange(5) * 1e-3,
+        },
+        attrs={"seating_stress_Pa": 1e6 * SEATING},
+    )
+
+
+TRUE = {
+    "hyperbolic": (12.0, 0.3),
+    "semi_logarithmic": (-0.301029995663981, 6.0),
+    "power": (0.09, 0.4),
+}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_joint_that_follows_a_law_gives_its_parameters_back(law):
+    fits = fitted_laws(following(law, *TRUE[law]))
+    for name, value in zip(LAWS[law].parameters, TRUE[law], strict=True):
+        assert parameter(fits, 1, "loading", name) == pytest.approx(value, rel=2e-3)
+    own = fits[(fits.law == law) & (fits.branch == "loading")].iloc[0]
+    assert own.r_squared > 0.9999
+    assert (own.holds_from_MPa, own.holds_to_MPa) == pytest.approx((SEATING, LARGEST), rel=1e-6)
+
+
+def test_a_law_that_does_not_fit_says_where_it_fails():
+    fits = fitted_laws(following("power", 0.09, 0.2))
+    own = fits[(fits.law == "hyperbolic") & (fits.branch == "loading")].iloc[0]
+    assert own.holds_from_MPa > SEATING
+    assert own.rms_mm > 1e-3
+
+
+def test_the_stiffness_of_a_hyperbola_is_that_of_bandis():
+    """kn = kni (1 + (sigma - s)/(Vm kni))^2: Bandis et al. 1983, Eq. 8."""
+    kni, vm = TRUE["hyperbolic"]
+    table = stiffness_table(following("hyperbolic", kni, vm))
+    above = table.normal_stress_MPa - SEATING
+    exact = kni * (1.0 + above / (vm * kni)) ** 2
+    np.testing.assert_allclose(table.normal_stiffness_MPa_per_mm, exact, rtol=0.02)
+
+
+def test_curves_agree_with_the_history(closed):
+    table = curve_table(closed)
+    first = table[(table.cycle == 1) & (table.branch == "loading")]
+    assert first.closure_mm.iloc[-1] == pytest.approx(1e3 * float(closed.max_closure[0]))
+    assert area_of(closed) == pytest.approx(20 * 24 * SPACING**2)
+    seated = 1e3 * closed.max_closure_seated.values
+    np.testing.assert_allclose(cycle_table(closed).closure_since_seating_mm, seated)
+    # void volume falls by the area times the closure, less what the half-spaces give way
+    lost = first.void_volume_mm3.iloc[0] - first.void_volume_mm3.iloc[-1]
+    peak = int(np.flatnonzero(closed.branch.values == "unloading")[0]) - 1
+    bulk = 1e3 * float(closed.bulk_indentation[peak])
+    area = 1e6 * area_of(closed)
+    assert lost == pytest.approx(area * (first.closure_mm.iloc[-1] - bulk), rel=1e-9)
+    rising = first.normal_stiffness_MPa_per_mm
+    inner = (first.normal_stress_MPa - first.normal_stress_MPa.shift(2)) / (
+        first.closure_mm - first.closure_mm.shift(2)
+    )
+    np.testing.assert_allclose(rising.values[1:-1], inner.values[2:])
+
+
+def test_what_stays_at_seating_is_most_of_the_first_cycle_and_little_of_the_second(closed):
+    cycles = cycle_table(closed)
+    assert 0.2 < cycles.residual_share[0] < 1.0
+    assert abs(cycles.residual_share[1]) < 0.5 * cycles.residual_share[0]
+
+
+@pytest.mark.parametrize("breakage", [False, True])
+def test_the_mean_aperture_is_the_mean_distance_of_the_deformed_walls(breakage):
+    upper, lower = jc.wall_pair(8.0, (20, 24), SPACING, seed=3)
+    effects = jc.Effects(breakage=breakage, gouge=False)
+    about = {"spacing": SPACING, "rock": DOLERITE}
+    closed = jc.simulate(upper, lower, max_normal_stress=3e6, cycles=1, effects=effects, **about)
+    start = float(closed.mean_aperture[0])
+    assert start == pytest.approx((upper + lower).max() - (upper + lower).mean())
+    if breakage:  # what vanished opens the joint again
+        end = (
+            (upper + lower).max()
+            - closed.closure[-1]
+            - (closed.upper_final + closed.lower_final).mean()
+        )
+        assert float(closed.mean_aperture[-1]) == pytest.approx(float(end))
+        assert float(closed.mean_aperture[-1]) > start - float(closed.closure[-1])
+    else:
+        peak = int(np.argmax(closed.normal_stress.values))
+        state = jc.equilibrium(upper, lower, closure=float(closed.closure[peak]), **about)
+        assert float(closed.mean_aperture[peak]) == pytest.approx(-float(state.overlap.mean()))

@@ -1,0 +1,121 @@
+"""What other programs take of a joint, read back."""
+
+import json
+import re
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import jointclosure as jc
+from jointclosure import cli
+from jointclosure.engineering.exchange import (
+    fracture_mesh,
+    geos_aperture_table,
+    porepy_parameters,
+)
+from jointclosure.engineering.laws import fitted_laws, parameter
+from jointclosure.storage.meshes import write_vtu
+from jointclosure.storage.netcdf import read_netcdf
+from tests.conftest import DOLERITE, SPACING
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """What the command writes of a small joint."""
+    folder = tmp_path_factory.mktemp("joint")
+    words = ["--rock", "dolerite", "--cells", "24x20", "--stress", 5, "--tables", folder / "t"]
+    assert cli.main(["simulate", *map(str, words), "--output", str(folder / "joint.nc")]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def history(folder):
+    return read_netcdf(folder / "joint.nc")
+
+
+def test_itasca_tables_hold_the_stiffness_in_pascal_and_metres(folder):
+    text = (folder / "t/joint_stiffness.dat").read_text()
+    table = pd.read_csv(folder / "t/stiffness.csv").dropna()
+    found = dict(re.findall(r"^table '([\w-]+)' add (.*)$", text, re.M))
+    assert set(found) == {f"kn-cycle-{c}-{b}" for c in (1, 2) for b in ("loading", "unloading")}
+    for (cycle, branch), own in table.groupby(["cycle", "branch"]):
+        pairs = re.findall(r"\(([^,]+),([^)]+)\)", found[f"kn-cycle-{cycle}-{branch}"])
+        read = np.array(pairs, dtype=float)
+        np.testing.assert_allclose(read[:, 0], 1e6 * own.normal_stress_MPa, rtol=1e-6)
+        np.testing.assert_allclose(read[:, 1], 1e9 * own.normal_stiffness_MPa_per_mm, rtol=1e-6)
+        assert (np.diff(read[:, 0]) > 0.0).all()
+
+
+def test_porepy_closes_as_the_joint_does(folder, history):
+    """Its fracture closes from the elastic opening by Bandis' hyperbola."""
+    solid = json.loads((folder / "t/porepy.json").read_text())
+    assert solid == porepy_parameters(history)
+    stiffness, opening = (
+        solid[name] for name in ("fracture_normal_stiffness", "maximum_elastic_fracture_opening")
+    )
+    traction = float(history.normal_stress.max()) - 0.5e6
+    closes = opening * traction / (stiffness * opening + traction)
+    assert closes == pytest.approx(float(history.max_closure_seated[1]), rel=0.1)
+    assert solid["residual_aperture"] > 0.0
+    fits = fitted_laws(history)
+    assert stiffness == 1e9 * parameter(fits, 2, "loading", "kni_MPa_per_mm")
+
+
+def test_geos_takes_the_table(folder, history):
+    """What its validateApertureTable asks for: the last coordinate 0, the last slope below 1."""
+    function = ElementTree.parse(folder / "t/geos.xml").getroot()
+    assert function.tag == "TableFunction"
+    gap = np.loadtxt(folder / "t" / function.get("coordinateFiles").strip("{ }"))
+    aperture = np.loadtxt(folder / "t" / function.get("voxelFile"))
+    assert gap[-1] == 0.0
+    assert (np.diff(gap) > 0.0).all()
+    assert (np.diff(aperture) > 0.0).all()
+    assert (aperture[-1] - aperture[-2]) / (gap[-1] - gap[-2]) < 1.0
+    # seating lies between two steps, by a cubic here and by a chord there
+    assert -gap[0] == pytest.approx(float(history.max_closure_seated[1]), rel=0.1)
+    at_max = float(history.mean_aperture[int(np.flatnonzero(history.cycle.values == 2)[0]) :].min())
+    assert aperture[0] == pytest.approx(at_max, rel=1e-6)
+
+
+def test_what_geos_does_not_take_is_said(small_joint):
+    alone = jc.Effects(interaction=False, breakage=False, gouge=False)
+    about = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 2e6, "effects": alone}
+    with pytest.raises(jc.InputError, match="must be below 1"):
+        geos_aperture_table(jc.simulate(*small_joint, **about, seating_stress=0.2e6))
+    with pytest.raises(jc.InputError, match="give a seating_stress above 0"):
+        geos_aperture_table(jc.simulate(*small_joint, **about))
+
+
+def test_the_mesh_is_the_midplane_with_its_aperture(small_joint, tmp_path):
+    meshio = pytest.importorskip("meshio")
+    upper, lower = small_joint
+    opening = float((upper + lower).max())
+    write_vtu(*fracture_mesh(upper, lower, opening, SPACING), tmp_path / "a.vtu")
+    read = meshio.read(tmp_path / "a.vtu")
+    ny, nx = upper.shape
+    triangles = read.cells_dict["triangle"]
+    assert triangles.shape == (2 * (ny - 1) * (nx - 1), 3)
+    corners = read.points[triangles]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert (across[:, 2] > 0.0).all()  # all face up, and cover the joint once
+    covered = 0.5 * across[:, 2].sum()
+    assert covered == pytest.approx((ny - 1) * (nx - 1) * SPACING**2)
+    gap = opening - upper - lower
+    np.testing.assert_allclose(read.points[:, 2], (lower + 0.5 * gap).ravel())
+    aperture = read.cell_data_dict["aperture"]["triangle"]
+    np.testing.assert_allclose(aperture, gap.ravel()[triangles].mean(axis=1), atol=1e-15)
+    touching = read.cell_data_dict["contact"]["triangle"]
+    assert 1 <= touching.sum() <= 6  # the one cell of first touch
+    assert set(np.flatnonzero(touching)) == {
+        i for i, t in enumerate(triangles) if gap.argmin() in t
+    }
+
+
+def test_files_of_engineers_are_all_there(folder):
+    assert {path.name for path in (folder / "t").iterdir()} == {
+        "curves.csv", "cycles.csv", "stiffness.csv", "laws.csv", "joint_stiffness.dat",
+        "porepy.json", "geos.xml", "geos_gap.csv", "geos_aperture.csv", "fracture.vtu",
+        "engineering.png",
+    }  # fmt: skip
