@@ -14,8 +14,8 @@ The first round begins in one of three ways:
 
 - nothing can break: one equilibrium, solved as exactly as asked, and no breakage;
 - fixed breakage steps: breakage, at the interaction that is extrapolated from the steps
-  before. Where nothing breaks the step is elastic: the forces are extrapolated too, and
-  the equilibrium is solved as exactly as asked;
+  before. Where nothing breaks, or the joint opens, the step is elastic: the forces are
+  extrapolated too, and the equilibrium is solved as exactly as asked;
 - resolved breakage: an equilibrium in which no contact carries more than its strength,
   docs/decisions/0010-resolved-breakage.md. By how much the force at rest misses its
   force is the measure of the step's error.
@@ -43,7 +43,7 @@ from jointclosure.solvers.joint import (
 from jointclosure.solvers.newton import ROUNDING
 from jointclosure.solvers.pair_batch import batch_memory
 
-PROVISIONAL_TOLERANCES = (3e-2, 1e-3)
+PROVISIONAL_TOLERANCES = (1e-2, 1e-4)
 """Residuals that suffice to find what breaks next, stage by stage."""
 BAND = 10.0
 """Width of the band about its strength in which a contact rests, over `Numerics.tolerance`."""
@@ -69,10 +69,7 @@ class FastSolver:
                 predicted = path.begin_within_strength(asked)
                 path.alternate(asked)
             else:
-                if step < 0.0:
-                    path.begin_elastic(step, asked)
-                else:
-                    path.begin_extrapolated(step, asked)
+                path.begin_extrapolated(step, asked)
                 path.alternate(asked)
             settled = path.described(CONVERGED)
             while not settled.residual <= asked:
@@ -120,18 +117,12 @@ class _PathToRest:
         joint = self.joint
         # that of the step before is too low while the joint closes, and too much breaks
         joint.interaction += step * joint.interaction_rate
-        if self.break_to_rest() > 0:
+        # while it opens the forces fall: what might break is seen once they are solved for
+        if step > 0.0 and self.break_to_rest() > 0:
             self.solve(_stages(asked)[0])
         else:
             np.maximum(joint.force + step * joint.force_rate, 0.0, out=joint.force)
             self.solve(asked)
-
-    def begin_elastic(self, step: float, asked: float) -> None:
-        """First equilibrium while the joint opens, when forces fall and nothing need break."""
-        joint = self.joint
-        joint.interaction += step * joint.interaction_rate
-        np.maximum(joint.force + step * joint.force_rate, 0.0, out=joint.force)
-        self.solve(asked)
 
     def begin_within_strength(self, asked: float) -> float:
         """First equilibrium with resolved breakage; the total force [N] that it predicts."""

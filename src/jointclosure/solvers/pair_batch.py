@@ -27,7 +27,7 @@ from jointclosure.compilation import kernel
 from jointclosure.mechanics.curvature import gaussian_curvature
 from jointclosure.mechanics.gouge import fall, passed_share, upper_share
 
-BATCH = 64
+BATCH = 128
 UPPER, LOWER = 0, 1
 SOUTH, WEST, CENTRE, EAST, NORTH = 1, 3, 4, 5, 7
 
