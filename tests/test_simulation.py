@@ -129,6 +129,7 @@ def test_without_breakage_unloading_never_exceeds_loading(walls, solver):
             rock=DOLERITE,
             closure=float(closure),
             effects=jc.Effects(breakage=False, gouge=False),
+            numerics=jc.Numerics(force_tolerance=1e-8),
         )
         assert stress <= float(state.normal_stress) * (1.0 + 1e-7) + 1e-9
 
@@ -172,13 +173,23 @@ def test_the_same_call_gives_the_same_numbers_and_leaves_the_walls_alone(walls, 
 def test_without_breakage_loading_and_unloading_are_one_curve(walls):
     effects = jc.Effects(breakage=False, gouge=False)
     elastic = jc.simulate(
-        *walls, spacing=SPACING, rock=DOLERITE, max_normal_stress=TARGET, effects=effects
+        *walls,
+        spacing=SPACING,
+        rock=DOLERITE,
+        max_normal_stress=TARGET,
+        effects=effects,
+        numerics=jc.Numerics(force_tolerance=1e-8),
     )
     for closure, stress in zip(
         elastic.closure.values[::4], elastic.normal_stress.values[::4], strict=True
     ):
         state = jc.equilibrium(
-            *walls, spacing=SPACING, rock=DOLERITE, closure=float(closure), effects=effects
+            *walls,
+            spacing=SPACING,
+            rock=DOLERITE,
+            closure=float(closure),
+            effects=effects,
+            numerics=jc.Numerics(force_tolerance=1e-8),
         )
         assert float(state.normal_stress) == pytest.approx(stress, rel=1e-7, abs=1e-3)
     assert elastic.max_closure.values[0] == pytest.approx(elastic.max_closure.values[1], rel=1e-3)

@@ -178,8 +178,7 @@ def run_cycles(
         _unload(run, cycle)
         if run.failed:
             break
-        at_rest = numerics.target == "equilibrate" and not run.status & TARGET_JUMPED
-        if at_rest and run.effort.breakage_steps == broken:
+        if _is_elastic_from_here(run, broken):
             _repeat_elastic(run, cycle, cycles)
             break
     return History(run.steps, run.status, run.effort)
@@ -332,6 +331,12 @@ def _unload(run: _Run, cycle: int) -> None:
         run.accept(cycle, UNLOADING, settled)
         if settled.total_force == 0.0 or settled.closure <= run.joint.last_touch:
             return
+
+
+def _is_elastic_from_here(run: _Run, broken: int) -> bool:
+    """Whether nothing broke since ``broken`` breakage steps, from a maximum at rest."""
+    at_rest = run.numerics.target == "equilibrate" and not run.status & TARGET_JUMPED
+    return at_rest and run.effort.breakage_steps == broken
 
 
 def _repeat_elastic(run: _Run, cycle: int, cycles: int) -> None:

@@ -31,7 +31,7 @@ def closed(seed, cells=24, stress=4e6, **numerics):
 
 def test_breakage_begins_at_the_extrapolated_interaction(monkeypatch):
     """That of the step before is too low while a joint closes, and too much breaks (0006)."""
-    seeds = range(4)
+    seeds = range(8)
     now = [closed(seed, 40) for seed in seeds]
     monkeypatch.setattr(fast, "_note_rates", lambda *_: None)
     before = [closed(seed, 40) for seed in seeds]
@@ -126,3 +126,26 @@ def test_what_was_chosen_is_written_into_the_result(small_joint, radius):
     assert json.loads(found.attrs["choices"])["largest_radius"] == radius
     assert json.loads(found.attrs["numerics"])["breakage"] == "resolved"
     assert json.loads(found.attrs["effects"])["gouge"] is True
+
+
+def test_where_unloading_breaks_nothing_later_cycles_are_its_curve_and_cost_nothing(monkeypatch):
+    """Reloading by equilibria of its own gives the same closures: equilibrium is unique."""
+    replayed = closed(3, force_tolerance=1e-11)
+    calls = []
+    monkeypatch.setattr(protocol, "_repeat_elastic", lambda *given: calls.append(given))
+    ends_early = closed(3, force_tolerance=1e-11)
+    assert len(calls) == 1
+    assert ends_early.sizes["step"] < replayed.sizes["step"]
+    monkeypatch.undo()
+    monkeypatch.setattr(protocol, "_is_elastic_from_here", lambda *_: False)
+    stepped = closed(3, force_tolerance=1e-11)
+    assert replayed.newton_steps < stepped.newton_steps
+    assert replayed.max_closure.values == pytest.approx(stepped.max_closure.values, rel=1e-3)
+    # what reloading breaks beyond the maximum is thrown away
+    assert int(stepped.breakage_steps) >= int(replayed.breakage_steps)
+
+
+def test_a_target_that_was_jumped_over_or_interpolated_is_loaded_to_again(monkeypatch):
+    """There the maximum is not the end of a loading that the next cycle must repeat."""
+    monkeypatch.setattr(protocol, "_repeat_elastic", lambda *_: pytest.fail("was replayed"))
+    closed(3, target="interpolate")

@@ -10,6 +10,7 @@ from jointclosure.verification import oracle
 from jointclosure.verification.hard_cases import Judge
 from tests.conftest import DOLERITE, SPACING
 
+NUMERICS = jc.Numerics(force_tolerance=1e-8)
 TOLERANCES = {"residual": 1e-8, "strength": 0.0, "target": 1e-3}
 
 
@@ -22,7 +23,7 @@ def settled():
 def at_rest(choices):
     walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=3)
     effects = jc.Effects()
-    joint = Joint(*walls, SPACING, (DOLERITE, DOLERITE), effects, choices, jc.Numerics())
+    joint = Joint(*walls, SPACING, (DOLERITE, DOLERITE), effects, choices, NUMERICS)
     for closure in np.arange(1, 21) * 12.5e-6:
         answer = solver_named("fast").settle(joint, float(closure), 5e-6)
     given = oracle.Joint(*walls, SPACING, DOLERITE, effects, choices)

@@ -182,7 +182,7 @@ class _PathToRest:
         answer = solve_equilibrium(
             joint.influence,
             contacts,
-            joint.force.ravel()[cells],
+            np.where(contacts.overlap > 0.0, joint.force.ravel()[cells], 0.0),
             np.nan,
             tolerance,
             matrix,

@@ -78,7 +78,7 @@ def places(cells, nx):
 
 @kernel
 def fill_influence(matrix, wide, middle, place, known):
-    """Influences [m/N] between cells at places (n,), of which ``known`` are in the matrix already."""
+    """Influences [m/N] between cells at places (n,); the first ``known`` are in the matrix."""
     n = place.size
     for i in range(known):
         row, at = matrix[i], middle + place[i]
