@@ -63,7 +63,7 @@ from jointclosure.ensemble.closing import close_surfaces, close_walls
 from jointclosure.ensemble.settings import Case
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import surfaces_of, walls_of
-from jointclosure.solvers.fast import FastSolver
+from jointclosure.solvers import fast
 from jointclosure.storage.netcdf import reading_netcdf, write_netcdf_blocks
 
 SIZES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)
@@ -121,8 +121,9 @@ def base_case(configuration: Configuration, case: Case, realization: int) -> tup
 @contextlib.contextmanager
 def timing_parts():
     """Seconds that the fast solver spends in breaking, and in equilibrium, while this holds."""
-    spent = dict.fromkeys(("_break_to_rest", "_equilibrate"), 0.0)
-    own = {name: getattr(FastSolver, name) for name in spent}
+    path = fast._PathToRest
+    spent = dict.fromkeys(("break_to_rest", "solve"), 0.0)
+    own = {name: getattr(path, name) for name in spent}
 
     def timing(name):
         def part(*arguments):
@@ -130,15 +131,15 @@ def timing_parts():
             spent[name] += seconds
             return answer
 
-        return staticmethod(part)
+        return part
 
     for name in spent:
-        setattr(FastSolver, name, timing(name))
+        setattr(path, name, timing(name))
     try:
         yield spent
     finally:
         for name, method in own.items():
-            setattr(FastSolver, name, staticmethod(method))
+            setattr(path, name, method)
 
 
 def study(arguments) -> tuple[pd.DataFrame, tuple]:
