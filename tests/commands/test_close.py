@@ -73,6 +73,18 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, cap
     assert "\n" not in line
 
 
+def test_flow_between_scanned_walls_is_found_where_it_is_asked_for(scans, tmp_path, capsys):
+    files = scans / "top.xyz", scans / "bottom.xyz"
+    words = [*files, *WORDS, "--rock", "granite", "--flow", "--output", tmp_path / "j"]
+    code, out, err = said(capsys, *words)
+    assert (code, err) == (0, "")
+    assert "hydraulic along x" in out
+    written = read_netcdf(tmp_path / "j/joint.nc").hydraulic_aperture
+    closed = jc.close(*files, units="mm", rock="granite", flow=True, **LOAD)
+    np.testing.assert_array_equal(written, closed.history.hydraulic_aperture)
+    assert "hydraulic_aperture_x_mm" in pd.read_csv(tmp_path / "j/curves.csv")
+
+
 def test_walls_lie_as_is_stated_and_are_moved_if_asked_to(scans):
     files = scans / "top.xyz", scans / "bottom.xyz"
     about = {"units": "mm", "rock": "granite", **LOAD, "cycles": 1}

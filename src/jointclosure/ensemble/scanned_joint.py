@@ -63,6 +63,7 @@ def close(
     numerics: Numerics = Numerics(),
     unusual_values: bool = False,
     report: Report | None = None,
+    flow: bool = False,
 ) -> ClosedJoint:
     """Bring two scanned walls of a joint together, press them together and release them.
 
@@ -85,7 +86,7 @@ def close(
         parameter of the model: a cell is an asperity.
     orientation, shift, cut_spikes
         As for `jointclosure.surface.registration.registered`.
-    effects, choices, numerics, unusual_values, report
+    effects, choices, numerics, unusual_values, report, flow
         As for `jointclosure.simulate`.
 
     Returns
@@ -106,7 +107,15 @@ def close(
         above, below, spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes
     )
     conditions = Conditions(
-        pair.spacing, intact, max_normal_stress, cycles, seating_stress, effects, choices, numerics
+        pair.spacing,
+        intact,
+        max_normal_stress,
+        cycles,
+        seating_stress,
+        effects,
+        choices,
+        numerics,
+        flow,
     )
     return closed_pair(pair, conditions, report)
 

@@ -10,7 +10,7 @@ from jointclosure.protocol import Step
 from jointclosure.solvers.joint import Joint
 from jointclosure.states import fields_of
 
-_ATTRIBUTES: dict[str, dict[str, Any]] = {
+ATTRIBUTES: dict[str, dict[str, Any]] = {
     "hydraulic_aperture": {
         "long_name": "aperture of parallel plates that pass as much, 0 where flow is blocked",
         "units": "m",
@@ -24,6 +24,13 @@ _ATTRIBUTES: dict[str, dict[str, Any]] = {
         "long_name": "sum of the cells' mass balances over the inflow",
         "units": "1",
     },
+}
+COORDINATE = {
+    "direction": (
+        "direction",
+        np.array(DIRECTIONS, dtype=object),
+        {"long_name": "direction of the flow"},
+    )
 }
 
 
@@ -58,7 +65,5 @@ class FlowAlongHistory:
         added: dict[str, Any] = {}
         for name, (field, kind) in read.items():
             rows = [[getattr(flow, field) for flow in flows] for flows in self._flows]
-            added[name] = (("step", "direction"), np.array(rows, dtype=kind), _ATTRIBUTES[name])
-        about = {"long_name": "direction of the flow"}
-        directions = ("direction", np.array(DIRECTIONS, dtype=object), about)
-        return closed.assign(added).assign_coords(direction=directions)
+            added[name] = (("step", "direction"), np.array(rows, dtype=kind), ATTRIBUTES[name])
+        return closed.assign(added).assign_coords(COORDINATE)
