@@ -6,7 +6,7 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.engineering.curves import area_of, curve_table, cycle_table
-from jointclosure.engineering.laws import LAWS, fitted_laws, parameter
+from jointclosure.engineering.laws import LAWS, fitted_laws, law_said, parameter
 from jointclosure.engineering.stiffness import stiffness_table
 from tests.conftest import DOLERITE, SPACING
 
@@ -50,6 +50,18 @@ TRUE = {
     "semi_logarithmic": (-0.301029995663981, 6.0),
     "power": (0.09, 0.4),
 }
+
+
+def test_a_cycle_that_does_not_reach_the_largest_stress_has_no_law_and_says_so():
+    short = following("power", *TRUE["power"])
+    longer = short.isel(step=slice(1, None)).copy(deep=True)
+    longer["cycle"][:] = 2
+    longer["normal_stress"][:] *= 1.5
+    fits = fitted_laws(xr.concat([short, longer], "step"))
+    assert law_said(fits, 1, "loading") == (
+        "cycle 1, loading: no law, as it does not reach the largest stress"
+    )
+    assert "off by" in law_said(fits, 2, "loading")
 
 
 @pytest.mark.parametrize("law", LAWS)

@@ -30,7 +30,7 @@ def test_parallel_plates_have_their_own_aperture(direction):
 
 @pytest.mark.parametrize("contrast", [0.1, 0.5, 0.9])
 def test_a_sinusoidal_gap_has_its_serial_average_along_it_and_its_parallel_one_across(contrast):
-    """h = h0 (1 + c sin): <h^-3> and <h^3> over a period, Zimmerman & Bodvarsson 1996."""
+    """h = h0 (1 + c sin): <h^-3> and <h^3> over a period, in closed form."""
     phase = 2.0 * np.pi * (np.arange(256) + 0.5) / 256
     gap = np.tile(2e-4 * (1.0 + contrast * np.sin(phase)), (8, 1))
     along = 2e-4 * ((1.0 - contrast**2) ** 2.5 / (1.0 + 0.5 * contrast**2)) ** (1.0 / 3.0)
