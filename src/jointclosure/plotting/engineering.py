@@ -9,15 +9,10 @@ from matplotlib.figure import Figure
 from jointclosure.engineering.curves import curve_table, has_flow
 from jointclosure.engineering.laws import LAWS, fitted_laws, law_curves
 from jointclosure.engineering.stiffness import stiffness_table
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.plotting.style import above, styled, subplots
 from jointclosure.protocol import LOADING, UNLOADING
 
 _STYLES = {LOADING: "-", UNLOADING: "--"}
-
-
-def _above(cycle: int, branch: str) -> float:
-    """Order of drawing: unloading on the next cycle's loading, which nearly is the same curve."""
-    return 2.0 if branch == LOADING else 3.0 - 0.01 * cycle
 
 
 @styled
@@ -74,7 +69,7 @@ def _draw_stiffness(axes, history: xr.Dataset) -> None:
         axes.plot(
             own.normal_stress_MPa, own.normal_stiffness_MPa_per_mm, _STYLES[branch],
             marker="o", ms=3, color=f"C{cycle - 1}", label=f"cycle {cycle}, {branch}",
-            zorder=_above(cycle, branch),
+            zorder=above(cycle, branch),
         )  # fmt: skip
     axes.set(
         title="normal stiffness, by chords", yscale="log", xlim=0.0,
@@ -94,7 +89,7 @@ def _draw_aperture(axes, history: xr.Dataset) -> None:
     for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
         axes.plot(
             own.normal_stress_MPa, own.mean_aperture_mm, _STYLES[branch], color=f"C{cycle - 1}",
-            label=f"cycle {cycle}, {branch}", zorder=_above(cycle, branch),
+            label=f"cycle {cycle}, {branch}", zorder=above(cycle, branch),
         )  # fmt: skip
         loaded = own[own.normal_stress_MPa >= 0.5 * seating].mean_aperture_mm
         top = max(top, float(np.nanmax(loaded)) if len(loaded) else 0.0)
@@ -113,7 +108,7 @@ def _draw_flow(axes, history: xr.Dataset) -> None:
             axes.plot(
                 own.normal_stress_MPa, own[f"hydraulic_aperture_{direction}_mm"], style,
                 color=f"C{cycle - 1}", label=label, lw=2.2 if branch == LOADING else 0.9,
-                zorder=_above(cycle, branch),
+                zorder=above(cycle, branch),
             )  # fmt: skip
     axes.set(
         title="hydraulic aperture (unloading thin)", xlim=0.0,

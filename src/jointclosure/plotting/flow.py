@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from jointclosure.config.typed import StudyRock
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.plotting.style import above, styled, subplots
 from jointclosure.protocol import LOADING, UNLOADING
 
 _STYLES = {LOADING: "-", UNLOADING: "--"}
@@ -76,7 +76,7 @@ def _draw(axes, table: pd.DataFrame, quantity: str) -> None:
     for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
         colour, stress = f"C{cycle - 1}", own.stress_MPa.to_numpy()
         mean = own[f"{quantity}_mean{unit}"].to_numpy()
-        axes.plot(stress, mean, _STYLES[branch], color=colour, lw=2.0, zorder=3)
+        axes.plot(stress, mean, _STYLES[branch], color=colour, lw=2.0, zorder=above(cycle, branch))
         if branch == UNLOADING:
             continue
         spread = np.nan_to_num(own[f"{quantity}_standard_deviation{unit}"].to_numpy())
