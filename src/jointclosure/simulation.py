@@ -44,6 +44,9 @@ from jointclosure.states import fields_of
 
 if TYPE_CHECKING:
     from jointclosure.flow.along_history import FlowAlongHistory
+    from jointclosure.snapshots import Snapshots
+
+    Reader = FlowAlongHistory | Snapshots
 
 ATTRIBUTES: dict[str, dict[str, Any]] = {
     name: {"long_name": text, "units": unit}
@@ -106,6 +109,7 @@ def simulate(
     unusual_values: bool = False,
     report: Report | None = None,
     flow: bool = False,
+    snapshots: Sequence[float] = (),
 ) -> xr.Dataset:
     """Press two walls together to a normal stress and release them, repeatedly.
 
@@ -140,6 +144,9 @@ def simulate(
         its stress over the maximum.
     flow : bool
         Whether hydraulic apertures are found too (docs/flow.md). It changes nothing else.
+    snapshots : sequence of float
+        Stresses from 0 to the maximum [Pa] at which the joint's state is kept, on each branch:
+        where it first passes them, that of the nearer step. It changes nothing else.
 
     Returns
     -------
@@ -155,7 +162,10 @@ def simulate(
         ``status`` (bits, below 16 a success; see its attributes), and counts.
         Effects, choices and numerics are attributes, as JSON. With ``flow`` also, along
         ``step`` and ``direction``: ``hydraulic_aperture`` [m], ``flow_status`` and
-        ``flow_imbalance``.
+        ``flow_imbalance``. With ``snapshots``, along ``snapshot``: ``snapshot_upper``,
+        ``snapshot_lower`` [m], ``snapshot_force`` [N], ``snapshot_gap`` [m] (negative where walls
+        are pressed together) and ``snapshot_broken_volume`` [m3], with the stress that was
+        asked for, cycle, branch and step as coordinates; and the walls at first touch.
 
     Raises
     ------
@@ -186,6 +196,7 @@ def simulate(
         unusual_values=unusual_values,
         report=report,
         flow=flow,
+        snapshots=snapshots,
     )
 
 
@@ -205,6 +216,7 @@ def simulate_by(
     unusual_values: bool = True,
     report: Report | None = None,
     flow: bool = False,
+    snapshots: Sequence[float] = (),
 ) -> xr.Dataset:
     """`simulate` with a solver of one's own: ``solver_of`` its name gives it."""
     upper, lower = checked_walls(upper, lower)
@@ -212,6 +224,7 @@ def simulate_by(
     check_scene(effects)
     check_numerics(numerics, tuple(SOLVERS))
     _check_load(spacing, max_normal_stress, cycles, seating_stress)
+    _check_snapshots(snapshots, max_normal_stress)
     check_choices(choices, spacing)
     if not unusual_values:
         check_usual(rock, spacing=spacing, max_normal_stress=max_normal_stress)
@@ -232,7 +245,7 @@ def simulate_by(
     if effects.breakage or solver.elastic_curve is None:
         check_foreseen(joint, numerics, max_normal_stress, int(cycles))
     area = upper.size * spacing**2
-    observers = _observers(flow)
+    observers = _observers(flow, snapshots, numerics.stress_tolerance, datums)
     history = run_cycles(
         joint,
         solver,
@@ -251,13 +264,20 @@ def simulate_by(
     return closed
 
 
-def _observers(flow: bool) -> "list[FlowAlongHistory]":
+def _observers(
+    flow: bool, snapshots: Sequence[float], tolerance: float, datums: tuple[float, float]
+) -> "list[Reader]":
     """What is shown every step: nothing unless asked for, and then it is imported."""
-    if not flow:
-        return []
-    from jointclosure.flow.along_history import FlowAlongHistory
+    observers: list[Reader] = []
+    if flow:
+        from jointclosure.flow.along_history import FlowAlongHistory
 
-    return [FlowAlongHistory()]
+        observers.append(FlowAlongHistory())
+    if len(snapshots):
+        from jointclosure.snapshots import Snapshots
+
+        observers.append(Snapshots(snapshots, tolerance, datums))
+    return observers
 
 
 def height_datum(wall: np.ndarray) -> float:
@@ -461,3 +481,13 @@ def _check_load(
         raise InputError(
             f"seating_stress = {seating_stress!r} Pa: must be from 0 to below max_normal_stress"
         )
+
+
+def _check_snapshots(snapshots: Sequence[float], max_normal_stress: float) -> None:
+    for stress in snapshots:
+        check_number("snapshots", stress)
+        if not 0.0 <= stress <= max_normal_stress:
+            raise InputError(
+                f"snapshots: {stress!r} Pa: must be from 0 to max_normal_stress = "
+                f"{max_normal_stress!r} Pa"
+            )

@@ -57,6 +57,13 @@ def add_load_and_model(command: argparse.ArgumentParser) -> None:
     load.add_argument(
         "--seating", type=float, metavar="MPa", help="stress from which seated closures count"
     )
+    load.add_argument(
+        "--snapshots",
+        type=_stresses,
+        default=(),
+        metavar="MPa,...",
+        help="stresses at which walls, forces and gap are kept and drawn, as in 1,5,10",
+    )
     model = command.add_argument_group("model")
     model.add_argument(
         "--without",
@@ -186,6 +193,16 @@ def status_text(closed: xr.Dataset) -> str:
     found = [name for mask, name in named if status & int(mask)]
     word = "failed" if status >= FAILURE else "success"
     return f"{word}{': ' + ', '.join(found) if found else ''}"
+
+
+def _stresses(text: str) -> tuple[float, ...]:
+    """Stresses [Pa] from a list in MPa."""
+    try:
+        return tuple(1e6 * float(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: must be stresses in MPa, as in 1,5,10"
+        ) from None
 
 
 def _setting(text: str) -> dict:

@@ -1,7 +1,7 @@
 """Surface pairs of a case closed, and read."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 import xarray as xr
@@ -37,7 +37,11 @@ _TOGETHER = 100
 
 
 def close_walls(
-    upper: np.ndarray, lower: np.ndarray, conditions: Conditions, report: Report | None = None
+    upper: np.ndarray,
+    lower: np.ndarray,
+    conditions: Conditions,
+    report: Report | None = None,
+    snapshots: Sequence[float] = (),
 ) -> xr.Dataset:
     """Close two walls (y, x) [m]: what every study does with the walls of a case.
 
@@ -49,7 +53,14 @@ def close_walls(
     Dataset
         As from `jointclosure.simulate`.
     """
-    return simulate(upper, lower, **conditions._asdict(), unusual_values=True, report=report)
+    return simulate(
+        upper,
+        lower,
+        **conditions._asdict(),
+        unusual_values=True,
+        report=report,
+        snapshots=snapshots,
+    )
 
 
 def close_surfaces(
