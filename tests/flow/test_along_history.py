@@ -72,16 +72,19 @@ def test_what_an_observer_is_shown_is_the_joint_at_that_step(joints):
 
     def observe(joint, step):
         overlap = fields_of(joint, step.settled.closure).overlap
-        shown.append((step.settled.closure, -overlap.mean(), (overlap > 0.0).mean()))
+        aperture = np.where(overlap > 0.0, 0.0, -overlap)  # contacts pass nothing
+        along = [flow_along(aperture, direction).hydraulic_aperture for direction in DIRECTIONS]
+        shown.append((step.settled.closure, -overlap.mean(), (overlap > 0.0).mean(), *along))
 
     effects = jc.Effects(**json.loads(closed.attrs["effects"]))
     joint = Joint(*walls(), SPACING, (DOLERITE, DOLERITE), effects, jc.Choices(), jc.Numerics())
     force = LOAD["max_normal_stress"] * joint.upper.size * SPACING**2
     run_cycles(joint, solver_named("fast"), jc.Numerics(), force, 2, observers=[observe])
-    closure, mean, contact = np.array(shown).T
+    closure, mean, contact, *along = np.array(shown).T
     assert np.array_equal(closure, closed.closure)
     assert np.allclose(mean, closed.mean_aperture, rtol=1e-9, atol=0.0)
     assert np.allclose(contact, closed.contact_fraction, rtol=1e-12, atol=0.0)
+    assert np.allclose(np.transpose(along), closed.hydraulic_aperture, rtol=1e-9, atol=0.0)
 
 
 def test_without_flow_nothing_of_it_is_loaded():

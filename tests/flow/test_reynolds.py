@@ -2,8 +2,17 @@
 
 import numpy as np
 import pytest
+import scipy
 
-from jointclosure.flow.reynolds import BLOCKED, CLOSED, DIRECTIONS, FLOWS, flow_along
+from jointclosure.flow import reynolds
+from jointclosure.flow.reynolds import (
+    BLOCKED,
+    CLOSED,
+    DIRECTIONS,
+    FLOWS,
+    NOT_SOLVED,
+    flow_along,
+)
 
 
 def random_field(seed: int, shape=(40, 60), contact=0.1) -> np.ndarray:
@@ -145,3 +154,22 @@ def test_mirrored_fields_pass_as_much():
     found = flow_along(field, "x").hydraulic_aperture
     for same, direction in ((field[:, ::-1], "x"), (field[::-1], "x"), (field.T, "y")):
         assert flow_along(same, direction).hydraulic_aperture == pytest.approx(found, rel=1e-12)
+
+
+def test_a_flow_that_does_not_balance_is_not_told(monkeypatch):
+    field = random_field(5)
+    found = flow_along(field, "x").imbalance
+    monkeypatch.setattr(reynolds, "LARGEST_IMBALANCE", 0.5 * found)
+    flow = flow_along(field, "x")
+    assert flow.status == NOT_SOLVED
+    assert np.isnan(flow.hydraulic_aperture)
+
+
+def test_a_singular_system_is_not_solved_and_no_crash(monkeypatch):
+    def singular(*arguments, **settings):
+        raise RuntimeError("Factor is exactly singular")
+
+    monkeypatch.setattr(scipy.sparse.linalg, "splu", singular)
+    flow = flow_along(random_field(5), "x")
+    assert flow.status == NOT_SOLVED
+    assert np.isnan(flow.hydraulic_aperture)

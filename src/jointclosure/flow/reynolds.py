@@ -75,7 +75,10 @@ def flow_along(aperture: np.ndarray, direction: str) -> Flow:
     joined = _joined(network) if network is not None else None
     if network is None or joined is None:
         return Flow(0.0, BLOCKED, 0.0, nowhere)
-    pressures = _pressures(network, joined)
+    try:
+        pressures = _pressures(network, joined)
+    except RuntimeError:  # of SuperLU, where rounding leaves a pivot of 0
+        return Flow(np.nan, NOT_SOLVED, np.inf, nowhere)
     outflow, imbalance = _balance(network, pressures)
     if not imbalance <= LARGEST_IMBALANCE:
         return Flow(np.nan, NOT_SOLVED, imbalance, nowhere)
