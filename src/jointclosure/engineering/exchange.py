@@ -83,8 +83,9 @@ def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     values = aperture[::-1]
     slope = (values[-1] - values[-2]) / (gap[-1] - gap[-2])
     if not slope < 1.0:
+        kind = "hydraulic" if has_flow(history) else "mean"
         raise InputError(
-            f"GEOS: the aperture rises by {slope:.6g} of the gap at its end: must be below 1"
+            f"GEOS: the {kind} aperture rises by {slope:.6g} of the gap at its end: must be below 1"
         )
     return gap, values
 
