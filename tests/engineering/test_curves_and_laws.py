@@ -52,18 +52,6 @@ TRUE = {
 }
 
 
-def test_a_cycle_that_does_not_reach_the_largest_stress_has_no_law_and_says_so():
-    short = following("power", *TRUE["power"])
-    longer = short.isel(step=slice(1, None)).copy(deep=True)
-    longer["cycle"][:] = 2
-    longer["normal_stress"][:] *= 1.5
-    fits = fitted_laws(xr.concat([short, longer], "step"))
-    assert law_said(fits, 1, "loading") == (
-        "cycle 1, loading: no law, as it does not reach the largest stress"
-    )
-    assert "off by" in law_said(fits, 2, "loading")
-
-
 @pytest.mark.parametrize("law", LAWS)
 def test_a_joint_that_follows_a_law_gives_its_parameters_back(law):
     fits = fitted_laws(following(law, *TRUE[law]))
