@@ -3,7 +3,7 @@
 Works with any solver of the registry. See docs/decisions/0005-protocol.md.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -44,6 +44,8 @@ LARGEST_UNBREAKABLE_SHARE = 0.1
 """Beyond this share of force on contacts that cannot break the model is out of its range."""
 
 LOADING, UNLOADING = "loading", "unloading"
+Observer = Callable[[Joint, "Step"], None]
+"""Is shown the joint as it is at every step of the history, in order; must not change it."""
 Report = Callable[[int, str, float], None]
 """Is told of every accepted step: its cycle, its branch, and its force over the target's."""
 
@@ -90,13 +92,15 @@ class _Run:
         numerics: Numerics,
         target_force: float,
         report: Report | None,
+        observers: Sequence[Observer],
     ):
         self.joint, self.solver, self.numerics = joint, solver, numerics
-        self.report = report
+        self.report, self.observers = report, observers
         self.target_force = target_force
         self.closure, self.total_force = 0.0, 0.0
         self.cycle_start = 0.0
         self.steps: list[Step] = []
+        self.forces: list[np.ndarray] = []  # from the last maximum on, for observers
         self.status = 0
         self.effort = Effort()
         self.closure_limit = _closure_limit(joint, target_force)
@@ -121,6 +125,12 @@ class _Run:
     def accept(self, cycle: int, branch: str, settled: Settled) -> None:
         self.closure, self.total_force = settled.closure, settled.total_force
         self.steps.append(Step(cycle, branch, settled, _mean_height(self.joint)))
+        if self.observers:
+            if branch == LOADING:
+                self.forces.clear()
+            self.forces.append(self.joint.force.copy())
+        for observe in self.observers:
+            observe(self.joint, self.steps[-1])
         if self.report:
             self.report(cycle, branch, settled.total_force / self.target_force)
 
@@ -133,6 +143,7 @@ def run_cycles(
     cycles: int,
     extra_force: float = 0.0,
     report: Report | None = None,
+    observers: Sequence[Observer] = (),
 ) -> History:
     """Load to a force and unload to last contact, repeatedly.
 
@@ -152,6 +163,7 @@ def run_cycles(
         its evenly spaced ones, such as that of seating; 0 for none.
     report : Report, optional
         Told of every step but those of an elastic curve, which is solved at once.
+    observers : sequence of Observer
 
     Returns
     -------
@@ -160,8 +172,11 @@ def run_cycles(
         in the status.
     """
     if not joint.effects.breakage and solver.elastic_curve is not None:
-        return _elastic_cycles(joint, solver, numerics, target_force, cycles, extra_force)
-    run = _Run(joint, solver, numerics, target_force, report)
+        history = _elastic_cycles(joint, solver, numerics, target_force, cycles, extra_force)
+        if observers:
+            _show_elastic(joint, solver, history, observers)
+        return history
+    run = _Run(joint, solver, numerics, target_force, report, observers)
     run.accept(1, LOADING, _untouched(joint))
     for cycle in range(1, cycles + 1):
         first = cycle == 1
@@ -207,6 +222,23 @@ def _elastic_cycles(joint, solver, numerics, target_force, cycles, extra_force) 
     for settled in curve:
         effort = effort.plus(settled.effort)
     return History(steps, status, effort)
+
+
+def _show_elastic(
+    joint: Joint, solver: Solver, history: History, observers: Sequence[Observer]
+) -> None:
+    """Show every step: its forces are solved again, as a curve keeps those of its end only."""
+    assert solver.elastic_curve is not None
+    ended, forces = joint.force.copy(), {0.0: np.zeros(joint.force.shape)}
+    for step in history.steps:
+        total = step.settled.total_force
+        if total not in forces:
+            solver.elastic_curve(joint, np.array([total]))
+            forces[total] = joint.force.copy()
+        joint.force[:] = forces[total]
+        for observe in observers:
+            observe(joint, step)
+    joint.force[:] = ended
 
 
 def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float) -> None:
@@ -345,14 +377,16 @@ def _repeat_elastic(run: _Run, cycle: int, cycles: int) -> None:
     The walls are those that were at rest at the maximum, and equilibrium is unique, so that
     every later state at a closure of this one's is the same.
     """
-    opened = [step.settled for step in run.steps if step[:2] == (cycle, UNLOADING)]
-    before = next(i for i, step in enumerate(run.steps) if step[:2] == (cycle, UNLOADING))
-    maximum = run.steps[before - 1].settled
-    closed = [*opened[-2::-1], maximum]
+    opened = sum(step[:2] == (cycle, UNLOADING) for step in run.steps)
+    settled = [step.settled for step in run.steps[-opened - 1 :]]  # from the maximum on
+    forces = tuple(run.forces)
+    up, down = range(opened - 1, -1, -1), range(1, opened + 1)
     for later in range(cycle + 1, cycles + 1):
-        for branch, states in ((LOADING, closed), (UNLOADING, opened)):
-            for settled in states:
-                run.accept(later, branch, settled._replace(effort=Effort()))
+        for branch, order in ((LOADING, up), (UNLOADING, down)):
+            for i in order:
+                if forces:
+                    run.joint.force[:] = forces[i]
+                run.accept(later, branch, settled[i]._replace(effort=Effort()))
 
 
 def _judge_range(run: _Run) -> None:

@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -38,9 +38,15 @@ from jointclosure.protocol import (
     Report,
     run_cycles,
 )
-from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import Joint, Settled, Solver
 from jointclosure.solvers.registry import SOLVERS, solver_named
+from jointclosure.states import fields_of
+
+if TYPE_CHECKING:
+    from jointclosure.flow.along_history import FlowAlongHistory
+    from jointclosure.snapshots import Snapshots
+
+    Reader = FlowAlongHistory | Snapshots
 
 ATTRIBUTES: dict[str, dict[str, Any]] = {
     name: {"long_name": text, "units": unit}
@@ -102,6 +108,8 @@ def simulate(
     numerics: Numerics = Numerics(),
     unusual_values: bool = False,
     report: Report | None = None,
+    flow: bool = False,
+    snapshots: Sequence[float] = (),
 ) -> xr.Dataset:
     """Press two walls together to a normal stress and release them, repeatedly.
 
@@ -134,6 +142,11 @@ def simulate(
     report : callable, optional
         Told of every step, with its cycle, its branch ("loading" or "unloading") and
         its stress over the maximum.
+    flow : bool
+        Whether hydraulic apertures are found too (docs/flow.md). It changes nothing else.
+    snapshots : sequence of float
+        Stresses from 0 to the maximum [Pa] at which the joint's state is kept, on each branch:
+        where it first passes them, that of the nearer step. It changes nothing else.
 
     Returns
     -------
@@ -147,7 +160,12 @@ def simulate(
         ``flat_share`` of the force at the maximum, ``unloading_excess`` [Pa], by
         which stress on unloading exceeds that on loading. The walls as they ended,
         ``status`` (bits, below 16 a success; see its attributes), and counts.
-        Effects, choices and numerics are attributes, as JSON.
+        Effects, choices and numerics are attributes, as JSON. With ``flow`` also, along
+        ``step`` and ``direction``: ``hydraulic_aperture`` [m], ``flow_status`` and
+        ``flow_imbalance``. With ``snapshots``, along ``snapshot``: ``snapshot_upper``,
+        ``snapshot_lower`` [m], ``snapshot_force`` [N], ``snapshot_gap`` [m] (negative where walls
+        are pressed together) and ``snapshot_broken_volume`` [m3], with the stress that was
+        asked for, cycle, branch and step as coordinates; and the walls at first touch.
 
     Raises
     ------
@@ -177,6 +195,8 @@ def simulate(
         numerics=numerics,
         unusual_values=unusual_values,
         report=report,
+        flow=flow,
+        snapshots=snapshots,
     )
 
 
@@ -195,6 +215,8 @@ def simulate_by(
     numerics: Numerics,
     unusual_values: bool = True,
     report: Report | None = None,
+    flow: bool = False,
+    snapshots: Sequence[float] = (),
 ) -> xr.Dataset:
     """`simulate` with a solver of one's own: ``solver_of`` its name gives it."""
     upper, lower = checked_walls(upper, lower)
@@ -202,6 +224,7 @@ def simulate_by(
     check_scene(effects)
     check_numerics(numerics, tuple(SOLVERS))
     _check_load(spacing, max_normal_stress, cycles, seating_stress)
+    _check_snapshots(snapshots, max_normal_stress)
     check_choices(choices, spacing)
     if not unusual_values:
         check_usual(rock, spacing=spacing, max_normal_stress=max_normal_stress)
@@ -222,6 +245,7 @@ def simulate_by(
     if effects.breakage or solver.elastic_curve is None:
         check_foreseen(joint, numerics, max_normal_stress, int(cycles))
     area = upper.size * spacing**2
+    observers = _observers(flow, snapshots, numerics.stress_tolerance, datums)
     history = run_cycles(
         joint,
         solver,
@@ -230,10 +254,30 @@ def simulate_by(
         int(cycles),
         seating_stress * area,
         report,
+        observers,
     )
     joint.upper += datums[0]
     joint.lower += datums[1]
-    return _history_dataset(joint, history, area, int(cycles), seating_stress)
+    closed = _history_dataset(joint, history, area, int(cycles), seating_stress)
+    for observer in observers:
+        closed = observer.added_to(closed)
+    return closed
+
+
+def _observers(
+    flow: bool, snapshots: Sequence[float], tolerance: float, datums: tuple[float, float]
+) -> "list[Reader]":
+    """What is shown every step: nothing unless asked for, and then it is imported."""
+    observers: list[Reader] = []
+    if flow:
+        from jointclosure.flow.along_history import FlowAlongHistory
+
+        observers.append(FlowAlongHistory())
+    if len(snapshots):
+        from jointclosure.snapshots import Snapshots
+
+        observers.append(Snapshots(snapshots, tolerance, datums))
+    return observers
 
 
 def height_datum(wall: np.ndarray) -> float:
@@ -305,16 +349,13 @@ def equilibrium(
     upper, lower = upper - height_datum(upper), lower - height_datum(lower)
     joint = Joint(upper, lower, spacing, rock, effects, choices, numerics)
     run = solver_named(numerics.solver).settle(joint, closure, numerics.breakage_step)
-    if not effects.interaction:
-        displacement = np.zeros(upper.shape)
-    else:
-        displacement = interaction_field(joint.influence, joint.force)
+    fields = fields_of(joint, closure)
     status = np.int16(FLAG_OF_OUTCOME.get(run.outcome, 0))
     stress = run.total_force / (upper.size * spacing**2)
     variables = {
         "force": (("y", "x"), joint.force),
-        "overlap": (("y", "x"), upper + lower + (closure - joint.first_touch) - displacement),
-        "interaction_displacement": (("y", "x"), displacement),
+        "overlap": (("y", "x"), fields.overlap),
+        "interaction_displacement": (("y", "x"), fields.displacement),
         "normal_stress": ((), stress),
         "equilibrium_residual": ((), run.residual),
         "status": ((), status),
@@ -440,3 +481,13 @@ def _check_load(
         raise InputError(
             f"seating_stress = {seating_stress!r} Pa: must be from 0 to below max_normal_stress"
         )
+
+
+def _check_snapshots(snapshots: Sequence[float], max_normal_stress: float) -> None:
+    for stress in snapshots:
+        check_number("snapshots", stress)
+        if not 0.0 <= stress <= max_normal_stress:
+            raise InputError(
+                f"snapshots: {stress!r} Pa: must be from 0 to max_normal_stress = "
+                f"{max_normal_stress!r} Pa"
+            )

@@ -73,6 +73,21 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, cap
     assert "\n" not in line
 
 
+def test_flow_and_snapshots_of_scanned_walls_are_there_where_asked_for(scans, tmp_path, capsys):
+    files = scans / "top.xyz", scans / "bottom.xyz"
+    words = [*files, *WORDS, "--rock", "granite", "--flow", "--output", tmp_path / "j"]
+    words += ["--snapshots", "1,2"]
+    code, out, err = said(capsys, *words)
+    assert (code, err) == (0, "")
+    assert "hydraulic along x" in out
+    written = read_netcdf(tmp_path / "j/joint.nc").hydraulic_aperture
+    closed = jc.close(*files, units="mm", rock="granite", flow=True, **LOAD)
+    np.testing.assert_array_equal(written, closed.history.hydraulic_aperture)
+    assert set(read_netcdf(tmp_path / "j/joint.nc").snapshot_stress.values) == {1e6, 2e6}
+    assert (tmp_path / "j/snapshots.png").stat().st_size > 20000
+    assert "hydraulic_aperture_x_mm" in pd.read_csv(tmp_path / "j/curves.csv")
+
+
 def test_walls_lie_as_is_stated_and_are_moved_if_asked_to(scans):
     files = scans / "top.xyz", scans / "bottom.xyz"
     about = {"units": "mm", "rock": "granite", **LOAD, "cycles": 1}

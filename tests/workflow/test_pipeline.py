@@ -147,6 +147,23 @@ def jointclosure_cli(*words):
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
+def test_a_study_with_flow_has_its_apertures_in_dataset_table_figure_and_report(tmp_path):
+    folder = checkout(tmp_path)
+    with (folder / "tiny.yaml").open("a") as file:
+        file.write("flow: true\n")
+    answer = snakemake(folder, "all", "report")
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    results = folder / "results/tiny"
+    dataset = read_netcdf(results / "study.nc")
+    assert dataset.hydraulic_aperture.attrs["units"] == "m"
+    table = pd.read_csv(results / "tables/hydraulic_aperture.csv")
+    assert len(table) == 10 * 2 * 2 * 2 * 5
+    assert (results / "figures/hydraulic_aperture.png").stat().st_size > 5000
+    page = (results / "report.html").read_text()
+    assert 'id="flow"' in page
+    assert 'id="figure-hydraulic_aperture"' in page
+
+
 def test_nothing_is_left_to_do_after_a_run(study):
     assert planned(study) == {}
 

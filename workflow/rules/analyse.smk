@@ -76,6 +76,28 @@ rule fit_measured:
         "../scripts/fit_measured.py"
 
 
+rule tabulate_flow:
+    input:
+        study=f"{RESULTS}/study.nc",
+        seals=seals_of("aggregate"),
+    output:
+        f"{RESULTS}/tables/hydraulic_aperture.csv",
+        seal=f"{RESULTS}/seals/tabulate_flow.json",
+    log:
+        f"{RESULTS}/logs/tabulate_flow.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/tabulate_flow.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        made_with=STUDY_WITH,
+        code=code_of("tabulate_flow"),
+    message:
+        "Sum up the hydraulic apertures"
+    script:
+        "../scripts/tabulate_flow.py"
+
+
 rule predict_table_3:
     input:
         pool=POOL,

@@ -39,6 +39,7 @@ rule draw_figures:
         surfaces=f"{RESULTS}/cases/{next(iter(CASES['cases']))}.0.surfaces.nc",
         curves=CURVE_FILES,
         fits=f"{RESULTS}/tables/measured_fit.csv" if CURVES else [],
+        flow=f"{RESULTS}/tables/hydraulic_aperture.csv" if FLOW else [],
         seals=seals_of(
             "aggregate",
             "find_indifference_intervals",
@@ -46,6 +47,7 @@ rule draw_figures:
             "predict_table_3",
             "follow_stress",
             *(["fit_measured"] if CURVES else []),
+            *(["tabulate_flow"] if FLOW else []),
         ),
     output:
         figures=[

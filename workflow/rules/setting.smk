@@ -39,6 +39,7 @@ BLOCKS = {
 # the ensemble that tells what is true of the model
 POOL = f"{RESULTS}/pool.nc" if "pool" in ENSEMBLES else f"{RESULTS}/study.nc"
 ROCKS = CONFIGURATION.rocks
+FLOW = CONFIGURATION.flow
 AUTO = CONFIGURATION.effects_chosen_to is not None
 CURVES = measured.curve_settings(CONFIGURATION)
 # measured curves are read here, so that what is wrong with one is said before any job
@@ -60,11 +61,13 @@ TABLES = [
     "claims.csv",
     "checks.csv",
     *(["measured_fit.csv"] if CURVES else []),
+    *(["hydraulic_aperture.csv"] if FLOW else []),
 ]
 FIGURES = [
     "fig_3_equivalent_stress",
     "fig_5_closure",
     "wall_pair",
+    *(["hydraulic_aperture"] if FLOW else []),
     *(
         [
             "table_3_predictive",
@@ -109,6 +112,7 @@ STUDY_SEALS = BOTH_SEALS + seals_of(
     "write_tables",
     "draw_figures",
     *(["fit_measured"] if CURVES else []),
+    *(["tabulate_flow"] if FLOW else []),
 )
 
 

@@ -11,6 +11,7 @@ from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
 from jointclosure.plotting import sensitivity
 from jointclosure.plotting import study as plotting
+from jointclosure.plotting.flow import flow_figure
 from jointclosure.plotting.measured import Measurements
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
@@ -63,6 +64,9 @@ def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None
         ),
         "along_curve_intervals": lambda: sensitivity.along_curve_figure(
             read_csv(inputs["along"]), rocks, "intervals"
+        ),
+        "hydraulic_aperture": lambda: flow_figure(
+            read_csv(inputs["flow"]), rocks, settings["seating_stress"]
         ),
         "table_3_intervals": lambda: plotting.interval_figure(intervals, rocks),
         "trends_max_closure": lambda: plotting.trend_figure(closures, study, rocks),

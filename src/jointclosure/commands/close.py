@@ -107,6 +107,9 @@ def run(arguments) -> int:
     from jointclosure.plotting.joint import closure_curve
     from jointclosure.plotting.scanned_joint import pair_figure
 
+    if arguments.snapshots:
+        from jointclosure.plotting.snapshots import snapshot_figure
+
     check_folder(arguments.output)
     settings = _settings(arguments)
     walls = next(iter(settings.typed.rocks.values())).walls
@@ -114,7 +117,7 @@ def run(arguments) -> int:
     pair = _pair(arguments, walls)
     print("\n".join(f"- {line}" for line in pair.report))
     start = time.perf_counter()
-    joint = _closed(settings, pair)
+    joint = _closed(settings, pair, arguments.snapshots)
     print(summary(joint.history))
     print(f"{status_text(joint.history)}; {duration(time.perf_counter() - start)}")
     title = f"{arguments.upper.name} on {arguments.lower.name}"
@@ -125,6 +128,8 @@ def run(arguments) -> int:
         print("\n".join(f"- {line}" for line in said))
     save_figure(pair_figure(pair, title), folder / "walls.png")
     save_figure(closure_curve(joint.history, title), folder / "closure.png")
+    if arguments.snapshots and joint.history.sizes["snapshot"]:
+        save_figure(snapshot_figure(joint.history, title), folder / "snapshots.png")
     print(f"wrote {folder}: {', '.join(sorted(path.name for path in folder.iterdir()))}")
     return 1 if int(joint.history.status) >= FAILURE else 0
 
@@ -160,7 +165,9 @@ def _pair(arguments, walls: Walls) -> RegisteredPair:
     return brought_together(upper, lower, walls, spacing)
 
 
-def _closed(settings: Configured, pair: RegisteredPair) -> ClosedJoint:
+def _closed(
+    settings: Configured, pair: RegisteredPair, snapshots: tuple[float, ...]
+) -> ClosedJoint:
     configuration = settings.typed
     case = cases_of(configuration)[0]
     surfaces = surface_settings(configuration, case, range(1))
@@ -172,7 +179,7 @@ def _closed(settings: Configured, pair: RegisteredPair) -> ClosedJoint:
         f"{1e-6 * case.max_normal_stress:g} MPa, {conditions.cycles} cycles"
     )
     with shown_progress(conditions.cycles) as report:
-        return closed_pair(pair, conditions, report)
+        return closed_pair(pair, conditions, report, snapshots)
 
 
 def _write(joint: ClosedJoint, settings: Configured, folder: Path) -> None:

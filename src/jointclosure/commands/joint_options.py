@@ -6,11 +6,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import xarray as xr
 
 from jointclosure.config.configuration import Configured, configured, merged, merged_study
 from jointclosure.config.files import value_of
 from jointclosure.config.rocks import other_rocks
+from jointclosure.engineering.curves import curve_table, has_flow
 from jointclosure.inputs import InputError
 from jointclosure.parameters import Effects
 from jointclosure.progress import bar
@@ -55,6 +57,13 @@ def add_load_and_model(command: argparse.ArgumentParser) -> None:
     load.add_argument(
         "--seating", type=float, metavar="MPa", help="stress from which seated closures count"
     )
+    load.add_argument(
+        "--snapshots",
+        type=_stresses,
+        default=(),
+        metavar="MPa,...",
+        help="stresses at which walls, forces and gap are kept and drawn, as in 1,5,10",
+    )
     model = command.add_argument_group("model")
     model.add_argument(
         "--without",
@@ -63,6 +72,11 @@ def add_load_and_model(command: argparse.ArgumentParser) -> None:
         default=[],
         metavar="EFFECT",
         help=f"effects to leave out, of {', '.join(Effects._fields)}",
+    )
+    model.add_argument(
+        "--flow",
+        action="store_true",
+        help="hydraulic apertures too, along x and y (docs/flow.md)",
     )
     model.add_argument(
         "--set",
@@ -122,6 +136,8 @@ def joint_configuration(
     changes = merged({"study": {"rocks": [name]}, "rocks": {name: own}}, changes)
     if "cycles" in given:
         changes["study"]["cycles"] = given["cycles"]
+    if arguments.flow:
+        changes["flow"] = True
     if "seating" in given:
         changes["seating_stress_MPa"] = given["seating"]
     return configured(merged(base, changes, *arguments.set), read_csv)
@@ -142,7 +158,7 @@ def shown_progress(cycles: int) -> Iterator[Report]:
 
 
 def summary(closed: xr.Dataset) -> str:
-    """The closures of each cycle, as lines of text."""
+    """The closures of each cycle, as lines of text; hydraulic apertures where these were found."""
     seating = 1e-6 * closed.attrs["seating_stress_Pa"]
     columns = {
         "maximum": closed.max_closure,
@@ -151,7 +167,23 @@ def summary(closed: xr.Dataset) -> str:
     }
     frame = xr.Dataset({name: 1e3 * values for name, values in columns.items()}).to_dataframe()
     frame.index = [f"cycle {number}" for number in range(1, len(frame) + 1)]
-    return "closure (mm)\n" + frame.to_string(float_format="{:.5f}".format)
+    lines = ["closure (mm)", frame.to_string(float_format="{:.5f}".format)]
+    if has_flow(closed):
+        lines += ["at the maximum (mm)", _apertures(closed).to_string(float_format="{:.5f}".format)]
+    return "\n".join(lines)
+
+
+def _apertures(closed: xr.Dataset) -> pd.DataFrame:
+    """Mechanical and hydraulic apertures [mm] at the largest stress of each cycle."""
+    curves = curve_table(closed)
+    at = curves.loc[curves.groupby("cycle").normal_stress_MPa.idxmax()]
+    at.index = [f"cycle {number}" for number in at.cycle]
+    names = {
+        "mean_aperture_mm": "mean aperture",
+        "hydraulic_aperture_x_mm": "hydraulic along x",
+        "hydraulic_aperture_y_mm": "along y",
+    }
+    return at[list(names)].rename(columns=names)
 
 
 def status_text(closed: xr.Dataset) -> str:
@@ -161,6 +193,16 @@ def status_text(closed: xr.Dataset) -> str:
     found = [name for mask, name in named if status & int(mask)]
     word = "failed" if status >= FAILURE else "success"
     return f"{word}{': ' + ', '.join(found) if found else ''}"
+
+
+def _stresses(text: str) -> tuple[float, ...]:
+    """Stresses [Pa] from a list in MPa."""
+    try:
+        return tuple(1e6 * float(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: must be stresses in MPa, as in 1,5,10"
+        ) from None
 
 
 def _setting(text: str) -> dict:

@@ -102,6 +102,7 @@ def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material"
         measured=_table(folder / "tables/measured_fit.csv", sealed),
         accuracy=_accuracy(folder.parent / "accuracy"),
         presets=read_csv(MEASURED),
+        flow=_table(folder / "tables/hydraulic_aperture.csv", sealed),
     )
 
 

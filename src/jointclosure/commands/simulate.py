@@ -40,6 +40,7 @@ _EXAMPLES = """examples:
   jointclosure simulate --config config/my_rock.yaml --rock granite --picture joint.png
   jointclosure simulate --rock dolerite --jrc 12 --cells 64 --seed 7 --output joint.nc
   jointclosure simulate --rock slate --without breakage gouge --cycles 1
+  jointclosure simulate --rock dolerite --snapshots 1,5,30 --output joint.nc
   jointclosure simulate --rock slate --stress 10 --set numerics.breakage=resolved
 
 What is not given is as in the configuration, where every key is explained (config/README.md).
@@ -85,8 +86,12 @@ def run(arguments) -> int:
     _check_destination(arguments.picture, _PICTURES)
     if arguments.tables:
         check_folder(arguments.tables)
+    if arguments.snapshots and not arguments.output:
+        raise InputError("--snapshots: give --output FILE.nc, which holds them")
     if arguments.picture:  # drawing takes a second to load, and an extra that may be missing
         from jointclosure.plotting.joint import closure_curve
+    if arguments.snapshots:
+        from jointclosure.plotting.snapshots import snapshot_figure
     settings = _settings(arguments)
     configuration = settings.typed
     case, grid = cases_of(configuration)[0], configuration.grid
@@ -97,7 +102,7 @@ def run(arguments) -> int:
     cycles = configuration.study.cycles
     print(f"{about}: {1e-6 * case.max_normal_stress:g} MPa, {cycles} cycles")
     start = time.perf_counter()
-    closed = _close(configuration, case, arguments.seed)
+    closed = _close(configuration, case, arguments.seed, arguments.snapshots)
     print(summary(closed))
     status = int(closed.status)
     print(f"{status_text(closed)}; {duration(time.perf_counter() - start)}")
@@ -105,6 +110,10 @@ def run(arguments) -> int:
     if arguments.output:
         write_netcdf(closed, arguments.output)
         print(f"wrote {arguments.output}")
+    if arguments.snapshots and closed.sizes["snapshot"]:
+        maps = arguments.output.with_suffix(".png")
+        save_figure(snapshot_figure(closed, about), maps)
+        print(f"wrote {maps}")
     if arguments.picture:
         save_figure(closure_curve(closed, about), arguments.picture)
         print(f"wrote {arguments.picture}")
@@ -127,14 +136,16 @@ def _settings(arguments) -> Configured:
     return joint_configuration(base, arguments, {}, {"grid": grid})
 
 
-def _close(configuration: Configuration, case: Case, seed: int) -> xr.Dataset:
+def _close(
+    configuration: Configuration, case: Case, seed: int, snapshots: tuple[float, ...]
+) -> xr.Dataset:
     grid = configuration.grid
     surfaces = surface_settings(configuration, case, range(1))
     conditions = closure_settings(configuration, case, surfaces).conditions()
     surface = configuration.surface._asdict()
     walls = wall_pair(case.jrc, grid.shape, grid.spacing, seed, **surface)
     with shown_progress(configuration.study.cycles) as report:
-        return close_walls(*walls, conditions, report)
+        return close_walls(*walls, conditions, report, snapshots)
 
 
 def _cells(text: str) -> tuple[int, int]:

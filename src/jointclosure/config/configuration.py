@@ -145,6 +145,7 @@ def _typed(keys: dict) -> Configuration:
         statistics=Statistics(**si["statistics"]),
         output=Output(**si["output"]),
         ablation=_ablation(si["ablation"]),
+        flow=si["flow"],
     )
 
 

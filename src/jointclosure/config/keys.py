@@ -557,6 +557,11 @@ class ConfigurationKeys(Keys):
         ge=0,
     )
     effects: EffectKeys = entry(EffectKeys.__doc__)
+    flow: bool = entry(
+        "Whether hydraulic apertures are found too, by Reynolds' equation at every step "
+        "(docs/flow.md); it changes nothing else.",
+        False,
+    )
     choices: ChoiceKeys = entry(ChoiceKeys.__doc__)
     numerics: NumericsKeys = entry(NumericsKeys.__doc__)
     statistics: StatisticsKeys = entry(StatisticsKeys.__doc__)

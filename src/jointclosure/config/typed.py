@@ -142,8 +142,8 @@ class Configuration(NamedTuple):
     """All of a study. ``rocks`` are those of the study, in its order.
 
     ``effects_chosen_to`` is the tolerance by which a pilot chooses effects, None where
-    they are as configured. The design of an accuracy study is many configurations:
-    `jointclosure.studies.accuracy.design`.
+    they are as configured; ``flow`` whether hydraulic apertures are found. The design of an
+    accuracy study is many configurations: `jointclosure.studies.accuracy.design`.
     """
 
     study: Study
@@ -157,3 +157,4 @@ class Configuration(NamedTuple):
     statistics: Statistics
     output: Output
     ablation: Ablation | None
+    flow: bool

@@ -32,7 +32,9 @@ def curve_table(history: xr.Dataset) -> pd.DataFrame:
         (kn = d sigma/d closure, by the chord of a step's neighbours, NaN where closure does not
         change), ``mean_aperture_mm``, ``void_volume_mm3`` (mean aperture times nominal area),
         ``contact_area_mm2`` (of the cells that carry force: an upper bound) and
-        ``contact_fraction``. A branch begins with the last step of the one before.
+        ``contact_fraction``; of a history with flow also ``hydraulic_aperture_x_mm``,
+        ``hydraulic_aperture_y_mm`` and their ratios to the mean aperture. A branch begins with the
+        last step of the one before.
     """
     rows = []
     area = area_of(history)
@@ -58,8 +60,39 @@ def curve_table(history: xr.Dataset) -> pd.DataFrame:
                 "contact_area_mm2": 1e6 * area * contact,
                 "contact_fraction": contact,
             }
-            rows.append(pd.DataFrame(columns))
+            rows.append(pd.DataFrame(columns | _flow_columns(history, here)))
     return pd.concat(rows, ignore_index=True)
+
+
+def has_flow(history: xr.Dataset) -> bool:
+    """Whether hydraulic apertures were asked for."""
+    return "hydraulic_aperture" in history
+
+
+def mean_hydraulic(history: xr.Dataset) -> np.ndarray:
+    """Geometric mean (n,) of the hydraulic apertures along x and y [m]: for what takes but one."""
+    return np.sqrt(history.hydraulic_aperture.prod("direction", skipna=False).values)
+
+
+def _flow_columns(history: xr.Dataset, here: np.ndarray) -> dict[str, np.ndarray]:
+    """Hydraulic apertures at steps, and their ratios to the mean aperture; none without flow."""
+    columns: dict[str, np.ndarray] = {}
+    mean = history.mean_aperture.values[here]
+    for name in history.direction.values if has_flow(history) else ():
+        hydraulic = history.hydraulic_aperture.sel(direction=name).values[here]
+        columns[f"hydraulic_aperture_{name}_mm"] = 1e3 * hydraulic
+        columns[f"hydraulic_ratio_{name}"] = hydraulic / mean
+    return columns
+
+
+def _flow_at_max(history: xr.Dataset, step: int) -> dict[str, float]:
+    """Hydraulic apertures at a step, by the names of their columns; none without flow."""
+    at = _flow_columns(history, np.array([step]))
+    return {
+        f"{name.removesuffix('_mm')}_at_max_mm": float(values[0])
+        for name, values in at.items()
+        if name.endswith("_mm")
+    }
 
 
 def seat_of(history: xr.Dataset, cycle: int, branch: str) -> float:
@@ -84,7 +117,8 @@ def cycle_table(history: xr.Dataset) -> pd.DataFrame:
         One row a cycle: ``max_closure_mm`` from the cycle's start, ``closure_since_seating_mm`` at
         its maximum, ``residual_at_seating_mm``: closure at the seating stress on unloading less
         that on loading, ``residual_share`` of the closure since seating,
-        ``mean_aperture_at_seating_mm``, ``mean_aperture_at_max_mm`` and ``contact_at_max``.
+        ``mean_aperture_at_seating_mm``, ``mean_aperture_at_max_mm`` and ``contact_at_max``; of a
+        history with flow also ``hydraulic_aperture_x_at_max_mm`` and the same along y.
     """
     rows = []
     cycle, branch = history.cycle.values, history.branch.values
@@ -103,6 +137,7 @@ def cycle_table(history: xr.Dataset) -> pd.DataFrame:
                 "mean_aperture_at_seating_mm": 1e3
                 * np.interp(seat, closure[order], aperture[order]),
                 "mean_aperture_at_max_mm": 1e3 * aperture[-1],
+                **_flow_at_max(history, here[-1]),
                 "contact_at_max": history.contact_fraction.values[here[-1]],
             }
         )

@@ -3,9 +3,15 @@
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
-from jointclosure.engineering.curves import cycle_table
+from jointclosure.engineering.curves import (
+    curve_table,
+    cycle_table,
+    has_flow,
+    mean_hydraulic,
+)
 from jointclosure.engineering.laws import fitted_laws, parameter
 from jointclosure.engineering.stiffness import closures_at, stiffness_table, stress_levels
 from jointclosure.inputs import InputError
@@ -54,7 +60,8 @@ def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Coordinates and values [m] of the aperture table of GEOS' contact models.
 
     Of the last cycle's loading: the normal gap, negative where walls are pressed together beyond
-    seating, ascending to 0, and the mean aperture there.
+    seating, ascending to 0, and there the hydraulic aperture (the geometric mean of both
+    directions), which is what its flow takes; the mean aperture of a history without flow.
 
     Raises
     ------
@@ -69,17 +76,16 @@ def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
         history.branch.values == LOADING
     )
     order = np.argsort(history.closure.values[of_cycle])
-    aperture = np.interp(
-        closure, history.closure.values[of_cycle][order],
-        history.mean_aperture.values[of_cycle][order],
-    )  # fmt: skip
+    known = mean_hydraulic(history) if has_flow(history) else history.mean_aperture.values
+    aperture = np.interp(closure, history.closure.values[of_cycle][order], known[of_cycle][order])
     gap = -(closure - closure[0])[::-1]
     gap[-1] = 0.0  # and not -0
     values = aperture[::-1]
     slope = (values[-1] - values[-2]) / (gap[-1] - gap[-2])
     if not slope < 1.0:
+        kind = "hydraulic" if has_flow(history) else "mean"
         raise InputError(
-            f"GEOS: the aperture rises by {slope:.6g} of the gap at its end: must be below 1"
+            f"GEOS: the {kind} aperture rises by {slope:.6g} of the gap at its end: must be below 1"
         )
     return gap, values
 
@@ -88,19 +94,32 @@ def itasca_tables(history: xr.Dataset) -> str:
     """Commands that define tables of normal stiffness [Pa/m] against normal stress [Pa].
 
     One table for each cycle's loading and unloading, in the form of 3DEC 7 and later,
-    ``table 'name' add (x,y) ...``.
+    ``table 'name' add (x,y) ...``. Of a history with flow also tables of the hydraulic aperture
+    [m], the geometric mean of both directions, at its steps.
     """
     lines = ["; normal stiffness (Pa/m) against normal stress (Pa) by cycle and branch"]
     for (cycle, branch), own in stiffness_table(history).groupby(["cycle", "branch"], sort=False):
-        known = own.dropna()
-        pairs = " ".join(
-            f"({1e6 * stress:.6e},{1e9 * stiffness:.6e})"
-            for stress, stiffness in zip(
-                known.normal_stress_MPa, known.normal_stiffness_MPa_per_mm, strict=True
-            )
-        )
-        lines.append(f"table 'kn-cycle-{cycle}-{branch}' add {pairs}")
+        stress, stiffness = own.normal_stress_MPa, 1e9 * own.normal_stiffness_MPa_per_mm
+        lines.append(_itasca_table(f"kn-cycle-{cycle}-{branch}", stress, stiffness))
+    if has_flow(history):
+        lines.append("; hydraulic aperture (m) against normal stress (Pa) by cycle and branch")
+        for (cycle, branch), own in curve_table(history).groupby(["cycle", "branch"], sort=False):
+            aperture = 1e-3 * np.sqrt(own.hydraulic_aperture_x_mm * own.hydraulic_aperture_y_mm)
+            order = np.argsort(own.normal_stress_MPa.to_numpy(), kind="stable")
+            stress = own.normal_stress_MPa.iloc[order]
+            name = f"aperture-cycle-{cycle}-{branch}"
+            lines.append(_itasca_table(name, stress, aperture.iloc[order]))
     return "\n".join(lines) + "\n"
+
+
+def _itasca_table(name: str, stress: pd.Series, values: pd.Series) -> str:
+    """A command that defines values over stresses [MPa], without those that are not known."""
+    pairs = " ".join(
+        f"({1e6 * at:.6e},{value:.6e})"
+        for at, value in zip(stress, values, strict=True)
+        if np.isfinite(value)
+    )
+    return f"table '{name}' add {pairs}"
 
 
 class FractureMesh(NamedTuple):

@@ -170,6 +170,8 @@ def parameter(fits: pd.DataFrame, cycle: int, branch: str, name: str) -> float:
 def law_said(fits: pd.DataFrame, cycle: int, branch: str) -> str:
     """The best law of a branch in a line."""
     own = fits[(fits.cycle == cycle) & (fits.branch == branch)]
+    if not own.rms_mm.notna().any():
+        return f"cycle {cycle}, {branch}: no law could be fitted"
     best = own[own.rms_mm == own.rms_mm.min()]
     words = ", ".join(f"{row.parameter} = {row.value:.4g}" for row in best.itertuples(index=False))
     first = best.iloc[0]

@@ -8,7 +8,9 @@ from jointclosure.ensemble.settings import Case
 from jointclosure.parameters import Rock
 from jointclosure.protocol import FAILURE
 
-CURVES = ("closure", "bulk_indentation")
+FLOW_CURVES = ("mean_aperture", "hydraulic_aperture")
+"""Variables over stress that only a study with flow has."""
+CURVES = ("closure", "bulk_indentation", *FLOW_CURVES)
 """Variables over stress: nine tenths of a study's numbers."""
 
 

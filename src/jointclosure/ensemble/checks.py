@@ -63,6 +63,16 @@ def check_results(study: xr.Dataset, numerics: Numerics, realizations: int) -> p
             f"{residual:.3g}",
             np.isfinite(residual),
         )
+    if "largest_flow_imbalance" in study:
+        from jointclosure.flow.reynolds import LARGEST_IMBALANCE
+
+        imbalance = float(study.largest_flow_imbalance.where(good).max())
+        add(
+            "largest sum of the cells' mass balances in a flow, relative",
+            f"at most {LARGEST_IMBALANCE:g}",
+            f"{imbalance:.3g}",
+            imbalance <= LARGEST_IMBALANCE,
+        )
     share = study.unloading_excess.max("cycle").where(good) / study.max_normal_stress
     excess = float(share.max())
     exact = not any(scene.breakage for scene in scenes) and numerics.solver == "fast"

@@ -1,7 +1,7 @@
 """Surface pairs of a case closed, and read."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 import xarray as xr
@@ -37,7 +37,11 @@ _TOGETHER = 100
 
 
 def close_walls(
-    upper: np.ndarray, lower: np.ndarray, conditions: Conditions, report: Report | None = None
+    upper: np.ndarray,
+    lower: np.ndarray,
+    conditions: Conditions,
+    report: Report | None = None,
+    snapshots: Sequence[float] = (),
 ) -> xr.Dataset:
     """Close two walls (y, x) [m]: what every study does with the walls of a case.
 
@@ -49,7 +53,14 @@ def close_walls(
     Dataset
         As from `jointclosure.simulate`.
     """
-    return simulate(upper, lower, **conditions._asdict(), unusual_values=True, report=report)
+    return simulate(
+        upper,
+        lower,
+        **conditions._asdict(),
+        unusual_values=True,
+        report=report,
+        snapshots=snapshots,
+    )
 
 
 def close_surfaces(
@@ -119,7 +130,7 @@ def _said(row: dict) -> str:
 
 def _labelled(rows: list[dict], realizations, seeds, cycles: int, stresses) -> xr.Dataset:
     """Realisations' results put together, with their coordinates and attributes."""
-    return xr.Dataset(
+    labelled = xr.Dataset(
         {
             name: (
                 ("realization", *dimensions),
@@ -136,6 +147,11 @@ def _labelled(rows: list[dict], realizations, seeds, cycles: int, stresses) -> x
             "stress": ("stress", stresses, {"long_name": "nominal normal stress", "units": "Pa"}),
         },
     )
+    if "direction" in labelled.dims:
+        from jointclosure.flow.along_history import COORDINATE
+
+        labelled = labelled.assign_coords(COORDINATE)
+    return labelled
 
 
 def _row(closed: xr.Dataset, stresses: np.ndarray, conditions: Conditions) -> dict:
@@ -162,7 +178,24 @@ def _row(closed: xr.Dataset, stresses: np.ndarray, conditions: Conditions) -> di
         closed.max_closure_seated.values - (bulk - np.array(at_seat)),
     )
     row["largest_residual"] = ((), float(closed.equilibrium_residual.max()))
-    return row
+    return row | _flow_row(closed, stresses, conditions) if conditions.flow else row
+
+
+def _flow_row(closed: xr.Dataset, stresses: np.ndarray, conditions: Conditions) -> dict:
+    """Apertures at stresses, the hydraulic ones by direction, and how well they balance."""
+    history = (closed.normal_stress.values, closed.cycle.values, closed.branch.values)
+
+    def curves(values: np.ndarray) -> np.ndarray:
+        tolerance = conditions.numerics.stress_tolerance
+        return closure_at_stresses(values, *history, conditions.cycles, stresses, tolerance)
+
+    over = ("cycle", "branch", "stress")
+    hydraulic = [curves(values) for values in closed.hydraulic_aperture.values.T]
+    return {
+        "mean_aperture": (over, curves(closed.mean_aperture.values)),
+        "hydraulic_aperture": (("direction", *over), np.stack(hydraulic)),
+        "largest_flow_imbalance": ((), float(closed.flow_imbalance.max())),
+    }
 
 
 def _volume_error(upper: np.ndarray, lower: np.ndarray, closed: xr.Dataset) -> float:
@@ -179,6 +212,10 @@ _EXTRA_ATTRIBUTES = {
     "max_closure_net": ("closure at the cycle's maximum less bulk indentation", "m"),
     "max_closure_seated_net": ("the same, counted from seating", "m"),
     "largest_residual": ("largest equilibrium residual of all steps", "1"),
+    "largest_flow_imbalance": (
+        "largest sum of the cells' mass balances over the inflow, of all steps",
+        "1",
+    ),
     "volume_error": ("change of a wall's volume over the volume above its lowest point", "1"),
     "timing_simulation": ("processor time of the simulation", "s"),
 }
@@ -188,4 +225,8 @@ def _attributes(name: str) -> dict:
     if name in _EXTRA_ATTRIBUTES:
         text, unit = _EXTRA_ATTRIBUTES[name]
         return {"long_name": text, "units": unit}
-    return dict(ATTRIBUTES[name])
+    if name in ATTRIBUTES:
+        return dict(ATTRIBUTES[name])
+    from jointclosure.flow.along_history import ATTRIBUTES as OF_FLOW
+
+    return dict(OF_FLOW[name])

@@ -1,5 +1,6 @@
 """The joint whose two walls were scanned: brought together, closed, and described in a line."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -63,6 +64,8 @@ def close(
     numerics: Numerics = Numerics(),
     unusual_values: bool = False,
     report: Report | None = None,
+    flow: bool = False,
+    snapshots: Sequence[float] = (),
 ) -> ClosedJoint:
     """Bring two scanned walls of a joint together, press them together and release them.
 
@@ -85,7 +88,7 @@ def close(
         parameter of the model: a cell is an asperity.
     orientation, shift, cut_spikes
         As for `jointclosure.surface.registration.registered`.
-    effects, choices, numerics, unusual_values, report
+    effects, choices, numerics, unusual_values, report, flow, snapshots
         As for `jointclosure.simulate`.
 
     Returns
@@ -106,17 +109,28 @@ def close(
         above, below, spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes
     )
     conditions = Conditions(
-        pair.spacing, intact, max_normal_stress, cycles, seating_stress, effects, choices, numerics
+        pair.spacing,
+        intact,
+        max_normal_stress,
+        cycles,
+        seating_stress,
+        effects,
+        choices,
+        numerics,
+        flow,
     )
-    return closed_pair(pair, conditions, report)
+    return closed_pair(pair, conditions, report, snapshots)
 
 
 def closed_pair(
-    pair: RegisteredPair, conditions: Conditions, report: Report | None = None
+    pair: RegisteredPair,
+    conditions: Conditions,
+    report: Report | None = None,
+    snapshots: Sequence[float] = (),
 ) -> ClosedJoint:
     """Close walls that were brought together, on their own grid, as any other walls."""
     conditions = conditions._replace(spacing=pair.spacing)
-    history = close_walls(pair.upper, pair.lower, conditions, report)
+    history = close_walls(pair.upper, pair.lower, conditions, report, snapshots)
     return ClosedJoint(pair, history, conditions)
 
 

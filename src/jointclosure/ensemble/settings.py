@@ -85,6 +85,7 @@ class Conditions(NamedTuple):
     effects: Effects
     choices: Choices
     numerics: Numerics
+    flow: bool = False
 
 
 class ClosureSettings(NamedTuple):
@@ -103,6 +104,7 @@ class ClosureSettings(NamedTuple):
     stress_points: int
     largest_stress: float
     effects_chosen_to: float | None
+    flow: bool
     code: str
 
     def conditions(self) -> Conditions:
@@ -116,6 +118,7 @@ class ClosureSettings(NamedTuple):
             self.case.effects,
             self.choices,
             self.numerics,
+            self.flow,
         )
 
     def with_effects(self, effects: Effects) -> "ClosureSettings":

@@ -66,6 +66,7 @@ def closure_settings(
         stress_points=configuration.output.stress_points,
         largest_stress=configuration.output.largest_stress,
         effects_chosen_to=configuration.effects_chosen_to,
+        flow=configuration.flow,
         code=code,
     )
 

@@ -6,23 +6,20 @@ import seaborn as sns
 import xarray as xr
 from matplotlib.figure import Figure
 
-from jointclosure.engineering.curves import curve_table
+from jointclosure.engineering.curves import curve_table, has_flow
 from jointclosure.engineering.laws import LAWS, fitted_laws, law_curves
 from jointclosure.engineering.stiffness import stiffness_table
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.plotting.style import above, styled, subplots
 from jointclosure.protocol import LOADING, UNLOADING
 
 _STYLES = {LOADING: "-", UNLOADING: "--"}
 
 
-def _above(cycle: int, branch: str) -> float:
-    """Order of drawing: unloading on the next cycle's loading, which nearly is the same curve."""
-    return 2.0 if branch == LOADING else 3.0 - 0.01 * cycle
-
-
 @styled
 def engineering_figure(history: xr.Dataset, title: str) -> Figure:
-    """Closure since seating with the fitted laws, normal stiffness and mean aperture over stress.
+    """Closure since seating with the fitted laws, normal stiffness and apertures over stress.
+
+    The last panel, of hydraulic apertures, is there for a history with flow.
 
     Parameters
     ----------
@@ -30,10 +27,15 @@ def engineering_figure(history: xr.Dataset, title: str) -> Figure:
         As from `jointclosure.simulate`.
     title : str
     """
-    figure, panels = subplots(1, 3, figsize=(13.5, 4.6), layout="constrained")
+    number = 4 if has_flow(history) else 3
+    figure, panels = subplots(1, number, figsize=(4.5 * number, 4.6), layout="constrained")
     _draw_closure(panels[0], history)
     _draw_stiffness(panels[1], history)
     _draw_aperture(panels[2], history)
+    if has_flow(history):
+        _draw_flow(panels[3], history)
+        panels[3].set_ylim(0.0, max(axes.get_ylim()[1] for axes in panels[2:]))
+        panels[2].set_ylim(panels[3].get_ylim())
     figure.suptitle(title, parse_math=False)
     for axes in panels:
         sns.despine(ax=axes)
@@ -67,7 +69,7 @@ def _draw_stiffness(axes, history: xr.Dataset) -> None:
         axes.plot(
             own.normal_stress_MPa, own.normal_stiffness_MPa_per_mm, _STYLES[branch],
             marker="o", ms=3, color=f"C{cycle - 1}", label=f"cycle {cycle}, {branch}",
-            zorder=_above(cycle, branch),
+            zorder=above(cycle, branch),
         )  # fmt: skip
     axes.set(
         title="normal stiffness, by chords", yscale="log", xlim=0.0,
@@ -87,12 +89,29 @@ def _draw_aperture(axes, history: xr.Dataset) -> None:
     for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
         axes.plot(
             own.normal_stress_MPa, own.mean_aperture_mm, _STYLES[branch], color=f"C{cycle - 1}",
-            label=f"cycle {cycle}, {branch}", zorder=_above(cycle, branch),
+            label=f"cycle {cycle}, {branch}", zorder=above(cycle, branch),
         )  # fmt: skip
         loaded = own[own.normal_stress_MPa >= 0.5 * seating].mean_aperture_mm
         top = max(top, float(np.nanmax(loaded)) if len(loaded) else 0.0)
     axes.set(
         title="mean aperture", xlim=0.0, ylim=(0.0, 1.15 * top),
         xlabel="normal stress (MPa)", ylabel="mean aperture (mm)",
+    )  # fmt: skip
+    axes.legend(frameon=False, fontsize=9)
+
+
+def _draw_flow(axes, history: xr.Dataset) -> None:
+    """Hydraulic apertures over stress by direction: loading thick, unloading thin."""
+    for (cycle, branch), own in curve_table(history).groupby(["cycle", "branch"], sort=False):
+        for direction, style in (("x", "-"), ("y", ":")):
+            label = f"cycle {cycle}, along {direction}" if branch == LOADING else None
+            axes.plot(
+                own.normal_stress_MPa, own[f"hydraulic_aperture_{direction}_mm"], style,
+                color=f"C{cycle - 1}", label=label, lw=2.2 if branch == LOADING else 0.9,
+                zorder=above(cycle, branch),
+            )  # fmt: skip
+    axes.set(
+        title="hydraulic aperture (unloading thin)", xlim=0.0,
+        xlabel="normal stress (MPa)", ylabel="hydraulic aperture (mm)",
     )  # fmt: skip
     axes.legend(frameon=False, fontsize=9)

@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from jointclosure.history import branch_of
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.plotting.style import above, styled, subplots
 from jointclosure.protocol import LOADING, UNLOADING
 
 
@@ -29,8 +29,7 @@ def closure_curve(closed: xr.Dataset, title: str) -> Figure:
                 1e-6 * closed.normal_stress.values[here],
                 style,
                 color=f"C{number - 1}",
-                # the next cycle's loading lies on it
-                zorder=2.0 if name == LOADING else 3.0 - 0.01 * number,
+                zorder=above(number, name),
                 label=f"cycle {number}, {name}",
             )
     axes.set(

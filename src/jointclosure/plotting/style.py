@@ -12,6 +12,8 @@ import seaborn as sns
 from cycler import cycler
 from matplotlib.figure import Figure
 
+from jointclosure.protocol import LOADING
+
 _STYLE = {
     **sns.plotting_context("paper", font_scale=1.1),
     **sns.axes_style("ticks"),
@@ -52,3 +54,8 @@ def subplots(rows: int = 1, columns: int = 1, *, figsize, layout=None, **setting
     """A figure and its axes, as ``pyplot.subplots``, which pyplot does not keep."""
     figure = StyledFigure(figsize=figsize, layout=layout)
     return figure, figure.subplots(rows, columns, **settings)
+
+
+def above(cycle: int, branch: str) -> float:
+    """Order of drawing: unloading on the next cycle's loading, which nearly is the same curve."""
+    return 2.0 if branch == LOADING else 3.0 - 0.01 * cycle

@@ -23,7 +23,8 @@ class Material(NamedTuple):
     ``paper``: the paper's Table 3; ``default`` and ``schema``: the paper's configuration, and what
     keys mean; ``pictures``; ``benchmarks``: of the workflow's jobs; ``measured``: fits of measured
     curves, None where there are none; ``accuracy``: the table of `make accuracy`, None where
-    it was not made; ``presets``: what the presets of the numerics were found to be off by.
+    it was not made; ``presets``: what the presets of the numerics were found to be off by;
+    ``flow``: hydraulic apertures, None of a study without.
     """
 
     study: xr.Dataset
@@ -42,6 +43,7 @@ class Material(NamedTuple):
     measured: pd.DataFrame | None
     accuracy: pd.DataFrame | None
     presets: pd.DataFrame
+    flow: pd.DataFrame | None = None
 
 
 def content(material: Material) -> dict:
@@ -112,6 +114,8 @@ def _sheets(material: Material, titles: dict, of_paper: set, rows: pd.DataFrame)
     ]
     if material.claims is not None:
         sheets.append(findings.claim_sheet(material.claims, bool(of_paper)))
+    if material.flow is not None:
+        sheets.append(findings.flow_sheet(material.flow, titles))
     if material.measured is not None:
         sheets.append(findings.measured_sheet(material.measured, titles))
     if intervals is not None and len(intervals) and "percent" in intervals:

@@ -32,6 +32,35 @@ def closure_sheet(closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
     )
 
 
+def flow_sheet(flow: pd.DataFrame, titles: dict[str, str]) -> Sheet:
+    """Apertures of each rock as it is, at the largest stress that all of its joints reach."""
+    loading = flow[(flow.parameter == "base") & (flow.branch == "loading")]
+    groups = loading.groupby(["rock", "cycle", "direction"], sort=False)
+    reached = loading[loading.samples == groups.samples.transform("max")]
+    at = reached.loc[
+        reached.groupby(["rock", "cycle", "direction"], sort=False).stress_MPa.idxmax()
+    ]
+    columns = {
+        "rock": "Rock",
+        "cycle": "Cycle",
+        "direction": "Flow along",
+        "stress_MPa": "Stress (MPa)",
+        "samples": "Joints (n)",
+        "blocked": "Of these blocked",
+        "mean_aperture_mean_mm": "Mechanical aperture (mm)",
+        "hydraulic_aperture_mean_mm": "Hydraulic aperture (mm)",
+        "hydraulic_aperture_standard_deviation_mm": "Its standard deviation (mm)",
+        "ratio_mean": "Hydraulic / mechanical",
+    }
+    return sheet(
+        "flow",
+        "Hydraulic aperture of each rock as it is, by Reynolds' equation, at the largest stress "
+        "of loading that all of its joints reach; means over the joints",
+        at.assign(rock=at.rock.map(titles)),
+        columns,
+    )
+
+
 def ranking_sheet(intervals: pd.DataFrame, titles: dict[str, str]) -> Sheet:
     """Parameters of each rock and cycle, the most sensitive first."""
     rows = []

@@ -144,7 +144,7 @@ def _compression(dataset: xr.Dataset) -> dict[Any, dict[str, Any]]:
 
 
 def read_netcdf(path: str | Path, without: tuple[str, ...] = ()) -> xr.Dataset:
-    """A dataset but for the variables left out, the file closed again.
+    """A dataset but for the variables left out, where it has them; the file closed again.
 
     Raises
     ------
@@ -152,7 +152,7 @@ def read_netcdf(path: str | Path, without: tuple[str, ...] = ()) -> xr.Dataset:
         The file is not as it was written, in any bit.
     """
     with reading_netcdf(path) as dataset:
-        return dataset.drop_vars(without).load()
+        return dataset.drop_vars(without, errors="ignore").load()
 
 
 @contextmanager

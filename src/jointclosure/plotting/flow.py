@@ -1,0 +1,86 @@
+"""Hydraulic apertures of a study over stress."""
+
+import numpy as np
+import pandas as pd
+import seaborn as sns
+from matplotlib.artist import Artist
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+
+from jointclosure.config.typed import StudyRock
+from jointclosure.plotting.style import above, styled, subplots
+from jointclosure.protocol import LOADING, UNLOADING
+
+_STYLES = {LOADING: "-", UNLOADING: "--"}
+_QUANTITIES = {
+    "hydraulic_aperture": ("_mm", "hydraulic aperture (mm)"),
+    "ratio": ("", "hydraulic / mechanical aperture"),
+}
+
+
+@styled
+def flow_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], seating_stress: float) -> Figure:
+    """Mean hydraulic aperture and its ratio to the mean aperture, of each rock's base case.
+
+    Parameters
+    ----------
+    table : DataFrame
+        As from `jointclosure.ensemble.flow_table.flow_table`.
+    rocks : dict
+        By name, in order: a row of panels each.
+    seating_stress : float
+        From which curves are drawn [Pa].
+    """
+    directions = list(dict.fromkeys(table.direction))
+    kinds = [(name, direction) for name in _QUANTITIES for direction in directions]
+    figure, panels = subplots(
+        len(rocks), len(kinds), figsize=(3.5 * len(kinds), 3.1 * len(rocks) + 0.7),
+        layout="constrained", squeeze=False, sharex="row",
+    )  # fmt: skip
+    base = table[(table.parameter == "base") & (table.stress_MPa >= 1e-6 * seating_stress)]
+    for row, (name, rock) in zip(panels, rocks.items(), strict=True):
+        own = base[base.rock == name]
+        for axes, (quantity, direction) in zip(row, kinds, strict=True):
+            _draw(axes, own[own.direction == direction], quantity)
+            axes.set(
+                title=f"{rock.title}, flow along {direction}", xlabel="normal stress (MPa)",
+                ylabel=_QUANTITIES[quantity][1], xlim=(0.0, 1e-6 * rock.max_normal_stress),
+            )  # fmt: skip
+        for pair in (row[: len(directions)], row[len(directions) :]):
+            top = max(axes.get_ylim()[1] for axes in pair)
+            for axes in pair:
+                axes.set_ylim(0.0, top)
+    cycles = sorted(table.cycle.unique())
+    handles: list[Artist] = [
+        Line2D([], [], color=f"C{cycle - 1}", lw=2, label=f"cycle {cycle}") for cycle in cycles
+    ]
+    handles += [
+        Line2D([], [], color="0.5", lw=2, ls=style, label=f"mean, {branch}")
+        for branch, style in _STYLES.items()
+    ]
+    handles += [
+        Line2D([], [], color="0.5", lw=1.2, ls=":", label="mechanical (mean) aperture, loading"),
+        Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="loading ± 1 standard deviation"),
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
+    sns.despine(figure)
+    return figure
+
+
+def _draw(axes, table: pd.DataFrame, quantity: str) -> None:
+    """Mean of each cycle's branches over the realisations, with a band about loading."""
+    unit = _QUANTITIES[quantity][0]
+    # a mean over the few that were pressed farthest is not that of the joints
+    table = table[table.samples == table.samples.max()]
+    for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
+        colour, stress = f"C{cycle - 1}", own.stress_MPa.to_numpy()
+        mean = own[f"{quantity}_mean{unit}"].to_numpy()
+        axes.plot(stress, mean, _STYLES[branch], color=colour, lw=2.0, zorder=above(cycle, branch))
+        if branch == UNLOADING:
+            continue
+        spread = np.nan_to_num(own[f"{quantity}_standard_deviation{unit}"].to_numpy())
+        low, high = np.maximum(mean - spread, 0.0), mean + spread
+        axes.fill_between(stress, low, high, color=colour, alpha=0.18, lw=0)
+        if quantity == "hydraulic_aperture":
+            axes.plot(stress, own.mean_aperture_mean_mm, ":", color=colour, lw=1.2)
