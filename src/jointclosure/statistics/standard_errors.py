@@ -142,12 +142,18 @@ def elasticity(levels, samples, base: float, paired: bool) -> Estimate:
     Estimate
         Its error to first order in those of slope and fitted value.
     """
-    levels, samples = np.asarray(levels, dtype=float), np.asarray(samples, dtype=float)
-    mean: Quadratic = fit_quadratic(levels, samples.mean(axis=1), base)
+    samples = np.asarray(samples, dtype=float)
+    return elasticity_of(levels, samples.mean(axis=1), mean_covariance(samples, paired), base)
+
+
+def elasticity_of(levels, means, covariance, base: float) -> Estimate:
+    """`elasticity` from means (k,) at the levels (k,) and the covariance (k, k) of their errors."""
+    levels = np.asarray(levels, dtype=float)
+    mean: Quadratic = fit_quadratic(levels, means, base)
     value = mean.c / mean.d * base / mean.half_range
-    covariance = quadratic_errors(levels, mean_covariance(samples, paired), base).covariance
+    reduced = quadratic_errors(levels, covariance, base).covariance
     gradient = np.array([0.0, base / (mean.half_range * mean.d), -value / mean.d])
-    variance = max(float(gradient @ covariance @ gradient), 0.0)  # rounding may make it negative
+    variance = max(float(gradient @ reduced @ gradient), 0.0)  # rounding may make it negative
     return Estimate(float(value), float(np.sqrt(variance)))
 
 
