@@ -60,14 +60,17 @@ class AdjustedLength(NamedTuple):
 
 
 def fewest_surfaces(covariates: int) -> int:
-    """Surfaces from which means and standard deviations can be adjusted by so many covariates."""
-    return 2 * covariates + 3
+    """Surfaces from which a study's means and standard deviations are adjusted by so many.
+
+    Five for each number that is fitted to a mean: with fewer, deviations' errors are not honest.
+    """
+    return 5 * (covariates + 1)
 
 
 def plain_means(samples, paired: bool) -> Means:
     """Means of samples (k, n) without any covariate; `adjusted_means` has the arguments."""
     samples = np.asarray(samples, dtype=float)
-    return Means(samples.mean(axis=1), np.atleast_2d(mean_covariance(samples, paired)))
+    return Means(samples.mean(axis=1), mean_covariance(samples, paired))
 
 
 def adjusted_means(samples, covariates, known: Known, paired: bool) -> Means:
@@ -94,7 +97,8 @@ def adjusted_means(samples, covariates, known: Known, paired: bool) -> Means:
     InputError
         As `adjusted_values`.
     """
-    adjusted, coefficients = _adjusted(samples, covariates, known.means)
+    adjusted, coefficients = adjusted_and_coefficients(samples, covariates, known.means)
+    coefficients = coefficients.mean(axis=1)
     of_known = coefficients @ np.asarray(known.covariance) @ coefficients.T / known.surfaces
     plain = plain_means(adjusted, paired)
     return plain._replace(covariance=plain.covariance + of_known)
@@ -131,7 +135,32 @@ def adjusted_values(values, covariates, known_means) -> np.ndarray:
     surfaces, residuals e and leverages h, those without surface i are
     beta - (X'X)^-1 x_i e_i/(1 - h_i).
     """
-    return _adjusted(values, covariates, known_means)[0]
+    return adjusted_and_coefficients(values, covariates, known_means)[0]
+
+
+def adjusted_and_coefficients(values, covariates, known_means) -> tuple[np.ndarray, np.ndarray]:
+    """`adjusted_values` (..., n), and coefficients (..., n, m) fitted without each surface."""
+    values, covariates = _checked(values, covariates, known_means)
+    # scaled, so that the rank of the columns does not depend on their units
+    scale = covariates.std(axis=-2, keepdims=True)
+    if not np.all(scale > 0.0):
+        raise InputError("covariates: a column is constant")
+    known_means = np.asarray(known_means, dtype=float)
+    offsets = (covariates - known_means) / scale
+    design = np.concatenate([np.ones((*offsets.shape[:-1], 1)), offsets], axis=-1)
+    size = np.linalg.norm(design, axis=(-2, -1))
+    rank = np.linalg.matrix_rank(design, tol=1e-9 * size)
+    if np.any(rank < design.shape[-1]):
+        raise InputError("covariates: a column is made of others")
+    inverse = np.linalg.pinv(design)
+    coefficients = inverse @ values[..., None]
+    residuals = values - (design @ coefficients)[..., 0]
+    leverages = np.einsum("...ij,...ji->...i", design, inverse)
+    if np.any(leverages > 1.0 - 1e-9):
+        raise InputError("covariates: a column is constant but for one surface")
+    without_one = coefficients - inverse * (residuals / (1.0 - leverages))[..., None, :]
+    fitted = np.swapaxes(without_one[..., 1:, :], -1, -2) / scale
+    return values - np.sum(fitted * (covariates - known_means), axis=-1), fitted
 
 
 def adjusted_deviation(values, covariates, known: Known) -> Estimate:
@@ -141,7 +170,7 @@ def adjusted_deviation(values, covariates, known: Known) -> Estimate:
     ----------
     values : array (n,)
     covariates : array (n, m)
-        As for `adjusted_values`; `fewest_surfaces` or more.
+        As for `adjusted_values`; 2 m + 3 surfaces or more, and better `fewest_surfaces`.
     known : Known
 
     Returns
@@ -163,9 +192,17 @@ def adjusted_deviation(values, covariates, known: Known) -> Estimate:
     return Estimate(float(deviations[0]), float(errors[0]))
 
 
-def adjusted_deviations(samples, covariates, known: Known) -> tuple[np.ndarray, np.ndarray]:
-    """`adjusted_deviation` of many rows (..., n) with covariates (..., n, m): S, and its error."""
+def adjusted_deviations(
+    samples, covariates, known: Known, tell_scatter: bool = True
+) -> tuple[np.ndarray, np.ndarray]:
+    """`adjusted_deviation` of many rows (..., n) with covariates (..., n, m): S, and its error.
+
+    Without ``tell_scatter`` they are the plain ones, as of `deviation_of`.
+    """
     samples, covariates = _checked(samples, covariates, known.means)
+    if not tell_scatter:
+        plain = samples.std(axis=-1, ddof=1)
+        return plain, plain / np.sqrt(2.0 * (samples.shape[-1] - 1))
     n, means = samples.shape[-1], np.asarray(known.means, dtype=float)
     centred = adjusted_values(samples, covariates, means)
     about = samples - centred.mean(axis=-1, keepdims=True)
@@ -200,6 +237,7 @@ def adjusted_length(
     draws: int = 400,
     confidence: float = 0.95,
     significance: float = 0.05,
+    tell_scatter: bool = True,
 ) -> AdjustedLength:
     """Indifference interval of the unpaired test, from adjusted means and deviations.
 
@@ -218,13 +256,15 @@ def adjusted_length(
     draws : int
         Of normal means and deviations with the errors found, which make the length's scatter.
     confidence : float
+    tell_scatter : bool
+        Whether deviations are adjusted too.
 
     Returns
     -------
     AdjustedLength
     """
     means = adjusted_means(samples, covariates, known, paired=False)
-    deviations, errors = adjusted_deviations(samples, covariates, known)
+    deviations, errors = adjusted_deviations(samples, covariates, known, tell_scatter)
     drawn = random.multivariate_normal(means.values, means.covariance, size=draws, method="svd")
     scattered = np.abs(deviations + errors * random.standard_normal((draws, deviations.size)))
     of = {"samples": np.shape(samples)[1], "significance": significance, "base": base}
@@ -238,28 +278,6 @@ def adjusted_length(
 def worth(plain: float, adjusted: float) -> float:
     """How many plain simulations one adjusted simulation is worth, from two standard errors."""
     return float((plain / adjusted) ** 2)
-
-
-def _adjusted(values, covariates, known_means) -> tuple[np.ndarray, np.ndarray]:
-    """Adjusted values (..., n), and the coefficients (..., m) of all surfaces."""
-    values, covariates = _checked(values, covariates, known_means)
-    # scaled, so that the rank of the columns does not depend on their units
-    scale = covariates.std(axis=-2, keepdims=True)
-    if not np.all(scale > 0.0):
-        raise InputError("covariates: a column is constant")
-    offsets = (covariates - np.asarray(known_means, dtype=float)) / scale
-    design = np.concatenate([np.ones((*offsets.shape[:-1], 1)), offsets], axis=-1)
-    size = np.linalg.norm(design, axis=(-2, -1))
-    rank = np.linalg.matrix_rank(design, tol=1e-9 * size)
-    if np.any(rank < design.shape[-1]):
-        raise InputError("covariates: a column is made of others")
-    inverse = np.linalg.pinv(design)
-    coefficients = inverse @ values[..., None]
-    residuals = values - (design @ coefficients)[..., 0]
-    leverages = np.einsum("...ij,...ji->...i", design, inverse)
-    without_one = coefficients - inverse * (residuals / (1.0 - leverages))[..., None, :]
-    adjusted = values - np.einsum("...ij,...ji->...i", offsets, without_one[..., 1:, :])
-    return adjusted, coefficients[..., 1:, 0] / scale[..., 0, :]
 
 
 def _checked(values, covariates, known_means) -> tuple[np.ndarray, np.ndarray]:
