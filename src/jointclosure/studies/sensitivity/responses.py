@@ -133,7 +133,7 @@ def responses(
             kept = good[levels.cases].all(axis=0)
             for cycle in study.cycle.values.tolist():
                 chosen = np.ix_(levels.cases, np.flatnonzero(kept))
-                samples = study[target].sel(cycle=cycle).values[chosen]
+                samples = study[target].sel(cycle=cycle).values[levels.cases][:, kept]
                 yield Response(
                     rock, parameter, int(cycle), levels.base, levels.values, samples, paired,
                     adjustment(covariates, chosen, int(cycle)),
