@@ -90,6 +90,16 @@ def test_one_rock_off_the_law_moves_its_own_constants_and_those_of_all_but_not_t
     assert of["own", "dolerite"] < of["all", "slate"] == of["all", "dolerite"] < of["own", "slate"]
 
 
+def test_a_maximum_that_was_not_quite_reached_counts_by_its_maximum_closure(configuration, study):
+    below = study.stress < 29e6
+    table = calibrate(
+        study.assign(closure=study.closure.where(below)), configuration.grid, configuration.surface
+    )
+    whole = calibrate(study, configuration.grid, configuration.surface)
+    np.testing.assert_allclose(table.at_strength, whole.at_strength, rtol=1e-3)
+    assert np.isfinite(table.rms_percent).all()
+
+
 def test_scanned_walls_have_no_law(configuration, study):
     scanned = study.assign_coords(jrc=study.jrc * np.nan)
     with pytest.raises(jc.InputError, match="no rock of the study has walls made from a JRC"):

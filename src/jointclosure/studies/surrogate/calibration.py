@@ -136,12 +136,14 @@ def _cases(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> list[_Joints]:
         strength = float(ensemble.compressive_strength[i])
         maximum = float(ensemble.max_normal_stress[i])
         ratios = np.array([r for r in RATIOS if r < 0.999 * maximum / strength])
-        closures = [
-            [*np.interp(ratios * strength, ensemble.stress.values, curve), top]
-            for curve, top in zip(loading[i, kept], highest[i, kept], strict=True)
-        ]
-        numbers = ensemble.realization.values[kept]
         ratios = np.append(ratios, maximum / strength)
+        closures = []
+        for curve, top in zip(loading[i, kept], highest[i, kept], strict=True):
+            # a maximum that is landed on from below leaves the axis' last point without a closure
+            read = np.isfinite(curve) & (ensemble.stress.values < maximum)
+            stresses = np.append(ensemble.stress.values[read], maximum)
+            closures.append(np.interp(ratios * strength, stresses, np.append(curve[read], top)))
+        numbers = ensemble.realization.values[kept]
         found.append(_Joints(i, ratios, np.array(closures), depths, numbers % 2 == 0))
     return found
 
