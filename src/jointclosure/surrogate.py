@@ -61,6 +61,7 @@ class _Range(NamedTuple):
 
     stress_over_strength: tuple[float, float]
     rms_slope: tuple[float, float]
+    height_over_slope: tuple[float, float]
     modulus_over_strength: tuple[float, float]
     spacing: tuple[float, float]
     length: tuple[float, float]
@@ -124,12 +125,25 @@ def estimate(
     return Estimate(closure, fraction, error)
 
 
+def slope_and_height(upper: np.ndarray, lower: np.ndarray, spacing: float) -> tuple[float, float]:
+    """RMS slope of both walls together, and RMS of their summed heights over it [m].
+
+    The second grows with the length of the waves that the walls do not share: walls that are
+    correlated, or whose long waves are weaker than those of the joints that the law was tested on,
+    have less. It is infinite where walls are level.
+    """
+    squares = [rms_slope(wall, spacing) ** 2 for wall in (upper, lower)]
+    slope = float(np.sqrt(0.5 * sum(squares)))
+    return slope, float(np.std(upper + lower)) / slope if slope else np.inf
+
+
 def _outside(tested: _Range, upper, lower, spacing: float, rock: Rock, ratio: np.ndarray):
     """What is beyond the joints that the law was tested on, one sentence each."""
-    slope = np.sqrt(0.5 * (rms_slope(upper, spacing) ** 2 + rms_slope(lower, spacing) ** 2))
+    slope, height = slope_and_height(upper, lower, spacing)
     given = {
         "stress_over_strength": (ratio.min(), ratio.max()),
         "rms_slope": (slope, slope),
+        "height_over_slope": (height, height),
         "modulus_over_strength": (rock.youngs_modulus / rock.compressive_strength,) * 2,
         "spacing": (spacing, spacing),
         "length": (spacing * min(upper.shape), spacing * max(upper.shape)),
@@ -137,6 +151,7 @@ def _outside(tested: _Range, upper, lower, spacing: float, rock: Rock, ratio: np
     names = {
         "stress_over_strength": "normal_stress over compressive strength",
         "rms_slope": "RMS slope of the walls",
+        "height_over_slope": "RMS of the summed heights over the walls' RMS slope [m]",
         "modulus_over_strength": "Young's modulus over compressive strength",
         "spacing": "spacing [m]",
         "length": "length of the walls [m]",
@@ -170,6 +185,7 @@ def _calibration() -> tuple[BearingLaw, _Range, list[tuple[np.ndarray, np.ndarra
             for low, high in (
                 ("stress_over_strength", "stress_over_strength"),
                 ("rms_slope", "rms_slope"),
+                ("least_height_over_slope_m", "most_height_over_slope_m"),
                 ("least_modulus_over_strength", "most_modulus_over_strength"),
                 ("spacing_m", "spacing_m"),
                 ("length_m", "length_m"),
@@ -190,6 +206,8 @@ _NUMBERS = (
     "exponent",
     "stress_over_strength",
     "rms_slope",
+    "least_height_over_slope_m",
+    "most_height_over_slope_m",
     "least_modulus_over_strength",
     "most_modulus_over_strength",
     "spacing_m",

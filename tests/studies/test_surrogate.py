@@ -170,6 +170,13 @@ def test_what_the_law_was_not_tested_on_is_refused_or_has_no_error(walls, change
     assert np.all(np.asarray(found.closure) >= 0.0)
 
 
+@pytest.mark.parametrize("change", [{"correlation": 0.9}, {"roll_off": 2e-3}])
+def test_walls_of_other_long_waves_are_refused(change):
+    pair = jc.wall_pair(8.0, (100, 100), 0.25e-3, 424242, **change)
+    with pytest.raises(jc.InputError, match="RMS of the summed heights over the walls' RMS slope"):
+        jc.estimate(*pair, spacing=0.25e-3, rock=DOLERITE, normal_stress=10e6)
+
+
 def test_a_smaller_joint_is_refused(walls):
     part = [wall[:50, :50] for wall in walls]
     with pytest.raises(jc.InputError, match=r"length of the walls \[m\] = 0.0125"):

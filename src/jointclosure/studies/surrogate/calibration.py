@@ -14,7 +14,7 @@ from jointclosure.inputs import InputError
 from jointclosure.protocol import LOADING
 from jointclosure.surface.bearing import bearing_depths
 from jointclosure.surface.roughness import z2_of_jrc
-from jointclosure.surrogate import ALL_ROCKS, BearingLaw
+from jointclosure.surrogate import ALL_ROCKS, BearingLaw, slope_and_height
 
 RATIOS = (0.01, 0.02, 0.03, 0.05, 0.075, 0.1, 0.125, 0.15)
 """Stresses over compressive strength at which closures are compared, besides the maximum."""
@@ -29,7 +29,7 @@ class _Joints(NamedTuple):
 
     ``ratios`` (s,): stresses over strength; ``closures`` (n, s) [m]; ``depths`` (n, f) [m] of the
     bearing-area curves at `_FRACTIONS`; ``fitted`` (n,): whether a joint is among those that
-    constants are fitted to.
+    constants are fitted to; ``heights`` (n,): RMS of the summed heights over the walls' slope [m].
     """
 
     case: int
@@ -37,6 +37,7 @@ class _Joints(NamedTuple):
     closures: np.ndarray
     depths: np.ndarray
     fitted: np.ndarray
+    heights: np.ndarray
 
     def errors(self, law: BearingLaw, which: np.ndarray, ratios: np.ndarray) -> np.ndarray:
         """Relative errors (joints, ratios) of the law's closures."""
@@ -85,6 +86,8 @@ def calibrate(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> pd.DataFram
         "length_m": grid.spacing * min(grid.shape),
         "least_modulus_over_strength": stiff.min(),
         "most_modulus_over_strength": stiff.max(),
+        "least_height_over_slope_m": min(each.heights.min() for each in cases),
+        "most_height_over_slope_m": max(each.heights.max() for each in cases),
     }
     rows: list[dict] = []
     for joints in cases:
@@ -123,7 +126,7 @@ def _cases(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> list[_Joints]:
     loading = loading.transpose("case", "realization", "stress").values
     highest = ensemble.max_closure.sel(cycle=1).values
     good, found = succeeded(ensemble).values, []
-    known: dict[tuple[str, float], np.ndarray] = {}
+    known: dict[tuple[str, float], tuple[np.ndarray, float]] = {}
     for i, jrc in enumerate(ensemble.jrc.values.tolist()):
         kept = np.flatnonzero(good[i])
         if np.isnan(jrc) or kept.size < 2:
@@ -131,8 +134,10 @@ def _cases(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> list[_Joints]:
         for seed in ensemble.seed.values[i, kept]:
             if (seed, jrc) not in known:
                 upper, lower = walls_of_seed(int(seed, 16), jrc, grid, surface)
-                known[seed, jrc] = bearing_depths(upper + lower, _FRACTIONS)
-        depths = np.array([known[seed, jrc] for seed in ensemble.seed.values[i, kept]])
+                depths = bearing_depths(upper + lower, _FRACTIONS)
+                known[seed, jrc] = depths, slope_and_height(upper, lower, grid.spacing)[1]
+        own = [known[seed, jrc] for seed in ensemble.seed.values[i, kept]]
+        curves, heights = (np.array(part) for part in zip(*own, strict=True))
         strength = float(ensemble.compressive_strength[i])
         maximum = float(ensemble.max_normal_stress[i])
         ratios = np.array([r for r in RATIOS if r < 0.999 * maximum / strength])
@@ -144,7 +149,7 @@ def _cases(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> list[_Joints]:
             stresses = np.append(ensemble.stress.values[read], maximum)
             closures.append(np.interp(ratios * strength, stresses, np.append(curve[read], top)))
         numbers = ensemble.realization.values[kept]
-        found.append(_Joints(i, ratios, np.array(closures), depths, numbers % 2 == 0))
+        found.append(_Joints(i, ratios, np.array(closures), curves, numbers % 2 == 0, heights))
     return found
 
 
