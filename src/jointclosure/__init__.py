@@ -25,6 +25,7 @@ if TYPE_CHECKING:  # type checkers and `jointclosure.sources` read these imports
     from jointclosure.statistics.indifference import indifference_interval
     from jointclosure.studies.effects.choice import choose_effects
     from jointclosure.surface.synthesis import wall_pair
+    from jointclosure.surrogate import estimate
 
     __version__: str
 
@@ -37,6 +38,7 @@ _MODULES = {
     "choose_effects": "studies.effects.choice",
     "close": "ensemble.scanned_joint",
     "equilibrium": "simulation",
+    "estimate": "surrogate",
     "indifference_interval": "statistics.indifference",
     "read_scan": "scans",
     "simulate": "simulation",
@@ -53,6 +55,7 @@ __all__ = [
     "choose_effects",
     "close",
     "equilibrium",
+    "estimate",
     "indifference_interval",
     "read_scan",
     "simulate",

@@ -70,6 +70,8 @@ def test_the_library_and_the_configuration_have_the_same_defaults():
         ({"rocks": {"slate": {"levels": {"jrc": [5]}}}}, "needs at least 2 values"),
         ({"rocks": {"slate": {"max_normal_stress_MPa": 0}}}, "max_normal_stress_MPa = 0: must be above 0"),
         ({"rocks": {"slate": {"max_normal_stress_MPa": 0.4}}}, "seating_stress_MPa = 0.5: must be below"),
+        ({"study": {"realizations": 4000}}, "statistics.control_variates = 4000: must be more than the 4000 surfaces"),
+        ({"study": {"pool": 5000}}, "statistics.control_variates = 4000: must be more than the 5000 surfaces"),
         ({"effects": "autom"}, "effects = 'autom': must be auto, or effects with true or false"),
         ({"choices": {"largest_radius_mm": 0.2}}, "largest_radius = 0.0002 m: must be at least the grid spacing"),
         ({"rocks": {"slate": {"max_normal_stress_MPa": 40}}, "output": {"largest_stress_MPa": 30}}, "output.largest_stress_MPa = 30: must be at least"),

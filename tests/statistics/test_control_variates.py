@@ -4,10 +4,17 @@ import pytest
 import jointclosure as jc
 from jointclosure.randomness import generator
 from jointclosure.statistics.control_variates import (
+    Known,
     adjusted_deviation,
+    adjusted_deviations,
+    adjusted_elasticity,
+    adjusted_length,
+    adjusted_means,
     adjusted_values,
+    plain_means,
     worth,
 )
+from jointclosure.statistics.indifference import indifference_interval
 from jointclosure.statistics.standard_errors import mean_of
 from jointclosure.statistics.verdicts import t_interval
 
@@ -18,6 +25,7 @@ UNEXPLAINED = 0.4
 MEAN = 10.0
 EXPLAINED = SLOPES @ COVARIANCE @ SLOPES
 DEVIATION = np.sqrt(EXPLAINED + UNEXPLAINED**2)
+KNOWN = Known(MEANS, COVARIANCE, np.inf)
 
 
 def surfaces(random, n, curved=0.0):
@@ -37,7 +45,7 @@ def test_95_percent_intervals_of_adjusted_means_cover_93_to_97_times_in_100(n, c
         adjusted = adjusted_values(values, covariates, MEANS)
         low, high = t_interval(mean_of(adjusted), n)
         inside.append(low <= MEAN <= high)
-        gains.append(worth(values, adjusted))
+        gains.append(worth(values.std(), adjusted.std()))
     assert 0.93 <= np.mean(inside) <= 0.97
     assert np.median(gains) > (2.0 if curved else 5.0)
 
@@ -85,7 +93,7 @@ def test_adjusted_deviations_are_unbiased_with_honest_errors_and_better_than_pla
     found, plain, inside = [], [], []
     for _ in range(1500):
         values, covariates = surfaces(random, n)
-        one = adjusted_deviation(values, covariates, MEANS, np.diag(COVARIANCE))
+        one = adjusted_deviation(values, covariates, KNOWN)
         low, high = t_interval(one, n)
         inside.append(low <= DEVIATION <= high)
         found.append(one)
@@ -99,11 +107,11 @@ def test_adjusted_deviations_are_unbiased_with_honest_errors_and_better_than_pla
 
 def test_an_adjusted_variance_is_unbiased_where_covariates_say_nothing():
     random = generator(6)
-    found = []
+    found, one = [], Known(MEANS[:1], COVARIANCE[:1, :1], np.inf)
     for _ in range(4000):
         _, covariates = surfaces(random, 20)
         values = random.normal(size=20)
-        found.append(adjusted_deviation(values, covariates[:, :1], MEANS[:1], [1.0]).value ** 2)
+        found.append(adjusted_deviation(values, covariates[:, :1], one).value ** 2)
     assert np.mean(found) == pytest.approx(1.0, abs=0.025)
 
 
@@ -122,3 +130,97 @@ def test_bad_covariates_are_refused_by_name(change, named):
     good = {"values": values, "covariates": covariates, "known_means": MEANS}
     with pytest.raises(jc.InputError, match=named):
         adjusted_values(**(good | change))
+
+
+LEVELS = np.array([70.0, 78.0, 85.0])
+STEPS = np.array([-0.3, 0.0, 0.2])
+"""What each level adds to the mean."""
+
+
+def levels_of_surfaces(random, n, shared):
+    """Samples (3, n) and covariates (3, n, 2): of the same surfaces at all levels, or of others."""
+    rows = [surfaces(random, n)] * 3 if shared else [surfaces(random, n) for _ in range(3)]
+    samples = np.stack([values for values, _ in rows]) + STEPS[:, None]
+    samples += 0.1 * random.normal(size=samples.shape)  # of each simulation's own
+    return samples, np.stack([covariates for _, covariates in rows])
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_differences_and_elasticities_have_honest_errors_in_common_and_independent_draws(shared):
+    random = generator(7)
+    inside, found, plain, covered = [], [], [], []
+    slope = adjusted_truth()
+    for _ in range(1200):
+        samples, covariates = levels_of_surfaces(random, 20, shared)
+        means = adjusted_means(samples, covariates, KNOWN, paired=shared)
+        change = means.combined([-1.0, 0.0, 1.0])
+        low, high = t_interval(change, 20)
+        inside.append(low <= STEPS[2] - STEPS[0] <= high)
+        found.append(change.value)
+        plain.append(plain_means(samples, shared).combined([-1.0, 0.0, 1.0]).value)
+        of_slope = adjusted_elasticity(LEVELS, samples, covariates, KNOWN, 78.0, shared)
+        low, high = t_interval(of_slope, 20)
+        covered.append(low <= slope <= high)
+    assert np.mean(found) == pytest.approx(0.5, abs=0.02)
+    assert 0.93 <= np.mean(inside) <= 0.975
+    assert 0.93 <= np.mean(covered) <= 0.975
+    # of common surfaces the covariates leave the difference by themselves: only fitting costs
+    gain = np.var(plain) / np.var(found)
+    assert 0.75 < gain < 1.0 if shared else gain > 5.0
+
+
+def adjusted_truth():
+    """Elasticity of the true means at 78."""
+    quadratic = np.polyfit(LEVELS - 78.0, MEAN + STEPS, 2)
+    return quadratic[1] / quadratic[2] * 78.0
+
+
+def test_covariates_known_from_few_surfaces_widen_the_errors_by_what_they_are_off():
+    """50 surfaces tell the covariates' means; the error has their part, common to all levels."""
+    random = generator(8)
+    inside, ignored = [], []
+    for _ in range(2000):
+        samples, covariates = levels_of_surfaces(random, 40, shared=False)
+        _, others = surfaces(random, 50)
+        known = Known(others.mean(axis=0), np.cov(others.T), 50)
+        told = adjusted_means(samples, covariates, known, paired=False)
+        exact = adjusted_means(samples, covariates, known._replace(surfaces=np.inf), False)
+        truth = MEAN + STEPS[1]
+        for found, one in ((inside, told), (ignored, exact)):
+            low, high = t_interval(one.estimate(1), 40)
+            found.append(low <= truth <= high)
+    assert 0.93 <= np.mean(inside) <= 0.97
+    assert np.mean(ignored) < 0.85
+    assert told.covariance[0, 1] > 0.0
+
+
+def test_rows_adjusted_together_are_those_adjusted_alone():
+    samples, covariates = levels_of_surfaces(generator(9), 20, shared=False)
+    together = adjusted_values(samples, covariates, MEANS)
+    deviations, errors = adjusted_deviations(samples, covariates, KNOWN)
+    for i in range(3):
+        alone = adjusted_values(samples[i], covariates[i], MEANS)
+        np.testing.assert_allclose(together[i], alone, rtol=1e-12)
+        one = adjusted_deviation(samples[i], covariates[i], KNOWN)
+        assert (deviations[i], errors[i]) == pytest.approx(one, rel=1e-12)
+
+
+def test_an_adjusted_length_estimates_the_plain_interval_and_scatters_as_it_says():
+    random = generator(10)
+    truth = indifference_interval(LEVELS, MEAN + 5 * STEPS, np.full(3, DEVIATION), 60, base=78.0)
+    adjusted, plain, inside = [], [], []
+    for i in range(300):
+        samples, covariates = levels_of_surfaces(random, 60, shared=False)
+        samples += 4 * STEPS[:, None]
+        found = adjusted_length(LEVELS, samples, covariates, KNOWN, generator(i), base=78.0)
+        adjusted.append(found.length)
+        inside.append(found.scatter.low <= truth.length <= found.scatter.high)
+        plain.append(
+            indifference_interval(
+                LEVELS, samples.mean(axis=1), samples.std(axis=1, ddof=1), 60, base=78.0
+            ).length
+        )
+    assert np.median(adjusted) == pytest.approx(truth.length, rel=0.05)
+    assert 0.90 <= np.mean(inside) <= 0.98
+    spread = [np.diff(np.nanquantile(each, [0.16, 0.84]))[0] for each in (plain, adjusted)]
+    assert worth(*spread) > 3.0

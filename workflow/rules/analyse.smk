@@ -1,11 +1,69 @@
 # Statistics of a study: correlations, indifference intervals, claims, checks.
 
 
+rule measure_covariates:
+    input:
+        ensembles=list(dict.fromkeys([f"{RESULTS}/study.nc", POOL])),
+        seals=BOTH_SEALS,
+    output:
+        covariates=(
+            list(dict.fromkeys([COVARIATES, POOL_COVARIATES]))
+            if VARIATES
+            else f"{RESULTS}/covariates.nc"
+        ),
+        seal=f"{RESULTS}/seals/measure_covariates.json",
+    log:
+        f"{RESULTS}/logs/measure_covariates.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/measure_covariates.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        grid=to_plain(CONFIGURATION.grid),
+        surface=to_plain(CONFIGURATION.surface),
+        surfaces=CONFIGURATION.statistics.control_variates,
+        root_seed=CONFIGURATION.study.root_seed,
+        made_with=STUDY_WITH,
+        code=code_of("measure_covariates"),
+    message:
+        "Measure covariates, and make the surfaces that tell their means"
+    script:
+        "../scripts/measure_covariates.py"
+
+
+rule reduce_variance:
+    input:
+        ensemble=POOL,
+        covariates=POOL_COVARIATES,
+        seals=POOL_SEALS + VARIATES_SEALS,
+    output:
+        f"{RESULTS}/tables/variance_reduction.csv",
+        seal=f"{RESULTS}/seals/reduce_variance.json",
+    log:
+        f"{RESULTS}/logs/reduce_variance.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/reduce_variance.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        realizations=CONFIGURATION.study.realizations,
+        significance=CONFIGURATION.statistics.significance,
+        root_seed=CONFIGURATION.study.root_seed,
+        made_with=STUDY_WITH,
+        code=code_of("reduce_variance"),
+    message:
+        "Measure what control variates are worth"
+    script:
+        "../scripts/reduce_variance.py"
+
+
 rule fit_correlations:
     input:
         study=f"{RESULTS}/study.nc",
         pool=POOL,
-        seals=BOTH_SEALS,
+        covariates=COVARIATES,
+        pool_covariates=POOL_COVARIATES,
+        seals=BOTH_SEALS + VARIATES_SEALS,
     output:
         correlations=f"{RESULTS}/tables/correlations.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
@@ -30,7 +88,8 @@ rule find_indifference_intervals:
     input:
         study=f"{RESULTS}/study.nc",
         paper=PAPER_TABLE_3,
-        seals=seals_of("aggregate"),
+        covariates=COVARIATES,
+        seals=seals_of("aggregate") + VARIATES_SEALS,
     output:
         f"{RESULTS}/tables/table_3_indifference.csv",
         seal=f"{RESULTS}/seals/find_indifference_intervals.json",

@@ -58,6 +58,7 @@ TABLES = [
     "correlations.csv",
     "elasticities.csv",
     "max_closure.csv",
+    "variance_reduction.csv",
     "claims.csv",
     "checks.csv",
     *(["measured_fit.csv"] if CURVES else []),
@@ -101,9 +102,22 @@ POOL_SEALS = [AGGREGATE_SEALS["pool" if "pool" in ENSEMBLES else "cases"]]
 BOTH_SEALS = list(AGGREGATE_SEALS.values())
 
 
+# covariates of the study's cases and of the ensemble that tells of the model, where asked for;
+# of scanned walls nothing tells their means
+SYNTHETIC = any(rock.walls is None for rock in ROCKS.values())
+VARIATES = CONFIGURATION.statistics.control_variates is not None and SYNTHETIC
+COVARIATES = f"{RESULTS}/covariates.nc" if VARIATES else []
+POOL_COVARIATES = (
+    f"{RESULTS}/pool_covariates.nc" if VARIATES and "pool" in ENSEMBLES else COVARIATES
+)
+VARIATES_SEALS = seals_of("measure_covariates") if VARIATES else []
+
+
 # of all that a study's tables and figures are; a target asks for them, so that one missing is noticed
 STUDY_SEALS = BOTH_SEALS + seals_of(
+    *(["measure_covariates"] if VARIATES else []),
     "fit_correlations",
+    "reduce_variance",
     "find_indifference_intervals",
     "predict_table_3",
     "judge_claims",

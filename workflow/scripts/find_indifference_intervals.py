@@ -3,6 +3,7 @@
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Statistics
 from jointclosure.ensemble.aggregation import CURVES
+from jointclosure.ensemble.covariates import from_dataset
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf
@@ -11,12 +12,15 @@ from jointclosure.studies.sensitivity.intervals import indifference_table
 from jointclosure.tables import with_paper
 
 
-def main(study: str, paper: str, settings: dict, output: str, log: Logbook) -> None:
+def main(
+    study: str, paper: str, covariates: str | None, settings: dict, output: str, log: Logbook
+) -> None:
     """Write Table 3 as one row per rock, parameter and cycle."""
     intervals = indifference_table(
         read_netcdf(study, without=CURVES),
         from_plain(Statistics, settings["statistics"]),
         settings["root_seed"],
+        from_dataset(read_netcdf(covariates)) if covariates else None,
     )
     write_csv(with_paper(intervals, read_csv(paper)), output)
     log(f"wrote {output}: {len(intervals)} intervals")
@@ -27,6 +31,7 @@ if __name__ == "__main__":
         main(
             snakemake.input.study,
             snakemake.input.paper,
+            snakemake.input.get("covariates") or None,
             dict(snakemake.params),
             snakemake.output[0],
             logbook,

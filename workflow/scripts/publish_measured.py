@@ -1,7 +1,8 @@
-"""Renew what the documents show of the studies of accuracy and effects.
+"""Renew what the documents show of the studies of accuracy and effects, and of the paper's.
 
-Run by hand after `make accuracy` or `make effects`: `publish_measured.py accuracy`. The table that
-presets come from is copied too (src/jointclosure/config/accuracy_settings.csv).
+Run by hand after `make accuracy` or `make effects`: `publish_measured.py accuracy`; or, after
+`make study` and `snakemake surrogate`, `publish_measured.py paper`. Tables that the package ships
+are copied too: those of presets and of the bearing-area law (src/jointclosure/config/).
 """
 
 import shutil
@@ -16,6 +17,7 @@ from jointclosure.storage.text import read_csv
 
 ROOT = Path(__file__).parents[2]
 ACCURACY, EFFECTS = ROOT / "results/accuracy", ROOT / "results/effects"
+PAPER = ROOT / "results/paper"
 
 
 def markdown(table: pd.DataFrame) -> str:
@@ -105,6 +107,60 @@ def joints() -> str:
     return markdown(shown.assign(**{"time / base": table.relative_time.round(1)}))
 
 
+def variance() -> str:
+    """What control variates are worth, and how often their intervals cover."""
+    table = read_csv(PAPER / "tables/variance_reduction.csv")
+    table["response"] = table.response.str.cat(table.draws + " draws", sep=", ").where(
+        table.response == "difference", table.response
+    )
+    rows = []
+    for (response, cycle), part in table[table.response != "slope"].groupby(
+        ["response", "cycle"], sort=False
+    ):
+        row = {"response": response, "cycle": cycle}
+        row |= {rock: _range(own.worth, 2) for rock, own in part.groupby("rock", sort=False)}
+        for kind in ("adjusted", "plain"):
+            covered = 100.0 * part[f"{kind}_coverage"].dropna()
+            row[f"coverage, {kind} (%)"] = _range(covered, 2) if len(covered) else ""
+        rows.append(row)
+    return markdown(pd.DataFrame(rows))
+
+
+def _range(values: pd.Series, digits: int) -> str:
+    """Least and largest value, to so many digits."""
+    ends = [f"{float(f'{end:.{digits}g}'):g}" for end in (values.min(), values.max())]
+    return " to ".join(dict.fromkeys(ends))
+
+
+def surrogate() -> str:
+    """What the bearing-area law is off by, for each rock, roughness and stress."""
+    table = read_csv(PAPER / "tables/surrogate.csv")
+    table = table[table.constants == "all"]
+    top = table.stress_MPa.max()
+    rows = []
+    for (rock, jrc), part in table.groupby(["rock", "jrc"], sort=False):
+        row = {"rock": rock, "JRC": f"{jrc:g}", "joints": part.joints.max()}
+        for ratio in (0.01, 0.03, 0.05, 0.1, 0.15):
+            row[f"{ratio:g} σc"] = (
+                f"{part.rms_percent[part.stress_over_strength == ratio].item():.0f}"
+            )
+        last = part[part.stress_MPa > 0.999 * top]
+        row[f"{top:.0f} MPa"] = f"{last.rms_percent.item():.0f} ({last.mean_percent.item():+.0f})"
+        rows.append(row)
+    return markdown(pd.DataFrame(rows))
+
+
+def constants() -> str:
+    """Constants of the law, of all rocks and of each."""
+    table = read_csv(PAPER / "tables/surrogate.csv").drop_duplicates(["constants", "at_strength"])
+    shown = {
+        "fitted to": table.rock.where(table.constants == "own", "all four"),
+        "a": table.at_strength.round(3),
+        "b": table.exponent.round(3),
+    }
+    return markdown(pd.DataFrame(shown))
+
+
 def choice() -> str:
     """How the chosen effects held."""
     return markdown(read_csv(EFFECTS / "tables/effects_auto_summary.csv").round(2))
@@ -130,11 +186,18 @@ PLACES = {
         {"presets": presets, "sources": sources, "orders": orders, "joints": joints},
     ),
     "effects": (ROOT / "docs/effects.md", {"choice": choice, "contributions": contributions}),
+    "paper": (
+        ROOT / "docs/accuracy.md",
+        {"variance": variance, "constants": constants, "surrogate": surrogate},
+    ),
 }
 FIGURES = {
     "accuracy": {"accuracy_regularised": "accuracy", "accuracy_sources": "accuracy_sources"},
     "effects": {"effects": "effects", "effects_auto": "effects_auto"},
+    "paper": {},
 }
+SHIPPED = {"accuracy": "accuracy_settings.csv", "paper": "surrogate.csv"}
+"""Tables of a study that the package has a copy of."""
 
 
 def main(study: str) -> None:
@@ -144,9 +207,9 @@ def main(study: str) -> None:
     for figure, image in FIGURES[study].items():
         source = ROOT / f"results/{study}/figures/{figure}.png"
         shutil.copy(source, ROOT / f"docs/images/{image}.png")
-    if study == "accuracy":
-        table = ACCURACY / "tables/accuracy_settings.csv"
-        shutil.copy(table, ROOT / "src/jointclosure/config/accuracy_settings.csv")
+    if table := SHIPPED.get(study):
+        source = ROOT / f"results/{study}/tables/{table}"
+        shutil.copy(source, ROOT / "src/jointclosure/config" / table)
 
 
 if __name__ == "__main__":

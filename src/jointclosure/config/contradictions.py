@@ -80,6 +80,13 @@ def _study_problems(keys: dict) -> Iterator[str]:
     study = keys["study"]
     if len(set(study["rocks"])) < len(study["rocks"]):
         yield f"study.rocks = {study['rocks']!r}: has a rock twice"
+    surfaces = keys["statistics"]["control_variates"]
+    closed = max(study["realizations"], study["pool"] or 0)
+    if surfaces is not None and surfaces <= closed:
+        yield (
+            f"statistics.control_variates = {surfaces}: must be more than the {closed} surfaces of "
+            "a case, whose means they adjust (or null: none are adjusted)"
+        )
     section = OTHER_TARGETS.get(study["name"])
     if section is not None and not (section and keys[section]):
         yield (

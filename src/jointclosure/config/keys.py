@@ -355,6 +355,13 @@ class StatisticsKeys(Keys):
     repetitions: int = entry(
         "Repetitions of the study that are drawn for what it would publish.", ge=100, le=1_000_000
     )
+    control_variates: int | None = entry(
+        "Surfaces that are made, and not closed, to tell the means of depths of the summed "
+        "heights, by which means and intervals are adjusted (docs/accuracy.md); null: none are.",
+        None,
+        ge=100,
+        le=1_000_000,
+    )
 
 
 class OutputKeys(Keys):

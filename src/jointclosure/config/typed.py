@@ -106,6 +106,7 @@ class Statistics(NamedTuple):
     bootstrap_resamples: int
     bootstrap_confidence: float
     repetitions: int
+    control_variates: int | None = None
 
 
 class Output(NamedTuple):

@@ -33,8 +33,15 @@ def make_surfaces(
         Number of the first realisation.
     """
     for realization, seed in enumerate(seeds, start=first):
-        pair = wall_pair(jrc, grid.shape, grid.spacing, seed, **surface._asdict())
+        pair = walls_of_seed(seed, jrc, grid, surface)
         yield surface_pair(pair, realization, seed, {"spacing_m": grid.spacing, "jrc": jrc})
+
+
+def walls_of_seed(
+    seed: int, jrc: float, grid: Grid, surface: Surface
+) -> tuple[np.ndarray, np.ndarray]:
+    """Upper and lower wall (y, x) [m] of one realisation."""
+    return wall_pair(jrc, grid.shape, grid.spacing, seed, **surface._asdict())
 
 
 def surface_pair(pair: tuple, realization: int, seed: int, attributes: dict) -> xr.Dataset:

@@ -18,6 +18,7 @@ def closure_sheet(closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
         "cycle": "Cycle",
         "samples": "Joints used (n)",
         "max_closure_mean_mm": "Maximum closure, mean (mm)",
+        "max_closure_adjusted_mean_mm": "Mean, adjusted (mm)",
         "max_closure_standard_deviation_mm": "Its standard deviation (mm)",
         "max_closure_net_mean_mm": "Net of bulk indentation (mm)",
         "max_closure_seated_mean_mm": "Counted from seating (mm)",
@@ -257,6 +258,7 @@ def elasticity_sheet(elasticities: pd.DataFrame, titles: dict[str, str]) -> Shee
         "cycle": "Cycle",
         "samples": "Joints used (n)",
         "elasticity_shown": "Elasticity",
+        "elasticity_adjusted_shown": "Adjusted",
         "elasticity_net_shown": "Net of bulk indentation",
     }
     return sheet(

@@ -57,7 +57,7 @@ def bootstrap_length(
     chosen = np.take_along_axis(samples[None], index, axis=2)
     means, deviations = chosen.mean(axis=2), chosen.std(axis=2, ddof=1)
     lengths = indifference_lengths(levels, means, deviations, n, significance, base)
-    return _percentiles(lengths, confidence)
+    return interval_of_lengths(lengths, confidence)
 
 
 def bootstrap_paired_length(
@@ -80,10 +80,11 @@ def bootstrap_paired_length(
     for i in range(resamples):
         chosen = samples[:, random.integers(0, n, size=n)]
         lengths[i] = paired_indifference_interval(levels, chosen, significance, base, degree).length
-    return _percentiles(lengths, confidence)
+    return interval_of_lengths(lengths, confidence)
 
 
-def _percentiles(lengths: np.ndarray, confidence: float) -> BootstrapInterval:
+def interval_of_lengths(lengths: np.ndarray, confidence: float) -> BootstrapInterval:
+    """Percentile interval of resampled lengths (resamples,); NaN, no root, counts as infinite."""
     lengths = np.where(np.isnan(lengths), np.inf, lengths)
     tail = 0.5 * (1.0 - confidence)
     low, high = np.quantile(lengths, [tail, 1.0 - tail], method="higher")

@@ -86,7 +86,7 @@ def bootstrap_error(
 
 def mean_covariance(samples, paired: bool) -> np.ndarray:
     """Covariance (k, k) of the means over samples (k, n); diagonal for independent draws."""
-    covariance = np.cov(samples) / np.shape(samples)[1]
+    covariance = np.atleast_2d(np.cov(samples)) / np.shape(samples)[1]
     return covariance if paired else np.diag(np.diag(covariance))
 
 
@@ -113,7 +113,7 @@ def quadratic_errors(levels, covariance, base: float) -> QuadraticErrors:
         Of the fitted values: `mean_covariance` or `deviation_covariance`.
     base : float
     """
-    fit = _fit_matrix(levels, base)
+    fit = fit_matrix(levels, base)
     reduced = fit @ covariance @ fit.T
     half_range = 0.5 * (levels[-1] - levels[0])
     m = base / half_range
@@ -121,6 +121,12 @@ def quadratic_errors(levels, covariance, base: float) -> QuadraticErrors:
     change /= np.array([half_range**2, half_range, 1.0])[:, None]
     own = change @ reduced @ change.T
     return QuadraticErrors(_roots_of_diagonal(reduced), _roots_of_diagonal(own), reduced)
+
+
+def fit_matrix(levels, base: float) -> np.ndarray:
+    """The matrix (3, k) from values at the levels to the coefficients of their fit."""
+    levels = np.asarray(levels, dtype=float)
+    return np.linalg.pinv(np.vander((levels - base) / (0.5 * (levels[-1] - levels[0])), 3))
 
 
 def elasticity(levels, samples, base: float, paired: bool) -> Estimate:
@@ -142,12 +148,18 @@ def elasticity(levels, samples, base: float, paired: bool) -> Estimate:
     Estimate
         Its error to first order in those of slope and fitted value.
     """
-    levels, samples = np.asarray(levels, dtype=float), np.asarray(samples, dtype=float)
-    mean: Quadratic = fit_quadratic(levels, samples.mean(axis=1), base)
+    samples = np.asarray(samples, dtype=float)
+    return elasticity_of(levels, samples.mean(axis=1), mean_covariance(samples, paired), base)
+
+
+def elasticity_of(levels, means, covariance, base: float) -> Estimate:
+    """`elasticity` from means (k,) at the levels (k,) and the covariance (k, k) of their errors."""
+    levels = np.asarray(levels, dtype=float)
+    mean: Quadratic = fit_quadratic(levels, means, base)
     value = mean.c / mean.d * base / mean.half_range
-    covariance = quadratic_errors(levels, mean_covariance(samples, paired), base).covariance
+    reduced = quadratic_errors(levels, covariance, base).covariance
     gradient = np.array([0.0, base / (mean.half_range * mean.d), -value / mean.d])
-    variance = max(float(gradient @ covariance @ gradient), 0.0)  # rounding may make it negative
+    variance = max(float(gradient @ reduced @ gradient), 0.0)  # rounding may make it negative
     return Estimate(float(value), float(np.sqrt(variance)))
 
 
@@ -171,12 +183,6 @@ def rounded(value: float, standard_error: float) -> str:
     places = max(digits, 0)
     value, standard_error = round(value, digits), round(standard_error, digits)
     return f"{value + 0.0:.{places}f} ± {standard_error:.{places}f}"
-
-
-def _fit_matrix(levels, base: float) -> np.ndarray:
-    """The matrix (3, k) from values at the levels to the coefficients of their fit."""
-    levels = np.asarray(levels, dtype=float)
-    return np.linalg.pinv(np.vander((levels - base) / (0.5 * (levels[-1] - levels[0])), 3))
 
 
 def _roots_of_diagonal(covariance: np.ndarray) -> tuple[float, float, float]:

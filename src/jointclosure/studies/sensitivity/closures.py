@@ -6,8 +6,15 @@ import xarray as xr
 
 from jointclosure.config.properties import PROPERTIES
 from jointclosure.ensemble.aggregation import succeeded
+from jointclosure.ensemble.covariates import Covariates
+from jointclosure.statistics.control_variates import (
+    adjusted_deviations,
+    adjusted_elasticity,
+    adjusted_means,
+)
 from jointclosure.statistics.correlations import fit_quadratic, lack_of_fit, paired_lack_of_fit
 from jointclosure.statistics.standard_errors import (
+    Estimate,
     deviation_covariance,
     deviation_of,
     elasticity,
@@ -17,7 +24,13 @@ from jointclosure.statistics.standard_errors import (
     rounded,
     variation_of,
 )
-from jointclosure.studies.sensitivity.responses import NET, TARGET, Response, responses
+from jointclosure.studies.sensitivity.responses import (
+    NET,
+    TARGET,
+    Response,
+    adjustment,
+    responses,
+)
 
 CLOSURES = (
     TARGET,
@@ -32,13 +45,16 @@ _COEFFICIENTS = (*_OF_MEAN, *_OF_DEVIATION)
 _CORRELATION: tuple[str, ...] = ("rock", "parameter", "unit", "cycle", "samples", *_COEFFICIENTS)
 _CORRELATION += tuple(f"{name}_standard_error" for name in _COEFFICIENTS)
 _CORRELATION += ("lack_of_fit_p",)
+_WHAT = ("", "_standard_error", "_shown")
+_ADJUSTED = [f"elasticity_adjusted{what}" for what in _WHAT]
 
 
-def max_closure_table(study: xr.Dataset) -> pd.DataFrame:
+def max_closure_table(study: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
     """Mean, standard deviation and n of the maximum closures, per case and cycle, with errors.
 
     ``max_closure_shown`` is the mean rounded to its standard error [mm]; ``variation`` is
-    S/mean of the maximum closure.
+    S/mean of the maximum closure. Columns with ``adjusted`` are by the study's covariates, NaN
+    where there are none.
     """
     good = succeeded(study).values
     rows = []
@@ -49,6 +65,9 @@ def max_closure_table(study: xr.Dataset) -> pd.DataFrame:
             for target in CLOSURES:
                 values = _MM * study[target].sel(cycle=cycle).values[i][good[i]]
                 row |= _scatter(target, values)
+                if target == TARGET:
+                    chosen = np.ix_(np.array([i]), np.flatnonzero(good[i]))
+                    row |= _adjusted(values, adjustment(covariates, chosen, int(cycle)))
             shown = (row[f"{TARGET}_mean_mm"], row[f"{TARGET}_mean_mm_standard_error"])
             rows.append(row | {"max_closure_shown": rounded(*shown)})
     return pd.DataFrame(rows)
@@ -68,6 +87,21 @@ def _scatter(target: str, values: np.ndarray) -> dict:
         row[deviation], row[f"{deviation}_standard_error"] = deviation_of(values)
         if target == TARGET and values.mean() != 0.0:
             row["variation"], row["variation_standard_error"] = variation_of(values)
+    return row
+
+
+def _adjusted(values: np.ndarray, covariates: Covariates | None) -> dict:
+    """Adjusted mean and standard deviation [mm] of the maximum closure, with standard errors."""
+    found = dict.fromkeys(("mean", "standard_deviation"), Estimate(np.nan, np.nan))
+    if covariates is not None:
+        own, known, tell_scatter = covariates
+        found["mean"] = adjusted_means(values[None], own, known, paired=False).estimate(0)
+        deviations, errors = adjusted_deviations(values[None], own, known, tell_scatter)
+        found["standard_deviation"] = Estimate(float(deviations[0]), float(errors[0]))
+    row: dict[str, float] = {}
+    for what, estimate in found.items():
+        name = f"{TARGET}_adjusted_{what}_mm"
+        row |= {name: estimate.value, f"{name}_standard_error": estimate.standard_error}
     return row
 
 
@@ -106,14 +140,16 @@ def _coefficients(response: Response, size: float) -> dict:
     return row
 
 
-def elasticity_table(ensemble: xr.Dataset) -> pd.DataFrame:
+def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
     """d ln(mean maximum closure)/d ln(parameter) at each rock's own value, with standard errors.
 
     One row per rock, parameter and cycle, with and without bulk indentation. Of a pool the
-    surfaces are the same at all levels, and their errors are those of differences.
+    surfaces are the same at all levels, and their errors are those of differences. Columns
+    with ``adjusted`` are by the ensemble's covariates, NaN where there are none.
     """
     rows = []
-    for gross, net in zip(responses(ensemble, TARGET), responses(ensemble, NET), strict=True):
+    both = (responses(ensemble, target, covariates) for target in (TARGET, NET))
+    for gross, net in zip(*both, strict=True):
         row = {"rock": gross.rock, "parameter": gross.parameter, "cycle": gross.cycle}
         row |= {"samples": gross.samples.shape[1], "paired": gross.paired}
         for suffix, response in (("", gross), ("_net", net)):
@@ -127,11 +163,15 @@ def elasticity_table(ensemble: xr.Dataset) -> pd.DataFrame:
                 f"elasticity{suffix}_standard_error": found[1],
                 f"elasticity{suffix}_shown": rounded(*found),
             }
+        found = (np.nan, np.nan)
+        if gross.covariates is not None and gross.base != 0.0:
+            own, known, _ = gross.covariates
+            found = adjusted_elasticity(
+                gross.levels, gross.samples, own, known, gross.base, gross.paired
+            )
+        row |= dict(zip(_ADJUSTED, (*found, rounded(*found)), strict=True))
         rows.append(row)
     columns = ["rock", "parameter", "cycle", "samples", "paired"]
-    columns += [
-        f"elasticity{suffix}{what}"
-        for suffix in ("", "_net")
-        for what in ("", "_standard_error", "_shown")
-    ]
+    columns += [f"elasticity{suffix}{what}" for suffix in ("", "_net") for what in _WHAT]
+    columns += _ADJUSTED
     return pd.DataFrame(rows, columns=columns)

@@ -13,8 +13,10 @@ import xarray as xr
 
 from jointclosure.config.properties import PROPERTIES
 from jointclosure.config.typed import Statistics
+from jointclosure.ensemble.covariates import Covariates
 from jointclosure.randomness import generator, seed_of
 from jointclosure.statistics.bootstrap import bootstrap_length, bootstrap_paired_length
+from jointclosure.statistics.control_variates import adjusted_length
 from jointclosure.statistics.correlations import fit_quadratic
 from jointclosure.statistics.indifference import IndifferenceInterval, indifference_interval
 from jointclosure.statistics.monotone import monotone_interval
@@ -41,6 +43,9 @@ _FOUND = (
 )
 """Columns of an interval, with the suffix ``_net`` those net of bulk indentation."""
 _ENDS = ("p_of_ends", "unpaired_p_of_ends")
+_ADJUSTED = tuple(
+    f"adjusted_{name}" for name in ("length", "percent", "low", "high", "standard_error")
+)
 
 
 class _Found(NamedTuple):
@@ -53,7 +58,12 @@ class _Found(NamedTuple):
     linear_length: float
 
 
-def indifference_table(study: xr.Dataset, statistics: Statistics, root_seed: int) -> pd.DataFrame:
+def indifference_table(
+    study: xr.Dataset,
+    statistics: Statistics,
+    root_seed: int,
+    covariates: Covariates | None = None,
+) -> pd.DataFrame:
     """Indifference intervals of all rocks, parameters and cycles, as a frame.
 
     Parameters
@@ -64,6 +74,8 @@ def indifference_table(study: xr.Dataset, statistics: Statistics, root_seed: int
     statistics : Statistics
     root_seed : int
         Of the study; the bootstrap has a stream of its own.
+    covariates : Covariates, optional
+        Of the study.
 
     Returns
     -------
@@ -72,9 +84,12 @@ def indifference_table(study: xr.Dataset, statistics: Statistics, root_seed: int
         ``unpaired_length`` the published test's whatever the draws. With more than three levels
         ``monotone_length`` is that of isotonic regression, by the table's test. ``p_of_ends`` is
         the p value of the difference between the lowest and the highest level, by both tests.
+        ``adjusted_length`` is the published test's, of independent draws, from means and deviations
+        adjusted by the covariates; NaN where there are none.
     """
     rows = []
-    for gross, net in zip(responses(study, TARGET), responses(study, NET), strict=True):
+    both = (responses(study, target, covariates) for target in (TARGET, NET))
+    for gross, net in zip(*both, strict=True):
         unit = PROPERTIES[gross.parameter]
         row = {
             "rock": gross.rock,
@@ -93,8 +108,10 @@ def indifference_table(study: xr.Dataset, statistics: Statistics, root_seed: int
         ends = gross.samples[0], gross.samples[-1]
         row["p_of_ends"] = p_of_difference(*ends, paired=gross.paired)
         row["unpaired_p_of_ends"] = p_of_difference(*ends, paired=False)
+        row |= _adjusted(gross, unit.size, statistics, root_seed)
         rows.append(row)
     columns = [*_ROW, *(f"{name}{suffix}" for suffix in ("", "_net") for name in _FOUND), *_ENDS]
+    columns += _ADJUSTED
     return pd.DataFrame(rows, columns=columns)
 
 
@@ -144,6 +161,33 @@ def _bootstrap(response: Response, statistics: Statistics, root_seed: int, suffi
     if response.paired:
         return bootstrap_paired_length(*arguments, **told)
     return bootstrap_length(*arguments, **told, paired=False)
+
+
+def _adjusted(response: Response, size: float, statistics: Statistics, root_seed: int) -> dict:
+    """The interval from adjusted means and deviations."""
+    if response.covariates is None or response.paired:
+        return {}
+    own, known, tell_scatter = response.covariates
+    name = ("adjusted", response.rock, response.parameter, response.cycle)
+    found = adjusted_length(
+        response.levels,
+        response.samples,
+        own,
+        known,
+        generator(seed_of(root_seed, *name)),
+        base=response.base,
+        draws=statistics.bootstrap_resamples,
+        confidence=statistics.bootstrap_confidence,
+        significance=statistics.significance,
+        tell_scatter=tell_scatter,
+    )
+    return {
+        "adjusted_length": found.length / size,
+        "adjusted_percent": 100.0 * found.length / response.base,
+        "adjusted_low": found.scatter.low / size,
+        "adjusted_high": found.scatter.high / size,
+        "adjusted_standard_error": found.scatter.standard_error / size,
+    }
 
 
 def _unpaired(response: Response, significance: float) -> _Found:

@@ -9,6 +9,8 @@ import xarray as xr
 from jointclosure.config.properties import PARAMETERS
 from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.ensemble.cases import BASE
+from jointclosure.ensemble.covariates import Covariates
+from jointclosure.statistics.control_variates import fewest_surfaces
 from jointclosure.statistics.drawn_studies import Pool, Sensitivity
 
 TARGET, NET = "max_closure", "max_closure_net"
@@ -19,7 +21,8 @@ class Response(NamedTuple):
     """A target (level, realization) [m] against one parameter of one rock, in SI.
 
     Realisations that failed at any level are left out at all levels. ``paired``: whether a
-    realisation is the same surface at all levels.
+    realisation is the same surface at all levels. ``covariates`` (level, realization, covariate)
+    are those by which means and deviations can be adjusted, or None.
     """
 
     rock: str
@@ -29,6 +32,7 @@ class Response(NamedTuple):
     levels: np.ndarray
     samples: np.ndarray
     paired: bool
+    covariates: Covariates | None = None
 
     @property
     def means(self) -> np.ndarray:
@@ -96,18 +100,44 @@ def same_surfaces(study: xr.Dataset, rock: str) -> bool:
     return seeds.ndim == 2 and bool((seeds == seeds[0]).all())
 
 
-def responses(study: xr.Dataset, target: str) -> Iterator[Response]:
-    """All responses of a target (a variable over case, realization, cycle)."""
+def adjustment(covariates: Covariates | None, chosen: tuple, cycle: int) -> Covariates | None:
+    """Covariates of some values of a cycle; None where there are none, or too few values.
+
+    Parameters
+    ----------
+    covariates : Covariates or None
+        Of a whole study.
+    chosen : tuple
+        Indices of cases and realisations, as for `numpy.ix_`.
+    cycle : int
+    """
+    if covariates is None:
+        return None
+    own = covariates.of_cycle(cycle)
+    values = own.values[chosen]
+    enough = values.shape[-2] >= fewest_surfaces(values.shape[-1])
+    return own._replace(values=values) if enough and np.isfinite(values).all() else None
+
+
+def responses(
+    study: xr.Dataset, target: str, covariates: Covariates | None = None
+) -> Iterator[Response]:
+    """All responses of a target (a variable over case, realization, cycle).
+
+    ``covariates`` are those of the same study.
+    """
     good = succeeded(study).values
     for rock in rocks_of(study):
         paired = same_surfaces(study, rock)
         for parameter, levels in levels_of(study, rock).items():
             kept = good[levels.cases].all(axis=0)
             for cycle in study.cycle.values.tolist():
+                chosen = np.ix_(levels.cases, np.flatnonzero(kept))
                 samples = study[target].sel(cycle=cycle).values[levels.cases][:, kept]
                 yield Response(
-                    rock, parameter, int(cycle), levels.base, levels.values, samples, paired
-                )
+                    rock, parameter, int(cycle), levels.base, levels.values, samples, paired,
+                    adjustment(covariates, chosen, int(cycle)),
+                )  # fmt: skip
 
 
 def rock_sample(study: xr.Dataset, rock: str, variables: dict[str, xr.DataArray]) -> RockSample:

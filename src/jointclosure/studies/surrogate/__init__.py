@@ -1,0 +1,1 @@
+"""How far a bearing-area law tells the closure of a first loading."""

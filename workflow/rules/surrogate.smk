@@ -1,0 +1,34 @@
+# Constants of the bearing-area law of `jointclosure.estimate`: `snakemake surrogate`, from the joints
+# of a finished study. What the package ships is that of the paper's study (publish_surrogate.py).
+
+
+rule surrogate:
+    input:
+        f"{RESULTS}/tables/surrogate.csv",
+        seals_of("calibrate_surrogate"),
+    message:
+        "The constants of the bearing-area law are in {input[0]}"
+
+
+rule calibrate_surrogate:
+    input:
+        pool=POOL,
+        seals=POOL_SEALS,
+    output:
+        f"{RESULTS}/tables/surrogate.csv",
+        seal=f"{RESULTS}/seals/calibrate_surrogate.json",
+    log:
+        f"{RESULTS}/logs/calibrate_surrogate.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/calibrate_surrogate.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        grid=to_plain(CONFIGURATION.grid),
+        surface=to_plain(CONFIGURATION.surface),
+        made_with=STUDY_WITH,
+        code=code_of("calibrate_surrogate"),
+    message:
+        "Fit the bearing-area law, and test it on other joints"
+    script:
+        "../scripts/calibrate_surrogate.py"
