@@ -29,7 +29,7 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_
 _PACKAGES = ("numpy", "numba", "scipy", "xarray", "netCDF4", "pandas", "matplotlib", "snakemake")
 _PYTHONS = ((3, 11), (3, 13))
 _MEMORY_OF_A_JOB = 0.5e9
-"""Bytes of a job of the paper's study, 331 to 386 MB measured, rounded up."""
+"""Bytes of a job of the paper's study, 305 MB of closures to 415 MB of tables, rounded up."""
 _DISK_OF_A_STUDY = 1e9
 """Bytes that a study may take: the paper's takes 0.2 GB, most of it surfaces."""
 

@@ -31,7 +31,8 @@ _UNNAMED = "rock"
 """Name of a rock that is given by its properties."""
 _FIRST_LOADING = 5.0
 """Time of the first loading over that of a later cycle, for the progress bar: 4 to 10 measured on
-joints of the paper's size; the first unloading takes a third of a cycle."""
+joints of the paper's size without roll-off, where later cycles are closed again and not
+replayed; the first unloading takes a third of a cycle."""
 
 
 def add_rock(command: argparse.ArgumentParser) -> None:

@@ -225,7 +225,7 @@ def influence_of(table: np.ndarray) -> Influence:
 def dense_limit(shape: tuple[int, int]) -> int:
     """Contacts up to which a dense product is cheaper than a convolution of the grid.
 
-    Measured: 600 on 100 x 100 cells; both costs go as the number of cells if
+    Measured: 800 on 100 x 100 cells; both costs go as the number of cells if
     the limit goes as its root.
     """
     return min(int(8.0 * math.sqrt(shape[0] * shape[1])), LARGEST_DENSE)
