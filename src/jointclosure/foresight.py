@@ -63,10 +63,12 @@ def check_foreseen(joint: Joint, numerics: Numerics, max_normal_stress: float, c
 def displacement_steps(
     joint: Joint, numerics: Numerics, max_normal_stress: float, cycles: int
 ) -> tuple[float, float]:
-    """Displacement steps that a history takes at least, and the elastic closure [m] behind it.
+    """Displacement steps that an elastic history takes at least, and the closure [m] behind it.
 
-    That of contacts that neither break nor feel each other, which is less than the
-    joint's. Of the paper's joints, which take 118, it foresees 98.
+    That of contacts that neither break nor feel each other, which is less than the closure of
+    the joint's first loading. Later branches are shorter where asperities broke: of four
+    dolerite joints of the default study, which take 63 to 72, it foresees 93 to 121; of joints
+    without roll-off, which took 118, 98.
     """
     reach = float(np.ptp(joint.upper + joint.lower))
     cells, overlap, _, compliance = joint.overlapping(math.nextafter(reach, math.inf))

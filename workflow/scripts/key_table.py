@@ -23,7 +23,7 @@ its value and what is allowed. Numbers beyond what is usual of rock are more oft
 
 - `default.yaml`: the paper's study (a link to the package's file, so that it is in the wheel).
 - `smoke.yaml`: the same made small.
-- `common_draws.yaml`: the same 20 surfaces in all cases, with the paired test; the default of before.
+- `common_draws.yaml`: the same 20 surfaces in all cases, with the paired test.
 - `no_roll_off.yaml`: walls with waves of all lengths; the default of before ([which reading](../docs/readings.md)).
 - `many_levels.yaml`: nine levels of every property: is a quadratic enough?
 - `regularised.yaml`: the model that has a limit, to 10 MPa; `paper_at_10_mpa.yaml`: what it is held against.
