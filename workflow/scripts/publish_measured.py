@@ -1,8 +1,10 @@
 """Renew what the documents show of the studies of accuracy and effects, and of the paper's.
 
-Run by hand after `make accuracy` or `make effects`: `publish_measured.py accuracy`; or, after
-`make study` and `snakemake surrogate`, `publish_measured.py paper`. Tables that the package ships
-are copied too: those of presets and of the bearing-area law (src/jointclosure/config/).
+Run by hand after `make accuracy`, `make effects` or `make study`: `publish_measured.py accuracy`,
+`effects` or `paper`; or, after `make study CONFIG=config/no_roll_off.yaml` and
+`snakemake --configfile config/no_roll_off.yaml surrogate`, `publish_measured.py no_roll_off`.
+Tables that the package ships are copied too: those of presets and of the bearing-area law
+(src/jointclosure/config/).
 """
 
 import shutil
@@ -18,6 +20,7 @@ from jointclosure.storage.text import read_csv
 ROOT = Path(__file__).parents[2]
 ACCURACY, EFFECTS = ROOT / "results/accuracy", ROOT / "results/effects"
 PAPER = ROOT / "results/paper"
+NO_ROLL_OFF = ROOT / "results/no_roll_off"
 
 
 def markdown(table: pd.DataFrame) -> str:
@@ -134,7 +137,7 @@ def _range(values: pd.Series, digits: int) -> str:
 
 def surrogate() -> str:
     """What the bearing-area law is off by, for each rock, roughness and stress."""
-    table = read_csv(PAPER / "tables/surrogate.csv")
+    table = read_csv(NO_ROLL_OFF / "tables/surrogate.csv")
     table = table[table.constants == "all"]
     top = table.stress_MPa.max()
     rows = []
@@ -152,7 +155,9 @@ def surrogate() -> str:
 
 def constants() -> str:
     """Constants of the law, of all rocks and of each."""
-    table = read_csv(PAPER / "tables/surrogate.csv").drop_duplicates(["constants", "at_strength"])
+    table = read_csv(NO_ROLL_OFF / "tables/surrogate.csv").drop_duplicates(
+        ["constants", "at_strength"]
+    )
     shown = {
         "fitted to": table.rock.where(table.constants == "own", "all four"),
         "a": table.at_strength.round(3),
@@ -186,17 +191,19 @@ PLACES = {
         {"presets": presets, "sources": sources, "orders": orders, "joints": joints},
     ),
     "effects": (ROOT / "docs/effects.md", {"choice": choice, "contributions": contributions}),
-    "paper": (
+    "paper": (ROOT / "docs/accuracy.md", {"variance": variance}),
+    "no_roll_off": (
         ROOT / "docs/accuracy.md",
-        {"variance": variance, "constants": constants, "surrogate": surrogate},
+        {"constants": constants, "surrogate": surrogate},
     ),
 }
 FIGURES = {
     "accuracy": {"accuracy_regularised": "accuracy", "accuracy_sources": "accuracy_sources"},
     "effects": {"effects": "effects", "effects_auto": "effects_auto"},
     "paper": {},
+    "no_roll_off": {},
 }
-SHIPPED = {"accuracy": "accuracy_settings.csv", "paper": "surrogate.csv"}
+SHIPPED = {"accuracy": "accuracy_settings.csv", "no_roll_off": "surrogate.csv"}
 """Tables of a study that the package has a copy of."""
 
 

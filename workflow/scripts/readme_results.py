@@ -68,8 +68,11 @@ def joint_tests() -> str:
     ]
     head = "| entries | number | p of this model | p without any effect |\n|---|---|---|---|\n"
     whole = joint.iloc[0]
-    outcome = "exclude this model as configured" if whole.p < EXCLUDED else "do not exclude it"
-    said = f"Together the paper's {whole.number} entries {outcome} (p {_sign(whole.p)}):\n\n"
+    outcome = "exclude" if whole.p < EXCLUDED else "do not exclude"
+    said = (
+        f"Together the paper's {whole.number} entries {outcome} this model as configured "
+        f"(p {_sign(whole.p)}):\n\n"
+    )
     return said + head + "\n".join(rows) + "\n"
 
 
