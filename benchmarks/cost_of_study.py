@@ -21,7 +21,7 @@ def costs(results: Path, simulations: int) -> pd.DataFrame:
     rows = []
     folder = results / "benchmarks"
     for rule in sorted({path.relative_to(folder).parts[0] for path in folder.rglob("*.tsv")}):
-        files = [folder / rule] if rule.endswith(".tsv") else sorted((folder / rule).glob("*.tsv"))
+        files = [folder / rule] if rule.endswith(".tsv") else sorted((folder / rule).rglob("*.tsv"))
         jobs = pd.concat([pd.read_csv(file, sep="\t") for file in files])
         name = rule.removesuffix(".tsv")
         row = {"rule": name, "jobs": len(jobs), "CPU s": jobs.cpu_time.sum()}
@@ -33,11 +33,13 @@ def costs(results: Path, simulations: int) -> pd.DataFrame:
 
 def sizes(results: Path, simulations: int) -> pd.DataFrame:
     """Bytes on disk a simulation, and gigabytes a million."""
+    of_cases = [file for part in ("cases", "pool") for file in (results / part).glob("*.nc")]
+    surfaces = [file for file in of_cases if file.name.endswith(".surfaces.nc")]
     kinds = {
-        "surfaces": sorted((results / "cases").glob("*.surfaces.nc")),
-        "study.nc": [results / "study.nc"],
+        "surfaces": surfaces,
+        "closures": [file for file in of_cases if file not in surfaces],
+        "study.nc, pool.nc": _datasets(results),
     }
-    kinds["closures"] = sorted(set((results / "cases").glob("*.nc")) - set(kinds["surfaces"]))
     rows = []
     for kind, files in kinds.items():
         each = sum(file.stat().st_size for file in files) / simulations
@@ -45,10 +47,17 @@ def sizes(results: Path, simulations: int) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def _datasets(results: Path) -> list[Path]:
+    """Of the study, and of its pool where it has one."""
+    return [file for file in (results / "study.nc", results / "pool.nc") if file.exists()]
+
+
 def main(results: Path) -> None:
     """Print both tables."""
-    with reading_netcdf(results / "study.nc") as study:
-        simulations = int(study.sizes["case"] * study.sizes["realization"])
+    simulations = 0
+    for file in _datasets(results):
+        with reading_netcdf(file) as study:
+            simulations += int(study.sizes["case"] * study.sizes["realization"])
     print(f"{results}: {simulations} simulations")
     for table in (costs(results, simulations), sizes(results, simulations)):
         print(table.round(3).to_string(index=False, na_rep=""))

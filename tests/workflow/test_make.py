@@ -122,7 +122,9 @@ def follow(folder: Path, program: str) -> subprocess.Popen:
     (folder / "run.log").write_text("")
     (folder / "job.log").write_text("many lines\nfailed: InputError: grid.cells_x = 2\n")
     code = (
-        "import importlib.util, sys; from pathlib import Path\n"
+        "import importlib.util, signal, sys; from pathlib import Path\n"
+        # a shell's background job is started with Ctrl-C ignored
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         f"file = {str(ROOT / 'workflow/scripts/run.py')!r}\n"
         "spec = importlib.util.spec_from_file_location('run', file)\n"
         "run = importlib.util.module_from_spec(spec); spec.loader.exec_module(run)\n"

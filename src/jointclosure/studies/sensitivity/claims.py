@@ -172,7 +172,11 @@ def _true(rule: Rule, samples: list[RockSample], figure: float | None) -> dict:
             verdicts.append(verdict(interval, quantity.true_between))
             low, high = quantity.true_between
             inside = min(found.value - low, high - found.value)
-            margin = inside / found.standard_error if found.standard_error else inside * np.inf
+            margin = (
+                inside / found.standard_error
+                if found.standard_error
+                else (np.inf if inside > 0.0 else -np.inf)
+            )
             if not deciding or margin < least:
                 least, deciding = margin, f"{quantity.name} {rounded(*found)}"
         shown.append(f"{sample.rock}: {deciding}")
