@@ -23,6 +23,7 @@ FILES = {
     "an alias bomb": (BOMB.encode(), "its aliases stand for over 100000 values"),
     "a recursive anchor": (b"study: &a\n  rocks: *a\n", "an alias refers to what it is in"),
     "a recursive list": (b"study: &a [*a]\n", "an alias refers to what it is in"),
+    "deep list": (5000 * b"[" + 5000 * b"]", "must hold keys and values"),
     "deep": (b"study: " + 5000 * b"[" + 5000 * b"]", "nested"),
     "an unknown anchor": (b"study: *a\n", "line 1: found undefined alias"),
     "minutes": (b"rocks:\n  slate:\n    youngs_modulus_GPa: 1:30\n", "line 3: 1:30 is no decimal"),

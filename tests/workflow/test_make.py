@@ -34,6 +34,19 @@ def project(tmp_path_factory):
     return folder
 
 
+def test_set_up_does_not_empty_what_a_linked_environment_leads_to(tmp_path):
+    (tmp_path / "clone").mkdir()
+    folder = checkout(tmp_path / "clone")
+    shutil.copy(ROOT / "Makefile", folder)
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other/kept").touch()
+    (folder / ".venv").symlink_to(tmp_path / "other")
+    done = subprocess.run(["make", "setup"], cwd=folder, capture_output=True, text=True)
+    assert done.returncode != 0
+    assert ".venv is a link" in done.stdout
+    assert (tmp_path / "other/kept").exists()
+
+
 def make(folder: Path, *words: str, **settings) -> subprocess.CompletedProcess:
     return subprocess.run(
         ["make", "-o", STAMP, *words],

@@ -1,6 +1,7 @@
 """Configuration files: plain YAML, read strictly, and the files that come with the package."""
 
 import re
+import reprlib
 from collections import Counter
 from pathlib import Path
 
@@ -135,5 +136,5 @@ def _check_plain(settings: dict, path: str | Path) -> None:
 
 
 def _short(value: object) -> str:
-    text = repr(value)
+    text = reprlib.repr(value) if isinstance(value, dict | list) else repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
