@@ -37,7 +37,8 @@ def project(tmp_path_factory):
 def test_set_up_does_not_empty_what_a_linked_environment_leads_to(tmp_path):
     (tmp_path / "clone").mkdir()
     folder = checkout(tmp_path / "clone")
-    shutil.copy(ROOT / "Makefile", folder)
+    for name in ("Makefile", "pyproject.toml", "requirements.lock", "requirements-uv.lock"):
+        shutil.copy(ROOT / name, folder)
     (tmp_path / "other").mkdir()
     (tmp_path / "other/kept").touch()
     (folder / ".venv").symlink_to(tmp_path / "other")
