@@ -5,8 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from jointclosure.history import branch_of
-from jointclosure.plotting.style import above, styled, subplots
-from jointclosure.protocol import LOADING, UNLOADING
+from jointclosure.plotting.style import BRANCH_LINES, above, styled, subplots
 
 
 @styled
@@ -22,7 +21,7 @@ def closure_curve(closed: xr.Dataset, title: str) -> Figure:
     figure, axes = subplots(figsize=(6.4, 4.4), layout="constrained")
     cycle, branch = closed.cycle.values, closed.branch.values
     for number in sorted(set(cycle.tolist())):
-        for name, style in ((LOADING, "-"), (UNLOADING, "--")):
+        for name, style in BRANCH_LINES.items():
             here = branch_of(cycle, branch, number, name)
             axes.plot(
                 1e3 * closed.closure.values[here],

@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
-from jointclosure.engineering.curves import area_of
+from jointclosure.engineering.curves import spacing_of
 from jointclosure.plotting.scanned_joint import map_extent
 from jointclosure.plotting.style import styled, subplots
 
@@ -28,7 +28,7 @@ def snapshot_figure(closed: xr.Dataset, title: str) -> Figure:
     is that of a whole cell; contacts are smaller.
     """
     number = closed.sizes["snapshot"]
-    spacing = (area_of(closed) / (closed.sizes["y"] * closed.sizes["x"])) ** 0.5
+    spacing = spacing_of(closed)
     stresses = 1e-6 * closed.snapshot_force.values / spacing**2
     figure, panels = subplots(
         number, 3, figsize=(10.5, 3.2 * number + 1.3), layout="constrained", squeeze=False,
