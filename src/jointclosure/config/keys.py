@@ -355,6 +355,9 @@ class StatisticsKeys(Keys):
     repetitions: int = entry(
         "Repetitions of the study that are drawn for what it would publish.", ge=100, le=1_000_000
     )
+    jrc_half_widths: list[Positive] = entry(
+        "Half-widths of a JRC that is known to a range only (target jrc_range).", [1.0, 2.0]
+    )
     control_variates: int | None = entry(
         "Surfaces that are made, and not closed, to tell the means of depths of the summed "
         "heights, by which means and intervals are adjusted (docs/accuracy.md); null: none are.",
