@@ -80,9 +80,11 @@ def test_elasticities_are_those_of_the_closures_whatever_the_choices(world, desi
     table = elasticity_table(design, keys, world)
     for row in table.itertuples():
         truth = ELASTICITIES.get(row.input, 0.0)
-        assert row.elasticity == pytest.approx(truth, abs=max(4.0 * row.elasticity_error, 1e-3))
-        assert row.spread < 4.0 * row.spread_error
-    sure = table[table.input.isin(ELASTICITIES)]
+        truth = -truth if row.response == "compliance" else truth
+        # surfaces are noise of a row, which changes within a row do not have
+        assert row.elasticity == pytest.approx(truth, abs=1e-3)
+        assert row.spread < 1e-3
+    sure = table[table.input.isin(ELASTICITIES) & (table.elasticity.abs() > 0.1)]
     assert (sure.share_positive == (sure.elasticity > 0.0)).all()
 
 

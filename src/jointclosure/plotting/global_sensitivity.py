@@ -14,8 +14,8 @@ SHOWN = (
     ("closure", 2, "closure, cycle 2"),
     ("closure_net", 2, "closure net of bulk\nindentation, cycle 2"),
     ("residual", 1, "residual closure"),
-    ("stiffness", 1, "stiffness, cycle 1"),
-    ("stiffness", 2, "stiffness, cycle 2"),
+    ("compliance", 1, "compliance, cycle 1"),
+    ("compliance", 2, "compliance, cycle 2"),
 )
 """Response, cycle and title of each panel."""
 _WIDTH = 1.96

@@ -6,17 +6,14 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.config.properties import PARAMETERS
-from jointclosure.statistics.orthonormal import Fit
 from jointclosure.studies.global_sensitivity.design import Design
 from jointclosure.studies.global_sensitivity.table import (
     Responses,
     choices_drawn,
     elasticities_at,
-    fit_of,
     has_elasticities,
-    jackknifed,
+    jackknife_error,
     responses_of,
-    spreads_of,
 )
 
 Elasticities = Mapping[str, np.ndarray]
@@ -67,21 +64,22 @@ def conclusion_table(design: Design, keys: dict, closed) -> pd.DataFrame:
 def _conclusions(
     design: Design, keys: dict, own: list[Responses], at: np.ndarray
 ) -> Iterator[dict]:
+    properties_of = {one.name: one.property or "" for one in design.inputs}
     held: dict[str, list[np.ndarray]] = {number: [] for number in CONCLUSIONS}
     errors: dict[str, list[float]] = {number: [] for number in CONCLUSIONS}
     for each in own:
-        spreads = spreads_of(design, keys, each.rock)
-        properties = [one.property for one in design.inputs if one.name in spreads]
+        names, found, left_out = elasticities_at(design, keys, each, at)
+        properties = [properties_of[name] for name in names]
 
-        def read(fit: Fit, spreads=spreads, properties=properties) -> np.ndarray:
-            found = elasticities_at(fit, at, spreads)
-            named = dict(zip(properties, found.T, strict=True))
-            return np.stack([holds(named) for _, holds in CONCLUSIONS.values()]).astype(float)
+        def read(elasticities: np.ndarray, properties=properties) -> np.ndarray:
+            named = dict(zip(properties, elasticities, strict=True))
+            return np.stack([holds(named) for _, holds in CONCLUSIONS.values()])
 
-        whole = read(fit_of(each.points, each.values, design.values))
-        _, error = jackknifed(each, design.values, lambda fit, read=read: read(fit).mean(axis=1))
+        whole = read(found)
+        parts = np.stack([read(part).mean(axis=1) for part in left_out])
+        error = jackknife_error(parts)
         for place, (number, (said, _)) in enumerate(CONCLUSIONS.items()):
-            held[number].append(whole[place] > 0.5)
+            held[number].append(whole[place])
             errors[number].append(float(error[place]))
             yield _conclusion(number, said, each, each.rock, whole[place].mean(), error[place])
     for number, (said, _) in CONCLUSIONS.items():

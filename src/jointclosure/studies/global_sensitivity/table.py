@@ -8,14 +8,14 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.randomness import generator, seed_of
-from jointclosure.statistics.orthonormal import Fit, fitted
+from jointclosure.statistics.orthonormal import Fit, Term, design_matrix, fitted
 from jointclosure.statistics.variance_indices import (
     Indices,
     shapley_effects,
     variance_indices,
 )
 from jointclosure.studies.global_sensitivity.closing import RESPONSES
-from jointclosure.studies.global_sensitivity.design import Design, spread_of
+from jointclosure.studies.global_sensitivity.design import Design, Input, spread_of, value_at
 
 GROUPS = 16
 """Groups of rows of the jackknife, where fits are repeated."""
@@ -35,11 +35,15 @@ class Responses(NamedTuple):
 
 
 def responses_of(design: Design, closed: Mapping[str, xr.Dataset]) -> Iterator[Responses]:
-    """Every response of every rock and cycle; rows with a failed simulation are left out."""
+    """Every response of every rock and cycle; rows with a failed simulation are left out.
+
+    In place of the stiffness its inverse, the compliance: a mean over stiffnesses is that of the
+    few that are near infinite.
+    """
     points = design.points()
-    for rock, whole in closed.items():
-        whole = whole.sortby("row")
-        for name in RESPONSES:
+    for rock, each in closed.items():
+        whole = each.sortby("row").assign(compliance=1.0 / each.sortby("row").stiffness)
+        for name in (*(name for name in RESPONSES if name != "stiffness"), "compliance"):
             for cycle in whole.cycle.values.tolist():
                 if name == "residual" and cycle > 1:
                     continue
@@ -77,57 +81,99 @@ def index_table(design: Design, closed: Mapping[str, xr.Dataset]) -> pd.DataFram
             about = {"rock": each.rock, "response": each.name, "cycle": each.cycle}
             about |= {"rows": number, "left_out": each.left_out, "fit_share": found.fit_share}
             rows += [about | row for row in _index_rows(design, found)]
-        fits.append((about, _resampled(each, design.values, logarithm=False)))
+        fits.append((about, _resampled(each, design.values)))
     if not fits:
         return pd.DataFrame(rows)
     return pd.DataFrame(rows).merge(_shapley_table(design, fits), how="left")
 
 
 def elasticity_table(design: Design, keys: dict, closed) -> pd.DataFrame:
-    """Elasticities of properties in the middle of their ranges, whatever else varies.
+    """Elasticities of properties, and how they vary with all else.
 
     Returns
     -------
     DataFrame
         ``rock``, ``response``, ``cycle``, ``input``; ``elasticity``, its mean over all else;
-        ``spread``, its standard deviation over all else; both with jackknife errors;
-        ``share_positive`` of all else for which it is above 0. A response that is not positive
-        everywhere has none.
+        ``spread``, its standard deviation over all else; ``share_positive`` of all else for which
+        it is above 0; each with its jackknife error. A response that is not positive everywhere
+        has none.
     """
     rows = []
     for each in filter(has_elasticities, responses_of(design, closed)):
-        spreads = spreads_of(design, keys, each.rock)
-        at = choices_drawn(design)
+        names, whole, left_out = elasticities_at(design, keys, each, choices_drawn(design))
 
-        def read(fit: Fit, at=at, spreads=spreads) -> np.ndarray:
-            found = elasticities_at(fit, at, spreads)
-            parts = (found.mean(axis=0), found.std(axis=0), (found > 0.0).mean(axis=0))
-            return np.concatenate(parts)
+        def read(found: np.ndarray) -> dict[str, np.ndarray]:
+            return {
+                "elasticity": found.mean(axis=-1),
+                "spread": found.std(axis=-1),
+                "share_positive": (found > 0.0).mean(axis=-1),
+            }
 
-        values, errors = jackknifed(each, design.values, read)
-        mean, spread, share = np.split(values, 3)
-        mean_error, spread_error, share_error = np.split(errors, 3)
-        for place, name in enumerate(spreads):
-            rows.append(
-                {
-                    "rock": each.rock,
-                    "response": each.name,
-                    "cycle": each.cycle,
-                    "input": name,
-                    "elasticity": mean[place],
-                    "elasticity_error": mean_error[place],
-                    "spread": spread[place],
-                    "spread_error": spread_error[place],
-                    "share_positive": share[place],
-                    "share_positive_error": share_error[place],
-                }
-            )
+        values = read(whole)
+        errors = {name: jackknife_error(parts) for name, parts in read(left_out).items()}
+        about = {"rock": each.rock, "response": each.name, "cycle": each.cycle}
+        for place, name in enumerate(names):
+            row = about | {"input": name}
+            for column in values:
+                row[column] = values[column][place]
+                row[f"{column}_error"] = errors[column][place]
+            rows.append(row)
     return pd.DataFrame(rows)
+
+
+def elasticities_at(design: Design, keys: dict, each: Responses, at: np.ndarray):
+    """d ln(response)/d ln(property) at drawn choices, of all rows and without groups of rows.
+
+    Between the two points of a row that differ in a property alone, on the same surfaces,
+
+        change of ln(response) = (e + sum of b_j t_j over the other inputs) change of ln(property)
+
+    with the first function t_j of each input (`jointclosure.statistics.orthonormal`); least
+    squares. Each b_j is multiplied by 1 - (error/b_j)^2, or 0: noise is no variation.
+
+    Parameters
+    ----------
+    design : Design
+    keys : dict
+    each : Responses
+    at : array (n, d)
+        Points of the unit cube.
+
+    Returns
+    -------
+    names : list of str
+        The properties that have elasticities.
+    whole : array (k, n)
+    left_out : array (groups, k, n)
+    """
+    columns = np.stack(_first_functions(at, design.values), axis=-1)
+    names, whole, left_out = [], [], []
+    logarithms = np.log(each.values)
+    for place, one in enumerate(design.inputs):
+        spread = spread_of(one, keys, each.rock) if one.property else None
+        if spread is None:
+            continue
+        others = [other for other in range(len(design.inputs)) if other != place]
+        step = _logarithm(one, keys, each.rock, each.points[:, 2 + place, place])
+        step = step - _logarithm(one, keys, each.rock, each.points[:, 0, place])
+        change = (logarithms[:, 2 + place] - logarithms[:, 0]).mean(axis=-1)
+        here = np.stack(_first_functions(each.points[:, 0], design.values), axis=-1)
+        matrix = np.column_stack([np.ones(len(step)), here[:, others]]) * step[:, None]
+        slopes = [_least_squares(matrix, change, rows) for rows in _kept(len(step))]
+        squares, noise = slopes[0] ** 2, jackknife_error(np.stack(slopes[1:])) ** 2
+        factors = np.divide(squares - noise, squares, out=0.0 * squares, where=squares > noise)
+        factors[0] = 1.0
+        drawn = np.column_stack([np.ones(len(at)), columns[:, others]])
+        found = [drawn @ (factors * slope) for slope in slopes]
+        names.append(one.name)
+        whole.append(found[0])
+        left_out.append(np.stack(found[1:]))
+    return names, np.stack(whole), np.stack(left_out, axis=1)
 
 
 def has_elasticities(each: Responses) -> bool:
     """Whether a response has a logarithm at all points."""
-    return bool((each.values.mean(axis=-1) > 0.0).all())
+    return bool((each.values > 0.0).all())
 
 
 def choices_drawn(design: Design) -> np.ndarray:
@@ -169,53 +215,42 @@ def _shapley_table(design: Design, fits: list[tuple[dict, list[Fit]]]) -> pd.Dat
             row = about | {"input": each.name}
             for name, effects in columns.items():
                 whole, *left_out = effects[place, here]
-                row |= {name: whole, f"{name}_error": _jackknife_error(np.array(left_out))}
+                row |= {name: whole, f"{name}_error": jackknife_error(np.array(left_out))}
             rows.append(row)
     return pd.DataFrame(rows)
 
 
-def fit_of(points, values, counts, logarithm: bool = True) -> Fit:
-    mean = values.mean(axis=-1)
-    target = np.log(mean) if logarithm else mean
-    return fitted(points.reshape(-1, points.shape[-1]), target.ravel(), counts)
-
-
-def jackknifed(each: Responses, counts, read) -> tuple[np.ndarray, np.ndarray]:
-    """What is read of the fit to the logarithm of all rows, and its jackknife error."""
-    whole, *left_out = (read(fit) for fit in _resampled(each, counts, logarithm=True))
-    return whole, _jackknife_error(np.stack(left_out))
-
-
-def _resampled(each: Responses, counts, logarithm: bool) -> list[Fit]:
+def _resampled(each: Responses, counts) -> list[Fit]:
     """The fit to all rows, and those to all but a group."""
-    n = len(each.values)
-    kept = [np.setdiff1d(np.arange(n), np.arange(first, n, GROUPS)) for first in range(GROUPS)]
+    d = each.points.shape[-1]
+    mean = each.values.mean(axis=-1)
     return [
-        fit_of(each.points[rows], each.values[rows], counts, logarithm)
-        for rows in (np.arange(n), *kept)
+        fitted(each.points[rows].reshape(-1, d), mean[rows].ravel(), counts)
+        for rows in _kept(len(mean))
     ]
 
 
-def _jackknife_error(left_out: np.ndarray) -> np.ndarray:
+def _kept(n: int) -> list[np.ndarray]:
+    """All rows, and all but a group, in turn."""
+    groups = (np.arange(first, n, GROUPS) for first in range(GROUPS))
+    return [np.arange(n), *(np.setdiff1d(np.arange(n), group) for group in groups)]
+
+
+def _least_squares(matrix: np.ndarray, change: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    return np.linalg.lstsq(matrix[rows], change[rows], rcond=None)[0]
+
+
+def _first_functions(points: np.ndarray, values: tuple[int, ...]) -> list[np.ndarray]:
+    """The first function of each input at points (n, d)."""
+    terms = tuple(Term(((one, 0),)) for one in range(len(values)))
+    return list(design_matrix(points, values, terms).T)
+
+
+def _logarithm(one: Input, keys: dict, rock: str, u: np.ndarray) -> np.ndarray:
+    return np.log([value_at(one, keys, rock, float(each)) for each in u])
+
+
+def jackknife_error(left_out: np.ndarray) -> np.ndarray:
+    """Errors (...) from what is found without each group of rows (groups, ...)."""
     about = left_out - left_out.mean(axis=0)
     return np.sqrt((GROUPS - 1) / GROUPS * (about**2).sum(axis=0))
-
-
-def spreads_of(design: Design, keys: dict, rock: str) -> dict[str, tuple[int, float]]:
-    """Properties that have an elasticity: place among the inputs, and ln of high over low."""
-    found = {}
-    for place, each in enumerate(design.inputs):
-        spread = spread_of(each, keys, rock) if each.property else None
-        if spread is not None:
-            found[each.name] = (place, spread)
-    return found
-
-
-def elasticities_at(fit: Fit, at: np.ndarray, spreads: Mapping[str, tuple[int, float]]):
-    """d ln(response)/d ln(property) between the ends of its range, all else as drawn (n, k)."""
-    columns = []
-    for place, spread in spreads.values():
-        low, high = at.copy(), at.copy()
-        low[:, place], high[:, place] = 0.0, 1.0
-        columns.append((fit(high) - fit(low)) / spread)
-    return np.stack(columns, axis=1)

@@ -25,6 +25,7 @@ from jointclosure.studies.sensitivity.responses import (
     same_surfaces,
 )
 
+_ORDER = ("case", "realization", "cycle")
 REPEATS = 4
 """Times that a JRC is drawn for every joint of the pool; their scatter is the error of it."""
 
@@ -50,9 +51,9 @@ def with_jrc_range(pool: xr.Dataset, half_width: float, random: np.random.Genera
     InputError
         A rock whose JRC is not varied on common surfaces.
     """
-    order = ("case", "realization", "cycle")
     names = [name for name in (TARGET, NET) if name in pool]
-    changed = {name: pool[name].transpose(*order).copy(deep=True) for name in names}
+    before = {name: pool[name].transpose(*_ORDER).values for name in names}
+    after = {name: values.copy() for name, values in before.items()}
     for rock in rocks_of(pool):
         levels = levels_of(pool, rock).get("jrc")
         if levels is None or not same_surfaces(pool, rock):
@@ -65,10 +66,10 @@ def with_jrc_range(pool: xr.Dataset, half_width: float, random: np.random.Genera
             drawn = random.uniform(-1.0, 1.0, pool.sizes["realization"])
             powers = np.vander(here + half_width / span * drawn, at.size)
             weights = (powers - np.vander([here], at.size)) @ np.linalg.inv(np.vander(at))
-            for each in changed.values():
-                answers = np.log(each.values[levels.cases])  # (level, realization, cycle)
-                each.values[case] *= np.exp(np.einsum("rl,lrc->rc", weights, answers))
-    return pool.assign(changed)
+            for name in names:
+                answers = np.log(before[name][levels.cases])  # (level, realization, cycle)
+                after[name][case] *= np.exp(np.einsum("rl,lrc->rc", weights, answers))
+    return pool.assign({name: (_ORDER, after[name], pool[name].attrs) for name in names})
 
 
 def jrc_range_tables(
