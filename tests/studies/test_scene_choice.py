@@ -112,7 +112,9 @@ def test_a_choice_is_held_against_the_full_model(settings):
     everything = table.chosen == scene_name(jc.Effects())
     assert (table.actual_percent[everything] == 0.0).all()
     assert (table.holds == (table.actual_percent <= 100.0 * table.tolerance)).all()
-    choice_figure(table)
+    figure = choice_figure(table)
+    texts = [text.get_text() for axes in figure.axes for text in axes.texts]
+    assert texts == ["tolerance 5 %", "tolerance 90 %"]
 
 
 def test_the_summary_counts_what_held_and_what_was_saved():

@@ -440,6 +440,23 @@ class KnobKeys(Keys):
     )
 
 
+class TotalErrorKeys(Keys):
+    """The diagram of total error (`snakemake total_error`): every way to a result, with what a
+    finished study says of scatter and control variates."""
+
+    study: Name = entry(
+        "Study whose tables are read, of the size and stress of `scene`; `snakemake surrogate` has "
+        "been run on it too."
+    )
+    scene: Name = entry("Variant of the model whose errors and times count.")
+    methods: dict[Name, PointKeys] = entry(
+        "Settings that are compared by name, each a knob and its value in `scene`.", min_length=1
+    )
+    budgets_min: list[Positive] = entry(
+        "Core-minutes for which the best split is tabulated.", min_length=1
+    )
+
+
 class AccuracyKeys(Keys):
     """Design of a study of what accuracy costs (config/accuracy.yaml): variants of the model, and
     the knobs that are turned in each."""
@@ -463,6 +480,7 @@ class AccuracyKeys(Keys):
         "multiplied by it, or each value brings the settings that it stands for.",
         min_length=1,
     )
+    total: TotalErrorKeys | None = entry(TotalErrorKeys.__doc__, None)
 
 
 def _range(kind: Any, description: str):
