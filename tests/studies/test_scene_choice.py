@@ -3,14 +3,25 @@
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
 import jointclosure as jc
 from jointclosure.config.files import read_plain
+from jointclosure.ensemble import closing
+from jointclosure.ensemble.cases import cases_of
+from jointclosure.ensemble.closing import close_surfaces, closed_before
+from jointclosure.ensemble.settings import Conditions
+from jointclosure.ensemble.slices import closure_settings, surface_settings
+from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.inputs import InputError
 from jointclosure.parameters import scene_name
 from jointclosure.plotting.effects import choice_figure
 from jointclosure.studies.effects import choice as scene_choice
-from jointclosure.studies.effects.choice import choose_effects
+from jointclosure.studies.effects.choice import (
+    choose_effects,
+    choose_for_case,
+    choose_for_rock,
+)
 from jointclosure.studies.effects.design import validation_settings
 from jointclosure.studies.effects.validation import (
     random_scene,
@@ -56,22 +67,74 @@ def test_an_effect_below_the_tolerance_is_left_out_and_its_error_is_estimated():
             pairs, max_normal_stress=3e6, effects=ELASTIC, tolerance=tolerance, **SETTING
         )
         assert choice.effects.interaction is interaction
-    # the pieces are the whole walls here, so the estimate lacks nothing but its margin
     assert actual <= choice.error < 2.0 * actual
 
 
-def test_the_bulk_indentation_of_the_whole_joint_counts_not_that_of_the_piece(monkeypatch):
-    pairs = joints(48)
-    whole = 1.0 - mean_closure(pairs, ELASTIC._replace(interaction=False), 5e6) / mean_closure(
-        pairs, ELASTIC, 5e6
+def test_where_all_effects_act_the_pilot_has_closed_nothing_but_a_realisation_of_the_case():
+    pairs = joints(32)
+    choice = choose_effects(pairs, max_normal_stress=10e6, **SETTING | {"cycles": 2})
+    assert choice.effects == jc.Effects()
+    assert choice.trial_seconds == 0.0
+    (closed,) = choice.closed
+    again = jc.simulate(*pairs[0], max_normal_stress=10e6, **SETTING | {"cycles": 2})
+    assert closed.dataset.max_closure.equals(again.max_closure)
+
+
+def test_what_a_run_with_all_effects_proves_is_true(monkeypatch):
+    (pair,) = joints(32, 1)
+    told = SETTING | {"cycles": 2, "max_normal_stress": 3e6}
+    full = jc.simulate(*pair, **told).max_closure.values
+    for names, effects in (
+        (("breakage", "gouge"), ELASTIC),
+        (("interaction",), jc.Effects(interaction=False)),
+    ):
+        conditions = Conditions(
+            SPACING, DOLERITE, 3e6, 2, 0.0, jc.Effects(), jc.Choices(), jc.Numerics()
+        )
+        proven = scene_choice._Pilot([pair], conditions).proven(names)
+        without = jc.simulate(*pair, effects=effects, **told).max_closure.values
+        assert 0.0 < proven <= np.abs(without / full - 1.0).max()
+
+
+def test_the_cases_of_a_rock_share_a_decision_and_are_not_asked_after_a_proof():
+    study = study_of(
+        {"study": {"rocks": ["slate"], "realizations": 4, "pool": None}},
+        {"grid": {"cells_x": 16, "cells_y": 16}, "effects": {"auto": 0.02}},
     )
-    monkeypatch.setattr(scene_choice, "PILOT_CELLS", 12)
-    choice = choose_effects(pairs, max_normal_stress=5e6, effects=ELASTIC, tolerance=0.9, **SETTING)
-    assert not choice.effects.interaction
-    monkeypatch.setattr(scene_choice._Pilot, "_bulk_missed", lambda self, count: 0.0)
-    naive = choose_effects(pairs, max_normal_stress=5e6, effects=ELASTIC, tolerance=0.9, **SETTING)
-    assert choice.error > naive.error
-    assert choice.error >= whole
+    cases = {case.label: case for case in cases_of(study)}
+    settings = {
+        label: closure_settings(study, case, surface_settings(study, case, range(4)))
+        for label, case in cases.items()
+    }
+    assert len(settings) > 5
+    shared = choose_for_rock(settings)
+    assert shared.effects == jc.Effects()
+    assert list(shared.cases) == ["slate-base"]
+    # where something may go, every case is asked
+    lenient = {label: told._replace(effects_chosen_to=0.99) for label, told in settings.items()}
+    everyone = choose_for_rock(lenient)
+    assert everyone.effects != jc.Effects()
+    assert set(everyone.cases) == set(settings)
+    assert everyone.error == max(choice.error for choice in everyone.cases.values())
+
+
+def test_what_a_pilot_closed_is_taken_bit_by_bit_and_not_closed_again(monkeypatch):
+    study = study_of(
+        {"study": {"rocks": ["slate"], "realizations": 3, "pool": None}},
+        {"grid": {"cells_x": 16, "cells_y": 16}, "effects": {"auto": 0.02}},
+    )
+    case = cases_of(study)[0]
+    settings = closure_settings(study, case, surface_settings(study, case, range(3)))
+    pairs = xr.concat(surfaces_of(settings.surfaces), "realization")
+    plain = xr.concat(close_surfaces(pairs, settings), "realization")
+    choice = choose_for_case(settings)
+    before = closed_before(surfaces_of(settings.surfaces), choice.closed, settings)
+    closed = []
+    close = closing.close_pair
+    monkeypatch.setattr(closing, "close_pair", lambda *told: closed.append(1) or close(*told))
+    taken = xr.concat(close_surfaces(pairs, settings, before=before), "realization")
+    assert len(closed) == 2
+    assert taken.drop_vars("timing_simulation").identical(plain.drop_vars("timing_simulation"))
 
 
 def test_effects_that_are_not_allowed_are_not_brought_in():
@@ -85,8 +148,8 @@ def test_effects_that_are_not_allowed_are_not_brought_in():
 def test_bad_input_is_refused():
     with pytest.raises(InputError, match=r"tolerance = 1\.5"):
         choose_effects(joints(8), max_normal_stress=1e6, tolerance=1.5, **SETTING)
-    with pytest.raises(InputError, match="1 pairs"):
-        choose_effects(joints(8, 1), max_normal_stress=1e6, **SETTING)
+    with pytest.raises(InputError, match="0 pairs"):
+        choose_effects([], max_normal_stress=1e6, **SETTING)
 
 
 @pytest.fixture(scope="module")

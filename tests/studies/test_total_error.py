@@ -17,8 +17,9 @@ from jointclosure.studies.accuracy.total import (
 from tests.studied import checked_study
 from tests.studies.test_accuracy import DESIGN
 
-TOLD = Told("own", {"coarse": {"knob": "base", "value": ""}}, "youngs_modulus", 3, 4000)
-TOLD.points["fine"] = {"knob": "resolved", "value": 0.02}
+POINTS = {"coarse": {"knob": "base", "value": ""}, "fine": {"knob": "resolved", "value": 0.02}}
+TOTAL = {"scene": "own", "methods": POINTS, "interval_scene": "own", "interval_methods": {}}
+TOLD = Told(TOTAL, "youngs_modulus", 3, 4000)
 CHEAP = Cheap(walls=5.0, covariates=3.0, estimate=2.0)
 PAIR = 1e-3  # seconds
 
@@ -31,7 +32,8 @@ def costs():
                 row = {"scene": "own", "rock": rock, "knob": knob, "value": str(value)}
                 row |= {"cycle": cycle, "pairs": pairs, "seconds": pairs * PAIR}
                 for of in ("mean", "interval"):
-                    row |= {f"{of}_error_percent": error, f"{of}_low": -9.0, f"{of}_high": 9.0}
+                    row |= {f"{of}_error_percent": error}
+                    row |= {f"{of}_low": error - 1.0, f"{of}_high": error + 1.0}
                 rows.append(row)
     return pd.DataFrame(rows)
 
@@ -50,6 +52,7 @@ def variance():
 def surrogate():
     rows = [
         {"constants": "all", "rock": rock, "stress_MPa": stress, "mean_percent": error}
+        | {"rms_percent": 2.0, "joints": 64}
         for rock in ("slate", "chalk")
         for stress, error in ((10.0, 9.0), (30.0, 1.0))
     ]
@@ -87,7 +90,10 @@ def test_an_interval_takes_all_levels_and_the_law_has_none(methods):
     assert interval.cost == pytest.approx(3 * (900 + 5) * PAIR)
     law = methods[methods.method == "surrogate"]
     assert set(zip(law.response, law.cycle, strict=True)) == {("mean", 1)}
-    assert (law.bias_percent == 1.0).all()  # at the largest stress
+    # at the largest stress, and of closures that are themselves off by 5 and -8 %
+    assert law.bias_percent.to_numpy() == pytest.approx([1.01 * 105 - 100, 1.01 * 92 - 100])
+    assert law.bias_high.to_numpy() == pytest.approx([1.0149 * 106 - 100, 1.0149 * 93 - 100])
+    assert law.told.all()
     assert not law.control_variates.any()
 
 
@@ -102,6 +108,38 @@ def test_control_variates_replace_the_simulations_that_they_were_worth(points):
     assert points[points.control_variates & (points.cycle == 1)].surfaces.min() == 15
 
 
+def test_a_bias_counts_where_it_is_told_from_chance(methods, points):
+    fine = methods[(methods.method == "fine") & (methods.response == "mean")]
+    assert (fine.bias_percent == 0.5).all()
+    assert not fine.told.any()  # -0.5 to 1.5 %
+    assert (points.bias_percent[points.method == "fine"] == 0.0).all()
+
+
+def test_errors_of_intervals_are_those_of_the_variant_that_is_named_for_them():
+    other = costs()[lambda table: table.knob == "base"].assign(scene="other")
+    other[["interval_error_percent", "interval_low"]] = 33.0, 30.0
+    other["interval_high"] = 40.0
+    total = TOTAL | {"interval_scene": "other", "interval_methods": {"coarse": POINTS["coarse"]}}
+    tables = pd.concat([costs(), other]), variance(), surrogate(), CHEAP
+    found = method_table(TOLD._replace(total=total), *tables)
+    assert (
+        found.bias_percent[(found.response == "interval") & (found.method == "coarse")] == 33
+    ).all()
+    assert not (found.bias_percent[found.method == "fine"] == 33).any()
+
+
+def test_where_the_error_of_an_interval_is_not_known_its_method_is_left_out():
+    table = costs()
+    unknown = (table.rock == "slate") & (table.cycle == 1) & (table.knob == "base")
+    table.loc[unknown, ["interval_low", "interval_high"]] = np.nan
+    found = method_table(TOLD, table, variance(), surrogate(), CHEAP)
+    coarse = found[found.method == "coarse"]
+    assert set(zip(coarse.response, coarse.cycle, strict=True)) == {
+        ("mean", 1), ("mean", 2), ("interval", 2),
+    }  # fmt: skip
+    assert {1, 2} == set(found.cycle[(found.method == "fine") & (found.response == "interval")])
+
+
 def test_the_best_split_of_a_budget_is_on_the_front_and_a_larger_one_is_no_worse(points):
     splits = split_table(points, [0.1, 1.0, 10.0])
     assert splits.best.all()
@@ -114,8 +152,8 @@ def test_the_best_split_of_a_budget_is_on_the_front_and_a_larger_one_is_no_worse
 
 
 def test_a_setting_that_was_not_turned_is_refused_by_name():
-    told = TOLD._replace(points={"swift": {"knob": "steps", "value": 2}})
-    with pytest.raises(InputError, match=r"accuracy\.total\.methods\.swift"):
+    told = TOLD._replace(total=TOTAL | {"methods": {"swift": {"knob": "steps", "value": 2}}})
+    with pytest.raises(InputError, match=r"accuracy\.total: swift = .*is not turned in own"):
         method_table(told, costs(), variance(), surrogate(), CHEAP)
 
 
@@ -124,6 +162,7 @@ def test_a_setting_that_was_not_turned_is_refused_by_name():
     [
         ({"scene": "fulll"}, "accuracy.total.scene = 'fulll': must be one of"),
         ({"methods": {"paper": {"knob": "steps", "value": 1}}}, "methods.paper = steps 1: is not"),
+        ({"interval_scene": "fulll"}, "accuracy.total.interval_scene = 'fulll'"),
     ],
 )
 def test_a_diagram_of_what_the_design_does_not_have_is_refused(total, message):
@@ -143,7 +182,9 @@ def test_the_figure_has_a_panel_for_each_response_and_names_what_is_out_of_range
     figure = total_error_figure(far)
     titles = [axes.get_title() for axes in figure.axes]
     assert len(titles) == 4
-    assert all(title.endswith("(beyond 100 %: coarse)") for title in titles)
+    assert [title.endswith("(coarse: beyond 100 %)") for title in titles] == [True] * 2 + [
+        False
+    ] * 2
     assert titles[0].startswith("Mean closure, cycle 1")
     key = [text.get_text() for text in figure.legends[0].get_texts()]
     assert key[:3] == ["coarse", "fine", "surrogate"]

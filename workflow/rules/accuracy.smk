@@ -169,9 +169,7 @@ rule total_error:
     input:
         f"{RESULTS}/tables/accuracy_total.csv",
         f"{RESULTS}/tables/accuracy_split.csv",
-        expand(
-            f"{RESULTS}/figures/accuracy_total.{{format}}", format=["png", "pdf"]
-        ),
+        expand(f"{RESULTS}/figures/accuracy_total.{{format}}", format=["png", "pdf"]),
         seals_of("weigh_total_error"),
     message:
         "The total error of every way to a result is known"

@@ -22,13 +22,7 @@ def main(inputs: dict, settings: dict, outputs, log: Logbook) -> None:
     total = design["total"]
     cheap = time_cheap(joint)
     log(f"FFT pairs: {cheap}")
-    told = Told(
-        total["scene"],
-        total["methods"],
-        design["parameter"],
-        joint.levels,
-        settings["measured"],
-    )
+    told = Told(total, design["parameter"], joint.levels, settings["measured"])
     tables = (read_csv(inputs[name]) for name in ("costs", "variance", "surrogate"))
     methods = method_table(told, *tables, cheap)
     points = point_table(methods)

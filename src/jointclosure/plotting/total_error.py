@@ -11,8 +11,8 @@ from jointclosure.plotting.style import styled, subplots
 from jointclosure.statistics.total_error import front
 
 _TITLES = {"mean": "Mean closure", "interval": "Indifference interval"}
-_LEAST, _MOST = 0.3, 100.0
-"""Range of errors [%] that is drawn."""
+_RANGE = {"mean": (0.3, 100.0), "interval": (3.0, 300.0)}
+"""Errors [%] that are drawn."""
 _MARKED = (2, 20, 200, 2000)
 """Surfaces that are marked on plain lines."""
 
@@ -33,50 +33,42 @@ def total_error_figure(points: pd.DataFrame) -> Figure:
     of each budget. A method of which no split is within the range of the axis is named in the
     title of the panel.
     """
-    responses, cycles = points.response.unique(), sorted(points.cycle.unique())
+    shown = list(points.groupby(["response", "cycle"], sort=False))
     methods = list(points.method.unique())
     colours = dict(zip(methods, sns.color_palette("colorblind", len(methods)), strict=True))
     figure, panels = subplots(
-        len(responses),
-        len(cycles),
-        figsize=(4.4 * len(cycles), 3.3 * len(responses) + 0.9),
+        1,
+        len(shown),
+        figsize=(4.2 * len(shown), 4.4),
         layout="constrained",
         sharex=True,
-        sharey=True,
         squeeze=False,
     )
-    for row, response in zip(panels, responses, strict=True):
-        for axes, cycle in zip(row, cycles, strict=True):
-            part = points[(points.response == response) & (points.cycle == cycle)]
-            missing = _draw(axes, part, colours)
-            title = f"{_TITLES[response]}, cycle {cycle}"
-            beyond = f"\n(beyond {_MOST:g} %: {', '.join(missing)})" if missing else ""
-            axes.set_title(title + beyond)
-    for axes in panels[-1]:
+    for axes, ((response, cycle), part) in zip(panels[0], shown, strict=True):
+        _style(axes, points, _RANGE[response])
+        missing = _draw(axes, part, colours, _RANGE[response][1])
+        beyond = f"\n({', '.join(missing)}: beyond {_RANGE[response][1]:g} %)" if missing else ""
+        axes.set_title(f"{_TITLES[response]}, cycle {cycle}{beyond}")
         axes.set_xlabel("core-minutes")
-    for row in panels:
-        row[0].set_ylabel("total error (%)")
-    _style(panels[0, 0], points)
+    panels[0, 0].set_ylabel("total error (%)")
     figure.legend(handles=_key(colours), loc="outside lower center", ncols=4, frameon=False)
     sns.despine(figure)
     return figure
 
 
-def _draw(axes: Axes, part: pd.DataFrame, colours: dict) -> list[str]:
-    """Lines of a panel; the methods that are not in its range."""
-    best = part[part.best].sort_values("core_minutes")
+def _draw(axes: Axes, part: pd.DataFrame, colours: dict, most: float) -> list[str]:
+    """Lines of a panel up to an error [%]; the methods that are beyond it."""
+    shown = part[part.total_percent <= most]
+    best = shown[shown.best].sort_values("core_minutes")
     axes.plot(
         best.core_minutes, best.total_percent, color="0.75", lw=6, alpha=0.7, zorder=0,
         drawstyle="steps-post",
     )  # fmt: skip
     missing = []
     for method, colour in colours.items():
-        own = part[part.method == method]
-        if own.empty:
-            continue
-        if own.total_percent.min() > _MOST:
+        own = shown[shown.method == method]
+        if own.empty and (part.method == method).any():
             missing.append(method)
-            continue
         for adjusted, line in own.groupby("control_variates"):
             kept = front(line.core_minutes.to_numpy(), line.total_percent.to_numpy())
             line = line.iloc[kept]
@@ -92,14 +84,15 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict) -> list[str]:
 
 def _nearest(line: pd.DataFrame) -> pd.DataFrame:
     """Points of a line that are nearest to the numbers of surfaces that are marked."""
-    return line.loc[[(line.surfaces - count).abs().idxmin() for count in _MARKED]]
+    near = [(line.surfaces / count - 1.0).abs() for count in _MARKED]
+    return line.loc[[off.idxmin() for off in near if off.min() < 0.15]]
 
 
-def _style(axes: Axes, points: pd.DataFrame) -> None:
-    axes.set(xscale="log", yscale="log", ylim=(_LEAST, _MOST))
+def _style(axes: Axes, points: pd.DataFrame, errors: tuple[float, float]) -> None:
+    axes.set(xscale="log", yscale="log", ylim=errors)
     axes.set_xlim(0.8 * points.core_minutes.min(), 2000.0)
-    axes.xaxis.set_major_locator(LogLocator(numticks=12))
-    axes.yaxis.set_major_locator(FixedLocator([0.3, 1, 3, 10, 30, 100]))
+    axes.xaxis.set_major_locator(LogLocator(numticks=6))
+    axes.yaxis.set_major_locator(FixedLocator([0.3, 1, 3, 10, 30, 100, 300]))
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
         axis.set_minor_formatter(NullFormatter())

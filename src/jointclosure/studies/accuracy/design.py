@@ -195,15 +195,17 @@ def _unknown_of_total(design: dict) -> Iterator[str]:
     total = design.get("total")
     if not total:
         return
-    scene = total["scene"]
-    if scene not in design["scenes"]:
-        yield f"accuracy.total.scene = {scene!r}: must be one of {', '.join(design['scenes'])}"
-    for name, point in total["methods"].items():
-        way = design["knobs"].get(point["knob"], {"scenes": [], "values": []})
-        values = [each["value"] if isinstance(each, dict) else each for each in way["values"]]
-        if point["knob"] != BASE and (scene not in way["scenes"] or point["value"] not in values):
-            where = f"accuracy.total.methods.{name}"
-            yield f"{where} = {point['knob']} {point['value']}: is not turned in {scene}"
+    for key, of in (("scene", "methods"), ("interval_scene", "interval_methods")):
+        scene = total[key]
+        if scene not in design["scenes"]:
+            yield f"accuracy.total.{key} = {scene!r}: must be one of {', '.join(design['scenes'])}"
+        for name, point in total[of].items():
+            way = design["knobs"].get(point["knob"], {"scenes": [], "values": []})
+            values = [each["value"] if isinstance(each, dict) else each for each in way["values"]]
+            turned = scene in way["scenes"] and point["value"] in values
+            if point["knob"] != BASE and not turned:
+                where = f"accuracy.total.{of}.{name}"
+                yield f"{where} = {point['knob']} {point['value']}: is not turned in {scene}"
 
 
 def _keys_of(way: dict) -> list[str]:

@@ -24,13 +24,15 @@ from jointclosure.ensemble.timing import pair_seconds
 from jointclosure.inputs import InputError
 from jointclosure.randomness import seed_of
 from jointclosure.statistics.control_variates import fewest_surfaces
-from jointclosure.statistics.total_error import Method, front, shares
+from jointclosure.statistics.total_error import REACH, Method, front, shares
 from jointclosure.studies.accuracy.design import Joint
 from jointclosure.surface.roughness import z2_of_jrc
-from jointclosure.surrogate import estimate
+from jointclosure.surrogate import ALL_ROCKS, estimate
 
 SURROGATE = "surrogate"
 RESPONSES = ("mean", "interval")
+KEYS = ["response", "cycle", "method", "control_variates"]
+"""What a line of the diagram is of."""
 _MOST, _STEP = 100_000, 1.19
 """Surfaces that are gone up to, by so large a factor a step."""
 _MEASURED = (500, 1000, 2000, 4000, 8000, 16000, 32000, 64000)
@@ -71,13 +73,12 @@ def _timed(call: Callable):
 class Told(NamedTuple):
     """What is told of a study whose total errors are asked for.
 
-    ``scene``: the variant of the accuracy study that has its size and stress; ``points``: knob and
-    value of each method by name; ``parameter``: whose interval is followed; ``levels`` of it;
-    ``measured``: surfaces that told the means of the covariates.
+    ``total``: the keys of the diagram (``accuracy.total`` of the configuration); ``parameter``:
+    whose interval is followed; ``levels`` of it; ``measured``: surfaces that told the means of the
+    covariates.
     """
 
-    scene: str
-    points: dict[str, dict]
+    total: dict
     parameter: str
     levels: int
     measured: int
@@ -103,59 +104,74 @@ def method_table(
     -------
     DataFrame
         ``response``, ``cycle``, ``rock``, ``method``, ``control_variates``; ``bias_percent`` with
-        ``bias_low`` and ``bias_high`` where they are known; the fields of
-        `jointclosure.statistics.total_error.Method`.
+        ``bias_low`` and ``bias_high``; ``told``: whether these exclude 0, as a bias counts only
+        where it is told from chance; the other fields of
+        `jointclosure.statistics.total_error.Method`. A method of which these ends are not known for
+        a rock, as an interval is absent from many resamples, has no row in that response and cycle.
 
     Raises
     ------
     InputError
         A setting that the accuracy study does not have.
     """
-    scene = costs[costs.scene == told.scene]
+    scene = costs[costs.scene == told.total["scene"]]
     base = scene[scene.knob == BASE].iloc[0]
     second = base.seconds / base.pairs  # of an FFT pair, beside the simulations
     rows: list[dict] = []
     for response in RESPONSES:
-        for (rock, cycle), own in scene.groupby(["rock", "cycle"], sort=False):
+        times = 1 if response == "mean" else told.levels
+        for rock, cycle in scene[["rock", "cycle"]].drop_duplicates().itertuples(index=False):
             about = {"response": response, "cycle": cycle, "rock": rock}
             scatter = _scatter(variance, about, told)
-            biases = list(_biases(own, response, told))
-            if response == "mean" and cycle == 1:
-                biases.append(_of_surrogate(surrogate, rock, cheap, second))
-            for name, bias, seconds in biases:
-                times = 1 if response == "mean" else told.levels
+            for name in told.total["methods"]:
+                seconds = _row(costs, told.total, name, "mean", rock, cycle).seconds
+                row = _row(costs, told.total, name, response, rock, cycle)
+                bias = [row[f"{response}_{of}"] for of in ("error_percent", "low", "high")]
                 cost = times * (seconds + second * cheap.walls)
-                for kind in scatter:
-                    # what the law gives is known of all that is measured: nothing is left to adjust
-                    if name == SURROGATE and kind["control_variates"]:
-                        continue
-                    rows.append(about | {"method": name} | bias | kind | {"cost": cost})
-    table = pd.DataFrame(rows)
-    return table.assign(measured_cost=second * (cheap.walls + cheap.covariates))
+                rows += [about | {"method": name} | _bias(*bias, cost) | kind for kind in scatter]
+            if response == "mean" and cycle == 1:
+                # what the law gives is known of all that is measured: nothing is left to adjust
+                bias = _of_surrogate(surrogate, scene, rock)
+                cost = second * (cheap.walls + cheap.estimate)
+                rows.append(about | {"method": SURROGATE} | _bias(*bias, cost) | scatter[0])
+    table = pd.DataFrame(rows).assign(measured_cost=second * (cheap.walls + cheap.covariates))
+    # where resamples have no interval nothing is known of its error
+    known = table.bias_low.notna().groupby([table[key] for key in KEYS]).transform("all")
+    return table[known].reset_index(drop=True)
 
 
-def _biases(own: pd.DataFrame, response: str, told: Told) -> Iterator[tuple[str, dict, float]]:
-    """Name, bias and seconds a simulation of every setting, at a rock and cycle."""
-    for name, point in told.points.items():
-        found = own[(own.knob == point["knob"]) & (own["value"].fillna("") == str(point["value"]))]
-        if found.empty:
-            raise InputError(
-                f"accuracy.total.methods.{name} = {point}: is not turned in {told.scene}"
-            )
-        row = found.iloc[0]
-        bias = {
-            f"bias_{to}": row[f"{response}_{of}"]
-            for to, of in (("percent", "error_percent"), ("low", "low"), ("high", "high"))
-        }
-        yield name, bias, row.seconds
+def _bias(error: float, low: float, high: float, cost: float) -> dict:
+    """A method's bias [%], its confidence interval, whether it is told from 0, and its cost [s]."""
+    named = {"bias_percent": error, "bias_low": low, "bias_high": high}
+    return named | {"told": bool(low > 0.0 or high < 0.0), "cost": cost}
 
 
-def _of_surrogate(table: pd.DataFrame, rock: str, cheap: Cheap, second: float):
-    """The same of the bearing-area law, at the rock's largest stress and own roughness."""
-    part = table[(table.constants == "all") & (table.rock == rock)]
-    part = part[part.stress_MPa == part.stress_MPa.max()]
-    bias = {"bias_percent": part.mean_percent.iloc[0], "bias_low": np.nan, "bias_high": np.nan}
-    return SURROGATE, bias, second * cheap.estimate
+def _row(costs: pd.DataFrame, total: dict, name: str, response: str, rock: str, cycle: int):
+    """The row of a method's setting that tells of a response."""
+    scene, points = total["scene"], total["methods"]
+    if response == "interval" and name in total["interval_methods"]:
+        scene, points = total["interval_scene"], total["interval_methods"]
+    point = points[name]
+    here = (costs.scene == scene) & (costs.rock == rock) & (costs.cycle == cycle)
+    here &= (costs.knob == point["knob"]) & (costs["value"].fillna("") == str(point["value"]))
+    if not here.any():
+        raise InputError(f"accuracy.total: {name} = {point}: is not turned in {scene}")
+    return costs[here].iloc[0]
+
+
+def _of_surrogate(table: pd.DataFrame, scene: pd.DataFrame, rock: str) -> tuple:
+    """Mean error [%] of the bearing-area law at a rock's largest stress and own roughness.
+
+    It was fitted to closures with the study's own steps, so what these are off by is in it too.
+    """
+    part = table[(table.constants == ALL_ROCKS) & (table.rock == rock)]
+    row = part[part.stress_MPa == part.stress_MPa.max()].iloc[0]
+    half = REACH * row.rms_percent / np.sqrt(row.joints)
+    own = scene[(scene.knob == BASE) & (scene.rock == rock) & (scene.cycle == 1)].iloc[0]
+    steps = (own.mean_error_percent, own.mean_low, own.mean_high)
+    law = (row.mean_percent, row.mean_percent - half, row.mean_percent + half)
+    both = zip(law, steps, strict=True)
+    return tuple(100.0 * ((1.0 + 0.01 * a) * (1.0 + 0.01 * b) - 1.0) for a, b in both)
 
 
 def _scatter(variance: pd.DataFrame, about: dict, told: Told) -> list[dict]:
@@ -191,9 +207,8 @@ def point_table(methods: pd.DataFrame) -> pd.DataFrame:
         ``best``: that nothing of the response and cycle beats in both.
     """
     rows = []
-    keys = ["response", "cycle", "method", "control_variates"]
-    for names, part in methods.groupby(keys, sort=False):
-        about = dict(zip(keys, names, strict=True))
+    for names, part in methods.groupby(KEYS, sort=False):
+        about = dict(zip(KEYS, names, strict=True))
         ways = [_method(row) for row in part.itertuples()]
         for surfaces, measured in _splits(max(way.least for way in ways), bool(names[-1])):
             worst = max(ways, key=lambda way: way.total(surfaces, measured))
@@ -208,7 +223,7 @@ def point_table(methods: pd.DataFrame) -> pd.DataFrame:
             )
     table = pd.DataFrame(rows)
     best = np.zeros(len(table), dtype=bool)
-    for index in table.groupby(keys[:2], sort=False).indices.values():
+    for index in table.groupby(KEYS[:2], sort=False).indices.values():
         part = table.iloc[index]
         best[index[front(part.core_minutes.to_numpy(), part.total_percent.to_numpy())]] = True
     return table.assign(best=best)
@@ -216,7 +231,7 @@ def point_table(methods: pd.DataFrame) -> pd.DataFrame:
 
 def _method(row) -> Method:
     return Method(
-        0.01 * row.bias_percent,
+        0.01 * row.bias_percent if row.told else 0.0,
         row.scatter,
         row.left,
         row.explained,
