@@ -246,7 +246,11 @@ FIGURES = {
     "paper": {},
     "no_roll_off": {},
 }
-SHIPPED = {"accuracy": "accuracy_settings.csv", "no_roll_off": "surrogate.csv"}
+SHIPPED = {
+    "accuracy": "accuracy_settings.csv",
+    "total": "accuracy_methods.csv",
+    "no_roll_off": "surrogate.csv",
+}
 """Tables of a study that the package has a copy of."""
 
 
@@ -259,7 +263,7 @@ def main(study: str) -> None:
         source = ROOT / f"results/{folder}/figures/{figure}.png"
         shutil.copy(source, ROOT / f"docs/images/{image}.png")
     if table := SHIPPED.get(study):
-        source = ROOT / f"results/{study}/tables/{table}"
+        source = ROOT / f"results/{folder}/tables/{table}"
         shutil.copy(source, ROOT / "src/jointclosure/config" / table)
 
 

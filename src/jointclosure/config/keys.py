@@ -276,6 +276,28 @@ class ChoiceKeys(Keys):
     )
 
 
+class WantedKeys(Keys):
+    """The accuracy of a result: chooses preset, number of surfaces and control variates, and
+    `make study` adds surfaces until it is reached (docs/accuracy.md)."""
+
+    of: Literal["mean", "interval"] = entry(
+        "mean: every case's mean maximum closure; interval: every indifference interval."
+    )
+    within: Share = entry(
+        "Total error that is wanted, relative: bias and half the 95 % confidence interval."
+    )
+    most: int = entry("Surfaces a case beyond which none are added.", 200, ge=10, le=1_000_000)
+    surfaces: int | None = entry(
+        "Surfaces a case; null: as many as are predicted. `make study` sets it.", None, ge=10
+    )
+
+
+Accuracy = Annotated[
+    Annotated[WantedKeys, Tag("wanted")] | Annotated[Share, Tag("number")],
+    Discriminator(lambda value: "wanted" if isinstance(value, dict) else "number"),
+]
+
+
 class NumericsKeys(Keys):
     """Solver, steps and tolerances."""
 
@@ -284,12 +306,11 @@ class NumericsKeys(Keys):
         "or converged.",
         None,
     )
-    accuracy: float | None = entry(
+    accuracy: Accuracy | None = entry(
         "What mean maximum closures may be off by, relative: takes the cheapest numerics that were "
-        "found to reach it (needs choices.largest_radius_mm where anything breaks).",
+        "found to reach it (needs choices.largest_radius_mm where anything breaks). Or the "
+        "accuracy of a result, {of: mean, within: 0.05}.",
         None,
-        gt=0,
-        lt=1,
     )
     solver: Literal[tuple(SOLVERS)] = entry(
         "fast, or reference: the paper's own loop, for small grids."

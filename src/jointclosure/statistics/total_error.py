@@ -57,6 +57,16 @@ class Method(NamedTuple):
         return float(max(self.least, np.ceil(self.left / allowed - 1e-9)))
 
 
+def method_of(row) -> Method:
+    """A method from a row of a table with its fields, whose bias is in percent.
+
+    A bias that is not told from chance (``told``) counts as none.
+    """
+    bias = 0.01 * row.bias_percent if row.told else 0.0
+    fields = [getattr(row, name) for name in Method._fields[1:]]
+    return Method(bias, *fields)
+
+
 def shares(worth: float, surfaces: float, measured: float) -> tuple[float, float]:
     """Shares of the variance that control variates leave and explain, by what they were worth.
 

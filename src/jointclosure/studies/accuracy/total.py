@@ -24,7 +24,7 @@ from jointclosure.ensemble.timing import pair_seconds
 from jointclosure.inputs import InputError
 from jointclosure.randomness import seed_of
 from jointclosure.statistics.control_variates import fewest_surfaces
-from jointclosure.statistics.total_error import REACH, Method, front, shares
+from jointclosure.statistics.total_error import REACH, front, method_of, shares
 from jointclosure.studies.accuracy.design import Joint
 from jointclosure.surface.roughness import z2_of_jrc
 from jointclosure.surrogate import ALL_ROCKS, estimate
@@ -209,7 +209,7 @@ def point_table(methods: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for names, part in methods.groupby(KEYS, sort=False):
         about = dict(zip(KEYS, names, strict=True))
-        ways = [_method(row) for row in part.itertuples()]
+        ways = [method_of(row) for row in part.itertuples()]
         for surfaces, measured in _splits(max(way.least for way in ways), bool(names[-1])):
             worst = max(ways, key=lambda way: way.total(surfaces, measured))
             seconds = max(way.seconds(surfaces, measured if names[-1] else 0.0) for way in ways)
@@ -227,18 +227,6 @@ def point_table(methods: pd.DataFrame) -> pd.DataFrame:
         part = table.iloc[index]
         best[index[front(part.core_minutes.to_numpy(), part.total_percent.to_numpy())]] = True
     return table.assign(best=best)
-
-
-def _method(row) -> Method:
-    return Method(
-        0.01 * row.bias_percent if row.told else 0.0,
-        row.scatter,
-        row.left,
-        row.explained,
-        row.cost,
-        row.measured_cost,
-        row.least,
-    )
 
 
 def _splits(least: int, adjusted: bool) -> Iterator[tuple[int, float]]:
