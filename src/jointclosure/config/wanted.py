@@ -37,11 +37,14 @@ class Wanted(NamedTuple):
 
 
 class Granted(NamedTuple):
-    """The way that was chosen, its total error [1], and the core-seconds that a case takes."""
+    """The way that was chosen, its total error [1], and the core-seconds that a case takes.
+
+    ``surfaces`` are infinite where no number of them is enough.
+    """
 
     preset: str
     control_variates: bool
-    surfaces: int
+    surfaces: float
     total: float
     seconds: float
 
@@ -151,7 +154,7 @@ def check_left_out(keys: dict, default: dict) -> None:
 
 def with_granted(keys: dict, wanted: Wanted, granted: Granted) -> dict:
     """Keys with the surfaces and control variates that were chosen; numerics are as they were."""
-    surfaces = granted.surfaces if wanted.surfaces is None else wanted.surfaces
+    surfaces = int(granted.surfaces) if wanted.surfaces is None else wanted.surfaces
     study = {"realizations": surfaces, "realizations_per_job": BLOCK}
     variates = {"control_variates": MEASURED_SURFACES if granted.control_variates else None}
     return keys | {
@@ -163,10 +166,10 @@ def with_granted(keys: dict, wanted: Wanted, granted: Granted) -> dict:
 def said(wanted: Wanted, granted: Granted) -> str:
     """What was chosen, and the predicted cost, in words."""
     by = " and control variates" if granted.control_variates else ""
-    start = granted.surfaces if wanted.surfaces is None else wanted.surfaces
+    start = int(granted.surfaces) if wanted.surfaces is None else wanted.surfaces
     return (
         f"accuracy: {wanted.of} within {100.0 * wanted.within:g} %: preset {granted.preset}, "
-        f"{start} surfaces a case{by}; predicted from {granted.surfaces} surfaces: "
+        f"{start} surfaces a case{by}; predicted from {granted.surfaces:.0f} surfaces: "
         f"{100.0 * granted.total:.2g} % in {granted.seconds / 60.0:.2g} core-minutes a case "
         "of 100 x 100 cells at 30 MPa"
     )

@@ -6,6 +6,7 @@ stress of a second study, whose repetitions tell the scatter and what control va
 worth. How a total error is put together is in `jointclosure.statistics.total_error`.
 """
 
+import functools
 import time
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
@@ -52,14 +53,19 @@ def time_cheap(joint: Joint) -> Cheap:
     """What is done with a surface that is not closed, timed: medians of a few [FFT pairs]."""
     grid, surface, jrc = joint.grid, joint.surface, joint.jrc
     z2 = z2_of_jrc(jrc, grid.spacing, surface.hurst, surface.jrc_relation)
-    told = {"spacing": grid.spacing, "rock": joint.rock}
-    told |= {"normal_stress": joint.stress, "extrapolate": True}
+    law = functools.partial(
+        estimate,
+        spacing=grid.spacing,
+        rock=joint.rock,
+        normal_stress=joint.stress,
+        extrapolate=True,
+    )
     found = []
     for number in range(_TIMED):
         pair = pair_seconds()
         walls, made = _timed(lambda n=number: walls_of_seed(seed_of(n), jrc, grid, surface))
-        _, measured = _timed(lambda w=walls: covariates_of_pair(*w, z2))
-        _, estimated = _timed(lambda w=walls: estimate(*w, **told))
+        _, measured = _timed(lambda w=walls: covariates_of_pair(w[0], w[1], z2))
+        _, estimated = _timed(lambda w=walls: law(*w))
         found.append(np.array([made, measured, estimated]) / pair)
     return Cheap(*np.median(found, axis=0).tolist())
 
@@ -126,22 +132,23 @@ def method_table(
             for name in told.total["methods"]:
                 seconds = _row(costs, told.total, name, "mean", rock, cycle).seconds
                 row = _row(costs, told.total, name, response, rock, cycle)
-                bias = [row[f"{response}_{of}"] for of in ("error_percent", "low", "high")]
+                bias = tuple(row[f"{response}_{of}"] for of in ("error_percent", "low", "high"))
                 cost = times * (seconds + second * cheap.walls)
-                rows += [about | {"method": name} | _bias(*bias, cost) | kind for kind in scatter]
+                rows += [about | {"method": name} | _bias(bias, cost) | kind for kind in scatter]
             if response == "mean" and cycle == 1:
                 # what the law gives is known of all that is measured: nothing is left to adjust
                 bias = _of_surrogate(surrogate, scene, rock)
                 cost = second * (cheap.walls + cheap.estimate)
-                rows.append(about | {"method": SURROGATE} | _bias(*bias, cost) | scatter[0])
+                rows.append(about | {"method": SURROGATE} | _bias(bias, cost) | scatter[0])
     table = pd.DataFrame(rows).assign(measured_cost=second * (cheap.walls + cheap.covariates))
     # where resamples have no interval nothing is known of its error
     known = table.bias_low.notna().groupby([table[key] for key in KEYS]).transform("all")
     return table[known].reset_index(drop=True)
 
 
-def _bias(error: float, low: float, high: float, cost: float) -> dict:
+def _bias(bias: tuple[float, ...], cost: float) -> dict:
     """A method's bias [%], its confidence interval, whether it is told from 0, and its cost [s]."""
+    error, low, high = bias
     named = {"bias_percent": error, "bias_low": low, "bias_high": high}
     return named | {"told": bool(low > 0.0 or high < 0.0), "cost": cost}
 
@@ -159,7 +166,7 @@ def _row(costs: pd.DataFrame, total: dict, name: str, response: str, rock: str, 
     return costs[here].iloc[0]
 
 
-def _of_surrogate(table: pd.DataFrame, scene: pd.DataFrame, rock: str) -> tuple:
+def _of_surrogate(table: pd.DataFrame, scene: pd.DataFrame, rock: str) -> tuple[float, ...]:
     """Mean error [%] of the bearing-area law at a rock's largest stress and own roughness.
 
     It was fitted to closures with the study's own steps, so what these are off by is in it too.

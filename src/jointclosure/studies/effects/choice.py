@@ -189,7 +189,7 @@ def choose_among(
 
 def _evidence(pilot: "_Pilot", names, trial: Effects, tolerance: float) -> tuple[float, str]:
     """What a scene without some effects is off by, and that in words: the cheapest that decides."""
-    least = pilot.proven(names)
+    least = pilot.shown(names)
     if MARGIN * least > tolerance:
         return MARGIN * least, f"about {100.0 * least:.2g} % or more, by a run with all effects"
     change = pilot.changes(trial, 1)
@@ -271,7 +271,7 @@ class _Pilot:
         self.trial_seconds = 0.0
         self._known: dict[Effects, list[np.ndarray]] = {}
 
-    def proven(self, names: tuple[str, ...]) -> float:
+    def shown(self, names: tuple[str, ...]) -> float:
         """The change of closure [1] without some effects that a run with all of them shows.
 
         0 where it shows none.

@@ -151,7 +151,9 @@ def validate(
 def _closed(walls: list, conditions: Conditions) -> tuple[np.ndarray, float]:
     """Maximum closures (realization, cycle) [m], NaN where one failed, and the seconds."""
     start = time.process_time()
-    closures = np.array([max_closures(close_walls(*pair, conditions)) for pair in walls])
+    closures = np.array(
+        [max_closures(close_walls(upper, lower, conditions)) for upper, lower in walls]
+    )
     return closures, time.process_time() - start
 
 
