@@ -79,6 +79,6 @@ def test_what_was_reached_is_said_with_the_worst():
     said = told(rows(5, 33), wanted())
     assert said == (
         "accuracy: mean within 5 % not reached in 1 of 2, with 20 surfaces; "
-        "the worst is 2 % (slate base base, cycle 1)"
+        "the worst is 2 % (slate base, cycle 1)"
     )
     assert "reached, with" in told(rows(5, 7), wanted())

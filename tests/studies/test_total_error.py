@@ -157,6 +157,14 @@ def test_a_setting_that_was_not_turned_is_refused_by_name():
         method_table(told, costs(), variance(), surrogate(), CHEAP)
 
 
+def test_a_study_that_does_not_tell_scatter_or_the_laws_error_is_refused():
+    for lacking in (variance().drop(columns="value"), variance()[lambda t: t.rock != "chalk"]):
+        with pytest.raises(InputError, match=r"variance_reduction\.csv: does not say"):
+            method_table(TOLD, costs(), lacking, surrogate(), CHEAP)
+    with pytest.raises(InputError, match=r"surrogate\.csv: has no joints of slate"):
+        method_table(TOLD, costs(), variance(), surrogate()[lambda t: t.rock != "slate"], CHEAP)
+
+
 @pytest.mark.parametrize(
     ("total", "message"),
     [

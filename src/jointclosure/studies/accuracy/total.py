@@ -118,7 +118,7 @@ def method_table(
     Raises
     ------
     InputError
-        A setting that the accuracy study does not have.
+        A setting that the accuracy study does not have, or a rock or response that a table lacks.
     """
     scene = costs[costs.scene == told.total["scene"]]
     base = scene[scene.knob == BASE].iloc[0]
@@ -172,6 +172,8 @@ def _of_surrogate(table: pd.DataFrame, scene: pd.DataFrame, rock: str) -> tuple[
     It was fitted to closures with the study's own steps, so what these are off by is in it too.
     """
     part = table[(table.constants == ALL_ROCKS) & (table.rock == rock)]
+    if part.empty:
+        raise InputError(f"surrogate.csv: has no joints of {rock}; run `snakemake surrogate`")
     row = part[part.stress_MPa == part.stress_MPa.max()].iloc[0]
     half = REACH * row.rms_percent / np.sqrt(row.joints)
     own = scene[(scene.knob == BASE) & (scene.rock == rock) & (scene.cycle == 1)].iloc[0]
@@ -186,6 +188,12 @@ def _scatter(variance: pd.DataFrame, about: dict, told: Told) -> list[dict]:
     parameter, cycle = BASE if about["response"] == "mean" else told.parameter, about["cycle"]
     here = np.logical_and.reduce([variance[key] == value for key, value in about.items()])
     here &= (variance.parameter == parameter) & (variance.draws == "independent")
+    if "value" not in variance or not here.any():
+        wanted = ", ".join(str(value) for value in about.values())
+        raise InputError(
+            f"variance_reduction.csv: does not say what control variates are worth for {wanted}; "
+            "run that study with enough surfaces, and with statistics.control_variates"
+        )
     row = variance[here].iloc[0]
     scatter = row.plain_error / abs(row["value"]) * np.sqrt(row.surfaces)
     left, explained = shares(row.worth, row.surfaces, told.measured)

@@ -103,7 +103,9 @@ def told(table: pd.DataFrame, wanted: Wanted) -> str:
     if table.empty:
         return f"accuracy: no {wanted.of} of this study has an error that is known"
     worst = table.loc[table.total_percent.idxmax()]
-    name = " ".join(str(part) for part in worst[["rock", "parameter", "level"]] if part)
+    # the base case's parameter and level are both "base"
+    parts = dict.fromkeys(str(part) for part in worst[["rock", "parameter", "level"]] if part)
+    name = " ".join(parts)
     reached = (
         "reached" if table.met.all() else f"not reached in {(~table.met).sum()} of {len(table)}"
     )
