@@ -18,7 +18,7 @@ from tests.studied import checked_study
 from tests.studies.test_accuracy import DESIGN
 
 POINTS = {"coarse": {"knob": "base", "value": ""}, "fine": {"knob": "resolved", "value": 0.02}}
-TOTAL = {"scene": "own", "methods": POINTS, "interval_scene": "own", "interval_methods": {}}
+TOTAL = {"scene": "own", "methods": POINTS, "interval_scene": "own"}
 TOLD = Told(TOTAL, "youngs_modulus", 3, 4000)
 CHEAP = Cheap(walls=5.0, covariates=3.0, estimate=2.0)
 PAIR = 1e-3  # seconds
@@ -83,6 +83,13 @@ def test_the_rock_where_the_error_is_largest_tells_it(points):
     assert few.core_minutes == pytest.approx(2 * (500 + 5) * PAIR / 60.0)
     # of many only the bias is left, which is largest of chalk
     assert many.bias_percent == 8.0
+
+
+def test_values_of_a_knob_are_found_as_numbers_and_as_texts(methods):
+    numbers = costs()
+    numbers["value"] = pd.to_numeric(numbers["value"])  # as from a file without words
+    found = method_table(TOLD, numbers, variance(), surrogate(), CHEAP)
+    pd.testing.assert_frame_equal(found, methods)
 
 
 def test_an_interval_takes_all_levels_and_the_law_has_none(methods):

@@ -199,7 +199,7 @@ def _unknown_of_total(design: dict) -> Iterator[str]:
         scene = total[key]
         if scene not in design["scenes"]:
             yield f"accuracy.total.{key} = {scene!r}: must be one of {', '.join(design['scenes'])}"
-        for name, point in total[of].items():
+        for name, point in total.get(of, {}).items():
             way = design["knobs"].get(point["knob"], {"scenes": [], "values": []})
             values = [each["value"] if isinstance(each, dict) else each for each in way["values"]]
             turned = scene in way["scenes"] and point["value"] in values

@@ -156,14 +156,24 @@ def _bias(bias: tuple[float, ...], cost: float) -> dict:
 def _row(costs: pd.DataFrame, total: dict, name: str, response: str, rock: str, cycle: int):
     """The row of a method's setting that tells of a response."""
     scene, points = total["scene"], total["methods"]
-    if response == "interval" and name in total["interval_methods"]:
-        scene, points = total["interval_scene"], total["interval_methods"]
+    of_intervals = total.get("interval_methods", {})
+    if response == "interval" and name in of_intervals:
+        scene, points = total["interval_scene"], of_intervals
     point = points[name]
     here = (costs.scene == scene) & (costs.rock == rock) & (costs.cycle == cycle)
-    here &= (costs.knob == point["knob"]) & (costs["value"].fillna("") == str(point["value"]))
+    here &= (costs.knob == point["knob"]) & (costs["value"].map(_text) == _text(point["value"]))
     if not here.any():
         raise InputError(f"accuracy.total: {name} = {point}: is not turned in {scene}")
     return costs[here].iloc[0]
+
+
+def _text(value: object) -> str:
+    """A knob's value as text: that of a file may be a number, a text of it, or NaN for none."""
+    try:
+        number = float(value)  # type: ignore[arg-type]
+    except ValueError:
+        return str(value)
+    return "" if np.isnan(number) else f"{number:g}"
 
 
 def _of_surrogate(table: pd.DataFrame, scene: pd.DataFrame, rock: str) -> tuple[float, ...]:
