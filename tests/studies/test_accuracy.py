@@ -8,7 +8,6 @@ from jointclosure.config.files import ConfigurationError, read_plain
 from jointclosure.studies.accuracy.cost import (
     cost_table,
     order_table,
-    pareto,
     source_table,
 )
 from jointclosure.studies.accuracy.design import (
@@ -198,8 +197,3 @@ def test_sources_of_the_configured_setting():
     base = weighed().iloc[0]
     expected = 100.0 * base.deviation_mm / base.mean_mm / np.sqrt(20)
     assert sources.loc["sampling", "error_percent"] == pytest.approx(expected)
-
-
-def test_pareto_keeps_what_nothing_beats():
-    times, errors = np.array([1.0, 2.0, 3.0, 2.0]), np.array([4.0, 2.0, 3.0, 5.0])
-    assert pareto(times, errors).tolist() == [True, True, False, False]

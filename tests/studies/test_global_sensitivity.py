@@ -124,6 +124,17 @@ def test_a_row_with_a_failed_simulation_is_left_out(world, design):
     assert whole.total.notna().all()
 
 
+def test_a_response_of_too_few_whole_rows_has_no_indices(world, design):
+    broken = {name: each.copy(deep=True) for name, each in world.items()}
+    broken["dolerite"].closure_net[5:, 2, 0, :] = np.nan
+    table = index_table(design, broken)
+    here = table[(table.rows == 64) & (table.cycle == 1)]
+    assert (here.groupby(["rock", "response"]).size() == len(design.inputs) + 1).all()
+    assert set(here[here.rock == "slate"].response) - set(
+        here[here.rock == "dolerite"].response
+    ) == {"closure_net"}
+
+
 def test_joints_are_closed_as_everywhere_and_their_cost_is_known_before():
     keys = keys_of(**section(rows=16))
     design = design_of(keys)

@@ -3,14 +3,25 @@
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
 import jointclosure as jc
 from jointclosure.config.files import read_plain
+from jointclosure.ensemble import closing
+from jointclosure.ensemble.cases import cases_of
+from jointclosure.ensemble.closing import close_surfaces, closed_before
+from jointclosure.ensemble.settings import Conditions
+from jointclosure.ensemble.slices import closure_settings, surface_settings
+from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.inputs import InputError
 from jointclosure.parameters import scene_name
 from jointclosure.plotting.effects import choice_figure
 from jointclosure.studies.effects import choice as scene_choice
-from jointclosure.studies.effects.choice import choose_effects
+from jointclosure.studies.effects.choice import (
+    choose_effects,
+    choose_for_case,
+    choose_for_rock,
+)
 from jointclosure.studies.effects.design import validation_settings
 from jointclosure.studies.effects.validation import (
     random_scene,
@@ -56,22 +67,93 @@ def test_an_effect_below_the_tolerance_is_left_out_and_its_error_is_estimated():
             pairs, max_normal_stress=3e6, effects=ELASTIC, tolerance=tolerance, **SETTING
         )
         assert choice.effects.interaction is interaction
-    # the pieces are the whole walls here, so the estimate lacks nothing but its margin
     assert actual <= choice.error < 2.0 * actual
 
 
-def test_the_bulk_indentation_of_the_whole_joint_counts_not_that_of_the_piece(monkeypatch):
-    pairs = joints(48)
-    whole = 1.0 - mean_closure(pairs, ELASTIC._replace(interaction=False), 5e6) / mean_closure(
-        pairs, ELASTIC, 5e6
+def test_where_all_effects_act_the_pilot_has_closed_nothing_but_a_realisation_of_the_case():
+    pairs = joints(32)
+    choice = choose_effects(pairs, max_normal_stress=10e6, **SETTING | {"cycles": 2})
+    assert choice.effects == jc.Effects()
+    assert choice.trial_seconds == 0.0
+    (closed,) = choice.closed
+    again = jc.simulate(*pairs[0], max_normal_stress=10e6, **SETTING | {"cycles": 2})
+    assert closed.dataset.max_closure.equals(again.max_closure)
+
+
+def test_what_a_run_with_all_effects_shows_of_breakage_is_true_of_any_elastic_joint():
+    told = SETTING | {"cycles": 2, "max_normal_stress": 3e6}
+    for pair in joints(32, 2):
+        full = jc.simulate(*pair, **told).max_closure.values
+        shown = pilot(pair).shown(("breakage", "gouge"))
+        # whatever an elastic joint closes by, it does so in both cycles
+        for elastic in np.linspace(full.min(), full.max(), 50):
+            assert 0.0 < shown <= np.abs(elastic / full - 1.0).max() + 1e-12
+        without = jc.simulate(*pair, effects=ELASTIC, **told).max_closure.values
+        assert shown <= np.abs(without / full - 1.0).max()
+
+
+def test_where_the_cycles_differ_or_bulk_indentation_is_large_interaction_is_not_tried_without(
+    monkeypatch,
+):
+    (pair,) = joints(32, 1)
+    closed = pilot(pair)
+    shown = closed.shown(("interaction",))
+    full = closed.closed[0].dataset
+    closures, bulk = full.max_closure.values, full.max_bulk_indentation.values
+    differ = np.ptp(closures) / closures.sum()
+    assert shown == pytest.approx(max((bulk / closures).max(), differ / 16.0))
+    told = SETTING | {"cycles": 2, "max_normal_stress": 3e6, "tolerance": 1.9 * shown}
+    assert choose_effects([pair], **told).trial_seconds == 0.0
+    monkeypatch.setattr(scene_choice, "MARGIN", 1.0)
+    assert choose_effects([pair], **told).trial_seconds > 0.0
+
+
+def pilot(pair):
+    conditions = Conditions(
+        SPACING, DOLERITE, 3e6, 2, 0.0, jc.Effects(), jc.Choices(), jc.Numerics()
     )
-    monkeypatch.setattr(scene_choice, "PILOT_CELLS", 12)
-    choice = choose_effects(pairs, max_normal_stress=5e6, effects=ELASTIC, tolerance=0.9, **SETTING)
-    assert not choice.effects.interaction
-    monkeypatch.setattr(scene_choice._Pilot, "_bulk_missed", lambda self, count: 0.0)
-    naive = choose_effects(pairs, max_normal_stress=5e6, effects=ELASTIC, tolerance=0.9, **SETTING)
-    assert choice.error > naive.error
-    assert choice.error >= whole
+    return scene_choice._Pilot([pair], conditions)
+
+
+def test_the_cases_of_a_rock_share_a_decision_and_are_not_asked_after_a_proof():
+    study = study_of(
+        {"study": {"rocks": ["slate"], "realizations": 4, "pool": None}},
+        {"grid": {"cells_x": 16, "cells_y": 16}, "effects": {"auto": 0.02}},
+    )
+    cases = {case.label: case for case in cases_of(study)}
+    settings = {
+        label: closure_settings(study, case, surface_settings(study, case, range(4)))
+        for label, case in cases.items()
+    }
+    assert len(settings) > 5
+    shared = choose_for_rock(settings)
+    assert shared.effects == jc.Effects()
+    assert list(shared.cases) == ["slate-base"]
+    # where something may go, every case is asked
+    lenient = {label: told._replace(effects_chosen_to=0.99) for label, told in settings.items()}
+    everyone = choose_for_rock(lenient)
+    assert everyone.effects != jc.Effects()
+    assert set(everyone.cases) == set(settings)
+    assert everyone.error == max(choice.error for choice in everyone.cases.values())
+
+
+def test_what_a_pilot_closed_is_taken_bit_by_bit_and_not_closed_again(monkeypatch):
+    study = study_of(
+        {"study": {"rocks": ["slate"], "realizations": 3, "pool": None}},
+        {"grid": {"cells_x": 16, "cells_y": 16}, "effects": {"auto": 0.02}},
+    )
+    case = cases_of(study)[0]
+    settings = closure_settings(study, case, surface_settings(study, case, range(3)))
+    pairs = xr.concat(surfaces_of(settings.surfaces), "realization")
+    plain = xr.concat(close_surfaces(pairs, settings), "realization")
+    choice = choose_for_case(settings)
+    before = closed_before(surfaces_of(settings.surfaces), choice.closed, settings)
+    closed = []
+    close = closing.close_pair
+    monkeypatch.setattr(closing, "close_pair", lambda *told: closed.append(1) or close(*told))
+    taken = xr.concat(close_surfaces(pairs, settings, before=before), "realization")
+    assert len(closed) == 2
+    assert taken.drop_vars("timing_simulation").identical(plain.drop_vars("timing_simulation"))
 
 
 def test_effects_that_are_not_allowed_are_not_brought_in():
@@ -85,8 +167,8 @@ def test_effects_that_are_not_allowed_are_not_brought_in():
 def test_bad_input_is_refused():
     with pytest.raises(InputError, match=r"tolerance = 1\.5"):
         choose_effects(joints(8), max_normal_stress=1e6, tolerance=1.5, **SETTING)
-    with pytest.raises(InputError, match="1 pairs"):
-        choose_effects(joints(8, 1), max_normal_stress=1e6, **SETTING)
+    with pytest.raises(InputError, match="0 pairs"):
+        choose_effects([], max_normal_stress=1e6, **SETTING)
 
 
 @pytest.fixture(scope="module")
@@ -112,7 +194,9 @@ def test_a_choice_is_held_against_the_full_model(settings):
     everything = table.chosen == scene_name(jc.Effects())
     assert (table.actual_percent[everything] == 0.0).all()
     assert (table.holds == (table.actual_percent <= 100.0 * table.tolerance)).all()
-    choice_figure(table)
+    figure = choice_figure(table)
+    texts = [text.get_text() for axes in figure.axes for text in axes.texts]
+    assert texts == ["tolerance 5 %", "tolerance 90 %"]
 
 
 def test_the_summary_counts_what_held_and_what_was_saved():
@@ -125,6 +209,7 @@ def test_the_summary_counts_what_held_and_what_was_saved():
             "full_s": [10.0, 10.0, 20.0],
             "chosen_s": [10.0, 1.0, 2.0],
             "pilot_s": [1.0, 1.0, 1.0],
+            "saved_percent": [-10.0, 80.0, 85.0],
         }
     )
     row = validation_summary(table).iloc[0]
@@ -133,4 +218,5 @@ def test_the_summary_counts_what_held_and_what_was_saved():
     assert row.held_of_changed_percent == pytest.approx(50.0)
     assert row.saved_percent == pytest.approx(100.0 * (1.0 - 16.0 / 40.0))
     assert row.saved_where_changed_percent == pytest.approx(100.0 * (1.0 - 5.0 / 30.0))
+    assert row.least_saved_percent == -10.0
     assert row.largest_error_percent == 12.0

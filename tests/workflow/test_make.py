@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from jointclosure.storage.text import read_csv
 from tests.workflow.test_pipeline import ROOT, checkout
 
 STAMP = ".venv/jointclosure-is-set-up"
@@ -184,3 +185,36 @@ def test_ctrl_c_ends_a_run_without_a_traceback(tmp_path):
     assert run.returncode == 130
     assert "the same command goes on from there" in said
     assert "Traceback" not in wrong
+
+
+WISH = """study: {name: wish, rocks: [slate], pool: null}
+grid: {cells_x: 12, cells_y: 12}
+rocks:
+  slate:
+    max_normal_stress_MPa: 1
+    levels: {poisson_ratio: null, youngs_modulus_GPa: null, jrc: null}
+numerics: {accuracy: {of: mean, within: 0.15, most: 400}}
+statistics: {bootstrap_resamples: 10, repetitions: 100}
+output: {stress_points: 5}
+"""
+
+
+@pytest.mark.slow
+def test_a_study_adds_surfaces_until_the_accuracy_wanted_is_reached_and_closes_none_twice(project):
+    (project / "wish.yaml").write_text(WISH)
+    answer = make(project, "study", "CONFIG=wish.yaml")
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    assert "preset quick" in answer.stdout
+    assert "core-minutes a case" in answer.stdout
+    assert "not reached in" in answer.stdout
+    assert "going on with" in answer.stdout
+    table = read_csv(project / "results/wish/tables/accuracy_reached.csv")
+    assert table.met.all()
+    assert (table.surfaces > 20).all()
+    log = (project / "results/wish/logs/make_study.log").read_text()
+    first = "Close the surface pairs of slate-base from realisation 0 on"
+    assert log.count(f": {first}\n") == 1
+    # the same command finds all there
+    again = make(project, "study", "CONFIG=wish.yaml")
+    assert "nothing was left to do" in again.stdout
+    assert "accuracy: mean within 15 % reached" in again.stdout

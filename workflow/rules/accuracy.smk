@@ -10,6 +10,16 @@ ACCURACY_WITH = {
     )
     for name, run in ACCURACY_RUNS.items()
 }
+TOTAL = ACCURACY.get("total") if ACCURACY else None
+# of the study whose size and stress the variant has: nothing here makes it
+TOTAL_TABLES = (
+    {
+        name: f"results/{TOTAL['study']}/tables/{name}.csv"
+        for name in ("variance_reduction", "surrogate")
+    }
+    if TOTAL
+    else {}
+)
 ACCURACY_FIGURES = sorted({setting.scene for setting in ACCURACY_SETTINGS})
 
 
@@ -153,3 +163,55 @@ rule draw_accuracy:
         "Draw error against time"
     script:
         "../scripts/draw_accuracy.py"
+
+
+rule total_error:
+    input:
+        f"{RESULTS}/tables/accuracy_total.csv",
+        f"{RESULTS}/tables/accuracy_split.csv",
+        expand(f"{RESULTS}/figures/accuracy_total.{{format}}", format=["png", "pdf"]),
+        seals_of("weigh_total_error"),
+    message:
+        "The total error of every way to a result is known"
+
+
+rule weigh_total_error:
+    input:
+        costs=f"{RESULTS}/tables/accuracy_cost.csv",
+        variance=TOTAL_TABLES.get("variance_reduction", []),
+        surrogate=TOTAL_TABLES.get("surrogate", []),
+        seals=seals_of("weigh_accuracy")
+        + (
+            seals_of(
+                "reduce_variance",
+                "calibrate_surrogate",
+                study=f"results/{TOTAL['study']}",
+            )
+            if TOTAL
+            else []
+        ),
+    output:
+        methods=f"{RESULTS}/tables/accuracy_methods.csv",
+        points=f"{RESULTS}/tables/accuracy_total.csv",
+        splits=f"{RESULTS}/tables/accuracy_split.csv",
+        figures=expand(
+            f"{RESULTS}/figures/accuracy_total.{{format}}", format=["png", "pdf"]
+        ),
+        seal=f"{RESULTS}/seals/weigh_total_error.json",
+    log:
+        f"{RESULTS}/logs/weigh_total_error.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/weigh_total_error.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        design=ACCURACY,
+        joint=lambda wildcards: to_plain(
+            accuracy.joint_of(TOTAL["scene"], ACCURACY_SETTINGS, ACCURACY_RUNS)
+        ),
+        measured=CONFIGURATION.statistics.control_variates,
+        code=code_of("weigh_total_error"),
+    message:
+        "Weigh the total error of every way to a result"
+    script:
+        "../scripts/weigh_total_error.py"

@@ -157,6 +157,32 @@ rule tabulate_flow:
         "../scripts/tabulate_flow.py"
 
 
+rule reach_accuracy:
+    input:
+        study=f"{RESULTS}/study.nc",
+        covariates=COVARIATES,
+        seals=seals_of("aggregate") + VARIATES_SEALS,
+    output:
+        f"{RESULTS}/tables/accuracy_reached.csv",
+        seal=f"{RESULTS}/seals/reach_accuracy.json",
+    log:
+        f"{RESULTS}/logs/reach_accuracy.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/reach_accuracy.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        wanted=to_plain(WANTED),
+        preset=CONFIGURED.granted,
+        significance=CONFIGURATION.statistics.significance,
+        made_with=STUDY_WITH,
+        code=code_of("reach_accuracy"),
+    message:
+        "Say what is reached of the accuracy that was wanted"
+    script:
+        "../scripts/reach_accuracy.py"
+
+
 rule predict_table_3:
     input:
         pool=POOL,

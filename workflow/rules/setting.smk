@@ -4,6 +4,7 @@ from pathlib import Path
 from jointclosure.config import configuration
 from jointclosure.config.files import PAPER_CLAIMS, PAPER_TABLE_3, read_plain
 from jointclosure.config.plain import to_plain
+from jointclosure.config.wanted import wanted_of
 from jointclosure.config.walls import check_files, wall_files
 from jointclosure.ensemble import cases
 from jointclosure.ensemble import slices
@@ -40,6 +41,7 @@ BLOCKS = {
 POOL = f"{RESULTS}/pool.nc" if "pool" in ENSEMBLES else f"{RESULTS}/study.nc"
 ROCKS = CONFIGURATION.rocks
 FLOW = CONFIGURATION.flow
+WANTED = wanted_of(config)
 AUTO = CONFIGURATION.effects_chosen_to is not None
 CURVES = measured.curve_settings(CONFIGURATION)
 # measured curves are read here, so that what is wrong with one is said before any job
@@ -61,6 +63,7 @@ TABLES = [
     "variance_reduction.csv",
     "claims.csv",
     "checks.csv",
+    *(["accuracy_reached.csv"] if WANTED else []),
     *(["measured_fit.csv"] if CURVES else []),
     *(["hydraulic_aperture.csv"] if FLOW else []),
 ]
@@ -125,6 +128,7 @@ STUDY_SEALS = BOTH_SEALS + seals_of(
     "check_results",
     "write_tables",
     "draw_figures",
+    *(["reach_accuracy"] if WANTED else []),
     *(["fit_measured"] if CURVES else []),
     *(["tabulate_flow"] if FLOW else []),
 )

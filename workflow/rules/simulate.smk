@@ -77,7 +77,8 @@ rule choose_effects:
     input:
         f"{RESULTS}/logs/kernels.txt",
     output:
-        f"{RESULTS}/effects_of/{{rock}}.json",
+        chosen=f"{RESULTS}/effects_of/{{rock}}.json",
+        closed=f"{RESULTS}/effects_of/{{rock}}.nc",
         seal=f"{RESULTS}/seals/choose_effects/{{rock}}.json",
     log:
         f"{RESULTS}/logs/choose_effects/{{rock}}.log",
@@ -98,6 +99,11 @@ rule close_surfaces:
     input:
         effects=lambda wildcards: (
             f"{RESULTS}/effects_of/{rock_of(wildcards)}.json" if AUTO else []
+        ),
+        before=lambda wildcards: (
+            f"{RESULTS}/effects_of/{rock_of(wildcards)}.nc"
+            if AUTO and wildcards.ensemble == "cases"
+            else []
         ),
         surfaces=closed_surfaces,
         kernels=f"{RESULTS}/logs/kernels.txt",

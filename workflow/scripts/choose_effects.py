@@ -2,33 +2,43 @@
 
 import json
 
+import xarray as xr
+
 from jointclosure.config.plain import from_plain, to_plain
+from jointclosure.ensemble.closing import closed_before
 from jointclosure.ensemble.settings import ClosureSettings
+from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
-from jointclosure.parameters import Effects
+from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.text import write_text
-from jointclosure.studies.effects.choice import choose_for_case
+from jointclosure.studies.effects.choice import RockChoice, choose_for_rock
 
 
-def main(settings: dict[str, ClosureSettings], output: str, log: Logbook) -> None:
-    """Write what is chosen for each case, and the effects that matter in any of them.
+def main(settings: dict[str, ClosureSettings], outputs: dict[str, str], log: Logbook) -> None:
+    """Write the effects that matter in any case, and what was closed with all of them."""
+    choice = choose_for_rock(settings, log)
+    chosen = {"effects": choice.effects, "error": choice.error}
+    chosen["cases"] = {
+        label: {"effects": own.effects, "error": own.error, "reasons": own.reasons}
+        for label, own in choice.cases.items()
+    }
+    write_text(json.dumps(to_plain(chosen), indent=1) + "\n", outputs["chosen"])
+    write_netcdf(_closed(settings, choice), outputs["closed"])
 
-    Levels of a parameter are compared with each other, so they have the same effects.
-    """
-    found = {}
-    for label, told in settings.items():
-        log(f"{label}:")
-        found[label] = choose_for_case(told, log)
-    together = Effects(*map(any, zip(*(choice.effects for choice in found.values()), strict=True)))
-    log(f"for all cases: {together}")
-    allowed = next(iter(settings.values())).case.effects
-    error = max(choice.error for choice in found.values()) if together != allowed else 0.0
-    chosen = {"effects": together, "error": error, "cases": found}
-    write_text(json.dumps(to_plain(chosen), indent=1) + "\n", output)
+
+def _closed(settings: dict[str, ClosureSettings], choice: RockChoice) -> xr.Dataset:
+    """What the pilots closed with all effects, over (realization), with the case of each."""
+    parts = []
+    for label, own in choice.cases.items():
+        told = settings[label]
+        part = closed_before(surfaces_of(told.surfaces), own.closed, told)
+        cases = [label] * part.sizes["realization"]
+        parts.append(part.assign_coords(case=("realization", cases)))
+    return xr.concat(parts, "realization")
 
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:
         settings = from_plain(dict[str, ClosureSettings], snakemake.params.settings)
-        main(settings, snakemake.output[0], logbook)
+        main(settings, dict(snakemake.output), logbook)

@@ -3,6 +3,8 @@
 import json
 from pathlib import Path
 
+import xarray as xr
+
 from jointclosure.config.plain import from_plain
 from jointclosure.ensemble.closing import close_surfaces
 from jointclosure.ensemble.settings import ClosureSettings, as_text, check_settings
@@ -10,14 +12,22 @@ from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.progress import Countdown
-from jointclosure.storage.netcdf import reading_netcdf, write_netcdf_blocks
+from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf_blocks
 from jointclosure.storage.text import read_text
 
 
 def main(
-    surfaces: str, chosen: str | None, settings: ClosureSettings, output: str, log: Logbook
+    surfaces: str,
+    pilot: tuple[str | None, str | None],
+    settings: ClosureSettings,
+    output: str,
+    log: Logbook,
 ) -> None:
-    """Write the closures (realization, cycle, branch, stress)."""
+    """Write the closures (realization, cycle, branch, stress).
+
+    ``pilot``: files of the effects that it chose, and of what it closed with all effects.
+    """
+    chosen, before = pilot
     told = settings if chosen is None else settings.with_effects(chosen_effects(chosen))
     log(f"settings: {as_text(told)}")
     scene, label = scene_name(told.case.effects), told.case.label
@@ -29,6 +39,7 @@ def main(
             told,
             report=lambda line: log(f"{line}; {countdown()}"),
             repeated_by=repeated_by(Path(output), label),
+            before=closed_by_pilot(before, label) if before and told == settings else None,
         )
         marked = (block.assign_attrs(settings=as_text(settings), scene=scene) for block in closed)
         write_netcdf_blocks(marked, "realization", output)
@@ -40,6 +51,12 @@ def chosen_effects(path: str) -> Effects:
     return Effects(**json.loads(read_text(path))["effects"])
 
 
+def closed_by_pilot(path: str, label: str) -> xr.Dataset:
+    """What the pilot closed of a case, with all effects."""
+    closed = read_netcdf(path)
+    return closed.isel(realization=(closed.case == label).values)
+
+
 def repeated_by(output: Path, label: str) -> str:
     """The command that does a realisation of a case again, but for its number."""
     pool = "--pool " if output.parent.name == "pool" else ""
@@ -48,6 +65,6 @@ def repeated_by(output: Path, label: str) -> str:
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:
-        chosen = snakemake.input.get("effects") or None
+        pilot = tuple(snakemake.input.get(name) or None for name in ("effects", "before"))
         settings = from_plain(ClosureSettings, snakemake.params.settings)
-        main(snakemake.input.surfaces, chosen, settings, snakemake.output[0], logbook)
+        main(snakemake.input.surfaces, pilot, settings, snakemake.output[0], logbook)

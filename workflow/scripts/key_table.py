@@ -90,11 +90,12 @@ def rows(schema: dict, default: object, path: str):
         entries["<rock>" if path == "rocks." else "<name>"] = extra
     for name, entry in entries.items():
         value = default.get(name) if isinstance(default, dict) else None
-        if "properties" in entry or isinstance(entry.get("additionalProperties"), dict):
-            yield from rows(entry, value, f"{path}{name}.")
-        else:
+        section = "properties" in entry or isinstance(entry.get("additionalProperties"), dict)
+        if not section or "number" in entry.get("type", ""):  # a key may be either
             shown = "" if "<rock>" in path else f"`{_shown(value)}`"
             yield f"| `{path}{name}` | {shown} | {_allowed(name, entry)} | {entry['description']} |"
+        if section:
+            yield from rows(entry, value, f"{path}{name}.")
 
 
 def _shown(value: object) -> str:

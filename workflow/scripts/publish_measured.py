@@ -1,7 +1,8 @@
 """Renew what the documents show of the studies of accuracy and effects, and of the paper's.
 
 Run by hand after `make accuracy`, `make effects` or `make study`: `publish_measured.py accuracy`,
-`effects` or `paper`; or, after `make study CONFIG=config/no_roll_off.yaml` and
+`effects` or `paper`; after `snakemake total_error --configfile config/accuracy.yaml`, `total`; or,
+after `make study CONFIG=config/no_roll_off.yaml` and
 `snakemake --configfile config/no_roll_off.yaml surrogate`, `publish_measured.py no_roll_off`.
 Tables that the package ships are copied too: those of presets and of the bearing-area law
 (src/jointclosure/config/).
@@ -64,6 +65,46 @@ def presets() -> str:
                 "s": f"{row.seconds:.2g}",
             }
         )
+    return markdown(pd.DataFrame(rows))
+
+
+def total() -> str:
+    """The best split of each budget, by response and cycle."""
+    table = read_csv(ACCURACY / "tables/accuracy_split.csv")
+    table = table[table.total_percent <= _MOST_SHOWN]
+    shown = {
+        "of": table.response.str.cat(table.cycle.astype(str), sep=", cycle "),
+        "core-minutes": table.budget.map("{:g}".format),
+        "by": table.method.where(~table.control_variates, table.method + ", control variates"),
+        "surfaces closed": table.surfaces,
+        "measured": table.measured.replace(0, pd.NA),
+        "bias (%)": table.bias_percent.round(1),
+        "sampling (%)": table.sampling_percent.round(1),
+        "total error (%)": table.total_percent.round(1),
+    }
+    return markdown(pd.DataFrame(shown))
+
+
+_MOST_SHOWN = 100.0
+"""Total errors [%] beyond which a budget is not shown."""
+
+
+def biases() -> str:
+    """What each method is off by, and its cost a surface."""
+    table = read_csv(ACCURACY / "tables/accuracy_methods.csv")
+    table = table[~table.control_variates]
+    rows = []
+    for (method, rock), part in table.groupby(["method", "rock"], sort=False):
+        row = {"method": method, "rock": rock}
+        for response, cycle in (("mean", 1), ("mean", 2), ("interval", 2)):
+            own = part[(part.response == response) & (part.cycle == cycle)]
+            row[f"bias of the {response}, cycle {cycle} (%)"] = (
+                f"{own.bias_percent.item():+.1f} "
+                f"({own.bias_low.item():+.1f} to {own.bias_high.item():+.1f})"
+                if len(own)
+                else ""
+            )
+        rows.append(row | {"s a surface": f"{part.cost.min():.2g}"})
     return markdown(pd.DataFrame(rows))
 
 
@@ -190,6 +231,7 @@ PLACES = {
         ROOT / "docs/accuracy.md",
         {"presets": presets, "sources": sources, "orders": orders, "joints": joints},
     ),
+    "total": (ROOT / "docs/accuracy.md", {"total": total, "biases": biases}),
     "effects": (ROOT / "docs/effects.md", {"choice": choice, "contributions": contributions}),
     "paper": (ROOT / "docs/accuracy.md", {"variance": variance}),
     "no_roll_off": (
@@ -199,23 +241,29 @@ PLACES = {
 }
 FIGURES = {
     "accuracy": {"accuracy_regularised": "accuracy", "accuracy_sources": "accuracy_sources"},
+    "total": {"accuracy_total": "accuracy_total"},
     "effects": {"effects": "effects", "effects_auto": "effects_auto"},
     "paper": {},
     "no_roll_off": {},
 }
-SHIPPED = {"accuracy": "accuracy_settings.csv", "no_roll_off": "surrogate.csv"}
+SHIPPED = {
+    "accuracy": "accuracy_settings.csv",
+    "total": "accuracy_methods.csv",
+    "no_roll_off": "surrogate.csv",
+}
 """Tables of a study that the package has a copy of."""
 
 
 def main(study: str) -> None:
     """Fill the document of a study, and copy its figures."""
     path, parts = PLACES[study]
+    folder = "accuracy" if study == "total" else study
     fill(path, {name: content() for name, content in parts.items()})
     for figure, image in FIGURES[study].items():
-        source = ROOT / f"results/{study}/figures/{figure}.png"
+        source = ROOT / f"results/{folder}/figures/{figure}.png"
         shutil.copy(source, ROOT / f"docs/images/{image}.png")
     if table := SHIPPED.get(study):
-        source = ROOT / f"results/{study}/tables/{table}"
+        source = ROOT / f"results/{folder}/tables/{table}"
         shutil.copy(source, ROOT / "src/jointclosure/config" / table)
 
 

@@ -19,9 +19,12 @@ import psutil
 import yaml
 
 from jointclosure.config.configuration import configured, merged_study
+from jointclosure.config.files import read_plain
+from jointclosure.config.wanted import Wanted, wanted_of
 from jointclosure.inputs import InputError
 from jointclosure.progress import WorkflowProgress
-from jointclosure.storage.text import read_csv
+from jointclosure.storage.text import read_csv, write_text
+from jointclosure.studies.sensitivity.reached import surfaces_next, told
 
 SHOWN = "jointclosure: "
 """Lines of the log that start so are for the user."""
@@ -72,7 +75,11 @@ def main(name: str) -> int:
     log.write_text("")
     with open(log, "a", encoding="utf-8") as stream:
         for goal in target.goals:
-            status = follow([*command, *given, "--", goal], stream, log)
+            status = follow([*command, *given, *planned(override, folder), "--", goal], stream, log)
+            while not status and goal == "all" and enlarged(override, folder):
+                status = follow(
+                    [*command, *given, *planned(override, folder), "--", goal], stream, log
+                )
             if status:
                 return status
     print(f"Results are in {folder}/ (tables, figures, study.nc)")
@@ -85,6 +92,45 @@ def study_name(override: str) -> str:
         raise InputError(f"CONFIG={override}: there is no such file")
     keys = merged_study(*([Path(override)] if override else []))
     return configured(keys, read_csv).typed.study.name
+
+
+PLAN = "accuracy_plan.yaml"
+"""File in a study's folder: the surfaces that the accuracy wanted of it was found to need."""
+
+
+def wish_of(override: str) -> Wanted | None:
+    """The accuracy that a study wants of its results, if it wants any."""
+    return wanted_of(merged_study(*([Path(override)] if override else [])))
+
+
+def planned(override: str, folder: Path) -> list[str]:
+    """Arguments for as many surfaces as were found to be needed for the accuracy wanted.
+
+    The file follows that of the study after one --configfile, as Snakemake takes the last only.
+    """
+    wanted, plan = wish_of(override), folder / PLAN
+    if wanted is None or not plan.is_file():
+        return []
+    found = wanted_of(read_plain(plan))
+    if found is None or found._replace(surfaces=None) != wanted._replace(surfaces=None):
+        return []  # of another wish
+    return [str(plan)]
+
+
+def enlarged(override: str, folder: Path) -> bool:
+    """Whether the accuracy wanted needs more surfaces: says what was reached, writes the plan."""
+    wanted = wish_of(override)
+    if wanted is None:
+        return False
+    table = read_csv(folder / "tables/accuracy_reached.csv")
+    print(told(table, wanted), flush=True)
+    surfaces = surfaces_next(table, wanted)
+    if surfaces is None:
+        return False
+    print(f"accuracy: going on with {surfaces} surfaces a case", flush=True)
+    plan = {"numerics": {"accuracy": wanted._replace(surfaces=surfaces)._asdict()}}
+    write_text(yaml.safe_dump(plan), folder / PLAN)
+    return True
 
 
 def snakemake(profile: str, cores: str) -> list[str]:

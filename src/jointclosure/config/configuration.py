@@ -8,9 +8,9 @@ from typing import NamedTuple
 import pandas as pd
 
 from jointclosure.config.contradictions import contradictions
-from jointclosure.config.files import DEFAULT, MEASURED, ConfigurationError, read_plain
+from jointclosure.config.files import DEFAULT, MEASURED, METHODS, ConfigurationError, read_plain
 from jointclosure.config.keys import ConfigurationKeys
-from jointclosure.config.presets import chosen_numerics, numerics_in_full
+from jointclosure.config.presets import anything_breaks, chosen_numerics, numerics_in_full
 from jointclosure.config.properties import PROPERTIES, key_of
 from jointclosure.config.schema import problems
 from jointclosure.config.typed import (
@@ -27,6 +27,7 @@ from jointclosure.config.typed import (
     Walls,
 )
 from jointclosure.config.units import to_si
+from jointclosure.config.wanted import check_left_out, grant, said, wanted_of, with_granted
 from jointclosure.inputs import InputError
 from jointclosure.parameters import (
     Choices,
@@ -42,12 +43,14 @@ _AUTO_TOLERANCE = 0.02
 class Configured(NamedTuple):
     """A configuration as keys of a file, complete; as the library has it; and what was chosen.
 
-    ``said`` is a sentence on numerics that a preset or accuracy stands for, or empty.
+    ``said`` is a sentence on numerics that a preset or accuracy stands for, or empty; ``granted``
+    the preset that a result's accuracy chose, or None.
     """
 
     keys: dict
     typed: Configuration
     said: str
+    granted: str | None = None
 
 
 def merged(*settings: dict) -> dict:
@@ -98,15 +101,38 @@ def configured(keys: dict, read: Callable[[Path], pd.DataFrame]) -> Configured:
     keys = written_out(keys)
     _refuse(problems(ConfigurationKeys, keys))
     try:
-        default = read_plain(DEFAULT)["numerics"]
-        chosen = chosen_numerics(keys, default, lambda: read(MEASURED))
+        keys, sentence, granted = _chosen(keys, read_plain(DEFAULT), read)
     except InputError as error:
         raise ConfigurationError(str(error)) from None
-    keys = keys | {"numerics": chosen.numerics}
     _refuse(problems(ConfigurationKeys, keys))
     complete = _complete(keys)
     _refuse(contradictions(complete, _typed))
-    return Configured(keys, _typed(complete), chosen.said)
+    return Configured(keys, _typed(complete), sentence, granted)
+
+
+def _chosen(keys: dict, default: dict, read) -> tuple[dict, str, str | None]:
+    """Keys with what a preset or an accuracy stands for, a sentence on it, and a granted preset."""
+    wanted = wanted_of(keys)
+    if wanted is None:
+        chosen = chosen_numerics(keys, default["numerics"], lambda: read(MEASURED))
+        return keys | {"numerics": chosen.numerics}, chosen.said, None
+    if not anything_breaks(keys):
+        raise InputError("numerics.accuracy.of: known where contacts break, and nothing does here")
+    if keys["numerics"].get("preset") is not None:
+        raise InputError(
+            f"numerics.preset = {keys['numerics']['preset']!r}: leave it out, "
+            "numerics.accuracy.of chooses it"
+        )
+    check_left_out(keys, default)
+    settings, cycles = read(MEASURED), keys["study"]["cycles"]
+    granted = grant(wanted, read(METHODS), settings.preset.dropna().unique(), cycles)
+    named = {"preset": granted.preset, "accuracy": None}
+    numerics = chosen_numerics(
+        keys | {"numerics": keys["numerics"] | named}, default["numerics"], lambda: settings
+    ).numerics
+    kept = {"preset": None, "accuracy": keys["numerics"]["accuracy"]}
+    whole = with_granted(keys, wanted, granted) | {"numerics": numerics | kept}
+    return whole, said(wanted, granted), granted.preset
 
 
 def resolved(keys: dict) -> Configuration:

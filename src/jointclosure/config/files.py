@@ -13,6 +13,8 @@ DEFAULT = Path(__file__).with_name("default.yaml")
 """The paper's study, over which every other configuration is merged."""
 MEASURED = Path(__file__).with_name("accuracy_settings.csv")
 """What settings of the numerics were off by: presets are chosen from it."""
+METHODS = Path(__file__).with_name("accuracy_methods.csv")
+"""What presets are off by, scatter and cost: a wanted accuracy is granted from it."""
 SURROGATE = Path(__file__).with_name("surrogate.csv")
 """Constants of the bearing-area law, and what it was off by: `snakemake surrogate` makes it."""
 PAPER_TABLE_3 = Path(__file__).with_name("paper_table_3.csv")

@@ -276,6 +276,28 @@ class ChoiceKeys(Keys):
     )
 
 
+class WantedKeys(Keys):
+    """The accuracy of a result: chooses preset, number of surfaces and control variates, and
+    `make study` adds surfaces until it is reached (docs/accuracy.md)."""
+
+    of: Literal["mean", "interval"] = entry(
+        "mean: every case's mean maximum closure; interval: every indifference interval."
+    )
+    within: Share = entry(
+        "Total error that is wanted, relative: bias and half the 95 % confidence interval."
+    )
+    most: int = entry("Surfaces a case beyond which none are added.", 200, ge=10, le=1_000_000)
+    surfaces: int | None = entry(
+        "Surfaces a case; null: as many as are predicted. `make study` sets it.", None, ge=10
+    )
+
+
+Accuracy = Annotated[
+    Annotated[WantedKeys, Tag("wanted")] | Annotated[Share, Tag("number")],
+    Discriminator(lambda value: "wanted" if isinstance(value, dict) else "number"),
+]
+
+
 class NumericsKeys(Keys):
     """Solver, steps and tolerances."""
 
@@ -284,12 +306,11 @@ class NumericsKeys(Keys):
         "or converged.",
         None,
     )
-    accuracy: float | None = entry(
+    accuracy: Accuracy | None = entry(
         "What mean maximum closures may be off by, relative: takes the cheapest numerics that were "
-        "found to reach it (needs choices.largest_radius_mm where anything breaks).",
+        "found to reach it (needs choices.largest_radius_mm where anything breaks). Or the "
+        "accuracy of a result, {of: mean, within: 0.05}.",
         None,
-        gt=0,
-        lt=1,
     )
     solver: Literal[tuple(SOLVERS)] = entry(
         "fast, or reference: the paper's own loop, for small grids."
@@ -443,6 +464,27 @@ class KnobKeys(Keys):
     )
 
 
+class TotalErrorKeys(Keys):
+    """The diagram of total error (`snakemake total_error`): every way to a result, with what a
+    finished study says of scatter and control variates."""
+
+    study: Name = entry(
+        "Study whose tables are read, of the size and stress of `scene`; `snakemake surrogate` has "
+        "been run on it too."
+    )
+    scene: str = entry("Variant of the model whose errors of means and times count.")
+    methods: dict[Name, PointKeys] = entry(
+        "Settings that are compared by name, each a knob and its value in `scene`.", min_length=1
+    )
+    interval_scene: str = entry("Variant of the model whose errors of intervals count.")
+    interval_methods: dict[Name, PointKeys] = entry(
+        "The same settings in `interval_scene`; one that is left out is taken from `scene`.", {}
+    )
+    budgets_min: list[Positive] = entry(
+        "Core-minutes for which the best split is tabulated.", min_length=1
+    )
+
+
 class AccuracyKeys(Keys):
     """Design of a study of what accuracy costs (config/accuracy.yaml): variants of the model, and
     the knobs that are turned in each."""
@@ -466,6 +508,7 @@ class AccuracyKeys(Keys):
         "multiplied by it, or each value brings the settings that it stands for.",
         min_length=1,
     )
+    total: TotalErrorKeys | None = entry(TotalErrorKeys.__doc__, None)
 
 
 def _range(kind: Any, description: str):

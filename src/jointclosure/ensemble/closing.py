@@ -1,7 +1,7 @@
 """Surface pairs of a case closed, and read."""
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 import xarray as xr
@@ -69,6 +69,7 @@ def close_surfaces(
     *,
     report: Callable[[str], None] = lambda line: None,
     repeated_by: str = "",
+    before: xr.Dataset | None = None,
 ) -> Iterator[xr.Dataset]:
     """Close all surface pairs of a case, a few in memory at a time.
 
@@ -82,6 +83,9 @@ def close_surfaces(
     repeated_by : str
         Command that repeats a realisation, but for its number, for those lines
         that tell of a failure.
+    before : Dataset
+        What was closed with these settings before, as from `closed_before`; its surfaces are not
+        closed again.
 
     Yields
     ------
@@ -92,6 +96,7 @@ def close_surfaces(
     conditions = settings.conditions()
     stresses = np.linspace(0.0, settings.largest_stress, settings.stress_points)
     realizations, seeds = surfaces.realization.values, surfaces.seed.values
+    known = {} if before is None else {seed: i for i, seed in enumerate(before.seed.values)}
     for first in range(0, realizations.size, _TOGETHER):
         few = slice(first, first + _TOGETHER)
         rows = []
@@ -99,7 +104,10 @@ def close_surfaces(
             upper, lower = (surfaces[name][number].values for name in ("upper", "lower"))
             again = f"; to repeat it: {repeated_by} {realization}" if repeated_by else ""
             try:
-                row = close_pair(upper, lower, stresses, conditions)
+                if before is not None and seeds[number] in known:
+                    row = _row_of(before.isel(realization=known[seeds[number]]))
+                else:
+                    row = close_pair(upper, lower, stresses, conditions)
             except Exception as error:
                 report(f"realisation {realization}: {type(error).__name__}: {error}{again}")
                 raise
@@ -115,11 +123,47 @@ def close_pair(
     """Close one surface pair (y, x), and read it: (dimensions, values) by name."""
     start = time.process_time()
     closed = close_walls(upper, lower, conditions)
-    seconds = time.process_time() - start
+    return _read(upper, lower, closed, time.process_time() - start, stresses, conditions)
+
+
+def closed_before(
+    surfaces: Iterable[xr.Dataset],
+    closed: Iterable[tuple[xr.Dataset, float]],
+    settings: ClosureSettings,
+) -> xr.Dataset:
+    """What was closed of a case for another reason, as `close_surfaces` gives it.
+
+    Parameters
+    ----------
+    surfaces : iterable of Dataset
+        As of `jointclosure.ensemble.surfaces.make_surfaces`, from the first on.
+    closed : iterable of (Dataset, float)
+        As from `close_walls`, and the processor time [s], of as many of them.
+    settings : ClosureSettings
+        Those that they were closed with.
+    """
+    conditions = settings.conditions()
+    stresses = np.linspace(0.0, settings.largest_stress, settings.stress_points)
+    rows, realizations, seeds = [], [], []
+    for (dataset, seconds), pair in zip(closed, surfaces, strict=False):
+        upper, lower = pair.upper.values[0], pair.lower.values[0]
+        rows.append(_read(upper, lower, dataset, seconds, stresses, conditions))
+        realizations.append(int(pair.realization[0]))
+        seeds.append(str(pair.seed.values[0]))
+    named = np.array(seeds, dtype=object)
+    return _labelled(rows, np.array(realizations), named, conditions.cycles, stresses)
+
+
+def _read(upper, lower, closed: xr.Dataset, seconds: float, stresses, conditions) -> dict:
     row = _row(closed, stresses, conditions)
     row["volume_error"] = ((), _volume_error(upper, lower, closed))
     row["timing_simulation"] = ((), seconds)
     return row
+
+
+def _row_of(realization: xr.Dataset) -> dict:
+    """A realisation of a labelled dataset as a row again."""
+    return {name: (each.dims, each.values) for name, each in realization.data_vars.items()}
 
 
 def _said(row: dict) -> str:

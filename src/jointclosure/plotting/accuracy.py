@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from jointclosure.plotting.style import styled, subplots
-from jointclosure.studies.accuracy.cost import pareto
+from jointclosure.statistics.total_error import front
 from jointclosure.studies.accuracy.design import BASE
 
 KNOB_TITLES = {
@@ -135,8 +135,7 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> None:
     axes.plot([base.relative_time], [base["size"]], "k*", ms=13, zorder=4, label=paper)
     # the finest is what the others are held against: its error is not known from here
     part = part[part.mean_error_percent != 0.0]
-    best = part[pareto(part.relative_time.to_numpy(), part["size"].to_numpy())]
-    best = best.sort_values("relative_time")
+    best = part.iloc[front(part.relative_time.to_numpy(), part["size"].to_numpy())]
     axes.plot(
         best.relative_time, best["size"], drawstyle="steps-post", color="0.6", lw=4, alpha=0.5,
         zorder=0, label="none is faster and more exact",

@@ -13,7 +13,6 @@ from jointclosure.plotting.style import styled, subplots
 
 _FLOOR = 0.1
 _LEAST_ERROR = 0.01
-_MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 
 @styled
@@ -27,10 +26,11 @@ def effect_figure(table: pd.DataFrame) -> Figure:
 
     Notes
     -----
-    A column for each effect, a row for each cycle, a mark for each condition:
-    its colour is the stress, its size the roughness, its shape the rock. Changes
-    below a tenth of a percent are drawn there.
+    A column for each effect, a row for each cycle, a mark for each roughness and stress, which
+    are its size and colour: the median over the rocks, and a line from the least to the largest
+    change. Changes below a tenth of a percent are drawn there.
     """
+    shown = _over_rocks(table)
     effects, cycles = table.effect.unique(), sorted(table.cycle.unique())
     figure, panels = subplots(
         len(cycles),
@@ -41,27 +41,27 @@ def effect_figure(table: pd.DataFrame) -> Figure:
         squeeze=False,
     )
     norm = LogNorm(table.stress_MPa.min(), table.stress_MPa.max())
-    markers = dict(zip(table.rock.unique(), _MARKERS, strict=False))
     for row, cycle in zip(panels, cycles, strict=True):
         for axes, effect in zip(row, effects, strict=True):
-            part = table[(table.cycle == cycle) & (table.effect == effect)]
-            for rock, points in part.groupby("rock", sort=False):
-                marks = axes.scatter(
-                    points.time_ratio,
-                    points.max_closure_added_percent.abs().clip(lower=_FLOOR),
-                    s=8.0 + 3.0 * points.jrc,
-                    c=points.stress_MPa,
-                    norm=norm,
-                    cmap="viridis",
-                    marker=markers[rock],
-                    alpha=0.8,
-                    linewidths=0,
-                )
+            part = shown[(shown.cycle == cycle) & (shown.effect == effect)]
+            axes.vlines(part.time_ratio, part.least, part.most, color="0.8", lw=0.8, zorder=1)
+            marks = axes.scatter(
+                part.time_ratio,
+                part.change,
+                s=_mark_size(part.jrc),
+                c=part.stress_MPa,
+                norm=norm,
+                cmap="viridis",
+                edgecolors="w",
+                linewidths=0.5,
+                zorder=2,
+            )
             axes.axvline(1.0, color="0.8", lw=0.8, zorder=0)
             axes.axhline(1.0, color="0.8", lw=0.8, zorder=0)
             axes.set(xscale="log", yscale="log")
             for axis in (axes.xaxis, axes.yaxis):
-                axis.set_major_locator(LogLocator(numticks=5))
+                subs = (1.0, 3.0) if axis is axes.xaxis else (1.0,)
+                axis.set_major_locator(LogLocator(subs=subs, numticks=5))
                 axis.set_major_formatter(StrMethodFormatter("{x:g}"))
                 axis.set_minor_formatter(NullFormatter())
         row[0].set_ylabel(f"change of max. closure\nof cycle {cycle} (%)")
@@ -71,19 +71,39 @@ def effect_figure(table: pd.DataFrame) -> Figure:
         axes.set_xlabel("time with / without")
     figure.colorbar(marks, ax=panels, label="maximum stress (MPa)", shrink=0.7)
     handles = [
-        Line2D([], [], ls="", marker=marker, color="0.4", label=rock.replace("_", " "))
-        for rock, marker in markers.items()
+        Line2D(
+            [],
+            [],
+            ls="",
+            marker="o",
+            color="0.4",
+            ms=np.sqrt(_mark_size(jrc)),
+            label=f"JRC {jrc:g}",
+        )
+        for jrc in sorted(table.jrc.unique())
     ]
-    low, high = np.nanmin(table.jrc), np.nanmax(table.jrc)
-    figure.legend(
-        handles=handles,
-        loc="outside lower center",
-        ncols=len(handles),
-        frameon=False,
-        title=f"size: JRC {low:g} to {high:g}",
-    )
+    handles.append(Line2D([], [], color="0.8", lw=0.8, label="least to largest of the rocks"))
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
     sns.despine(figure)
     return figure
+
+
+def _mark_size(jrc):
+    """Area of a mark [points squared]."""
+    return 8.0 + 4.0 * jrc
+
+
+def _over_rocks(table: pd.DataFrame) -> pd.DataFrame:
+    """Median time ratio and change [%] of the maximum closure over the rocks, and the extremes."""
+    size = table.max_closure_added_percent.abs().clip(lower=_FLOOR)
+    about = ["effect", "cycle", "jrc", "stress_MPa"]
+    grouped = table.assign(size=size).groupby(about, sort=False)
+    return grouped.agg(
+        time_ratio=("time_ratio", "median"),
+        change=("size", "median"),
+        least=("size", "min"),
+        most=("size", "max"),
+    ).reset_index()
 
 
 @styled
@@ -97,8 +117,9 @@ def choice_figure(table: pd.DataFrame) -> Figure:
 
     Notes
     -----
-    A column for each tolerance. Grey conditions run every effect, and lose the time of the
-    pilot only; errors below a hundredth of a percent are drawn there.
+    A column for each tolerance. Grey conditions run every effect: they have no error, are counted
+    instead of drawn above, and lose the time of the pilot only. Errors below a hundredth of a
+    percent are drawn there.
     """
     tolerances = sorted(table.tolerance.unique())
     figure, panels = subplots(
@@ -119,11 +140,20 @@ def choice_figure(table: pd.DataFrame) -> Figure:
         for name in names:
             points = part[part.chosen == name]
             stress = 1e-6 * points.max_normal_stress
-            off = points.actual_percent.clip(lower=_LEAST_ERROR)
-            upper.plot(stress, off, "o", color=colours[name], ms=4)
-            lower.plot(stress, points.saved_percent, "o", color=colours[name], ms=4)
-        upper.axhline(100.0 * tolerance, color="0.1", lw=0.8)
-        upper.set(title=f"tolerance {100.0 * tolerance:g} %", xscale="log", yscale="log")
+            look = {"color": colours[name], "ms": 5, "mec": "w", "mew": 0.5}
+            if name != everything:
+                off = points.actual_percent.clip(lower=_LEAST_ERROR)
+                upper.plot(stress, off, "o", **look)
+            lower.plot(stress, points.saved_percent, "o", **look)
+        kept = (part.chosen == everything).sum()
+        upper.set_title(f"{kept} of {len(part)} run all effects", fontsize="small")
+        limit = 100.0 * tolerance
+        upper.axhline(limit, color="0.1", lw=0.8)
+        upper.annotate(
+            f"tolerance {limit:g} %", (0.98, limit), xycoords=("axes fraction", "data"),
+            xytext=(0, 3), textcoords="offset points", ha="right", fontsize="small",
+        )  # fmt: skip
+        upper.set(xscale="log", yscale="log", ylim=(0.5 * _LEAST_ERROR, 100.0))
         lower.axhline(0.0, color="0.8", lw=0.8, zorder=0)
         lower.set(xscale="log", xlabel="maximum normal stress (MPa)")
         for axis in (upper.yaxis, lower.xaxis):

@@ -226,13 +226,3 @@ def source_table(costs: pd.DataFrame, scene: str, realizations: int) -> pd.DataF
             row = {"scene": scene, "rock": rock, "cycle": cycle, "source": source}
             rows.append(row | {"error_percent": error, "low": low, "high": high})
     return pd.DataFrame(rows)
-
-
-def pareto(times: np.ndarray, errors: np.ndarray) -> np.ndarray:
-    """Which of some settings no other beats in both time and error (n,), as booleans."""
-    return np.array(
-        [
-            not np.any((times <= t) & (errors <= e) & ((times < t) | (errors < e)))
-            for t, e in zip(times, errors, strict=True)
-        ]
-    )

@@ -15,10 +15,11 @@ from typing import NamedTuple
 from jointclosure.config.configuration import configured, merged
 from jointclosure.config.files import ConfigurationError
 from jointclosure.config.presets import numerics_in_full
-from jointclosure.config.typed import Configuration
+from jointclosure.config.typed import Configuration, Grid, Surface
 from jointclosure.ensemble.cases import BASE, cases_of
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.inputs import InputError
+from jointclosure.parameters import Rock
 from jointclosure.studies.accuracy.runs import Run
 
 _OWN = ("study", "effects", "choices", "numerics", "grid", "surface", "rocks")
@@ -46,6 +47,29 @@ class Setting(NamedTuple):
     run: str
     other_joints: bool
     numerics: dict | None
+
+
+class Joint(NamedTuple):
+    """What a variant of the model closes: the joint of its first rock, at the base level.
+
+    ``stress`` [Pa]; ``levels``: how many a run has.
+    """
+
+    grid: Grid
+    surface: Surface
+    rock: Rock
+    jrc: float
+    stress: float
+    levels: int
+
+
+def joint_of(scene: str, settings: list[Setting], runs: dict[str, Run]) -> Joint:
+    """The joint of a variant."""
+    run = runs[next(each.run for each in settings if each.scene == scene)]
+    closed = run.levels[run.values.index(run.base)]
+    case, made = closed.case, closed.surfaces
+    stress, levels = case.max_normal_stress, len(run.levels)
+    return Joint(made.grid, made.surface, case.intact, case.jrc, stress, levels)
 
 
 def design_of(keys: dict) -> tuple[list[Setting], dict[str, Run]]:
@@ -148,6 +172,7 @@ def _unknown(keys: dict) -> Iterator[str]:
     for name, point in design["presets"].items():
         if point["knob"] != BASE and point["knob"] not in design["knobs"]:
             yield f"accuracy.presets.{name}.knob = {point['knob']!r}: there is no such knob"
+    yield from _unknown_of_total(design)
     for knob, way in design["knobs"].items():
         where = f"accuracy.knobs.{knob}"
         for scene in way["scenes"]:
@@ -163,6 +188,24 @@ def _unknown(keys: dict) -> Iterator[str]:
                 yield from _strange(keys, entry["set"], f"{where}.values")
             elif not _keys_of(way):
                 yield f"{where}.values = {entry!r}: without key or scale it needs value and set"
+
+
+def _unknown_of_total(design: dict) -> Iterator[str]:
+    """What the diagram of total error names and the design does not have."""
+    total = design.get("total")
+    if not total:
+        return
+    for key, of in (("scene", "methods"), ("interval_scene", "interval_methods")):
+        scene = total[key]
+        if scene not in design["scenes"]:
+            yield f"accuracy.total.{key} = {scene!r}: must be one of {', '.join(design['scenes'])}"
+        for name, point in total.get(of, {}).items():
+            way = design["knobs"].get(point["knob"], {"scenes": [], "values": []})
+            values = [each["value"] if isinstance(each, dict) else each for each in way["values"]]
+            turned = scene in way["scenes"] and point["value"] in values
+            if point["knob"] != BASE and not turned:
+                where = f"accuracy.total.{of}.{name}"
+                yield f"{where} = {point['knob']} {point['value']}: is not turned in {scene}"
 
 
 def _keys_of(way: dict) -> list[str]:

@@ -17,6 +17,8 @@ from jointclosure.statistics.variance_indices import (
 from jointclosure.studies.global_sensitivity.closing import RESPONSES
 from jointclosure.studies.global_sensitivity.design import Design, Input, spread_of, value_at
 
+FEWEST = 16
+"""Rows from which indices are found."""
 GROUPS = 16
 """Groups of rows of the jackknife, where fits are repeated."""
 CHOICES_DRAWN = 4096
@@ -65,23 +67,25 @@ def index_table(design: Design, closed: Mapping[str, xr.Dataset]) -> pd.DataFram
     Returns
     -------
     DataFrame
-        ``rock``, ``response``, ``cycle``, ``rows``, ``left_out``, ``input``, ``first`` and
-        ``total`` with standard errors; of all rows also the Shapley effects of the fitted function
+        Without responses of fewer than `FEWEST` whole rows. ``rock``, ``response``, ``cycle``,
+        ``rows``, ``left_out``, ``input``, ``first`` and ``total`` with standard errors; of all rows also the Shapley effects of the fitted function
         (``shapley``, and ``shapley_dependent`` with the design's dependent inputs) with jackknife
         errors. The input "surfaces" has the share of the surfaces in a single joint's variance.
     """
     rows, fits = [], []
     for each in responses_of(design, closed):
+        about: dict = {}
         for share in (4, 2, 1):
             number = len(each.values) // share
-            if number < 16:
+            if number < FEWEST:
                 continue
             points, values = each.points[:number], each.values[:number]
             found = variance_indices(points, values, design.values)
             about = {"rock": each.rock, "response": each.name, "cycle": each.cycle}
             about |= {"rows": number, "left_out": each.left_out, "fit_share": found.fit_share}
             rows += [about | row for row in _index_rows(design, found)]
-        fits.append((about, _resampled(each, design.values)))
+        if about:
+            fits.append((about, _resampled(each, design.values)))
     if not fits:
         return pd.DataFrame(rows)
     return pd.DataFrame(rows).merge(_shapley_table(design, fits), how="left")

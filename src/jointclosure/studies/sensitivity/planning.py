@@ -154,7 +154,7 @@ def _criteria(response: Response, significance: float) -> dict[str, Callable[[in
 
     return {
         "length": length,
-        "width": lambda n, amount: 2.0 * _NORMAL_95 * _length_error(response, n) <= amount,
+        "width": lambda n, amount: 2.0 * _NORMAL_95 * length_error(response, n) <= amount,
         "standard-error": lambda n, amount: own / np.sqrt(n) <= amount,
         "elasticity-error": elasticity_error,
         "power": lambda n, amount: power_of_ends(response, n, significance) >= amount,
@@ -172,7 +172,7 @@ def _length(response: Response, n: int, significance: float) -> float:
     ).length
 
 
-def _length_error(response: Response, n: int) -> float:
+def length_error(response: Response, n: int) -> float:
     """Relative standard error of a length, taken as scatter over slope, both of n surfaces."""
     k, had = response.samples.shape
     mean = fit_quadratic(response.levels, response.means, response.base)

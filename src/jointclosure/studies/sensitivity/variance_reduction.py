@@ -37,6 +37,7 @@ _COLUMNS: tuple[str, ...] = (
     "cycle",
     "draws",
     "surfaces",
+    "value",
     "plain_error",
 )
 _COLUMNS += ("adjusted_error", "worth", "plain_simulations", "plain_coverage", "adjusted_coverage")
@@ -91,11 +92,11 @@ def variance_reduction(
         ``response``: the mean and the standard deviation at the base (parameter "base"), the
         difference between the highest and lowest level, the slope at the base and the
         indifference interval; ``draws`` of the studies, common ones only where the ensemble's
-        are. ``plain_error`` and ``adjusted_error`` are root mean squares of the difference from
-        the ensemble's own value over studies, in m or m per SI unit of the parameter; of intervals
-        those of 1/length, 0 where there is no root, in 1 over that unit. ``worth``: how many plain
-        simulations one adjusted one replaces, and ``plain_simulations`` so many a case; coverage
-        is that of 95 % intervals.
+        are. ``value``: the ensemble's own; ``plain_error`` and ``adjusted_error`` are root mean
+        squares of the difference from it over studies, in m or m per SI unit of the parameter; of
+        intervals those of 1/length, 0 where there is no root, in 1 over that unit. ``worth``: how
+        many plain simulations one adjusted one replaces, and ``plain_simulations`` so many a case;
+        coverage is that of 95 % intervals.
     """
     rows: list[dict] = []
     seen = set()
@@ -217,7 +218,7 @@ def _compared(name, surfaces, plain: _Estimates, adjusted: _Estimates, response,
     levels = 1 if name in ("mean", "standard deviation") else 2
     freedom = surfaces - 1 if draws == "common" else levels * (surfaces - 1)
     reach = float(scipy.stats.t.ppf(0.5 + 0.5 * _CONFIDENCE, freedom))
-    row: dict[str, float] = {}
+    row: dict[str, float] = {"value": plain.truth}
     for kind, found in (("plain", plain), ("adjusted", adjusted)):
         off = np.abs(found.values - found.truth)
         row[f"{kind}_error"] = float(np.sqrt(np.mean(off**2)))

@@ -1,0 +1,110 @@
+"""The work-precision diagram: total error against core-minutes, for every way to a result."""
+
+import pandas as pd
+import seaborn as sns
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter, StrMethodFormatter
+
+from jointclosure.plotting.style import styled, subplots
+from jointclosure.statistics.total_error import front
+
+_TITLES = {"mean": "Mean closure", "interval": "Indifference interval"}
+_RANGE = {"mean": (0.3, 100.0), "interval": (3.0, 300.0)}
+"""Errors [%] that are drawn."""
+_MARKED = (2, 20, 200, 2000)
+"""Surfaces that are marked on plain lines."""
+
+
+@styled
+def total_error_figure(points: pd.DataFrame) -> Figure:
+    """Total error against core-minutes, a panel for each response and cycle.
+
+    Parameters
+    ----------
+    points : DataFrame
+        As from `jointclosure.studies.accuracy.total.point_table`.
+
+    Notes
+    -----
+    A line is a method, with more and more surfaces; of those with control variates (dashed), the
+    best number of measured surfaces at each time. Grey: what no way beats in both, the best split
+    of each budget. A method of which no split is within the range of the axis is named in the
+    title of the panel.
+    """
+    shown = list(points.groupby(["response", "cycle"], sort=False))
+    methods = list(points.method.unique())
+    colours = dict(zip(methods, sns.color_palette("colorblind", len(methods)), strict=True))
+    figure, panels = subplots(
+        1,
+        len(shown),
+        figsize=(4.2 * len(shown), 4.4),
+        layout="constrained",
+        sharex=True,
+        squeeze=False,
+    )
+    for axes, ((response, cycle), part) in zip(panels[0], shown, strict=True):
+        _style(axes, points, _RANGE[response])
+        missing = _draw(axes, part, colours, _RANGE[response][1])
+        beyond = f"\n({', '.join(missing)}: beyond {_RANGE[response][1]:g} %)" if missing else ""
+        axes.set_title(f"{_TITLES[response]}, cycle {cycle}{beyond}")
+        axes.set_xlabel("core-minutes")
+    panels[0, 0].set_ylabel("total error (%)")
+    figure.legend(handles=_key(colours), loc="outside lower center", ncols=4, frameon=False)
+    sns.despine(figure)
+    return figure
+
+
+def _draw(axes: Axes, part: pd.DataFrame, colours: dict, most: float) -> list[str]:
+    """Lines of a panel up to an error [%]; the methods that are beyond it."""
+    shown = part[part.total_percent <= most]
+    best = shown[shown.best].sort_values("core_minutes")
+    axes.plot(
+        best.core_minutes, best.total_percent, color="0.75", lw=6, alpha=0.7, zorder=0,
+        drawstyle="steps-post",
+    )  # fmt: skip
+    missing = []
+    for method, colour in colours.items():
+        own = shown[shown.method == method]
+        if own.empty and (part.method == method).any():
+            missing.append(method)
+        for adjusted, line in own.groupby("control_variates"):
+            kept = front(line.core_minutes.to_numpy(), line.total_percent.to_numpy())
+            line = line.iloc[kept]
+            axes.plot(
+                line.core_minutes, line.total_percent, color=colour, lw=1.4,
+                ls="--" if adjusted else "-",
+            )  # fmt: skip
+            if not adjusted:
+                marked = _nearest(line)
+                axes.plot(marked.core_minutes, marked.total_percent, "o", color=colour, ms=4)
+    return missing
+
+
+def _nearest(line: pd.DataFrame) -> pd.DataFrame:
+    """Points of a line that are nearest to the numbers of surfaces that are marked."""
+    near = [(line.surfaces / count - 1.0).abs() for count in _MARKED]
+    return line.loc[[off.idxmin() for off in near if off.min() < 0.15]]
+
+
+def _style(axes: Axes, points: pd.DataFrame, errors: tuple[float, float]) -> None:
+    axes.set(xscale="log", yscale="log", ylim=errors)
+    axes.set_xlim(0.8 * points.core_minutes.min(), 2000.0)
+    axes.xaxis.set_major_locator(LogLocator(numticks=6))
+    axes.yaxis.set_major_locator(FixedLocator([0.3, 1, 3, 10, 30, 100, 300]))
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axis.set_minor_formatter(NullFormatter())
+
+
+def _key(colours: dict) -> list[Line2D]:
+    """Entries of the key, outside of the panels."""
+    entries = [Line2D([], [], color=colour, label=name) for name, colour in colours.items()]
+    marks = ", ".join(f"{count:g}" for count in _MARKED)
+    return [
+        *entries,
+        Line2D([], [], color="0.3", ls="--", label="with control variates"),
+        Line2D([], [], color="0.3", marker="o", ms=4, ls="", label=f"{marks} surfaces"),
+        Line2D([], [], color="0.75", lw=6, alpha=0.7, label="best split of the budget"),
+    ]

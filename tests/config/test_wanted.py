@@ -1,0 +1,134 @@
+"""The accuracy of a result that is wanted: granted from what was measured, or refused by name."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from jointclosure.config.configuration import configured
+from jointclosure.config.files import METHODS, ConfigurationError
+from jointclosure.config.wanted import (
+    BLOCK,
+    MEASURED_SURFACES,
+    Wanted,
+    biases,
+    grant,
+    wanted_of,
+)
+from jointclosure.inputs import InputError
+from jointclosure.statistics.total_error import method_of
+from jointclosure.storage.text import read_csv
+from tests.studied import keys_of
+
+PRESETS = ("quick", "accurate")
+
+
+def method(name, cycle, bias, adjusted, cost, told=True):
+    """Scatter 10 %, of which control variates explain nearly all on the first cycle."""
+    explained = 0.96 if adjusted and cycle == 1 else 0.0
+    row = {"response": "mean", "cycle": cycle, "rock": "slate", "method": name, "told": told}
+    row |= {"control_variates": adjusted, "bias_percent": bias, "scatter": 0.1}
+    row |= {"left": 1.0 - explained, "explained": explained, "cost": cost}
+    return row | {"measured_cost": 1e-3, "least": 15 if adjusted else 2}
+
+
+TABLE = pd.DataFrame(
+    [
+        method(name, cycle, bias, adjusted, cost)
+        for name, bias, cost in (("quick", 6.0, 0.5), ("accurate", 1.0, 2.0))
+        for cycle in (1, 2)
+        for adjusted in (False, True)
+    ]
+)
+
+
+def wanted(within, of="mean", most=400):
+    return Wanted(of, within, most, None)
+
+
+def test_the_cheapest_preset_that_can_reach_it_is_granted_with_the_surfaces_it_needs():
+    lenient = grant(wanted(0.12), TABLE, PRESETS, 2)
+    assert (lenient.preset, lenient.surfaces) == ("quick", 20)  # (1.96 0.1 / 0.06)^2 = 11
+    strict = grant(wanted(0.05), TABLE, PRESETS, 2)
+    assert strict.preset == "accurate"  # the other is off by more
+    assert strict.surfaces == BLOCK * np.ceil((1.96 * 0.1 / 0.04) ** 2 / BLOCK)
+    assert strict.total <= 0.05
+
+
+def test_control_variates_are_granted_where_they_pay():
+    # of two cycles the second, which they do not help, needs as many surfaces
+    assert not grant(wanted(0.03), TABLE, PRESETS, 2).control_variates
+    first = grant(wanted(0.03), TABLE, PRESETS, 1)
+    assert first.control_variates
+    assert first.surfaces == 20
+    assert first.seconds == pytest.approx(20 * 2.0 + MEASURED_SURFACES * 1e-3)
+
+
+def test_a_bias_that_is_not_told_from_chance_counts_as_none():
+    quiet = TABLE.assign(told=TABLE.method != "accurate")
+    assert biases(quiet, "accurate", "mean") == {1: 0.0, 2: 0.0}
+    assert biases(TABLE, "quick", "mean") == {1: 0.06, 2: 0.06}
+
+
+@pytest.mark.parametrize(
+    ("wish", "message"),
+    [
+        (wanted(0.01), "within = 0.01: no preset has it, however many the surfaces; must be more"),
+        (
+            wanted(0.011),
+            r"within = 0\.011: takes about \d+ surfaces a case, more than .*most = 400",
+        ),
+        (wanted(0.1, of="interval"), "of = 'interval': of the 2 cycles"),
+    ],
+)
+def test_what_cannot_be_reached_is_refused_before_anything_is_closed(wish, message):
+    with pytest.raises(InputError, match=message):
+        grant(wish, TABLE, PRESETS, 2)
+
+
+def study(*changes, **wish):
+    told = {"numerics": {"accuracy": {"of": "mean", "within": 0.05} | wish}}
+    return configured(keys_of(told, *changes), read_csv)
+
+
+def test_a_study_has_the_numerics_surfaces_and_control_variates_that_were_granted():
+    found = study()
+    table = read_csv(METHODS)
+    granted = grant(wanted_of(found.keys), table, [found.granted], 2)
+    assert found.typed.study.realizations == granted.surfaces
+    assert found.typed.study.realizations % found.typed.study.realizations_per_job == 0
+    assert found.typed.statistics.control_variates == MEASURED_SURFACES
+    assert found.typed.numerics.breakage == "resolved"
+    for part in (f"preset {found.granted}", f"{granted.surfaces} surfaces", "core-minutes a case"):
+        assert part in found.said
+    more = study(surfaces=70)
+    assert more.typed.study.realizations == 70
+    assert "70 surfaces a case" in more.said
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"study": {"realizations": 33}}, "study.realizations = 33: leave it out"),
+        ({"statistics": {"control_variates": 500}}, "statistics.control_variates = 500: leave it"),
+        ({"numerics": {"preset": "quick"}}, "numerics.preset = 'quick': leave it out"),
+        ({"numerics": {"force_tolerance": 1e-3}}, "numerics.force_tolerance = 0.001: leave it"),
+        ({"choices": {"largest_radius_mm": 20.0}}, "largest_radius_mm = 20.0: .*null only"),
+        ({"effects": {"breakage": False, "gouge": False}}, "nothing does here"),
+        ({"numerics": {"accuracy": {"of": "slope"}}}, "accuracy.of = 'slope': must be one of"),
+        ({"numerics": {"accuracy": {"within": 1.5}}}, "accuracy.within = 1.5: must be below 1"),
+        ({"numerics": {"accuracy": {"most": 3}}}, "accuracy.most = 3: must be at least 10"),
+        ({"numerics": {"accuracy": {"off": 3}}}, "accuracy.off = 3: unknown key"),
+        ({"numerics": {"accuracy": "fine"}}, "accuracy = 'fine': must be of type number"),
+    ],
+)
+def test_what_contradicts_a_wanted_accuracy_is_refused_by_name(change, message):
+    with pytest.raises(ConfigurationError, match=message):
+        study(change)
+
+
+def test_the_shipped_table_has_every_preset_for_both_cycles_of_a_mean():
+    table = read_csv(METHODS)
+    for preset in ("quick", "paper", "accurate"):
+        assert set(biases(table, preset, "mean")) == {1, 2}
+        assert 2 in biases(table, preset, "interval")
+    assert all(method_of(row).cost > 0.0 for row in table.itertuples())

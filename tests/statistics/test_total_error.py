@@ -1,0 +1,50 @@
+"""Total error is bias and sampling; what control variates are worth is split as it was found."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from jointclosure.statistics.total_error import REACH, Method, front, shares
+
+METHOD = Method(
+    bias=-0.02, scatter=0.1, left=0.02, explained=0.98, cost=0.5, measured_cost=3e-3, least=15
+)
+
+
+def test_total_error_is_bias_and_half_the_interval_of_surfaces_closed_and_measured():
+    plain = METHOD._replace(left=1.0, explained=0.0)
+    assert plain.total(25) == pytest.approx(0.02 + REACH * 0.1 / 5.0)
+    both = np.sqrt(0.02 / 25 + 0.98 / 4000)
+    assert METHOD.total(25, 4000) == pytest.approx(0.02 + REACH * 0.1 * both)
+    assert METHOD.seconds(25, 4000) == pytest.approx(25 * 0.5 + 12.0)
+
+
+@given(worth=st.floats(0.5, 200.0), surfaces=st.integers(10, 200), many=st.integers(2, 400))
+def test_shares_give_back_the_worth_that_they_were_found_from(worth, surfaces, many):
+    measured = surfaces * many
+    left, explained = shares(worth, surfaces, measured)
+    adjusted = left / surfaces + explained / measured
+    assert adjusted * surfaces == pytest.approx(1.0 / worth)
+    assert explained == 0.0 if worth <= 1.0 else explained > 0.0
+
+
+@given(within=st.floats(0.021, 0.5))
+def test_the_fewest_surfaces_meet_a_bound_and_one_fewer_does_not(within):
+    count = METHOD.surfaces_for(within, 100_000)
+    if np.isinf(count):
+        assert METHOD.total(1e12, 100_000) > within
+        return
+    assert METHOD.total(count, 100_000) <= within + 1e-12
+    assert count == METHOD.least or METHOD.total(count - 1, 100_000) > within
+
+
+def test_no_number_of_surfaces_takes_a_bias_away():
+    assert METHOD.surfaces_for(0.02) == np.inf
+    assert METHOD.surfaces_for(0.021, measured=10) == np.inf
+
+
+def test_the_front_is_what_no_other_beats_in_both():
+    seconds = np.array([1.0, 2.0, 2.0, 3.0, 4.0, 0.5])
+    errors = np.array([5.0, 4.0, 3.0, 3.0, 1.0, 9.0])
+    assert front(seconds, errors).tolist() == [5, 0, 2, 4]

@@ -1,0 +1,206 @@
+"""The diagram of total error: biases, scatters and costs are those of the tables that it is of."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from jointclosure.inputs import InputError
+from jointclosure.plotting.total_error import total_error_figure
+from jointclosure.studies.accuracy.design import design_of, joint_of
+from jointclosure.studies.accuracy.total import (
+    Cheap,
+    Told,
+    method_table,
+    point_table,
+    split_table,
+)
+from tests.studied import checked_study
+from tests.studies.test_accuracy import DESIGN
+
+POINTS = {"coarse": {"knob": "base", "value": ""}, "fine": {"knob": "resolved", "value": 0.02}}
+TOTAL = {"scene": "own", "methods": POINTS, "interval_scene": "own"}
+TOLD = Told(TOTAL, "youngs_modulus", 3, 4000)
+CHEAP = Cheap(walls=5.0, covariates=3.0, estimate=2.0)
+PAIR = 1e-3  # seconds
+
+
+def costs():
+    rows = []
+    for rock, off in (("slate", 5.0), ("chalk", -8.0)):
+        for cycle in (1, 2):
+            for knob, value, error, pairs in (("base", "", off, 500), ("resolved", 0.02, 0.5, 900)):
+                row = {"scene": "own", "rock": rock, "knob": knob, "value": str(value)}
+                row |= {"cycle": cycle, "pairs": pairs, "seconds": pairs * PAIR}
+                for of in ("mean", "interval"):
+                    row |= {f"{of}_error_percent": error}
+                    row |= {f"{of}_low": error - 1.0, f"{of}_high": error + 1.0}
+                rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def variance():
+    rows = []
+    for rock, error in (("slate", 2.0), ("chalk", 1.0)):
+        for cycle, worth in ((1, 40.0), (2, 0.9)):
+            for parameter, response in (("base", "mean"), ("youngs_modulus", "interval")):
+                row = {"rock": rock, "cycle": cycle, "parameter": parameter, "surfaces": 20}
+                row |= {"response": response, "draws": "independent", "worth": worth}
+                rows.append(row | {"value": 100.0, "plain_error": error})
+    return pd.DataFrame(rows)
+
+
+def surrogate():
+    rows = [
+        {"constants": "all", "rock": rock, "stress_MPa": stress, "mean_percent": error}
+        | {"rms_percent": 2.0, "joints": 64}
+        for rock in ("slate", "chalk")
+        for stress, error in ((10.0, 9.0), (30.0, 1.0))
+    ]
+    return pd.DataFrame(rows)
+
+
+@pytest.fixture(scope="module")
+def methods():
+    return method_table(TOLD, costs(), variance(), surrogate(), CHEAP)
+
+
+@pytest.fixture(scope="module")
+def points(methods):
+    return point_table(methods)
+
+
+def at(table, surfaces, **keys):
+    here = np.logical_and.reduce([table[key] == value for key, value in keys.items()])
+    return table[here & (table.surfaces == surfaces)]
+
+
+def test_the_rock_where_the_error_is_largest_tells_it(points):
+    plain = {"response": "mean", "cycle": 1, "method": "coarse", "control_variates": False}
+    few, many = at(points, 2, **plain).iloc[0], points[points.method == "coarse"].iloc[-1]
+    # of two surfaces slate scatters most: 2 % of 20 surfaces
+    assert few.total_percent == pytest.approx(5.0 + 1.96 * 2.0 * np.sqrt(10.0))
+    assert few.bias_percent == 5.0
+    assert few.core_minutes == pytest.approx(2 * (500 + 5) * PAIR / 60.0)
+    # of many only the bias is left, which is largest of chalk
+    assert many.bias_percent == 8.0
+
+
+def test_values_of_a_knob_are_found_as_numbers_and_as_texts(methods):
+    numbers = costs()
+    numbers["value"] = pd.to_numeric(numbers["value"])  # as from a file without words
+    found = method_table(TOLD, numbers, variance(), surrogate(), CHEAP)
+    pd.testing.assert_frame_equal(found, methods)
+
+
+def test_an_interval_takes_all_levels_and_the_law_has_none(methods):
+    interval = methods[(methods.response == "interval") & (methods.method == "fine")].iloc[0]
+    assert interval.cost == pytest.approx(3 * (900 + 5) * PAIR)
+    law = methods[methods.method == "surrogate"]
+    assert set(zip(law.response, law.cycle, strict=True)) == {("mean", 1)}
+    # at the largest stress, and of closures that are themselves off by 5 and -8 %
+    assert law.bias_percent.to_numpy() == pytest.approx([1.01 * 105 - 100, 1.01 * 92 - 100])
+    assert law.bias_high.to_numpy() == pytest.approx([1.0149 * 106 - 100, 1.0149 * 93 - 100])
+    assert law.told.all()
+    assert not law.control_variates.any()
+
+
+def test_control_variates_replace_the_simulations_that_they_were_worth(points):
+    own = {"response": "mean", "cycle": 1, "method": "fine"}
+    adjusted = at(points, 15, control_variates=True, measured=4000, **own).iloc[0]
+    left = 1.0 / 40.0 - (1.0 - 1.0 / 40.0) / (1.0 - 20 / 4000) * 20 / 4000
+    explained = (1.0 - 1.0 / 40.0) / (1.0 - 20 / 4000)
+    expected = 1.96 * 2.0 * np.sqrt(20 * (left / 15 + explained / 4000))
+    assert adjusted.sampling_percent == pytest.approx(expected)
+    assert adjusted.core_minutes == pytest.approx((15 * 905 + 4000 * 8) * PAIR / 60.0)
+    assert points[points.control_variates & (points.cycle == 1)].surfaces.min() == 15
+
+
+def test_a_bias_counts_where_it_is_told_from_chance(methods, points):
+    fine = methods[(methods.method == "fine") & (methods.response == "mean")]
+    assert (fine.bias_percent == 0.5).all()
+    assert not fine.told.any()  # -0.5 to 1.5 %
+    assert (points.bias_percent[points.method == "fine"] == 0.0).all()
+
+
+def test_errors_of_intervals_are_those_of_the_variant_that_is_named_for_them():
+    other = costs()[lambda table: table.knob == "base"].assign(scene="other")
+    other[["interval_error_percent", "interval_low"]] = 33.0, 30.0
+    other["interval_high"] = 40.0
+    total = TOTAL | {"interval_scene": "other", "interval_methods": {"coarse": POINTS["coarse"]}}
+    tables = pd.concat([costs(), other]), variance(), surrogate(), CHEAP
+    found = method_table(TOLD._replace(total=total), *tables)
+    assert (
+        found.bias_percent[(found.response == "interval") & (found.method == "coarse")] == 33
+    ).all()
+    assert not (found.bias_percent[found.method == "fine"] == 33).any()
+
+
+def test_where_the_error_of_an_interval_is_not_known_its_method_is_left_out():
+    table = costs()
+    unknown = (table.rock == "slate") & (table.cycle == 1) & (table.knob == "base")
+    table.loc[unknown, ["interval_low", "interval_high"]] = np.nan
+    found = method_table(TOLD, table, variance(), surrogate(), CHEAP)
+    coarse = found[found.method == "coarse"]
+    assert set(zip(coarse.response, coarse.cycle, strict=True)) == {
+        ("mean", 1), ("mean", 2), ("interval", 2),
+    }  # fmt: skip
+    assert {1, 2} == set(found.cycle[(found.method == "fine") & (found.response == "interval")])
+
+
+def test_the_best_split_of_a_budget_is_on_the_front_and_a_larger_one_is_no_worse(points):
+    splits = split_table(points, [0.1, 1.0, 10.0])
+    assert splits.best.all()
+    for _, part in splits.groupby(["response", "cycle"]):
+        assert (part.core_minutes <= part.budget).all()
+        assert (part.total_percent.diff().dropna() <= 0.0).all()
+    # little time buys the cheap setting, much time the one that is off by less
+    second = splits[(splits.response == "interval") & (splits.cycle == 2)]
+    assert second.method.tolist()[-1] == "fine"
+
+
+def test_a_setting_that_was_not_turned_is_refused_by_name():
+    told = TOLD._replace(total=TOTAL | {"methods": {"swift": {"knob": "steps", "value": 2}}})
+    with pytest.raises(InputError, match=r"accuracy\.total: swift = .*is not turned in own"):
+        method_table(told, costs(), variance(), surrogate(), CHEAP)
+
+
+def test_a_study_that_does_not_tell_scatter_or_the_laws_error_is_refused():
+    for lacking in (variance().drop(columns="value"), variance()[lambda t: t.rock != "chalk"]):
+        with pytest.raises(InputError, match=r"variance_reduction\.csv: does not say"):
+            method_table(TOLD, costs(), lacking, surrogate(), CHEAP)
+    with pytest.raises(InputError, match=r"surrogate\.csv: has no joints of slate"):
+        method_table(TOLD, costs(), variance(), surrogate()[lambda t: t.rock != "slate"], CHEAP)
+
+
+@pytest.mark.parametrize(
+    ("total", "message"),
+    [
+        ({"scene": "fulll"}, "accuracy.total.scene = 'fulll': must be one of"),
+        ({"methods": {"paper": {"knob": "steps", "value": 1}}}, "methods.paper = steps 1: is not"),
+        ({"interval_scene": "fulll"}, "accuracy.total.interval_scene = 'fulll'"),
+    ],
+)
+def test_a_diagram_of_what_the_design_does_not_have_is_refused(total, message):
+    with pytest.raises(InputError, match=message):
+        design_of(checked_study(DESIGN, {"accuracy": {"total": total}}).keys)
+
+
+def test_what_is_timed_is_the_joint_of_the_variant():
+    joint = joint_of("paper_size", *design_of(checked_study(DESIGN).keys))
+    assert joint.grid.shape == (100, 100)
+    assert joint.stress == 30e6
+    assert joint.levels == 3
+
+
+def test_the_figure_has_a_panel_for_each_response_and_names_what_is_out_of_range(points):
+    far = points.assign(total_percent=points.total_percent.where(points.method != "coarse", 300.0))
+    figure = total_error_figure(far)
+    titles = [axes.get_title() for axes in figure.axes]
+    assert len(titles) == 4
+    assert [title.endswith("(coarse: beyond 100 %)") for title in titles] == [True] * 2 + [
+        False
+    ] * 2
+    assert titles[0].startswith("Mean closure, cycle 1")
+    key = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert key[:3] == ["coarse", "fine", "surrogate"]
+    assert "best split of the budget" in key

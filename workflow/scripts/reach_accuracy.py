@@ -1,0 +1,38 @@
+"""Say what a study has reached of the accuracy that was wanted."""
+
+from jointclosure.config.files import METHODS
+from jointclosure.config.plain import from_plain
+from jointclosure.config.wanted import Wanted, biases
+from jointclosure.ensemble.aggregation import CURVES
+from jointclosure.ensemble.covariates import from_dataset
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.text import read_csv, write_csv
+from jointclosure.studies.sensitivity.reached import reached_table, told
+
+
+def main(study: str, covariates: str | None, settings: dict, output: str, log: Logbook) -> None:
+    """Write a row for each mean or interval."""
+    wanted = from_plain(Wanted, settings["wanted"])
+    table = reached_table(
+        read_netcdf(study, without=CURVES),
+        from_dataset(read_netcdf(covariates)) if covariates else None,
+        wanted,
+        biases(read_csv(METHODS), settings["preset"], wanted.of),
+        settings["significance"],
+    )
+    write_csv(table, output)
+    log(told(table, wanted))
+
+
+if __name__ == "__main__":
+    with job(snakemake) as logbook:
+        inputs = snakemake.input
+        main(
+            inputs.study,
+            inputs.get("covariates") or None,
+            dict(snakemake.params),
+            snakemake.output[0],
+            logbook,
+        )

@@ -1,0 +1,40 @@
+"""Weigh the total error of every way to a result against its core-minutes, and draw it."""
+
+from jointclosure.config.plain import from_plain
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.plotting.total_error import total_error_figure
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import read_csv, write_csv
+from jointclosure.studies.accuracy.design import Joint
+from jointclosure.studies.accuracy.total import (
+    Told,
+    method_table,
+    point_table,
+    split_table,
+    time_cheap,
+)
+
+
+def main(inputs: dict, settings: dict, outputs, log: Logbook) -> None:
+    """Write methods, points and splits, and the figure to each of its outputs."""
+    design, joint = settings["design"], from_plain(Joint, settings["joint"])
+    total = design["total"]
+    cheap = time_cheap(joint)
+    log(f"FFT pairs: {cheap}")
+    told = Told(total, design["parameter"], joint.levels, settings["measured"])
+    tables = (read_csv(inputs[name]) for name in ("costs", "variance", "surrogate"))
+    methods = method_table(told, *tables, cheap)
+    points = point_table(methods)
+    splits = split_table(points, total["budgets_min"])
+    for table, name in ((methods, "methods"), (points, "points"), (splits, "splits")):
+        write_csv(table, outputs[name])
+    log(splits.to_string(index=False))
+    figure = total_error_figure(points)
+    for output in outputs["figures"]:
+        save_figure(figure, output)
+
+
+if __name__ == "__main__":
+    with job(snakemake) as logbook:
+        main(dict(snakemake.input), dict(snakemake.params), dict(snakemake.output), logbook)
