@@ -36,7 +36,8 @@ def indices(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     -----
     Filled: total; hollow: first. Bars: 95 % intervals.
     """
-    whole = table[(table.rows == table.groupby("rock").rows.transform("max"))]
+    most = table.groupby(["rock", "response", "cycle"]).rows.transform("max")
+    whole = table[table.rows == most]
     names = [name for name in dict.fromkeys(whole.input) if name != SURFACES]
     labels = [whole.title[whole.input == name].iloc[0] for name in names]
     rocks = list(dict.fromkeys(whole.rock))

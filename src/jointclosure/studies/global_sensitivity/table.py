@@ -68,9 +68,10 @@ def index_table(design: Design, closed: Mapping[str, xr.Dataset]) -> pd.DataFram
     -------
     DataFrame
         Without responses of fewer than `FEWEST` whole rows. ``rock``, ``response``, ``cycle``,
-        ``rows``, ``left_out``, ``input``, ``first`` and ``total`` with standard errors; of all rows also the Shapley effects of the fitted function
-        (``shapley``, and ``shapley_dependent`` with the design's dependent inputs) with jackknife
-        errors. The input "surfaces" has the share of the surfaces in a single joint's variance.
+        ``rows``, ``left_out``, ``input``, ``first`` and ``total`` with standard errors; of all
+        rows also the Shapley effects of the fitted function (``shapley``, and
+        ``shapley_dependent`` with the design's dependent inputs) with jackknife errors. The input
+        "surfaces" has the share of the surfaces in a single joint's variance.
     """
     rows, fits = [], []
     for each in responses_of(design, closed):
