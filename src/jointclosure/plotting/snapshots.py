@@ -37,9 +37,9 @@ def snapshot_figure(closed: xr.Dataset, title: str) -> Figure:
     columns = (
         ("aperture (mm), contacts red", 1e3 * np.maximum(closed.snapshot_gap.values, 0.0), "mako"),
         ("stress of cells in contact (MPa)", np.ma.masked_equal(stresses, 0.0), "rocket_r"),
-        ("change of both walls' height (mm)", 1e3 * _change(closed), "vlag_r"),
+        ("change of both walls' height (mm)", 1e3 * change_of_height(closed), "vlag_r"),
     )
-    top, reach = _reach(columns[0][1]), _reach(np.abs(columns[2][1]))
+    top, reach = reach_of(columns[0][1]), reach_of(np.abs(columns[2][1]))
     norms = (Normalize(0.0, top), _stress_norm(stresses), Normalize(-reach, reach))
     extent = map_extent(stresses.shape[1:], spacing)
     beyond = ("max", "min", "both")
@@ -72,7 +72,7 @@ def _said(snapshot: xr.Dataset) -> tuple[str, str, str]:
     return f"{branch}: {stress:.3g} MPa", f"{contacts:.3g} % in contact", f"{broken:.3g} mm³ broken"
 
 
-def _change(closed: xr.Dataset) -> np.ndarray:
+def change_of_height(closed: xr.Dataset) -> np.ndarray:
     """Change of both walls' heights together (snapshot, y, x) since first touch [m]."""
     now = closed.snapshot_upper.values + closed.snapshot_lower.values
     return now - (closed.upper_first.values + closed.lower_first.values)
@@ -84,7 +84,7 @@ def _stress_norm(stresses: np.ndarray) -> LogNorm:
     return LogNorm(1e-4 * largest, largest)
 
 
-def _reach(values: np.ndarray) -> float:
+def reach_of(values: np.ndarray) -> float:
     """What all but one in two hundred of those that are not 0 reach, so that few hide none."""
     some = values[values > 0.0]
     return float(np.quantile(some, 0.995)) if some.size else 1.0
