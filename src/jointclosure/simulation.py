@@ -2,6 +2,7 @@
 
 import json
 import math
+import warnings
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from jointclosure.foresight import check_foreseen
-from jointclosure.given_walls import checked_walls
+from jointclosure.given_walls import checked_walls, doubts
 from jointclosure.history import cycle_closures, unloading_excess
 from jointclosure.inputs import (
     LENGTHS,
@@ -142,7 +143,8 @@ def simulate(
     numerics : Numerics
     unusual_values : bool
         Whether numbers may be far from what is usual of rock: a modulus of 78 Pa is
-        refused otherwise, as it is more often one of 78 GPa.
+        refused otherwise, as it is more often one of 78 GPa. Nor are then `UserWarning` s given
+        of rough walls that look upside down, turned round, or in another unit than the spacing.
     report : callable, optional
         Told of every step, with its cycle, its branch ("loading" or "unloading") and
         its stress over the cycle's maximum.
@@ -185,6 +187,11 @@ def simulate(
     breakage there is no history: the steps are then ``Numerics.curve_points``
     stresses (and the seating stress) up and down one curve.
     """
+    if not unusual_values:
+        check_length("spacing", spacing)
+        upper, lower = checked_walls(upper, lower)
+        for doubt in doubts(upper, lower, spacing):
+            warnings.warn(doubt, stacklevel=2)
     return simulate_by(
         solver_named,
         upper,

@@ -6,11 +6,10 @@ import xarray as xr
 from matplotlib.animation import FuncAnimation
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from jointclosure.engineering.curves import area_of
 from jointclosure.history import branch_of
 from jointclosure.inputs import InputError
 from jointclosure.plotting.scanned_joint import map_extent
-from jointclosure.plotting.snapshots import change_of_height, reach_of
+from jointclosure.plotting.snapshots import change_of_height, reach_of, spacing_of
 from jointclosure.plotting.style import StyledFigure, above, styled
 from jointclosure.protocol import LOADING, UNLOADING
 
@@ -96,8 +95,7 @@ def _curve(axes, closed: xr.Dataset):
 def _map(axes, closed: xr.Dataset):
     """What both walls lost or gained, with contacts black."""
     change = 1e3 * change_of_height(closed)
-    spacing = (area_of(closed) / change[0].size) ** 0.5
-    reach, extent = reach_of(np.abs(change)), map_extent(change.shape[1:], spacing)
+    reach, extent = reach_of(np.abs(change)), map_extent(change.shape[1:], spacing_of(closed))
     drawn = {"origin": "lower", "interpolation": "nearest", "extent": extent}
     image = axes.imshow(change[0], cmap="vlag_r", vmin=-reach, vmax=reach, **drawn)
     none = np.ma.masked_all(change[0].shape)
