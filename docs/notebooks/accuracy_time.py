@@ -14,6 +14,7 @@ import jointclosure as jc
 spacing, seeds = 0.25e-3, range(8)
 factors = [2.0, 1.0, 0.5, 0.25, 0.125]
 told = {"spacing": spacing, "rock": "granite", "max_normal_stress": 5e6, "seeds": seeds}
+told["workers"] = 1  # so that no other process disturbs the times
 paper = jc.Numerics()
 
 
@@ -23,9 +24,7 @@ def walls(seed):
 
 def closed(factor, **model):
     steps = {
-        name: factor * getattr(paper, name)
-        for name in paper._fields
-        if name.endswith("_step")
+        name: factor * getattr(paper, name) for name in paper._fields if name.endswith("_step")
     }
     return jc.simulate_ensemble(walls, numerics=paper._replace(**steps, **model), **told)
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple, TypeGuard
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -46,12 +46,13 @@ def load_cycles(
         check_number("cycles", cycles, whole=True)
         if cycles < 1:
             raise InputError(f"cycles = {cycles!r}: must be a whole number from 1 on")
-    if not _is_history(max_normal_stress):
-        check_number("max_normal_stress", max_normal_stress)
-        _check_maximum(max_normal_stress, f"{max_normal_stress!r} Pa")
+    turns = _turns(max_normal_stress)
+    if turns is None:
+        maximum = cast(float, max_normal_stress)
+        check_number("max_normal_stress", maximum)
+        _check_maximum(maximum, f"{maximum!r} Pa")
         number = USUAL_CYCLES if cycles is None else int(cycles)
-        return (LoadCycle(float(max_normal_stress)),) * number
-    turns = [*max_normal_stress]
+        return (LoadCycle(float(maximum)),) * number
     told = ", ".join(str(turn) for turn in turns)
     if not turns:
         raise InputError("max_normal_stress = []: a load history needs a maximum")
@@ -78,19 +79,24 @@ def load_cycles(
 
 def load_said(max_normal_stress: float | Sequence[float], cycles: int) -> str:
     """The load in words: its stresses in MPa, and its cycles."""
-    turns = max_normal_stress if _is_history(max_normal_stress) else (max_normal_stress,)
-    stresses = ", ".join(f"{1e-6 * stress:g}" for stress in turns)
+    turns = _turns(max_normal_stress)
+    shown = [cast(float, max_normal_stress)] if turns is None else turns
+    stresses = ", ".join(f"{1e-6 * stress:g}" for stress in shown)
     return f"{stresses} MPa, {cycles} cycle{'s' if cycles > 1 else ''}"
 
 
 def largest_stress(max_normal_stress: float | Sequence[float]) -> float:
     """Largest stress of a maximum or a load history, unchecked."""
-    return max(max_normal_stress) if _is_history(max_normal_stress) else max_normal_stress
+    turns = _turns(max_normal_stress)
+    return cast(float, max_normal_stress) if turns is None else max(turns)
 
 
-def _is_history(stress: float | Sequence[float]) -> TypeGuard[Sequence[float]]:
+def _turns(stress: float | Sequence[float]) -> list[float] | None:
+    """The stresses of a load history, None of a single maximum."""
     many = isinstance(stress, Sequence) and not isinstance(stress, str | bytes)
-    return many or (isinstance(stress, np.ndarray) and stress.ndim == 1)
+    if many or (isinstance(stress, np.ndarray) and stress.ndim == 1):
+        return [*cast(Sequence[float], stress)]
+    return None
 
 
 def _check_maximum(maximum: float, told: str) -> None:

@@ -1,4 +1,4 @@
-"""`jointclosure engineering`: curves and stiffness of a study's case, with bands over its joints."""
+"""`jointclosure engineering`: curves and stiffness of a study, with bands over its joints."""
 
 from pathlib import Path
 

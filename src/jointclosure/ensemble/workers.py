@@ -1,6 +1,6 @@
 """Work that is shared among processes, one task at a time each.
 
-A worker is a process of its own that runs this module: unlike those of `multiprocessing` it never
+A worker is a process of its own that runs `work`: unlike those of `multiprocessing` it never
 runs the caller's script again, and the death of one loses the task that it had and no other.
 """
 
@@ -72,6 +72,8 @@ class _Workers:
     def ask(self, function: Callable[..., Any], task: tuple) -> Any:
         """The answer of this thread's worker."""
         worker = getattr(self._of_thread, "worker", None) or self._start()
+        assert worker.stdin is not None  # both are pipes
+        assert worker.stdout is not None
         try:
             pickle.dump((function, task), worker.stdin)
             worker.stdin.flush()
