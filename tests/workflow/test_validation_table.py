@@ -43,4 +43,6 @@ def test_mating_walls_close_less_and_are_stiffer_than_independent_ones(script, m
     assert stiff > soft
     assert np.isfinite(table.to_numpy(dtype=float)).all()
     text = script.as_markdown(table, 24, 3)
-    assert f"{independent:.1g}"[:3] in text
+    assert script._plain(independent, table["closure"]["std"].iloc[0]) in text
+    assert script._plain(0.5531, 0.16) == "0.55 ± 0.16"
+    assert script._plain(56.3, 28.0) == "56 ± 28"
