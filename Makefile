@@ -30,7 +30,7 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects readings test test-all lint docs coverage wheel lock clean
+.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects readings global-sensitivity jrc-range test test-all lint docs coverage wheel lock clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -80,6 +80,12 @@ effects: $(STAMP) ## Measure what each effect adds, and what it costs (up to an 
 
 readings: $(STAMP) ## Ask which reading of the paper gives its Table 3 (ninety minutes on two cores)
 	$(RUN) readings
+
+global-sensitivity: $(STAMP) ## Ask what matters when properties and open choices vary together (half an hour on two cores)
+	$(RUN) global-sensitivity
+
+jrc-range: $(STAMP) ## Ask what a JRC that is known to a range does to the study, or to that of CONFIG
+	$(RUN) jrc-range
 
 test: $(STAMP) ## Pass the tests
 	@echo "Compiling the kernels of all scenes (two minutes when they are new) ..."

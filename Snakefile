@@ -18,6 +18,7 @@ include: "workflow/rules/walls.smk"
 include: "workflow/rules/analyse.smk"
 include: "workflow/rules/present.smk"
 include: "workflow/rules/surrogate.smk"
+include: "workflow/rules/jrc_range.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/hard_cases.smk"
 include: "workflow/rules/accuracy.smk"
@@ -25,6 +26,7 @@ include: "workflow/rules/effects.smk"
 include: "workflow/rules/readings_setting.smk"
 include: "workflow/rules/readings.smk"
 include: "workflow/rules/numerics.smk"
+include: "workflow/rules/global_sensitivity.smk"
 
 
 DRY_RUN = bool({"-n", "--dry-run", "--dryrun"} & set(sys.argv))
@@ -32,6 +34,7 @@ DRY_RUN = bool({"-n", "--dry-run", "--dryrun"} & set(sys.argv))
 for folder, made_with in (
     (RESULTS, STUDY_WITH | CHOSEN_WITH | WALLS_WITH),
     (RESULTS, ACCURACY_WITH | SCENES_WITH | VALIDATED_WITH | READINGS_WITH),
+    (RESULTS, TOGETHER_WITH),
     (HARD_RESULTS, HARD_WITH),
 ):
     for seal, reason in list(unmet_seals(folder, made_with)):

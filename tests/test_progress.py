@@ -23,7 +23,8 @@ def clock(monkeypatch):
 
 @pytest.mark.parametrize(
     ("seconds", "text"),
-    [(0.4, "0 s"), (59.4, "59 s"), (59.6, "1 min 0 s"), (125, "2 min 5 s"), (3600, "1 h 0 min"),
+    [(0.0516, "0.052 s"), (1.27, "1.3 s"), (9.96, "10 s"),
+     (59.4, "59 s"), (59.6, "1 min 0 s"), (125, "2 min 5 s"), (3600, "1 h 0 min"),
      (12000, "3 h 20 min")],
 )  # fmt: skip
 def test_durations_are_said_as_people_say_them(seconds, text):

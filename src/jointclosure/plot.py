@@ -16,8 +16,7 @@ from jointclosure.inputs import InputError, check_length, check_one_of
 from jointclosure.plotting.joint import draw_curves
 from jointclosure.plotting.scanned_joint import draw_section, map_extent
 from jointclosure.plotting.snapshots import MAPS, draw_contacts, draw_map, state_said
-from jointclosure.plotting.style import styled
-from jointclosure.protocol import LOADING, UNLOADING
+from jointclosure.plotting.style import BRANCH_LINES, styled
 
 if TYPE_CHECKING:
     from jointclosure.ensemble.scanned_joint import ClosedJoint
@@ -61,7 +60,7 @@ def curves(
 def _ensemble_curves(axes: Axes, ensemble: xr.Dataset) -> None:
     stress = 1e-6 * ensemble.stress.values
     for index, number in enumerate(ensemble.cycle.values):
-        for name, style in ((LOADING, "-"), (UNLOADING, "--")):
+        for name, style in BRANCH_LINES.items():
             closure = 1e3 * ensemble.closure.sel(cycle=number, branch=name).values
             known = np.isfinite(closure).any(axis=0)
             colour = f"C{index}"
@@ -87,7 +86,7 @@ def stiffness(joint: "xr.Dataset | ClosedJoint", axes: Axes | None = None) -> Ax
     for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
         axes.plot(
             own.normal_stress_MPa, own.normal_stiffness_MPa_per_mm,
-            "-" if branch == LOADING else "--", color=f"C{cycle - 1}",
+            BRANCH_LINES[branch], color=f"C{cycle - 1}",
             label=f"cycle {cycle}, {branch}",
         )  # fmt: skip
     axes.set(xlabel="normal stress (MPa)", ylabel="kn (MPa/mm)", yscale="log", xlim=0.0)

@@ -85,7 +85,9 @@ class Countdown:
 
 
 def duration(seconds: float) -> str:
-    """Seconds as people say them: "8 s", "2 min 5 s", "3 h 20 min"."""
+    """Seconds as people say them: "0.35 s", "8.2 s", "12 s", "2 min 5 s", "3 h 20 min"."""
+    if seconds < 9.95:
+        return f"{seconds:.2g} s"
     whole = round(seconds)
     if whole < 60:
         return f"{whole} s"

@@ -39,6 +39,13 @@ def test_what_is_no_finite_number_is_refused_by_its_key(key, written):
     assert "must be" in str(error.value)
 
 
+def test_nobody_is_told_to_write_a_number_that_is_refused_next():
+    with pytest.raises(ConfigurationError, match="1e400 is too large for a number"):
+        study_of({"seating_stress_MPa": "1e400"})
+    with pytest.raises(ConfigurationError, match=r"write 1\.0e\+4"):
+        study_of({"seating_stress_MPa": "1e4"})
+
+
 @pytest.mark.parametrize("written", [".nan", ".inf"])
 def test_levels_are_finite_too(written):
     levels = {"youngs_modulus_GPa": [60, value_of(written)]}

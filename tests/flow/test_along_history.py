@@ -124,3 +124,24 @@ def test_an_observer_of_a_replayed_cycle_is_shown_the_joint_at_each_of_its_steps
     for total, step in seen:
         assert total == step.settled.total_force
     assert joint.force.sum() == 0.0
+
+
+def test_a_replayed_cycle_costs_no_flow(monkeypatch):
+    """The third cycle breaks nothing: its steps are those of the second."""
+    solved = []
+
+    def counted(aperture, direction):
+        solved.append(direction)
+        return flow_along(aperture, direction)
+
+    monkeypatch.setattr("jointclosure.flow.along_history.flow_along", counted)
+    closed = jc.simulate(*walls(), flow=True, cycles=3, **LOAD)
+    second, third = (
+        closed.isel(step=np.flatnonzero((closed.cycle == cycle).values)) for cycle in (2, 3)
+    )
+    assert third.sizes["step"] > 3
+    assert np.array_equal(
+        third.hydraulic_aperture, second.hydraulic_aperture[-third.sizes["step"] :]
+    )
+    states = closed.sizes["step"] - third.sizes["step"]
+    assert len(solved) <= len(DIRECTIONS) * states

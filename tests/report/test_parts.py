@@ -11,7 +11,7 @@ from jointclosure.report import curves
 from jointclosure.report.captions import read_caption
 from jointclosure.report.curves import MOST_JOINTS, explorer_data
 from jointclosure.report.settings import departures, setting_rows
-from jointclosure.report.sheets import Cell, Sheet, cell, duration, number_text
+from jointclosure.report.sheets import Cell, Sheet, cell, number_text
 from tests.report.conftest import FAILED, JOINTS, JUMPED
 
 ROOT = Path(__file__).parents[2]
@@ -37,14 +37,6 @@ def test_cells_of_other_kinds():
 def test_a_column_of_numbers_may_lack_some():
     rows = [[cell(1.0), cell("a"), cell("w" * 40)], [cell(None), cell(2.0), cell("")]]
     assert Sheet("x", "", ["", "", ""], rows).kinds == ["number", "word", "text"]
-
-
-@pytest.mark.parametrize(
-    ("seconds", "text"),
-    [(0.0516, "0.052 s"), (119.0, "120 s"), (150.0, "2.5 minutes"), (9e3, "2.5 hours")],
-)
-def test_durations(seconds, text):
-    assert duration(seconds) == text
 
 
 def test_a_caption_says_what_the_configuration_says():

@@ -213,6 +213,17 @@ def test_more_surfaces_are_needed_for_more(pool):
     assert power_of_ends(response._replace(samples=response.samples * 0 + 1), 10, 0.05) == 1.0
 
 
+def test_a_plan_says_how_far_its_number_is_known(pool):
+    """About two thirds of other pools plan a number within the range that is told."""
+    wish, parameter = Wish("standard-error", 0.01), "jrc"
+    table = plan(pool, wish).set_index(["parameter", "cycle"])
+    assert (table.low_68 <= table.surfaces * 1.05).all()
+    assert (table.high_68 >= table.surfaces * 0.95).all()
+    # n goes as the variance of 40 normal samples, which is known to sqrt(2/39)
+    width = (table.high_68 - table.low_68) / table.surfaces / 2.0
+    assert abs(width[parameter, 1] - np.sqrt(2.0 / 39.0)) < 0.1
+
+
 def test_a_plan_that_cannot_be_made_says_why(pool):
     with pytest.raises(jc.InputError, match="paired: this study has other surfaces"):
         plan(world(study_of(ONE)), Wish("power", 0.8), paired=True)

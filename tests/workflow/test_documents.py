@@ -41,6 +41,33 @@ def test_links_within_the_project_lead_somewhere(document):
             assert (document.parent / target).exists(), target
 
 
+def test_the_readme_is_read_in_three_minutes():
+    """Fewer than 600 words, its tables and its code aside."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    text = re.sub(r"^```.*?^```", "", text, flags=re.S | re.M)
+    lines = [line for line in text.splitlines() if not line.startswith("|")]
+    assert len(" ".join(lines).split()) < 600
+
+
+def test_a_table_of_the_results_is_told_by_rock_and_cycle(monkeypatch, tmp_path):
+    monkeypatch.syspath_prepend(ROOT / "workflow/scripts")
+    renew = script("readme_results")
+    head = (
+        "| Parameter | A, cycle 1 | B, cycle 1 | A, cycle 2 | B, cycle 2 |\n|---|---|---|---|---|\n"
+    )
+    ours = "| nu | 0.1* (5%) | – | 3 ± 1 (4.5%) | 40† (6%) |\n"
+    papers = "| nu | 0.2 (7%) | 0.3 (8%) | – | 5 (9%) |\n"
+    (tmp_path / "tables").mkdir()
+    table = f"**This study**\n\n{head}{ours}\n**The paper**\n\n{head}{papers}\n"
+    file = tmp_path / "tables/table_3_indifference.md"
+    file.write_text(table, encoding="utf-8")
+    monkeypatch.setattr(renew, "PAPER", tmp_path)
+    assert renew.short_table().splitlines()[2:] == [
+        "| nu | 1 | 0.1* / 0.2 | – / 0.3 |",
+        "| nu | 2 | 3 ± 1 / – | 40† / 5 |",
+    ]
+
+
 def test_decisions_named_in_docstrings_exist():
     for source in (ROOT / "src").rglob("*.py"):
         for named in re.findall(r"docs/[\w/-]+\.md", source.read_text(encoding="utf-8")):

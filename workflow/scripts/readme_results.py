@@ -1,6 +1,6 @@
-"""Renew the numbers of the README from results/paper, between its markers.
+"""Renew the numbers of README.md and docs/results.md from results/paper, between their markers.
 
-Run by hand after `make study`, so that what the README shows is what a study gave.
+Run by hand after `make study`, so that what they show is what a study gave.
 """
 
 import re
@@ -13,7 +13,8 @@ from markers import fill
 
 from jointclosure.protocol import FAILURE
 from jointclosure.report.findings import percent_text
-from jointclosure.statistics.standard_errors import variation_of
+from jointclosure.statistics.standard_errors import rounded, variation_of
+from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv
 
@@ -23,17 +24,50 @@ EXCLUDED = 0.05
 """Joint p below which the README says that Table 3 excludes the model (decision 0013)."""
 
 
-def interval_table() -> str:
-    """Table 3 of ours and the paper's, without its note."""
+VERDICTS = {STANDS: "stand", FALLS: "fall", CANNOT_BE_TOLD: "cannot be told"}
+SHOWN = ("This study", "The paper")
+"""Tables of table_3_indifference.md that are shown, by their titles."""
+
+
+def interval_tables() -> dict[str, list[str]]:
+    """Rows of Table 3 in Markdown, ours and the paper's, without its note."""
     text = (PAPER / "tables/table_3_indifference.md").read_text(encoding="utf-8")
     parts = re.split(r"\*\*(.+?)\*\*\n\n", text)[1:]
     tables = dict(zip(parts[::2], parts[1::2], strict=True))
-    shown = ("This study", "The paper")
+    return {name: [r for r in tables[name].splitlines() if r.startswith("|")] for name in SHOWN}
+
+
+def interval_table() -> str:
+    """Table 3 of ours and the paper's, one below the other."""
     return "\n".join(
-        f"{name}:\n\n" + "\n".join(row for row in tables[name].splitlines() if row.startswith("|"))
-        + "\n"
-        for name in shown
-    )  # fmt: skip
+        f"{name}:\n\n" + "\n".join(rows) + "\n" for name, rows in interval_tables().items()
+    )
+
+
+def short_table() -> str:
+    """Table 3: a row for each property and cycle, a column for each rock, ours and the paper's."""
+    head, _, *ours = (_cells(row) for row in interval_tables()[SHOWN[0]])
+    _, _, *theirs = (_cells(row) for row in interval_tables()[SHOWN[1]])
+    cases = [title.rsplit(", cycle ", 1) for title in head[1:]]
+    rocks, cycles = (list(dict.fromkeys(column)) for column in zip(*cases, strict=True))
+    rows = ["| property | cycle | " + " | ".join(rocks) + " |", "|---" * (2 + len(rocks)) + "|"]
+    for mine, papers in zip(ours, theirs, strict=True):
+        for cycle in cycles:
+            shown = [
+                f"{_without_percent(mine[k])} / {_without_percent(papers[k])}"
+                for k, (_, own) in enumerate(cases, start=1)
+                if own == cycle
+            ]
+            rows.append(f"| {mine[0]} | {cycle} | " + " | ".join(shown) + " |")
+    return "\n".join(rows) + "\n"
+
+
+def _cells(row: str) -> list[str]:
+    return [cell.strip() for cell in row.strip("|").split("|")]
+
+
+def _without_percent(cell: str) -> str:
+    return re.sub(r" \([^()]*%\)$", "", cell)
 
 
 def claim_table() -> str:
@@ -63,26 +97,35 @@ def joint_tests() -> str:
     """The paper's entries together, and whether they exclude the model."""
     joint = read_csv(PAPER / "tables/table_3_joint_tests.csv")
     rows = [
-        f"| {row.entries} | {row.number} | {_p(row.p)} | {_p(row.null_p)} |"
+        f"| {row.entries} | {row.number} | {_p(row.p, row.p_error)} | "
+        f"{_p(row.null_p, row.null_p_error)} |"
         for row in joint.itertuples()
     ]
     head = "| entries | number | p of this model | p without any effect |\n|---|---|---|---|\n"
-    whole = joint.iloc[0]
-    outcome = "exclude" if whole.p < EXCLUDED else "do not exclude"
-    said = (
-        f"Together the paper's {whole.number} entries {outcome} this model as configured "
-        f"(p {_sign(whole.p)}):\n\n"
+    return head + "\n".join(rows) + "\n"
+
+
+def outcome() -> str:
+    """All entries together, and what is true of the paper's claims: the finding in short."""
+    whole = read_csv(PAPER / "tables/table_3_joint_tests.csv").iloc[0]
+    said = "exclude" if whole.p < EXCLUDED else "do not exclude"
+    counts = read_csv(PAPER / "tables/claims.csv").verdict.value_counts()
+    verdicts = ", ".join(f"{counts.get(word, 0)} {words}" for word, words in VERDICTS.items())
+    return (
+        f"Together the paper's {whole.number} entries {said} this model "
+        f"(p {_sign(whole.p, whole.p_error)}; without any effect of the properties: "
+        f"p {_sign(whole.null_p, whole.null_p_error)}). Of {counts.sum()} claims of the paper "
+        f"{verdicts}.\n"
     )
-    return said + head + "\n".join(rows) + "\n"
 
 
-def _sign(value: float) -> str:
-    text = _p(value)
+def _sign(value: float, error: float) -> str:
+    text = _p(value, error)
     return text if text.startswith("<") else f"= {text}"
 
 
-def _p(value: float) -> str:
-    return "< 0.001" if value < 0.001 else f"{value:.2g}"
+def _p(value: float, error: float) -> str:
+    return "< 0.001" if value < 0.001 else rounded(value, error)
 
 
 def facts() -> str:
@@ -105,10 +148,13 @@ def facts() -> str:
 
 
 def main() -> None:
-    """Fill the README and copy its figures."""
-    parts = {"intervals": interval_table(), "claims": claim_table(), "facts": facts()}
-    parts |= {"picture": picture(), "joint tests": joint_tests()}
-    fill(ROOT / "README.md", parts)
+    """Fill both documents and copy their figures."""
+    fill(
+        ROOT / "README.md",
+        {"picture": picture(), "short table": short_table(), "outcome": outcome()},
+    )
+    parts = {"intervals": interval_table(), "joint tests": joint_tests()}
+    fill(ROOT / "docs/results.md", parts | {"claims": claim_table(), "facts": facts()})
     for figure in ("fig_5_closure", "table_3_predictive"):
         shutil.copy(PAPER / f"figures/{figure}.png", ROOT / f"docs/images/{figure}.png")
 

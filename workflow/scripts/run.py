@@ -50,6 +50,10 @@ TARGETS = {
     "accuracy": Target(("estimate_accuracy", "accuracy"), "config/accuracy.yaml"),
     "effects": Target(("estimate_effects", "effects"), "config/effects.yaml"),
     "readings": Target(("estimate_readings", "readings"), "config/readings.yaml"),
+    "jrc-range": Target(("all", "jrc_range")),
+    "global-sensitivity": Target(
+        ("estimate_together", "global_sensitivity"), "config/global_sensitivity.yaml"
+    ),
 }
 
 

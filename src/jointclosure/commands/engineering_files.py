@@ -5,7 +5,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from jointclosure.engineering.curves import area_of, curve_table, cycle_table
+from jointclosure.engineering.curves import curve_table, cycle_table, spacing_of
 from jointclosure.engineering.exchange import (
     fracture_mesh,
     geos_aperture_table,
@@ -78,6 +78,5 @@ def _write_geos(history: xr.Dataset, folder: Path) -> None:
 
 def _write_mesh(history: xr.Dataset, folder: Path) -> None:
     upper, lower = history.upper_final.values, history.lower_final.values
-    spacing = (area_of(history) / upper.size) ** 0.5
-    mesh = fracture_mesh(upper, lower, float((upper + lower).max()), spacing)
+    mesh = fracture_mesh(upper, lower, float((upper + lower).max()), spacing_of(history))
     write_vtu(*mesh, folder / "fracture.vtu")

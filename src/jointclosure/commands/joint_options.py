@@ -113,7 +113,7 @@ def base_keys(arguments) -> dict:
     name, others = arguments.rock, other_rocks()
     if name and name not in base["rocks"]:
         if name not in others:
-            known = ", ".join([*base["rocks"], *others])
+            known = ", ".join(base["rocks"] | others)
             raise InputError(f"--rock {name}: must be one of {known}")
         base["rocks"][name] = others[name]
     return base

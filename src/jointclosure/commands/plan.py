@@ -57,7 +57,8 @@ def run(arguments) -> int:
     if table.empty:
         print("no parameter is varied in this study")
         return 0
-    shown = {"surfaces": "{:.0f}".format, "simulations": "{:.0f}".format}
+    counts = ("surfaces", "low_68", "high_68", "simulations")
+    shown = dict.fromkeys(counts, "{:.0f}".format)
     print(table.to_string(index=False, formatters=shown | {"core_minutes": "{:.3g}".format}))
     most = table.loc[table.surfaces.idxmax()]
     print(f"most: {most.surfaces:.0f} surfaces ({most.rock}, {most.parameter}, cycle {most.cycle})")

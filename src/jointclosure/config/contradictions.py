@@ -19,6 +19,7 @@ OTHER_TARGETS = {
     "accuracy": "accuracy",
     "effects": "ablation",
     "readings": "readings",
+    "global_sensitivity": "global_sensitivity",
 }
 """Folders of results of other targets, and the section that a study of that name must have."""
 USUAL = _OF_ROCK | {
@@ -50,7 +51,8 @@ def contradictions(keys: dict, typed: Callable[[dict], Configuration]) -> Iterat
     if configuration.study.unusual_values == "refuse":
         rocks = {name: keys["rocks"][name] for name in configuration.rocks}
         # the settings of these studies are checked one by one
-        yield from _unusual(keys | {"rocks": rocks, "accuracy": None, "readings": None}, "")
+        checked = dict.fromkeys(("accuracy", "readings", "global_sensitivity"))
+        yield from _unusual(keys | {"rocks": rocks} | checked, "")
     surface, spacing = configuration.surface, configuration.grid.spacing
     checks: tuple[Callable[[], object], ...] = (
         *(lambda effects=each: check_scene(effects) for each in _scenes(keys, configuration)),

@@ -355,6 +355,9 @@ class StatisticsKeys(Keys):
     repetitions: int = entry(
         "Repetitions of the study that are drawn for what it would publish.", ge=100, le=1_000_000
     )
+    jrc_half_widths: list[Positive] = entry(
+        "Half-widths of a JRC that is known to a range only (target jrc_range).", [1.0, 2.0]
+    )
     control_variates: int | None = entry(
         "Surfaces that are made, and not closed, to tell the means of depths of the summed "
         "heights, by which means and intervals are adjusted (docs/accuracy.md); null: none are.",
@@ -549,6 +552,42 @@ class ReadingsKeys(Keys):
     rounds: list[RoundKeys] = entry("What is closed, in turn.", min_length=1)
 
 
+class InputKeys(Keys):
+    """A key that varies in a study of global sensitivity."""
+
+    title: Text = entry("Its name in tables and figures.")
+    key: Annotated[str, StringConstraints(pattern=r"^[a-z]+([.][A-Za-z_]+)+$")] = entry(
+        "Its path, as surface.hurst; ROCK stands for the rock, as rocks.ROCK.jrc."
+    )
+    between: (
+        Literal["levels"] | Annotated[list[float], Field(min_length=2, max_length=2)] | None
+    ) = entry("Ends of its range; levels: the outermost of the rock's own.", None)
+    logarithmic: bool = entry("Whether it is uniform in its logarithm.", False)
+    values: list[Any] | None = entry("The few values that it has, in place of a range.", None)
+
+
+class DependentKeys(Keys):
+    """Two inputs that depend on each other, for Shapley effects."""
+
+    inputs: list[Name] = entry("Their names.", min_length=2, max_length=2)
+    correlation: float = entry("Of the normal variables whose ranks they have.", gt=-1, lt=1)
+
+
+class GlobalSensitivityKeys(Keys):
+    """Design of a study in which properties and open choices vary together
+    (config/global_sensitivity.yaml)."""
+
+    rows: int = entry(
+        "Rows of the design, a power of 2; each closes two joints at every point, of which there "
+        "are two more than inputs.",
+        ge=16,
+        le=65536,
+    )
+    rows_per_job: int = entry("Rows that a job closes.", ge=1)
+    inputs: dict[Name, InputKeys] = entry("What varies, by name.", min_length=2)
+    dependent: list[DependentKeys] = entry("Inputs that depend on each other.", [])
+
+
 class ConfigurationKeys(Keys):
     """Configuration of a study."""
 
@@ -576,3 +615,4 @@ class ConfigurationKeys(Keys):
     accuracy: AccuracyKeys | None = entry(AccuracyKeys.__doc__, None)
     ablation: AblationKeys | None = entry(AblationKeys.__doc__, None)
     readings: ReadingsKeys | None = entry(ReadingsKeys.__doc__, None)
+    global_sensitivity: GlobalSensitivityKeys | None = entry(GlobalSensitivityKeys.__doc__, None)

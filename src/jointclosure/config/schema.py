@@ -1,6 +1,7 @@
 """What keys of a file may be, as a JSON schema, and what a file has against it, one line each."""
 
 import difflib
+import math
 import re
 import types
 import typing
@@ -156,6 +157,8 @@ def _number_hint(value: object, said: str) -> str:
         with_point = re.fullmatch(r"([-+]?[0-9]+)([eE])([-+]?)([0-9]+)", value)
         if with_point:
             digits, e, sign, power = with_point.groups()
+            if math.isinf(float(value)):
+                return f"; {value} is too large for a number"
             return f"; YAML takes it for a text: write {digits}.0{e}{sign or '+'}{power}"
     return ""
 

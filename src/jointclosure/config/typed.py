@@ -107,6 +107,7 @@ class Statistics(NamedTuple):
     bootstrap_confidence: float
     repetitions: int
     control_variates: int | None = None
+    jrc_half_widths: tuple[float, ...] = (1.0, 2.0)
 
 
 class Output(NamedTuple):

@@ -8,11 +8,15 @@ from jointclosure.history import branch_of, first_crossing, last_crossing
 from jointclosure.protocol import LOADING, UNLOADING
 
 
+def spacing_of(history: xr.Dataset) -> float:
+    """Spacing of a joint's cells [m], from their coordinates."""
+    axes = (history[name].values for name in ("y", "x"))
+    return next(float(axis[1] - axis[0]) for axis in axes if axis.size > 1)
+
+
 def area_of(history: xr.Dataset) -> float:
     """Nominal area of a joint [m2], from the coordinates of its cells."""
-    axes = [history[name].values for name in ("y", "x")]
-    spacing = next(float(axis[1] - axis[0]) for axis in axes if axis.size > 1)
-    return spacing**2 * axes[0].size * axes[1].size
+    return spacing_of(history) ** 2 * history.sizes["y"] * history.sizes["x"]
 
 
 def curve_table(history: xr.Dataset) -> pd.DataFrame:

@@ -39,20 +39,24 @@ class FlowAlongHistory:
 
     def __init__(self) -> None:
         self._flows: list[tuple[Flow, ...]] = []
-        self._elastic: dict[float, tuple[Flow, ...]] = {}
+        self._walls: tuple[np.ndarray, ...] = ()
+        self._of_walls: dict[float, tuple[Flow, ...]] = {}
 
     def __call__(self, joint: Joint, step: Step) -> None:
-        """Find the flow at a step; where nothing breaks a closure has one."""
+        """Find the flow at a step; the same walls at the same closure have the same."""
+        walls = joint.upper, joint.lower
+        if not (self._walls and all(map(np.array_equal, walls, self._walls))):
+            self._walls = joint.upper.copy(), joint.lower.copy()
+            self._of_walls.clear()
         closure = step.settled.closure
-        flows = self._elastic.get(closure)
+        flows = self._of_walls.get(closure)
         if flows is None:
             aperture = fields_of(joint, closure).aperture
             flows = tuple(
                 flow_along(aperture, direction)._replace(pressure=np.empty(0))
                 for direction in DIRECTIONS
             )
-            if not joint.effects.breakage:
-                self._elastic[closure] = flows
+            self._of_walls[closure] = flows
         self._flows.append(flows)
 
     def added_to(self, closed: xr.Dataset) -> xr.Dataset:

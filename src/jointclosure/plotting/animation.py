@@ -6,12 +6,12 @@ import xarray as xr
 from matplotlib.animation import FuncAnimation
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+from jointclosure.engineering.curves import spacing_of
 from jointclosure.history import branch_of
 from jointclosure.inputs import InputError
 from jointclosure.plotting.scanned_joint import map_extent
-from jointclosure.plotting.snapshots import change_of_height, reach_of, spacing_of
-from jointclosure.plotting.style import StyledFigure, above, styled
-from jointclosure.protocol import LOADING, UNLOADING
+from jointclosure.plotting.snapshots import change_of_height, reach_of
+from jointclosure.plotting.style import BRANCH_LINES, StyledFigure, above, styled
 
 STRESSES = 16
 """Snapshots of a branch that a smooth animation takes."""
@@ -74,7 +74,7 @@ def _curve(axes, closed: xr.Dataset):
     cycle, branch = closed.cycle.values, closed.branch.values
     closure, stress = 1e3 * closed.closure.values, 1e-6 * closed.normal_stress.values
     for number in np.unique(cycle):
-        for name, style in ((LOADING, "-"), (UNLOADING, "--")):
+        for name, style in BRANCH_LINES.items():
             here = branch_of(cycle, branch, number, name)
             colour, order = f"C{number - 1}", above(number, name)
             axes.plot(closure[here], stress[here], style, color=colour, lw=1.0, zorder=order)

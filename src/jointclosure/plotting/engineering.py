@@ -9,10 +9,8 @@ from matplotlib.figure import Figure
 from jointclosure.engineering.curves import curve_table, has_flow
 from jointclosure.engineering.laws import LAWS, fitted_laws, law_curves
 from jointclosure.engineering.stiffness import stiffness_table
-from jointclosure.plotting.style import above, styled, subplots
-from jointclosure.protocol import LOADING, UNLOADING
-
-_STYLES = {LOADING: "-", UNLOADING: "--"}
+from jointclosure.plotting.style import BRANCH_LINES, above, styled, subplots
+from jointclosure.protocol import LOADING
 
 
 @styled
@@ -67,7 +65,7 @@ def _draw_stiffness(axes, history: xr.Dataset) -> None:
     table = stiffness_table(history)
     for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
         axes.plot(
-            own.normal_stress_MPa, own.normal_stiffness_MPa_per_mm, _STYLES[branch],
+            own.normal_stress_MPa, own.normal_stiffness_MPa_per_mm, BRANCH_LINES[branch],
             marker="o", ms=3, color=f"C{cycle - 1}", label=f"cycle {cycle}, {branch}",
             zorder=above(cycle, branch),
         )  # fmt: skip
@@ -88,8 +86,9 @@ def _draw_aperture(axes, history: xr.Dataset) -> None:
     top = 0.0
     for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
         axes.plot(
-            own.normal_stress_MPa, own.mean_aperture_mm, _STYLES[branch], color=f"C{cycle - 1}",
-            label=f"cycle {cycle}, {branch}", zorder=above(cycle, branch),
+            own.normal_stress_MPa, own.mean_aperture_mm, BRANCH_LINES[branch],
+            color=f"C{cycle - 1}", label=f"cycle {cycle}, {branch}",
+            zorder=above(cycle, branch),
         )  # fmt: skip
         loaded = own[own.normal_stress_MPa >= 0.5 * seating].mean_aperture_mm
         top = max(top, float(np.nanmax(loaded)) if len(loaded) else 0.0)

@@ -9,10 +9,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from jointclosure.config.typed import StudyRock
-from jointclosure.plotting.style import above, styled, subplots
-from jointclosure.protocol import LOADING, UNLOADING
+from jointclosure.plotting.style import BRANCH_LINES, above, styled, subplots
+from jointclosure.protocol import UNLOADING
 
-_STYLES = {LOADING: "-", UNLOADING: "--"}
 _QUANTITIES = {
     "hydraulic_aperture": ("_mm", "hydraulic aperture (mm)"),
     "ratio": ("", "hydraulic / mechanical aperture"),
@@ -57,7 +56,7 @@ def flow_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], seating_stress
     ]
     handles += [
         Line2D([], [], color="0.5", lw=2, ls=style, label=f"mean, {branch}")
-        for branch, style in _STYLES.items()
+        for branch, style in BRANCH_LINES.items()
     ]
     handles += [
         Line2D([], [], color="0.5", lw=1.2, ls=":", label="mechanical (mean) aperture, loading"),
@@ -76,7 +75,9 @@ def _draw(axes, table: pd.DataFrame, quantity: str) -> None:
     for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
         colour, stress = f"C{cycle - 1}", own.stress_MPa.to_numpy()
         mean = own[f"{quantity}_mean{unit}"].to_numpy()
-        axes.plot(stress, mean, _STYLES[branch], color=colour, lw=2.0, zorder=above(cycle, branch))
+        axes.plot(
+            stress, mean, BRANCH_LINES[branch], color=colour, lw=2.0, zorder=above(cycle, branch)
+        )
         if branch == UNLOADING:
             continue
         spread = np.nan_to_num(own[f"{quantity}_standard_deviation{unit}"].to_numpy())

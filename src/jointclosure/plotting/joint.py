@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 
 from jointclosure.engineering.curves import seat_of
 from jointclosure.history import branch_of
-from jointclosure.plotting.style import above, styled, subplots
-from jointclosure.protocol import LOADING, UNLOADING
+from jointclosure.plotting.style import BRANCH_LINES, above, styled, subplots
+from jointclosure.protocol import LOADING
 
 
 @styled
@@ -45,7 +45,7 @@ def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch") -> None:
     numbers = sorted(set(cycle.tolist()))
     for number in numbers:
         zero = _zero_of(closed, number, since)
-        for name, style in ((LOADING, "-"), (UNLOADING, "--")):
+        for name, style in BRANCH_LINES.items():
             here = branch_of(cycle, branch, number, name)
             closure, stress = closed.closure.values[here], closed.normal_stress.values[here]
             if since == "seating":

@@ -10,7 +10,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 
-from jointclosure.engineering.curves import area_of
+from jointclosure.engineering.curves import spacing_of
 from jointclosure.plotting.scanned_joint import map_extent
 from jointclosure.plotting.style import styled, subplots
 
@@ -96,11 +96,6 @@ MAPS: dict[str, Callable[[xr.Dataset], StateMap]] = {
     "stress": stress_map,
     "change": change_map,
 }
-
-
-def spacing_of(closed: xr.Dataset) -> float:
-    """Grid spacing of a joint [m]."""
-    return float((area_of(closed) / (closed.sizes["y"] * closed.sizes["x"])) ** 0.5)
 
 
 def draw_map(axes: Axes, closed: xr.Dataset, drawn: StateMap, snapshot: int) -> AxesImage:

@@ -13,7 +13,10 @@ import seaborn as sns
 from cycler import cycler
 from matplotlib.figure import Figure
 
-from jointclosure.protocol import LOADING
+from jointclosure.protocol import LOADING, UNLOADING
+
+BRANCH_LINES = {LOADING: "-", UNLOADING: "--"}
+"""Line style of a branch in every figure."""
 
 _STYLE = {
     **sns.plotting_context("paper", font_scale=1.1),

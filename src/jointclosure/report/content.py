@@ -8,10 +8,10 @@ import xarray as xr
 
 from jointclosure.config.configuration import resolved
 from jointclosure.ensemble.aggregation import succeeded
+from jointclosure.progress import duration
 from jointclosure.report import findings, running, settings, summary
 from jointclosure.report.curves import MOST_JOINTS, explorer_data
 from jointclosure.report.page import Picture
-from jointclosure.report.sheets import duration
 
 
 class Material(NamedTuple):

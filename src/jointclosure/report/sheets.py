@@ -77,14 +77,6 @@ def given(value: float) -> Cell:
     return Cell(f"{value:.6g}", float(value))
 
 
-def duration(seconds: float) -> str:
-    """A time as people say it."""
-    for size, unit in ((3600.0, "hours"), (60.0, "minutes")):
-        if seconds >= 2.0 * size:
-            return f"{number_text(seconds / size, 2)} {unit}"
-    return f"{number_text(seconds, 2)} s"
-
-
 _LONGEST_WORD = 28
 """Characters up to which a column's texts are not broken over lines."""
 

@@ -231,10 +231,8 @@ def _with_matrix(joint: Joint, contacts: Contacts) -> tuple[Contacts, np.ndarray
 
     Cells that do not overlap now are given an overlap that no force answers.
     """
-    if joint.influence is None:
+    if joint.influence is None or contacts.cells.size > dense_limit(joint.upper.shape):
         return contacts, None
-    if contacts.cells.size > dense_limit(joint.upper.shape):
-        return contacts, np.empty((0, 0))
     near = joint.neighbours
     slot = near.slots(contacts.cells)
     n = near.cells.size

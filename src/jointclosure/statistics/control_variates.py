@@ -18,6 +18,7 @@ from jointclosure.statistics.bootstrap import BootstrapInterval, interval_of_len
 from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.standard_errors import (
     Estimate,
+    deviations_of,
     elasticity_of,
     mean_covariance,
 )
@@ -201,8 +202,7 @@ def adjusted_deviations(
     """
     samples, covariates = _checked(samples, covariates, known.means)
     if not tell_scatter:
-        plain = samples.std(axis=-1, ddof=1)
-        return plain, plain / np.sqrt(2.0 * (samples.shape[-1] - 1))
+        return deviations_of(samples)
     n, means = samples.shape[-1], np.asarray(known.means, dtype=float)
     centred = adjusted_values(samples, covariates, means)
     about = samples - centred.mean(axis=-1, keepdims=True)

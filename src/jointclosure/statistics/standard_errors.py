@@ -32,11 +32,17 @@ def mean_of(samples) -> Estimate:
     return Estimate(float(samples.mean()), float(samples.std(ddof=1) / np.sqrt(samples.size)))
 
 
-def deviation_of(samples) -> Estimate:
-    """Standard deviation (ddof 1) of samples (n,) and its error if they are normal."""
+def deviations_of(samples) -> tuple[np.ndarray, np.ndarray]:
+    """Standard deviations (ddof 1) of rows (..., n), and their errors if they are normal."""
     samples = np.asarray(samples, dtype=float)
-    deviation = float(samples.std(ddof=1))
-    return Estimate(deviation, deviation / np.sqrt(2.0 * (samples.size - 1)))
+    deviations = samples.std(axis=-1, ddof=1)
+    return deviations, deviations / np.sqrt(2.0 * (samples.shape[-1] - 1))
+
+
+def deviation_of(samples) -> Estimate:
+    """`deviations_of` one row (n,)."""
+    deviation, error = deviations_of(samples)
+    return Estimate(float(deviation), float(error))
 
 
 def variation_of(samples) -> Estimate:

@@ -10,6 +10,7 @@ import xarray as xr
 
 from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.inputs import InputError, check_number
+from jointclosure.randomness import generator, seed_of
 from jointclosure.statistics.correlations import fit_quadratic
 from jointclosure.statistics.indifference import indifference_interval
 from jointclosure.statistics.paired import paired_indifference_interval
@@ -18,7 +19,22 @@ from jointclosure.studies.sensitivity.responses import TARGET, Response, respons
 
 MOST = 1_000_000
 """Surfaces beyond which a wish counts as out of reach."""
+RESAMPLES = 40
+"""Resamples of an ensemble's surfaces: how far the number of surfaces is known."""
 _NORMAL_95 = 1.96
+
+
+_COLUMNS = (
+    "rock",
+    "parameter",
+    "cycle",
+    "test",
+    "surfaces",
+    "low_68",
+    "high_68",
+    "simulations",
+    "core_minutes",
+)
 
 
 class Wish(NamedTuple):
@@ -56,8 +72,10 @@ def plan(
     Returns
     -------
     DataFrame
-        ``surfaces`` per case, infinite where over a million; ``simulations`` of all levels of the
-        parameter, and ``core_minutes`` by the mean times recorded in the ensemble.
+        ``surfaces`` per case, infinite where over a million; ``low_68`` and ``high_68``, the
+        central 68 % of what other surfaces of the same number would tell (bootstrap);
+        ``simulations`` of all levels of the parameter, and ``core_minutes`` by the mean times
+        recorded in the ensemble.
 
     Raises
     ------
@@ -73,17 +91,23 @@ def plan(
                 "(study.pool) or common draws"
             )
         n = surfaces_for(response, wish, significance, paired)
+        low, high = _known_to(response, wish, significance, paired)
         seconds = _seconds(ensemble, response)
         row = {"rock": response.rock, "parameter": response.parameter, "cycle": response.cycle}
         row |= {"test": "paired" if paired else "unpaired", "surfaces": n}
+        row |= {"low_68": low, "high_68": high}
         row |= {"simulations": n * response.levels.size, "core_minutes": n * seconds / 60.0}
         rows.append(row)
-    columns = ["rock", "parameter", "cycle", "test", "surfaces", "simulations", "core_minutes"]
-    return pd.DataFrame(rows, columns=columns)
+    return pd.DataFrame(rows, columns=list(_COLUMNS))
 
 
-def surfaces_for(response: Response, wish: Wish, significance: float, paired: bool) -> float:
-    """The smallest number of surfaces per case with which the wish is expected to be met."""
+def surfaces_for(
+    response: Response, wish: Wish, significance: float, paired: bool, within: float = 0.0
+) -> float:
+    """The smallest number of surfaces per case with which the wish is expected to be met.
+
+    ``within``: relative error that is allowed of it.
+    """
     met = _criteria(response._replace(paired=paired), significance)[wish.kind]
 
     def enough(n: int) -> bool:
@@ -95,10 +119,23 @@ def surfaces_for(response: Response, wish: Wish, significance: float, paired: bo
             return np.inf
         high = min(2 * high, MOST)
     low = high // 2
-    while high - low > 1:
+    while high - low > max(1.0, within * low):
         middle = (low + high) // 2
         low, high = (low, middle) if enough(middle) else (middle, high)
     return high
+
+
+def _known_to(response: Response, wish: Wish, significance: float, paired: bool):
+    """Central 68 % of `surfaces_for` over resampled surfaces."""
+    random = generator(seed_of(0, "plan", response.rock, response.parameter, response.cycle))
+    k, n = response.samples.shape
+    found = []
+    for _ in range(RESAMPLES):
+        index = random.integers(n, size=(1, n) if response.paired else (k, n))
+        index = np.broadcast_to(index, (k, n))
+        drawn = response._replace(samples=np.take_along_axis(response.samples, index, axis=1))
+        found.append(surfaces_for(drawn, wish, significance, paired, within=0.05))
+    return np.quantile(found, (0.16, 0.84), method="inverted_cdf")
 
 
 def _criteria(response: Response, significance: float) -> dict[str, Callable[[int, float], bool]]:

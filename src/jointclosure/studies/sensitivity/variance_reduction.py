@@ -24,7 +24,7 @@ from jointclosure.statistics.control_variates import (
     worth,
 )
 from jointclosure.statistics.indifference import indifference_lengths
-from jointclosure.statistics.standard_errors import fit_matrix
+from jointclosure.statistics.standard_errors import deviations_of, fit_matrix
 from jointclosure.studies.sensitivity.responses import TARGET, Response, responses
 
 REPETITIONS = 1000
@@ -186,7 +186,7 @@ def _of_deviations(response: Response, drawn: _Drawn, means, significance):
     """Standard deviation at the base, and the length of the indifference interval."""
     n, levels, base = drawn.samples.shape[2], response.levels, response.base
     here = int(np.flatnonzero(levels == base)[0])
-    plain = drawn.samples.std(axis=2, ddof=1)
+    plain, plain_errors = deviations_of(drawn.samples)
     adjusted, errors = adjusted_deviations(
         drawn.samples, drawn.covariates, drawn.known, drawn.tell_scatter
     )
@@ -195,7 +195,7 @@ def _of_deviations(response: Response, drawn: _Drawn, means, significance):
         "base",
         "standard deviation",
         (
-            _Estimates(plain[:, here], plain[:, here] / np.sqrt(2.0 * (n - 1)), truth),
+            _Estimates(plain[:, here], plain_errors[:, here], truth),
             _Estimates(adjusted[:, here], errors[:, here], truth),
         ),
     )

@@ -1,0 +1,242 @@
+"""Variance-based indices of a mean over random surfaces, which are noise of every simulation.
+
+A design has N rows of d + 2 points of the unit cube: A, B, and A with one input of B each
+(Saltelli et al., Comput. Phys. Commun. 181, 259, 2010). The two surfaces of a row are the same
+at all its points. With f_s the response on surface s, and m(x) its mean over all surfaces,
+products of two *different* surfaces have no noise in the mean:
+
+    total variance          V   = E[(A - B)_1 (A - B)_2]/2
+    variance by i and more  V_Ti = E[(A - AB_i)_1 (A - AB_i)_2]/2
+    variance by i alone     V_i = E[B_1 (AB_i - A)_2 + B_2 (AB_i - A)_1]/2
+
+So these are indices of m, without a surrogate. To know them closer, the same sums over a
+fitted function g are taken off, and its own variances, which are known exactly, are added
+(a control variate; each row's g is fitted to other rows).
+"""
+
+from collections.abc import Mapping
+from itertools import combinations
+from math import factorial
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import ndtr, ndtri
+from scipy.stats import qmc
+
+from jointclosure.inputs import InputError
+from jointclosure.statistics.orthonormal import design_matrix, fitted, terms_of
+
+FOLDS = 8
+"""Parts of the rows, of which each is left out of the fit that serves it."""
+
+
+class Indices(NamedTuple):
+    """Indices (d,) of the mean over surfaces, and standard errors.
+
+    ``first`` and ``total`` over ``variance``, NaN where that is not found above 0; ``surfaces``
+    is the variance that the surfaces bring to a single simulation, over that and ``variance``
+    together; ``fit_share`` how much of the variance the fitted functions have.
+    """
+
+    first: np.ndarray
+    first_error: np.ndarray
+    total: np.ndarray
+    total_error: np.ndarray
+    variance: float
+    variance_error: float
+    surfaces: float
+    surfaces_error: float
+    fit_share: float
+
+
+def sampled_rows(inputs: int, rows: int, seed: int) -> np.ndarray:
+    """Design (rows, inputs + 2, inputs): A, B, and A with one input of B each.
+
+    A scrambled Sobol' sequence in twice as many dimensions; a power of 2 of rows is balanced.
+    """
+    both = qmc.Sobol(2 * inputs, scramble=True, rng=np.random.default_rng(seed)).random(rows)
+    a, b = both[:, :inputs], both[:, inputs:]
+    points = np.repeat(a[:, None, :], inputs + 2, axis=1)
+    points[:, 1] = b
+    for one in range(inputs):
+        points[:, 2 + one, one] = b[:, one]
+    return points
+
+
+def variance_indices(points, responses, values: tuple[int, ...]) -> Indices:
+    """First and total indices of every input.
+
+    Parameters
+    ----------
+    points : array (N, d + 2, d)
+        From `sampled_rows`.
+    responses : array (N, d + 2, 2)
+        On two surfaces, the same ones at all points of a row.
+    values : tuple (d,)
+        How many values an input has, see `jointclosure.statistics.orthonormal`.
+
+    Returns
+    -------
+    Indices
+        Errors by the jackknife over rows, fits included as far as a row changes them: they
+        are those of independent rows, of which a Sobol' sequence has at most as much.
+
+    Raises
+    ------
+    InputError
+        Shapes that do not belong together, numbers that are not finite, or fewer than
+        16 rows.
+    """
+    points, responses = np.asarray(points, float), np.asarray(responses, float)
+    n, columns, d = points.shape
+    if responses.shape != (n, columns, 2) or columns != d + 2 or len(values) != d:
+        raise InputError(
+            f"points {points.shape}, responses {responses.shape}, values ({len(values)},): must be "
+            "(N, d + 2, d), (N, d + 2, 2) and (d,)"
+        )
+    if n < 2 * FOLDS:
+        raise InputError(f"{n} rows: must be {2 * FOLDS} or more")
+    if not np.isfinite(responses).all():
+        raise InputError("responses: must be finite")
+    centred = responses - responses.mean()
+    fits = [
+        fitted(points[rows].reshape(-1, d), centred[rows].mean(-1).ravel(), values)
+        for rows in _others(n)
+    ]
+    terms = _row_terms(centred)
+    explained = 0.0
+    for part, fit in zip(_folds(n), fits, strict=True):
+        model = fit(points[part])
+        # the same products of the fit, which has no noise, and what they are on average
+        both = np.stack([model, model], axis=-1)
+        exact = np.array(
+            [fit.variance, *map(fit.first, range(d)), *map(fit.total, range(d))], float
+        )
+        terms[part] += exact - _row_terms(both)
+        explained += fit.variance * part.size / n
+    noise = 0.5 * np.mean((responses[..., 0] - responses[..., 1]) ** 2, axis=1)
+    whole = terms[:, 0].mean()
+    with np.errstate(invalid="ignore", divide="ignore"):
+        errors = _jackknifed(terms, noise)
+    if not whole > 0.0:  # lost in the surfaces' noise: there is no share of it
+        terms[:, 1:], errors[1:-1], explained, whole = np.nan, np.nan, np.nan, max(whole, 0.0)
+    joint = whole + noise.mean()
+    return Indices(
+        terms[:, 1 : d + 1].mean(axis=0) / (whole or np.nan),
+        errors[1 : d + 1],
+        terms[:, d + 1 :].mean(axis=0) / (whole or np.nan),
+        errors[d + 1 : -1],
+        float(whole),
+        float(errors[0]),
+        float(noise.mean() / joint) if joint else 0.0,
+        float(errors[-1]),
+        float(explained / (whole or np.nan)),
+    )
+
+
+def shapley_effects(
+    values: tuple[int, ...],
+    coefficients,
+    correlations: Mapping[tuple[int, int], float] | None = None,
+    draws: int = 2048,
+) -> np.ndarray:
+    """Shapley effects of fitted functions: shares of their variance that sum to 1.
+
+    Parameters
+    ----------
+    values : tuple (d,)
+        How many values each input has, see `jointclosure.statistics.orthonormal`.
+    coefficients : array (terms,) or (terms, m)
+        Of the functions.
+    correlations : mapping, optional
+        Of pairs of inputs, of the normal variables whose ranks they have (a Gaussian copula).
+        Without it inputs are independent, and the effects exact.
+    draws : int
+        Points by which the variance of each subset is estimated where inputs depend.
+
+    Returns
+    -------
+    array (d,) or (d, m)
+
+    Raises
+    ------
+    InputError
+        Correlations that no normal variables have.
+
+    Notes
+    -----
+    Owen and Prieur, SIAM/ASA J. Uncertain. Quantif. 5, 986, 2017. Where inputs depend the
+    variance by a subset J is the covariance of two responses that share x_J alone.
+    """
+    d, coefficients = len(values), np.asarray(coefficients, dtype=float)
+    subsets = [frozenset(some) for size in range(d + 1) for some in combinations(range(d), size)]
+    if correlations:
+        found = dict(_drawn_variances(values, coefficients, correlations, draws, subsets))
+    else:
+        own = [term.inputs for term in terms_of(values)]
+        held = {some: [bool(each) and each <= some for each in own] for some in subsets}
+        found = {some: (coefficients[held[some]] ** 2).sum(axis=0) for some in subsets}
+    effects = np.zeros((d, *coefficients.shape[1:]))
+    for some in subsets[:-1]:
+        weight = factorial(len(some)) * factorial(d - len(some) - 1) / factorial(d)
+        for one in set(range(d)) - some:
+            effects[one] += weight * (found[some | {one}] - found[some])
+    return effects / found[frozenset(range(d))]
+
+
+def _drawn_variances(values, coefficients, correlations, draws, subsets):
+    """(subset, variance by it) where inputs depend."""
+    d, terms = len(values), terms_of(values)
+    matrix = np.eye(d)
+    for (one, other), correlation in correlations.items():
+        matrix[one, other] = matrix[other, one] = correlation
+    if np.linalg.eigvalsh(matrix)[0] <= 0.0:
+        raise InputError(f"correlations {dict(correlations)}: no normal variables have them")
+    random = qmc.Sobol(2 * d, scramble=True, rng=np.random.default_rng(0)).random(draws)
+    normal, other = ndtri(random[:, :d]), ndtri(random[:, d:])
+    first = normal @ np.linalg.cholesky(matrix).T
+    own = design_matrix(ndtr(first), values, terms) @ coefficients
+    centred = own - own.mean(axis=0)
+    for some in subsets:
+        held, free = sorted(some), [each for each in range(d) if each not in some]
+        if not some or not free:
+            yield some, (centred**2).mean(axis=0) if some else np.zeros(own.shape[1:])
+            continue
+        # the free ones given those held: mean and covariance of a normal
+        slopes = np.linalg.solve(matrix[np.ix_(held, held)], matrix[np.ix_(held, free)])
+        left = matrix[np.ix_(free, free)] - matrix[np.ix_(free, held)] @ slopes
+        second = first.copy()
+        second[:, free] = first[:, held] @ slopes
+        second[:, free] += other[:, : len(free)] @ np.linalg.cholesky(left).T
+        again = design_matrix(ndtr(second), values, terms) @ coefficients
+        yield some, (centred * (again - again.mean(axis=0))).mean(axis=0)
+
+
+def _row_terms(responses: np.ndarray) -> np.ndarray:
+    """Of each row V, every V_i, every V_Ti: (N, 1 + 2 d)."""
+    a, b, mixed = responses[:, 0], responses[:, 1], responses[:, 2:]
+    change = mixed - a[:, None, :]
+    first = 0.5 * (b[:, None, 0] * change[..., 1] + b[:, None, 1] * change[..., 0])
+    total = 0.5 * change[..., 0] * change[..., 1]
+    whole = 0.5 * np.prod(a - b, axis=-1)
+    return np.concatenate([whole[:, None], first, total], axis=1)
+
+
+def _folds(n: int) -> list[np.ndarray]:
+    return [np.arange(first, n, FOLDS) for first in range(FOLDS)]
+
+
+def _others(n: int) -> list[np.ndarray]:
+    return [np.setdiff1d(np.arange(n), part) for part in _folds(n)]
+
+
+def _jackknifed(terms: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """Errors of V, of the ratios, and of the surfaces' share."""
+    n = noise.size
+    left = (terms.sum(axis=0) - terms) / (n - 1)
+    quiet = (noise.sum() - noise) / (n - 1)
+    whole = left[:, :1]
+    found = np.concatenate(
+        [whole, left[:, 1:] / whole, (quiet / (whole[:, 0] + quiet))[:, None]], axis=1
+    )
+    return np.sqrt((n - 1) / n * ((found - found.mean(axis=0)) ** 2).sum(axis=0))

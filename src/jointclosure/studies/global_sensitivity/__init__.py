@@ -1,0 +1,1 @@
+"""How much of what varies matters: variance indices over properties and over open choices."""

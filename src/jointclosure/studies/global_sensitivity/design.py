@@ -1,0 +1,223 @@
+"""Inputs that vary together, the points at which joints are closed, and their settings."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from jointclosure.config.configuration import configured, merged
+from jointclosure.config.files import ConfigurationError
+from jointclosure.config.keys import GlobalSensitivityKeys
+from jointclosure.config.presets import numerics_in_full
+from jointclosure.config.properties import PARAMETERS, key_of
+from jointclosure.ensemble.cases import base_case
+from jointclosure.ensemble.settings import ClosureSettings
+from jointclosure.ensemble.slices import block_settings
+from jointclosure.inputs import InputError
+from jointclosure.randomness import seed_of
+from jointclosure.statistics.orthonormal import part_of
+from jointclosure.statistics.variance_indices import sampled_rows
+
+ROCK = "ROCK"
+"""Stands in an input's key for the rock that is closed."""
+SURFACES = 2
+"""Surface pairs that all points of a row are closed on."""
+
+
+class Input(NamedTuple):
+    """A key that varies: between two numbers, or over a few values.
+
+    ``key`` is its path in a configuration. ``low`` and ``high`` are None where it has
+    ``values``, or where its range are the levels of Table 2, of each rock its own.
+    """
+
+    name: str
+    title: str
+    key: tuple[str, ...]
+    low: float | None
+    high: float | None
+    logarithmic: bool
+    values: list
+
+    @property
+    def property(self) -> str | None:
+        """The property of a rock that it is, if any."""
+        keys = {f"rocks.{ROCK}.{key_of(name)}": name for name in PARAMETERS}
+        return keys.get(".".join(self.key))
+
+
+class Design(NamedTuple):
+    """Inputs, the number of rows, and how many of these a job closes.
+
+    ``dependent`` are pairs of inputs by name, with their correlation.
+    """
+
+    inputs: tuple[Input, ...]
+    rows: int
+    rows_per_job: int
+    rocks: tuple[str, ...]
+    seed: int
+    dependent: list[tuple[str, str, float]]
+
+    @property
+    def values(self) -> tuple[int, ...]:
+        """How many values each input has; 0: it varies continuously."""
+        return tuple(len(each.values) for each in self.inputs)
+
+    @property
+    def correlations(self) -> dict[tuple[int, int], float]:
+        """Of pairs of inputs, by their places."""
+        place = {each.name: number for number, each in enumerate(self.inputs)}
+        return {(place[one], place[other]): value for one, other, value in self.dependent}
+
+    def points(self) -> np.ndarray:
+        """Points (rows, inputs + 2, inputs) of the unit cube, the same in all rocks."""
+        return sampled_rows(len(self.inputs), self.rows, self.seed)
+
+    def blocks(self) -> list[range]:
+        """The rows of each job."""
+        step = self.rows_per_job
+        return [range(i, min(i + step, self.rows)) for i in range(0, self.rows, step)]
+
+
+def design_of(keys: dict) -> Design:
+    """The design in a configuration's ``global_sensitivity`` section.
+
+    Raises
+    ------
+    ConfigurationError
+        Naming each input that the model cannot take at an end of its range.
+    """
+    section = GlobalSensitivityKeys.model_validate(keys["global_sensitivity"]).model_dump()
+    design = Design(
+        inputs=tuple(_inputs(section["inputs"])),
+        rows=section["rows"],
+        rows_per_job=section["rows_per_job"],
+        rocks=tuple(keys["study"]["rocks"]),
+        seed=seed_of(keys["study"]["root_seed"], "global sensitivity"),
+        dependent=[(*each["inputs"], each["correlation"]) for each in section["dependent"]],
+    )
+    problems = [*_problems(design, section)] or [*_unusable(design, keys)]
+    if problems:
+        raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in problems))
+    return design
+
+
+def keys_at(design: Design, keys: dict, rock: str, point) -> dict:
+    """The keys of a point (d,) of the unit cube, over those of the study."""
+    answer: dict = {"study": {"rocks": [rock]}}
+    for each, u in zip(design.inputs, point, strict=True):
+        value = value_at(each, keys, rock, float(u))
+        for part in reversed([rock if part == ROCK else part for part in each.key]):
+            value = {part: value}
+        answer = merged(answer, value)
+    return answer
+
+
+def value_at(each: Input, keys: dict, rock: str, u: float):
+    """The value of an input at u of [0, 1], in the unit of its key."""
+    if each.values:
+        return each.values[int(part_of(u, len(each.values)))]
+    low, high = range_of(each, keys, rock)
+    if each.logarithmic:
+        return float(low * (high / low) ** u)
+    return float(low + (high - low) * u)
+
+
+def range_of(each: Input, keys: dict, rock: str) -> tuple[float, float]:
+    """Ends of an input that varies continuously, in the unit of its key."""
+    if each.low is not None and each.high is not None:
+        return each.low, each.high
+    levels = keys["rocks"][rock]["levels"][each.key[-1]]
+    own = keys["rocks"][rock][each.key[-1]]
+    return float(min(*levels, own)), float(max(*levels, own))
+
+
+def settings_at(design: Design, keys: dict, rock: str, row: int, point) -> ClosureSettings:
+    """Settings of the base case of a rock at a point (d,), on the surfaces of a row.
+
+    Raises
+    ------
+    InputError
+        The model cannot take the point.
+    """
+    plain = keys | {"numerics": numerics_in_full(keys)}
+    alone = {
+        "study": {"draws": "common"},
+        "rocks": {rock: {"levels": dict.fromkeys(map(key_of, PARAMETERS))}},
+    }
+    typed = configured(merged(plain, keys_at(design, keys, rock, point), alone), _no_table).typed
+    case = base_case(rock, typed.rocks[rock])
+    block = range(SURFACES * row, SURFACES * (row + 1))
+    return block_settings(typed, {case.label: case}, case.label, block)
+
+
+def ends_of(design: Design, keys: dict) -> list[ClosureSettings]:
+    """Settings at every value of each input that has a few, and at the ends of each other."""
+    middle, found = np.full(len(design.inputs), 0.5), []
+    for number, each in enumerate(design.inputs):
+        for end in np.linspace(0.0, 1.0, max(len(each.values), 2)):
+            point = middle.copy()
+            point[number] = end
+            found.append(settings_at(design, keys, design.rocks[0], 0, point))
+    return found
+
+
+def spread_of(each: Input, keys: dict, rock: str) -> float | None:
+    """ln of a positive input's upper end over its lower one; None where it has no ratio."""
+    if each.values:
+        return None
+    low, high = range_of(each, keys, rock)
+    return float(np.log(high / low)) if low > 0.0 else None
+
+
+def _inputs(section: dict) -> Iterator[Input]:
+    for name, each in section.items():
+        between = each["between"]
+        low, high = (None, None) if between in (None, "levels") else between
+        values = each["values"] or []
+        key = tuple(each["key"].split("."))
+        yield Input(name, each["title"], key, low, high, each["logarithmic"], values)
+
+
+def _problems(design: Design, section: dict) -> Iterator[str]:
+    where = "global_sensitivity"
+    for each in design.inputs:
+        own = section["inputs"][each.name]
+        if (own["between"] is None) == (not own["values"]):
+            yield f"{where}.inputs.{each.name}: must have either between or values"
+        if each.logarithmic and each.low is not None and not each.low > 0.0:
+            yield f"{where}.inputs.{each.name}.between = {own['between']}: must be positive"
+        if each.low is not None and each.high is not None and not each.low < each.high:
+            yield f"{where}.inputs.{each.name}.between = {own['between']}: must ascend"
+        if own["between"] == "levels" and each.property is None:
+            yield f"{where}.inputs.{each.name}.between = levels: {own['key']} has none"
+    names = [each.name for each in design.inputs]
+    for one, other, _ in design.dependent:
+        for name in (one, other):
+            if name not in names:
+                yield f"{where}.dependent = {name!r}: must be one of {', '.join(names)}"
+    if design.rows % 2 or design.rows & (design.rows - 1):
+        yield f"{where}.rows = {design.rows}: must be a power of 2"
+
+
+def _unusable(design: Design, keys: dict) -> Iterator[str]:
+    """What the model says of the ends of each input, all others in the middle."""
+    middle = np.full(len(design.inputs), 0.5)
+    for rock in design.rocks:
+        for number, each in enumerate(design.inputs):
+            for end in (0.0, 1.0):
+                point = middle.copy()
+                point[number] = end
+                try:
+                    settings_at(design, keys, rock, 0, point)
+                except InputError as error:
+                    lines = str(error).removeprefix("configuration:").split("\n")
+                    said = "; ".join(line.strip() for line in lines if line.strip())
+                    yield f"global_sensitivity.inputs.{each.name}: {said}"
+                except KeyError as error:
+                    yield f"global_sensitivity.inputs.{each.name}: {error}: there is no such key"
+
+
+def _no_table(path):
+    raise InputError("numerics.preset, numerics.accuracy: not in a study of global sensitivity")

@@ -1,0 +1,146 @@
+"""Variance indices of a mean over noisy surfaces, on functions whose indices are known."""
+
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from jointclosure.statistics.orthonormal import design_matrix, fitted, terms_of
+from jointclosure.statistics.variance_indices import (
+    sampled_rows,
+    shapley_effects,
+    variance_indices,
+)
+
+
+def ishigami(u):
+    """Ishigami and Homma's function (a = 7, b = 0.1): its inputs act together."""
+    x = np.pi * (2.0 * u - 1.0)
+    return np.sin(x[..., 0]) * (1.0 + 0.1 * x[..., 2] ** 4) + 7.0 * np.sin(x[..., 1]) ** 2
+
+
+_BY_1 = 0.5 * (1.0 + 0.1 * np.pi**4 / 5.0) ** 2
+_BY_13 = 0.01 * np.pi**8 * (1.0 / 18.0 - 1.0 / 50.0)
+_WHOLE = _BY_1 + 49.0 / 8.0 + _BY_13
+FIRST = np.array([_BY_1, 49.0 / 8.0, 0.0]) / _WHOLE
+TOTAL = np.array([_BY_1 + _BY_13, 49.0 / 8.0, _BY_13]) / _WHOLE
+
+
+def noisy(number: int, rows: int = 64, noise: float = 1.5):
+    """Ishigami's function with the surfaces' noise: of a row, and a little of every joint."""
+    points = sampled_rows(3, rows, number)
+    random = np.random.default_rng(1000 + number)
+    surface = random.standard_normal((rows, 1, 2))
+    joint = random.standard_normal((rows, 5, 2))
+    return points, ishigami(points)[..., None] + noise * (surface + 0.2 * joint)
+
+
+@pytest.fixture(scope="module")
+def repeated():
+    return [variance_indices(*noisy(number), (0, 0, 0)) for number in range(200)]
+
+
+def test_on_average_indices_are_those_of_the_function_whatever_the_noise(repeated):
+    first = np.mean([each.first for each in repeated], axis=0)
+    total = np.mean([each.total for each in repeated], axis=0)
+    # ratios of means are off by what 64 rows leave of a bias
+    assert np.abs(first - FIRST).max() < 0.03
+    assert np.abs(total - TOTAL).max() < 0.03
+
+
+def test_95_percent_intervals_cover_the_truth_as_often(repeated):
+    for found, error, truth in (("first", "first_error", FIRST), ("total", "total_error", TOTAL)):
+        off = np.array([getattr(each, found) - truth for each in repeated])
+        errors = np.array([getattr(each, error) for each in repeated])
+        covered = (np.abs(off) < 1.96 * errors).mean(axis=0)
+        assert (covered > 0.88).all(), covered
+
+
+def test_the_surfaces_share_is_their_part_of_a_joints_variance(repeated):
+    noise = 1.5**2 * 1.04
+    share = np.mean([each.surfaces for each in repeated])
+    assert share == pytest.approx(noise / (noise + _WHOLE), rel=0.03)
+
+
+def test_one_surface_for_both_products_would_count_noise_as_variance():
+    points, responses = noisy(3, rows=256, noise=20.0)
+    honest = variance_indices(points, responses, (0, 0, 0))
+    doubled = variance_indices(points, responses[..., :1].repeat(2, axis=-1), (0, 0, 0))
+    assert abs(honest.variance - _WHOLE) < 3.0 * honest.variance_error
+    assert doubled.variance > _WHOLE + 0.7 * (0.2 * 20.0) ** 2
+
+
+def test_a_quadratic_has_its_indices_to_the_last_digits():
+    points = sampled_rows(3, 32, 1)
+    t = 2.0 * points - 1.0
+    response = t[..., 0] + 2.0 * t[..., 1] + 3.0 * t[..., 0] * t[..., 1]
+    found = variance_indices(points, np.stack([response] * 2, axis=-1), (0, 0, 0))
+    parts = np.array([1.0 / 3.0, 4.0 / 3.0, 1.0])
+    assert found.variance == pytest.approx(parts.sum())
+    np.testing.assert_allclose(found.first, [*parts[:2] / parts.sum(), 0.0], atol=1e-12)
+    totals = np.array([parts[0] + parts[2], parts[1] + parts[2], 0.0])
+    np.testing.assert_allclose(found.total, totals / parts.sum(), atol=1e-12)
+
+
+def test_the_design_changes_one_input_at_a_time():
+    points = sampled_rows(4, 16, 2)
+    for one in range(4):
+        changed = points[:, 2 + one] != points[:, 0]
+        assert changed[:, one].all()
+        assert changed.sum() == 16
+        assert np.array_equal(points[:, 2 + one, one], points[:, 1, one])
+
+
+def test_functions_of_a_fit_are_orthonormal_for_ranges_and_for_few_values():
+    values = (0, 3, 2)
+    axes = [(np.arange(n) + 0.5) / n for n in (120, 6, 6)]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), -1)
+    matrix = design_matrix(points.reshape(-1, 3), values, terms_of(values))
+    gram = matrix.T @ matrix / len(matrix)
+    np.testing.assert_allclose(gram, np.eye(len(gram)), atol=1e-3)
+
+
+def test_an_input_of_few_values_has_its_share():
+    points = sampled_rows(2, 64, 5)
+    response = np.where(points[..., 0] < 0.5, -1.0, 1.0) + np.sqrt(3.0) * (2.0 * points[..., 1] - 1)
+    found = variance_indices(points, np.stack([response] * 2, axis=-1), (2, 0))
+    np.testing.assert_allclose(found.first, 0.5, atol=1e-10)
+
+
+def test_shapley_effects_sum_to_one_and_share_what_inputs_do_together():
+    points = sampled_rows(3, 64, 4)[:, 0]
+    t = 2.0 * points - 1.0
+    fit = fitted(points, t[:, 0] + t[:, 1] + 3.0 * t[:, 0] * t[:, 1], (0, 0, 0))
+    np.testing.assert_allclose(
+        shapley_effects((0, 0, 0), fit.coefficients), [0.5, 0.5, 0.0], atol=1e-12
+    )
+
+
+def test_shapley_effects_of_dependent_normals_are_those_of_the_literature():
+    """Owen and Prieur (2017), Sec. 4.1: x + y of correlation r share equally; a x + b y do not."""
+    points = sampled_rows(2, 256, 4)[:, 0]
+    t = 2.0 * points - 1.0
+    equal = fitted(points, t[:, 0] + t[:, 1], (0, 0))
+    np.testing.assert_allclose(
+        shapley_effects((0, 0), equal.coefficients, {(0, 1): 0.8}), 0.5, atol=0.01
+    )
+    idle = fitted(points, t[:, 0], (0, 0))
+    r = 0.8
+    # what knows nothing but is correlated: half of the variance that it explains
+    expected = r**2 / 2.0
+    found = shapley_effects((0, 0), idle.coefficients, {(0, 1): r})
+    assert found.sum() == pytest.approx(1.0)
+    assert found[1] == pytest.approx(expected, abs=0.02)
+
+
+def test_what_has_no_index_is_said():
+    points, responses = noisy(1, rows=16)
+    with pytest.raises(jc.InputError, match=r"15 rows|must be 16 or more"):
+        variance_indices(points[:15], responses[:15], (0, 0, 0))
+    with pytest.raises(jc.InputError, match="must be finite"):
+        variance_indices(points, responses * np.nan, (0, 0, 0))
+    with pytest.raises(jc.InputError, match=r"must be \(N, d \+ 2, d\)"):
+        variance_indices(points, responses[:, 1:], (0, 0, 0))
+    with pytest.raises(jc.InputError, match="no normal variables"):
+        shapley_effects((0, 0), np.ones(8), {(0, 1): 1.0})
+    flat = variance_indices(points, np.ones_like(responses), (0, 0, 0))
+    assert np.isnan(flat.first).all()

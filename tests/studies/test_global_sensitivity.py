@@ -1,0 +1,156 @@
+"""Properties and open choices that vary together: the design, and what its closures tell."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from jointclosure.config.files import ConfigurationError, read_plain
+from jointclosure.ensemble.surfaces import walls_of
+from jointclosure.studies.global_sensitivity.closing import RESPONSES, close_rows, costs
+from jointclosure.studies.global_sensitivity.conclusions import conclusion_table
+from jointclosure.studies.global_sensitivity.design import design_of, keys_at, settings_at
+from jointclosure.studies.global_sensitivity.table import elasticity_table, index_table
+from tests.studied import ROOT, checked_study
+
+ELASTICITIES = {"youngs_modulus": -0.9, "compressive_strength": 0.5, "jrc": 0.3}
+
+
+def keys_of(**changes) -> dict:
+    tiny = read_plain(ROOT / "tests/workflow/tiny_global_sensitivity.yaml")
+    return checked_study(tiny, changes).keys
+
+
+def section(**changes) -> dict:
+    return {"global_sensitivity": changes}
+
+
+@pytest.fixture(scope="module")
+def keys():
+    return keys_of(**section(rows=64))  # rows beyond the file's 16
+
+
+@pytest.fixture(scope="module")
+def design(keys):
+    return design_of(keys)
+
+
+@pytest.fixture(scope="module")
+def world(design, keys):
+    """Closures that are powers of the properties, twice as large with current peaks, and noise."""
+    closed = {}
+    for rock in design.rocks:
+        points, random = design.points(), np.random.default_rng(3)
+        own = np.empty(points.shape[:2])
+        for where in np.ndindex(own.shape):
+            at = keys_at(design, keys, rock, points[where])
+            values = at["rocks"][rock]
+            powers = (
+                values["youngs_modulus_GPa"] ** -0.9
+                * values["compressive_strength_MPa"] ** 0.5
+                * values["jrc"] ** 0.3
+            )
+            own[where] = powers * (2.0 if at["choices"]["peaks"] == "current" else 1.0)
+        noise = 1.0 + 0.05 * random.standard_normal((len(points), 1, 2, 1))
+        values = own[:, :, None, None] * noise * np.ones(2)
+        closed[rock] = xr.Dataset(
+            {name: (("row", "point", "surface", "cycle"), values.copy()) for name in RESPONSES},
+            coords={"row": np.arange(len(points)), "cycle": [1, 2]},
+        )
+    return closed
+
+
+def test_a_points_settings_have_its_values_and_each_row_its_own_surfaces(design, keys):
+    points = design.points()
+    first = [settings_at(design, keys, "slate", 3, point) for point in points[3]]
+    low, high = 60e9, 72e9  # Table 2
+    moduli = np.array([each.case.intact.youngs_modulus for each in first])
+    np.testing.assert_allclose(moduli, low + (high - low) * points[3, :, 1])
+    expected = ["pristine" if u < 0.5 else "current" for u in points[3, :, 4]]
+    assert [each.choices.peaks for each in first] == expected
+    assert {each.surfaces.first_realization for each in first} == {6}
+    assert settings_at(design, keys, "slate", 4, points[4, 0]).surfaces.first_realization == 8
+    # at the same roughness the walls are the same ones
+    same = [each for each in first if each.case.jrc == first[0].case.jrc]
+    assert len(same) > 2
+    one, other = (next(walls_of(each.surfaces)) for each in same[:2])
+    assert np.array_equal(one[0], other[0])
+
+
+def test_elasticities_are_those_of_the_closures_whatever_the_choices(world, design, keys):
+    table = elasticity_table(design, keys, world)
+    for row in table.itertuples():
+        truth = ELASTICITIES.get(row.input, 0.0)
+        assert row.elasticity == pytest.approx(truth, abs=max(4.0 * row.elasticity_error, 1e-3))
+        assert row.spread < 4.0 * row.spread_error
+    sure = table[table.input.isin(ELASTICITIES)]
+    assert (sure.share_positive == (sure.elasticity > 0.0)).all()
+
+
+def test_the_choice_that_doubles_the_closure_has_most_of_its_variance(world, design):
+    table = index_table(design, world)
+    whole = table[(table.rows == 64) & (table.response == "closure")]
+    assert (whole[whole.input == "peaks"].total > 0.8).all()
+    nothing = whole[whole.input == "poisson_ratio"]
+    assert (nothing.total.abs() <= 3.0 * nothing.total_error + 1e-9).all()
+    assert sorted(table.rows.unique()) == [16, 32, 64]
+    inputs = whole[(whole.input != "surfaces") & (whole.cycle == 1) & (whole.rock == "slate")]
+    assert inputs.shapley.sum() == pytest.approx(1.0)
+    assert inputs.shapley_dependent.sum() == pytest.approx(1.0)
+
+
+def test_conclusions_hold_for_the_share_of_choices_for_which_they_are_true(world, design, keys):
+    table = conclusion_table(design, keys, world)
+    assert set(table.rock) == {"dolerite", "slate", "all"}
+    for number in ("1a", "2a", "3", "5a", "5b", "5c"):
+        assert (table[table.number == number].share > 0.95).all(), number
+    switched = {name: each.copy() for name, each in world.items()}
+    for each in switched.values():
+        each["closure"] = 1.0 / each.closure
+    shares = conclusion_table(design, keys, switched)
+    shares = shares[shares.response == "closure"].set_index("number").share
+    assert (shares[["5a", "5b", "5c"]] < 0.05).all()
+
+
+def test_a_row_with_a_failed_simulation_is_left_out(world, design):
+    broken = {name: each.copy(deep=True) for name, each in world.items()}
+    for each in broken.values():
+        each.closure[5, 2, 0, :] = np.nan
+    table = index_table(design, broken)
+    whole = table[(table.response == "closure") & (table.rows > 32)]
+    assert set(whole.rows) == {63}
+    assert set(whole.left_out) == {1}
+    assert whole.total.notna().all()
+
+
+def test_joints_are_closed_as_everywhere_and_their_cost_is_known_before():
+    keys = keys_of(**section(rows=16))
+    design = design_of(keys)
+    closed = close_rows(design, keys, "slate", range(2, 3))
+    assert closed.closure.shape == (1, 7, 2, 2)
+    assert (closed.status < 16).all()
+    assert (closed.closure_net < closed.closure).all()
+    assert (closed.stiffness.isel(cycle=0) > 0.0).all()
+    again = close_rows(design, keys, "slate", range(2, 3))
+    assert np.array_equal(again.closure, closed.closure)
+    table = costs(design, dict.fromkeys(design.rocks, keys))
+    assert table.simulations.tolist() == [224, 224]
+    assert (table.core_minutes > 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"rows": 48}, "rows = 48: must be a power of 2"),
+        ({"inputs": {"jrc": {"values": [6]}}}, "inputs.jrc: must have either between or values"),
+        ({"inputs": {"jrc": {"between": [9, 6]}}}, "inputs.jrc.between = [9.0, 6.0]: must ascend"),
+        ({"inputs": {"jrc": {"between": [0, 6], "logarithmic": True}}}, "must be positive"),
+        ({"inputs": {"jrc": {"between": [6, 60]}}}, "inputs.jrc: rocks.dolerite.jrc = 60"),
+        ({"inputs": {"peaks": {"values": ["pristine", "old"]}}}, "choices.peaks = 'old'"),
+        ({"inputs": {"jrc": {"key": "rocks.ROCK.jcr"}}}, "inputs.jrc.between = levels"),
+        ({"dependent": [{"inputs": ["jrc", "e"], "correlation": 0.5}]}, "'e': must be one of"),
+    ],
+)
+def test_a_design_that_cannot_be_closed_is_refused_before_any_job(changes, said):
+    with pytest.raises(ConfigurationError) as error:
+        design_of(keys_of(**section(**changes)))
+    assert said in str(error.value)

@@ -1,0 +1,35 @@
+"""What a JRC that is known to a range only does to Table 3, and to what studies find."""
+
+from jointclosure.config.plain import from_plain
+from jointclosure.config.typed import Statistics
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.statistics.drawn_studies import Design
+from jointclosure.storage.netcdf import reading_netcdf
+from jointclosure.storage.text import read_csv, write_csv
+from jointclosure.studies.sensitivity.claims import Evidence
+from jointclosure.studies.sensitivity.jrc_range import REPEATS, jrc_range_tables
+
+
+def main(inputs: dict, settings: dict, outputs: dict, log: Logbook) -> None:
+    """Write both tables."""
+    statistics = from_plain(Statistics, settings["statistics"])
+    design = Design(draws=settings["realizations"], significance=statistics.significance)
+    with reading_netcdf(inputs["study"]) as study, reading_netcdf(inputs["pool"]) as pool:
+        # each half-width is drawn several times, which together are as many as usual
+        repetitions = statistics.repetitions // REPEATS
+        evidence = Evidence(study, pool, design, repetitions, settings["root_seed"])
+        entries, found = jrc_range_tables(
+            evidence,
+            statistics.jrc_half_widths,
+            read_csv(inputs["claims"]),
+            read_csv(inputs["paper"]),
+        )
+    write_csv(entries, outputs["entries"])
+    write_csv(found, outputs["found"])
+    log(f"wrote {outputs['entries']}, {outputs['found']}")
+
+
+if __name__ == "__main__":
+    with job(snakemake) as logbook:
+        main(dict(snakemake.input), dict(snakemake.params), dict(snakemake.output), logbook)
