@@ -58,14 +58,14 @@ def one_cycle(closure, stress):
 def test_the_excess_of_unloading_is_read_at_its_steps():
     up, load = [0.0, 1.0, 2.0, 3.0], [0.0, 1.0, 2.0, 3.0]
     higher = one_cycle([*up, 2.5, 1.5, 0.5], [*load, 2.75, 1.0, 0.0])
-    np.testing.assert_allclose(unloading_excess(*higher, 2), [0.25, np.nan])
+    np.testing.assert_allclose(unloading_excess(*higher, [0.0, 0.0]), [0.25, np.nan])
     lower = one_cycle([*up, 2.5, 1.5, 0.5], [*load, 2.25, 1.0, 0.0])
-    assert unloading_excess(*lower, 1) == [0.0]
+    assert unloading_excess(*lower, [0.0]) == [0.0]
 
 
 def test_unloading_to_below_the_start_of_its_loading_counts_in_full():
     up, load = [1.0, 2.0, 3.0, 4.0], [0.0, 1.0, 2.0, 3.0]
-    found = unloading_excess(*one_cycle([*up, 0.5, 0.0], [*load, 0.75, 0.0]), 1)
+    found = unloading_excess(*one_cycle([*up, 0.5, 0.0], [*load, 0.75, 0.0]), [0.0])
     assert found == [0.75]
 
 
@@ -77,4 +77,4 @@ def test_convex_curves_that_are_one_have_no_excess_whatever_their_steps():
     closure = np.concatenate([up, down])
     branch = np.where(np.arange(closure.size) < up.size, "loading", "unloading")
     cycle = np.ones(closure.size, dtype=int)
-    assert unloading_excess(closure, force(closure), cycle, branch, 1)[0] < 1e-4
+    assert unloading_excess(closure, force(closure), cycle, branch, [0.0])[0] < 1e-4

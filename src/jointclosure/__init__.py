@@ -12,6 +12,8 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # type checkers and `jointclosure.sources` read these imports, Python does not
+    from jointclosure import plot
+    from jointclosure.ensemble.joints import simulate_ensemble
     from jointclosure.ensemble.scanned_joint import close
     from jointclosure.inputs import InputError
     from jointclosure.parameters import (
@@ -40,11 +42,13 @@ _MODULES = {
     "equilibrium": "simulation",
     "estimate": "surrogate",
     "indifference_interval": "statistics.indifference",
+    "plot": "",
     "read_scan": "scans",
     "simulate": "simulation",
+    "simulate_ensemble": "ensemble.joints",
     "wall_pair": "surface.synthesis",
 }
-"""Where each public name is defined."""
+"""Where each public name is defined; empty for one that is a module itself."""
 
 __all__ = [
     "Choices",
@@ -57,8 +61,10 @@ __all__ = [
     "equilibrium",
     "estimate",
     "indifference_interval",
+    "plot",
     "read_scan",
     "simulate",
+    "simulate_ensemble",
     "wall_pair",
 ]
 
@@ -71,6 +77,8 @@ if not TYPE_CHECKING:  # a type checker would take it to answer for any name
             from importlib.metadata import version
 
             value = version("jointclosure")
+        elif _MODULES.get(name) == "":
+            value = importlib.import_module(f"{__name__}.{name}")
         elif name in _MODULES:
             module = importlib.import_module(f"{__name__}.{_MODULES[name]}")
             value = getattr(module, name)

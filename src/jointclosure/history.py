@@ -20,9 +20,11 @@ def branch_of(cycle: np.ndarray, branch: np.ndarray, number: int, name: str) -> 
     return here
 
 
-def _is_complete(loading: np.ndarray, unloading: np.ndarray, stress: np.ndarray) -> bool:
-    """Whether a cycle was loaded, and unloaded to nothing."""
-    return loading.size > 1 and unloading.size > 1 and float(stress[unloading[-1]]) == 0.0
+def _is_complete(
+    loading: np.ndarray, unloading: np.ndarray, stress: np.ndarray, minimum: float
+) -> bool:
+    """Whether a cycle was loaded, and unloaded to its minimum [Pa]."""
+    return loading.size > 1 and unloading.size > 1 and float(stress[unloading[-1]]) <= minimum
 
 
 def first_crossing(stress: np.ndarray, closure: np.ndarray, level: float) -> float:
@@ -60,7 +62,7 @@ def cycle_closures(
     stress: np.ndarray,
     cycle: np.ndarray,
     branch: np.ndarray,
-    cycles: int,
+    minima: np.ndarray,
     seating_stress: float,
 ) -> dict[str, np.ndarray]:
     """Closures per cycle (cycles,) [m]; NaN for cycles that were not completed.
@@ -69,11 +71,11 @@ def cycle_closures(
     ----------
     closure, stress, cycle, branch : array (steps,)
         The history, closure [m] from first touch and stress [Pa].
-    cycles : int
-        Cycles asked for.
+    minima : array (cycles,)
+        Stress at or below which each cycle that was asked for is unloaded [Pa]; 0 is last contact.
     seating_stress : float
         The ``_seated`` closures count from the first point of that cycle's
-        loading that reaches it [Pa].
+        loading that reaches it [Pa], and are NaN where its loading starts above it.
 
     Returns
     -------
@@ -83,13 +85,15 @@ def cycle_closures(
         ``residual_closure`` from first touch.
     """
     names = ("max_closure", "residual_closure", "max_closure_seated", "residual_closure_seated")
-    closures = {name: np.full(cycles, np.nan) for name in names}
-    for index in range(cycles):
+    closures = {name: np.full(len(minima), np.nan) for name in names}
+    for index, minimum in enumerate(minima):
         loading = branch_of(cycle, branch, index + 1, LOADING)
         unloading = branch_of(cycle, branch, index + 1, UNLOADING)
-        if not _is_complete(loading, unloading, stress):
+        if not _is_complete(loading, unloading, stress, minimum):
             continue
         seat = first_crossing(stress[loading], closure[loading], seating_stress)
+        if stress[loading[0]] > seating_stress:
+            seat = np.nan
         maximum, end = closure[loading[-1]], closure[unloading[-1]]
         closures["max_closure"][index] = maximum - closure[loading[0]]
         closures["residual_closure"][index] = end
@@ -99,20 +103,25 @@ def cycle_closures(
 
 
 def unloading_excess(
-    closure: np.ndarray, stress: np.ndarray, cycle: np.ndarray, branch: np.ndarray, cycles: int
+    closure: np.ndarray,
+    stress: np.ndarray,
+    cycle: np.ndarray,
+    branch: np.ndarray,
+    minima: np.ndarray,
 ) -> np.ndarray:
     """Largest stress by which unloading exceeds loading at equal closure (cycles,) [Pa].
 
     Read at the steps of unloading, with loading a monotone cubic between its
     own (chords of these convex curves would be off by more than what is
-    sought) and 0 below where it starts. 0 where unloading nowhere exceeds
-    loading, NaN for cycles that were not completed.
+    sought) and 0 below where it starts from no stress; below a start at a stress
+    there is nothing to compare with. 0 where unloading nowhere exceeds
+    loading, NaN for cycles that were not completed; ``minima`` as for `cycle_closures`.
     """
-    excess = np.full(cycles, np.nan)
-    for index in range(cycles):
+    excess = np.full(len(minima), np.nan)
+    for index, minimum in enumerate(minima):
         loading = branch_of(cycle, branch, index + 1, LOADING)
         unloading = branch_of(cycle, branch, index + 1, UNLOADING)
-        if not _is_complete(loading, unloading, stress):
+        if not _is_complete(loading, unloading, stress, minimum):
             continue
         # of steps at one closure the last
         at, last = np.unique(closure[loading][::-1], return_index=True)
@@ -125,7 +134,7 @@ def unloading_excess(
             below = scipy.interpolate.PchipInterpolator(at, loaded)(np.clip(after, at[0], at[-1]))
         else:
             below = np.full(after.shape, loaded[0])
-        below[after < at[0]] = 0.0
+        below[after < at[0]] = 0.0 if stress[loading[0]] == 0.0 else np.inf
         excess[index] = max(0.0, float(np.max(stress[unloading[1:]] - below)))
     return excess
 
@@ -143,7 +152,8 @@ def closure_at_stresses(
 
     The first crossing on loading, the last on unloading, interpolated between
     steps; NaN where a level was not reached. A maximum that was landed on
-    within a relative ``tolerance`` below a level counts as having reached it.
+    within a relative ``tolerance`` below a level counts as having reached it, and so does a
+    minimum above it.
     """
     answer = np.full((cycles, 2, levels.size), np.nan)
     for index in range(cycles):
@@ -153,8 +163,12 @@ def closure_at_stresses(
             here = branch_of(cycle, branch, index + 1, name)
             if here.size < 2:
                 continue
-            maximum = stress[here].max()
+            maximum, minimum = stress[here].max(), stress[here].min()
             for k, level in enumerate(levels):
+                if level < minimum <= level * (1.0 + 1.01 * tolerance):
+                    level = minimum
+                if level < minimum:
+                    continue
                 if maximum < level <= maximum * (1.0 + 1.01 * tolerance):
                     level = maximum
                 answer[index, side, k] = crossing(stress[here], closure[here], level)

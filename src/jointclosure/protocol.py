@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from jointclosure.loading import LoadCycle
 from jointclosure.parameters import Numerics
 from jointclosure.solvers.joint import (
     CONVERGED,
@@ -47,7 +48,7 @@ LOADING, UNLOADING = "loading", "unloading"
 Observer = Callable[[Joint, "Step"], None]
 """Is shown the joint as it is at every step of the history, in order; must not change it."""
 Report = Callable[[int, str, float], None]
-"""Is told of every accepted step: its cycle, its branch, and its force over the target's."""
+"""Is told of every accepted step: its cycle, its branch, and its force over the cycle's maximum."""
 
 _SMALLEST_STEP = 1e-6
 """Fraction of a displacement step below which a jump of the stress is accepted as one, and of
@@ -90,20 +91,20 @@ class _Run:
         joint: Joint,
         solver: Solver,
         numerics: Numerics,
-        target_force: float,
+        cycles: Sequence[LoadCycle],
         report: Report | None,
         observers: Sequence[Observer],
     ):
         self.joint, self.solver, self.numerics = joint, solver, numerics
         self.report, self.observers = report, observers
-        self.target_force = target_force
+        self.target_force = cycles[0].maximum  # of the cycle that runs
         self.closure, self.total_force = 0.0, 0.0
         self.cycle_start = 0.0
         self.steps: list[Step] = []
         self.forces: list[np.ndarray] = []  # from the last maximum on, for observers
         self.status = 0
         self.effort = Effort()
-        self.closure_limit = _closure_limit(joint, target_force)
+        self.closure_limit = _closure_limit(joint, max(cycle.maximum for cycle in cycles))
         self.most_breakage_steps = numerics.most_breakage_steps * joint.upper.size
 
     @property
@@ -139,13 +140,12 @@ def run_cycles(
     joint: Joint,
     solver: Solver,
     numerics: Numerics,
-    target_force: float,
-    cycles: int,
+    cycles: Sequence[LoadCycle],
     extra_force: float = 0.0,
     report: Report | None = None,
     observers: Sequence[Observer] = (),
 ) -> History:
-    """Load to a force and unload to last contact, repeatedly.
+    """Load to a force and unload to a lower one or to last contact, repeatedly.
 
     Parameters
     ----------
@@ -154,12 +154,10 @@ def run_cycles(
     solver : Solver
     numerics : Numerics
         Steps of the first loading and of the branches after it.
-    target_force : float
-        Nominal stress times nominal area [N].
-    cycles : int
-        Load cycles, at least 1.
+    cycles : sequence of LoadCycle
+        In forces [N]: nominal stress times nominal area.
     extra_force : float
-        A force [N] below the target to stop at on an elastic curve, besides
+        A force [N] below the maxima to stop at on an elastic curve, besides
         its evenly spaced ones, such as that of seating; 0 for none.
     report : Report, optional
         Told of every step but those of an elastic curve, which is solved at once.
@@ -172,13 +170,18 @@ def run_cycles(
         in the status.
     """
     if not joint.effects.breakage and solver.elastic_curve is not None:
-        history = _elastic_cycles(joint, solver, numerics, target_force, cycles, extra_force)
+        history = _elastic_cycles(joint, solver, numerics, cycles, extra_force)
         if observers:
             _show_elastic(joint, solver, history, observers)
         return history
-    run = _Run(joint, solver, numerics, target_force, report, observers)
+    run = _Run(joint, solver, numerics, cycles, report, observers)
     run.accept(1, LOADING, _untouched(joint))
-    for cycle in range(1, cycles + 1):
+    elastic: _Loop | None = None
+    for cycle, load in enumerate(cycles, start=1):
+        run.target_force = load.maximum
+        if elastic and load == cycles[cycle - 2]:
+            _repeat_elastic(run, cycle, elastic)
+            continue
         first = cycle == 1
         _load(
             run,
@@ -190,38 +193,55 @@ def run_cycles(
             break
         _judge_range(run)
         broken = run.effort.breakage_steps
-        _unload(run, cycle)
+        _unload(run, cycle, load.minimum)
         if run.failed:
             break
-        if _is_elastic_from_here(run, broken):
-            _repeat_elastic(run, cycle, cycles)
-            break
+        elastic = _loop_of(run, cycle) if _is_elastic_from_here(run, broken) else None
     return History(run.steps, run.status, run.effort)
 
 
-def _elastic_cycles(joint, solver, numerics, target_force, cycles, extra_force) -> History:
+def _elastic_cycles(joint, solver, numerics, cycles, extra_force) -> History:
     """Up and down one curve, as nothing breaks: solved once, at given forces."""
     start = _untouched(joint)
-    targets = target_force * np.arange(1, numerics.curve_points + 1) / numerics.curve_points
-    if 0.0 < extra_force < target_force:
-        targets = np.union1d(targets, [extra_force])
-    curve = solver.elastic_curve(joint, targets)
+    forces = _elastic_forces(numerics, cycles, extra_force)
+    curve = solver.elastic_curve(joint, forces[1:])
     failed = curve[-1].outcome != CONVERGED
     status = FLAG_OF_OUTCOME[curve[-1].outcome] if failed else 0
-    up = curve[:-1] if failed else curve
+    known = [start, *(curve[:-1] if failed else curve)]
     height = _mean_height(joint)
-    steps = [Step(1, LOADING, start, height)]
-    for cycle in range(1, (1 if failed else cycles) + 1):
-        steps += [Step(cycle, LOADING, settled, height) for settled in up]
-        if not failed:
-            down = [*up[-2::-1], start]
-            steps += [Step(cycle, UNLOADING, settled, height) for settled in down]
-    if not failed:
+    steps, at = [Step(1, LOADING, start, height)], 0
+    turns = [
+        (cycle, branch, force)
+        for cycle, load in enumerate(cycles, start=1)
+        for branch, force in zip((LOADING, UNLOADING), load, strict=True)
+    ]
+    for cycle, branch, force in turns:
+        to = int(np.abs(forces - force).argmin())
+        way = range(at + 1, to + 1) if branch == LOADING else range(at - 1, to - 1, -1)
+        steps += [Step(cycle, branch, known[i], height) for i in way if i < len(known)]
+        if to >= len(known):  # the curve failed before
+            break
+        at = to
+    if not failed and at == 0:
         joint.force[:] = 0.0
+    elif not failed:
+        solver.elastic_curve(joint, forces[at : at + 1])
     effort = Effort()
     for settled in curve:
         effort = effort.plus(settled.effort)
     return History(steps, status, effort)
+
+
+def _elastic_forces(numerics, cycles, extra_force) -> np.ndarray:
+    """Forces of an elastic curve from 0 on [N]: evenly spaced, and where the load turns."""
+    largest = max(cycle.maximum for cycle in cycles)
+    forces = largest * np.arange(numerics.curve_points + 1) / numerics.curve_points
+    if 0.0 < extra_force < largest:
+        forces = np.union1d(forces, [extra_force])
+    # a turn that is one of them but for rounding would be a step of no length
+    turns = {force for cycle in cycles for force in cycle}
+    apart = [turn for turn in turns if np.abs(forces - turn).min() > 1e-12 * largest]
+    return np.union1d(forces, apart) if apart else forces
 
 
 def _show_elastic(
@@ -263,7 +283,7 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
             break
         run.accept(cycle, LOADING, settled)
     if run.numerics.target == "interpolate":
-        _interpolate(run, cycle, before, settled)
+        _interpolate(run, cycle, LOADING, run.target_force, before, settled)
     else:
         _land(run, cycle, before, settled, displacement_step, breakage_step)
 
@@ -328,18 +348,20 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> None:
     run.status |= TARGET_JUMPED if run.total_force > 0.0 else 8 * FAILURE
 
 
-def _interpolate(run: _Run, cycle: int, before: tuple, passed: Settled) -> None:
+def _interpolate(
+    run: _Run, cycle: int, branch: str, force: float, before: tuple, passed: Settled
+) -> None:
     """The paper's last step: walls, closure and forces between the last two states.
 
     Between two equilibria this is none; the residual told is that of the later one.
     """
-    part = (run.target_force - run.total_force) / (passed.total_force - run.total_force)
+    part = (force - run.total_force) / (passed.total_force - run.total_force)
     joint = run.joint
-    upper, lower, _, force, interaction, *_ = before
+    upper, lower, _, forces, interaction, *_ = before
     for field, earlier in (
         (joint.upper, upper),
         (joint.lower, lower),
-        (joint.force, force),
+        (joint.force, forces),
         (joint.interaction, interaction),
     ):
         field[:] = earlier + part * (field - earlier)
@@ -349,20 +371,55 @@ def _interpolate(run: _Run, cycle: int, before: tuple, passed: Settled) -> None:
         for name in ("closure", "mean_interaction", "locked_share", "flat_share")
     }
     joint.closure[...] = values["closure"]  # from which the next step counts
-    run.accept(cycle, LOADING, passed._replace(total_force=run.target_force, **values))
+    run.accept(cycle, branch, passed._replace(total_force=force, **values))
 
 
-def _unload(run: _Run, cycle: int) -> None:
-    """Open by steps; the last one is shortened to land on last contact."""
+def _unload(run: _Run, cycle: int, minimum: float) -> None:
+    """Open by steps; the last one is shortened to land on the minimum, or on last contact."""
     step = run.numerics.later_displacement_step
     while True:
+        before = run.joint.snapshot() if minimum else ()
         end = run.joint.last_touch
         settled = run.settle(max(run.closure - step, end), run.numerics.later_breakage_step)
         if run.failed:
             return
+        if settled.total_force < minimum:
+            break
         run.accept(cycle, UNLOADING, settled)
-        if settled.total_force == 0.0 or settled.closure <= run.joint.last_touch:
+        if settled.total_force == minimum or settled.closure <= run.joint.last_touch:
             return
+    if run.numerics.target == "interpolate":
+        _interpolate(run, cycle, UNLOADING, minimum, before, settled)
+    else:
+        _land_below(run, cycle, minimum, before, settled)
+
+
+def _land_below(run: _Run, cycle: int, minimum: float, before: tuple, passed: Settled) -> None:
+    """Repeat the step that fell below the minimum, shorter, until the force is within tolerance.
+
+    By the secant between the states about the minimum, kept off both. Where breakage lets the
+    force jump over it, the state below.
+    """
+    near = run.numerics.stress_tolerance * minimum
+    high, high_force, low = run.closure, run.total_force, passed
+    while abs(low.total_force - minimum) > near:
+        room = high - low.closure
+        if room < _SMALLEST_STEP * run.numerics.later_displacement_step:
+            run.status |= TARGET_JUMPED
+            run.joint.restore(before)
+            low = run.settle(low.closure, run.numerics.later_breakage_step)
+            break
+        part = (high_force - minimum) / (high_force - low.total_force)
+        run.joint.restore(before)
+        closure = high - min(max(part, 0.1), 0.9) * room
+        trial = run.settle(closure, run.numerics.later_breakage_step)
+        if run.failed:
+            return
+        if abs(trial.total_force - minimum) <= near or trial.total_force < minimum:
+            low = trial
+        else:
+            high, high_force = trial.closure, trial.total_force
+    run.accept(cycle, UNLOADING, low)
 
 
 def _is_elastic_from_here(run: _Run, broken: int) -> bool:
@@ -371,22 +428,31 @@ def _is_elastic_from_here(run: _Run, broken: int) -> bool:
     return at_rest and run.effort.breakage_steps == broken
 
 
-def _repeat_elastic(run: _Run, cycle: int, cycles: int) -> None:
-    """Later cycles where unloading broke nothing: down and up the same curve, solved once.
+class _Loop(NamedTuple):
+    """States of an unloading from the maximum on, and their forces where observers want them."""
+
+    settled: list[Settled]
+    forces: tuple[np.ndarray, ...]
+
+
+def _loop_of(run: _Run, cycle: int) -> _Loop:
+    opened = sum(step[:2] == (cycle, UNLOADING) for step in run.steps)
+    return _Loop([step.settled for step in run.steps[-opened - 1 :]], tuple(run.forces))
+
+
+def _repeat_elastic(run: _Run, cycle: int, loop: _Loop) -> None:
+    """A cycle like the one before, whose unloading broke nothing: up and down the same curve.
 
     The walls are those that were at rest at the maximum, and equilibrium is unique, so that
     every later state at a closure of this one's is the same.
     """
-    opened = sum(step[:2] == (cycle, UNLOADING) for step in run.steps)
-    settled = [step.settled for step in run.steps[-opened - 1 :]]  # from the maximum on
-    forces = tuple(run.forces)
+    opened = len(loop.settled) - 1
     up, down = range(opened - 1, -1, -1), range(1, opened + 1)
-    for later in range(cycle + 1, cycles + 1):
-        for branch, order in ((LOADING, up), (UNLOADING, down)):
-            for i in order:
-                if forces:
-                    run.joint.force[:] = forces[i]
-                run.accept(later, branch, settled[i]._replace(effort=Effort()))
+    for branch, order in ((LOADING, up), (UNLOADING, down)):
+        for i in order:
+            if loop.forces:
+                run.joint.force[:] = loop.forces[i]
+            run.accept(cycle, branch, loop.settled[i]._replace(effort=Effort()))
 
 
 def _judge_range(run: _Run) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import math
+import warnings
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +11,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from jointclosure.foresight import check_foreseen
-from jointclosure.given_walls import checked_walls
+from jointclosure.given_walls import checked_walls, doubts
 from jointclosure.history import cycle_closures, unloading_excess
 from jointclosure.inputs import (
     LENGTHS,
@@ -18,6 +19,7 @@ from jointclosure.inputs import (
     check_length,
     check_number,
 )
+from jointclosure.loading import LoadCycle, largest_stress, load_cycles
 from jointclosure.parameters import (
     Choices,
     Effects,
@@ -100,8 +102,8 @@ def simulate(
     *,
     spacing: float,
     rock: Rock | Sequence[Rock],
-    max_normal_stress: float,
-    cycles: int = 2,
+    max_normal_stress: float | Sequence[float],
+    cycles: int | None = None,
     seating_stress: float = 0.0,
     effects: Effects = Effects(),
     choices: Choices = Choices(),
@@ -126,26 +128,30 @@ def simulate(
         Grid spacing h [m].
     rock : Rock or (Rock, Rock)
         Of both walls, or of the upper and the lower one.
-    max_normal_stress : float
-        Target of every cycle [Pa].
-    cycles : int
-        Load cycles, at least 1.
+    max_normal_stress : float or sequence of float
+        Maximum of every cycle [Pa]. Or the load history: the stresses at which the load turns, a
+        maximum first, then a minimum, a maximum and so on, as in ``[10e6, 2e6, 20e6]``; 0 is
+        last contact, and after a maximum that comes last the joint is unloaded to it.
+    cycles : int, optional
+        Load cycles, at least 1: by default 2, or those of the load history.
     seating_stress : float
         Where the ``_seated`` closures start to count [Pa], from 0 to below
-        the maximum. It changes what is read, never what happens.
+        the least maximum; they are NaN in a cycle whose loading starts above it. It
+        changes what is read, never what happens.
     effects : Effects
     choices : Choices
     numerics : Numerics
     unusual_values : bool
         Whether numbers may be far from what is usual of rock: a modulus of 78 Pa is
-        refused otherwise, as it is more often one of 78 GPa.
+        refused otherwise, as it is more often one of 78 GPa. Nor are then `UserWarning` s given
+        of rough walls that look upside down, turned round, or in another unit than the spacing.
     report : callable, optional
         Told of every step, with its cycle, its branch ("loading" or "unloading") and
-        its stress over the maximum.
+        its stress over the cycle's maximum.
     flow : bool
         Whether hydraulic apertures are found too (docs/flow.md). It changes nothing else.
     snapshots : sequence of float
-        Stresses from 0 to the maximum [Pa] at which the joint's state is kept, on each branch:
+        Stresses from 0 to the largest [Pa] at which the joint's state is kept, on each branch:
         where it first passes them, that of the nearer step. It changes nothing else.
 
     Returns
@@ -181,6 +187,11 @@ def simulate(
     breakage there is no history: the steps are then ``Numerics.curve_points``
     stresses (and the seating stress) up and down one curve.
     """
+    if not unusual_values:
+        check_length("spacing", spacing)
+        upper, lower = checked_walls(upper, lower)
+        for doubt in doubts(upper, lower, spacing):
+            warnings.warn(doubt, stacklevel=2)
     return simulate_by(
         solver_named,
         upper,
@@ -207,8 +218,8 @@ def simulate_by(
     *,
     spacing: float,
     rock: Rock | Sequence[Rock],
-    max_normal_stress: float,
-    cycles: int,
+    max_normal_stress: float | Sequence[float],
+    cycles: int | None,
     seating_stress: float,
     effects: Effects,
     choices: Choices,
@@ -223,42 +234,43 @@ def simulate_by(
     rock = both_walls(rock)
     check_scene(effects)
     check_numerics(numerics, tuple(SOLVERS))
-    _check_load(spacing, max_normal_stress, cycles, seating_stress)
-    _check_snapshots(snapshots, max_normal_stress)
+    check_length("spacing", spacing)
+    load = load_cycles(max_normal_stress, cycles)
+    _check_seating(seating_stress, load)
+    largest = largest_stress(max_normal_stress)
+    _check_snapshots(snapshots, largest)
     check_choices(choices, spacing)
     if not unusual_values:
-        check_usual(rock, spacing=spacing, max_normal_stress=max_normal_stress)
+        check_usual(rock, spacing=spacing, max_normal_stress=largest)
     stiffness = min(wall.youngs_modulus for wall in rock)
-    if max_normal_stress >= stiffness:
+    if largest >= stiffness:
         raise InputError(
-            f"max_normal_stress = {max_normal_stress!r} Pa: must be below the rock's "
+            f"max_normal_stress = {largest!r} Pa: must be below the rock's "
             f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
         )
     _check_steps(upper, lower, numerics)
     choices, numerics = in_double(choices), in_double(numerics)
-    spacing, max_normal_stress = float(spacing), float(max_normal_stress)
-    seating_stress = float(seating_stress)
+    spacing, largest, seating_stress = float(spacing), float(largest), float(seating_stress)
     datums = height_datum(upper), height_datum(lower)
     upper, lower = upper - datums[0], lower - datums[1]
     joint = Joint(upper, lower, spacing, rock, effects, choices, numerics)
     solver = solver_of(numerics.solver)
     if effects.breakage or solver.elastic_curve is None:
-        check_foreseen(joint, numerics, max_normal_stress, int(cycles))
+        check_foreseen(joint, numerics, largest, len(load))
     area = upper.size * spacing**2
     observers = _observers(flow, snapshots, numerics.stress_tolerance, datums)
     history = run_cycles(
         joint,
         solver,
         numerics,
-        max_normal_stress * area,
-        int(cycles),
+        [LoadCycle(*(stress * area for stress in cycle)) for cycle in load],
         seating_stress * area,
         report,
         observers,
     )
     joint.upper += datums[0]
     joint.lower += datums[1]
-    closed = _history_dataset(joint, history, area, int(cycles), seating_stress)
+    closed = _history_dataset(joint, history, area, load, seating_stress)
     for observer in observers:
         closed = observer.added_to(closed)
     return closed
@@ -367,8 +379,13 @@ def equilibrium(
 
 
 def _history_dataset(
-    joint: Joint, history: History, area: float, cycles: int, seating_stress: float
+    joint: Joint,
+    history: History,
+    area: float,
+    load: Sequence[LoadCycle],
+    seating_stress: float,
 ) -> xr.Dataset:
+    cycles = len(load)
     settled = [step.settled for step in history.steps]
     closure = np.array([point.closure for point in settled])
     stress = np.array([point.total_force for point in settled]) / area
@@ -385,8 +402,9 @@ def _history_dataset(
     along_step["mean_aperture"] = (
         joint.first_touch - heights - closure + along_step["bulk_indentation"]
     )
-    along_cycle = cycle_closures(closure, stress, cycle, branch, cycles, seating_stress)
-    along_cycle["unloading_excess"] = unloading_excess(closure, stress, cycle, branch, cycles)
+    reached = (1.0 + 1.01 * joint.numerics.stress_tolerance) * np.array(load)[:, 1]
+    along_cycle = cycle_closures(closure, stress, cycle, branch, reached, seating_stress)
+    along_cycle["unloading_excess"] = unloading_excess(closure, stress, cycle, branch, reached)
     at_maximum = _at_maxima(settled, cycle, branch, cycles)
     along_cycle |= {
         "max_bulk_indentation": at_maximum("mean_interaction"),
@@ -418,10 +436,13 @@ def _history_dataset(
         "cycle": ("step", cycle, {"long_name": "load cycle of the step"}),
         "branch": ("step", branch, {"long_name": "branch of the load cycle"}),
     }
+    turns = [stress for each in load for stress in each]
+    told = {} if load == (LoadCycle(load[0].maximum),) * cycles else {"load_history_Pa": turns}
     return xr.Dataset(
         variables,
         coords=coordinates | _grid(joint.upper.shape, joint.law.spacing),
-        attrs={
+        attrs=told
+        | {
             "title": "closure of a rough joint",
             "seating_stress_Pa": seating_stress,
             "effects": json.dumps({key: bool(on) for key, on in joint.effects._asdict().items()}),
@@ -464,20 +485,9 @@ def _check_steps(upper: np.ndarray, lower: np.ndarray, numerics: Numerics) -> No
             )
 
 
-def _check_load(
-    spacing: float, max_normal_stress: float, cycles: int, seating_stress: float
-) -> None:
-    check_length("spacing", spacing)
-    check_number("max_normal_stress", max_normal_stress)
-    if not 0.0 < max_normal_stress < math.inf:
-        raise InputError(
-            f"max_normal_stress = {max_normal_stress!r} Pa: must be positive and finite"
-        )
-    check_number("cycles", cycles, whole=True)
+def _check_seating(seating_stress: float, load: Sequence[LoadCycle]) -> None:
     check_number("seating_stress", seating_stress)
-    if cycles < 1:
-        raise InputError(f"cycles = {cycles!r}: must be a whole number from 1 on")
-    if not 0.0 <= seating_stress < max_normal_stress:
+    if not 0.0 <= seating_stress < min(cycle.maximum for cycle in load):
         raise InputError(
             f"seating_stress = {seating_stress!r} Pa: must be from 0 to below max_normal_stress"
         )

@@ -11,6 +11,7 @@ import pytest
 import jointclosure as jc
 from jointclosure import cli
 from jointclosure.engineering.exchange import (
+    OPENING_SLOPE,
     fracture_mesh,
     geos_aperture_table,
     porepy_parameters,
@@ -82,10 +83,31 @@ def test_geos_takes_the_table(folder, history):
 def test_what_geos_does_not_take_is_said(small_joint):
     alone = jc.Effects(interaction=False, breakage=False, gouge=False)
     about = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 2e6, "effects": alone}
-    with pytest.raises(jc.InputError, match="must be below 1"):
-        geos_aperture_table(jc.simulate(*small_joint, **about, seating_stress=0.2e6))
     with pytest.raises(jc.InputError, match="give a seating_stress above 0"):
         geos_aperture_table(jc.simulate(*small_joint, **about))
+
+
+def test_a_table_that_is_too_steep_for_geos_ends_less_steeply_and_is_else_the_same(small_joint):
+    alone = jc.Effects(interaction=False, breakage=False, gouge=False)
+    history = jc.simulate(
+        *small_joint, spacing=SPACING, rock=DOLERITE, max_normal_stress=2e6, effects=alone,
+        seating_stress=0.2e6,
+    )  # fmt: skip
+    gap, aperture = geos_aperture_table(history)  # without interaction the slope is 1
+    slopes = np.diff(aperture) / np.diff(gap)
+    assert slopes[-1] == pytest.approx(OPENING_SLOPE, rel=1e-6)
+    np.testing.assert_allclose(slopes[:-2], 1.0, rtol=1e-6)
+    assert slopes[-2] == pytest.approx(1.0, rel=1e-2)
+    assert gap[-1] == 0.0
+
+
+def test_a_table_of_a_blocked_joint_is_refused_in_a_line(small_joint):
+    history = jc.simulate(
+        *small_joint, spacing=SPACING, rock=DOLERITE, max_normal_stress=2e6, seating_stress=0.2e6
+    )
+    blocked = history.assign(mean_aperture=0.0 * history.mean_aperture)
+    with pytest.raises(jc.InputError, match="mean aperture must be positive"):
+        geos_aperture_table(blocked)
 
 
 def test_the_mesh_is_the_midplane_with_its_aperture(small_joint, tmp_path):

@@ -10,6 +10,7 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.flow.reynolds import DIRECTIONS, FLOWS, flow_along
+from jointclosure.loading import LoadCycle
 from jointclosure.protocol import run_cycles
 from jointclosure.solvers.joint import Effort, Joint
 from jointclosure.solvers.registry import solver_named
@@ -79,7 +80,8 @@ def test_what_an_observer_is_shown_is_the_joint_at_that_step(joints):
     effects = jc.Effects(**json.loads(closed.attrs["effects"]))
     joint = Joint(*walls(), SPACING, (DOLERITE, DOLERITE), effects, jc.Choices(), jc.Numerics())
     force = LOAD["max_normal_stress"] * joint.upper.size * SPACING**2
-    run_cycles(joint, solver_named("fast"), jc.Numerics(), force, 2, observers=[observe])
+    load = [LoadCycle(force)] * 2
+    run_cycles(joint, solver_named("fast"), jc.Numerics(), load, observers=[observe])
     closure, mean, contact, *along = np.array(shown).T
     assert np.array_equal(closure, closed.closure)
     assert np.allclose(mean, closed.mean_aperture, rtol=1e-9, atol=0.0)
@@ -113,8 +115,7 @@ def test_an_observer_of_a_replayed_cycle_is_shown_the_joint_at_each_of_its_steps
         joint,
         solver_named("fast"),
         jc.Numerics(),
-        5e6 * joint.upper.size * SPACING**2,
-        3,
+        [LoadCycle(5e6 * joint.upper.size * SPACING**2)] * 3,
         observers=[lambda joint, step: seen.append((joint.force.sum(), step))],
     )
     replayed = [step.settled.effort == Effort() for step in history.steps if step.cycle == 3]

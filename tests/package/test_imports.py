@@ -68,7 +68,10 @@ def test_a_job_loads_what_it_needs_and_no_more(script, needed):
 def test_every_public_name_is_what_its_module_defines():
     assert sorted(jc.__all__) == jc.__all__ == sorted(jc._MODULES)
     for name, module in jc._MODULES.items():
-        assert getattr(jc, name).__module__ == f"jointclosure.{module}"
+        if module:
+            assert getattr(jc, name).__module__ == f"jointclosure.{module}"
+        else:
+            assert getattr(jc, name).__name__ == f"jointclosure.{name}"
     assert dir(jc) == sorted([*jc.__all__, "__version__"])
     with pytest.raises(AttributeError, match="no attribute 'simulte'"):
         jc.simulte  # noqa: B018

@@ -1,16 +1,21 @@
 """`jointclosure report`: from the files of a finished study to the file of its page."""
 
+import json
 import shutil
 
+import numpy as np
 import pandas as pd
 import pytest
 
+import jointclosure as jc
 from jointclosure import cli
 from jointclosure.report.content import content
 from jointclosure.report.page import render
+from jointclosure.report.sheets import number_text
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.seals import write_seal
 from jointclosure.storage.text import write_csv
+from tests.conftest import SPACING
 
 TABLES = {
     "closures": "max_closure",
@@ -88,3 +93,23 @@ def test_the_page_can_be_written_elsewhere_from_a_copy(folder, tmp_path):
     output = tmp_path / "page.html"
     assert cli.main(["report", str(tmp_path / "copy"), "--output", str(output)]) == 0
     assert output.stat().st_size > 1e6
+
+
+def test_the_folder_of_a_single_joint_has_a_page(tmp_path, capsys):
+    upper, lower = jc.wall_pair(9.0, (40, 44), SPACING, seed=4, correlation=0.95)
+    y, x = np.indices(upper.shape) * 1e3 * SPACING
+    for name, heights in (("top", 1e-3 - upper), ("bottom", lower)):
+        points = np.column_stack([x.ravel(), y.ravel(), 1e3 * heights.ravel()])
+        np.savetxt(tmp_path / f"{name}.xyz", points, fmt="%.6f")
+    told = ["--units", "mm", "--rock", "granite", "--stress", "2", "--output", tmp_path / "joint"]
+    scans = [tmp_path / "top.xyz", tmp_path / "bottom.xyz"]
+    assert cli.main(["close", *map(str, [*scans, *told])]) == 0
+    assert cli.main(["report", str(tmp_path / "joint")]) == 0
+    page = (tmp_path / "joint/report.html").read_text(encoding="utf-8")
+    cycles = pd.read_csv(tmp_path / "joint/cycles.csv")
+    assert f"closes {number_text(cycles.closure_since_seating_mm[0], 3)} mm" in page
+    record = json.loads((tmp_path / "joint/joint.json").read_text())
+    assert all(digest in page for digest in record["sha256"].values())
+    assert page.count("<figure ") == 3  # engineering, curves, walls
+    assert "http" not in page.replace("http-equiv", "")
+    assert "report.html: " in capsys.readouterr().out

@@ -12,6 +12,7 @@ import pytest
 
 from jointclosure.report.content import content, outcome
 from jointclosure.report.page import render
+from jointclosure.report.summary import FIRST_PICTURES
 from tests.report.conftest import FAILED, GRANITE, JOINTS, JUMPED
 
 VOID = {"meta", "link", "img", "input", "br"}
@@ -92,7 +93,10 @@ def test_headings_step_down_one_at_a_time_from_a_single_first(outline):
 
 
 def test_figures_have_alternative_texts_and_tables_have_headings(outline, pictures):
-    alternatives = [image["alt"] for image in outline.all("img")]
+    shown = [image["alt"] for image in outline.all("img")]
+    first = [alt for alt in shown if alt.endswith("the figure itself is below")]
+    assert len(first) == len([p for p in pictures if p.name in FIRST_PICTURES]) > 0
+    alternatives = [alt for alt in shown if alt not in first]
     assert alternatives == [picture.caption.alternative for picture in pictures]
     assert all(len(text) > 40 for text in alternatives)
     assert outline.all("html") == [{"lang": "en"}]
@@ -115,13 +119,13 @@ def test_failures_are_counted_and_named(material, outline):
     sheets = content(material)["sheets"]
     assert len(sheets["failures"].rows) == cases
     case, joint, status, seed = (cell.text for cell in sheets["failures"].rows[0])
-    assert (case, joint, status) == ("slate-base", str(FAILED), "not_converged")
+    assert (case, joint, status) == ("slate-base", str(FAILED), "Not converged")
     assert seed == f"{FAILED:032x}"
     statuses = sheets["statuses"]
     row = dict(zip(statuses.titles, (cell.text for cell in statuses.rows[0]), strict=True))
     assert (row["Used (n)"], row["Failed"]) == (str(JOINTS - 1), "1")
-    assert row["not_converged"] == row["target_jumped"] == "1"
-    assert "rigid_contact" not in row  # of which there is none
+    assert row["Not converged"] == row["Jumped over the target"] == "1"
+    assert "Contact without compliance" not in row  # of which there is none
     assert f"n = {JOINTS - 1} in every case" in outline.read()
 
 
@@ -251,3 +255,34 @@ def test_provenance_and_times_are_there(material, outline):
 
 def test_a_joint_that_jumped_is_used(material):
     assert int(material.study.status[0, JUMPED]) == 1
+
+
+def test_the_first_screen_has_the_finding_its_numbers_and_what_it_is_valid_for(material):
+    page = content(material)
+    numbers = page["sheets"]["in-short"]
+    row = dict(zip(numbers.titles, (cell.key for cell in numbers.rows[0]), strict=True))
+    base = material.closures[(material.closures.parameter == "base")]
+    own = base[base.rock == base.rock.iloc[0]].set_index("cycle")
+    assert row["Closure, cycle 2 (mm)"] == own.max_closure_mean_mm[2]
+    stays = 100.0 * own.residual_closure_mean_mm[1] / own.max_closure_mean_mm[1]
+    assert row["Of the first closure stays (%)"] == pytest.approx(stays)
+    assert row["kn, cycle 1 (MPa/mm)"] > 0.0
+    assert "of the first closure stays" in page["finding"]
+    assert any("independent of each other" in said for said in page["validity"])
+    assert any("failed" in said for said in page["validity"])
+    text = render(page)
+    assert text.index(page["finding"]) < text.index("The question</h2>")
+
+
+def test_each_number_that_decides_a_claim_has_a_row(material):
+    evidence = content(material)["sheets"]["evidence"]
+    rows = [dict(zip(evidence.titles, row, strict=True)) for row in evidence.rows]
+    for claim in material.claims.itertuples():
+        own = [
+            row for row in rows if row["No."].text == claim.number and row["By"].text != "the paper"
+        ]
+        parts = [part for part in str(claim.model).split(";") if part.strip()]
+        assert len(own) == len(parts), claim.number
+        for row, part in zip(own, parts, strict=True):
+            for name in ("Of", "What", "Number"):
+                assert row[name].key == "" or row[name].text in part

@@ -133,3 +133,16 @@ def test_a_case_of_which_nothing_succeeded_has_no_curves(study):
     case = explorer_data(failed, {"slate": "Slate"}, 0.5e6)["rocks"][0]["cases"][0]
     assert case["joints"] == []
     assert {value for branch in case["mean"][0][0] for value in branch} == {None}
+
+
+def test_a_cycle_has_its_own_closure_where_it_counts_from_its_start(study, explored):
+    case = explored["rocks"][0]["cases"][0]
+    own = study.isel(case=0)
+    good = own.isel(realization=np.flatnonzero(own.status.values < 16))
+    for index in range(study.sizes["cycle"]):
+        curve = case["mean"][2][index][0]
+        reached = [closure for closure in curve if closure is not None]
+        expected = 1e3 * float(good.max_closure.isel(cycle=index).mean())
+        assert reached[-1] == pytest.approx(expected, rel=0.3)
+    touch = [closure for closure in case["mean"][0][1][0] if closure is not None][-1]
+    assert touch > 1.5 * [closure for closure in case["mean"][2][1][0] if closure is not None][-1]

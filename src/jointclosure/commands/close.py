@@ -5,7 +5,10 @@ import json
 import time
 from pathlib import Path
 
+import numpy as np
+
 from jointclosure.commands import COMMANDS
+from jointclosure.commands.animations import check_animation, kept_stresses, write_animation
 from jointclosure.commands.engineering_files import write_engineering
 from jointclosure.commands.joint_options import (
     OF_ROCK,
@@ -14,6 +17,7 @@ from jointclosure.commands.joint_options import (
     base_keys,
     check_folder,
     joint_configuration,
+    loaded,
     shown_progress,
     status_text,
     summary,
@@ -24,6 +28,7 @@ from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.measured_walls import brought_together
 from jointclosure.ensemble.scanned_joint import ClosedJoint, closed_pair, read_wall
 from jointclosure.ensemble.slices import closure_settings, surface_settings
+from jointclosure.loading import load_said
 from jointclosure.progress import duration
 from jointclosure.protocol import FAILURE
 from jointclosure.scans.units import UNITS
@@ -110,6 +115,7 @@ def run(arguments) -> int:
     if arguments.snapshots:
         from jointclosure.plotting.snapshots import snapshot_figure
 
+    check_animation(arguments.animation)
     check_folder(arguments.output)
     settings = _settings(arguments)
     walls = next(iter(settings.typed.rocks.values())).walls
@@ -117,11 +123,12 @@ def run(arguments) -> int:
     pair = _pair(arguments, walls)
     print("\n".join(f"- {line}" for line in pair.report))
     start = time.perf_counter()
-    joint = _closed(settings, pair, arguments.snapshots)
+    joint = _closed(settings, pair, arguments)
     print(summary(joint.history))
     print(f"{status_text(joint.history)}; {duration(time.perf_counter() - start)}")
     title = f"{arguments.upper.name} on {arguments.lower.name}"
     folder = arguments.output
+    joint = joint._replace(history=write_animation(joint.history, arguments, title))
     _write(joint, settings, folder)
     if int(joint.history.status) < FAILURE:
         said = write_engineering(joint.history, folder, title)
@@ -165,21 +172,19 @@ def _pair(arguments, walls: Walls) -> RegisteredPair:
     return brought_together(upper, lower, walls, spacing)
 
 
-def _closed(
-    settings: Configured, pair: RegisteredPair, snapshots: tuple[float, ...]
-) -> ClosedJoint:
+def _closed(settings: Configured, pair: RegisteredPair, arguments) -> ClosedJoint:
     configuration = settings.typed
     case = cases_of(configuration)[0]
     surfaces = surface_settings(configuration, case, range(1))
-    conditions = closure_settings(configuration, case, surfaces).conditions()
+    conditions = loaded(closure_settings(configuration, case, surfaces).conditions(), arguments)
     ny, nx = pair.upper.shape
     rock = configuration.rocks[case.rock].title
     print(
         f"{rock}, {nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm: "
-        f"{1e-6 * case.max_normal_stress:g} MPa, {conditions.cycles} cycles"
+        f"{load_said(conditions.max_normal_stress, conditions.cycles)}"
     )
     with shown_progress(conditions.cycles) as report:
-        return closed_pair(pair, conditions, report, snapshots)
+        return closed_pair(pair, conditions, report, kept_stresses(arguments, conditions))
 
 
 def _write(joint: ClosedJoint, settings: Configured, folder: Path) -> None:
@@ -195,7 +200,9 @@ def _record(joint: ClosedJoint, settings: Configured, about: dict[str, str]) -> 
     case = cases_of(settings.typed)[0]
     surfaces = surface_settings(settings.typed, case, range(1))
     per_cycle = {
-        f"{name}_mm": [1e3 * float(value) for value in history[name].values]
+        f"{name}_mm": [
+            1e3 * float(value) if np.isfinite(value) else None for value in history[name].values
+        ]
         for name in (
             "max_closure",
             "residual_closure",

@@ -13,7 +13,9 @@ from jointclosure.config.configuration import Configured, configured, merged, me
 from jointclosure.config.files import value_of
 from jointclosure.config.rocks import other_rocks
 from jointclosure.engineering.curves import curve_table, has_flow
+from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError
+from jointclosure.loading import load_cycles
 from jointclosure.parameters import Effects
 from jointclosure.progress import bar
 from jointclosure.protocol import FAILURE, LOADING, Report
@@ -53,7 +55,13 @@ def add_rock(command: argparse.ArgumentParser) -> None:
 def add_load_and_model(command: argparse.ArgumentParser) -> None:
     """Declare the arguments that say how the joint is loaded, and by what model."""
     load = command.add_argument_group("load")
-    load.add_argument("--stress", type=float, metavar="MPa", help="maximum normal stress")
+    load.add_argument(
+        "--stress",
+        type=_stress,
+        metavar="MPa",
+        help="maximum normal stress; or a load history, the stresses at which the load turns, as "
+        "in 5,0,20,2,30",
+    )
     load.add_argument("--cycles", type=int, metavar="N", help="load-unload cycles")
     load.add_argument(
         "--seating", type=float, metavar="MPa", help="stress from which seated closures count"
@@ -64,6 +72,12 @@ def add_load_and_model(command: argparse.ArgumentParser) -> None:
         default=(),
         metavar="MPa,...",
         help="stresses at which walls, forces and gap are kept and drawn, as in 1,5,10",
+    )
+    load.add_argument(
+        "--animation",
+        type=Path,
+        metavar="FILE.gif",
+        help="moving pictures of the joint being crushed",
     )
     model = command.add_argument_group("model")
     model.add_argument(
@@ -124,6 +138,8 @@ def joint_configuration(
         Options that must be given where no rock is named, of `OF_ROCK`.
     """
     given = {name: value for name, value in vars(arguments).items() if value is not None}
+    if isinstance(arguments.stress, tuple):
+        given["stress"] = max(arguments.stress)
     own = own | {key: given[option] for option, key in OF_ROCK.items() if option in given}
     name = arguments.rock or _UNNAMED
     base["rocks"].setdefault(name, {})["levels"] = {}
@@ -142,6 +158,15 @@ def joint_configuration(
     if "seating" in given:
         changes["seating_stress_MPa"] = given["seating"]
     return configured(merged(base, changes, *arguments.set), read_csv)
+
+
+def loaded(conditions: Conditions, arguments) -> Conditions:
+    """The conditions with the load history of --stress, where it is one."""
+    if not isinstance(arguments.stress, tuple):
+        return conditions
+    history = tuple(1e6 * stress for stress in arguments.stress)
+    number = len(load_cycles(history, arguments.cycles))
+    return conditions._replace(max_normal_stress=history, cycles=number)
 
 
 @contextmanager
@@ -194,6 +219,17 @@ def status_text(closed: xr.Dataset) -> str:
     found = [name for mask, name in named if status & int(mask)]
     word = "failed" if status >= FAILURE else "success"
     return f"{word}{': ' + ', '.join(found) if found else ''}"
+
+
+def _stress(text: str) -> float | tuple[float, ...]:
+    """A stress, or a load history [MPa]."""
+    try:
+        stresses = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: must be a stress in MPa, or a load history as in 5,0,20,2,30"
+        ) from None
+    return stresses if len(stresses) > 1 else stresses[0]
 
 
 def _stresses(text: str) -> tuple[float, ...]:

@@ -30,8 +30,9 @@ def add_to(commands) -> None:
     command = commands.add_parser(
         "report",
         help=COMMANDS["report"],
-        description="Writes report.html from the results of a study, wherever they were made: "
-        "nothing is computed again. Every file must be as it was written.",
+        description="Writes report.html from the results of a study, or from the folder of a "
+        "joint that `jointclosure close` wrote, wherever they were made: nothing is computed "
+        "again. Every file must be as it was written.",
     )
     command.add_argument("results", type=Path, help="results folder, such as results/paper")
     command.add_argument(
@@ -49,12 +50,12 @@ def run(arguments) -> int:
 
 
 def write_report(folder: Path, output: Path) -> int:
-    """Put a study's results, figures and job times into one page.
+    """Put a study's results, figures and job times into one page; or what a joint's folder holds.
 
     Parameters
     ----------
     folder : path
-        Of the study's results.
+        Of the study's results, or one that `jointclosure close` wrote.
     output : path
         Of the page.
 
@@ -71,6 +72,10 @@ def write_report(folder: Path, output: Path) -> int:
     with needs("report", "a report"):
         from jointclosure.report.content import content
         from jointclosure.report.page import render
+    if (folder / "joint.json").is_file():
+        page = _joint_page(folder)
+        write_text(page, output)
+        return len(page.encode())
     sealed = check_folder(folder)
     if folder / "study.nc" not in sealed:
         raise InputError(f"{folder / 'study.nc'}: no sealed one; is the study finished?")
@@ -78,6 +83,35 @@ def write_report(folder: Path, output: Path) -> int:
         page = render(content(_material(study, folder, sealed)))
     write_text(page, output)
     return len(page.encode())
+
+
+_OF_A_JOINT = {
+    "engineering": ("Closure, stiffness and aperture", "Closure since seating with fitted laws, "
+                    "normal stiffness and mean aperture, each against normal stress, by cycle."),
+    "closure": ("Closure from first touch", "Normal stress against closure from first touch: "
+                "loading in full lines, unloading dashed, a colour for each cycle."),
+    "walls": ("The walls as they were closed", "Maps of both walls and of the aperture at first "
+              "touch, a section there, correlation by wavelength and by orientation."),
+    "snapshots": ("The joint under stress", "Maps of aperture, stress of contacts and change of "
+                  "the walls' height at the stresses that were asked for."),
+}  # fmt: skip
+"""Pictures of a joint's folder: their titles, and what they show for those who do not see them."""
+
+
+def _joint_page(folder: Path) -> str:
+    """The page of a single joint, from its folder."""
+    from jointclosure.report.captions import Caption
+    from jointclosure.report.joint import JointMaterial, joint_content
+    from jointclosure.report.page import Picture, render_joint
+
+    record = json.loads((folder / "joint.json").read_text(encoding="utf-8"))
+    pictures = [
+        Picture(name, (folder / f"{name}.png").read_bytes(), Caption(title, alternative, []))
+        for name, (title, alternative) in _OF_A_JOINT.items()
+        if (folder / f"{name}.png").is_file()
+    ]
+    with reading_netcdf(folder / "joint.nc") as history:
+        return render_joint(joint_content(JointMaterial(history.load(), record)), pictures)
 
 
 def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material":

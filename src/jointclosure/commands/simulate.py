@@ -7,6 +7,7 @@ from pathlib import Path
 import xarray as xr
 
 from jointclosure.commands import COMMANDS
+from jointclosure.commands.animations import check_animation, kept_stresses, write_animation
 from jointclosure.commands.engineering_files import write_engineering
 from jointclosure.commands.joint_options import (
     add_load_and_model,
@@ -14,6 +15,7 @@ from jointclosure.commands.joint_options import (
     base_keys,
     check_folder,
     joint_configuration,
+    loaded,
     shown_progress,
     status_text,
     summary,
@@ -22,9 +24,10 @@ from jointclosure.config.configuration import Configured
 from jointclosure.config.typed import Configuration
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.closing import close_walls
-from jointclosure.ensemble.settings import Case
+from jointclosure.ensemble.settings import Case, Conditions
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.inputs import InputError
+from jointclosure.loading import load_said
 from jointclosure.progress import duration
 from jointclosure.protocol import FAILURE
 from jointclosure.storage.figures import save_figure
@@ -39,6 +42,7 @@ _EXAMPLES = """examples:
   jointclosure simulate --youngs-modulus 60 --poisson-ratio 0.22 --strength 180 --jrc 10 --stress 15
   jointclosure simulate --config config/my_rock.yaml --rock granite --picture joint.png
   jointclosure simulate --rock dolerite --jrc 12 --cells 64 --seed 7 --output joint.nc
+  jointclosure simulate --rock dolerite --stress 5,0,20,2,30 --animation crushed.gif
   jointclosure simulate --rock slate --without breakage gouge --cycles 1
   jointclosure simulate --rock dolerite --snapshots 1,5,30 --output joint.nc
   jointclosure simulate --rock slate --stress 10 --set numerics.breakage=resolved
@@ -84,6 +88,7 @@ def run(arguments) -> int:
     """Close the joint; 1 where the simulation failed."""
     _check_destination(arguments.output, (".nc",))
     _check_destination(arguments.picture, _PICTURES)
+    check_animation(arguments.animation)
     if arguments.tables:
         check_folder(arguments.tables)
     if arguments.snapshots and not arguments.output:
@@ -99,14 +104,16 @@ def run(arguments) -> int:
         f"{configuration.rocks[case.rock].title}, JRC {case.jrc:g}, {grid.cells_x} x "
         f"{grid.cells_y} cells of {1e3 * grid.spacing:g} mm, seed {arguments.seed}"
     )
-    cycles = configuration.study.cycles
-    print(f"{about}: {1e-6 * case.max_normal_stress:g} MPa, {cycles} cycles")
+    surfaces = surface_settings(configuration, case, range(1))
+    conditions = loaded(closure_settings(configuration, case, surfaces).conditions(), arguments)
+    print(f"{about}: {load_said(conditions.max_normal_stress, conditions.cycles)}")
     start = time.perf_counter()
-    closed = _close(configuration, case, arguments.seed, arguments.snapshots)
+    closed = _close(configuration, case, conditions, arguments)
     print(summary(closed))
     status = int(closed.status)
     print(f"{status_text(closed)}; {duration(time.perf_counter() - start)}")
     closed.attrs |= {"joint": about} | provenance(settings.keys)
+    closed = write_animation(closed, arguments, about)
     if arguments.output:
         write_netcdf(closed, arguments.output)
         print(f"wrote {arguments.output}")
@@ -137,15 +144,12 @@ def _settings(arguments) -> Configured:
 
 
 def _close(
-    configuration: Configuration, case: Case, seed: int, snapshots: tuple[float, ...]
+    configuration: Configuration, case: Case, conditions: Conditions, arguments
 ) -> xr.Dataset:
-    grid = configuration.grid
-    surfaces = surface_settings(configuration, case, range(1))
-    conditions = closure_settings(configuration, case, surfaces).conditions()
-    surface = configuration.surface._asdict()
-    walls = wall_pair(case.jrc, grid.shape, grid.spacing, seed, **surface)
-    with shown_progress(configuration.study.cycles) as report:
-        return close_walls(*walls, conditions, report, snapshots)
+    grid, surface = configuration.grid, configuration.surface._asdict()
+    walls = wall_pair(case.jrc, grid.shape, grid.spacing, arguments.seed, **surface)
+    with shown_progress(conditions.cycles) as report:
+        return close_walls(*walls, conditions, report, kept_stresses(arguments, conditions))
 
 
 def _cells(text: str) -> tuple[int, int]:

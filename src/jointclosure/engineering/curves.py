@@ -100,11 +100,17 @@ def _flow_at_max(history: xr.Dataset, step: int) -> dict[str, float]:
 
 
 def seat_of(history: xr.Dataset, cycle: int, branch: str) -> float:
-    """Closure [m] at the seating stress: first reached on loading, last had on unloading."""
+    """Closure [m] at the seating stress: first reached on loading, last had on unloading.
+
+    NaN where the branch starts or ends above it.
+    """
     here = branch_of(history.cycle.values, history.branch.values, cycle, branch)
     crossing = first_crossing if branch == LOADING else last_crossing
     level = float(history.attrs["seating_stress_Pa"])
-    return crossing(history.normal_stress.values[here], history.closure.values[here], level)
+    stress = history.normal_stress.values[here]
+    if here.size and stress.min() > level:
+        return float("nan")
+    return crossing(stress, history.closure.values[here], level)
 
 
 def cycle_table(history: xr.Dataset) -> pd.DataFrame:

@@ -56,37 +56,50 @@ def porepy_parameters(history: xr.Dataset) -> dict[str, float]:
     }
 
 
+OPENING_SLOPE = 0.95
+"""Slope of a GEOS table at its end where the joint's own is too steep: GEOS takes it on to open
+walls, up to where the aperture is the gap, and so needs it below 1."""
+_END = 0.01
+"""Share of the last interval in which that slope stands."""
+
+
 def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Coordinates and values [m] of the aperture table of GEOS' contact models.
 
     Of the last cycle's loading: the normal gap, negative where walls are pressed together beyond
     seating, ascending to 0, and there the hydraulic aperture (the geometric mean of both
     directions), which is what its flow takes; the mean aperture of a history without flow.
+    Where the last slope is 1 or more, as of hydraulic apertures that open faster than the gap and
+    of mean apertures without interaction, a point just before the end makes it `OPENING_SLOPE`.
 
     Raises
     ------
     InputError
-        GEOS takes no table whose last slope is 1 or more, as it is without interaction.
+        No seating stress, a loading that does not reach from it to the cycle's maximum, or an
+        aperture that is not positive: walls that let nothing pass.
     """
-    levels = stress_levels(history)
     if float(history.attrs["seating_stress_Pa"]) == 0.0:
         raise InputError("GEOS: its table begins at seating; give a seating_stress above 0")
-    closure = closures_at(history, levels)[-1, 0]
-    of_cycle = (history.cycle.values == int(history.cycle.max())) & (
-        history.branch.values == LOADING
-    )
+    cycle = int(history.cycle.max())
+    closure = closures_at(history, stress_levels(history, cycle=cycle))[cycle - 1, 0]
+    if not (np.isfinite(closure).all() and (np.diff(closure) > 0.0).all()):
+        raise InputError(
+            f"GEOS: the loading of cycle {cycle} must close steadily from seating to its maximum"
+        )
+    of_cycle = (history.cycle.values == cycle) & (history.branch.values == LOADING)
     order = np.argsort(history.closure.values[of_cycle])
     known = mean_hydraulic(history) if has_flow(history) else history.mean_aperture.values
     aperture = np.interp(closure, history.closure.values[of_cycle][order], known[of_cycle][order])
+    if not (aperture > 0.0).all():
+        kind = "hydraulic" if has_flow(history) else "mean"
+        raise InputError(f"GEOS: the {kind} aperture must be positive, and is 0 at some stresses")
     gap = -(closure - closure[0])[::-1]
     gap[-1] = 0.0  # and not -0
     values = aperture[::-1]
-    slope = (values[-1] - values[-2]) / (gap[-1] - gap[-2])
-    if not slope < 1.0:
-        kind = "hydraulic" if has_flow(history) else "mean"
-        raise InputError(
-            f"GEOS: the {kind} aperture rises by {slope:.6g} of the gap at its end: must be below 1"
-        )
+    if (values[-1] - values[-2]) / (gap[-1] - gap[-2]) >= 1.0:
+        before = _END * gap[-2]
+        gap = np.insert(gap, -1, before)
+        values = np.insert(values, -1, values[-1] + OPENING_SLOPE * before)
     return gap, values
 
 

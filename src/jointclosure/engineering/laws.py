@@ -24,6 +24,12 @@ FAILS = 0.05
 """Of the largest closure: farther off than that a law fails."""
 
 
+_COLUMNS = [
+    *("cycle", "branch", "law", "parameter", "value", "standard_error"),
+    *("r_squared", "rms_mm", "holds_from_MPa", "holds_to_MPa"),
+]
+
+
 class Law(NamedTuple):
     """A law of closure: names and units of its parameters, closure of stress, a first guess.
 
@@ -77,12 +83,13 @@ LAWS = {
 def law_curves(history: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, np.ndarray]]:
     """Stress [MPa] and closure since seating on that branch [mm], by cycle and branch.
 
-    Branches that do not reach from seating to the maximum are left out.
+    Branches that do not reach from seating to their cycle's maximum are left out.
     """
-    levels = stress_levels(history, POINTS)
     seating = float(history.attrs["seating_stress_Pa"])
     curves = {}
-    for index, branches in enumerate(closures_at(history, levels)):
+    for index in range(int(history.cycle.max())):
+        levels = stress_levels(history, POINTS, index + 1)
+        branches = closures_at(history, levels)[index]
         for name, closure in zip((LOADING, UNLOADING), branches, strict=True):
             if not np.isfinite(closure).all():
                 continue
@@ -125,13 +132,13 @@ def fitted_laws(history: xr.Dataset) -> pd.DataFrame:
                 about | {"parameter": parameter, "value": value, "standard_error": error} | fit
                 for parameter, value, error in zip(law.parameters, values, errors, strict=True)
             ]
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows, columns=_COLUMNS)
 
 
 def _fit(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
     """Parameters, their errors, and how well the law fits."""
     nothing = np.full(len(law.parameters), np.nan)
-    names = ("r_squared", "rms_mm", "holds_from_MPa", "holds_to_MPa")
+    names = _COLUMNS[-4:]
     try:
         start = law.guess(stress, closure, seating)
         values, covariance = scipy.optimize.curve_fit(

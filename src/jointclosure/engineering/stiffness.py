@@ -12,13 +12,17 @@ LEVELS = 20
 """Stresses of a table, evenly spaced from seating to the maximum."""
 
 
-def stress_levels(history: xr.Dataset, count: int = LEVELS) -> np.ndarray:
+def stress_levels(history: xr.Dataset, count: int = LEVELS, cycle: int | None = None) -> np.ndarray:
     """Evenly spaced stresses [Pa] from the seating stress to the largest that was reached.
 
+    Of a ``cycle`` whose maximum is lower than others' by more than a percent, to its own.
     Where seating is at no stress the first one is a level's distance above it.
     """
     seating = float(history.attrs["seating_stress_Pa"])
     largest = float(history.normal_stress.max())
+    if cycle is not None:
+        own = float(history.normal_stress.values[history.cycle.values == cycle].max())
+        largest = largest if largest <= 1.01 * own else own
     return np.linspace(seating, largest, count + (seating == 0.0))[(seating == 0.0) :]
 
 

@@ -114,7 +114,7 @@ def close_surfaces(
             failed = f", failed{again}" if row["status"][1] >= FAILURE else ""
             report(f"realisation {realization}: {_said(row)}{failed}")
             rows.append(row)
-        yield _labelled(rows, realizations[few], seeds[few], conditions.cycles, stresses)
+        yield labelled(rows, realizations[few], seeds[few], conditions.cycles, stresses)
 
 
 def close_pair(
@@ -172,7 +172,7 @@ def _said(row: dict) -> str:
     return f"status {int(row['status'][1])}, maximum closure {closures} mm, {seconds:.2f} s"
 
 
-def _labelled(rows: list[dict], realizations, seeds, cycles: int, stresses) -> xr.Dataset:
+def labelled(rows: list[dict], realizations, seeds, cycles: int, stresses) -> xr.Dataset:
     """Realisations' results put together, with their coordinates and attributes."""
     labelled = xr.Dataset(
         {

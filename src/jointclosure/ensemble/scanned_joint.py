@@ -10,6 +10,7 @@ from jointclosure.config.rocks import named_rock
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError
+from jointclosure.loading import largest_stress, load_cycles, load_said
 from jointclosure.parameters import Choices, Effects, Numerics, Rock, both_walls, check_usual
 from jointclosure.protocol import FAILURE, Report
 from jointclosure.scans import read_scan
@@ -41,8 +42,8 @@ class ClosedJoint(NamedTuple):
         failed = ", failed" if int(self.history.status) >= FAILURE else ""
         return (
             f"<ClosedJoint: {nx} x {ny} cells of {step:.4g} mm ({nx * step:.3g} x {ny * step:.3g} "
-            f"mm), closes {closures} mm at {1e-6 * self.conditions.max_normal_stress:g} MPa in "
-            f"{self.conditions.cycles} cycles{failed}>"
+            f"mm), closes {closures} mm "
+            f"({load_said(self.conditions.max_normal_stress, self.conditions.cycles)}){failed}>"
         )
 
 
@@ -51,8 +52,8 @@ def close(
     lower: str | Path | Scan | Cloud,
     *,
     rock: str | Rock | tuple[Rock, Rock],
-    max_normal_stress: float,
-    cycles: int = 2,
+    max_normal_stress: float | Sequence[float],
+    cycles: int | None = None,
     seating_stress: float = 0.5e6,
     units: str | None = None,
     spacing: float | None = None,
@@ -76,9 +77,8 @@ def close(
     rock : str, Rock or (Rock, Rock)
         "granite" or another that comes with the package
         (`jointclosure.config.rocks.named_rock`); or of both walls, or of upper and lower.
-    max_normal_stress : float
-        Target of every cycle [Pa].
-    cycles : int
+    max_normal_stress, cycles
+        As for `jointclosure.simulate`: a maximum [Pa] and how often, or a load history.
     seating_stress : float
         Where the ``_seated`` closures start to count [Pa]: laboratory curves start there.
     units : {"m", "mm", "um", "nm"}, optional
@@ -102,8 +102,9 @@ def close(
         clear or that do not overlap, a number out of its range.
     """
     intact = both_walls(named_rock(rock) if isinstance(rock, str) else rock)
+    load = load_cycles(max_normal_stress, cycles)
     if not unusual_values:
-        check_usual(intact, max_normal_stress=max_normal_stress)
+        check_usual(intact, max_normal_stress=largest_stress(max_normal_stress))
     above, below = read_wall(upper, units), read_wall(lower, units)
     pair = registered(
         above, below, spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes
@@ -112,7 +113,7 @@ def close(
         pair.spacing,
         intact,
         max_normal_stress,
-        cycles,
+        len(load),
         seating_stress,
         effects,
         choices,

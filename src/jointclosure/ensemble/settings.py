@@ -6,6 +6,7 @@ configuration by `jointclosure.ensemble.slices`; what closes walls does not depe
 """
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -79,7 +80,7 @@ class Conditions(NamedTuple):
 
     spacing: float
     rock: Rock | tuple[Rock, Rock]
-    max_normal_stress: float
+    max_normal_stress: float | Sequence[float]
     cycles: int
     seating_stress: float
     effects: Effects

@@ -1,6 +1,6 @@
 """Measured closure curves in a panel of the closure figure, and what fits them best."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -34,7 +34,12 @@ class Measurements(NamedTuple):
 
 
 def draw_measured(
-    axes, measured: Measurements, rock: str, base: xr.Dataset, seating_stress: float
+    axes,
+    measured: Measurements,
+    rock: str,
+    base: xr.Dataset,
+    seating_stress: float,
+    cycles: Collection[int],
 ) -> str:
     """Draw a rock's measured curve and each cycle's best realisation; what to say of its misfit.
 
@@ -49,6 +54,8 @@ def draw_measured(
         The rock's base case, over (realization, cycle, branch, stress).
     seating_stress : float
         From which each cycle's loading counts [Pa].
+    cycles : collection of int
+        Which are drawn.
 
     Returns
     -------
@@ -58,7 +65,7 @@ def draw_measured(
     if rock not in measured.curves:
         return ""
     curve = measured.curves[rock]
-    for cycle in curve.cycles:
+    for cycle in set(curve.cycles) & set(cycles):
         closures, stresses = [0.0], [seating_stress]
         for _, stress, closure in curve.since_seating(cycle, seating_stress):
             closures += closure.tolist()
@@ -66,6 +73,9 @@ def draw_measured(
         axes.plot([1e3 * c for c in closures], [1e-6 * s for s in stresses], "k-", lw=1.6, zorder=5)
     seated, said = seats(base), []
     for cycle, realization, misfit, percent in best_fits(measured.fits, rock):
+        said.append(f"cycle {cycle} {misfit:.2g} mm ({_percent(percent)} %)")
+        if cycle not in cycles:
+            continue
         best = base.closure.sel(cycle=cycle, realization=realization)
         best = 1e3 * (best - seated.sel(cycle=cycle, realization=realization))
         for branch in ("loading", "unloading"):
@@ -75,10 +85,14 @@ def draw_measured(
                 1e-6 * base.stress.values[shown],
                 **_style(cycle),
             )
-        said.append(f"cycle {cycle} {misfit:.2g} mm ({percent:.2g} %)")
     if not said:
         return "\nno realisation reaches all measured stresses"
     return f"\nRMS misfit of the best: {', '.join(said)}"
+
+
+def _percent(value: float) -> str:
+    """Two figures, of large numbers all."""
+    return f"{value:.2g}" if value < 99.5 else f"{value:.0f}"
 
 
 def _style(cycle: int) -> dict:

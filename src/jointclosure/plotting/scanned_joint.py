@@ -68,17 +68,23 @@ def _draw_aperture(axes, pair: RegisteredPair) -> None:
 
 def _draw_section(axes, pair: RegisteredPair) -> None:
     """Both walls along x through first touch, the gap between them shaded."""
-    row = pair.first_touch[0]
-    lower = 1e3 * pair.lower[row]
-    upper = lower + 1e3 * pair.aperture[row]
-    x = 1e3 * (np.arange(lower.size) + 0.5) * pair.spacing
-    axes.fill_between(x, lower, upper, color="0.85", lw=0.0)
-    axes.plot(x, upper, color="C0", lw=1.1, label="upper wall")
-    axes.plot(x, lower, color="C1", lw=1.1, label="lower wall")
-    at, y = _place(pair)
-    axes.plot(at, lower[pair.first_touch[1]], "o", ms=9, mfc="none", mec="red", mew=1.6)
-    axes.set(title=f"section at y = {y:.3g} mm", xlabel="x (mm)", ylabel="height (mm)")
+    draw_section(axes, pair.upper, pair.lower, pair.spacing)
     axes.legend(frameon=False, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.16))
+
+
+def draw_section(axes, upper: np.ndarray, lower: np.ndarray, spacing: float) -> None:
+    """Walls (y, x) [m] at first touch, along x through it, the gap between them shaded."""
+    aperture = float((upper + lower).max()) - upper - lower
+    row, column = np.unravel_index(int(aperture.argmin()), aperture.shape)
+    below = 1e3 * lower[row]
+    over = below + 1e3 * aperture[row]
+    x = 1e3 * (np.arange(below.size) + 0.5) * spacing
+    axes.fill_between(x, below, over, color="0.85", lw=0.0)
+    axes.plot(x, over, color="C0", lw=1.1, label="upper wall")
+    axes.plot(x, below, color="C1", lw=1.1, label="lower wall")
+    axes.plot(x[column], below[column], "o", ms=9, mfc="none", mec="red", mew=1.6)
+    y = 1e3 * (row + 0.5) * spacing
+    axes.set(title=f"section at y = {y:.3g} mm", xlabel="x (mm)", ylabel="height (mm)")
 
 
 def _draw_mating(axes, pair: RegisteredPair) -> None:

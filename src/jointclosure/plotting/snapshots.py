@@ -1,15 +1,20 @@
 """Maps of a joint at the stresses that were asked for: aperture, contact forces, damage."""
 
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 
 from jointclosure.engineering.curves import spacing_of
 from jointclosure.plotting.scanned_joint import map_extent
 from jointclosure.plotting.style import styled, subplots
 
-_MAP = {"origin": "lower", "interpolation": "nearest"}
+_MAP: dict[str, Any] = {"origin": "lower", "interpolation": "nearest"}
 
 
 @styled
@@ -28,33 +33,21 @@ def snapshot_figure(closed: xr.Dataset, title: str) -> Figure:
     is that of a whole cell; contacts are smaller.
     """
     number = closed.sizes["snapshot"]
-    spacing = spacing_of(closed)
-    stresses = 1e-6 * closed.snapshot_force.values / spacing**2
     figure, panels = subplots(
         number, 3, figsize=(10.5, 3.2 * number + 1.3), layout="constrained", squeeze=False,
         sharex=True, sharey=True,
     )  # fmt: skip
-    columns = (
-        ("aperture (mm), contacts red", 1e3 * np.maximum(closed.snapshot_gap.values, 0.0), "mako"),
-        ("stress of cells in contact (MPa)", np.ma.masked_equal(stresses, 0.0), "rocket_r"),
-        ("change of both walls' height (mm)", 1e3 * _change(closed), "vlag_r"),
-    )
-    top, reach = _reach(columns[0][1]), _reach(np.abs(columns[2][1]))
-    norms = (Normalize(0.0, top), _stress_norm(stresses), Normalize(-reach, reach))
-    extent = map_extent(stresses.shape[1:], spacing)
-    beyond = ("max", "min", "both")
-    for column, (label, maps, colours), norm, extend in zip(
-        panels.T, columns, norms, beyond, strict=True
-    ):
-        for axes, field in zip(column, maps, strict=True):
-            image = axes.imshow(field, cmap=colours, norm=norm, extent=extent, **_MAP)
+    for column, maps in zip(panels.T, MAPS.values(), strict=True):
+        drawn = maps(closed)
+        for k, axes in enumerate(column):
+            image = draw_map(axes, closed, drawn, k)
         figure.colorbar(
-            image, ax=column, label=label, location="top", aspect=30, pad=0.01, extend=extend
-        )
+            image, ax=column, label=drawn.label, location="top", aspect=30, pad=0.01,
+            extend=drawn.beyond,
+        )  # fmt: skip
     for k, row in enumerate(panels):
-        contacts = np.ma.masked_where(stresses[k] == 0.0, np.ones_like(stresses[k]))
-        row[0].imshow(contacts, cmap="autumn", extent=extent, **_MAP)
-        for axes, said in zip(row, _said(closed.isel(snapshot=k)), strict=True):
+        draw_contacts(row[0], closed, k)
+        for axes, said in zip(row, state_said(closed.isel(snapshot=k)), strict=True):
             axes.set_title(said, fontsize=9)
         row[0].set_ylabel("y (mm)")
     for axes in panels[-1]:
@@ -63,7 +56,64 @@ def snapshot_figure(closed: xr.Dataset, title: str) -> Figure:
     return figure
 
 
-def _said(snapshot: xr.Dataset) -> tuple[str, str, str]:
+class StateMap(NamedTuple):
+    """Maps (snapshot, y, x) of a joint's states, their label, colours, scale, and open ends."""
+
+    label: str
+    fields: np.ndarray
+    colours: str
+    norm: Normalize
+    beyond: str
+
+
+def aperture_map(closed: xr.Dataset) -> StateMap:
+    """Distance of the deformed walls [mm], 0 in contact."""
+    gap = 1e3 * np.maximum(closed.snapshot_gap.values, 0.0)
+    return StateMap(
+        "aperture (mm), contacts red", gap, "mako", Normalize(0.0, reach_of(gap)), "max"
+    )
+
+
+def stress_map(closed: xr.Dataset) -> StateMap:
+    """Stress of the cells in contact [MPa], of the whole cell."""
+    stresses = 1e-6 * closed.snapshot_force.values / spacing_of(closed) ** 2
+    shown = np.ma.masked_equal(stresses, 0.0)
+    return StateMap(
+        "stress of cells in contact (MPa)", shown, "rocket_r", _stress_norm(stresses), "min"
+    )
+
+
+def change_map(closed: xr.Dataset) -> StateMap:
+    """Change of both walls' heights together since first touch [mm]."""
+    change = 1e3 * change_of_height(closed)
+    reach = reach_of(np.abs(change))
+    scale = Normalize(-reach, reach)
+    return StateMap("change of both walls' height (mm)", change, "vlag_r", scale, "both")
+
+
+MAPS: dict[str, Callable[[xr.Dataset], StateMap]] = {
+    "aperture": aperture_map,
+    "stress": stress_map,
+    "change": change_map,
+}
+
+
+def draw_map(axes: Axes, closed: xr.Dataset, drawn: StateMap, snapshot: int) -> AxesImage:
+    """A map of one snapshot on axes of millimetres."""
+    extent = map_extent(drawn.fields.shape[1:], spacing_of(closed))
+    field = drawn.fields[snapshot]
+    return axes.imshow(field, cmap=drawn.colours, norm=drawn.norm, extent=extent, **_MAP)
+
+
+def draw_contacts(axes: Axes, closed: xr.Dataset, snapshot: int) -> None:
+    """The cells in contact, red."""
+    force = closed.snapshot_force.values[snapshot]
+    contacts = np.ma.masked_where(force == 0.0, np.ones_like(force))
+    extent = map_extent(force.shape, spacing_of(closed))
+    axes.imshow(contacts, cmap="autumn", extent=extent, **_MAP)
+
+
+def state_said(snapshot: xr.Dataset) -> tuple[str, str, str]:
     """What stands over the maps of a snapshot."""
     stress = 1e-6 * float(snapshot.normal_stress[int(snapshot.snapshot_step)])
     contacts = 100.0 * float((snapshot.snapshot_force > 0.0).mean())
@@ -72,7 +122,7 @@ def _said(snapshot: xr.Dataset) -> tuple[str, str, str]:
     return f"{branch}: {stress:.3g} MPa", f"{contacts:.3g} % in contact", f"{broken:.3g} mm³ broken"
 
 
-def _change(closed: xr.Dataset) -> np.ndarray:
+def change_of_height(closed: xr.Dataset) -> np.ndarray:
     """Change of both walls' heights together (snapshot, y, x) since first touch [m]."""
     now = closed.snapshot_upper.values + closed.snapshot_lower.values
     return now - (closed.upper_first.values + closed.lower_first.values)
@@ -84,7 +134,7 @@ def _stress_norm(stresses: np.ndarray) -> LogNorm:
     return LogNorm(1e-4 * largest, largest)
 
 
-def _reach(values: np.ndarray) -> float:
+def reach_of(values: np.ndarray) -> float:
     """What all but one in two hundred of those that are not 0 reach, so that few hide none."""
     some = values[values > 0.0]
     return float(np.quantile(some, 0.995)) if some.size else 1.0

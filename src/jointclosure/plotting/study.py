@@ -57,24 +57,26 @@ def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title
     """Both walls (y, x) [m], and their summed height: where they touch first."""
     ny, nx = upper.shape
     extent = (0.0, 1e3 * nx * spacing, 0.0, 1e3 * ny * spacing)
-    figure, panels = subplots(1, 3, figsize=(10.5, 3.6), layout="constrained", sharey=True)
+    figure, panels = subplots(1, 3, figsize=(10.5, 4.3), layout="constrained", sharey=True)
     summed = 1e3 * (upper + lower)
     reach = 1e3 * max(np.abs(upper).max(), np.abs(lower).max())
     for axes, field, name in zip(
         panels[:2], (upper, lower), ("upper wall", "lower wall"), strict=True
     ):
         image = axes.imshow(
-            1e3 * field, origin="lower", extent=extent, cmap="vlag", vmin=-reach, vmax=reach
+            1e3 * field, origin="lower", extent=extent, cmap="cividis", vmin=-reach, vmax=reach
         )
         axes.set(title=name, xlabel="x (mm)")
-    figure.colorbar(image, ax=panels[:2], label="height towards the other wall (mm)", shrink=0.9)
+    bar: dict[str, Any] = {"location": "bottom", "aspect": 30}
+    label = "height towards the other wall (mm)"
+    figure.colorbar(image, ax=panels[:2], label=label, shrink=0.4, **bar)
     image = panels[2].imshow(summed.max() - summed, origin="lower", extent=extent, cmap="mako")
     y, x = np.unravel_index(np.argmax(summed), summed.shape)
     panels[2].plot(
         1e3 * (x + 0.5) * spacing, 1e3 * (y + 0.5) * spacing, "o", mfc="none", mec="red", ms=9
     )
     panels[2].set(title="opening at first touch (circle)", xlabel="x (mm)")
-    figure.colorbar(image, ax=panels[2], label="opening (mm)", shrink=0.9)
+    figure.colorbar(image, ax=panels[2], label="opening (mm)", shrink=0.8, **bar)
     panels[0].set_ylabel("y (mm)")
     figure.suptitle(title)
     return figure
@@ -117,55 +119,40 @@ def closure_figure(
     """
     columns = min(2, len(rocks))
     rows = -(-len(rocks) // columns)
-    cycles = [int(c) for c in study.cycle.values[: max(2, measured.cycles)]]
-    lawful = False
-    faint = 0.25 * min(1.0, _FEW_LINES / study.sizes["realization"]) ** 0.5
+    cycles = [int(c) for c in study.cycle.values]
+    split = [cycles[:1], cycles[1:]] if len(cycles) > 1 else [cycles]
+    widths = [1.7, 1.0][: len(split)] * columns
     figure, panels = subplots(
-        rows, columns, figsize=(5.6 * columns, 4.2 * rows), layout="constrained", squeeze=False
-    )
-    for axes in panels.flat[len(rocks) :]:
+        rows, len(widths), figsize=(5.6 * columns, 4.2 * rows), layout="constrained",
+        squeeze=False, width_ratios=widths, sharey="row",
+    )  # fmt: skip
+    for part in range(len(split)):  # one range of closure for all rocks
+        for axes in panels[:, part :: len(split)].flat[1:]:
+            axes.sharex(panels[0, part])
+    for axes in panels.flat[len(rocks) * len(split) :]:
         axes.set_visible(False)
-    for axes, (name, rock) in zip(panels.flat, rocks.items(), strict=False):
-        case = study.case[(study.rock == name) & (study.parameter == "base")].item()
-        chosen = closest_to_mean(study, case, seating_stress)
-        base = study.sel(case=case).where(succeeded(study).sel(case=case))
-        stress = 1e-6 * study.stress.values
-        seated = seats(base)
-        for cycle in cycles:
-            curves = base.closure.sel(cycle=cycle) - seated.sel(cycle=cycle)
-            colour = _CYCLE_COLOURS[cycle]
-            for branch in ("loading", "unloading"):
-                every = 1e3 * curves.sel(branch=branch)
-                shown = stress > 1e-6 * seating_stress if branch == "loading" else stress >= 0.0
-                shown &= np.isfinite(every.values).any(axis=0)
-                x, y = every.values[:, shown], stress[shown]
-                line = every.sel(realization=chosen).values[shown]
-                if branch == "loading":  # which starts at the seating, by definition
-                    x = np.column_stack([np.zeros(len(x)), x])
-                    line, y = np.append(0.0, line), np.append(1e-6 * seating_stress, y)
-                    mean, spread = np.nanmean(x, axis=0), np.nanstd(x, axis=0, ddof=1)
-                    axes.fill_betweenx(
-                        y, mean - spread, mean + spread, color=colour, alpha=0.18, lw=0
-                    )
-                axes.plot(x.T, y, color=colour, lw=0.4, alpha=faint)
-                style = "-" if branch == "loading" else "--"
-                axes.plot(line, y, color=colour, lw=2.0, ls=style, path_effects=_OUTLINE)
-        if rock_has_law := not rock.walls and law_holds(rock.jrc):
-            lawful = True
-        for cycle in cycles[:2] if rock_has_law else ():
-            law = barton_bandis(rock.jrc, rock.intact.compressive_strength, strength_ratio, cycle)
-            axes.plot(
-                1e3 * law.closure(1e6 * stress), stress, color="0.2", lw=1.2, ls=(0, (1, 1.5))
+    lawful = False
+    for number, (name, rock) in enumerate(rocks.items()):
+        first = divmod(number, columns)
+        lawful |= law_holds(rock.jrc) and not rock.walls
+        for part, own in enumerate(split):
+            axes = panels[first[0], first[1] * len(split) + part]
+            said = _draw_rock(
+                axes, study, name, rock, own, seating_stress, strength_ratio, measured
             )
-        fitted = draw_measured(axes, measured, name, base, seating_stress)
-        axes.set(
-            title=f"{rock.title}, {roughness_title(rock)}{_assumed(rock)}{fitted}",
-            ylim=(0.0, 1.02 * 1e-6 * rock.max_normal_stress),
-            xlabel=f"closure since {1e-6 * seating_stress:g} MPa of the cycle's loading (mm)",
-            ylabel="normal stress (MPa)",
-        )
+            axes.set_title(said if part == 0 else _cycles_said(own))
+            if part:
+                axes.set(xlabel="the same (mm)", ylabel="")
+            axes.tick_params(labelleft=part == 0)
     handles: list[Artist] = [
-        Line2D([], [], color=_CYCLE_COLOURS[c], lw=2, label=f"cycle {c}") for c in cycles
+        Line2D(
+            [],
+            [],
+            color=_CYCLE_COLOURS[1 + (c - 1) % len(_CYCLE_COLOURS)],
+            lw=2,
+            label=f"cycle {c}",
+        )
+        for c in cycles
     ]
     handles += [
         Line2D([], [], color="0.5", lw=2, label="surface closest to the mean, loading"),
@@ -187,10 +174,59 @@ def closure_figure(
     return figure
 
 
+def _draw_rock(
+    axes, study: xr.Dataset, name: str, rock: StudyRock, cycles: list[int],
+    seating_stress: float, strength_ratio: float, measured: Measurements,
+) -> str:  # fmt: skip
+    """Some cycles of a rock's base case in a panel; what its title says."""
+    case = study.case[(study.rock == name) & (study.parameter == "base")].item()
+    chosen = closest_to_mean(study, case, seating_stress)
+    base = study.sel(case=case).where(succeeded(study).sel(case=case))
+    for cycle in cycles:
+        _draw_cycle(axes, base, cycle, chosen, seating_stress)
+    if not rock.walls and law_holds(rock.jrc):
+        for cycle in set(cycles) & {1, 2}:
+            law = barton_bandis(rock.jrc, rock.intact.compressive_strength, strength_ratio, cycle)
+            stress = study.stress.values
+            closure = 1e3 * law.closure(stress)
+            axes.plot(closure, 1e-6 * stress, color="0.2", lw=1.2, ls=(0, (1, 1.5)))
+    fitted = draw_measured(axes, measured, name, base, seating_stress, cycles)
+    axes.set(
+        ylim=(0.0, 1.02 * 1e-6 * rock.max_normal_stress),
+        xlabel=f"closure since {1e-6 * seating_stress:g} MPa (mm)", ylabel="normal stress (MPa)",
+    )  # fmt: skip
+    return f"{rock.title}, {roughness_title(rock)}, {_cycles_said(cycles)}{_assumed(rock)}{fitted}"
+
+
+def _cycles_said(cycles: list[int]) -> str:
+    return f"cycle {cycles[0]}" if len(cycles) == 1 else f"cycles {cycles[0]} to {cycles[-1]}"
+
+
+def _draw_cycle(axes, base: xr.Dataset, cycle: int, chosen: int, seating_stress: float) -> None:
+    """Every surface, the band, and the one that is closest to the mean, from seating on."""
+    faint = 0.25 * min(1.0, _FEW_LINES / base.sizes["realization"]) ** 0.5
+    stress = 1e-6 * base.stress.values
+    curves = base.closure.sel(cycle=cycle) - seats(base).sel(cycle=cycle)
+    colour = _CYCLE_COLOURS[1 + (cycle - 1) % len(_CYCLE_COLOURS)]
+    for branch in ("loading", "unloading"):
+        every = 1e3 * curves.sel(branch=branch)
+        shown = (stress > 1e-6 * seating_stress) & np.isfinite(every.values).any(axis=0)
+        x, y = every.values[:, shown], stress[shown]
+        line = every.sel(realization=chosen).values[shown]
+        if branch == "loading":  # which starts at the seating, by definition
+            x = np.column_stack([np.zeros(len(x)), x])
+            line, y = np.append(0.0, line), np.append(1e-6 * seating_stress, y)
+            mean, spread = np.nanmean(x, axis=0), np.nanstd(x, axis=0, ddof=1)
+            axes.fill_betweenx(y, mean - spread, mean + spread, color=colour, alpha=0.18, lw=0)
+        axes.plot(x.T, y, color=colour, lw=0.4, alpha=faint)
+        style = "-" if branch == "loading" else "--"
+        axes.plot(line, y, color=colour, lw=2.0, ls=style, path_effects=_OUTLINE)
+
+
 def _assumed(rock: StudyRock) -> str:
     if not rock.max_normal_stress_is_assumed:
         return ""
-    return f" (maximum of {1e-6 * rock.max_normal_stress:g} MPa is an assumption)"
+    return f"\n(maximum of {1e-6 * rock.max_normal_stress:g} MPa is an assumption)"
 
 
 @styled
@@ -219,8 +255,9 @@ def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
         Line2D(
             [], [], marker="o", ls="", mfc="none", color="C0", label="the same, extrapolated root"
         ),
-        Line2D([], [], marker="^", ls="", color="C2", ms=5, label="net of bulk indentation"),
+        Line2D([], [], marker="s", ls="", color="C2", ms=4, label="net of bulk indentation"),
         Line2D([], [], marker="x", ls="", color="0.4", label="no real root"),
+        Line2D([], [], marker="^", ls="-", color="C0", label="the bar goes on beyond the panel"),
     ]
     if "paper_length" in table:
         handles.insert(3, Line2D([], [], marker="D", ls="", color="C1", label="the paper"))
@@ -242,12 +279,15 @@ def _draw_intervals(axes, part: pd.DataFrame) -> None:
         if pd.isna(row.length):
             axes.plot(i - 0.12, 0.97 * top, "x", color="0.4")
         else:
-            high = min(row.length_high, 1.2 * top)
-            axes.plot([i - 0.12] * 2, [row.length_low, high], color="C0", lw=1.0)
+            axes.plot(
+                [i - 0.12] * 2, [row.length_low, min(row.length_high, top)], color="C0", lw=1.0
+            )
+            if row.length_high > top:  # the bar goes on
+                axes.plot(i - 0.12, top, "^", color="C0", ms=6, clip_on=False, zorder=3)
             fill = "none" if row.extrapolated else "C0"
             axes.plot(i - 0.12, row.length, "o", color="C0", mfc=fill, ms=6)
         if pd.notna(row.length_net):
-            axes.plot(i + 0.05, row.length_net, "^", color="C2", ms=5)
+            axes.plot(i + 0.05, row.length_net, "s", color="C2", ms=4)
     axes.set_ylim(0.0, top)
     axes.set_xlim(-0.6, len(part) - 0.4)
 

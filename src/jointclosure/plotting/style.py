@@ -6,6 +6,7 @@ backend and its own style.
 
 import functools
 from collections.abc import Callable
+from typing import TypeVar
 
 import matplotlib
 import seaborn as sns
@@ -42,11 +43,14 @@ class StyledFigure(Figure):
             super().savefig(fname, **settings)
 
 
-def styled(draw: Callable[..., Figure]) -> Callable[..., Figure]:
-    """A function that makes a figure, in the style."""
+_Drawn = TypeVar("_Drawn")
+
+
+def styled(draw: Callable[..., _Drawn]) -> Callable[..., _Drawn]:
+    """A function that makes a figure or draws on one, in the style."""
 
     @functools.wraps(draw)
-    def drawn(*arguments, **settings) -> Figure:
+    def drawn(*arguments, **settings) -> _Drawn:
         with matplotlib.rc_context(_STYLE):
             return draw(*arguments, **settings)
 

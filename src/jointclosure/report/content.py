@@ -9,7 +9,7 @@ import xarray as xr
 from jointclosure.config.configuration import resolved
 from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.progress import duration
-from jointclosure.report import findings, running, settings
+from jointclosure.report import findings, running, settings, summary
 from jointclosure.report.curves import MOST_JOINTS, explorer_data
 from jointclosure.report.page import Picture
 
@@ -55,11 +55,18 @@ def content(material: Material) -> dict:
     of_paper = set(titles) & set(material.paper.rock)
     rows = settings.setting_rows(keys, material.default, material.schema)
     explored = explorer_data(study, titles, configuration.seating_stress)
+    numbers = summary.summary_sheet(study, material.closures, titles)
+    found = outcome(study)
     return {
+        "finding": summary.finding(numbers, material.intervals, configuration),
+        "validity": summary.validity(configuration, found),
+        "first_pictures": [
+            picture for picture in material.pictures if picture.name in summary.FIRST_PICTURES
+        ],
         "configuration": configuration,
         "rocks": configuration.rocks,
         "cases": study.sizes["case"],
-        "outcome": outcome(study),
+        "outcome": found,
         "verdicts": {} if material.claims is None else _counts(material.claims.verdict),
         "compared": [titles[name] for name in titles if name in of_paper],
         "not_compared": [titles[name] for name in titles if name not in of_paper],
@@ -71,7 +78,7 @@ def content(material: Material) -> dict:
         "provenance": running.provenance_rows(study),
         "median_time": duration(float(study.timing_simulation.median())),
         "job_time": duration(float(material.benchmarks.s.sum())),
-        "sheets": _sheets(material, titles, of_paper, rows),
+        "sheets": _sheets(material, titles, of_paper, rows) | {numbers.name: numbers},
     }
 
 
@@ -114,6 +121,7 @@ def _sheets(material: Material, titles: dict, of_paper: set, rows: pd.DataFrame)
     ]
     if material.claims is not None:
         sheets.append(findings.claim_sheet(material.claims, bool(of_paper)))
+        sheets.append(findings.evidence_sheet(material.claims, bool(of_paper)))
     if material.flow is not None:
         sheets.append(findings.flow_sheet(material.flow, titles))
     if material.measured is not None:

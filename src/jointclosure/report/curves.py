@@ -60,22 +60,23 @@ def _case(case: xr.Dataset, varied: list[str]) -> dict:
     """One case: its values of the parameters, means, deviations, and curves of single joints.
 
     ``mean`` and ``deviation`` are [origin][cycle][branch][stress], with closures from first touch
-    (origin 0) or from seating (1), absent where a joint that is used has no state at that
-    stress; ``joints`` have a ``number``, ``curves`` [cycle][branch][stress] from first touch and
-    the closures ``seats`` [cycle] at seating.
+    (origin 0), from seating (1) or from the cycle's start (2), absent where a joint that is used
+    has no state at that stress; ``joints`` have a ``number``, ``curves`` [cycle][branch][stress]
+    from first touch and the closures ``seats`` [cycle] at seating and ``starts`` [cycle].
     """
     used = np.flatnonzero(succeeded(case).values)
-    moments = [_Moments(), _Moments()]
+    moments = [_Moments(), _Moments(), _Moments()]
     digits, joints = None, []
     for start in range(0, used.size, _BLOCK):
         block = case[list(_READ)].isel(realization=used[start : start + _BLOCK]).load()
         closure = _MM * block.closure.transpose("realization", "cycle", "branch", "stress")
-        seats = _MM * _seats(block)
+        seats, starts = _MM * _seats(block), _MM * _starts(block)
         moments[0].add(closure.values)
         moments[1].add((closure - seats).values)
+        moments[2].add((closure - starts).values)
         if start == 0:
             digits = _digits(closure.values)
-            joints = [_joint(closure[i], seats[i], digits) for i in range(len(closure))]
+            joints = [_joint(closure[i], seats[i], starts[i], digits) for i in range(len(closure))]
     shape = (case.sizes["cycle"], case.sizes["branch"], case.sizes["stress"])
     return {
         "parameter": case.parameter.item(),
@@ -91,16 +92,22 @@ def _case(case: xr.Dataset, varied: list[str]) -> dict:
 
 def _seats(block: xr.Dataset) -> xr.DataArray:
     """Closures (realization, cycle) from first touch at which cycles' loadings seat [m]."""
-    start = block.residual_closure.shift(cycle=1, fill_value=0.0)
-    seats = start + block.max_closure - block.max_closure_seated
+    seats = _starts(block) + block.max_closure - block.max_closure_seated
     return seats.transpose("realization", "cycle")
 
 
-def _joint(closure: xr.DataArray, seats: xr.DataArray, digits: int) -> dict:
+def _starts(block: xr.Dataset) -> xr.DataArray:
+    """Closures (realization, cycle) from first touch at which cycles start [m]."""
+    start = block.residual_closure.shift(cycle=1, fill_value=0.0)
+    return start.transpose("realization", "cycle")
+
+
+def _joint(closure: xr.DataArray, seats: xr.DataArray, starts: xr.DataArray, digits: int) -> dict:
     return {
         "number": int(closure.realization),
         "curves": _listed(closure.values, digits),
         "seats": _listed(seats.values, digits),
+        "starts": _listed(starts.values, digits),
     }
 
 

@@ -1,5 +1,7 @@
 """What a study found: closures, intervals and claims, as tables of the page."""
 
+import re
+
 import pandas as pd
 
 from jointclosure.config.properties import PARAMETER_TITLES, PROPERTIES
@@ -183,12 +185,11 @@ def measured_sheet(fits: pd.DataFrame, titles: dict[str, str]) -> Sheet:
 
 
 def claim_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
-    """The paper's claims with both answers; its own figures where it has the rocks."""
+    """The paper's claims with both answers, and the paper's where it has the rocks."""
     columns = {"number": "No.", "claim": "Claim", "verdict": "True of the model"}
     columns |= {"found": "Studies that find it", "found_here": "Found by this one"}
     if compared and "paper" in claims:
-        columns |= {"paper_finds": "Found in the paper's Table 3", "paper": "The paper"}
-    columns["model"] = "The model, by the number that decides it"
+        columns["paper_finds"] = "Found in the paper's Table 3"
     shown = claims.assign(
         found=[
             "" if pd.isna(row.found_share) else percent_text(row.found_share, row.found_error)
@@ -196,6 +197,36 @@ def claim_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
         ]
     )
     return sheet("claims", "The paper's claims: true of the model, and found?", shown, columns)
+
+
+def evidence_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
+    """A row for each number that decides a claim: of the model by rock, and of the paper."""
+    rows = []
+    for claim in claims.itertuples():
+        about = {"number": claim.number, "verdict": claim.verdict}
+        rows += [about | {"by": "the model"} | part for part in _parts(claim.model)]
+        if compared and isinstance(getattr(claim, "paper", None), str):
+            rows.append(about | {"by": "the paper", "where": "", "value": claim.paper})
+    columns = {"number": "No.", "by": "By", "where": "Of", "quantity": "What", "value": "Number"}
+    columns["verdict"] = "The claim"
+    caption = "The numbers that decide each claim"
+    return sheet("evidence", caption, pd.DataFrame(rows, columns=list(columns)), columns)
+
+
+_DECIDES = re.compile(r"(?:([\w ]+): )?(.*?)\s*([-−]?[\d.]+(?: ± [\d.]+)?)?$")
+"""What decides a claim, as in "slate: |e(E)| - |e(nu)| 0.02 ± 0.01": where, what, how much."""
+
+
+def _parts(model: object) -> list[dict[str, str]]:
+    """The numbers of a claim's text on the model, which stand between semicolons."""
+    if not isinstance(model, str):
+        return []
+    found = (_DECIDES.fullmatch(part.strip()) for part in model.split(";"))
+    return [
+        {"where": part[1] or "", "quantity": part[2], "value": part[3] or ""}
+        for part in found
+        if part
+    ]
 
 
 def percent_text(share: float, error: float) -> str:

@@ -16,6 +16,9 @@ from jointclosure.report.captions import Caption
 
 _TONES = {
     "reproduced": "good",
+    "stands": "good",
+    "falls": "bad",
+    "cannot be told": "unsure",
     "holds": "good",
     "passed": "good",
     "not reproduced": "bad",
@@ -51,6 +54,23 @@ def render(content: dict) -> str:
     content : dict
         What ``templates/page.html.j2`` names, see `jointclosure.report.content.content`.
     """
+    scripts = [get_plotlyjs(), _text("tables.js"), _text("explorer.js")]
+    return _rendered("page.html.j2", content, scripts)
+
+
+def render_joint(content: dict, pictures: list[Picture]) -> str:
+    """The page of a single joint as HTML.
+
+    Parameters
+    ----------
+    content : dict
+        As from `jointclosure.report.joint.joint_content`.
+    pictures : list of Picture
+    """
+    return _rendered("joint.html.j2", content | {"pictures": pictures}, [_text("tables.js")])
+
+
+def _rendered(template: str, content: dict, scripts: list[str]) -> str:
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("jointclosure.report"),
         autoescape=True,
@@ -58,8 +78,7 @@ def render(content: dict) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    scripts = [get_plotlyjs(), _text("tables.js"), _text("explorer.js")]
-    return environment.get_template("page.html.j2").render(
+    return environment.get_template(template).render(
         content,
         style=_text("style.css"),
         scripts=scripts,

@@ -85,6 +85,22 @@ def preset_sheet(measured: pd.DataFrame, configuration: dict, default: dict) -> 
     )
 
 
+_IN_WORDS = {
+    "target_jumped": "Jumped over the target",
+    "outside_model_range": "Outside of the model's range",
+    "not_converged": "Not converged",
+    "breakage_not_at_rest": "Breakage did not come to rest",
+    "rigid_contact": "Contact without compliance",
+    "stress_not_reached": "Stress not reached",
+    "too_many_steps": "Too many steps",
+}
+
+
+def in_words(name: str) -> str:
+    """A status as people say it (docs/statuses.md)."""
+    return _IN_WORDS.get(name, name.replace("_", " ").capitalize())
+
+
 def flag_names(study: xr.Dataset) -> dict[int, str]:
     """Names of the bits of a status."""
     about = study.status.attrs
@@ -110,7 +126,7 @@ def status_sheet(study: xr.Dataset, titles: dict[str, str]) -> Sheet:
     for mask, name in flag_names(study).items():
         frame[name] = ((study.status & mask) > 0).sum("realization").values
         if mask < FAILURE or frame[name].any():
-            columns[name] = name
+            columns[name] = in_words(name)
     columns["scene"] = "Effects that act"
     return sheet("statuses", "Statuses by case", frame, columns)
 
@@ -128,7 +144,9 @@ def failure_sheet(study: xr.Dataset) -> Sheet:
             {
                 "case": study.case.values[i],
                 "realization": int(study.realization.values[j]),
-                "status": ", ".join(name for mask, name in flags.items() if status & mask),
+                "status": ", ".join(
+                    in_words(name) for mask, name in flags.items() if status & mask
+                ),
                 "seed": str(seeds[i, j]),
             }
         )

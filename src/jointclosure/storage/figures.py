@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from jointclosure.files import atomically
 
 if TYPE_CHECKING:  # a job that draws nothing does not load it
+    from matplotlib.animation import FuncAnimation
     from matplotlib.figure import Figure
 
 
@@ -13,3 +14,8 @@ def save_figure(figure: "Figure", path: str | Path) -> None:
     """Write a figure in the format of its path, without the time of day in it."""
     metadata = {"CreationDate": None} if Path(path).suffix == ".pdf" else None
     atomically(path, lambda temporary: figure.savefig(temporary, metadata=metadata))
+
+
+def save_animation(animation: "FuncAnimation", path: str | Path) -> None:
+    """Write moving pictures as a GIF."""
+    atomically(path, lambda temporary: animation.save(str(temporary), writer="pillow", dpi=100))

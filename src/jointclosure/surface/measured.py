@@ -33,12 +33,30 @@ class Scan(NamedTuple):
     origin: tuple[float, float] | None = None
     remarks: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        (ny, nx), (dy, dx) = self.heights.shape, self.spacing
+        missing = 100.0 * float(np.isnan(self.heights).mean())
+        low, high = 1e3 * np.nanmin(self.heights), 1e3 * np.nanmax(self.heights)
+        return (
+            f"<Scan: {nx} x {ny} points, {1e3 * dx:.4g} x {1e3 * dy:.4g} mm apart, heights "
+            f"{low:.4g} to {high:.4g} mm, {missing:.3g} % missing>"
+        )
+
 
 class Cloud(NamedTuple):
     """Points (n, 3) [m]: x, y and height, in no order; ``remarks`` as of `Scan`."""
 
     points: np.ndarray
     remarks: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        if not len(self.points):
+            return "<Cloud: no points>"
+        size_x, size_y, size_z = 1e3 * np.ptp(self.points, axis=0)
+        return (
+            f"<Cloud: {len(self.points)} points on {size_x:.4g} x {size_y:.4g} mm, heights within "
+            f"{size_z:.4g} mm>"
+        )
 
 
 def point_distance(scan: Scan | Cloud) -> float:

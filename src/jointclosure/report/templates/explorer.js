@@ -47,12 +47,24 @@ function fillLevels() {
 const chosenCases = () => cases().filter((one) => [ALL, one.level].includes(menus.level.value));
 const chosenCycles = () => data.cycles.filter((cycle) => [ALL, String(cycle)].includes(menus.cycle.value));
 
+// points of a curve: since seating from there on, where loading is at zero by definition
+function points(closures, branch) {
+  const stress = rock().stress;
+  if (menus.origin.value !== "1") return { x: closures, y: stress };
+  const kept = stress.map((_, i) => i).filter((i) => stress[i] > data.seating);
+  const first = branch ? [] : [[0, data.seating]];
+  return {
+    x: [...first.map((one) => one[0]), ...kept.map((i) => closures[i])],
+    y: [...first.map((one) => one[1]), ...kept.map((i) => stress[i])],
+  };
+}
+
 function jointTrace(joint, cycle, branch, colour) {
   const c = data.cycles.indexOf(cycle);
-  const shift = menus.origin.value === "1" ? joint.seats[c] : 0;
+  const shift = [0, joint.seats[c], joint.starts[c]][Number(menus.origin.value)];
+  const closures = joint.curves[c][branch].map((one) => (one === null || shift === null ? null : one - shift));
   return {
-    x: joint.curves[c][branch].map((closure) => (closure === null || shift === null ? null : closure - shift)),
-    y: rock().stress,
+    ...points(closures, branch),
     mode: "lines",
     line: { color: colour, width: 0.7, dash: branch ? "dash" : "solid" },
     opacity: 0.45,
@@ -63,7 +75,9 @@ function jointTrace(joint, cycle, branch, colour) {
 }
 
 function bandTrace(mean, deviation, colour) {
-  const known = rock().stress.map((_, i) => i).filter((i) => mean[i] !== null && deviation[i] !== null);
+  const known = rock().stress.map((_, i) => i).filter(
+    (i) => mean[i] !== null && deviation[i] !== null && (menus.origin.value !== "1" || rock().stress[i] > data.seating)
+  );
   const edge = (sign) => known.map((i) => mean[i] + sign * deviation[i]);
   const stress = known.map((i) => rock().stress[i]);
   return {
@@ -80,8 +94,7 @@ function bandTrace(mean, deviation, colour) {
 function meanTrace(one, cycle, branch, colour, name) {
   const c = data.cycles.indexOf(cycle);
   return {
-    x: one.mean[Number(menus.origin.value)][c][branch],
-    y: rock().stress,
+    ...points(one.mean[Number(menus.origin.value)][c][branch], branch),
     mode: "lines",
     line: { color: colour, width: 2.5, dash: branch ? "dash" : "solid" },
     showlegend: branch === 0,

@@ -17,6 +17,7 @@ from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.surfaces import walls_of
 from jointclosure.ensemble.timing import timed_simulation
 from jointclosure.history import branch_of
+from jointclosure.loading import largest_stress
 from jointclosure.parameters import Effects, scene_name, well_posed_scenes
 from jointclosure.protocol import FAILURE, LOADING, UNLOADING
 
@@ -88,7 +89,7 @@ def close_scene(
             status[here] = timed.closed.status
             seconds[here], pairs[here] = timed.seconds, timed.pair
         report(
-            f"JRC {settings.case.jrc:g}, {1e-6 * told.max_normal_stress:g} MPa: "
+            f"JRC {settings.case.jrc:g}, {1e-6 * largest_stress(told.max_normal_stress):g} MPa: "
             f"{seconds[at].mean():.2f} s a simulation, statuses {np.unique(status[at]).tolist()}"
         )
     dimensions = ("jrc", "stress", "realization")

@@ -1,0 +1,45 @@
+"""`--animation` of the commands that close a joint: more snapshots, and a GIF of them."""
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from jointclosure.ensemble.settings import Conditions
+from jointclosure.inputs import InputError
+from jointclosure.loading import largest_stress
+from jointclosure.storage.figures import save_animation
+
+
+def check_animation(path: Path | None) -> None:
+    """Refuse what could not be written, before anything is computed."""
+    if path is not None and path.suffix != ".gif":
+        raise InputError(f"{path}: must end in .gif")
+    if path is not None and not path.parent.is_dir():
+        raise InputError(f"{path}: there is no folder {path.parent}")
+
+
+def kept_stresses(arguments, conditions: Conditions) -> tuple[float, ...]:
+    """Stresses [Pa] at which the state is kept: those asked for, and those of an animation."""
+    if arguments.animation is None:
+        return arguments.snapshots
+    from jointclosure.plotting.animation import animated_stresses
+
+    largest = largest_stress(conditions.max_normal_stress)
+    return (*arguments.snapshots, *animated_stresses(largest))
+
+
+def write_animation(closed: xr.Dataset, arguments, title: str) -> xr.Dataset:
+    """Write the animation, if one is asked for; the joint with the snapshots asked for alone."""
+    if arguments.animation is None:
+        return closed
+    from jointclosure.plotting.animation import crushing_animation
+
+    if closed.sizes["snapshot"]:
+        save_animation(crushing_animation(closed, title), arguments.animation)
+        print(f"wrote {arguments.animation}")
+    if not arguments.snapshots:
+        about = [name for name in closed.variables if str(name).startswith("snapshot_")]
+        return closed.drop_vars([*about, "upper_first", "lower_first"], errors="ignore")
+    asked = np.isin(closed.snapshot_stress.values, arguments.snapshots)
+    return closed.isel(snapshot=asked)

@@ -1,0 +1,50 @@
+"""`jointclosure engineering`: curves and stiffness of a study, with bands over its joints."""
+
+from pathlib import Path
+
+from jointclosure.commands import COMMANDS
+from jointclosure.commands.joint_options import check_folder
+from jointclosure.ensemble.bands import QUANTILES, band_table
+from jointclosure.inputs import InputError
+from jointclosure.storage.netcdf import reading_netcdf
+from jointclosure.storage.text import write_csv
+
+
+def add_to(commands) -> None:
+    """Declare the command and its arguments."""
+    command = commands.add_parser(
+        "engineering",
+        help=COMMANDS["engineering"],
+        description="Writes a table for each case: closure, normal stiffness and, of a study with "
+        "flow, apertures against stress, with mean, median and a band of 90 % over its joints "
+        "(docs/engineering.md). Nothing is computed again.",
+    )
+    command.add_argument("results", type=Path, help="results folder, such as results/paper")
+    command.add_argument(
+        "--case",
+        nargs="+",
+        metavar="NAME",
+        help="such as dolerite-base; by default each rock as it is",
+    )
+    command.add_argument(
+        "--output", type=Path, metavar="FOLDER", help="default: engineering in the results folder"
+    )
+    command.set_defaults(run=run)
+
+
+def run(arguments) -> int:
+    """Write the tables."""
+    folder = arguments.output or arguments.results / "engineering"
+    with reading_netcdf(arguments.results / "study.nc") as study:
+        known = study.case.values.tolist()
+        asked = arguments.case or study.case.values[study.parameter.values == "base"].tolist()
+        for name in asked:
+            if name not in known:
+                raise InputError(f"--case {name}: must be one of {', '.join(known)}")
+        check_folder(folder)
+        for name in asked:
+            write_csv(band_table(study.sel(case=name).load()), folder / f"{name}.csv")
+    low, _, high = QUANTILES
+    print(f"wrote {folder}: {', '.join(f'{name}.csv' for name in asked)}")
+    print(f"bands are the {100 * low:g} and {100 * high:g} % quantiles of the joints")
+    return 0

@@ -1,0 +1,66 @@
+"""Curves and stiffness of many joints as engineers take them: medians and bands by stress."""
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.ensemble.aggregation import seats, succeeded
+
+QUANTILES = (0.05, 0.5, 0.95)
+
+
+def band_table(case: xr.Dataset, quantiles: tuple[float, ...] = QUANTILES) -> pd.DataFrame:
+    """Closure, normal stiffness and apertures against stress over the joints that succeeded.
+
+    Parameters
+    ----------
+    case : Dataset
+        Over (realization, cycle, branch, stress): a case of a study, or an ensemble as from
+        `jointclosure.simulate_ensemble`.
+    quantiles : tuple of float
+        In (0, 1), which become columns ``q05`` and so on.
+
+    Returns
+    -------
+    DataFrame
+        For each cycle, branch and stress: ``stress_MPa``, and for ``closure_mm`` (from first
+        touch), ``closure_since_seating_mm``, ``normal_stiffness_MPa_per_mm`` (of each joint by the
+        chord to the next stress, in the row of the lower one), and of joints with flow
+        ``mean_aperture_mm`` and ``hydraulic_aperture_x_mm``, ``..._y_mm``: ``mean`` and quantiles
+        as ``<name>_<statistic>``, and ``samples``, the joints that reach the stress. Statistics
+        are NaN where none does; stiffness of single joints is NaN where closure does not change.
+    """
+    good = case.where(succeeded(case))
+    closure = good.closure
+    fields = {
+        "closure_mm": 1e3 * closure,
+        "closure_since_seating_mm": 1e3 * (closure - seats(good)),
+        "normal_stiffness_MPa_per_mm": _stiffness(closure),
+    }
+    if "hydraulic_aperture" in good:
+        fields["mean_aperture_mm"] = 1e3 * good.mean_aperture
+        for direction in good.direction.values:
+            along = 1e3 * good.hydraulic_aperture.sel(direction=direction, drop=True)
+            fields[f"hydraulic_aperture_{direction}_mm"] = along
+    keys = ["cycle", "branch", "stress_MPa"]
+    columns = {"samples": np.isfinite(closure).sum("realization")}
+    for name, values in fields.items():
+        axis = values.get_axis_num("realization")
+        known = np.isfinite(values).any("realization")
+        filled = values.where(known, 0.0)  # a quantile of nothing would warn
+        columns[f"{name}_mean"] = filled.mean("realization").where(known)
+        found = np.nanquantile(filled.values, quantiles, axis=axis)
+        for quantile, part in zip(quantiles, found, strict=True):
+            label = f"{name}_q{round(100.0 * quantile):02d}"
+            columns[label] = known.copy(data=part).where(known)
+    table = xr.Dataset(columns).assign_coords(stress_MPa=("stress", 1e-6 * case.stress.values))
+    table = table.swap_dims(stress="stress_MPa").drop_vars("stress")
+    return table.to_dataframe(dim_order=keys).reset_index()[[*keys, *columns]]
+
+
+def _stiffness(closure: xr.DataArray) -> xr.DataArray:
+    """Chords between neighbouring stresses [MPa/mm], NaN at the last one."""
+    rise = closure.stress.diff("stress", label="lower")
+    run = closure.diff("stress", label="lower")
+    chords = 1e-9 * rise / run.where(run > 0.0)
+    return chords.reindex(stress=closure.stress).transpose(*closure.dims)

@@ -1,0 +1,130 @@
+"""Work that is shared among processes, one task at a time each.
+
+A worker is a process of its own that runs `work`: unlike those of `multiprocessing` it never
+runs the caller's script again, and the death of one loses the task that it had and no other.
+"""
+
+import os
+import pickle
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from typing import Any, NamedTuple
+
+_ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+class Failed(NamedTuple):
+    """What a task raised, or what became of its worker."""
+
+    error: Exception
+
+
+def shared(
+    function: Callable[..., Any], tasks: Sequence[tuple], workers: int
+) -> Iterator[tuple[int, Any]]:
+    """Call a function for each of some tasks, in any order.
+
+    Parameters
+    ----------
+    function : callable
+        Of a module, so that a worker can import it.
+    tasks : sequence of tuple
+        Arguments, which can be pickled.
+    workers : int
+        Processes; 1 is this one.
+
+    Yields
+    ------
+    (place of the task, result or `Failed`)
+        As they are done.
+    """
+    if workers == 1:
+        for place, task in enumerate(tasks):
+            yield place, _answer(function, task)
+        return
+    with _Workers() as own, ThreadPoolExecutor(min(workers, len(tasks))) as threads:
+        waiting = {threads.submit(own.ask, function, task): i for i, task in enumerate(tasks)}
+        try:
+            for done in as_completed(waiting):
+                yield waiting[done], done.result()
+        finally:  # of what is not taken nothing more is begun
+            threads.shutdown(wait=False, cancel_futures=True)
+            own.stop()
+
+
+class _Workers:
+    """A worker for each thread that asks, started when it is needed."""
+
+    def __init__(self) -> None:
+        self._of_thread = threading.local()
+        self._all: list[subprocess.Popen] = []
+        self._stopped = False
+
+    def __enter__(self) -> "_Workers":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    def ask(self, function: Callable[..., Any], task: tuple) -> Any:
+        """The answer of this thread's worker."""
+        worker = getattr(self._of_thread, "worker", None) or self._start()
+        assert worker.stdin is not None  # both are pipes
+        assert worker.stdout is not None
+        try:
+            pickle.dump((function, task), worker.stdin)
+            worker.stdin.flush()
+            return pickle.load(worker.stdout)
+        except (EOFError, OSError, pickle.UnpicklingError):
+            self._of_thread.worker = None
+            worker.kill()
+            code = worker.wait()
+            return Failed(RuntimeError(f"its process ended with code {code} before it was done"))
+
+    def _start(self) -> subprocess.Popen:
+        environment = os.environ | dict.fromkeys(_ONE_THREAD, "1")
+        environment["PYTHONPATH"] = os.pathsep.join(path or os.getcwd() for path in sys.path)
+        worker = subprocess.Popen(
+            [sys.executable, "-c", f"from {__name__} import work; work()"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env=environment,
+        )
+        self._all.append(worker)
+        self._of_thread.worker = worker
+        return worker
+
+    def stop(self) -> None:
+        """End every worker."""
+        for worker in self._all:
+            worker.kill()
+            worker.wait()
+            for pipe in (worker.stdin, worker.stdout):
+                if pipe is not None:
+                    try:
+                        pipe.close()
+                    except BrokenPipeError:  # what was left to say to it
+                        continue
+
+
+def _answer(function: Callable[..., Any], task: tuple) -> Any:
+    try:
+        return function(*task)
+    except Exception as error:
+        return Failed(error)
+
+
+def work() -> None:
+    """Answer what comes on standard input until it ends; nothing else may write to the answers."""
+    answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+    while True:
+        try:
+            function, task = pickle.load(sys.stdin.buffer)
+        except EOFError:
+            return
+        pickle.dump(_answer(function, task), answers)
+        answers.flush()

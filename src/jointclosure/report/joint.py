@@ -1,0 +1,96 @@
+"""The page of a single joint: what `jointclosure close` found, as one file to read."""
+
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.engineering.curves import cycle_table
+from jointclosure.engineering.laws import fitted_laws
+from jointclosure.engineering.stiffness import stiffness_table
+from jointclosure.report.sheets import Sheet, number_text, sheet
+
+
+class JointMaterial(NamedTuple):
+    """``history`` as from `jointclosure.simulate`, and the ``record`` of joint.json."""
+
+    history: xr.Dataset
+    record: dict
+
+
+def joint_content(material: JointMaterial) -> dict:
+    """Names and values for the template ``joint.html.j2``."""
+    history, record = material.history, material.record
+    cycles, stiffness = cycle_table(history), stiffness_table(history)
+    return {
+        "joint": record["joint"].strip("<>"),
+        "finding": joint_finding(cycles, stiffness, history),
+        "warnings": [line for line in record["found"] if "Warning" in line],
+        "found": record["found"],
+        "status": record["status"],
+        "sheets": {each.name: each for each in _sheets(cycles, stiffness, history)},
+        "digests": record["sha256"],
+        "versions": {
+            name: value
+            for name, value in record["provenance"].items()
+            if name != "configuration" and len(str(value)) < 200
+        },
+    }
+
+
+def joint_finding(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dataset) -> str:
+    """How far the joint closed, what stayed, and how stiff it is, in a sentence."""
+    seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
+    largest = 1e-6 * float(history.normal_stress.max())
+    first = cycles.iloc[0]
+    closes = number_text(first.closure_since_seating_mm, 3)
+    text = f"From {seating:g} MPa on the joint closes {closes} mm in its first cycle"
+    if np.isfinite(first.residual_share):
+        text += f", of which {100.0 * first.residual_share:.0f} % stay"
+    known = stiffness[
+        (stiffness.branch == "loading") & stiffness.normal_stiffness_MPa_per_mm.notna()
+    ]
+    last = known[known.cycle == known.cycle.max()]
+    if len(last):
+        at = last.iloc[len(last) // 2]
+        text += (
+            f"; in cycle {int(at.cycle)} its normal stiffness is "
+            f"{number_text(at.normal_stiffness_MPa_per_mm, 3)} MPa/mm at "
+            f"{at.normal_stress_MPa:.3g} MPa"
+        )
+    return f"{text}. It was loaded to {largest:.4g} MPa."
+
+
+def _sheets(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dataset) -> list[Sheet]:
+    per_cycle = {
+        "cycle": "Cycle",
+        "max_closure_mm": "Closure from its start (mm)",
+        "closure_since_seating_mm": "Closure since seating (mm)",
+        "residual_at_seating_mm": "Residual at seating (mm)",
+        "residual_share": "Its share",
+        "mean_aperture_at_max_mm": "Mean aperture at the maximum (mm)",
+        "contact_at_max": "Cells in contact there",
+    }
+    per_stress = {
+        "cycle": "Cycle",
+        "branch": "Branch",
+        "normal_stress_MPa": "Normal stress (MPa)",
+        "normal_stiffness_MPa_per_mm": "kn (MPa/mm)",
+    }
+    of_law = {
+        "cycle": "Cycle",
+        "branch": "Branch",
+        "law": "Law",
+        "parameter": "Parameter",
+        "value": "Value",
+        "standard_error": "Standard error",
+        "rms_mm": "Off by (mm rms)",
+        "holds_from_MPa": "Holds from (MPa)",
+        "holds_to_MPa": "to (MPa)",
+    }
+    return [
+        sheet("cycles", "Closure by cycle", cycles, per_cycle),
+        sheet("stiffness", "Normal stiffness by chords between stresses", stiffness, per_stress),
+        sheet("laws", "Laws fitted to each branch", fitted_laws(history), of_law),
+    ]

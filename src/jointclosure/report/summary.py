@@ -1,0 +1,122 @@
+"""The first screen of a study's page: the finding in a sentence, its numbers, its validity."""
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.config.properties import PARAMETER_TITLES
+from jointclosure.config.typed import Configuration
+from jointclosure.ensemble.aggregation import succeeded
+from jointclosure.protocol import LOADING
+from jointclosure.report.sheets import Sheet, number_text, sheet
+
+FIRST_PICTURES = ("fig_5_closure", "table_3_intervals")
+"""Shown on the first screen, those of them that a study has."""
+
+
+def summary_sheet(study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
+    """Closure, what stays of it and normal stiffness of each rock as it is."""
+    base = closures[closures.parameter == "base"]
+    rows = []
+    for rock, own in base.groupby("rock", sort=False):
+        own = own.set_index("cycle")
+        first, stays = own.max_closure_mean_mm[1], own.residual_closure_mean_mm[1]
+        row = {"rock": titles[rock], "stays": 100.0 * stays / first}
+        for cycle in own.index:
+            row[f"closure_{cycle}"] = own.max_closure_mean_mm[cycle]
+            row[f"kn_{cycle}"] = secant_stiffness(study, rock, cycle)
+        rows.append(row)
+    cycles = [int(cycle) for cycle in study.cycle.values]
+    columns = {"rock": "Rock"}
+    columns |= {f"closure_{cycle}": f"Closure, cycle {cycle} (mm)" for cycle in cycles}
+    columns |= {"stays": "Of the first closure stays (%)"}
+    columns |= {f"kn_{cycle}": f"kn, cycle {cycle} (MPa/mm)" for cycle in cycles}
+    caption = (
+        "Mean maximum closure of each rock as it is, and normal stiffness kn on loading from half "
+        "of the maximum stress to all of it"
+    )
+    return sheet("in-short", caption, pd.DataFrame(rows), columns)
+
+
+def secant_stiffness(study: xr.Dataset, rock: str, cycle: int) -> float:
+    """Normal stiffness of a rock's mean loading curve [MPa/mm], from half of the maximum to it."""
+    case = study.case.values[(study.rock.values == rock) & (study.parameter.values == "base")][0]
+    own = study.sel(case=case)
+    largest = float(own.max_normal_stress) * (1.0 + 1e-9)
+    stress = study.stress.values[study.stress.values <= largest]
+    half = int(np.abs(stress - 0.5 * stress[-1]).argmin())
+    curves = own.closure.sel(cycle=cycle, branch=LOADING).isel(stress=[half, stress.size - 1])
+    joints = curves.values[succeeded(own).values]
+    joints = joints[np.isfinite(joints).all(axis=1)]  # some jump over their target
+    rise = float(np.diff(joints.mean(axis=0))[0]) if len(joints) else 0.0
+    return 1e-9 * float(stress[-1] - stress[half]) / rise if rise > 0.0 else float("nan")
+
+
+def finding(numbers: Sheet, intervals: pd.DataFrame | None, configuration: Configuration) -> str:
+    """What was found, in a sentence or two."""
+    named = dict(zip(numbers.titles, zip(*numbers.rows, strict=True), strict=True))
+    rocks = named.pop("Rock")
+    said = {name: _range([cell.key for cell in cells]) for name, cells in named.items()}
+    stresses = _range([1e-6 * rock.max_normal_stress for rock in configuration.rocks.values()])
+    who = (
+        f"Joints of {rocks[0].text.lower()}" if len(rocks) == 1 else f"Joints of {len(rocks)} rocks"
+    )
+    first = said["Closure, cycle 1 (mm)"]
+    text = f"{who} close {first} mm when they are first loaded to {stresses} MPa"
+    if "Closure, cycle 2 (mm)" in said:
+        text += f", and {said['Closure, cycle 2 (mm)']} mm when they are loaded again"
+    text += f"; {said['Of the first closure stays (%)']} % of the first closure stays."
+    return f"{text} {_sensitive(intervals)}".strip()
+
+
+def _sensitive(intervals: pd.DataFrame | None) -> str:
+    """The property that the last cycle's closure is most sensitive to, and in how many rocks."""
+    if intervals is None or not len(intervals) or "percent" not in intervals:
+        return ""
+    last = intervals[intervals.cycle == intervals.cycle.max()]
+    known = last.dropna(subset="percent")
+    if known.empty:
+        return ""
+    first = known.loc[known.groupby("rock").percent.idxmin()].parameter.value_counts()
+    rocks = last.rock.nunique()
+    where = "" if rocks == 1 else f" in {first.iloc[0]} of {rocks} rocks"
+    return (
+        f"In cycle {last.cycle.iloc[0]} closure is most sensitive to "
+        f"{_lower(PARAMETER_TITLES[str(first.index[0])])}{where}."
+    )
+
+
+def _lower(title: str) -> str:
+    """A property's title within a sentence: names keep their capitals."""
+    return title if title.startswith(("Young", "Poisson", "JRC")) else title[0].lower() + title[1:]
+
+
+def _range(values: list) -> str:
+    known = [float(value) for value in values if value != ""]
+    if not known:
+        return "an unknown number of"
+    low, high = number_text(min(known), 2), number_text(max(known), 2)
+    return low if low == high else f"{low} to {high}"
+
+
+def validity(configuration: Configuration, outcome: dict) -> list[str]:
+    """What the numbers hold for, in sentences."""
+    surface, said = configuration.surface, []
+    if any(rock.walls is None for rock in configuration.rocks.values()):
+        mated = surface.correlation > 0.0 or getattr(surface, "mismatch_wavelength", None)
+        said.append(
+            "Walls are random and mated in part, as the configuration says."
+            if mated
+            else "Walls are random and independent of each other. Natural joints mate in part, "
+            "close less and are stiffer: the numbers are not theirs."
+        )
+    said.append("Joints are dry, without shear; a cell of the grid is an asperity.")
+    if any(rock.max_normal_stress_is_assumed for rock in configuration.rocks.values()):
+        said.append("Maximum stresses are assumptions.")
+    flagged = outcome["flags"]["outside_model_range"]
+    if flagged or outcome["failed"]:
+        said.append(
+            f"{flagged} of {outcome['simulations']} simulations are outside of the model's range, "
+            f"{outcome['failed']} failed."
+        )
+    return said

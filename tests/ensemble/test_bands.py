@@ -1,0 +1,65 @@
+"""Bands over the joints of a case."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import jointclosure as jc
+from jointclosure import cli
+from jointclosure.ensemble.bands import band_table
+from jointclosure.storage.netcdf import write_netcdf
+from tests.conftest import DOLERITE, SPACING
+
+
+@pytest.fixture(scope="module")
+def ensemble():
+    pairs = [jc.wall_pair(8.0, (12, 12), SPACING, seed) for seed in range(5)]
+    pairs[3] = (pairs[3][0], np.full((12, 12), np.nan))  # fails
+    return jc.simulate_ensemble(
+        pairs, spacing=SPACING, rock=DOLERITE, max_normal_stress=2e6, seating_stress=0.2e6,
+        stress_points=11, flow=True, workers=1,
+    )  # fmt: skip
+
+
+def test_statistics_are_those_of_the_joints_that_succeeded(ensemble):
+    table = band_table(ensemble)
+    good = ensemble.isel(realization=[0, 1, 2, 4])
+    row = table[(table.cycle == 1) & (table.branch == "loading") & (table.stress_MPa == 1.0)]
+    closure = 1e3 * good.closure.sel(cycle=1, branch="loading", stress=1e6).values
+    assert row.samples.item() == 4
+    assert row.closure_mm_mean.item() == pytest.approx(closure.mean())
+    assert row.closure_mm_q50.item() == pytest.approx(np.median(closure))
+    next_one = 1e3 * good.closure.sel(cycle=1, branch="loading", stress=1.2e6).values
+    stiffness = 0.2 / (next_one - closure)
+    low = row.normal_stiffness_MPa_per_mm_q05.item()
+    assert low == pytest.approx(np.nanquantile(stiffness, 0.05), rel=1e-6)
+    aperture = 1e3 * good.mean_aperture.sel(cycle=1, branch="loading", stress=1e6).values
+    assert row.mean_aperture_mm_mean.item() == pytest.approx(aperture.mean())
+    assert "hydraulic_aperture_x_mm_q95" in table
+
+
+def test_a_band_holds_its_median_and_the_second_cycle_seats_at_zero(ensemble):
+    table = band_table(ensemble).dropna(subset="closure_since_seating_mm_q50")
+    for name in ("closure_mm", "closure_since_seating_mm", "hydraulic_aperture_x_mm"):
+        low, middle, high = (table[f"{name}_q{q}"] for q in ("05", "50", "95"))
+        assert (low <= middle).all()
+        assert (middle <= high).all()
+    seat = table[
+        (table.cycle == 2) & (table.branch == "loading") & np.isclose(table.stress_MPa, 0.2)
+    ]
+    assert seat.closure_since_seating_mm_q95.item() == pytest.approx(0.0, abs=1e-3)
+
+
+def test_the_command_writes_a_table_for_each_rock_as_it_is(ensemble, tmp_path, capsys):
+    names = ["a-base", "a-jrc-low"]
+    study = ensemble.drop_vars("error").expand_dims(case=names)
+    study = study.assign_coords(parameter=("case", ["base", "jrc"]))
+    write_netcdf(study, tmp_path / "study.nc")
+    assert cli.main(["engineering", str(tmp_path)]) == 0
+    written = pd.read_csv(tmp_path / "engineering/a-base.csv")
+    expected = band_table(ensemble)
+    assert [path.name for path in (tmp_path / "engineering").iterdir()] == ["a-base.csv"]
+    np.testing.assert_allclose(written.closure_mm_q95, expected.closure_mm_q95, rtol=1e-6)
+    capsys.readouterr()
+    assert cli.main(["engineering", str(tmp_path), "--case", "b-base"]) != 0
+    assert "--case b-base: must be one of a-base, a-jrc-low" in capsys.readouterr().err

@@ -1,0 +1,105 @@
+"""Many joints closed without a workflow."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import jointclosure as jc
+from jointclosure.ensemble.closing import close_pair
+from jointclosure.ensemble.joints import NOT_SIMULATED
+from jointclosure.ensemble.settings import Conditions
+from jointclosure.ensemble.workers import Failed, shared
+from jointclosure.protocol import FAILURE
+from tests.conftest import DOLERITE, SPACING
+
+LOAD = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 2e6, "seating_stress": 0.2e6}
+
+
+def rule(seed):
+    return jc.wall_pair(8.0, (12, 16), SPACING, seed)
+
+
+@pytest.fixture(scope="module")
+def alone():
+    return jc.simulate_ensemble(rule, seeds=[3, 5, 4], workers=1, **LOAD)
+
+
+def without_times(ensemble):
+    return ensemble.drop_vars("timing_simulation")
+
+
+def test_the_number_of_workers_changes_no_bit(alone):
+    together = jc.simulate_ensemble(rule, seeds=[3, 5, 4], workers=3, **LOAD)
+    xr.testing.assert_identical(without_times(alone), without_times(together))
+
+
+def test_a_rule_and_its_walls_are_one(alone):
+    given = jc.simulate_ensemble([rule(seed) for seed in (3, 5, 4)], workers=1, **LOAD)
+    expected = without_times(alone).assign_coords(seed=("realization", [0, 1, 2]))
+    xr.testing.assert_identical(without_times(given), expected)
+
+
+def test_each_joint_is_closed_as_a_study_closes_it(alone):
+    conditions = Conditions(
+        SPACING, DOLERITE, 2e6, 2, 0.2e6, jc.Effects(), jc.Choices(), jc.Numerics()
+    )
+    row = close_pair(*rule(5), alone.stress.values, conditions)
+    for name in ("closure", "max_closure", "status"):
+        np.testing.assert_array_equal(alone[name].values[1], row[name][1])
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_joint_that_cannot_be_closed_loses_no_other(alone, workers):
+    pairs = [rule(seed) for seed in (3, 5, 4)]
+    pairs[1] = (pairs[1][0], np.full((12, 16), np.nan))
+    ensemble = jc.simulate_ensemble(pairs, workers=workers, **LOAD)
+    assert ensemble.status.values[1] == NOT_SIMULATED >= FAILURE
+    assert "lower: 192 values are not finite" in ensemble.error.values[1]
+    assert np.isnan(ensemble.closure.values[1]).all()
+    for place in (0, 2):
+        assert ensemble.error.values[place] == ""
+        np.testing.assert_array_equal(ensemble.closure.values[place], alone.closure.values[place])
+
+
+def test_where_none_can_be_closed_the_reason_is_raised():
+    flat = (np.zeros((2, 2)), np.zeros((2, 2)))
+    with pytest.raises(jc.InputError, match="at least 3 cells"):
+        jc.simulate_ensemble([flat, flat], workers=2, **LOAD)
+    with pytest.raises(jc.InputError, match="there are none"):
+        jc.simulate_ensemble([], **LOAD)
+    with pytest.raises(jc.InputError, match="workers = 0"):
+        jc.simulate_ensemble(rule, workers=0, **LOAD)
+
+
+def die_or_double(number):
+    """Module level, so that a worker finds it."""
+    if number < 0:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return 2 * number
+
+
+def test_a_worker_that_is_killed_loses_its_task_alone():
+    found = dict(shared(die_or_double, [(1,), (-1,), (2,), (3,)], workers=2))
+    assert isinstance(found[1], Failed)
+    assert "before it was done" in str(found[1].error)
+    assert [found[i] for i in (0, 2, 3)] == [2, 4, 6]
+
+
+def test_a_script_without_a_guard_is_not_run_again(tmp_path):
+    """Processes of multiprocessing would run it, and start others."""
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import numpy as np, jointclosure as jc\n"
+        "print('run')\n"
+        "pairs = [jc.wall_pair(8.0, (8, 8), 0.25e-3, seed) for seed in range(2)]\n"
+        "found = jc.simulate_ensemble(pairs, spacing=0.25e-3, rock='granite', workers=2,\n"
+        "    max_normal_stress=1e6, effects=jc.Effects(False, False, False, False, False))\n"
+        "print(found.sizes['realization'])\n"
+    )
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["run", "2"]
