@@ -24,6 +24,7 @@ include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/effects.smk"
 include: "workflow/rules/readings_setting.smk"
 include: "workflow/rules/readings.smk"
+include: "workflow/rules/mismatch.smk"
 include: "workflow/rules/numerics.smk"
 
 
@@ -32,6 +33,7 @@ DRY_RUN = bool({"-n", "--dry-run", "--dryrun"} & set(sys.argv))
 for folder, made_with in (
     (RESULTS, STUDY_WITH | CHOSEN_WITH | WALLS_WITH),
     (RESULTS, ACCURACY_WITH | SCENES_WITH | VALIDATED_WITH | READINGS_WITH),
+    (RESULTS, MISMATCH_WITH),
     (HARD_RESULTS, HARD_WITH),
 ):
     for seal, reason in list(unmet_seals(folder, made_with)):
