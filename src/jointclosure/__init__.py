@@ -12,6 +12,7 @@ import importlib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # type checkers and `jointclosure.sources` read these imports, Python does not
+    from jointclosure.calibration import fit
     from jointclosure.ensemble.scanned_joint import close
     from jointclosure.inputs import InputError
     from jointclosure.parameters import (
@@ -39,6 +40,7 @@ _MODULES = {
     "close": "ensemble.scanned_joint",
     "equilibrium": "simulation",
     "estimate": "surrogate",
+    "fit": "calibration",
     "indifference_interval": "statistics.indifference",
     "read_scan": "scans",
     "simulate": "simulation",
@@ -56,6 +58,7 @@ __all__ = [
     "close",
     "equilibrium",
     "estimate",
+    "fit",
     "indifference_interval",
     "read_scan",
     "simulate",

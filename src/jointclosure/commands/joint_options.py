@@ -55,9 +55,7 @@ def add_load_and_model(command: argparse.ArgumentParser) -> None:
     load = command.add_argument_group("load")
     load.add_argument("--stress", type=float, metavar="MPa", help="maximum normal stress")
     load.add_argument("--cycles", type=int, metavar="N", help="load-unload cycles")
-    load.add_argument(
-        "--seating", type=float, metavar="MPa", help="stress from which seated closures count"
-    )
+    add_seating(load)
     load.add_argument(
         "--snapshots",
         type=_stresses,
@@ -65,6 +63,23 @@ def add_load_and_model(command: argparse.ArgumentParser) -> None:
         metavar="MPa,...",
         help="stresses at which walls, forces and gap are kept and drawn, as in 1,5,10",
     )
+    model = add_model(command)
+    model.add_argument(
+        "--flow",
+        action="store_true",
+        help="hydraulic apertures too, along x and y (docs/flow.md)",
+    )
+
+
+def add_seating(load: argparse._ArgumentGroup) -> None:
+    """Declare the stress from which seated closures count."""
+    load.add_argument(
+        "--seating", type=float, metavar="MPa", help="stress from which seated closures count"
+    )
+
+
+def add_model(command: argparse.ArgumentParser) -> argparse._ArgumentGroup:
+    """Declare the arguments that say by what model a joint is closed."""
     model = command.add_argument_group("model")
     model.add_argument(
         "--without",
@@ -75,11 +90,6 @@ def add_load_and_model(command: argparse.ArgumentParser) -> None:
         help=f"effects to leave out, of {', '.join(Effects._fields)}",
     )
     model.add_argument(
-        "--flow",
-        action="store_true",
-        help="hydraulic apertures too, along x and y (docs/flow.md)",
-    )
-    model.add_argument(
         "--set",
         nargs="+",
         type=_setting,
@@ -87,6 +97,7 @@ def add_load_and_model(command: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUE",
         help="any other key of the configuration, as in choices.largest_radius_mm=20",
     )
+    return model
 
 
 def base_keys(arguments) -> dict:
@@ -137,7 +148,7 @@ def joint_configuration(
     changes = merged({"study": {"rocks": [name]}, "rocks": {name: own}}, changes)
     if "cycles" in given:
         changes["study"]["cycles"] = given["cycles"]
-    if arguments.flow:
+    if given.get("flow"):
         changes["flow"] = True
     if "seating" in given:
         changes["seating_stress_MPa"] = given["seating"]
