@@ -41,7 +41,7 @@ def curve_of(history):
 @pytest.fixture(scope="module")
 def simulated():
     asked = readings_of_curve(curve_of(close_walls(*walls(1, 2e-3), CONDITIONS)), SEATING)
-    strengths = [GRANITE.compressive_strength]
+    strengths = np.array([GRANITE.compressive_strength])
     return simulated_readings(walls, CONDITIONS, asked, WAVELENGTHS, strengths, 10)
 
 
@@ -60,7 +60,7 @@ def test_the_interval_covers_the_mismatch_wavelength_of_synthetic_joints(simulat
         truth = float(np.exp(np.random.default_rng(number).uniform(*np.log([1e-3, 4e-3]))))
         curve = curve_of(close_walls(*walls(10_000 + number, truth), CONDITIONS))
         measured = readings_of_curve(curve, SEATING)
-        found = likelihood_of(measured, simulated, WAVELENGTHS, [173e6], 0.02)
+        found = likelihood_of(measured, simulated, WAVELENGTHS, np.array([173e6]), 0.02)
         value, low, high = found.interval(0)
         held.append(low <= truth <= high)
         told.append(min(high, WAVELENGTHS[-1]) / max(low, WAVELENGTHS[0]))

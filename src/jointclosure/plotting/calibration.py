@@ -20,7 +20,8 @@ def fit_figure(found: Fit, title: str) -> Figure:
     figure, (above, below) = subplots(
         2, 1, figsize=(6.4, 6.4), layout="constrained", sharex=True, height_ratios=(2, 1)
     )
-    nodes = 1e3 * np.geomspace(*found.likelihood.wavelengths[[0, -1]], len(found.simulated))
+    tried = found.likelihood.wavelengths
+    nodes = 1e3 * np.geomspace(tried[0], tried[-1], len(found.simulated))
     names = _names(found)
     for number, name in enumerate(names):
         closed = 1e3 * np.exp(found.simulated[..., number]).reshape(len(nodes), -1)

@@ -94,5 +94,5 @@ def _against_shift(axes: Axes, table: pd.DataFrame, column: str) -> None:
     axes.set_xlim(left=0.0)
     axes.xaxis.set_minor_locator(NullLocator())
     ticks = np.sort(shifted.shift_mm.unique())
-    axes.xaxis.set_major_locator(FixedLocator(ticks[::2]))
+    axes.xaxis.set_major_locator(FixedLocator(ticks[::2].tolist()))
     axes.set_xticklabels([f"{value:g}" for value in ticks[::2]])

@@ -5,7 +5,7 @@ walls, and at strengths where these are asked for. A measured curve is one draw 
 readings are held against the mean and the scatter of theirs.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -148,7 +148,7 @@ def simulated_readings(
     conditions: Conditions,
     asked: Readings,
     wavelengths: np.ndarray,
-    strengths: Sequence[float],
+    strengths: np.ndarray,
     surfaces: int,
     report: Callable[[float], None] = lambda share: None,
 ) -> np.ndarray:
@@ -191,7 +191,7 @@ def likelihood_of(
     measured: Readings,
     simulated: np.ndarray,
     wavelengths: np.ndarray,
-    strengths: Sequence[float],
+    strengths: np.ndarray,
     error: float,
 ) -> Likelihood:
     """Likelihood of a measured curve, from joints that were closed.
@@ -258,13 +258,13 @@ def likelihood_of(
     )
 
 
-def _scaled(values: Sequence[float] | np.ndarray) -> np.ndarray:
+def _scaled(values: np.ndarray) -> np.ndarray:
     """Logarithms of rising values, from 0 to 1."""
     logs = np.log(np.asarray(values, dtype=float))
     return (logs - logs[0]) / max(logs[-1] - logs[0], np.finfo(float).tiny)
 
 
-def _unscaled(part: np.ndarray, values: Sequence[float] | np.ndarray) -> np.ndarray:
+def _unscaled(part: np.ndarray, values: np.ndarray) -> np.ndarray:
     first, last = np.log(values[0]), np.log(values[-1])
     return np.exp(first + part * (last - first))
 

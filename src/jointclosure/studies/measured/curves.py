@@ -119,6 +119,7 @@ def parsed_curve(
     name: str,
     stress_unit: str | None = None,
     closure_unit: str | None = None,
+    *,
     cycle: int | None = None,
 ) -> MeasuredCurve:
     """A curve from the text of a CSV file.
