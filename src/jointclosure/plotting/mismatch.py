@@ -29,8 +29,8 @@ def mismatch_figure(table: pd.DataFrame) -> Figure:
 
     Notes
     -----
-    Bars are standard errors over surfaces. Mates and independent walls stand at the ends of the
-    left axes; grey lines are independent walls.
+    Bars and the grey band are standard errors over surfaces. Mates and independent walls stand at
+    the ends of the left axes; the grey line is independent walls.
     """
     table = table[table.rock == table.rock.iloc[0]]
     figure, panels = subplots(
@@ -42,6 +42,8 @@ def mismatch_figure(table: pd.DataFrame) -> Figure:
         row[0].set_ylabel(title)
         if column == "normal_stiffness_MPa_per_mm":
             row[0].set_yscale("log")
+        elif column == "hysteresis":  # that of mates is unresolved, and may be far below
+            row[0].set_ylim(-0.1, 1.05)
         else:
             row[0].set_ylim(bottom=min(0.0, 1.05 * table[column].min()))
     panels[0][0].set_title("without a shift")
@@ -49,7 +51,7 @@ def mismatch_figure(table: pd.DataFrame) -> Figure:
     panels[-1][0].set_xlabel("mismatch wavelength (mm)")
     panels[-1][1].set_xlabel("shift (mm)")
     handles, names = panels[0][0].get_legend_handles_labels()
-    panels[0][0].legend(handles, names, frameon=False, loc="lower right")
+    panels[0][0].legend(handles, names, frameon=False, loc="upper left")
     handles, names = panels[0][1].get_legend_handles_labels()
     figure.legend(
         handles, names, loc="outside right upper", frameon=False, title="mismatch\nwavelength (mm)"
@@ -80,7 +82,9 @@ def _against_mismatch(axes: Axes, table: pd.DataFrame, column: str) -> None:
 def _against_shift(axes: Axes, table: pd.DataFrame, column: str) -> None:
     """A quantity of one cycle against the shift, a line for each mismatch wavelength."""
     free = table[np.isinf(table.wavelength_mm)]
-    axes.axhline(free[column].iloc[0], color="0.6", lw=1.2, label="independent")
+    mean, error = free[column].iloc[0], free[f"{column}_error"].iloc[0]
+    axes.axhspan(mean - error, mean + error, color="0.9", lw=0.0)
+    axes.axhline(mean, color="0.6", lw=1.2, label="independent")
     shifted = table[np.isfinite(table.wavelength_mm)]
     colours = sns.color_palette("viridis", shifted.wavelength_mm.nunique())
     for colour, (wavelength, part) in zip(colours, shifted.groupby("wavelength_mm"), strict=True):
