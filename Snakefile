@@ -25,6 +25,7 @@ include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/effects.smk"
 include: "workflow/rules/readings_setting.smk"
 include: "workflow/rules/readings.smk"
+include: "workflow/rules/mismatch.smk"
 include: "workflow/rules/numerics.smk"
 include: "workflow/rules/global_sensitivity.smk"
 
@@ -35,6 +36,7 @@ for folder, made_with in (
     (RESULTS, STUDY_WITH | CHOSEN_WITH | WALLS_WITH),
     (RESULTS, ACCURACY_WITH | SCENES_WITH | VALIDATED_WITH | READINGS_WITH),
     (RESULTS, TOGETHER_WITH),
+    (RESULTS, MISMATCH_WITH),
     (HARD_RESULTS, HARD_WITH),
 ):
     for seal, reason in list(unmet_seals(folder, made_with)):

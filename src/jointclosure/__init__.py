@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # type checkers and `jointclosure.sources` read these imports, Python does not
     from jointclosure import plot
+    from jointclosure.calibration import fit
     from jointclosure.ensemble.joints import simulate_ensemble
     from jointclosure.ensemble.scanned_joint import close
     from jointclosure.inputs import InputError
@@ -41,6 +42,7 @@ _MODULES = {
     "close": "ensemble.scanned_joint",
     "equilibrium": "simulation",
     "estimate": "surrogate",
+    "fit": "calibration",
     "indifference_interval": "statistics.indifference",
     "plot": "",
     "read_scan": "scans",
@@ -60,6 +62,7 @@ __all__ = [
     "close",
     "equilibrium",
     "estimate",
+    "fit",
     "indifference_interval",
     "plot",
     "read_scan",

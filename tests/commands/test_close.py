@@ -62,6 +62,8 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, cap
     assert first.closure_since_seating_mm.iloc[-1] == pytest.approx(1e3 * seated)
     record = json.loads((tmp_path / "j/joint.json").read_text())
     assert record["found"] == pair.report
+    assert record["mismatch_wavelength_mm"]["wavelength"] == 1e3 * library.pair.mismatch.wavelength
+    assert sum("the walls mate at " in line for line in pair.report) == 1
     assert set(record["sha256"]) == {"upper", "lower"}
     told = json.loads(record["provenance"]["configuration"])
     assert told["rocks"]["granite"]["walls"]["upper"] == str(files[0])

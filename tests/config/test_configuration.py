@@ -87,6 +87,8 @@ def test_the_library_and_the_configuration_have_the_same_defaults():
         ({"effects": {"substrate": False}}, "interaction = True needs substrate = True"),
         ({"effects": {"breakage": False}}, "gouge = True needs breakage = True"),
         ({"choices": {"base_radius_in_cells": 2}}, "choices.base_radius_in_cells = 2: must be at most 1"),
+        ({"surface": {"mismatch_wavelength_mm": -1}}, "surface.mismatch_wavelength_mm = -1: must be at least 0"),
+        ({"surface": {"mismatch_wavelength_mm": 1, "correlation": 0.5}}, "correlation = 0.5: must be 0 where mismatch_wavelength is given"),
         ({"surface": {"jrc_relation": "yang_2001"}}, "did you mean yang?"),
     ],
 )  # fmt: skip

@@ -8,10 +8,10 @@ from jointclosure.scans import read_scan
 from jointclosure.surface.mating import (
     best_shift,
     mating,
-    mismatch_wavelength,
     slope_correlation_over_shifts,
 )
 from jointclosure.surface.measured import Cloud, Scan
+from jointclosure.surface.mismatch import Mismatch, measured_mismatch
 from jointclosure.surface.outliers import points_of, spikes, without_spikes
 from jointclosure.surface.overlap import largest_rectangle
 from jointclosure.surface.registration import ORIENTATIONS, registered
@@ -206,7 +206,7 @@ def test_mates_correlate_at_all_wavelengths_and_independent_walls_at_none():
     upper, lower = jc.wall_pair(9.0, (128, 128), SPACING, seed=4, correlation=1.0)
     mates = mating(upper, lower, SPACING)
     np.testing.assert_allclose(mates.correlation, 1.0, atol=1e-12)
-    assert mismatch_wavelength(mates) is None
+    assert measured_mismatch(upper, lower, SPACING) == Mismatch(0.0, 0.0, 0.0)
     scores = []
     for seed in range(20):
         found = mating(*jc.wall_pair(9.0, (128, 128), SPACING, seed), SPACING)

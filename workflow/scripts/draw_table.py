@@ -8,12 +8,14 @@ from matplotlib.figure import Figure
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
 from jointclosure.plotting.effects import effect_figure
+from jointclosure.plotting.mismatch import mismatch_figure
 from jointclosure.plotting.numerics import numerics_figure
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv
 
 FIGURES: dict[str, Callable[[pd.DataFrame], Figure]] = {
     "effects": effect_figure,
+    "mismatch": mismatch_figure,
     "numerics": numerics_figure,
 }
 

@@ -1,13 +1,15 @@
 """Renew what the documents show of the studies of accuracy and effects, and of the paper's.
 
-Run by hand after `make accuracy`, `make effects` or `make study`: `publish_measured.py accuracy`,
-`effects` or `paper`; after `snakemake total_error --configfile config/accuracy.yaml`, `total`; or,
-after `make study CONFIG=config/no_roll_off.yaml` and
+Run by hand after `make accuracy`, `make effects`, `make mismatch` or `make study`:
+`publish_measured.py accuracy`, `effects`, `mismatch` or `paper`; after
+`snakemake total_error --configfile config/accuracy.yaml`, `total`; or, after
+`make study CONFIG=config/no_roll_off.yaml` and
 `snakemake --configfile config/no_roll_off.yaml surrogate`, `publish_measured.py no_roll_off`.
 Tables that the package ships are copied too: those of presets and of the bearing-area law
 (src/jointclosure/config/).
 """
 
+import math
 import shutil
 import sys
 from pathlib import Path
@@ -20,6 +22,7 @@ from jointclosure.storage.text import read_csv
 
 ROOT = Path(__file__).parents[2]
 ACCURACY, EFFECTS = ROOT / "results/accuracy", ROOT / "results/effects"
+MISMATCH = ROOT / "results/mismatch"
 PAPER = ROOT / "results/paper"
 NO_ROLL_OFF = ROOT / "results/no_roll_off"
 
@@ -226,12 +229,91 @@ def contributions() -> str:
     return markdown(middle.reset_index())
 
 
+def _with_error(part: pd.Series, error: pd.Series) -> list[str]:
+    """Values with their standard errors, to two digits of these."""
+    cells = []
+    for value, doubt in zip(part, error, strict=True):
+        if not math.isfinite(value):
+            cells.append("")
+            continue
+        digits = max(1 - math.floor(math.log10(doubt)), 0) if doubt > 0.0 else 3
+        cells.append(f"{value:.{digits}f} ± {doubt:.{digits}f}")
+    return cells
+
+
+def _mismatch_named(wavelength: float) -> str:
+    return {0.0: "0 (mates)", math.inf: "independent"}.get(wavelength, f"{wavelength:g}")
+
+
+def mismatched() -> str:
+    """Closure, stiffness, what stays and hysteresis against mismatch, without a shift."""
+    table = read_csv(MISMATCH / "tables/mismatch.csv")
+    table = table[table.shift_mm == 0.0]
+    columns = {
+        "closure_since_seating_mm": "closure since 0.5 MPa (mm)",
+        "normal_stiffness_MPa_per_mm": "stiffness, 5 to 10 MPa (MPa/mm)",
+        "residual_closure_mm": "residual closure (mm)",
+        "hysteresis": "hysteresis (share of work)",
+        "aperture_at_seating_mm": "aperture at seating (mm)",
+    }
+    shown = {
+        "mismatch wavelength (mm)": table.wavelength_mm.map(_mismatch_named),
+        "cycle": table.cycle,
+    }
+    for column, title in columns.items():
+        shown[title] = _with_error(table[column], table[f"{column}_error"])
+    return markdown(pd.DataFrame(shown))
+
+
+def unmated() -> str:
+    """The shift from which on walls behave as independent ones."""
+    table = read_csv(MISMATCH / "tables/mismatch_shifts.csv")
+    largest = read_csv(MISMATCH / "tables/mismatch.csv").shift_mm.max()
+
+    def told(value: float) -> str:
+        return f"{value:.2g}" if math.isfinite(value) else f"over {largest:g}"
+
+    return markdown(
+        pd.DataFrame(
+            {
+                "mismatch wavelength (mm)": table.wavelength_mm.map(_mismatch_named),
+                "shift (mm)": table.shift_mm.map(told),
+                "low": table.low.map(told),
+                "high": table.high.map(told),
+                "in apertures": table.apertures.map(
+                    lambda value: f"{value:.1f}" if math.isfinite(value) else ""
+                ),
+            }
+        )
+    )
+
+
+def between() -> str:
+    """What natural walls lie between, in a sentence."""
+    table = read_csv(MISMATCH / "tables/mismatch.csv")
+    first = table[(table.shift_mm == 0.0) & (table.cycle == 1)].set_index("wavelength_mm")
+    smooth = first[(first.index > 0.0) & (first.index < math.inf)]
+    free, near = first.loc[math.inf], smooth.iloc[0]
+    return (
+        f"From a mismatch wavelength of {near.name:g} mm to independent walls the first cycle's "
+        f"closure since seating goes from {near.closure_since_seating_mm:.2g} to "
+        f"{free.closure_since_seating_mm:.2g} mm, the stiffness from 5 to 10 MPa from "
+        f"{near.normal_stiffness_MPa_per_mm:.0f} to {free.normal_stiffness_MPa_per_mm:.0f} MPa/mm, "
+        f"and {100 * free.residual_share:.0f} % of independent walls' closure stays after "
+        "unloading.\n"
+    )
+
+
 PLACES = {
     "accuracy": (
         ROOT / "docs/accuracy.md",
         {"presets": presets, "sources": sources, "orders": orders, "joints": joints},
     ),
     "total": (ROOT / "docs/accuracy.md", {"total": total, "biases": biases}),
+    "mismatch": (
+        ROOT / "docs/mismatch.md",
+        {"between": between, "mismatched": mismatched, "unmated": unmated},
+    ),
     "effects": (ROOT / "docs/effects.md", {"choice": choice, "contributions": contributions}),
     "paper": (ROOT / "docs/accuracy.md", {"variance": variance}),
     "no_roll_off": (
@@ -243,6 +325,7 @@ FIGURES = {
     "accuracy": {"accuracy_regularised": "accuracy", "accuracy_sources": "accuracy_sources"},
     "total": {"accuracy_total": "accuracy_total"},
     "effects": {"effects": "effects", "effects_auto": "effects_auto"},
+    "mismatch": {"mismatch": "mismatch"},
     "paper": {},
     "no_roll_off": {},
 }

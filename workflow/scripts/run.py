@@ -52,6 +52,7 @@ TARGETS = {
     "hard-cases": Target(("hard_cases",), study="hard_cases"),
     "accuracy": Target(("estimate_accuracy", "accuracy"), "config/accuracy.yaml"),
     "effects": Target(("estimate_effects", "effects"), "config/effects.yaml"),
+    "mismatch": Target(("estimate_mismatch", "mismatch"), "config/mismatch.yaml"),
     "readings": Target(("estimate_readings", "readings"), "config/readings.yaml"),
     "jrc-range": Target(("all", "jrc_range")),
     "global-sensitivity": Target(

@@ -3,6 +3,7 @@
 COMMANDS = {
     "close": "close the joint whose two walls were scanned",
     "simulate": "close one joint of random walls",
+    "fit": "the mismatch of the joint whose closure was measured",
     "roughness": "slopes, JRC, Hurst exponent, curvature and peaks of a scanned wall",
     "compare": "what moved between two studies",
     "report": "a finished study, or a joint, as one page to read",

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import math
 import time
 from pathlib import Path
 
@@ -36,6 +37,7 @@ from jointclosure.storage.figures import save_figure
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import write_text
+from jointclosure.surface.mismatch import Mismatch
 from jointclosure.surface.registration import ORIENTATIONS, SHIFTS, RegisteredPair
 
 _EXAMPLES = """examples:
@@ -226,9 +228,18 @@ def _record(joint: ClosedJoint, settings: Configured, about: dict[str, str]) -> 
             "wavelength_mm": (1e3 * pair.mating.wavelengths).tolist(),
             "correlation": pair.mating.correlation.tolist(),
         },
+        "mismatch_wavelength_mm": _interval_mm(pair.mismatch),
         "mean_aperture_at_first_touch_mm": 1e3 * float(pair.aperture.mean()),
         "first_touch_y_x": list(pair.first_touch),
         "per_cycle": per_cycle,
         "sha256": surfaces.sha256,
         "provenance": about,
+    }
+
+
+def _interval_mm(found: Mismatch) -> dict[str, float | None]:
+    """A mismatch wavelength and its interval [mm]; JSON has no infinity: null stands for it."""
+    return {
+        name: 1e3 * value if math.isfinite(value) else None
+        for name, value in found._asdict().items()
     }

@@ -63,9 +63,7 @@ def add_load_and_model(command: argparse.ArgumentParser) -> None:
         "in 5,0,20,2,30",
     )
     load.add_argument("--cycles", type=int, metavar="N", help="load-unload cycles")
-    load.add_argument(
-        "--seating", type=float, metavar="MPa", help="stress from which seated closures count"
-    )
+    add_seating(load)
     load.add_argument(
         "--snapshots",
         type=_stresses,
@@ -79,6 +77,23 @@ def add_load_and_model(command: argparse.ArgumentParser) -> None:
         metavar="FILE.gif",
         help="moving pictures of the joint being crushed",
     )
+    model = add_model(command)
+    model.add_argument(
+        "--flow",
+        action="store_true",
+        help="hydraulic apertures too, along x and y (docs/flow.md)",
+    )
+
+
+def add_seating(load: argparse._ArgumentGroup) -> None:
+    """Declare the stress from which seated closures count."""
+    load.add_argument(
+        "--seating", type=float, metavar="MPa", help="stress from which seated closures count"
+    )
+
+
+def add_model(command: argparse.ArgumentParser) -> argparse._ArgumentGroup:
+    """Declare the arguments that say by what model a joint is closed."""
     model = command.add_argument_group("model")
     model.add_argument(
         "--without",
@@ -89,11 +104,6 @@ def add_load_and_model(command: argparse.ArgumentParser) -> None:
         help=f"effects to leave out, of {', '.join(Effects._fields)}",
     )
     model.add_argument(
-        "--flow",
-        action="store_true",
-        help="hydraulic apertures too, along x and y (docs/flow.md)",
-    )
-    model.add_argument(
         "--set",
         nargs="+",
         type=_setting,
@@ -101,6 +111,7 @@ def add_load_and_model(command: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUE",
         help="any other key of the configuration, as in choices.largest_radius_mm=20",
     )
+    return model
 
 
 def base_keys(arguments) -> dict:
@@ -153,7 +164,7 @@ def joint_configuration(
     changes = merged({"study": {"rocks": [name]}, "rocks": {name: own}}, changes)
     if "cycles" in given:
         changes["study"]["cycles"] = given["cycles"]
-    if arguments.flow:
+    if given.get("flow"):
         changes["flow"] = True
     if "seating" in given:
         changes["seating_stress_MPa"] = given["seating"]

@@ -18,6 +18,7 @@ from jointclosure.config.typed import (
     Configuration,
     Grid,
     MeasuredFile,
+    MismatchDesign,
     Output,
     Statistics,
     Study,
@@ -172,6 +173,7 @@ def _typed(keys: dict) -> Configuration:
         output=Output(**si["output"]),
         ablation=_ablation(si["ablation"]),
         flow=si["flow"],
+        mismatch=_mismatch(si["mismatch"]),
     )
 
 
@@ -206,6 +208,14 @@ def _ablation(si: dict | None) -> Ablation | None:
     if validation:
         validation = Validation(**{name: _tuple(part) for name, part in validation.items()})
     return Ablation(tuple(si["jrc"]), tuple(si["stress"]), validation)
+
+
+def _mismatch(si: dict | None) -> MismatchDesign | None:
+    if si is None:
+        return None
+    return MismatchDesign(
+        tuple(sorted(si["wavelength"])), tuple(sorted(si["shift_in_cells"])), si["tolerance"]
+    )
 
 
 def _tuple(value):

@@ -12,7 +12,7 @@ from jointclosure.parameters import USUAL as _OF_ROCK
 from jointclosure.parameters import check_choices, check_numerics, check_scene
 from jointclosure.solvers.registry import SOLVERS
 from jointclosure.surface.roughness import relation_of
-from jointclosure.surface.synthesis import spectrum_of
+from jointclosure.surface.synthesis import check_mismatch, spectrum_of
 
 OTHER_TARGETS = {
     "hard_cases": "",
@@ -20,6 +20,7 @@ OTHER_TARGETS = {
     "effects": "ablation",
     "readings": "readings",
     "global_sensitivity": "global_sensitivity",
+    "mismatch": "mismatch",
 }
 """Folders of results of other targets, and the section that a study of that name must have."""
 USUAL = _OF_ROCK | {
@@ -57,6 +58,7 @@ def contradictions(keys: dict, typed: Callable[[dict], Configuration]) -> Iterat
     checks: tuple[Callable[[], object], ...] = (
         *(lambda effects=each: check_scene(effects) for each in _scenes(keys, configuration)),
         lambda: spectrum_of(surface.hurst, surface.rule, surface.roll_off, spacing),
+        lambda: check_mismatch(surface.mismatch_wavelength, surface.correlation),
         lambda: check_choices(configuration.choices, spacing),
         lambda: check_numerics(configuration.numerics, tuple(SOLVERS)),
     )
@@ -65,6 +67,7 @@ def contradictions(keys: dict, typed: Callable[[dict], Configuration]) -> Iterat
             check()
         except InputError as error:
             yield str(error)
+    yield from _mismatch_problems(configuration)
     for name, rock in configuration.rocks.items():
         yield from _rock_problems(name, rock, keys, configuration)
 
@@ -94,6 +97,20 @@ def _study_problems(keys: dict) -> Iterator[str]:
         yield (
             f"study.name = {study['name']!r}: results/{study['name']} belongs to another target; "
             "give the study another name"
+        )
+
+
+def _mismatch_problems(configuration: Configuration) -> Iterator[str]:
+    design, surface = configuration.mismatch, configuration.surface
+    if design is None:
+        return
+    if 0 not in design.shift_in_cells:
+        yield f"mismatch.shift_in_cells = {list(design.shift_in_cells)}: must have 0 among them"
+    given = (surface.mismatch_wavelength, surface.correlation, surface.shift_in_cells)
+    if given != (None, 0.0, 0):
+        yield (
+            "mismatch: the study sets surface.mismatch_wavelength_mm, correlation and "
+            "shift_in_cells, which must be null, 0 and 0"
         )
 
 

@@ -226,6 +226,11 @@ class SurfaceKeys(Keys):
         le=1,
     )
     shift_in_cells: int = entry("Shift of the mated part along x, in cells.", ge=0, le=4096)
+    mismatch_wavelength_mm: float | None = entry(
+        "Waves longer than this mate, shorter ones are independent [mm]; 0: mates; null: as "
+        "correlation says. Where it is given correlation must be 0.",
+        ge=0,
+    )
     rule: Literal[RULES] = entry(
         "self_affine: profiles have the Hurst exponent; walk: independent slopes along x and y, "
         "projected on the nearest heights, where hurst only carries Z2 to the spacing."
@@ -548,6 +553,27 @@ class AblationKeys(Keys):
     validation: ValidationKeys | None = entry(ValidationKeys.__doc__, None)
 
 
+class MismatchKeys(Keys):
+    """Design of a study of mated, natural and non-mated walls (config/mismatch.yaml)."""
+
+    wavelength_mm: list[Annotated[float, Field(ge=0)]] = entry(
+        "Mismatch wavelengths [mm], 0 for mates; independent walls are closed too.",
+        min_length=1,
+        json_schema_extra={"uniqueItems": True},
+    )
+    shift_in_cells: list[Annotated[int, Field(ge=0, le=4096)]] = entry(
+        "Shifts of the walls along x, in cells; 0 must be among them.",
+        min_length=1,
+        json_schema_extra={"uniqueItems": True},
+    )
+    tolerance: float = entry(
+        "Shifted walls behave as independent ones where the mean closure since seating of the "
+        "first cycle is less below theirs than this share.",
+        gt=0,
+        lt=1,
+    )
+
+
 class ReadingKeys(Keys):
     """A reading of the paper: settings that are merged over the study's."""
 
@@ -603,7 +629,9 @@ class InputKeys(Keys):
         "Its path, as surface.hurst; ROCK stands for the rock, as rocks.ROCK.jrc."
     )
     between: (
-        Literal["levels"] | Annotated[list[float], Field(min_length=2, max_length=2)] | None
+        Annotated[str, StringConstraints(pattern="^levels$")]
+        | Annotated[list[float], Field(min_length=2, max_length=2)]
+        | None
     ) = entry("Ends of its range; levels: the outermost of the rock's own.", None)
     logarithmic: bool = entry("Whether it is uniform in its logarithm.", False)
     values: list[Any] | None = entry("The few values that it has, in place of a range.", None)
@@ -659,3 +687,4 @@ class ConfigurationKeys(Keys):
     ablation: AblationKeys | None = entry(AblationKeys.__doc__, None)
     readings: ReadingsKeys | None = entry(ReadingsKeys.__doc__, None)
     global_sensitivity: GlobalSensitivityKeys | None = entry(GlobalSensitivityKeys.__doc__, None)
+    mismatch: MismatchKeys | None = entry(MismatchKeys.__doc__, None)

@@ -95,6 +95,7 @@ class Surface(NamedTuple):
     normalise: str
     correlation: float
     shift_in_cells: int
+    mismatch_wavelength: float | None
     rule: str
     roll_off: float | None
 
@@ -140,6 +141,17 @@ class Ablation(NamedTuple):
     validation: Validation | None
 
 
+class MismatchDesign(NamedTuple):
+    """Mismatch wavelengths [m] and shifts at which walls are closed, ascending.
+
+    ``tolerance``: share by which closures of shifted walls may be below those of independent ones.
+    """
+
+    wavelength: tuple[float, ...]
+    shift_in_cells: tuple[int, ...]
+    tolerance: float
+
+
 class Configuration(NamedTuple):
     """All of a study. ``rocks`` are those of the study, in its order.
 
@@ -160,3 +172,4 @@ class Configuration(NamedTuple):
     output: Output
     ablation: Ablation | None
     flow: bool
+    mismatch: MismatchDesign | None = None

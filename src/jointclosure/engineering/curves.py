@@ -154,6 +154,21 @@ def cycle_table(history: xr.Dataset) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def hysteresis(closed: xr.Dataset) -> np.ndarray:
+    """Share of each cycle's work of loading that unloading does not give back (cycles,)."""
+    closure, stress = closed.closure.values, closed.normal_stress.values
+    cycle, branch = closed.cycle.values, closed.branch.values
+    shares = np.full(closed.max_closure.size, np.nan)
+    for index in range(shares.size):
+        loading = branch_of(cycle, branch, index + 1, LOADING)
+        unloading = branch_of(cycle, branch, index + 1, UNLOADING)
+        if loading.size > 1 and unloading.size > 1:
+            given = np.trapezoid(stress[loading], closure[loading])
+            back = -np.trapezoid(stress[unloading], closure[unloading])
+            shares[index] = 1.0 - back / given
+    return shares
+
+
 def _chords(closure: np.ndarray, stress: np.ndarray) -> np.ndarray:
     """Slope [Pa/m] at each step (n,) by the chord from its neighbours; NaN where there is none."""
     before = np.concatenate([[0], np.arange(closure.size - 1)])

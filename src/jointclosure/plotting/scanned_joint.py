@@ -6,7 +6,6 @@ import seaborn as sns
 from matplotlib.figure import Figure
 
 from jointclosure.plotting.style import styled, subplots
-from jointclosure.surface.mating import mismatch_wavelength
 from jointclosure.surface.registration import CLEAR, RegisteredPair
 
 
@@ -88,7 +87,7 @@ def draw_section(axes, upper: np.ndarray, lower: np.ndarray, spacing: float) -> 
 
 
 def _draw_mating(axes, pair: RegisteredPair) -> None:
-    """Correlation over wavelength, with one standard error, and where it falls below 0.5."""
+    """Correlation over wavelength, with one standard error; mismatch wavelength and interval."""
     found = pair.mating
     error = (1.0 - found.correlation**2) / np.sqrt(found.modes)
     wavelengths = 1e3 * found.wavelengths
@@ -96,8 +95,10 @@ def _draw_mating(axes, pair: RegisteredPair) -> None:
     axes.errorbar(
         wavelengths, found.correlation, error, fmt="o-", color="C0", ms=4, lw=1.1, capsize=2
     )
-    limit = mismatch_wavelength(found)
-    if limit is not None and np.isfinite(limit):
+    limit = pair.mismatch.wavelength
+    if 0.0 < limit < np.inf:
+        ends = np.clip(1e3 * np.array(pair.mismatch[1:]), wavelengths[-1], wavelengths[0])
+        axes.axvspan(*ends, color="0.9", lw=0.0)
         axes.axvline(1e3 * limit, color="0.3", lw=1.0, ls="--")
         axes.annotate(
             f" {1e3 * limit:.3g} mm", (1e3 * limit, 0.02), xycoords=("data", "axes fraction"),

@@ -7,6 +7,10 @@ import scipy.fft
 
 from jointclosure.surface.roughness import detrended
 
+WAVES_FOR_ONE = 4.5
+"""Coefficients of `windowed_waves` that tell as much as one: each is there with its mirror image,
+and the window makes neighbours of four alike (1.5 along each axis)."""
+
 
 class Mating(NamedTuple):
     """Correlation of two walls over wavelengths, as of `mating`.
@@ -37,10 +41,8 @@ def mating(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mating:
         transforms U and L under a Hann window. Bands with fewer than four waves are left out.
     """
     ny, nx = upper.shape
-    window = np.outer(np.hanning(ny + 2)[1:-1], np.hanning(nx + 2)[1:-1])
-    one, other = (scipy.fft.fft2(window * detrended(wall)) for wall in (upper, lower))
-    wave_y, wave_x = (scipy.fft.fftfreq(n, spacing) for n in (ny, nx))
-    wave = np.hypot(wave_y[:, None], wave_x[None, :])
+    one, other = (windowed_waves(wall) for wall in (upper, lower))
+    wave = wave_numbers(upper.shape, spacing)
     longest, shortest = 0.5 * min(ny, nx) * spacing, 2.0 * spacing
     bands = np.floor(2.0 * np.log2(np.maximum(wave, 1e-300) * longest) + 0.5).astype(int)
     kept = (bands >= 0) & (wave <= 1.0 / shortest)
@@ -51,8 +53,7 @@ def mating(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mating:
 
     cross = -over_bands((one * other.conj()).real)
     power = over_bands(np.abs(one) ** 2) * over_bands(np.abs(other) ** 2)
-    # each wave is there with its mirror image, and the window makes neighbours of four alike
-    modes = over_bands(np.ones(wave.shape)) / 2.0 / 2.25
+    modes = over_bands(np.ones(wave.shape)) / WAVES_FOR_ONE
     with np.errstate(invalid="ignore", divide="ignore"):
         correlation = cross / np.sqrt(power)
     enough = modes >= 4.0
@@ -60,21 +61,17 @@ def mating(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mating:
     return Mating(middles[enough], correlation[enough], modes[enough])
 
 
-def mismatch_wavelength(found: Mating, level: float = 0.5) -> float | None:
-    """Wavelength [m] at which the correlation first falls below a level, from long to short.
+def windowed_waves(wall: np.ndarray) -> Any:
+    """Fourier transform (y, x) of a wall less its plane, under a Hann window."""
+    ny, nx = wall.shape
+    window = np.outer(np.hanning(ny + 2)[1:-1], np.hanning(nx + 2)[1:-1])
+    return scipy.fft.fft2(window * detrended(wall))
 
-    None where it never does, infinite where it is below it from the longest wavelength on.
-    """
-    below = np.flatnonzero(found.correlation < level)
-    if not below.size:
-        return None
-    if below[0] == 0:
-        return float("inf")
-    last, first = below[0] - 1, below[0]
-    high, low = found.correlation[[last, first]]
-    part = (high - level) / (high - low)
-    logs = np.log(found.wavelengths)
-    return float(np.exp(logs[last] + part * (logs[first] - logs[last])))
+
+def wave_numbers(shape: tuple[int, ...], spacing: float) -> np.ndarray:
+    """Of each coefficient (y, x) of `windowed_waves` [1/m]."""
+    wave_y, wave_x = (scipy.fft.fftfreq(n, spacing) for n in shape)
+    return np.hypot(wave_y[:, None], wave_x[None, :])
 
 
 def slope_correlation_over_shifts(

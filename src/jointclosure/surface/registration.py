@@ -12,7 +12,6 @@ from jointclosure.surface.mating import (
     Mating,
     best_shift,
     mating,
-    mismatch_wavelength,
     slope_correlation_over_shifts,
 )
 from jointclosure.surface.measured import (
@@ -22,6 +21,7 @@ from jointclosure.surface.measured import (
     point_distance,
     wall_on_grid,
 )
+from jointclosure.surface.mismatch import CONFIDENCE, Mismatch, measured_mismatch
 from jointclosure.surface.outliers import points_of, without_spikes
 from jointclosure.surface.overlap import Overlap, overlap_of
 from jointclosure.surface.roughness import detrended
@@ -95,6 +95,8 @@ class RegisteredPair(NamedTuple):
         Of the heights of both walls.
     mating : Mating
         Their correlation by wavelength.
+    mismatch : Mismatch
+        Wavelength beyond which they mate, with its interval.
     overlap : float
         Share of the smaller scan's cells that lie in the walls.
     report : list of str
@@ -112,6 +114,7 @@ class RegisteredPair(NamedTuple):
     mating_shift: tuple[float, float]
     correlation: float
     mating: Mating
+    mismatch: Mismatch
     overlap: float
     report: list[str]
 
@@ -333,7 +336,7 @@ def _described(
     ny, nx = upper.shape
     y, x = (int(i) for i in np.unravel_index(int(np.argmin(aperture)), aperture.shape))
     correlation = float(np.corrcoef(upper.ravel(), -lower.ravel())[0, 1])
-    by_wavelength = mating(upper, lower, spacing)
+    mismatch = measured_mismatch(upper, lower, spacing)
     early = float(np.quantile(aperture, 1e-3))
     gap = float(np.mean(found.upper - found.lower))
     filled_said = f", {found.filled_cells} of them in holes, filled" if found.filled_cells else ""
@@ -343,7 +346,7 @@ def _described(
         f"the plane common to both walls, inclined by {found.inclination:.2f} degrees, was "
         f"removed; the walls were inclined to each other by {found.relative:.3f} degrees and are "
         "set parallel",
-        f"heights correlate by {correlation:.3f}; {_mating_said(by_wavelength)}",
+        f"heights correlate by {correlation:.3f}; {_mating_said(mismatch)}",
         f"at first touch, at cell (y, x) = ({y}, {x}), the mean aperture is "
         f"{1e3 * aperture.mean():.3g} mm",
         f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
@@ -357,7 +360,7 @@ def _described(
         )
     return RegisteredPair(
         upper, lower, spacing, aperture, (y, x), name, fits, applied, mated, correlation,
-        by_wavelength, found.share, report,
+        mating(upper, lower, spacing), mismatch, found.share, report,
     )  # fmt: skip
 
 
@@ -374,10 +377,14 @@ _BELOW = (
 )
 
 
-def _mating_said(found: Mating) -> str:
-    wavelength = mismatch_wavelength(found)
-    if wavelength is None:
+def _mating_said(found: Mismatch) -> str:
+    if found.wavelength == 0.0:
         return "the walls mate at all wavelengths of the grid"
-    if np.isinf(wavelength):
+    if np.isinf(found.wavelength):
         return "the walls mate at no wavelength"
-    return f"the walls mate at wavelengths beyond {1e3 * wavelength:.3g} mm (correlation 0.5)"
+    low = f"{1e3 * found.low:.3g}" if found.low > 0.0 else "the grid's shortest"
+    high = f"{1e3 * found.high:.3g} mm" if np.isfinite(found.high) else "the walls' length"
+    return (
+        f"the walls mate at wavelengths beyond {1e3 * found.wavelength:.3g} mm (mismatch "
+        f"wavelength, where they correlate by 0.5; {100 * CONFIDENCE:g} % interval {low} to {high})"
+    )

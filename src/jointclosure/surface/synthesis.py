@@ -210,9 +210,11 @@ def wall_pair(
     shift_in_cells : int
         Shift of the mated part along x, at least 0.
     mismatch_wavelength : float, optional
-        Waves longer than this [m] mate, shorter ones are independent (Brown and Glover); in the
-        place of ``correlation``, which must be 0. Under ``normalise`` "wall" both walls are
-        scaled alike, so that the long waves mate: their slopes pooled have the Z2 of the JRC.
+        Waves longer than this [m] mate, shorter ones are independent (Brown 1995; the sharp limit
+        of Glover et al. 1998); 0 are mates. In the place of ``correlation``, which must be 0. Each
+        wall's spectrum is that of independent walls, whatever the wavelength. Under ``normalise``
+        "wall" both walls are scaled alike, so that the long waves mate: their slopes pooled have
+        the Z2 of the JRC.
     rule : {"self_affine", "walk"}
         self_affine: profiles have the Hurst exponent; walk: independent slopes along x and
         along y, projected on the nearest heights (`Spectrum`). Then ``hurst`` only carries Z2 from
@@ -241,14 +243,7 @@ def wall_pair(
     check_number("shift_in_cells", shift_in_cells, whole=True)
     _check(shape, spacing, hurst, correlation, shift_in_cells)
     _check_normalise(normalise)
-    if mismatch_wavelength is not None:
-        check_number("mismatch_wavelength", mismatch_wavelength)
-        if not mismatch_wavelength > 0.0:
-            raise InputError(f"mismatch_wavelength = {mismatch_wavelength!r} m: must be positive")
-        if correlation != 0.0:
-            raise InputError(
-                f"correlation = {correlation!r}: must be 0 where mismatch_wavelength is given"
-            )
+    check_mismatch(mismatch_wavelength, correlation)
     jrc, spacing, hurst, correlation = (float(v) for v in (jrc, spacing, hurst, correlation))
     z2 = z2_of_jrc(jrc, spacing, hurst, jrc_relation)
     ny, nx = shape
@@ -293,6 +288,21 @@ def _partly_mated(
     cells = wide[1] - shift
     (upper, lower), rows = fields, slice(wide[0])
     return detrended(upper[rows, shift : shift + cells]), detrended(lower[rows, :cells])
+
+
+def check_mismatch(mismatch_wavelength: float | None, correlation: float) -> None:
+    """Raise `InputError` for a bad mismatch wavelength [m], or one beside a correlation."""
+    if mismatch_wavelength is None:
+        return
+    check_number("mismatch_wavelength", mismatch_wavelength)
+    if not 0.0 <= mismatch_wavelength < np.inf:
+        raise InputError(
+            f"mismatch_wavelength = {mismatch_wavelength!r} m: must be finite, 0 or above"
+        )
+    if correlation != 0.0:
+        raise InputError(
+            f"correlation = {correlation!r}: must be 0 where mismatch_wavelength is given"
+        )
 
 
 def _check_normalise(normalise: str) -> None:

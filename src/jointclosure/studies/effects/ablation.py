@@ -13,13 +13,13 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.config.typed import Ablation
+from jointclosure.engineering.curves import hysteresis
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.surfaces import walls_of
 from jointclosure.ensemble.timing import timed_simulation
-from jointclosure.history import branch_of
 from jointclosure.loading import largest_stress
 from jointclosure.parameters import Effects, scene_name, well_posed_scenes
-from jointclosure.protocol import FAILURE, LOADING, UNLOADING
+from jointclosure.protocol import FAILURE
 
 TARGETS = ("max_closure", "residual_closure", "hysteresis")
 
@@ -110,21 +110,6 @@ def close_scene(
             "cycle": np.arange(1, cycles + 1),
         },
     )
-
-
-def hysteresis(closed: xr.Dataset) -> np.ndarray:
-    """Share of each cycle's work of loading that unloading does not give back (cycles,)."""
-    closure, stress = closed.closure.values, closed.normal_stress.values
-    cycle, branch = closed.cycle.values, closed.branch.values
-    shares = np.full(closed.max_closure.size, np.nan)
-    for index in range(shares.size):
-        loading = branch_of(cycle, branch, index + 1, LOADING)
-        unloading = branch_of(cycle, branch, index + 1, UNLOADING)
-        if loading.size > 1 and unloading.size > 1:
-            given = np.trapezoid(stress[loading], closure[loading])
-            back = -np.trapezoid(stress[unloading], closure[unloading])
-            shares[index] = 1.0 - back / given
-    return shares
 
 
 def effect_table(runs: Mapping[tuple[str, str], xr.Dataset]) -> pd.DataFrame:

@@ -115,7 +115,12 @@ def measured_curves(
 
 
 def parsed_curve(
-    text: str, name: str, stress_unit: str | None = None, closure_unit: str | None = None
+    text: str,
+    name: str,
+    stress_unit: str | None = None,
+    closure_unit: str | None = None,
+    *,
+    cycle: int | None = None,
 ) -> MeasuredCurve:
     """A curve from the text of a CSV file.
 
@@ -129,6 +134,8 @@ def parsed_curve(
         Of the file, for messages.
     stress_unit, closure_unit : str, optional
         Units of columns whose header has none.
+    cycle : int, optional
+        Of all rows, where there is no such column; by default there must be one.
 
     Raises
     ------
@@ -146,7 +153,8 @@ def parsed_curve(
     where = f"{name}, line {lines[0][0]}"
     if len(header) == 1:
         raise InputError(f"{where}: {header[0]!r}: columns must be separated by commas")
-    columns = _columns(header, where, {"stress": stress_unit, "closure": closure_unit})
+    units = {"stress": stress_unit, "closure": closure_unit}
+    columns = _columns(header, where, units, needs_cycle=cycle is None)
     rows = []
     for number, line in lines[1:]:
         cells = next(csv.reader([line]))
@@ -160,12 +168,15 @@ def parsed_curve(
         rows.append((*values, number))
     if not rows:
         raise InputError(f"{name}: has a header and no rows")
-    stress, closure, cycle, numbers = (np.array(column) for column in zip(*rows, strict=True))
+    stress, closure, *cycles, numbers = (np.array(column) for column in zip(*rows, strict=True))
+    of_cycle = cycles[0].astype(int) if cycles else np.full(len(rows), cycle)
     factors = [SI_FACTORS.get(unit, 1.0) for _, unit in columns.values()]
-    return MeasuredCurve(stress * factors[0], closure * factors[1], cycle.astype(int), numbers)
+    return MeasuredCurve(stress * factors[0], closure * factors[1], of_cycle, numbers)
 
 
-def _columns(header: list[str], where: str, units: dict) -> dict[str, tuple[int, str]]:
+def _columns(
+    header: list[str], where: str, units: dict, needs_cycle: bool
+) -> dict[str, tuple[int, str]]:
     """Position and unit of stress, closure and cycle, in that order."""
     found: dict[str, tuple[int, str]] = {}
     for position, cell in enumerate(header):
@@ -186,12 +197,13 @@ def _columns(header: list[str], where: str, units: dict) -> dict[str, tuple[int,
                 + f" one of {', '.join(filter(None, allowed)) or 'none'}"
             )
         found[quantity] = position, unit
-    missing = [name for name in ("stress", "closure", "cycle") if name not in found]
+    needed = ("stress", "closure", *(["cycle"] if needs_cycle else []))
+    missing = [name for name in needed if name not in found]
     if missing:
         raise InputError(
             f"{where}: lacks {', '.join(missing)} (columns are stress_MPa,closure_mm,cycle)"
         )
-    return {name: found[name] for name in ("stress", "closure", "cycle")}
+    return {name: found[name] for name in ("stress", "closure", "cycle") if name in found}
 
 
 def _number(cell: str, where: str, quantity: str) -> float:
@@ -210,15 +222,9 @@ def _number(cell: str, where: str, quantity: str) -> float:
 
 def _check_curve(curve: MeasuredCurve, rock: str, told: CurveSettings) -> None:
     """Refuse a curve that the study cannot be held against."""
-    name, cycles, seating = told.measured.file, told.cycles, told.seating_stress
-    largest, seating_MPa = told.max_normal_stress, 1e-6 * seating
+    name, cycles, largest = told.measured.file, told.cycles, told.max_normal_stress
     for i in range(curve.stress.size):
         where = f"{name}, line {curve.line[i]}"
-        if i and curve.cycle[i] < curve.cycle[i - 1]:
-            raise InputError(
-                f"{where}: cycle = {curve.cycle[i]} after cycle {curve.cycle[i - 1]}: "
-                "points must be in the order in which they were measured"
-            )
         if curve.cycle[i] > cycles:
             raise InputError(
                 f"{where}: cycle = {curve.cycle[i]}: the study has study.cycles = {cycles}"
@@ -228,6 +234,20 @@ def _check_curve(curve: MeasuredCurve, rock: str, told: CurveSettings) -> None:
                 f"{where}: stress = {1e-6 * curve.stress[i]:g} MPa: must be at most "
                 f"rocks.{rock}.max_normal_stress_MPa = {1e-6 * largest:g}"
             )
+    check_loadings(curve, name, told.seating_stress)
+
+
+def check_loadings(curve: MeasuredCurve, name: str, seating: float) -> None:
+    """Raise `InputError` unless cycles rise, each loaded from below the seating stress [Pa] on.
+
+    ``name`` is that of the file, for messages.
+    """
+    seating_MPa = 1e-6 * seating
+    for i in np.flatnonzero(np.diff(curve.cycle) < 0) + 1:
+        raise InputError(
+            f"{name}, line {curve.line[i]}: cycle = {curve.cycle[i]} after cycle "
+            f"{curve.cycle[i - 1]}: points must be in the order in which they were measured"
+        )
     for cycle in curve.cycles:
         loading, _ = curve.branches(cycle)[LOADING]
         where = f"{name}, line {curve.line[curve.cycle == cycle][0]}"

@@ -1,0 +1,221 @@
+"""A joint fitted to its measured closure: mismatch wavelength, and strength if asked for."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from jointclosure.config.rocks import named_rock
+from jointclosure.ensemble.settings import Conditions
+from jointclosure.inputs import InputError, check_number, check_positive
+from jointclosure.parameters import Choices, Effects, Numerics, Rock, check_rock, check_usual
+from jointclosure.randomness import seed_of
+from jointclosure.storage.text import read_text
+from jointclosure.studies.measured.calibration import (
+    Interval,
+    Likelihood,
+    Readings,
+    likelihood_of,
+    readings_of_curve,
+    simulated_readings,
+)
+from jointclosure.studies.measured.curves import MeasuredCurve, check_loadings, parsed_curve
+from jointclosure.surface.synthesis import wall_pair
+
+WAVELENGTHS, STRENGTHS = 8, 4
+"""How many of each joints are closed at."""
+STRENGTH_RANGE = (0.5, 2.0)
+"""Of the strength that was given: where another is looked for."""
+DOUBTFUL = 0.01
+"""Below this p-value no mismatch wavelength makes the curve likely."""
+
+
+class Fit(NamedTuple):
+    """A joint fitted to a measured curve.
+
+    Attributes
+    ----------
+    mismatch_wavelength : Interval
+        [m], with the ends of its 95 % interval; 0 where mates are not excluded, infinite where
+        independent walls are not.
+    compressive_strength : Interval or None
+        [Pa]; None where it was not asked for.
+    p_value : float
+        How often a joint of these is as far from their mean as the measured one.
+    measured : Readings
+        What was read of the curve.
+    simulated : array (wavelengths, strengths, joints, readings)
+        The logarithm of the same of the joints that were closed.
+    likelihood : Likelihood
+    """
+
+    mismatch_wavelength: Interval
+    compressive_strength: Interval | None
+    p_value: float
+    measured: Readings
+    simulated: np.ndarray
+    likelihood: Likelihood
+
+    def sentences(self) -> list[str]:
+        """What was found, in words."""
+        said = [f"mismatch wavelength {_told(self.mismatch_wavelength, 1e3, 'mm')}"]
+        if self.compressive_strength is not None:
+            said.append(f"compressive strength {_told(self.compressive_strength, 1e-6, 'MPa')}")
+        if math.isinf(self.mismatch_wavelength.high):
+            said.append("independent walls are not excluded")
+        if self.mismatch_wavelength.low == 0.0:
+            said.append("mates are not excluded")
+        said.append(f"{100.0 * self.p_value:.2g} % of such joints are as far from their mean")
+        if self.p_value < DOUBTFUL:
+            said[-1] = (
+                f"Warning: only {said[-1]}: the model hardly makes this curve, and the interval "
+                "does not hold; check rock, roughness, size and units"
+            )
+        return said
+
+    def __repr__(self) -> str:
+        return f"<Fit: {'; '.join(self.sentences())}>"
+
+
+def fit(
+    curve: str | Path | MeasuredCurve,
+    *,
+    rock: str | Rock,
+    jrc: float,
+    shape: tuple[int, int] = (64, 64),
+    spacing: float = 0.25e-3,
+    seating_stress: float = 0.5e6,
+    fit_strength: bool = False,
+    stress_unit: str | None = None,
+    closure_unit: str | None = None,
+    surfaces: int = 12,
+    closure_error: float = 0.02,
+    seed: int = 1,
+    hurst: float = 0.8,
+    roll_off: float | None = None,
+    effects: Effects = Effects(),
+    choices: Choices = Choices(),
+    numerics: Numerics = Numerics(),
+    report: Callable[[float], None] = lambda share: None,
+) -> Fit:
+    """Find the mismatch wavelength of the joint whose closure was measured.
+
+    Parameters
+    ----------
+    curve : path or MeasuredCurve
+        CSV with columns stress and closure, in units that their names have (stress_MPa,
+        closure_mm) or that are given here, in the order of measurement; and cycle, where there
+        are several, all to one largest stress.
+    rock : str or Rock
+        Of both walls, by its name (`jointclosure.config.rocks.named_rock`) or properties.
+    jrc : float
+        Joint roughness coefficient of both walls.
+    shape : (ny, nx)
+        Cells of the joints that are closed: closures are of that size.
+    spacing : float
+        Grid spacing [m].
+    seating_stress : float
+        From which closures count [Pa]; the curve must start at or below it.
+    fit_strength : bool
+        Whether the compressive strength is found too, from half to twice the rock's.
+    stress_unit, closure_unit : str, optional
+        Where the columns' names have none: Pa, MPa or GPa; m, mm or um.
+    surfaces : int
+        Joints that are closed at each of 8 mismatch wavelengths, from two spacings to the shorter
+        side, and 4 strengths if asked for.
+    closure_error : float
+        Relative error of measured closures, one standard deviation.
+    seed : int
+        Of the joints.
+    hurst, roll_off
+        As for `jointclosure.wall_pair`.
+    effects, choices, numerics
+        As for `jointclosure.simulate`.
+    report : callable
+        Told the share of joints that are closed.
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    InputError
+        A file that cannot be read as a curve, or a number out of its range.
+
+    Notes
+    -----
+    See `jointclosure.studies.measured.calibration`: the scatter of joints is the likelihood, as
+    if the model were right and rock, roughness and size were known.
+    """
+    intact = named_rock(rock) if isinstance(rock, str) else rock
+    check_rock(intact)
+    _check(surfaces, closure_error, seating_stress, shape)
+    measured = _measured(curve, seating_stress, stress_unit, closure_unit)
+    stress = float(measured.levels[-1])
+    check_usual((intact, intact), max_normal_stress=stress)
+    conditions = Conditions(
+        spacing, intact, stress, measured.cycles, seating_stress, effects, choices, numerics
+    )
+
+    def walls(number: int, wavelength: float) -> tuple[np.ndarray, np.ndarray]:
+        return wall_pair(
+            jrc, shape, spacing, seed_of(seed, "fit", number), hurst,
+            mismatch_wavelength=wavelength, roll_off=roll_off,
+        )  # fmt: skip
+
+    wavelengths = np.geomspace(2.0 * spacing, min(shape) * spacing, WAVELENGTHS)
+    factors = np.geomspace(*STRENGTH_RANGE, STRENGTHS) if fit_strength else np.ones(1)
+    strengths = intact.compressive_strength * factors
+    simulated = simulated_readings(
+        walls, conditions, measured, wavelengths, strengths, surfaces, report
+    )
+    found = likelihood_of(measured, simulated, wavelengths, strengths, closure_error)
+    strength = found.interval(1) if fit_strength else None
+    return Fit(found.interval(0), strength, found.p_value, measured, simulated, found)
+
+
+def _measured(
+    curve: str | Path | MeasuredCurve,
+    seating_stress: float,
+    stress_unit: str | None,
+    closure_unit: str | None,
+) -> Readings:
+    """What is read of a curve, checked."""
+    if isinstance(curve, MeasuredCurve):
+        name = "curve"
+    else:
+        name = str(curve)
+        if not Path(curve).is_file():
+            raise InputError(f"{name}: there is no such file")
+        curve = parsed_curve(read_text(curve), name, stress_unit, closure_unit, cycle=1)
+    check_loadings(curve, name, seating_stress)
+    try:
+        return readings_of_curve(curve, seating_stress)
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from None
+
+
+def _check(
+    surfaces: int, closure_error: float, seating_stress: float, shape: tuple[int, int]
+) -> None:
+    check_number("surfaces", surfaces, whole=True)
+    if surfaces < 4:
+        raise InputError(f"surfaces = {surfaces}: must be at least 4, whose scatter is needed")
+    check_positive("closure_error", closure_error, "")
+    check_positive("seating_stress", seating_stress, "Pa")
+    if not isinstance(shape, tuple | list) or len(shape) != 2 or min(shape) < 8:
+        raise InputError(f"shape = {shape!r}: must be (cells along y, along x), at least 8 each")
+
+
+def _told(found: Interval, scale: float, unit: str) -> str:
+    """An estimate with its interval, in a unit."""
+    value, low, high = (scale * part for part in found)
+    if value == 0.0:
+        return f"below {high:.3g} {unit} (95 % interval)"
+    if math.isinf(value):
+        return f"above {low:.3g} {unit} (95 % interval)"
+    upper = f"{high:.3g}" if math.isfinite(high) else "no end"
+    return f"{value:.3g} {unit} (95 % interval {low:.3g} to {upper})"

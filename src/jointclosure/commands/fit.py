@@ -1,0 +1,164 @@
+"""`jointclosure fit`: the mismatch wavelength of the joint whose closure was measured."""
+
+import argparse
+import json
+import math
+from pathlib import Path
+
+from jointclosure.calibration import Fit, fit
+from jointclosure.commands import COMMANDS
+from jointclosure.commands.joint_options import (
+    add_model,
+    add_rock,
+    add_seating,
+    base_keys,
+    check_folder,
+    joint_configuration,
+)
+from jointclosure.config.configuration import Configured
+from jointclosure.ensemble.cases import cases_of
+from jointclosure.inputs import InputError
+from jointclosure.progress import bar
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.provenance import provenance
+from jointclosure.storage.text import read_text, write_text
+from jointclosure.studies.measured.calibration import Interval
+from jointclosure.studies.measured.curves import CLOSURE_UNITS, STRESS_UNITS, parsed_curve
+
+_EXAMPLES = """examples:
+  jointclosure fit curve.csv --rock granite --jrc 10
+  jointclosure fit curve.csv --rock granite --jrc 10 --fit-strength --output my_fit
+  jointclosure fit curve.csv --youngs-modulus 60 --poisson-ratio 0.22 --strength 180 --jrc 8 \\
+      --stress-unit MPa --closure-unit mm --seating 0.25
+
+The curve has columns stress_MPa, closure_mm and, of several cycles, cycle (docs/mismatch.md).
+"""
+
+
+def add_to(commands) -> None:
+    """Declare the command and its arguments."""
+    command = commands.add_parser(
+        "fit",
+        help=COMMANDS["fit"],
+        description="Close joints from mates to independent walls, and find the mismatch\n"
+        "wavelength of those that close as was measured, with a 95 % interval.",
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.add_argument("curve", type=Path, help="CSV of the measured closure curve")
+    curve = command.add_argument_group("curve")
+    curve.add_argument(
+        "--stress-unit", choices=STRESS_UNITS, help="where the column's name has none"
+    )
+    curve.add_argument(
+        "--closure-unit", choices=CLOSURE_UNITS, help="where the column's name has none"
+    )
+    curve.add_argument(
+        "--closure-error", type=float, default=2.0, metavar="%",
+        help="error of measured closures, one standard deviation (default 2)",
+    )  # fmt: skip
+    add_seating(curve)
+    add_rock(command)
+    joint = command.add_argument_group("joint")
+    joint.add_argument("--jrc", type=float, metavar="JRC", help="joint roughness coefficient")
+    joint.add_argument(
+        "--cells", type=int, default=64, metavar="N", help="cells along its sides (default 64)"
+    )
+    joint.add_argument("--spacing", type=float, metavar="mm", help="grid spacing")
+    joint.add_argument(
+        "--fit-strength", action="store_true", help="find the compressive strength too"
+    )
+    joint.add_argument(
+        "--surfaces", type=int, default=12, metavar="N",
+        help="joints at each mismatch wavelength (default 12)",
+    )  # fmt: skip
+    joint.add_argument("--seed", type=int, default=1, metavar="N", help="of the joints (default 1)")
+    add_model(command)
+    results = command.add_argument_group("results")
+    results.add_argument(
+        "--output", type=Path, metavar="FOLDER", help="where numbers and a picture go"
+    )
+    command.set_defaults(run=run)
+
+
+def run(arguments) -> int:
+    """Fit the joint, and say and write what was found."""
+    if arguments.output:
+        from jointclosure.plotting.calibration import fit_figure
+
+        check_folder(arguments.output)
+    if not arguments.curve.is_file():
+        raise InputError(f"{arguments.curve}: there is no such file")
+    units = (arguments.stress_unit, arguments.closure_unit)
+    curve = parsed_curve(read_text(arguments.curve), str(arguments.curve), *units, cycle=1)
+    settings = _settings(arguments, float(curve.stress.max()))
+    configuration, case = settings.typed, cases_of(settings.typed)[0]
+    surface = configuration.surface
+    with bar("closing") as show:
+        found = fit(
+            arguments.curve,
+            rock=case.intact,
+            jrc=case.jrc,
+            shape=configuration.grid.shape,
+            spacing=configuration.grid.spacing,
+            seating_stress=configuration.seating_stress,
+            fit_strength=arguments.fit_strength,
+            stress_unit=arguments.stress_unit,
+            closure_unit=arguments.closure_unit,
+            surfaces=arguments.surfaces,
+            closure_error=1e-2 * arguments.closure_error,
+            seed=arguments.seed,
+            hurst=surface.hurst,
+            roll_off=surface.roll_off,
+            effects=case.effects,
+            choices=configuration.choices,
+            numerics=configuration.numerics,
+            report=lambda share: show(share, ""),
+        )
+    print("\n".join(f"- {line}" for line in found.sentences()))
+    if arguments.output:
+        record = _record(found, settings)
+        write_text(json.dumps(record, indent=1) + "\n", arguments.output / "fit.json")
+        save_figure(fit_figure(found, arguments.curve.name), arguments.output / "fit.png")
+        print(f"wrote {arguments.output}: fit.json, fit.png")
+    return 0
+
+
+def _settings(arguments, largest: float) -> Configured:
+    """The whole configuration that the arguments describe, checked; waves of all lengths."""
+    grid: dict = {"cells_x": arguments.cells, "cells_y": arguments.cells}
+    if arguments.spacing is not None:
+        grid["spacing_mm"] = arguments.spacing
+    base = base_keys(arguments)
+    if arguments.jrc is None and base["rocks"].get(arguments.rock, {}).get("jrc") is None:
+        raise InputError("--jrc: must be given")
+    own = {"max_normal_stress_MPa": 1e-6 * largest, "walls": None}
+    needed = ("youngs_modulus", "poisson_ratio", "strength", "jrc")
+    changes = {"grid": grid, "surface": {"roll_off_mm": None}}
+    return joint_configuration(base, arguments, own, changes, needed)
+
+
+def _record(found: Fit, settings: Configured) -> dict:
+    """What was found, with units in the names; null stands for infinity."""
+    strength = found.compressive_strength
+    return {
+        "found": found.sentences(),
+        "mismatch_wavelength_mm": _scaled(found.mismatch_wavelength, 1e3),
+        "compressive_strength_MPa": None if strength is None else _scaled(strength, 1e-6),
+        "p_value": found.p_value,
+        "stress_MPa": (1e-6 * found.measured.levels).tolist(),
+        "measured_mm": (1e3 * found.measured.values).tolist(),
+        "likelihood": {
+            "wavelength_mm": (1e3 * found.likelihood.wavelengths).tolist(),
+            "strength_MPa": (1e-6 * found.likelihood.strengths).tolist(),
+            "log": found.likelihood.log.tolist(),
+        },
+        "provenance": provenance(settings.keys),
+    }
+
+
+def _scaled(found: Interval, scale: float) -> dict[str, float | None]:
+    return {
+        name: scale * value if math.isfinite(value) else None
+        for name, value in found._asdict().items()
+    }

@@ -1,0 +1,1 @@
+"""Mated, natural and non-mated walls: closure against mismatch wavelength and shift."""

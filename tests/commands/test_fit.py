@@ -1,0 +1,54 @@
+"""`jointclosure fit`: what it says and writes is what the library finds."""
+
+import json
+
+import pytest
+
+import jointclosure as jc
+from jointclosure import cli
+from tests.studies.test_calibration import GOOD
+
+SMALL = ["--rock", "granite", "--jrc", "10", "--cells", "16", "--surfaces", "6"]
+
+
+def said(capsys, *words):
+    code = cli.main(["fit", *map(str, words)])
+    return code, *capsys.readouterr()
+
+
+@pytest.fixture
+def curve(tmp_path):
+    path = tmp_path / "lab.csv"
+    path.write_text(GOOD)
+    return path
+
+
+def test_the_command_finds_what_the_library_does(curve, tmp_path, capsys):
+    code, out, err = said(capsys, curve, *SMALL, "--output", tmp_path / "fitted")
+    assert (code, err) == (0, "")
+    found = jc.fit(curve, rock="granite", jrc=10.0, shape=(16, 16), surfaces=6)
+    assert all(f"- {line}" in out for line in found.sentences())
+    record = json.loads((tmp_path / "fitted/fit.json").read_text())
+    assert record["found"] == found.sentences()
+    assert record["p_value"] == found.p_value
+    assert record["compressive_strength_MPa"] is None
+    told = json.loads(record["provenance"]["configuration"])
+    assert told["rocks"]["granite"]["max_normal_stress_MPa"] == 5.0
+    assert (tmp_path / "fitted/fit.png").stat().st_size > 20000
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["nowhere.csv", *SMALL], "nowhere.csv: there is no such file"),
+        (["{}", "--rock", "granite"], "--jrc: must be given"),
+        (["{}", "--jrc", "10"], "without --rock: --youngs-modulus, --poisson-ratio, --strength"),
+        (["{}", *SMALL, "--surfaces", "1"], "surfaces = 1: must be at least 4"),
+        (["{}", *SMALL, "--seating", "6"], "seating_stress_MPa = 6: must be below"),
+    ],
+)
+def test_what_is_missing_or_wrong_is_one_line(curve, capsys, words, message):
+    code, _, err = said(capsys, *(word.format(curve) for word in words))
+    assert code == 2
+    assert message in err
+    assert err.count("\n") == 1

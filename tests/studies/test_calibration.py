@@ -1,0 +1,154 @@
+"""A joint fitted to its measured closure: the interval covers the mismatch it was made with."""
+
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from jointclosure.calibration import fit
+from jointclosure.ensemble.closing import close_walls
+from jointclosure.ensemble.settings import Conditions
+from jointclosure.history import branch_of
+from jointclosure.protocol import LOADING, UNLOADING
+from jointclosure.studies.measured.calibration import (
+    likelihood_of,
+    readings_of_curve,
+    readings_of_history,
+    simulated_readings,
+)
+from jointclosure.studies.measured.curves import MeasuredCurve, parsed_curve
+from tests.conftest import SPACING
+
+GRANITE = jc.Rock(73e9, 0.25, 173e6)
+SHAPE, STRESS, SEATING = (24, 24), 5e6, 0.5e6
+CONDITIONS = Conditions(
+    SPACING, GRANITE, STRESS, 1, SEATING, jc.Effects(), jc.Choices(), jc.Numerics()
+)
+WAVELENGTHS = np.geomspace(3.0 * SPACING, SHAPE[0] * SPACING, 5)
+
+
+def walls(number, wavelength):
+    return jc.wall_pair(10.0, SHAPE, SPACING, number, mismatch_wavelength=wavelength)
+
+
+def curve_of(history):
+    """A history as a laboratory would have measured it."""
+    cycle, branch = history.cycle.values, history.branch.values
+    steps = np.concatenate([branch_of(cycle, branch, 1, name) for name in (LOADING, UNLOADING)])
+    stress, closure = history.normal_stress.values[steps], history.closure.values[steps]
+    return MeasuredCurve(stress, closure + 3e-4, np.ones(steps.size, int), steps)
+
+
+@pytest.fixture(scope="module")
+def simulated():
+    asked = readings_of_curve(curve_of(close_walls(*walls(1, 2e-3), CONDITIONS)), SEATING)
+    strengths = np.array([GRANITE.compressive_strength])
+    return simulated_readings(walls, CONDITIONS, asked, WAVELENGTHS, strengths, 10)
+
+
+def test_a_curve_is_read_as_the_history_that_it_was_measured_of():
+    history = close_walls(*walls(1, 2e-3), CONDITIONS)
+    measured = readings_of_curve(curve_of(history), SEATING)
+    assert measured.unloaded == (1,)
+    np.testing.assert_allclose(measured.levels, [1.625e6, 2.75e6, 5e6], rtol=2e-3)
+    # wherever a laboratory's closures start
+    np.testing.assert_allclose(readings_of_history(history, measured), measured.values)
+
+
+def test_the_interval_covers_the_mismatch_wavelength_of_synthetic_joints(simulated):
+    held, told = [], []
+    for number in range(24):
+        truth = float(np.exp(np.random.default_rng(number).uniform(*np.log([1e-3, 4e-3]))))
+        curve = curve_of(close_walls(*walls(10_000 + number, truth), CONDITIONS))
+        measured = readings_of_curve(curve, SEATING)
+        found = likelihood_of(measured, simulated, WAVELENGTHS, np.array([173e6]), 0.02)
+        value, low, high = found.interval(0)
+        held.append(low <= truth <= high)
+        told.append(min(high, WAVELENGTHS[-1]) / max(low, WAVELENGTHS[0]))
+        assert low <= value <= high
+    assert np.mean(held) >= 0.85
+    # and it says something, of a range of eight
+    assert np.median(told) < 5.0
+
+
+def made_up(rng, x, y, count):
+    """Log readings of a law of mismatch and strength, with a scatter of 10 %."""
+    mean = np.array([-9.0, -8.5, -8.0]) + 0.8 * x - np.array([0.2, 0.5, 0.9]) * y
+    return mean + 0.1 * rng.standard_normal((count, 3))
+
+
+def test_mismatch_and_strength_are_told_apart_with_intervals_that_cover_them():
+    rng = np.random.default_rng(5)
+    wavelengths, strengths = np.geomspace(1e-3, 8e-3, 6), np.geomspace(80e6, 320e6, 4)
+    simulated = np.array(
+        [[made_up(rng, np.log(w), np.log(s / 160e6), 12) for s in strengths] for w in wavelengths]
+    )
+    held = []
+    for _ in range(60):
+        truth = np.exp(rng.uniform(*np.log([1.5e-3, 5e-3]))), rng.uniform(110e6, 230e6)
+        values = np.exp(made_up(rng, np.log(truth[0]), np.log(truth[1] / 160e6), 1)[0])
+        measured = parsed_readings(values)
+        found = likelihood_of(measured, simulated, wavelengths, strengths, 0.02)
+        ends = found.interval(0)[1:], found.interval(1)[1:]
+        held.append([low <= value <= high for value, (low, high) in zip(truth, ends, strict=True)])
+    assert np.all(np.mean(held, axis=0) >= 0.88)
+    assert 0.001 < found.p_value <= 1.0
+    # a curve of another law is one that such joints do not make
+    odd = likelihood_of(
+        parsed_readings(np.exp([-8.0, -8.5, -9.0])), simulated, wavelengths, strengths, 0.02
+    )
+    assert odd.p_value < 1e-6
+
+
+def parsed_readings(values):
+    curve = parsed_curve(GOOD, "lab.csv", cycle=1)
+    return readings_of_curve(curve, SEATING)._replace(values=values)
+
+
+GOOD = "stress_MPa,closure_mm\n0,0\n0.5,0.02\n1,0.05\n2,0.08\n5,0.12\n"
+
+
+def test_a_fit_says_its_interval_in_words_and_doubts_a_curve_that_no_joint_makes(tmp_path):
+    path = tmp_path / "lab.csv"
+    path.write_text(GOOD)
+    about = {"rock": "granite", "jrc": 10.0, "shape": (16, 16), "surfaces": 6}
+    shares = []
+    found = fit(path, **about, report=shares.append)
+    assert shares[-1] == 1.0
+    assert len(shares) == 8 * 6
+    assert found.compressive_strength is None
+    assert "95 % interval" in repr(found)
+    assert "\n" not in repr(found)
+    assert found.simulated.shape == (8, 1, 6, 3)
+    again = fit(path, **about)
+    assert again.mismatch_wavelength == found.mismatch_wavelength
+    path.write_text(GOOD.replace("0.12", "40"))
+    assert "Warning" in repr(fit(path, **about))
+
+
+@pytest.mark.parametrize(
+    ("text", "about", "said"),
+    [
+        (None, {}, "lab.csv: there is no such file"),
+        ("stress,closure_mm\n1,2\n", {}, "column 'stress': has no unit"),
+        (GOOD.replace("0,0\n0.5", "0.8,0\n0.9"), {}, "must start at or below seating_stress"),
+        (GOOD.replace("0.12", "0.01"), {}, "the curve does not close"),
+        (
+            "stress_MPa,closure_mm,cycle\n0,0,1\n5,1,1\n0,0.5,1\n0,0.5,2\n4,1,2\n",
+            {},
+            "cycle 2 is loaded to 4 MPa and cycle 1 to 5 MPa",
+        ),
+        ("stress_MPa,closure_mm,cycle\n0,0,2\n5,1,2\n", {}, "cycles [2]: must be 1, 2 and so on"),
+        (GOOD, {"surfaces": 2}, "surfaces = 2: must be at least 4"),
+        (GOOD, {"closure_error": 0.0}, "closure_error = 0.0"),
+        (GOOD, {"shape": 16}, "shape = 16: must be (cells along y"),
+        (GOOD, {"rock": "grannite"}, "rock = 'grannite': must be a Rock or one of"),
+    ],
+)
+def test_a_curve_that_cannot_be_fitted_is_refused_in_a_line(tmp_path, text, about, said):
+    path = tmp_path / "lab.csv"
+    if text is not None:
+        path.write_text(text)
+    with pytest.raises(jc.InputError) as error:
+        fit(path, **({"rock": "granite", "jrc": 10.0} | about))
+    assert said in str(error.value)
+    assert "\n" not in str(error.value)
