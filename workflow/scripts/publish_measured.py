@@ -236,7 +236,8 @@ def _with_error(part: pd.Series, error: pd.Series) -> list[str]:
         if not math.isfinite(value):
             cells.append("")
             continue
-        digits = max(1 - math.floor(math.log10(doubt)), 0) if doubt > 0.0 else 3
+        digits = min(max(1 - math.floor(math.log10(doubt)), 0), 5) if doubt > 0.0 else 5
+        value = round(value, digits) + 0.0  # no negative zero
         cells.append(f"{value:.{digits}f} ± {doubt:.{digits}f}")
     return cells
 
@@ -292,15 +293,15 @@ def between() -> str:
     """What natural walls lie between, in a sentence."""
     table = read_csv(MISMATCH / "tables/mismatch.csv")
     first = table[(table.shift_mm == 0.0) & (table.cycle == 1)].set_index("wavelength_mm")
-    smooth = first[(first.index > 0.0) & (first.index < math.inf)]
-    free, near = first.loc[math.inf], smooth.iloc[0]
+    resolved = first[(first.residual_closure_mm > 0.0) & (first.index < math.inf)]
+    free, near = first.loc[math.inf], resolved.iloc[0]
     return (
         f"From a mismatch wavelength of {near.name:g} mm to independent walls the first cycle's "
         f"closure since seating goes from {near.closure_since_seating_mm:.2g} to "
         f"{free.closure_since_seating_mm:.2g} mm, the stiffness from 5 to 10 MPa from "
         f"{near.normal_stiffness_MPa_per_mm:.0f} to {free.normal_stiffness_MPa_per_mm:.0f} MPa/mm, "
-        f"and {100 * free.residual_share:.0f} % of independent walls' closure stays after "
-        "unloading.\n"
+        f"and the share of it that stays after unloading from {100 * near.residual_share:.0f} to "
+        f"{100 * free.residual_share:.0f} %. The second cycle hardly depends on the mismatch.\n"
     )
 
 
