@@ -151,7 +151,7 @@ def closed_before(
         realizations.append(int(pair.realization[0]))
         seeds.append(str(pair.seed.values[0]))
     named = np.array(seeds, dtype=object)
-    return _labelled(rows, np.array(realizations), named, conditions.cycles, stresses)
+    return labelled(rows, np.array(realizations), named, conditions.cycles, stresses)
 
 
 def _read(upper, lower, closed: xr.Dataset, seconds: float, stresses, conditions) -> dict:
