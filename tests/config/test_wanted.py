@@ -63,6 +63,14 @@ def test_control_variates_are_granted_where_they_pay():
     assert first.seconds == pytest.approx(20 * 2.0 + MEASURED_SURFACES * 1e-3)
 
 
+def test_a_cheaper_way_that_takes_more_than_the_most_surfaces_is_not_granted():
+    dear = TABLE.assign(measured_cost=1.0)
+    cheapest = grant(wanted(0.03), dear, PRESETS, 1)
+    assert (cheapest.control_variates, cheapest.surfaces) == (False, 100)
+    within = grant(wanted(0.03, most=50), dear, PRESETS, 1)
+    assert (within.control_variates, within.surfaces) == (True, 20)
+
+
 def test_a_bias_that_is_not_told_from_chance_counts_as_none():
     quiet = TABLE.assign(told=TABLE.method != "accurate")
     assert biases(quiet, "accurate", "mean") == {1: 0.0, 2: 0.0}
