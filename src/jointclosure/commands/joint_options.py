@@ -149,7 +149,7 @@ def joint_configuration(
         Options that must be given where no rock is named, of `OF_ROCK`.
     """
     given = {name: value for name, value in vars(arguments).items() if value is not None}
-    if isinstance(arguments.stress, tuple):
+    if isinstance(given.get("stress"), tuple):
         given["stress"] = max(arguments.stress)
     own = own | {key: given[option] for option, key in OF_ROCK.items() if option in given}
     name = arguments.rock or _UNNAMED

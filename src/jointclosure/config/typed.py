@@ -108,7 +108,7 @@ class Statistics(NamedTuple):
     bootstrap_confidence: float
     repetitions: int
     control_variates: int | None = None
-    jrc_half_widths: tuple[float, ...] = (1.0, 2.0)
+    jrc_half_widths: list[float] = []  # noqa: RUF012
 
 
 class Output(NamedTuple):
