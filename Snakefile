@@ -25,8 +25,10 @@ include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/effects.smk"
 include: "workflow/rules/readings_setting.smk"
 include: "workflow/rules/readings.smk"
+include: "workflow/rules/mismatch_setting.smk"
 include: "workflow/rules/mismatch.smk"
 include: "workflow/rules/numerics.smk"
+include: "workflow/rules/global_sensitivity_setting.smk"
 include: "workflow/rules/global_sensitivity.smk"
 
 

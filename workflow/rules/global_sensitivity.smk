@@ -1,49 +1,5 @@
 # Properties and open choices that vary together: `snakemake global_sensitivity --configfile config/global_sensitivity.yaml`.
 # Without the configuration's `global_sensitivity` section no rule here has work.
-from jointclosure.studies.global_sensitivity import design as global_design
-
-TOGETHER = config.get("global_sensitivity")
-TOGETHER_DESIGN = global_design.design_of(config) if TOGETHER else None
-TOGETHER_BLOCKS = (
-    {str(block.start): block for block in TOGETHER_DESIGN.blocks()} if TOGETHER else {}
-)
-TOGETHER_FILES = [
-    f"{RESULTS}/global_sensitivity/{rock}.{first}.nc"
-    for rock in (TOGETHER_DESIGN.rocks if TOGETHER else [])
-    for first in TOGETHER_BLOCKS
-]
-TOGETHER_TABLES = ["indices", "elasticities", "conclusions"]
-TOGETHER_FIGURES = ["indices", "convergence", "conclusions"]
-
-
-def together_keys(rock):
-    """The part of the configuration that the joints of a rock depend on."""
-    unused = ("accuracy", "ablation", "readings")
-    keys = {name: part for name, part in config.items() if name not in unused}
-    study = config["study"] | {"rocks": [rock], "pool": None}
-    return keys | {"study": study, "rocks": {rock: config["rocks"][rock]}}
-
-
-def together_told(rock, first):
-    """What the closing of some rows is told."""
-    rows = TOGETHER_BLOCKS[first]
-    return {
-        "design": to_plain(TOGETHER_DESIGN),
-        "configuration": together_keys(rock),
-        "rows": [rows.start, rows.stop],
-        "code": code_of("close_together"),
-    }
-
-
-def together_seal(file):
-    """The seal of rows that were closed."""
-    return seals_of(f"close_together/{Path(file).stem}")[0]
-
-
-TOGETHER_WITH = {
-    together_seal(file): settings_digest(together_told(*Path(file).stem.split(".")))
-    for file in TOGETHER_FILES
-}
 
 
 rule global_sensitivity:

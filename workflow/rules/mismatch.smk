@@ -1,27 +1,5 @@
 # Mated, natural and non-mated walls: `snakemake mismatch --configfile config/mismatch.yaml`.
 # Without a `mismatch` section there are no runs, and no rule here has work.
-from jointclosure.studies.mismatch import closing as mismatched
-
-MISMATCH = CONFIGURATION.mismatch
-WAVELENGTHS = mismatched.labels_of(CONFIGURATION) if MISMATCH else {}
-
-
-def mismatch_of(rock, label):
-    """Settings of the closures of a rock at a mismatch wavelength, as plain data."""
-    return to_plain(mismatched.settings_of(CONFIGURATION, rock, WAVELENGTHS[label]))
-
-
-MISMATCH_WITH = {
-    seals_of(f"close_mismatch/{rock}.{label}")[0]: settings_digest(
-        {"settings": mismatch_of(rock, label), "code": code_of("close_mismatch")}
-    )
-    for rock in (ROCKS if MISMATCH else [])
-    for label in WAVELENGTHS
-}
-
-
-wildcard_constraints:
-    label="[a-z0-9.]+",
 
 
 rule mismatch:
