@@ -87,7 +87,7 @@ REACHED: dict[str, tuple[Callable, Callable]] = {
 
 def drawn(samples: np.ndarray, n: int, random: np.random.Generator) -> np.ndarray:
     """A study of n independent draws at every level (level, realization)."""
-    return np.stack([level[random.permutation(level.size)[:n]] for level in samples])
+    return np.stack([level[random.integers(level.size, size=n)] for level in samples])
 
 
 def main(cells: int, stress: float, fresh: int) -> None:
