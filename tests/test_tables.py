@@ -29,6 +29,7 @@ def test_no_root_is_a_dash():
     assert interval_text(float("nan"), float("nan")) == "–"
     assert interval_text(12.7, 16.3) == "12.7 (16%)"
     assert interval_text(12.7, 16.3, "*") == "12.7* (16%)"
+    assert interval_text(12.7, 16.3, "", float("inf")) == "13 (16%)"
 
 
 def test_table_3_has_the_papers_layout():
@@ -46,6 +47,9 @@ def test_table_3_has_the_papers_layout():
     assert "1.00† (10%)" in table_3_markdown(
         table.assign(status_net="fitted deviation is negative at the root"), titles
     )
+    endless = table.assign(length_high=float("inf"), extrapolated=True)
+    assert "1.50*‡ (15%)" in table_3_markdown(endless, titles)
+    assert r"1.50$^*$$^\ddagger$ (15\%)" in table_3_latex(endless, titles)
     latex = table_3_latex(table, titles)
     assert r"\multicolumn{2}{c}{First loading cycle}" in latex
     assert latex.count(r"1.50 (15\%)") == 8

@@ -23,6 +23,11 @@ if TYPE_CHECKING:
 
 __all__ = ["aperture", "contacts", "curves", "damage", "stiffness", "wall", "walls"]
 
+
+def __dir__() -> list[str]:
+    return __all__
+
+
 _SINCE = ("touch", "seating", "cycle")
 
 

@@ -92,22 +92,26 @@ def interval_text(
 ) -> str:
     """An interval as the paper prints it: number and percentage, and a mark.
 
-    The number is rounded to its standard error, which it bears; to three figures without one.
+    The number is rounded to its standard error, which it bears; to three figures without one,
+    and to two where it is infinite.
     """
     if pd.isna(length):
         return "–"
     known = 0.0 < standard_error < float("inf")
-    number = rounded(length, standard_error) if known else significant(length, 3)
+    figures = 2 if standard_error == float("inf") else 3
+    number = rounded(length, standard_error) if known else significant(length, figures)
     return f"{number}{mark} ({significant(percent, 2)}%)"
 
 
 def _mark(row: pd.Series, column: str) -> str:
-    """Asterisk for a root outside the levels, dagger where the fitted deviation is negative."""
+    """Asterisk for a root outside the levels, dagger where the fitted deviation is negative;
+    double dagger where the confidence interval has no upper end."""
     if column in ("paper_", "unpaired_"):
         return ""
+    endless = "‡" if row.get(f"length_high{column}", 0.0) == float("inf") else ""
     if "negative" in str(row.get(f"status{column}", "")):
-        return "†"
-    return "*" if row.get(f"extrapolated{column}", False) else ""
+        return "†" + endless
+    return ("*" if row.get(f"extrapolated{column}", False) else "") + endless
 
 
 def significant(value: float, figures: int) -> str:
@@ -259,6 +263,7 @@ def _latex(cell: str) -> str:
         ("–", "--"),
         ("*", "$^*$"),
         ("†", r"$^\dagger$"),
+        ("‡", r"$^\ddagger$"),
     ):
         cell = cell.replace(plain, coded)
     return cell
@@ -293,7 +298,8 @@ def _note(table: pd.DataFrame, root: str) -> str:
         f"{seen}. With n = {samples} realisations a length{size} falls as one over the root of n: "
         "it depends on the sample size as much as on the rock. An asterisk marks an extrapolated "
         "root, beyond the levels tested (the paper has some too, unmarked); a dagger one where the "
-        "fitted deviation is negative, which means nothing."
+        "fitted deviation is negative, which means nothing; a double dagger one whose 95 % "
+        "confidence interval has no upper end."
     )
 
 

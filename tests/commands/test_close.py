@@ -119,7 +119,11 @@ def test_walls_lie_as_is_stated_and_are_moved_if_asked_to(scans):
             [*WORDS, "--rock", "granit"],
             "--rock granit: must be one of dolerite, siltstone, limestone, slate, granite",
         ),
-        (("top.xyz", "bottom.xyz"), WORDS, "without --rock: --youngs-modulus, --poisson-ratio"),
+        (
+            ("top.xyz", "bottom.xyz"),
+            WORDS,
+            "without --rock (such as --rock granite): --youngs-modulus, --poisson-ratio",
+        ),
         (
             ("top.xyz", "bottom.xyz"),
             [*WORDS, "--rock", "granite", "--grid-spacing", 0.1],

@@ -38,7 +38,7 @@ def test_another_grid_spacing_is_used_if_asked_for(scan, capsys):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ([], "scan.npy: does not say the units of its heights: give them (units)"),
+        ([], "scan.npy: does not say the units of its heights: give them (units; --units"),
         (["--units", "mm"], "scan.npy: does not say the spacing"),
         (["--units", "mm", "--spacing", "-1"], "--spacing -1.0: must be a positive number"),
         (["--units", "mm", "--spacing", "1", "--picture", "a.gif"], "a.gif: its name must end in"),

@@ -75,7 +75,10 @@ def test_a_failed_simulation_is_said_and_fails(capsys, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ([], "without --rock: --youngs-modulus, --poisson-ratio, --strength, --jrc, --stress"),
+        (
+            [],
+            "without --rock (such as --rock granite): --youngs-modulus, --poisson-ratio",
+        ),
         (["--rock", "dolorite"], "--rock dolorite: must be one of dolerite, siltstone"),
         (["--rock", "slate", "--jrc", "30"], "rocks.slate.jrc = 30.0: must be at most 20"),
         (["--rock", "slate", "--cells", "2"], "grid.cells_x = 2: must be at least 3; grid.cells_y"),

@@ -298,6 +298,18 @@ def test_columns_are_chosen_by_number_or_name(head, columns, wall, tmp_path):
     np.testing.assert_allclose(found.heights, 1e-3 * wall, atol=1e-12)
 
 
+def test_stated_units_that_make_no_wall_are_doubted(tmp_path):
+    """Points over 65 x 65: a wall in mm, and dust in um."""
+    random = np.random.default_rng(1)
+    points = np.column_stack([65.0 * random.random((400, 2)), random.random(400)])
+    np.savetxt(tmp_path / "wall.xyz", points)
+    assert read_scan(tmp_path / "wall.xyz", units="mm").remarks == ()
+    for units in ("um", "m"):
+        (said,) = read_scan(tmp_path / "wall.xyz", units=units).remarks
+        assert said.startswith(f"Warning: unusual in {units}; it spans")
+        assert "plausible in mm" in said
+
+
 def test_units_are_asked_for_with_what_would_be_plausible(tmp_path):
     points = np.random.default_rng(2).random((500, 3)) * 65.0
     np.savetxt(tmp_path / "a.xyz", points)

@@ -75,8 +75,11 @@ def claim_table() -> str:
     claims = read_csv(PAPER / "tables/claims.csv")
     rows = []
     for row in claims.itertuples():
-        known = not pd.isna(row.found_share)
-        found = percent_text(row.found_share, row.found_error) if known else ""
+        found = ""
+        if not pd.isna(row.found_share):
+            found = percent_text(row.found_share, row.found_error)
+            if not row.found_error > 0.0:  # none or all of the repetitions: the interval tells it
+                found += f" ({100.0 * row.found_low:.2g} to {100.0 * row.found_high:.4g})"
         own = "" if pd.isna(row.paper_finds) else row.paper_finds
         rows.append(f"| {row.number} | {row.claim} | {row.verdict} | {found} | {own} |")
     head = "| | claim | true of the model | studies that find it | in the paper's Table 3 |\n"
@@ -139,11 +142,12 @@ def facts() -> str:
         values = [100 * each.value for each in found]
         error = 100 * max(each.standard_error for each in found)
         lines.append(f"{min(values):.0f} to {max(values):.0f} (± {error:.1g}) % in cycle {cycle}")
-    flagged = int(((study.status.values & 2) > 0).sum())
+    joints = np.concatenate([study.status.values.ravel(), pool.status.values.ravel()])
+    flagged = int(((joints & 2) > 0).sum())
     return (
         f"The standard deviation over {pool.sizes['realization']} surfaces is {', '.join(lines)} "
-        f"of the mean maximum closure; {flagged} of {study.status.size} simulations are flagged as "
-        f"outside the model's range (contacts that cannot break carry over 10 % of the force).\n"
+        f"of the mean maximum closure; {flagged} of {joints.size} simulations, those "
+        "of the pool among them, are flagged as outside the model's range (contacts that cannot break carry over 10 % of the force).\n"
     )
 
 

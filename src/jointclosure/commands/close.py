@@ -123,6 +123,7 @@ def run(arguments) -> int:
     walls = next(iter(settings.typed.rocks.values())).walls
     assert walls is not None  # they are the arguments' own
     pair = _pair(arguments, walls)
+    arguments.output.mkdir(exist_ok=True)
     print("\n".join(f"- {line}" for line in pair.report))
     start = time.perf_counter()
     joint = _closed(settings, pair, arguments)

@@ -92,6 +92,8 @@ def run(arguments) -> int:
     units = (arguments.stress_unit, arguments.closure_unit)
     curve = parsed_curve(read_text(arguments.curve), str(arguments.curve), *units, cycle=1)
     settings = _settings(arguments, float(curve.stress.max()))
+    if arguments.output:
+        arguments.output.mkdir(exist_ok=True)
     configuration, case = settings.typed, cases_of(settings.typed)[0]
     surface = configuration.surface
     with bar("closing") as show:

@@ -157,7 +157,9 @@ def joint_configuration(
     if not arguments.rock:
         missing = ["--" + option.replace("_", "-") for option in needed if option not in given]
         if missing:
-            raise InputError(f"without --rock: {', '.join(missing)} must be given")
+            raise InputError(
+                f"without --rock (such as --rock granite): {', '.join(missing)} must be given"
+            )
         own["title"] = "Rock"
     if arguments.without:  # the rock's own settings go before the study's
         own["effects"] = dict.fromkeys(arguments.without, False)
@@ -265,9 +267,8 @@ def _setting(text: str) -> dict:
 
 
 def check_folder(folder: Path) -> None:
-    """Make the folder of the results, before anything is computed."""
+    """Whether the folder of the results can be made, before anything is computed."""
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder}: is a file, and must be a folder")
     if not folder.parent.is_dir():
         raise InputError(f"{folder}: there is no folder {folder.parent}")
-    folder.mkdir(exist_ok=True)

@@ -106,6 +106,8 @@ def run(arguments) -> int:
     )
     surfaces = surface_settings(configuration, case, range(1))
     conditions = loaded(closure_settings(configuration, case, surfaces).conditions(), arguments)
+    if arguments.tables:
+        arguments.tables.mkdir(exist_ok=True)
     print(f"{about}: {load_said(conditions.max_normal_stress, conditions.cycles)}")
     start = time.perf_counter()
     closed = _close(configuration, case, conditions, arguments)

@@ -15,7 +15,7 @@ from jointclosure.inputs import InputError
 from jointclosure.scans import grids, instruments, meshes, points
 from jointclosure.scans.contents import Contents
 from jointclosure.scans.sentinels import missing_values, said
-from jointclosure.scans.units import settled, size_of
+from jointclosure.scans.units import doubted, settled, size_of
 from jointclosure.surface.measured import Cloud, Scan
 
 READERS = {
@@ -92,6 +92,7 @@ def _digest(path: str, changed: int, size: int) -> str:
 def _in_metres(found: Contents, units: str | None, spacing: float | None) -> Scan | Cloud:
     sides = _sides(found)
     height = size_of(settled("heights", found.height_units, units, sides))
+    found = found._replace(remarks=found.remarks + doubted(units, sides))
     if found.points is not None:
         if spacing is not None:
             raise InputError(f"spacing = {1e3 * spacing:g} mm: these are points, and no grid")

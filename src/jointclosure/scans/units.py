@@ -38,10 +38,21 @@ def plausible(sides: tuple[float, float] | None) -> str:
     fitting = [
         f"{name} ({1e3 * size * sides[0]:.4g} x {1e3 * size * sides[1]:.4g} mm)"
         for name, size in UNITS.items()
-        if size * min(sides) >= SMALLEST_SIDE and size * max(sides) <= LARGEST_SIDE
+        if _is_plausible(size, sides)
     ]
     spans = f"; it spans {sides[0]:.4g} x {sides[1]:.4g}"
     return f"{spans}, plausible in {' or '.join(fitting)}" if fitting else spans
+
+
+def doubted(stated: str | None, sides: tuple[float, float] | None) -> tuple[str, ...]:
+    """A warning where the units that a user states make a wall no laboratory or outcrop has."""
+    if stated is None or sides is None or _is_plausible(size_of(stated), sides):
+        return ()
+    return (f"Warning: unusual in {stated}{plausible(sides)}",)
+
+
+def _is_plausible(size: float, sides: tuple[float, float]) -> bool:
+    return size * min(sides) >= SMALLEST_SIDE and size * max(sides) <= LARGEST_SIDE
 
 
 def settled(what: str, own: str | None, stated: str | None, sides=None) -> str:
@@ -60,7 +71,8 @@ def settled(what: str, own: str | None, stated: str | None, sides=None) -> str:
     if own is None:
         if stated is None:
             raise InputError(
-                f"does not say the units of its {what}: give them (units){plausible(sides)}"
+                f"does not say the units of its {what}: give them (units; --units "
+                f"on the command line){plausible(sides)}"
             )
         return stated
     if stated is not None and size_of(own) != size_of(stated):
