@@ -147,7 +147,8 @@ def facts() -> str:
     return (
         f"The standard deviation over {pool.sizes['realization']} surfaces is {', '.join(lines)} "
         f"of the mean maximum closure; {flagged} of {joints.size} simulations, those "
-        "of the pool among them, are flagged as outside the model's range (contacts that cannot break carry over 10 % of the force).\n"
+        "of the pool among them, are flagged as outside the model's range "
+        "(contacts that cannot break carry over 10 % of the force).\n"
     )
 
 
