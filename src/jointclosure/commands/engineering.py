@@ -42,6 +42,7 @@ def run(arguments) -> int:
             if name not in known:
                 raise InputError(f"--case {name}: must be one of {', '.join(known)}")
         check_folder(folder)
+        folder.mkdir(exist_ok=True)
         for name in asked:
             write_csv(band_table(study.sel(case=name).load()), folder / f"{name}.csv")
     low, _, high = QUANTILES
