@@ -6,17 +6,20 @@ is made, as notebooks show it. Lengths are drawn in mm and stresses in MPa.
 
 from typing import TYPE_CHECKING, Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 
 from jointclosure.engineering.stiffness import stiffness_table
+from jointclosure.extras import needs
 from jointclosure.inputs import InputError, check_length, check_one_of
 from jointclosure.plotting.joint import draw_curves
 from jointclosure.plotting.scanned_joint import draw_section, map_extent
 from jointclosure.plotting.snapshots import MAPS, draw_contacts, draw_map, state_said
 from jointclosure.plotting.style import BRANCH_LINES, styled
+
+with needs("figures", "jointclosure.plot"):
+    import matplotlib.pyplot as plt
+    from matplotlib.axes import Axes
 
 if TYPE_CHECKING:
     from jointclosure.ensemble.scanned_joint import ClosedJoint

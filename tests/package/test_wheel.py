@@ -85,8 +85,11 @@ def test_the_library_does_without_the_extras(program):
     for modules in EXTRAS.values():
         for module in modules:
             assert run(python, "-c", f"import {module}").returncode != 0, module
-    done = run(python, "-c", "import jointclosure as jc; [getattr(jc, n) for n in jc.__all__]")
+    names = "[name for name in jc.__all__ if name != 'plot']"
+    done = run(python, "-c", f"import jointclosure as jc; [getattr(jc, n) for n in {names}]")
     assert done.returncode == 0, done.stderr
+    plot = run(python, "-c", "import jointclosure as jc; jc.plot")
+    assert re.search(r"InputError: .* not installed: pip install '.*\[figures\]'", plot.stderr)
 
 
 @pytest.mark.parametrize("words", [[], *([name] for name in ("simulate", "roughness", "doctor"))])
