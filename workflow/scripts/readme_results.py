@@ -46,8 +46,9 @@ def interval_table() -> str:
 
 def short_table() -> str:
     """Table 3: a row for each property and cycle, a column for each rock, ours and the paper's."""
-    head, _, *ours = (_cells(row) for row in interval_tables()[SHOWN[0]])
-    _, _, *theirs = (_cells(row) for row in interval_tables()[SHOWN[1]])
+    tables = interval_tables()
+    head, _, *ours = (_cells(row) for row in tables[SHOWN[0]])
+    _, _, *theirs = (_cells(row) for row in tables[SHOWN[1]])
     cases = [title.rsplit(", cycle ", 1) for title in head[1:]]
     rocks, cycles = (list(dict.fromkeys(column)) for column in zip(*cases, strict=True))
     rows = ["| property | cycle | " + " | ".join(rocks) + " |", "|---" * (2 + len(rocks)) + "|"]

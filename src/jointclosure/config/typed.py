@@ -107,8 +107,8 @@ class Statistics(NamedTuple):
     bootstrap_resamples: int
     bootstrap_confidence: float
     repetitions: int
+    jrc_half_widths: list[float]
     control_variates: int | None = None
-    jrc_half_widths: list[float] = []  # noqa: RUF012
 
 
 class Output(NamedTuple):

@@ -163,12 +163,9 @@ def ends_of(design: Design, keys: dict) -> list[ClosureSettings]:
     return found
 
 
-def spread_of(each: Input, keys: dict, rock: str) -> float | None:
-    """ln of a positive input's upper end over its lower one; None where it has no ratio."""
-    if each.values:
-        return None
-    low, high = range_of(each, keys, rock)
-    return float(np.log(high / low)) if low > 0.0 else None
+def is_positive(each: Input, keys: dict, rock: str) -> bool:
+    """Whether an input varies continuously over positive numbers: it has elasticities."""
+    return not each.values and range_of(each, keys, rock)[0] > 0.0
 
 
 def _inputs(section: dict) -> Iterator[Input]:

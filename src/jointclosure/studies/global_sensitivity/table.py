@@ -15,7 +15,7 @@ from jointclosure.statistics.variance_indices import (
     variance_indices,
 )
 from jointclosure.studies.global_sensitivity.closing import RESPONSES
-from jointclosure.studies.global_sensitivity.design import Design, Input, spread_of, value_at
+from jointclosure.studies.global_sensitivity.design import Design, Input, is_positive, value_at
 
 FEWEST = 16
 """Rows from which indices are found."""
@@ -44,7 +44,8 @@ def responses_of(design: Design, closed: Mapping[str, xr.Dataset]) -> Iterator[R
     """
     points = design.points()
     for rock, each in closed.items():
-        whole = each.sortby("row").assign(compliance=1.0 / each.sortby("row").stiffness)
+        whole = each.sortby("row")
+        whole = whole.assign(compliance=1.0 / whole.stiffness)
         for name in (*(name for name in RESPONSES if name != "stiffness"), "compliance"):
             for cycle in whole.cycle.values.tolist():
                 if name == "residual" and cycle > 1:
@@ -75,17 +76,15 @@ def index_table(design: Design, closed: Mapping[str, xr.Dataset]) -> pd.DataFram
     """
     rows, fits = [], []
     for each in responses_of(design, closed):
-        about: dict = {}
-        for share in (4, 2, 1):
+        enough = [share for share in (4, 2, 1) if len(each.values) // share >= FEWEST]
+        for share in enough:
             number = len(each.values) // share
-            if number < FEWEST:
-                continue
             points, values = each.points[:number], each.values[:number]
             found = variance_indices(points, values, design.values)
             about = {"rock": each.rock, "response": each.name, "cycle": each.cycle}
             about |= {"rows": number, "left_out": each.left_out, "fit_share": found.fit_share}
             rows += [about | row for row in _index_rows(design, found)]
-        if about:
+        if enough:  # all of the rows came last
             fits.append((about, _resampled(each, design.values)))
     if not fits:
         return pd.DataFrame(rows)
@@ -155,8 +154,7 @@ def elasticities_at(design: Design, keys: dict, each: Responses, at: np.ndarray)
     names, whole, left_out = [], [], []
     logarithms = np.log(each.values)
     for place, one in enumerate(design.inputs):
-        spread = spread_of(one, keys, each.rock) if one.property else None
-        if spread is None:
+        if not (one.property and is_positive(one, keys, each.rock)):
             continue
         others = [other for other in range(len(design.inputs)) if other != place]
         step = _logarithm(one, keys, each.rock, each.points[:, 2 + place, place])

@@ -11,6 +11,7 @@ import xarray as xr
 
 from jointclosure.protocol import FAILURE
 from jointclosure.randomness import generator, seed_of
+from jointclosure.statistics.standard_errors import mean_of
 
 MEANS = {
     "max_closure": ("max_closure_mm", 1e3),
@@ -101,8 +102,8 @@ def _ratio(name: str, over: np.ndarray, under: np.ndarray) -> dict[str, float]:
 
 
 def _error(values: np.ndarray) -> float:
-    """Standard error of a mean."""
-    return float(values.std(ddof=1) / np.sqrt(values.size)) if values.size > 1 else np.nan
+    """Standard error of a mean; NaN of a single value."""
+    return mean_of(values).standard_error if values.size > 1 else np.nan
 
 
 def independence_table(
