@@ -12,8 +12,9 @@ import pytest
 
 from jointclosure.report.content import content, outcome
 from jointclosure.report.page import render
-from jointclosure.report.summary import FIRST_PICTURES
+from jointclosure.report.summary import FIRST_PICTURES, validity
 from tests.report.conftest import FAILED, GRANITE, JOINTS, JUMPED
+from tests.studied import study_of
 
 VOID = {"meta", "link", "img", "input", "br"}
 
@@ -272,6 +273,17 @@ def test_the_first_screen_has_the_finding_its_numbers_and_what_it_is_valid_for(m
     assert any("failed" in said for said in page["validity"])
     text = render(page)
     assert text.index(page["finding"]) < text.index("The question</h2>")
+
+
+def test_mates_are_not_said_to_be_independent():
+    """Walls of a mismatch wavelength of zero are mates."""
+    found = {"flags": {"outside_model_range": 0}, "failed": 0, "simulations": 1}
+    for surface, said in (
+        ({}, "independent of each other"),
+        ({"mismatch_wavelength_mm": 0.0}, "mated in part"),
+        ({"correlation": 0.5}, "mated in part"),
+    ):
+        assert said in validity(study_of({"surface": surface}), found)[0]
 
 
 def test_each_number_that_decides_a_claim_has_a_row(material):

@@ -16,7 +16,7 @@ from jointclosure.commands.joint_options import (
     add_load_and_model,
     add_rock,
     base_keys,
-    check_folder,
+    check_can_be_made,
     joint_configuration,
     loaded,
     shown_progress,
@@ -118,7 +118,7 @@ def run(arguments) -> int:
         from jointclosure.plotting.snapshots import snapshot_figure
 
     check_animation(arguments.animation)
-    check_folder(arguments.output)
+    check_can_be_made(arguments.output)
     settings = _settings(arguments)
     walls = next(iter(settings.typed.rocks.values())).walls
     assert walls is not None  # they are the arguments' own

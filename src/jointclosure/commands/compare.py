@@ -5,8 +5,8 @@ from pathlib import Path
 import pandas as pd
 
 from jointclosure.commands import COMMANDS
+from jointclosure.commands.finished import existing
 from jointclosure.ensemble import comparison
-from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.seals import check_folder
 from jointclosure.storage.text import read_csv
@@ -57,12 +57,6 @@ def run(arguments) -> int:
     return 0
 
 
-def _existing(path: Path) -> Path:
-    if not path.is_file():
-        raise InputError(f"{path}: there is no such file; is the study finished?")
-    return path
-
-
 def _sealed(folder: Path) -> Path:
     """A folder of results in which every file is as it was written."""
     check_folder(folder)
@@ -70,13 +64,13 @@ def _sealed(folder: Path) -> Path:
 
 
 def _study(folder: Path):
-    return read_netcdf(_existing(folder / "study.nc"))
+    return read_netcdf(existing(folder / "study.nc"))
 
 
 def _table(folder: Path):
-    return read_csv(_existing(folder / "tables/table_3_indifference.csv"))
+    return read_csv(existing(folder / "tables/table_3_indifference.csv"))
 
 
 def _claims(folder: Path):
-    claims = read_csv(_existing(folder / "tables/claims.csv"))
+    claims = read_csv(existing(folder / "tables/claims.csv"))
     return claims.set_index("number")[["verdict"]]

@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from jointclosure.commands import COMMANDS
-from jointclosure.commands.joint_options import check_folder
+from jointclosure.commands.finished import study_of
+from jointclosure.commands.joint_options import check_can_be_made
 from jointclosure.ensemble.bands import QUANTILES, band_table
 from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import reading_netcdf
@@ -35,13 +36,13 @@ def add_to(commands) -> None:
 def run(arguments) -> int:
     """Write the tables."""
     folder = arguments.output or arguments.results / "engineering"
-    with reading_netcdf(arguments.results / "study.nc") as study:
+    with reading_netcdf(study_of(arguments.results)) as study:
         known = study.case.values.tolist()
         asked = arguments.case or study.case.values[study.parameter.values == "base"].tolist()
         for name in asked:
             if name not in known:
                 raise InputError(f"--case {name}: must be one of {', '.join(known)}")
-        check_folder(folder)
+        check_can_be_made(folder)
         folder.mkdir(exist_ok=True)
         for name in asked:
             write_csv(band_table(study.sel(case=name).load()), folder / f"{name}.csv")

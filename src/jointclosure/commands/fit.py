@@ -12,7 +12,7 @@ from jointclosure.commands.joint_options import (
     add_rock,
     add_seating,
     base_keys,
-    check_folder,
+    check_can_be_made,
     joint_configuration,
 )
 from jointclosure.config.configuration import Configured
@@ -86,7 +86,7 @@ def run(arguments) -> int:
     if arguments.output:
         from jointclosure.plotting.calibration import fit_figure
 
-        check_folder(arguments.output)
+        check_can_be_made(arguments.output)
     if not arguments.curve.is_file():
         raise InputError(f"{arguments.curve}: there is no such file")
     units = (arguments.stress_unit, arguments.closure_unit)

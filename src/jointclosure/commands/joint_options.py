@@ -266,7 +266,7 @@ def _setting(text: str) -> dict:
     return setting
 
 
-def check_folder(folder: Path) -> None:
+def check_can_be_made(folder: Path) -> None:
     """Whether the folder of the results can be made, before anything is computed."""
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder}: is a file, and must be a folder")

@@ -4,10 +4,9 @@ import json
 from pathlib import Path
 
 from jointclosure.commands import COMMANDS
+from jointclosure.commands.finished import study_of
 from jointclosure.ensemble.aggregation import CURVES
-from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
-from jointclosure.storage.seals import check_folder
 from jointclosure.studies.sensitivity.planning import WISHES, Wish, plan
 
 
@@ -45,10 +44,7 @@ def run(arguments) -> int:
         for kind in WISHES
         if (amount := getattr(arguments, kind.replace("-", "_"))) is not None
     ]
-    study = arguments.results / "study.nc"
-    if not study.is_file():
-        raise InputError(f"{study}: there is no such file; is the study finished?")
-    check_folder(arguments.results)
+    study = study_of(arguments.results)
     source = arguments.results / "pool.nc" if _has_a_pool(study) else study
     table = plan(
         read_netcdf(source, without=CURVES), wish, arguments.significance, arguments.paired

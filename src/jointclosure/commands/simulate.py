@@ -13,7 +13,7 @@ from jointclosure.commands.joint_options import (
     add_load_and_model,
     add_rock,
     base_keys,
-    check_folder,
+    check_can_be_made,
     joint_configuration,
     loaded,
     shown_progress,
@@ -90,7 +90,7 @@ def run(arguments) -> int:
     _check_destination(arguments.picture, _PICTURES)
     check_animation(arguments.animation)
     if arguments.tables:
-        check_folder(arguments.tables)
+        check_can_be_made(arguments.tables)
     if arguments.snapshots and not arguments.output:
         raise InputError("--snapshots: give --output FILE.nc, which holds them")
     if arguments.picture:  # drawing takes a second to load, and an extra that may be missing

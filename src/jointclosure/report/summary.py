@@ -103,7 +103,7 @@ def validity(configuration: Configuration, outcome: dict) -> list[str]:
     """What the numbers hold for, in sentences."""
     surface, said = configuration.surface, []
     if any(rock.walls is None for rock in configuration.rocks.values()):
-        mated = surface.correlation > 0.0 or getattr(surface, "mismatch_wavelength", None)
+        mated = surface.correlation > 0.0 or surface.mismatch_wavelength is not None
         said.append(
             "Walls are random and mated in part, as the configuration says."
             if mated

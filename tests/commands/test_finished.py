@@ -1,0 +1,33 @@
+"""Commands that read a finished study: none reads a file that is not the one its job wrote."""
+
+import pytest
+
+from jointclosure.cli import main
+from jointclosure.storage.seals import write_seal
+
+COMMANDS = {
+    "plan": ["--standard-error", "0.01"],
+    "engineering": [],
+    "compare": ["the other study"],
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_an_edited_study_is_refused(command, tmp_path, capsys):
+    study = tmp_path / "study.nc"
+    study.write_text("as a job wrote it")
+    (tmp_path / "seals").mkdir()
+    write_seal(tmp_path / "seals/aggregate.json", [str(study)], {}, [], [])
+    study.write_text("as somebody edited it")
+    assert main([command, str(tmp_path), *COMMANDS[command]]) == 2
+    said = capsys.readouterr().err
+    assert str(study) in said
+    assert "not as jointclosure wrote it" in said
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_folder_without_a_study_is_named(command, tmp_path, capsys):
+    assert main([command, str(tmp_path), *COMMANDS[command]]) == 2
+    said = capsys.readouterr().err
+    assert str(tmp_path) in said
+    assert "is the study finished?" in said
