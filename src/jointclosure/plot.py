@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from jointclosure.engineering.stiffness import stiffness_table
 from jointclosure.extras import needs
 from jointclosure.inputs import InputError, check_length, check_one_of
-from jointclosure.plotting.joint import draw_curves
+from jointclosure.plotting.joint import draw_curves, draw_stiffness
 from jointclosure.plotting.scanned_joint import draw_section, map_extent
 from jointclosure.plotting.snapshots import MAPS, draw_contacts, draw_map, state_said
 from jointclosure.plotting.style import BRANCH_LINES, styled
@@ -90,15 +89,7 @@ def stiffness(joint: "xr.Dataset | ClosedJoint", axes: Axes | None = None) -> Ax
     axes : Axes, optional
     """
     axes = _axes(axes)
-    table = stiffness_table(_history(joint))
-    for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
-        axes.plot(
-            own.normal_stress_MPa, own.normal_stiffness_MPa_per_mm,
-            BRANCH_LINES[branch], color=f"C{cycle - 1}",
-            label=f"cycle {cycle}, {branch}",
-        )  # fmt: skip
-    axes.set(xlabel="normal stress (MPa)", ylabel="kn (MPa/mm)", yscale="log", xlim=0.0)
-    axes.legend(frameon=False)
+    draw_stiffness(axes, _history(joint))
     return axes
 
 

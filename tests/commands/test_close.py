@@ -8,6 +8,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure import cli
+from jointclosure.commands.engineering_files import FIGURES
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.surface.registration import registered
 from tests.conftest import SPACING, TWO_WALLS
@@ -167,5 +168,11 @@ def test_both_walls_of_a_published_fracture_are_closed_with_defaults_for_granite
     assert record["orientation"] == "common_frame"
     assert record["cells_y_x"] == [188, 188]
     assert "Warning: what touches first stands out far" in out
-    first, second = record["per_cycle"]["max_closure_seated_mm"]
-    assert 0.0 < second < first < record["per_cycle"]["max_closure_mm"][0]
+    per_cycle = record["per_cycle"]
+    first, second = per_cycle["closure_since_seating_mm"]
+    assert 0.0 < second < first < per_cycle["max_closure_mm"][0]
+    told = pd.read_csv(tmp_path / "j/cycles.csv")  # one definition of what stays
+    for name in ("residual_at_seating_mm", "residual_share", "closure_since_seating_mm"):
+        assert per_cycle[name] == pytest.approx(told[name].tolist(), rel=1e-6)
+    words = (tmp_path / "j/cycles.csv").read_text().splitlines()[1].split(",")
+    assert max(len(word.replace(".", "").lstrip("0")) for word in words) <= FIGURES

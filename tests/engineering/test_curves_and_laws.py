@@ -6,8 +6,9 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.engineering.curves import area_of, curve_table, cycle_table
+from jointclosure.engineering.exchange import itasca_tables
 from jointclosure.engineering.laws import LAWS, fitted_laws, law_said, parameter
-from jointclosure.engineering.stiffness import stiffness_table
+from jointclosure.engineering.stiffness import landing_stress, stiffness_table
 from tests.conftest import DOLERITE, SPACING
 
 SEATING, LARGEST = 0.5, 10.0
@@ -76,6 +77,44 @@ def test_the_stiffness_of_a_hyperbola_is_that_of_bandis():
     above = table.normal_stress_MPa - SEATING
     exact = kni * (1.0 + above / (vm * kni)) ** 2
     np.testing.assert_allclose(table.normal_stiffness_MPa_per_mm, exact, rtol=0.02)
+
+
+def test_chords_beyond_the_last_whole_step_are_marked_as_landing(closed):
+    """There the joint looks as stiff as on unloading; by other steps, or without any, it lands."""
+    table = stiffness_table(closed)
+    first = table[(table.cycle == 1) & (table.branch == "loading")]
+    here = (closed.cycle.values == 1) & (closed.branch.values == "loading")
+    stress, closure = 1e-6 * closed.normal_stress.values[here], closed.closure.values[here]
+    last_whole = stress[1:][np.diff(closure) > 0.999 * 12.5e-6][-1]
+    assert SEATING < last_whole < 5.0
+    np.testing.assert_array_equal(first.landing, first.to_MPa > last_whole)
+    assert not table[(table.cycle == 2) | (table.branch == "unloading")].landing.any()
+    marked = first[first.landing].normal_stress_MPa
+    itasca = itasca_tables(closed).split("'kn-cycle-1-loading'")[1].split("table")[0]
+    assert itasca.count("(") == (~first.landing).sum()
+    assert f"({1e6 * marked.iloc[-1]:.6e}" not in itasca
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"numerics": jc.Numerics(breakage="resolved")},
+        {"effects": jc.Effects(breakage=False, gouge=False)},
+    ],
+)
+def test_loading_without_fixed_steps_marks_no_landing(other):
+    walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=3)
+    joint = jc.simulate(
+        *walls, spacing=SPACING, rock=DOLERITE, max_normal_stress=5e6, cycles=1, **other
+    )
+    assert not stiffness_table(joint).landing.any()
+
+
+def test_a_second_maximum_that_is_larger_has_its_own_landing():
+    walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=3)
+    joint = jc.simulate(*walls, spacing=SPACING, rock=DOLERITE, max_normal_stress=[2e6, 0.0, 5e6])
+    assert np.isfinite([landing_stress(joint, 1), landing_stress(joint, 2)]).all()
+    assert landing_stress(joint, 1) < 2e6 < landing_stress(joint, 2) < 5e6
 
 
 def test_curves_agree_with_the_history(closed):

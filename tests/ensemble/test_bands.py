@@ -1,5 +1,7 @@
 """Bands over the joints of a case."""
 
+import json
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -50,16 +52,40 @@ def test_a_band_holds_its_median_and_the_second_cycle_seats_at_zero(ensemble):
     assert seat.closure_since_seating_mm_q95.item() == pytest.approx(0.0, abs=1e-3)
 
 
+def test_stiffness_of_the_landing_is_left_out(ensemble):
+    """Within the last displacement step of a first loading; nowhere else."""
+    step = 12.5e-6
+    whole, without = band_table(ensemble), band_table(ensemble, displacement_step=step)
+    name = "normal_stiffness_MPa_per_mm_mean"
+    good = ensemble.isel(realization=[0, 1, 2, 4]).sel(cycle=1, branch="loading").closure
+    upper = good.shift(stress=-1)
+    kept = (upper <= good.max("stress") - step).any("realization").values
+    first = (whole.cycle == 1) & (whole.branch == "loading")
+    assert 0 < kept.sum() < whole[first][name].notna().sum()
+    np.testing.assert_array_equal(without[first][name].notna(), kept)
+    pd.testing.assert_frame_equal(whole[~first], without[~first])
+
+
 def test_the_command_writes_a_table_for_each_rock_as_it_is(ensemble, tmp_path, capsys):
     names = ["a-base", "a-jrc-low"]
     study = ensemble.drop_vars("error").expand_dims(case=names)
     study = study.assign_coords(parameter=("case", ["base", "jrc"]))
+    keys = {
+        "numerics": {
+            "breakage": "fixed_step", "target": "equilibrate", "displacement_step_um": 12.5
+        },
+        "effects": {"breakage": True},
+    }  # fmt: skip
+    study.attrs["configuration"] = json.dumps(keys)
     write_netcdf(study, tmp_path / "study.nc")
     assert cli.main(["engineering", str(tmp_path)]) == 0
     written = pd.read_csv(tmp_path / "engineering/a-base.csv")
     expected = band_table(ensemble)
     assert [path.name for path in (tmp_path / "engineering").iterdir()] == ["a-base.csv"]
     np.testing.assert_allclose(written.closure_mm_q95, expected.closure_mm_q95, rtol=1e-6)
+    name = "normal_stiffness_MPa_per_mm_mean"
+    landed = band_table(ensemble, displacement_step=12.5e-6)[name]
+    np.testing.assert_allclose(written[name], landed, rtol=1e-6)
     capsys.readouterr()
     assert cli.main(["engineering", str(tmp_path), "--case", "b-base"]) != 0
     assert "--case b-base: must be one of a-base, a-jrc-low" in capsys.readouterr().err

@@ -4,6 +4,7 @@ import argparse
 import json
 import math
 import time
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,7 @@ from jointclosure.commands.joint_options import (
 )
 from jointclosure.config.configuration import Configured
 from jointclosure.config.typed import Walls
+from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.measured_walls import brought_together
 from jointclosure.ensemble.scanned_joint import ClosedJoint, closed_pair, read_wall
@@ -132,7 +134,7 @@ def run(arguments) -> int:
     title = f"{arguments.upper.name} on {arguments.lower.name}"
     folder = arguments.output
     joint = joint._replace(history=write_animation(joint.history, arguments, title))
-    _write(joint, settings, folder)
+    _write(joint, settings, folder, title)
     if int(joint.history.status) < FAILURE:
         said = write_engineering(joint.history, folder, title)
         print("\n".join(f"- {line}" for line in said))
@@ -190,31 +192,29 @@ def _closed(settings: Configured, pair: RegisteredPair, arguments) -> ClosedJoin
         return closed_pair(pair, conditions, report, kept_stresses(arguments, conditions))
 
 
-def _write(joint: ClosedJoint, settings: Configured, folder: Path) -> None:
+def _write(joint: ClosedJoint, settings: Configured, folder: Path, title: str) -> None:
     """All numbers of a joint: its history, and what was found on the way."""
     about = provenance(settings.keys)
     write_netcdf(joint.history.assign_attrs(about), folder / "joint.nc")
-    write_text(json.dumps(_record(joint, settings, about), indent=1) + "\n", folder / "joint.json")
+    record = _record(joint, settings, about, title)
+    write_text(json.dumps(record, indent=1) + "\n", folder / "joint.json")
 
 
-def _record(joint: ClosedJoint, settings: Configured, about: dict[str, str]) -> dict:
+def _record(joint: ClosedJoint, settings: Configured, about: dict[str, str], title: str) -> dict:
     """What was found and done, with units in the names, and where it comes from."""
     pair, history = joint.pair, joint.history
     case = cases_of(settings.typed)[0]
     surfaces = surface_settings(settings.typed, case, range(1))
     per_cycle = {
-        f"{name}_mm": [
-            1e3 * float(value) if np.isfinite(value) else None for value in history[name].values
-        ]
-        for name in (
-            "max_closure",
-            "residual_closure",
-            "max_closure_seated",
-            "residual_closure_seated",
-            "max_bulk_indentation",
-        )
+        f"{name}_mm": _finite(1e3 * history[name].values)
+        for name in ("max_closure", "residual_closure", "max_bulk_indentation")
+    } | {
+        name: _finite(values)
+        for name, values in cycle_table(history).items()
+        if name not in ("cycle", "max_closure_mm")
     }
     return {
+        "title": title,
         "joint": repr(joint),
         "status": status_text(history),
         "found": pair.report,
@@ -236,6 +236,11 @@ def _record(joint: ClosedJoint, settings: Configured, about: dict[str, str]) -> 
         "sha256": surfaces.sha256,
         "provenance": about,
     }
+
+
+def _finite(values: Iterable[float]) -> list[float | None]:
+    """Numbers for JSON, which has none for what is not known: null stands for it."""
+    return [float(value) if np.isfinite(value) else None for value in values]
 
 
 def _interval_mm(found: Mismatch) -> dict[str, float | None]:

@@ -20,7 +20,11 @@ from jointclosure.storage.figures import save_figure
 from jointclosure.storage.meshes import write_vtu
 from jointclosure.storage.text import write_csv, write_text
 
-_GEOS = """<!-- for <Functions>; its contact model has apertureTableName="joint_aperture" -->
+FIGURES = 7
+"""Of the numbers in tables: more than a joint is known to, enough to differ neighbouring steps."""
+
+_GEOS = """<!-- for <Functions>; its contact model has apertureTableName="joint_aperture".
+     Gap and aperture in m. Where they come from: joint.nc beside this file. -->
 <TableFunction
   name="joint_aperture"
   coordinateFiles="{ geos_gap.csv }"
@@ -48,11 +52,11 @@ def write_engineering(history: xr.Dataset, folder: Path, title: str) -> list[str
     """
     from jointclosure.plotting.engineering import engineering_figure
 
-    write_csv(curve_table(history), folder / "curves.csv")
+    write_csv(curve_table(history), folder / "curves.csv", FIGURES)
     cycles, fits = cycle_table(history), fitted_laws(history)
-    write_csv(cycles, folder / "cycles.csv")
-    write_csv(stiffness_table(history), folder / "stiffness.csv")
-    write_csv(fits, folder / "laws.csv")
+    write_csv(cycles, folder / "cycles.csv", FIGURES)
+    write_csv(stiffness_table(history), folder / "stiffness.csv", FIGURES)
+    write_csv(fits, folder / "laws.csv", FIGURES)
     write_text(itasca_tables(history), folder / "joint_stiffness.dat")
     said = [law_said(fits, cycle, LOADING) for cycle in cycles.cycle]
     for write in (_write_porepy, _write_geos, _write_mesh):

@@ -107,11 +107,13 @@ def itasca_tables(history: xr.Dataset) -> str:
     """Commands that define tables of normal stiffness [Pa/m] against normal stress [Pa].
 
     One table for each cycle's loading and unloading, in the form of 3DEC 7 and later,
-    ``table 'name' add (x,y) ...``. Of a history with flow also tables of the hydraulic aperture
-    [m], the geometric mean of both directions, at its steps.
+    ``table 'name' add (x,y) ...``, without the chords of landings (`stiffness_table`).
+    Of a history with flow also tables of the hydraulic aperture [m], the geometric mean of both
+    directions, at its steps.
     """
     lines = ["; normal stiffness (Pa/m) against normal stress (Pa) by cycle and branch"]
-    for (cycle, branch), own in stiffness_table(history).groupby(["cycle", "branch"], sort=False):
+    table = stiffness_table(history)
+    for (cycle, branch), own in table[~table.landing].groupby(["cycle", "branch"], sort=False):
         stress, stiffness = own.normal_stress_MPa, 1e9 * own.normal_stiffness_MPa_per_mm
         lines.append(_itasca_table(f"kn-cycle-{cycle}-{branch}", stress, stiffness))
     if has_flow(history):

@@ -1,5 +1,7 @@
 """Normal stiffness against stress, as programs of blocks and joints take it."""
 
+import json
+
 import numpy as np
 import pandas as pd
 import scipy
@@ -53,6 +55,29 @@ def closures_at(history: xr.Dataset, levels: np.ndarray) -> np.ndarray:
     return closures
 
 
+def landing_stress(history: xr.Dataset, cycle: int) -> float:
+    """Stress [Pa] from which a cycle's loading lands on its maximum; infinite where it does not.
+
+    With breakage by fixed steps the last whole displacement step ends at this stress. The smaller
+    ones that follow break less, so that the joint is stiffer there than it is: nearly as stiff
+    as on unloading. Loading within a former maximum breaks next to nothing, and does not count.
+    """
+    effects, numerics = (
+        json.loads(history.attrs.get(name, "{}")) for name in ("effects", "numerics")
+    )
+    by_fixed_steps = numerics.get("breakage") == "fixed_step" and effects["breakage"]
+    if not by_fixed_steps or numerics["target"] == "interpolate":
+        return np.inf
+    here = branch_of(history.cycle.values, history.branch.values, cycle, LOADING)
+    stress = history.normal_stress.values
+    former = stress[history.cycle.values < cycle].max(initial=0.0)
+    if here.size < 2 or stress[here].max() <= former * (1.0 + numerics["stress_tolerance"]):
+        return np.inf
+    step = numerics["displacement_step" if cycle == 1 else "later_displacement_step"]
+    whole = np.flatnonzero(np.diff(history.closure.values[here]) >= 0.999 * step)
+    return float(stress[here][whole[-1] + 1 if whole.size else 0])
+
+
 def stiffness_table(history: xr.Dataset, count: int = LEVELS) -> pd.DataFrame:
     """Normal stiffness by the chord between evenly spaced stresses, for each cycle and branch.
 
@@ -67,12 +92,15 @@ def stiffness_table(history: xr.Dataset, count: int = LEVELS) -> pd.DataFrame:
     -------
     DataFrame
         ``cycle``, ``branch``, ``from_MPa`` and ``to_MPa`` of the chord, ``normal_stress_MPa`` in
-        its middle, ``normal_stiffness_MPa_per_mm`` (NaN where closure does not change).
+        its middle, ``normal_stiffness_MPa_per_mm`` (NaN where closure does not change), and
+        ``landing``: whether the chord reaches beyond `landing_stress`, so that its stiffness is
+        not the joint's.
     """
     levels = stress_levels(history, count)
     closures = closures_at(history, levels)
     rows = []
     for index, branches in enumerate(closures):
+        landing = landing_stress(history, index + 1)
         for name, closure in zip((LOADING, UNLOADING), branches, strict=True):
             rise, run = np.diff(levels), np.diff(closure)
             stiffness = np.divide(rise, run, out=np.full(run.shape, np.nan), where=run > 0.0)
@@ -85,6 +113,7 @@ def stiffness_table(history: xr.Dataset, count: int = LEVELS) -> pd.DataFrame:
                         "to_MPa": 1e-6 * levels[1:],
                         "normal_stress_MPa": 0.5e-6 * (levels[:-1] + levels[1:]),
                         "normal_stiffness_MPa_per_mm": 1e-9 * stiffness,
+                        "landing": (name == LOADING) & (levels[1:] > landing),
                     }
                 )
             )

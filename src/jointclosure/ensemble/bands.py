@@ -5,11 +5,16 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.ensemble.aggregation import seats, succeeded
+from jointclosure.protocol import LOADING
 
 QUANTILES = (0.05, 0.5, 0.95)
 
 
-def band_table(case: xr.Dataset, quantiles: tuple[float, ...] = QUANTILES) -> pd.DataFrame:
+def band_table(
+    case: xr.Dataset,
+    quantiles: tuple[float, ...] = QUANTILES,
+    displacement_step: float | None = None,
+) -> pd.DataFrame:
     """Closure, normal stiffness and apertures against stress over the joints that succeeded.
 
     Parameters
@@ -19,6 +24,9 @@ def band_table(case: xr.Dataset, quantiles: tuple[float, ...] = QUANTILES) -> pd
         `jointclosure.simulate_ensemble`.
     quantiles : tuple of float
         In (0, 1), which become columns ``q05`` and so on.
+    displacement_step : float, optional
+        [m] of joints that break by fixed steps: over the last one of the first loading, in which
+        they land on the maximum, stiffness is left out (`engineering.stiffness.landing_stress`).
 
     Returns
     -------
@@ -35,7 +43,7 @@ def band_table(case: xr.Dataset, quantiles: tuple[float, ...] = QUANTILES) -> pd
     fields = {
         "closure_mm": 1e3 * closure,
         "closure_since_seating_mm": 1e3 * (closure - seats(good)),
-        "normal_stiffness_MPa_per_mm": _stiffness(closure),
+        "normal_stiffness_MPa_per_mm": _stiffness(closure, displacement_step or 0.0),
     }
     if "hydraulic_aperture" in good:
         fields["mean_aperture_mm"] = 1e3 * good.mean_aperture
@@ -58,9 +66,13 @@ def band_table(case: xr.Dataset, quantiles: tuple[float, ...] = QUANTILES) -> pd
     return table.to_dataframe(dim_order=keys).reset_index()[[*keys, *columns]]
 
 
-def _stiffness(closure: xr.DataArray) -> xr.DataArray:
-    """Chords between neighbouring stresses [MPa/mm], NaN at the last one."""
+def _stiffness(closure: xr.DataArray, landing: float) -> xr.DataArray:
+    """Chords between neighbouring stresses [MPa/mm], NaN at the last one and while landing."""
     rise = closure.stress.diff("stress", label="lower")
     run = closure.diff("stress", label="lower")
     chords = 1e-9 * rise / run.where(run > 0.0)
+    if landing > 0.0:
+        upper = closure.shift(stress=-1).sel(stress=chords.stress)
+        first = (closure.cycle == 1) & (closure.branch == LOADING)
+        chords = chords.where(~first | (upper <= closure.max("stress") - landing))
     return chords.reindex(stress=closure.stress).transpose(*closure.dims)

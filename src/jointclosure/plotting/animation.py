@@ -7,11 +7,11 @@ from matplotlib.animation import FuncAnimation
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from jointclosure.engineering.curves import spacing_of
-from jointclosure.history import branch_of
 from jointclosure.inputs import InputError
+from jointclosure.plotting.joint import draw_curves
 from jointclosure.plotting.scanned_joint import map_extent
 from jointclosure.plotting.snapshots import change_of_height, reach_of
-from jointclosure.plotting.style import BRANCH_LINES, StyledFigure, above, styled
+from jointclosure.plotting.style import StyledFigure, styled
 
 STRESSES = 16
 """Snapshots of a branch that a smooth animation takes."""
@@ -71,15 +71,9 @@ def crushing_animation(closed: xr.Dataset, title: str) -> FuncAnimation:
 
 
 def _curve(axes, closed: xr.Dataset):
-    cycle, branch = closed.cycle.values, closed.branch.values
     closure, stress = 1e3 * closed.closure.values, 1e-6 * closed.normal_stress.values
-    for number in np.unique(cycle):
-        for name, style in BRANCH_LINES.items():
-            here = branch_of(cycle, branch, number, name)
-            colour, order = f"C{number - 1}", above(number, name)
-            axes.plot(closure[here], stress[here], style, color=colour, lw=1.0, zorder=order)
+    draw_curves(axes, closed)
     (place,) = axes.plot([], [], "o", color="black", ms=7, zorder=5)
-    axes.set(xlabel="closure from first touch (mm)", ylabel="normal stress (MPa)", ylim=0.0)
 
     def draw(frame: int) -> None:
         at = closed.isel(snapshot=frame)

@@ -1,6 +1,5 @@
 """A closed joint as engineers look at it: closure since seating, stiffness, aperture."""
 
-import matplotlib.ticker
 import numpy as np
 import seaborn as sns
 import xarray as xr
@@ -8,7 +7,7 @@ from matplotlib.figure import Figure
 
 from jointclosure.engineering.curves import curve_table, has_flow
 from jointclosure.engineering.laws import LAWS, fitted_laws, law_curves
-from jointclosure.engineering.stiffness import stiffness_table
+from jointclosure.plotting.joint import draw_stiffness
 from jointclosure.plotting.style import BRANCH_LINES, above, styled, subplots
 from jointclosure.protocol import LOADING
 
@@ -28,7 +27,8 @@ def engineering_figure(history: xr.Dataset, title: str) -> Figure:
     number = 4 if has_flow(history) else 3
     figure, panels = subplots(1, number, figsize=(4.5 * number, 4.6), layout="constrained")
     _draw_closure(panels[0], history)
-    _draw_stiffness(panels[1], history)
+    draw_stiffness(panels[1], history)
+    panels[1].set_title("normal stiffness, by chords")
     _draw_aperture(panels[2], history)
     if has_flow(history):
         _draw_flow(panels[3], history)
@@ -58,24 +58,6 @@ def _draw_closure(axes, history: xr.Dataset) -> None:
         title="loading, and laws fitted to it", ylim=0.0,
         xlabel=f"closure since {seating:g} MPa (mm)", ylabel="normal stress (MPa)",
     )  # fmt: skip
-    axes.legend(frameon=False, fontsize=9)
-
-
-def _draw_stiffness(axes, history: xr.Dataset) -> None:
-    table = stiffness_table(history)
-    for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
-        axes.plot(
-            own.normal_stress_MPa, own.normal_stiffness_MPa_per_mm, BRANCH_LINES[branch],
-            marker="o", ms=3, color=f"C{cycle - 1}", label=f"cycle {cycle}, {branch}",
-            zorder=above(cycle, branch),
-        )  # fmt: skip
-    axes.set(
-        title="normal stiffness, by chords", yscale="log", xlim=0.0,
-        xlabel="normal stress (MPa)", ylabel="kn (MPa/mm)",
-    )  # fmt: skip
-    axes.yaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.yaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
-    axes.yaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
     axes.legend(frameon=False, fontsize=9)
 
 

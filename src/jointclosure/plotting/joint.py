@@ -1,5 +1,6 @@
-"""Closure curve of one joint."""
+"""Curves of one joint."""
 
+import matplotlib.ticker
 import numpy as np
 import seaborn as sns
 import xarray as xr
@@ -7,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointclosure.engineering.curves import seat_of
+from jointclosure.engineering.stiffness import stiffness_table
 from jointclosure.history import branch_of
 from jointclosure.plotting.style import BRANCH_LINES, above, styled, subplots
 from jointclosure.protocol import LOADING
@@ -14,7 +16,7 @@ from jointclosure.protocol import LOADING
 
 @styled
 def closure_curve(closed: xr.Dataset, title: str) -> Figure:
-    """Stress against closure from first touch, each cycle in its colour.
+    """Stress against closure from first touch and since seating, each cycle in its colour.
 
     Parameters
     ----------
@@ -22,9 +24,13 @@ def closure_curve(closed: xr.Dataset, title: str) -> Figure:
         As from `jointclosure.simulate`.
     title : str
     """
-    figure, axes = subplots(figsize=(6.4, 4.4), layout="constrained")
-    draw_curves(axes, closed)
-    axes.set_title(title, parse_math=False)
+    figure, panels = subplots(1, 2, figsize=(10.4, 4.4), layout="constrained", sharey=True)
+    for axes, since in zip(panels, ("touch", "seating"), strict=True):
+        draw_curves(axes, closed, since)
+    panels[1].set(ylabel="")
+    if panels[1].get_legend():
+        panels[1].get_legend().remove()
+    figure.suptitle(title, parse_math=False)
     sns.despine(figure)
     return figure
 
@@ -63,6 +69,25 @@ def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch") -> None:
     axes.set(xlabel=f"closure from {words[since]} (mm)", ylabel="normal stress (MPa)", ylim=0.0)
     if len(numbers) <= 5:
         axes.legend(frameon=False)
+
+
+def draw_stiffness(axes: Axes, closed: xr.Dataset) -> None:
+    """Normal stiffness by chords against stress; chords of the landing as open circles."""
+    table = stiffness_table(closed)
+    for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
+        about = {"color": f"C{cycle - 1}", "marker": "o", "ms": 3, "zorder": above(cycle, branch)}
+        for landing, part in own.groupby("landing"):
+            label = "landing on the maximum" if landing else f"cycle {cycle}, {branch}"
+            axes.plot(
+                part.normal_stress_MPa, part.normal_stiffness_MPa_per_mm,
+                "" if landing else BRANCH_LINES[branch], label=label,
+                **about | ({"mfc": "none"} if landing else {}),
+            )  # fmt: skip
+    axes.set(xlabel="normal stress (MPa)", ylabel="kn (MPa/mm)", yscale="log", xlim=0.0)
+    axes.yaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
+    axes.yaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
+    axes.yaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
+    axes.legend(frameon=False, fontsize=9)
 
 
 def _zero_of(closed: xr.Dataset, cycle: int, since: str) -> float:

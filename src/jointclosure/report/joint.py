@@ -24,7 +24,8 @@ def joint_content(material: JointMaterial) -> dict:
     history, record = material.history, material.record
     cycles, stiffness = cycle_table(history), stiffness_table(history)
     return {
-        "joint": record["joint"].strip("<>"),
+        "title": record.get("title", "a rough joint"),
+        "joint": record["joint"].strip("<>").removeprefix("ClosedJoint: "),
         "finding": joint_finding(cycles, stiffness, history),
         "warnings": [line for line in record["found"] if "Warning" in line],
         "found": record["found"],
@@ -42,14 +43,15 @@ def joint_content(material: JointMaterial) -> dict:
 def joint_finding(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dataset) -> str:
     """How far the joint closed, what stayed, and how stiff it is, in a sentence."""
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
-    largest = 1e-6 * float(history.normal_stress.max())
     first = cycles.iloc[0]
     closes = number_text(first.closure_since_seating_mm, 3)
     text = f"From {seating:g} MPa on the joint closes {closes} mm in its first cycle"
     if np.isfinite(first.residual_share):
         text += f", of which {100.0 * first.residual_share:.0f} % stay"
     known = stiffness[
-        (stiffness.branch == "loading") & stiffness.normal_stiffness_MPa_per_mm.notna()
+        (stiffness.branch == "loading")
+        & stiffness.normal_stiffness_MPa_per_mm.notna()
+        & ~stiffness.landing
     ]
     last = known[known.cycle == known.cycle.max()]
     if len(last):
@@ -59,7 +61,15 @@ def joint_finding(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dat
             f"{number_text(at.normal_stiffness_MPa_per_mm, 3)} MPa/mm at "
             f"{at.normal_stress_MPa:.3g} MPa"
         )
-    return f"{text}. It was loaded to {largest:.4g} MPa."
+    return f"{text}."
+
+
+def _by_stress(stiffness: pd.DataFrame) -> pd.DataFrame:
+    """Stiffness of `stiffness_table` with a row a stress and a column a branch."""
+    branch = "Cycle " + stiffness.cycle.astype(str) + ", " + stiffness.branch
+    known = stiffness.normal_stiffness_MPa_per_mm.where(~stiffness.landing)
+    columns = {name: known[branch == name].to_numpy() for name in branch.unique()}
+    return pd.DataFrame({"Normal stress (MPa)": stiffness.normal_stress_MPa.unique()} | columns)
 
 
 def _sheets(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dataset) -> list[Sheet]:
@@ -72,12 +82,7 @@ def _sheets(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dataset) 
         "mean_aperture_at_max_mm": "Mean aperture at the maximum (mm)",
         "contact_at_max": "Cells in contact there",
     }
-    per_stress = {
-        "cycle": "Cycle",
-        "branch": "Branch",
-        "normal_stress_MPa": "Normal stress (MPa)",
-        "normal_stiffness_MPa_per_mm": "kn (MPa/mm)",
-    }
+    by_stress = _by_stress(stiffness)
     of_law = {
         "cycle": "Cycle",
         "branch": "Branch",
@@ -91,6 +96,12 @@ def _sheets(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dataset) 
     }
     return [
         sheet("cycles", "Closure by cycle", cycles, per_cycle),
-        sheet("stiffness", "Normal stiffness by chords between stresses", stiffness, per_stress),
+        sheet(
+            "stiffness",
+            "Normal stiffness kn (MPa/mm) by chords between stresses; a dash where loading lands "
+            "on its maximum by small steps, which break less",
+            by_stress,
+            {name: name for name in by_stress},
+        ),
         sheet("laws", "Laws fitted to each branch", fitted_laws(history), of_law),
     ]

@@ -8,9 +8,10 @@ from jointclosure.files import atomically
 from jointclosure.inputs import InputError
 
 
-def write_csv(frame: pd.DataFrame, path: str | Path) -> None:
-    """Write a table, whole or not at all; numbers as short as they read back."""
-    atomically(path, lambda temporary: frame.to_csv(temporary, index=False))
+def write_csv(frame: pd.DataFrame, path: str | Path, figures: int | None = None) -> None:
+    """Write a table, whole or not at all; numbers as short as they read back, or to ``figures``."""
+    form = None if figures is None else f"%.{figures}g"
+    atomically(path, lambda temporary: frame.to_csv(temporary, index=False, float_format=form))
 
 
 def read_csv(path: str | Path) -> pd.DataFrame:
