@@ -30,7 +30,7 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects mismatch readings global-sensitivity jrc-range test test-all lint docs coverage wheel lock clean
+.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects mismatch readings global-sensitivity jrc-range conclusions test test-all lint docs coverage wheel lock clean
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -89,6 +89,9 @@ global-sensitivity: $(STAMP) ## Ask what matters when properties and open choice
 
 jrc-range: $(STAMP) ## Ask what a JRC that is known to a range does to the study, or to that of CONFIG
 	$(RUN) jrc-range
+
+conclusions: $(STAMP) ## Put together what each conclusion of the paper rests on, of all studies that were run
+	$(RUN) conclusions
 
 test: $(STAMP) ## Pass the tests
 	@echo "Compiling the kernels of all scenes (two minutes when they are new) ..."

@@ -7,6 +7,8 @@ ACCURACY_SEALS = seals_of("weigh_accuracy", study="results/accuracy")
 ACCURACY_MEASURED = all(
     Path(path).exists() for path in [ACCURACY_TABLE, *ACCURACY_SEALS]
 )
+CONCLUSIONS = [f"{RESULTS}/tables/conclusions.csv", *seals_of("conclude")]
+CONCLUDED = all(Path(path).exists() for path in CONCLUSIONS)
 
 
 rule report:
@@ -28,7 +30,11 @@ rule write_report:
         presets=MEASURED_SETTINGS,
         # what `make accuracy` measured, where it was run
         accuracy=ancient(ACCURACY_TABLE) if ACCURACY_MEASURED else [],
-        seals=STUDY_SEALS + (ACCURACY_SEALS if ACCURACY_MEASURED else []),
+        # what `make conclusions` put together
+        conclusions=ancient(CONCLUSIONS[0]) if CONCLUDED else [],
+        seals=STUDY_SEALS
+        + (ACCURACY_SEALS if ACCURACY_MEASURED else [])
+        + (CONCLUSIONS[1:] if CONCLUDED else []),
     output:
         f"{RESULTS}/report.html",
         seal=f"{RESULTS}/seals/write_report.json",

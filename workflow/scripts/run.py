@@ -55,6 +55,7 @@ TARGETS = {
     "mismatch": Target(("estimate_mismatch", "mismatch"), "config/mismatch.yaml"),
     "readings": Target(("estimate_readings", "readings"), "config/readings.yaml"),
     "jrc-range": Target(("all", "jrc_range")),
+    "conclusions": Target(("all", "conclusions")),
     "global-sensitivity": Target(
         ("estimate_together", "global_sensitivity"), "config/global_sensitivity.yaml"
     ),

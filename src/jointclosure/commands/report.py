@@ -88,7 +88,7 @@ def write_report(folder: Path, output: Path) -> int:
 _OF_A_JOINT = {
     "engineering": ("Closure, stiffness and aperture", "Closure since seating with fitted laws, "
                     "normal stiffness and mean aperture, each against normal stress, by cycle."),
-    "closure": ("Closure from first touch", "Normal stress against closure from first touch: "
+    "closure": ("Closure from first touch, and since seating", "Normal stress against closure: "
                 "loading in full lines, unloading dashed, a colour for each cycle."),
     "walls": ("The walls as they were closed", "Maps of both walls and of the aperture at first "
               "touch, a section there, correlation by wavelength and by orientation."),
@@ -137,6 +137,7 @@ def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material"
         accuracy=_accuracy(folder.parent / "accuracy"),
         presets=read_csv(MEASURED),
         flow=_table(folder / "tables/hydraulic_aperture.csv", sealed),
+        conclusions=_table(folder / "tables/conclusions.csv", sealed),
     )
 
 

@@ -24,7 +24,8 @@ class Material(NamedTuple):
     keys mean; ``pictures``; ``benchmarks``: of the workflow's jobs; ``measured``: fits of measured
     curves, None where there are none; ``accuracy``: the table of `make accuracy`, None where
     it was not made; ``presets``: what the presets of the numerics were found to be off by;
-    ``flow``: hydraulic apertures, None of a study without.
+    ``flow``: hydraulic apertures, None of a study without; ``conclusions``: the table of `make
+    conclusions`, None where it was not made.
     """
 
     study: xr.Dataset
@@ -44,6 +45,7 @@ class Material(NamedTuple):
     accuracy: pd.DataFrame | None
     presets: pd.DataFrame
     flow: pd.DataFrame | None = None
+    conclusions: pd.DataFrame | None = None
 
 
 def content(material: Material) -> dict:
@@ -122,6 +124,8 @@ def _sheets(material: Material, titles: dict, of_paper: set, rows: pd.DataFrame)
     if material.claims is not None:
         sheets.append(findings.claim_sheet(material.claims, bool(of_paper)))
         sheets.append(findings.evidence_sheet(material.claims, bool(of_paper)))
+    if material.conclusions is not None:
+        sheets.append(findings.conclusion_sheet(material.conclusions))
     if material.flow is not None:
         sheets.append(findings.flow_sheet(material.flow, titles))
     if material.measured is not None:

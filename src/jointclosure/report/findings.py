@@ -191,10 +191,7 @@ def claim_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
     if compared and "paper" in claims:
         columns["paper_finds"] = "Found in the paper's Table 3"
     shown = claims.assign(
-        found=[
-            "" if pd.isna(row.found_share) else percent_text(row.found_share, row.found_error)
-            for row in claims.itertuples()
-        ]
+        found=[_share(row.found_share, row.found_error) for row in claims.itertuples()]
     )
     return sheet("claims", "The paper's claims: true of the model, and found?", shown, columns)
 
@@ -211,6 +208,42 @@ def evidence_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
     columns["verdict"] = "The claim"
     caption = "The numbers that decide each claim"
     return sheet("evidence", caption, pd.DataFrame(rows, columns=list(columns)), columns)
+
+
+def conclusion_sheet(conclusions: pd.DataFrame) -> Sheet:
+    """What each claim rests on, and what is left of it (`make conclusions`)."""
+    widest = conclusions.jrc_half_width.max()
+    columns = {
+        "number": "No.",
+        "claim": "Claim",
+        "verdict": "As configured",
+        "found": "Studies that find it",
+        "jrc_found": f"The same, JRC known to ±{widest:g}",
+        "readings": "Readings: stands, falls, open",
+        "choices": "True for so many open choices",
+        "conclusion": "Left of it",
+        "opposed_by": "Turned by the reading",
+    }
+    rows = conclusions.itertuples()
+    shown = [
+        row._asdict()
+        | {
+            "found": _share(row.found_share, row.found_error),
+            "jrc_found": _share(row.jrc_found_share, row.jrc_found_error),
+            "choices": _share(row.choices_share, row.choices_error),
+            "readings": ""
+            if pd.isna(row.readings_stand)
+            else f"{row.readings_stand:.0f}, {row.readings_fall:.0f}, {row.readings_open:.0f}",
+            "opposed_by": row.opposed_by if isinstance(row.opposed_by, str) else "",
+        }
+        for row in rows
+    ]
+    caption = "What is left of each claim under readings and choices that the paper leaves open"
+    return sheet("conclusions", caption, pd.DataFrame(shown), columns)
+
+
+def _share(share: float, error: float) -> str:
+    return "" if pd.isna(share) else percent_text(share, error)
 
 
 _DECIDES = re.compile(r"(?:([\w ]+): )?(.*?)\s*([-−]?[\d.]+(?: ± [\d.]+)?)?$")

@@ -1,0 +1,92 @@
+"""What is left of a claim: its verdict, unless what the paper leaves open turns it."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
+from jointclosure.studies.sensitivity.conclusions import DEPENDS, conclusion_table
+
+ALL, ONE = "a; b; c; d", "a"
+
+
+def told(verdict, readings=None, share=None, number="5a", response="closure", cycle=2) -> pd.Series:
+    """The row of a claim with such a verdict, readings (verdict, rocks, allowed), and share."""
+    claims = pd.DataFrame(
+        {
+            "number": [number], "claim": ["it rises"], "verdict": [verdict],
+            "found_share": [0.9], "found_error": [0.01],
+        }
+    )  # fmt: skip
+    half_widths = pd.DataFrame(
+        {
+            "number": [number] * 3, "half_width": [0.0, 2.0, 1.0], "found_share": [0.9, 0.7, 0.8],
+            "found_error": [0.01, 0.03, 0.02],
+        }
+    )  # fmt: skip
+    given = {}
+    if readings is not None:
+        given["readings"] = pd.DataFrame(readings, columns=[f"claim {number}", "rocks", "allowed"])
+        given["readings"]["title"] = [f"reading {i}" for i in range(len(readings))]
+    if share is not None:
+        rows = [(number.split(",")[0], response, cycle, "all", *share)]
+        rows.append((number.split(",")[0], "other", cycle, "all", np.nan, np.nan))
+        given["choices"] = pd.DataFrame(
+            rows, columns=["number", "response", "cycle", "rock", "share", "share_error"]
+        )
+    (row,) = conclusion_table(claims, half_widths, **given).itertuples()
+    return row
+
+
+def test_a_verdict_stays_where_nothing_else_was_studied():
+    row = told(STANDS)
+    assert row.conclusion == STANDS
+    assert (row.jrc_half_width, row.jrc_found_share, row.jrc_found_error) == (2.0, 0.7, 0.03)
+    assert np.isnan(row.readings_stand)
+    assert np.isnan(row.choices_share)
+
+
+@pytest.mark.parametrize(
+    ("verdict", "readings", "expected"),
+    [
+        (STANDS, [(STANDS, ALL, True), (CANNOT_BE_TOLD, ALL, True)], STANDS),
+        (STANDS, [(STANDS, ALL, True), (FALLS, ONE, True)], DEPENDS),
+        (STANDS, [(STANDS, ALL, True), (FALLS, ONE, False)], STANDS),
+        (FALLS, [(FALLS, ALL, True), (STANDS, ALL, True)], DEPENDS),
+        (FALLS, [(FALLS, ALL, True), (STANDS, ONE, True)], FALLS),
+        (CANNOT_BE_TOLD, [(STANDS, ALL, True)], CANNOT_BE_TOLD),
+    ],
+)
+def test_a_reading_of_the_other_verdict_turns_a_conclusion(verdict, readings, expected):
+    """A reading that the text rules out does not; nor does one rock where all are asked for."""
+    row = told(verdict, readings)
+    assert row.conclusion == expected
+    assert (row.opposed_by != "") == (expected == DEPENDS)
+    allowed = sum(each[2] for each in readings)
+    assert row.readings_stand + row.readings_fall + row.readings_open == allowed
+
+
+@pytest.mark.parametrize(
+    ("verdict", "share", "expected"),
+    [
+        (STANDS, (1.0, 0.0), STANDS),
+        (STANDS, (0.95, 0.02), STANDS),
+        (STANDS, (0.8, 0.1), CANNOT_BE_TOLD),
+        (STANDS, (0.5, 0.1), DEPENDS),
+        (FALLS, (0.0, 0.0), FALLS),
+        (FALLS, (0.5, 0.1), DEPENDS),
+    ],
+)
+def test_choices_turn_a_conclusion_where_fewer_than_nine_tenths_agree(verdict, share, expected):
+    row = told(verdict, share=share)
+    assert row.conclusion == expected
+    assert (row.choices_share, row.choices_error) == share
+
+
+def test_a_claim_net_of_bulk_indentation_is_held_against_net_closures():
+    row = told(STANDS, share=(0.3, 0.0), number="5a, net", response="closure_net")
+    assert (row.choices_share, row.conclusion) == (0.3, DEPENDS)
+
+
+def test_a_claim_that_choices_were_not_asked_about_has_no_share():
+    assert np.isnan(told(STANDS, share=(0.3, 0.0), number="6b").choices_share)

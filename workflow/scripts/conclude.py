@@ -1,0 +1,21 @@
+"""Put together what each conclusion of the paper rests on."""
+
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.text import read_csv, write_csv
+from jointclosure.studies.sensitivity.conclusions import conclusion_table
+
+
+def main(inputs: dict, outputs: dict, log: Logbook) -> None:
+    """Write the table; what was not run beside the study is left empty."""
+    beside = {name: read_csv(inputs[name]) for name in ("readings", "choices") if inputs[name]}
+    table = conclusion_table(read_csv(inputs["claims"]), read_csv(inputs["jrc_range"]), **beside)
+    write_csv(table, outputs["table"])
+    for name in {"readings", "choices"} - set(beside):
+        log(f"{name}: was not run beside this study, and is left empty")
+    log(f"wrote {outputs['table']}")
+
+
+if __name__ == "__main__":
+    with job(snakemake) as logbook:
+        main(dict(snakemake.input), dict(snakemake.output), logbook)

@@ -1,0 +1,203 @@
+"""Renew docs/conclusions.md: its table, each number of its text, and where each comes from.
+
+Run by hand after `make conclusions`, with `make readings` and `make global-sensitivity` before it.
+A number of the text stands between ``<!-- n:name -->`` and ``<!-- /n -->``.
+"""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import pandas as pd
+from markers import fill
+from publish_measured import markdown
+
+from jointclosure.report.findings import conclusion_sheet
+from jointclosure.statistics.standard_errors import rounded
+from jointclosure.storage.text import read_csv
+
+ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs/conclusions.md"
+PAPER, READINGS = "results/paper/tables", "results/readings/tables"
+TOGETHER = "results/global_sensitivity/tables"
+METHODS = "src/jointclosure/config/accuracy_methods.csv"
+MOST = "the most"
+
+
+class Number(NamedTuple):
+    """A number of the text: of rows of a table, made into words by ``text``."""
+
+    table: str
+    rows: dict
+    column: str
+    text: Callable[[pd.DataFrame], str]
+
+
+def chosen(table: pd.DataFrame, rows: dict) -> pd.DataFrame:
+    """Rows whose columns have these values; MOST stands for the largest one there is."""
+    for name, value in rows.items():
+        table = table[table[name] == (table[name].max() if value == MOST else value)]
+    if table.empty:
+        raise SystemExit(f"no row has {rows}")
+    return table
+
+
+def span(table: str, value: str, error: str, scale: float = 1.0, **rows) -> Number:
+    """Least and largest value of a column over rows, each with its error."""
+
+    def text(own: pd.DataFrame) -> str:
+        own = own.sort_values(value)
+        low, high = (
+            rounded(scale * own[value].iloc[end], scale * own[error].iloc[end]) for end in (0, -1)
+        )
+        return low if len(own) == 1 else f"{low} to {high}"
+
+    return Number(table, rows, value, text)
+
+
+def _elasticity(parameter: str, cycle: int) -> Number:
+    name = "elasticity"
+    table = f"{PAPER}/elasticities.csv"
+    return span(table, name, f"{name}_standard_error", parameter=parameter, cycle=cycle)
+
+
+def _index(name: str, cycle: int) -> Number:
+    table = f"{TOGETHER}/global_indices.csv"
+    rows = {"input": name, "response": "closure", "cycle": cycle, "rows": MOST}
+    return span(table, "total", "total_error", **rows)
+
+
+def _choices(number: str, response: str, cycle: int) -> Number:
+    table = f"{TOGETHER}/global_conclusions.csv"
+    rows = {"number": number, "response": response, "cycle": cycle, "rock": "all"}
+    return span(table, "share", "share_error", 100.0, **rows)
+
+
+def _joint(entries: str, kind: str = "p") -> Number:
+    return span(f"{PAPER}/table_3_joint_tests.csv", kind, f"{kind}_error", entries=entries)
+
+
+def _mean(cycle: int) -> Number:
+    name = "max_closure_mean_mm"
+    rows = {"parameter": "base", "cycle": cycle}
+    return span(f"{PAPER}/max_closure.csv", name, f"{name}_standard_error", **rows)
+
+
+def _jrc(parameter: str, cycle: int, half_width: float) -> Number:
+    rows = {"parameter": parameter, "cycle": cycle, "half_width": half_width}
+    return span(f"{PAPER}/jrc_range.csv", "value", "standard_error", **rows)
+
+
+def _found(number: str) -> Number:
+    return span(f"{PAPER}/claims.csv", "found_share", "found_error", 100.0, number=number)
+
+
+def _steps(cycle: int) -> Number:
+    """What the paper's steps are off by, with 95 % intervals, for each rock."""
+
+    def text(own: pd.DataFrame) -> str:
+        return " and ".join(
+            f"{row.bias_percent:+.1f} % ({row.bias_low:+.1f} to {row.bias_high:+.1f})"
+            for row in own.sort_values("bias_percent").itertuples()
+        )
+
+    rows = {"response": "mean", "method": "paper", "control_variates": False, "cycle": cycle}
+    return Number(METHODS, rows, "bias_percent", text)
+
+
+def _count(conclusion: str) -> Number:
+    """How many claims have such a conclusion: a count has no error, and may be none."""
+
+    def text(own: pd.DataFrame) -> str:
+        return str(int((own.conclusion == conclusion).sum()))
+
+    return Number(f"{PAPER}/conclusions.csv", {}, f"rows of conclusion = {conclusion}", text)
+
+
+NUMBERS = {
+    "stand": _count("stands"),
+    "fall": _count("falls"),
+    "depend": _count("depends on what is unstated"),
+    "untold": _count("cannot be told"),
+    "mean 1": _mean(1),
+    "mean 2": _mean(2),
+    "scatter 1": _jrc("base", 1, 0.0),
+    "scatter 2": _jrc("base", 2, 0.0),
+    "scatter 1, JRC to 2": _jrc("base", 1, 2.0),
+    "p": _joint("all"),
+    "p of no effect, cycle 1 without JRC": _joint("cycle 1 without JRC", "null_p"),
+    "p, cycle 1 without JRC": _joint("cycle 1 without JRC"),
+    "e(E) 2": _elasticity("youngs_modulus", 2),
+    "e(E) 1": _elasticity("youngs_modulus", 1),
+    "e(sigma_c) 1": _elasticity("compressive_strength", 1),
+    "e(sigma_c) 2": _elasticity("compressive_strength", 2),
+    "e(JRC) 1": _elasticity("jrc", 1),
+    "e(JRC) 2": _elasticity("jrc", 2),
+    "e(nu) 1": _elasticity("poisson_ratio", 1),
+    "e(nu) 2": _elasticity("poisson_ratio", 2),
+    "length of E 2": _jrc("youngs_modulus", 2, 0.0),
+    "ratio on 2": _index("peak_modulus", 2),
+    "ratio on 1": _index("peak_modulus", 1),
+    "roll-off on 1": _index("roll_off", 1),
+    "JRC on 1": _index("jrc", 1),
+    "stress on 1": _index("stress", 1),
+    "choices 2a": _choices("2a", "closure", 2),
+    "choices 2a, net": _choices("2a", "closure_net", 2),
+    "choices 1a 1": _choices("1a", "closure", 1),
+    "choices 1a 2": _choices("1a", "closure", 2),
+    "found 1a 1": _found("1a, cycle 1"),
+    "found 2a": _found("2a"),
+    "steps 1": _steps(1),
+    "steps 2": _steps(2),
+}
+
+
+def numbers() -> dict[str, str]:
+    """The text of each number."""
+    return {
+        name: each.text(chosen(read_csv(ROOT / each.table), each.rows))
+        for name, each in NUMBERS.items()
+    }
+
+
+def filled(page: str, found: dict[str, str]) -> str:
+    """A page with its numbers; an error where it asks for one that there is not."""
+
+    def put(match: re.Match) -> str:
+        if match[1] not in found:
+            raise SystemExit(f"{PAGE}: there is no number {match[1]!r}")
+        return f"<!-- n:{match[1]} -->{found[match[1]]}<!-- /n -->"
+
+    return re.sub(r"<!-- n:(.+?) -->.*?<!-- /n -->", put, page)
+
+
+def table() -> str:
+    """What each claim rests on."""
+    sheet = conclusion_sheet(read_csv(ROOT / PAPER / "conclusions.csv"))
+    rows = [[cell.text for cell in row] for row in sheet.rows]
+    return markdown(pd.DataFrame(rows, columns=sheet.titles))
+
+
+def origins(page: str, found: dict[str, str]) -> str:
+    """A row for each number that the text has: where it comes from."""
+    used = list(dict.fromkeys(re.findall(r"<!-- n:(.+?) -->", page)))
+    rows = []
+    for name in used:
+        table, chosen_by, column, _ = NUMBERS[name]
+        where = ", ".join(f"{key} = {value}" for key, value in chosen_by.items())
+        row = {"number": name, "is": found[name], "table": f"`{table}`", "column": f"`{column}`"}
+        rows.append(row | {"rows": where or "all"})
+    return markdown(pd.DataFrame(rows))
+
+
+def main() -> None:
+    """Fill the page."""
+    found = numbers()
+    page = filled(PAGE.read_text(encoding="utf-8"), found)
+    PAGE.write_text(page, encoding="utf-8")
+    fill(PAGE, {"conclusions": table(), "origins": origins(page, found)})
+
+
+if __name__ == "__main__":
+    main()
