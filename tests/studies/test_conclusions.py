@@ -16,12 +16,14 @@ def told(verdict, readings=None, share=None, number="5a", response="closure", cy
         {
             "number": [number], "claim": ["it rises"], "verdict": [verdict],
             "found_share": [0.9], "found_error": [0.01],
+            "found_low": [0.88], "found_high": [0.92],
         }
     )  # fmt: skip
     half_widths = pd.DataFrame(
         {
             "number": [number] * 3, "half_width": [0.0, 2.0, 1.0], "found_share": [0.9, 0.7, 0.8],
             "found_error": [0.01, 0.03, 0.02],
+            "found_low": [0.88, 0.64, 0.76], "found_high": [0.92, 0.76, 0.84],
         }
     )  # fmt: skip
     given = {}
@@ -42,6 +44,7 @@ def test_a_verdict_stays_where_nothing_else_was_studied():
     row = told(STANDS)
     assert row.conclusion == STANDS
     assert (row.jrc_half_width, row.jrc_found_share, row.jrc_found_error) == (2.0, 0.7, 0.03)
+    assert (row.jrc_found_low, row.jrc_found_high) == (0.64, 0.76)
     assert np.isnan(row.readings_stand)
     assert np.isnan(row.choices_share)
 

@@ -70,4 +70,7 @@ def test_a_wide_range_widens_the_interval_of_jrc_on_the_first_cycle(pool):
     assert rows["jrc", 1, 2.0] > rows["jrc", 1, 0.0]
     assert entries[entries.parameter == "base"].standard_error.notna().all()
     assert set(found.half_width) == {0.0, 2.0}
-    assert found.found_share.dropna().between(0.0, 1.0).all()
+    known = found.dropna()
+    assert (known.found_low <= known.found_share).all()
+    assert (known.found_share <= known.found_high).all()
+    assert (known.found_high > known.found_low).all()

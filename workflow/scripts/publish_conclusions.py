@@ -115,7 +115,14 @@ def _count(conclusion: str) -> Number:
     return Number(f"{PAPER}/conclusions.csv", {}, f"rows of conclusion = {conclusion}", text)
 
 
+def _rows() -> Number:
+    """Rows of the design of global sensitivity: a choice, without error."""
+    rows = {"rows": MOST}
+    return Number(f"{TOGETHER}/global_indices.csv", rows, "rows", lambda own: str(own.rows.iloc[0]))
+
+
 NUMBERS = {
+    "rows": _rows(),
     "stand": _count("stands"),
     "fall": _count("falls"),
     "depend": _count("depends on what is unstated"),

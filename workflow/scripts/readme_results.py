@@ -76,11 +76,7 @@ def claim_table() -> str:
     claims = read_csv(PAPER / "tables/claims.csv")
     rows = []
     for row in claims.itertuples():
-        found = ""
-        if not pd.isna(row.found_share):
-            found = percent_text(row.found_share, row.found_error)
-            if not row.found_error > 0.0:  # none or all of the repetitions: the interval tells it
-                found += f" ({100.0 * row.found_low:.3g} to {100.0 * row.found_high:.3g})"
+        found = percent_text(row.found_share, row.found_error, row.found_low, row.found_high)
         own = "" if pd.isna(row.paper_finds) else row.paper_finds
         rows.append(f"| {row.number} | {row.claim} | {row.verdict} | {found} | {own} |")
     head = "| | claim | true of the model | studies that find it | in the paper's Table 3 |\n"

@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pandas as pd
 
 from jointclosure.config.properties import PARAMETER_TITLES, PROPERTIES
@@ -191,7 +192,10 @@ def claim_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
     if compared and "paper" in claims:
         columns["paper_finds"] = "Found in the paper's Table 3"
     shown = claims.assign(
-        found=[_share(row.found_share, row.found_error) for row in claims.itertuples()]
+        found=[
+            percent_text(row.found_share, row.found_error, row.found_low, row.found_high)
+            for row in claims.itertuples()
+        ]
     )
     return sheet("claims", "The paper's claims: true of the model, and found?", shown, columns)
 
@@ -228,9 +232,11 @@ def conclusion_sheet(conclusions: pd.DataFrame) -> Sheet:
     shown = [
         row._asdict()
         | {
-            "found": _share(row.found_share, row.found_error),
-            "jrc_found": _share(row.jrc_found_share, row.jrc_found_error),
-            "choices": _share(row.choices_share, row.choices_error),
+            "found": percent_text(row.found_share, row.found_error, row.found_low, row.found_high),
+            "jrc_found": percent_text(
+                row.jrc_found_share, row.jrc_found_error, row.jrc_found_low, row.jrc_found_high
+            ),
+            "choices": percent_text(row.choices_share, row.choices_error),
             "readings": ""
             if pd.isna(row.readings_stand)
             else f"{row.readings_stand:.0f}, {row.readings_fall:.0f}, {row.readings_open:.0f}",
@@ -240,10 +246,6 @@ def conclusion_sheet(conclusions: pd.DataFrame) -> Sheet:
     ]
     caption = "What is left of each claim under readings and choices that the paper leaves open"
     return sheet("conclusions", caption, pd.DataFrame(shown), columns)
-
-
-def _share(share: float, error: float) -> str:
-    return "" if pd.isna(share) else percent_text(share, error)
 
 
 _DECIDES = re.compile(r"(?:([\w ]+): )?(.*?)\s*([-−]?[\d.]+(?: ± [\d.]+)?)?$")
@@ -262,9 +264,17 @@ def _parts(model: object) -> list[dict[str, str]]:
     ]
 
 
-def percent_text(share: float, error: float) -> str:
-    """A share and its standard error in percent, rounded to it."""
-    return f"{rounded(100.0 * share, 100.0 * error)} %"
+def percent_text(share: float, error: float, low: float = np.nan, high: float = np.nan) -> str:
+    """A share and its standard error in percent; where that is 0, the interval from low to high.
+
+    Nothing of a share that is not known.
+    """
+    if pd.isna(share):
+        return ""
+    text = f"{rounded(100.0 * share, 100.0 * error)} %"
+    if error > 0.0 or pd.isna(low):
+        return text
+    return f"{text} ({100.0 * low:.3g} to {100.0 * high:.3g})"
 
 
 def predictive_sheet(predictive: pd.DataFrame, titles: dict[str, str], compared: bool) -> Sheet:

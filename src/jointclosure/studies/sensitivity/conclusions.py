@@ -24,6 +24,9 @@ OF_CHOICES = {
 }
 """Number, response and cycle under which the study of global sensitivity has a claim."""
 
+FOUND = ("found_share", "found_error", "found_low", "found_high")
+"""Columns on how often studies find a claim: share, standard error, 95 % interval."""
+
 _MOST_NAMED = 3
 
 
@@ -50,9 +53,8 @@ def conclusion_table(
     Returns
     -------
     DataFrame
-        A row a claim: ``number``, ``claim``, ``verdict`` as configured, ``found_share`` and
-        ``found_error`` of studies by the paper's protocol, ``jrc_half_width`` and
-        ``jrc_found_share``, ``jrc_found_error`` at the largest one, ``readings_stand``,
+        A row a claim: ``number``, ``claim``, ``verdict`` as configured, `FOUND` of studies by the
+        paper's protocol, ``jrc_half_width`` and the same at the largest one, ``readings_stand``,
         ``readings_fall`` and ``readings_open`` (numbers), ``opposed_by`` (titles of readings of
         the opposite verdict), ``choices_share`` and ``choices_error`` (in all rocks at once), and
         the ``conclusion``: the verdict, where no reading is opposed and at least `NEARLY_ALL` of
@@ -63,7 +65,7 @@ def conclusion_table(
     rows = []
     for claim in claims.itertuples():
         row = {"number": claim.number, "claim": claim.claim, "verdict": claim.verdict}
-        row |= {"found_share": claim.found_share, "found_error": claim.found_error}
+        row |= {name: getattr(claim, name) for name in FOUND}
         row |= _of_jrc(claim.number, jrc_range) | _of_readings(claim, readings)
         row |= _of_choices(claim.number, choices)
         rows.append(row | {"conclusion": _conclusion(row)})
@@ -72,14 +74,9 @@ def conclusion_table(
 
 def _of_jrc(number: str, jrc_range: pd.DataFrame) -> dict:
     own = jrc_range[(jrc_range.number == number) & (jrc_range.half_width > 0.0)]
-    if own.empty:
-        return {"jrc_half_width": np.nan, "jrc_found_share": np.nan, "jrc_found_error": np.nan}
-    widest = own.loc[own.half_width.idxmax()]
-    return {
-        "jrc_half_width": widest.half_width,
-        "jrc_found_share": widest.found_share,
-        "jrc_found_error": widest.found_error,
-    }
+    widest = own.sort_values("half_width").reindex(columns=["half_width", *FOUND])
+    found = widest.iloc[-1] if len(widest) else pd.Series(np.nan, widest.columns)
+    return {f"jrc_{name}": found[name] for name in widest.columns}
 
 
 def _of_readings(claim, readings: pd.DataFrame | None) -> dict:

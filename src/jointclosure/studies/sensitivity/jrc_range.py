@@ -93,7 +93,8 @@ def jrc_range_tables(
         (else the median length in percent of the rock's own value) with ``standard_error``,
         ``share_without_root``; the rock "all" has the joint p of the paper's table.
     found : DataFrame
-        ``number``, ``claim``, ``half_width``, ``found_share`` with ``found_error``.
+        ``number``, ``claim``, ``half_width``, ``found_share`` with ``found_error`` and
+        the interval from ``found_low`` to ``found_high``, the widest of the parts that are drawn.
     """
     entries, found = [], []
     for half_width in (0.0, *half_widths):
@@ -106,12 +107,14 @@ def jrc_range_tables(
             parts.append(_entries(own, paper))
             judged.append(judge_claims(own, claims, paper))
         entries.append(_together(pd.concat(parts)).assign(half_width=half_width))
-        shares = pd.concat(judged).groupby(["number", "claim"], sort=False).found_share
+        parts_of = pd.concat(judged).groupby(["number", "claim"], sort=False)
+        shares = parts_of.found_share
         told = shares.agg(lambda own: mean_of(own).value if len(own) > 1 else own.iloc[0])
-        errors = pd.concat(judged).groupby(["number", "claim"], sort=False).found_error.max()
+        errors = parts_of.found_error.max()
         scatter = shares.std() / np.sqrt(REPEATS)
         error = np.maximum(errors, scatter.fillna(0.0))
-        table = pd.DataFrame({"found_share": told, "found_error": error}).reset_index()
+        interval = {"found_low": parts_of.found_low.min(), "found_high": parts_of.found_high.max()}
+        table = pd.DataFrame({"found_share": told, "found_error": error} | interval).reset_index()
         found.append(table.assign(half_width=half_width))
     columns = ["rock", "parameter", "cycle", "half_width", "value", "standard_error",
                "share_without_root"]  # fmt: skip
