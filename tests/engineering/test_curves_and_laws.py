@@ -8,7 +8,12 @@ import jointclosure as jc
 from jointclosure.engineering.curves import area_of, curve_table, cycle_table
 from jointclosure.engineering.exchange import itasca_tables
 from jointclosure.engineering.laws import LAWS, fitted_laws, law_said, parameter
-from jointclosure.engineering.stiffness import landing_stress, stiffness_table
+from jointclosure.engineering.stiffness import (
+    closures_at,
+    landing_stress,
+    secant_stiffness,
+    stiffness_table,
+)
 from tests.conftest import DOLERITE, SPACING
 
 SEATING, LARGEST = 0.5, 10.0
@@ -93,6 +98,18 @@ def test_chords_beyond_the_last_whole_step_are_marked_as_landing(closed):
     itasca = itasca_tables(closed).split("'kn-cycle-1-loading'")[1].split("table")[0]
     assert itasca.count("(") == (~first.landing).sum()
     assert f"({1e6 * marked.iloc[-1]:.6e}" not in itasca
+
+
+def test_a_secant_ends_where_the_landing_begins(closed):
+    end = landing_stress(closed, 1)
+    levels = np.array([2e6, end, 5e6])
+    closures = closures_at(closed, levels)[:, 0]
+    first = (end - 2e6) / (closures[0, 1] - closures[0, 0])
+    assert secant_stiffness(closed, 1, 2e6, 5e6) == pytest.approx(first)
+    assert first < (5e6 - 2e6) / (closures[0, 2] - closures[0, 0])
+    second = (5e6 - 2e6) / (closures[1, 2] - closures[1, 0])
+    assert secant_stiffness(closed, 2, 2e6, 5e6) == pytest.approx(second)
+    assert np.isnan(secant_stiffness(closed, 1, end, 5e6))
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ import jointclosure as jc
 from jointclosure.config.rocks import named_rock
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.engineering.laws import fitted_laws
-from jointclosure.engineering.stiffness import closures_at
+from jointclosure.engineering.stiffness import secant_stiffness
 
 PAGE = Path(__file__).parents[2] / "docs/validation.md"
 START, END = "<!-- model -->", "<!-- end -->"
@@ -44,8 +44,7 @@ COLUMNS: dict[str, str] = {
 def numbers_of(history) -> dict[str, float]:
     """What is compared, of one joint."""
     first = cycle_table(history).iloc[0]
-    half_and_all = closures_at(history, np.array([0.5 * STRESS, STRESS]))
-    kn = [0.5e-9 * STRESS / float(np.diff(cycle[0])[0]) for cycle in half_and_all]
+    kn = [1e-9 * secant_stiffness(history, cycle, 0.5 * STRESS, STRESS) for cycle in (1, 2)]
     fits = fitted_laws(history)
     fits = fits[(fits.cycle == 1) & (fits.branch == "loading")].drop_duplicates("law")
     miss = 100.0 * fits.set_index("law").rms_mm / first.closure_since_seating_mm

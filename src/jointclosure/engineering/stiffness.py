@@ -78,6 +78,17 @@ def landing_stress(history: xr.Dataset, cycle: int) -> float:
     return float(stress[here][whole[-1] + 1 if whole.size else 0])
 
 
+def secant_stiffness(history: xr.Dataset, cycle: int, low: float, high: float) -> float:
+    """Normal stiffness [Pa/m] of a cycle's loading by the chord between two stresses [Pa].
+
+    It ends where the loading begins to land on its maximum (`landing_stress`), if that is below
+    the higher stress; NaN where the loading does not get there.
+    """
+    levels = np.array([low, min(high, landing_stress(history, cycle))])
+    rise = float(np.diff(closures_at(history, levels)[cycle - 1, 0])[0])
+    return float(np.diff(levels)[0]) / rise if levels[1] > low and rise > 0.0 else np.nan
+
+
 def stiffness_table(history: xr.Dataset, count: int = LEVELS) -> pd.DataFrame:
     """Normal stiffness by the chord between evenly spaced stresses, for each cycle and branch.
 

@@ -13,7 +13,7 @@ import xarray as xr
 
 from jointclosure.config.typed import Configuration
 from jointclosure.engineering.curves import cycle_table, hysteresis
-from jointclosure.engineering.stiffness import closures_at
+from jointclosure.engineering.stiffness import secant_stiffness
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import ClosureSettings
@@ -33,7 +33,10 @@ READ = {
 """What is read of `cycle_table`: its column, unit and name."""
 READ_ALONG = {
     "hysteresis": ("1", "share of the work of loading that unloading does not give back"),
-    "closure_above_half": ("m", "closure of loading from half of the maximum stress to all of it"),
+    "closure_above_half": (
+        "m",
+        "half of the maximum stress over the normal stiffness of loading there",
+    ),
 }
 
 
@@ -121,8 +124,9 @@ def _read(closed: xr.Dataset) -> dict[str, np.ndarray]:
     table = cycle_table(closed)
     found = {name: 1e-3 * table[column].to_numpy() for name, (column, *_) in READ.items()}
     largest = float(closed.normal_stress.max())
-    half, whole = closures_at(closed, np.array([0.5 * largest, largest]))[:, 0].T
-    return found | {"hysteresis": hysteresis(closed), "closure_above_half": whole - half}
+    stiffness = [secant_stiffness(closed, cycle, 0.5 * largest, largest) for cycle in table.cycle]
+    above = 0.5 * largest / np.array(stiffness)
+    return found | {"hysteresis": hysteresis(closed), "closure_above_half": above}
 
 
 def _labelled(
