@@ -21,7 +21,7 @@ def folder(tmp_path_factory):
         answer = snakemake(folder, goal, config=CONFIG)
         assert answer.returncode == 0, answer.stdout + answer.stderr
         if goal == "estimate_size":
-            assert "156 joints will take about" in answer.stderr
+            assert "132 joints will take about" in answer.stderr
     return folder
 
 
@@ -31,7 +31,7 @@ def test_the_study_has_its_dataset_tables_and_figure(folder):
     assert study.spectrum.values.tolist() == ["flat", "free"]
     assert study.rock.values.tolist() == ["slate"]
     assert "configuration" in study.attrs
-    assert len(pd.read_csv(results / "tables/size.csv")) == 2 * 5 * 2
+    assert len(pd.read_csv(results / "tables/size.csv")) == 2 * 4 * 2
     assert set(pd.read_csv(results / "tables/size_exponents.csv").of) == {"patch", "spacing"}
     for table in ("size_collapse", "size_barton_bandis"):
         assert len(pd.read_csv(results / f"tables/{table}.csv")) > 0

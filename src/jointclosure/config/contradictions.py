@@ -138,8 +138,6 @@ def _size_problems(configuration: Configuration) -> Iterator[str]:
         yield f"size.patch_mm: must have the side of the grid, {1e3 * base[0]:g} (a square)"
     if not _among(grid.spacing, design.spacing):
         yield f"size.spacing_mm: must have grid.spacing_mm = {1e3 * grid.spacing:g}"
-    if grid.cells_x > design.most_cells:
-        yield f"size.most_cells = {design.most_cells}: must be at least grid.cells_x"
     surface = configuration.surface
     for name, each in design.spectra.items():
         try:

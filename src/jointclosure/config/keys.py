@@ -599,7 +599,9 @@ class SizeKeys(Keys):
         json_schema_extra={"uniqueItems": True},
     )
     most_cells: int = entry(
-        "Cells along a side beyond which a patch is not closed at a spacing.", ge=3, le=4096
+        "Cells along a side beyond which a patch is closed at the spacing of the grid only.",
+        ge=3,
+        le=4096,
     )
     spectra: dict[Name, SizeSpectrumKeys] = entry(
         "Spectra of the walls by name, all made of the same noise.", min_length=1

@@ -162,7 +162,7 @@ class SizeSpectrum(NamedTuple):
 class SizeDesign(NamedTuple):
     """Side lengths and spacings [m] at which nested patches are closed, ascending.
 
-    ``most_cells`` along a side; ``spectra`` by name.
+    ``most_cells`` along a side, but for patches at the spacing of the grid; ``spectra`` by name.
     """
 
     patch: tuple[float, ...]

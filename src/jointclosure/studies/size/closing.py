@@ -46,13 +46,15 @@ GEOMETRY = {
 class SizeSettings(NamedTuple):
     """What the joints of a rock and spectrum depend on.
 
-    ``walls`` are those that all patches are cut out of; ``spacing`` [m] is the one at which
-    they have the Z2 of their JRC.
+    ``walls`` are those that all patches are cut out of, ``base`` is the spacing [m] at which they
+    have the Z2 of their JRC; ``patch``, ``spacing`` and ``most_cells`` as in the design.
     """
 
     walls: ClosureSettings
-    spacing: float
-    design: SizeDesign
+    base: float
+    patch: tuple[float, ...]
+    spacing: tuple[float, ...]
+    most_cells: int
 
 
 def check_asked(configuration: Configuration) -> SizeDesign:
@@ -73,27 +75,37 @@ def settings_of(configuration: Configuration, rock: str, spectrum: str) -> SizeS
     )
     case = base_case(rock, configuration.rocks[rock])
     surfaces = surface_settings(large, case, range(configuration.study.realizations))
-    return SizeSettings(closure_settings(large, case, surfaces), configuration.grid.spacing, design)
+    return SizeSettings(
+        closure_settings(large, case, surfaces),
+        configuration.grid.spacing,
+        design.patch,
+        design.spacing,
+        design.most_cells,
+    )
 
 
-def joints_of(design: SizeDesign) -> Iterator[tuple[int, int]]:
+def joints_of(settings: SizeSettings) -> Iterator[tuple[int, int]]:
     """Places of patch and spacing of all joints that are closed."""
-    for i, patch in enumerate(design.patch):
-        for j, spacing in enumerate(design.spacing):
-            if round(patch / spacing) <= design.most_cells:
+    for i, patch in enumerate(settings.patch):
+        for j, spacing in enumerate(settings.spacing):
+            if round(patch / spacing) <= settings.most_cells or spacing == settings.base:
                 yield i, j
+
+
+def positions_of(settings: SizeSettings, i: int) -> int:
+    """How many patches of the i-th length the diagonal of the walls has."""
+    return round(settings.patch[-1] / settings.patch[i])
 
 
 def nested_walls(settings: SizeSettings) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Walls (y, x) [m] of each realisation, which have the Z2 of their JRC at one spacing."""
     told = settings.walls.surfaces
     grid, surface = told.grid, told.surface
-    z2 = z2_of_jrc(told.jrc, settings.spacing, surface.hurst, surface.jrc_relation)
-    step = round(settings.spacing / grid.spacing)
+    z2 = z2_of_jrc(told.jrc, settings.base, surface.hurst, surface.jrc_relation)
+    step = round(settings.base / grid.spacing)
     for upper, lower in walls_of(told):
         first, second = (
-            wall * (z2 / rms_slope(wall[::step, ::step], settings.spacing))
-            for wall in (upper, lower)
+            wall * (z2 / rms_slope(wall[::step, ::step], settings.base)) for wall in (upper, lower)
         )
         yield first, second
 
@@ -123,21 +135,16 @@ def close_nested(
         Over (patch, spacing, position, realization): `GEOMETRY`, ``status`` and the processor's
         ``seconds``; and over the cycle too, `READ`. NaN where nothing was closed, or it failed.
     """
-    design, told = settings.design, settings.walls
-    positions = round(design.patch[-1] / design.patch[0])
-    shape = (len(design.patch), len(design.spacing), positions, told.surfaces.realizations)
+    told = settings.walls
+    shape = (len(settings.patch), len(settings.spacing), positions_of(settings, 0))
+    shape = (*shape, told.surfaces.realizations)
     alone = {name: np.full(shape, np.nan) for name in (*GEOMETRY, "status", "seconds")}
     values = {name: np.full((*shape, told.cycles), np.nan) for name in READ}
     for realization, walls in enumerate(nested_walls(settings)):
-        for i, j in joints_of(design):
-            for at in range(round(design.patch[-1] / design.patch[i])):
+        for i, j in joints_of(settings):
+            for at in range(positions_of(settings, i)):
                 place = i, j, at, realization
-                spacing = design.spacing[j]
-                pair = [
-                    patch_of(wall, design.spacing[0], design.patch[i], spacing, at)
-                    for wall in walls
-                ]
-                found, read = _closed(pair, spacing, told)
+                found, read = _closed(settings, walls, (i, j, at))
                 for name, value in found.items():
                     alone[name][place] = value
                 for name, value in read.items():
@@ -147,11 +154,19 @@ def close_nested(
     return _labelled(settings, alone, values)
 
 
-def _closed(pair: list[np.ndarray], spacing: float, told: ClosureSettings) -> tuple[dict, dict]:
-    """Geometry, status and time of a joint, and `READ` over its cycles."""
+def _closed(
+    settings: SizeSettings, walls: tuple[np.ndarray, np.ndarray], place: tuple[int, int, int]
+) -> tuple[dict, dict]:
+    """Geometry, status and time of a joint, and `READ` over its cycles.
+
+    ``place``: of patch and spacing, and the patch's number on the diagonal.
+    """
+    patch, spacing = settings.patch[place[0]], settings.spacing[place[1]]
+    finest = settings.spacing[0]
+    pair = [patch_of(wall, finest, patch, spacing, place[2]) for wall in walls]
     summed = pair[0] + pair[1]
     start = time.process_time()
-    closed = close_walls(*pair, told.conditions()._replace(spacing=spacing))
+    closed = close_walls(*pair, settings.walls.conditions()._replace(spacing=spacing))
     found = {
         "rms_height": float(np.std(summed)),
         "rms_slope": rms_slope(summed, spacing),
@@ -185,7 +200,6 @@ def _read(closed: xr.Dataset) -> dict[str, np.ndarray]:
 
 def _labelled(settings: SizeSettings, alone: dict, values: dict) -> xr.Dataset:
     """Readings with their coordinates and units."""
-    design = settings.design
     over = ("patch", "spacing", "position", "realization")
     about = GEOMETRY | {"status": ("1", "see docs/statuses.md"), "seconds": ("s", "processor")}
     found = {
@@ -198,8 +212,8 @@ def _labelled(settings: SizeSettings, alone: dict, values: dict) -> xr.Dataset:
     return xr.Dataset(
         found,
         coords={
-            "patch": ("patch", list(design.patch), {"units": "m"}),
-            "spacing": ("spacing", list(design.spacing), {"units": "m"}),
+            "patch": ("patch", list(settings.patch), {"units": "m"}),
+            "spacing": ("spacing", list(settings.spacing), {"units": "m"}),
             "cycle": np.arange(1, settings.walls.cycles + 1),
         },
     )
@@ -208,28 +222,22 @@ def _labelled(settings: SizeSettings, alone: dict, values: dict) -> xr.Dataset:
 def costs(settings: dict[str, SizeSettings]) -> pd.DataFrame:
     """Processor seconds of each spectrum of a rock, from one joint of each size of the first.
 
-    A joint of another spectrum takes in all sizes as much longer as it does at the smallest
-    patch and the finest spacing. Columns ``spectrum``, ``joints``, ``seconds``.
+    A joint of another spectrum takes in all sizes as much longer as it does at the base's spacing
+    and the smallest patch. Columns ``spectrum``, ``joints``, ``seconds``.
     """
-    rows = []
     first = next(iter(settings.values()))
-    design, realizations = first.design, first.walls.surfaces.realizations
-    whole = {(i, j): round(design.patch[-1] / design.patch[i]) for i, j in joints_of(design)}
-    smallest = min(whole)
-    _seconds(first, *smallest)  # compiled code is loaded
-    own = {place: _seconds(first, *place) for place in whole}
-    seconds = sum(own[place] * count for place, count in whole.items()) * realizations
+    realizations = first.walls.surfaces.realizations
+    own = {place: _seconds(first, place) for place in [(0, 0), *joints_of(first)]}
+    count = {place: positions_of(first, place[0]) * realizations for place in own}
+    seconds = sum(own[place] * count[place] for place in own)
+    small = (0, first.spacing.index(first.base))
+    rows = []
     for name, each in settings.items():
-        times = 1.0 if each is first else _seconds(each, *smallest) / own[smallest]
-        joints = realizations * sum(whole.values())
-        rows.append({"spectrum": name, "joints": joints, "seconds": times * seconds})
+        times = 1.0 if each is first else _seconds(each, small) / own[small]
+        rows.append({"spectrum": name, "joints": sum(count.values()), "seconds": times * seconds})
     return pd.DataFrame(rows)
 
 
-def _seconds(settings: SizeSettings, i: int, j: int) -> float:
+def _seconds(settings: SizeSettings, place: tuple[int, int]) -> float:
     """Processor time [s] of the first patch of a size and spacing."""
-    design, told = settings.design, settings.walls
-    walls = next(nested_walls(settings))
-    finest, patch, spacing = design.spacing[0], design.patch[i], design.spacing[j]
-    pair = [patch_of(wall, finest, patch, spacing, 0) for wall in walls]
-    return _closed(pair, spacing, told)[0]["seconds"]
+    return _closed(settings, next(nested_walls(settings)), (*place, 0))[0]["seconds"]
