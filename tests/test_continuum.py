@@ -115,6 +115,27 @@ def test_a_code_that_is_not_installed_is_named_and_left_out(tmp_path, monkeypatc
     assert (tmp_path / "figures/continuum.png").stat().st_size > 10000
 
 
+def test_a_realisation_without_an_equilibrium_is_named_and_left_out(capsys):
+    def fails(walls):
+        raise RuntimeError("no equilibrium at 1e6 Pa")
+
+    def history(scale):
+        return continuum.History(
+            scale * np.tile(continuum.LEVELS, (3, 1)), np.full((3, 6), 0.1), 0.5 * scale
+        )
+
+    none = continuum.closed("other", fails, None, STRESSES)
+    assert "other: a realisation is left out (no equilibrium" in capsys.readouterr().out
+    ours = [history(s) for s in (1e-4, 2e-4, 9e-4)]
+    other = [history(3e-4), history(6e-4), none]
+    table = continuum.table_of({"ours": ours, "other": other}, STRESSES)
+    own = table[table.reading == "closure_1_um"].set_index("model")
+    assert own.realizations.tolist() == [3, 2]
+    assert own["mean"].other == pytest.approx(450.0)
+    assert own.ratio.other == pytest.approx(3.0)
+    assert len(continuum.continuum_figure({"ours": ours, "other": other}, STRESSES).axes) == 2
+
+
 def test_a_hardness_that_is_not_reached_leaves_the_elastic_curve(gap):
     pytest.importorskip("ContactMechanics")
     plastic = continuum.along(*continuum.contact_mechanics_plastic(gap, 1e12), STRESSES)

@@ -49,28 +49,37 @@ def finding() -> str:
     law = law[(law.spectrum == DEFAULT) & (law.to_mm == law.to_mm.max())]
     law = law.set_index(["reading", "cycle"])
     told = {
-        (reading, cycle): f"{rounded(own.ratio, own.error)} times ({own.barton_bandis:.2f})"
-        for (reading, cycle), own in law.iterrows()
+        which: f"{rounded(own.ratio, own.error)} ({own.barton_bandis:.2f})"
+        for which, own in law.iterrows()
     }
-    table = table_of("size_collapse")
-    table = table[table.between == "sizes"].set_index(["reading", "cycle", "scaling"])
-    best = [table.loc[(*each, "patch length, spacing")] for each in SHOWN]
-    power = table.loc[("closure_net", 1, "patch length, spacing")]
-    plain = table.loc[("closure_net", 1, "none")]
-    removed = [each.removed_percent for each in best]
     return (
-        f"From a patch of {law.from_mm.iloc[0]:g} mm to one of {law.to_mm.iloc[0]:g} mm of the same "
-        f"walls the net closure of the default study's joints becomes "
-        f"{told['closure_net', 1]} as large on the first cycle and {told['closure_net', 2]} on the "
-        f"second, and the net stiffness {told['stiffness_net', 1]} and {told['stiffness_net', 2]} "
-        "as large. In brackets: what the scale corrections of Barton and Bandis say of the same "
-        "change in size.\n\n"
-        f"Powers of patch length and spacing, the same for all spectra, remove "
-        f"{min(removed):.0f} to {max(removed):.0f} % of the mean square spread between sizes on "
-        f"realisations that were not fitted. Without a patch of that size in the fit, the largest "
-        f"one's net closure of the first cycle is foretold to "
-        f"{power.largest_off_percent:.0f} ± {power.largest_off_error:.0f} %, where without a "
-        f"scaling it is {plain.largest_off_percent:.0f} ± {plain.largest_off_error:.0f} % off.\n"
+        "Closures do not carry over as they are. From a patch of "
+        f"{law.from_mm.iloc[0]:g} mm to one of {law.to_mm.iloc[0]:g} mm of the same walls (those of "
+        f"the default study) the net closure is multiplied by {told['closure_net', 1]} on the first cycle and by "
+        f"{told['closure_net', 2]} on the second, the net stiffness by "
+        f"{told['stiffness_net', 1]} and {told['stiffness_net', 2]}. In brackets: what the scale "
+        f"corrections of Barton and Bandis say of the same change in size.\n\n{_best(1)}\n\n"
+        f"{_best(2)}\n"
+    )
+
+
+def _best(cycle: int) -> str:
+    """The scaling that removes most of the spread of a cycle's net closure."""
+    table = table_of("size_collapse")
+    own = table[(table.reading == "closure_net") & (table.cycle == cycle)]
+    alone, together = (own[own.between == each] for each in ("sizes", "sizes and spectra"))
+    best = together.sort_values("removed_percent").iloc[-1]
+    plain = together[together.scaling == "none"].iloc[0]
+    last = alone[alone.scaling == best.scaling].iloc[0]
+    first = alone[alone.scaling == "none"].iloc[0]
+    return (
+        f"**Cycle {cycle}**: the best scaling of net closure is by {best.scaling} "
+        f"({best.exponents.replace('_', ' ')}). On realisations that were not fitted it removes "
+        f"{rounded(best.removed_percent, best.removed_error)} % of the mean square spread between "
+        f"all sizes and spectra: {best.left_percent:.0f} % rms are left of "
+        f"{plain.left_percent:.0f} %. The largest patch, not fitted either, is off by "
+        f"{rounded(last.largest_off_percent, last.largest_off_error)} % rms (without a scaling "
+        f"by {rounded(first.largest_off_percent, first.largest_off_error)} %)."
     )
 
 
@@ -87,7 +96,8 @@ def sizes() -> str:
         }
         for column, title in COLUMNS.items():
             ratio = rounded(own[f"{column}_ratio"], own[f"{column}_error"])
-            row[title] = f"{own[column]:.3g} (x {ratio})"
+            again = column.startswith("residual") and own["cycle"] > 1
+            row[title] = "" if again else f"{own[column]:.3g} (x {ratio})"
         rows.append(row)
     return markdown(pd.DataFrame(rows))
 
@@ -111,10 +121,10 @@ def exponents() -> str:
     return markdown(pd.DataFrame(rows))
 
 
-def collapse(between: str) -> str:
+def collapse() -> str:
     """What each scaling removes of the spread, on realisations that were not fitted."""
     table = table_of("size_collapse")
-    table = table[table.between == between]
+    table = table[table.between == "sizes and spectra"]
     rows = []
     for scaling in dict.fromkeys(table.scaling):
         row = {"scaling": scaling}
@@ -124,7 +134,7 @@ def collapse(between: str) -> str:
             ].iloc[0]  # fmt: skip
             title = f"{TITLES[reading]}, cycle {cycle}"
             left = f"{own.left_percent:.0f} % left"
-            removed = f"{own.removed_percent:.0f} ± {own.removed_error:.0f}"
+            removed = rounded(own.removed_percent, own.removed_error)
             row[title] = left if scaling == "none" else f"{removed}; {left}"
         rows.append(row)
     return markdown(pd.DataFrame(rows))
@@ -141,23 +151,23 @@ def largest() -> str:
             own = table[
                 (table.scaling == scaling) & (table.reading == reading) & (table.cycle == cycle)
             ].iloc[0]  # fmt: skip
-            row[f"{TITLES[reading]}, cycle {cycle} (%)"] = (
-                f"{own.largest_off_percent:.0f} ± {own.largest_off_error:.0f}"
+            row[f"{TITLES[reading]}, cycle {cycle} (%)"] = rounded(
+                own.largest_off_percent, own.largest_off_error
             )
         rows.append(row)
     return markdown(pd.DataFrame(rows))
 
 
 def scalings() -> str:
-    """The exponents of the scalings by patch and spacing, and by rms height, of all spectra."""
+    """The exponents of three scalings, of all sizes and spectra."""
     table = table_of("size_collapse")
     rows = []
-    for scaling in ("patch length, spacing", "rms height, spacing", "rms height"):
+    for scaling in ("patch length, spacing", "rms height, spacing", "depth of 5 %, spacing"):
         row = {"scaling": scaling}
         for reading, cycle in SHOWN:
             own = table[
                 (table.scaling == scaling) & (table.reading == reading) & (table.cycle == cycle)
-                & (table.between == "sizes")
+                & (table.between == "sizes and spectra")
             ].iloc[0]  # fmt: skip
             row[f"{TITLES[reading]}, cycle {cycle}"] = own.exponents.replace("_", " ")
         rows.append(row)
@@ -184,8 +194,7 @@ def main() -> None:
         "finding": finding(),
         "sizes": sizes(),
         "exponents": exponents(),
-        "collapse": collapse("sizes"),
-        "collapse of spectra": collapse("sizes and spectra"),
+        "collapse": collapse(),
         "largest": largest(),
         "scalings": scalings(),
         "barton bandis": barton_bandis(),

@@ -14,6 +14,7 @@ import xarray as xr
 
 from jointclosure.statistics.collapse import centred, collapse_of, exponents_of
 from jointclosure.statistics.drawn_studies import jackknife_error
+from jointclosure.statistics.standard_errors import rounded
 from jointclosure.studies.size.closing import GEOMETRY
 from jointclosure.studies.size.table import logs_of
 
@@ -132,9 +133,7 @@ def _row(joints: Stacked, groups: np.ndarray, names: tuple[str, ...]) -> dict:
         left_out.append(_off(joints, groups, names, np.delete(np.arange(surfaces), surface)))
     return {
         "realizations": surfaces,
-        "exponents": "; ".join(
-            f"{name} {value:.2f} ± {error:.2f}" for name, value, error in powers
-        ),
+        "exponents": "; ".join(f"{name} {rounded(value, error)}" for name, value, error in powers),
         "removed_percent": 100.0 * found.removed,
         "removed_error": 100.0 * found.removed_error,
         "left_percent": 100.0 * found.left,
