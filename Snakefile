@@ -28,6 +28,8 @@ include: "workflow/rules/readings_setting.smk"
 include: "workflow/rules/readings.smk"
 include: "workflow/rules/mismatch_setting.smk"
 include: "workflow/rules/mismatch.smk"
+include: "workflow/rules/size_setting.smk"
+include: "workflow/rules/size.smk"
 include: "workflow/rules/numerics.smk"
 include: "workflow/rules/global_sensitivity_setting.smk"
 include: "workflow/rules/global_sensitivity.smk"
@@ -40,6 +42,7 @@ for folder, made_with in (
     (RESULTS, ACCURACY_WITH | SCENES_WITH | VALIDATED_WITH | READINGS_WITH),
     (RESULTS, TOGETHER_WITH),
     (RESULTS, MISMATCH_WITH),
+    (RESULTS, SIZE_WITH),
     (HARD_RESULTS, HARD_WITH),
 ):
     for seal, reason in list(unmet_seals(folder, made_with)):

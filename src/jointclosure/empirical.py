@@ -27,6 +27,29 @@ _CONSTANTS = {
 }
 
 
+def scaled_to(
+    length: float, jrc: float, strength: float, reference_length: float
+) -> tuple[float, float]:
+    """JRC and JCS [Pa] of a joint of another length.
+
+    Parameters
+    ----------
+    length : float
+        Of the joint, L_n [m].
+    jrc, strength : float
+        JRC_0 and JCS_0 [Pa] of a joint of the reference length.
+    reference_length : float
+        L_0 [m]; for Barton and Bandis some 0.1 m, a sample of the laboratory.
+
+    Notes
+    -----
+    Barton & Bandis 1982: JRC_n = JRC_0 (L_n/L_0)^(-0.02 JRC_0) and
+    JCS_n = JCS_0 (L_n/L_0)^(-0.03 JRC_0).
+    """
+    ratio = length / reference_length
+    return jrc * ratio ** (-0.02 * jrc), strength * ratio ** (-0.03 * jrc)
+
+
 _LEAST_JRC, _LARGEST_JRC = 5.0, 15.0
 
 

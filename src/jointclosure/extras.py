@@ -9,6 +9,7 @@ from jointclosure.inputs import InputError
 EXTRAS: dict[str, tuple[str, ...]] = {
     "exchange": ("meshio",),
     "figures": ("matplotlib", "seaborn"),
+    "peers": ("ContactMechanics", "tamaas"),
     "report": ("docutils", "jinja2", "plotly"),
     "walls": ("SurfaceTopography", "tifffile", "trimesh"),
     "workflow": ("mpmath", "snakemake"),

@@ -10,6 +10,7 @@ from jointclosure.logbook import Logbook
 from jointclosure.plotting.effects import effect_figure
 from jointclosure.plotting.mismatch import mismatch_figure
 from jointclosure.plotting.numerics import numerics_figure
+from jointclosure.plotting.size import size_figure
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv
 
@@ -17,6 +18,7 @@ FIGURES: dict[str, Callable[[pd.DataFrame], Figure]] = {
     "effects": effect_figure,
     "mismatch": mismatch_figure,
     "numerics": numerics_figure,
+    "size": size_figure,
 }
 
 

@@ -53,6 +53,7 @@ TARGETS = {
     "accuracy": Target(("estimate_accuracy", "accuracy"), "config/accuracy.yaml"),
     "effects": Target(("estimate_effects", "effects"), "config/effects.yaml"),
     "mismatch": Target(("estimate_mismatch", "mismatch"), "config/mismatch.yaml"),
+    "size": Target(("estimate_size", "size"), "config/size.yaml"),
     "readings": Target(("estimate_readings", "readings"), "config/readings.yaml"),
     "jrc-range": Target(("all", "jrc_range")),
     "conclusions": Target(("all", "conclusions")),

@@ -20,6 +20,8 @@ from jointclosure.config.typed import (
     MeasuredFile,
     MismatchDesign,
     Output,
+    SizeDesign,
+    SizeSpectrum,
     Statistics,
     Study,
     StudyRock,
@@ -174,6 +176,7 @@ def _typed(keys: dict) -> Configuration:
         ablation=_ablation(si["ablation"]),
         flow=si["flow"],
         mismatch=_mismatch(si["mismatch"]),
+        size=_size(si["size"]),
     )
 
 
@@ -216,6 +219,14 @@ def _mismatch(si: dict | None) -> MismatchDesign | None:
     return MismatchDesign(
         tuple(sorted(si["wavelength"])), tuple(sorted(si["shift_in_cells"])), si["tolerance"]
     )
+
+
+def _size(si: dict | None) -> SizeDesign | None:
+    if si is None:
+        return None
+    spectra = {name: SizeSpectrum(**each) for name, each in si["spectra"].items()}
+    patches, spacings = (tuple(sorted(si[name])) for name in ("patch", "spacing"))
+    return SizeDesign(patches, spacings, si["most_cells"], spectra)
 
 
 def _tuple(value):

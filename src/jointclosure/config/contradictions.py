@@ -21,6 +21,7 @@ OTHER_TARGETS = {
     "readings": "readings",
     "global_sensitivity": "global_sensitivity",
     "mismatch": "mismatch",
+    "size": "size",
 }
 """Folders of results of other targets, and the section that a study of that name must have."""
 USUAL = _OF_ROCK | {
@@ -68,6 +69,7 @@ def contradictions(keys: dict, typed: Callable[[dict], Configuration]) -> Iterat
         except InputError as error:
             yield str(error)
     yield from _mismatch_problems(configuration)
+    yield from _size_problems(configuration)
     for name, rock in configuration.rocks.items():
         yield from _rock_problems(name, rock, keys, configuration)
 
@@ -112,6 +114,46 @@ def _mismatch_problems(configuration: Configuration) -> Iterator[str]:
             "mismatch: the study sets surface.mismatch_wavelength_mm, correlation and "
             "shift_in_cells, which must be null, 0 and 0"
         )
+
+
+def _size_problems(configuration: Configuration) -> Iterator[str]:
+    design, grid = configuration.size, configuration.grid
+    if design is None:
+        return
+    finest, largest = design.spacing[0], design.patch[-1]
+    for spacing in design.spacing:
+        if not _whole(spacing / finest):
+            yield f"size.spacing_mm = {1e3 * spacing:g}: must be a multiple of {1e3 * finest:g}"
+    for patch in design.patch:
+        if not _whole(largest / patch):
+            yield f"size.patch_mm = {1e3 * patch:g}: must be a whole part of {1e3 * largest:g}"
+        for spacing in design.spacing:
+            if not _whole(patch / spacing):
+                yield (
+                    f"size.patch_mm = {1e3 * patch:g}: must be a multiple of the spacing "
+                    f"{1e3 * spacing:g}"
+                )
+    base = (grid.cells_x * grid.spacing, grid.cells_y * grid.spacing)
+    if base[0] != base[1] or not _among(base[0], design.patch):
+        yield f"size.patch_mm: must have the side of the grid, {1e3 * base[0]:g} (a square)"
+    if not _among(grid.spacing, design.spacing):
+        yield f"size.spacing_mm: must have grid.spacing_mm = {1e3 * grid.spacing:g}"
+    surface = configuration.surface
+    for name, each in design.spectra.items():
+        try:
+            spectrum_of(each.hurst, surface.rule, each.roll_off, finest)
+        except InputError as error:
+            yield f"size.spectra.{name}: {error}"
+    if surface.mismatch_wavelength is not None or surface.correlation or surface.shift_in_cells:
+        yield "size: its walls are independent, so surface.correlation and the like must be off"
+
+
+def _whole(ratio: float) -> bool:
+    return abs(ratio - round(ratio)) < 1e-9 * ratio
+
+
+def _among(value: float, values: tuple[float, ...]) -> bool:
+    return any(abs(value - each) < 1e-9 * value for each in values)
 
 
 def _scenes(keys: dict, configuration: Configuration) -> list:

@@ -152,6 +152,25 @@ class MismatchDesign(NamedTuple):
     tolerance: float
 
 
+class SizeSpectrum(NamedTuple):
+    """Hurst exponent and roll-off wavelength [m] (None for none) of walls."""
+
+    hurst: float
+    roll_off: float | None
+
+
+class SizeDesign(NamedTuple):
+    """Side lengths and spacings [m] at which nested patches are closed, ascending.
+
+    ``most_cells`` along a side, but for patches at the spacing of the grid; ``spectra`` by name.
+    """
+
+    patch: tuple[float, ...]
+    spacing: tuple[float, ...]
+    most_cells: int
+    spectra: dict[str, SizeSpectrum]
+
+
 class Configuration(NamedTuple):
     """All of a study. ``rocks`` are those of the study, in its order.
 
@@ -173,3 +192,4 @@ class Configuration(NamedTuple):
     ablation: Ablation | None
     flow: bool
     mismatch: MismatchDesign | None = None
+    size: SizeDesign | None = None

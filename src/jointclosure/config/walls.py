@@ -42,7 +42,7 @@ def wall_problems(keys: dict, name: str) -> Iterator[str]:
     yield from _registration_problems(walls, files, f"{where}.walls")
     if keys["effects"]["auto"] is not None:
         yield f"effects: auto: not with {where}.walls; its pilot draws walls of given JRC"
-    for section in ("accuracy", "ablation", "readings", "mismatch", "global_sensitivity"):
+    for section in ("accuracy", "ablation", "readings", "mismatch", "size", "global_sensitivity"):
         if keys[section]:
             yield f"{section}: not with {where}.walls; it draws walls of given JRC"
 

@@ -1,0 +1,265 @@
+"""The same walls in the asperity model, and in continuum codes with their nearest law.
+
+The continuum is one elastic half-space of modulus 1/(1/E1* + 1/E2*), pressed by the sum of both
+walls, with a constant pressure on each cell (as in `peers.py`, whose set-ups are used). Its
+nearest law to strength is a hardness: no pressure is larger, and what would overlap there stays
+as plastic displacement (ContactMechanics; Almqvist et al. 2007). Three hardnesses: none (elastic);
+the mean Hertz pressure at which our asperities break, 2/3 sigma_c/c(nu); and 2.8 sigma_c, that of
+a fully plastic contact (Tabor 1951) of a yield stress sigma_c. tamaas and aspher are elastic.
+
+Walls are those of the paper's study of dolerite. Loading, unloading and reloading; numbers are
+means over realisations with their standard errors, and `ratio` is to the asperity model, by pairs.
+
+    pip install 'jointclosure[peers]'
+
+aspher is compiled, with Eigen (see `peers.py`). A code that is not installed is named and left out.
+Run as `python benchmarks/continuum.py`;
+workflow/scripts/publish_continuum.py renews the document.
+"""
+
+import os
+
+os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
+os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import peers
+from matplotlib.figure import Figure
+from yardstick import DOLERITE, ELASTIC, FULL, case_settings, close, machine
+
+from jointclosure.engineering.stiffness import closures_at
+from jointclosure.ensemble.surfaces import walls_of
+from jointclosure.mechanics.strength import strength_factor
+from jointclosure.plotting.style import styled, subplots
+from jointclosure.statistics.standard_errors import mean_of
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import write_csv
+
+BRANCHES = ("loading", "unloading", "reloading")
+LEVELS = np.array([0.05, 0.1, 0.25, 0.5, 0.75, 1.0])
+"""Stresses of every branch over the largest; among them half of it."""
+OVERLAP = 1e-8
+"""Of cells in contact, at which the plastic code may stop [m]."""
+ITERATIONS = 5000
+"""At most, of the plastic code."""
+RESULTS = Path(__file__).parents[1] / "results/continuum"
+
+
+class History(NamedTuple):
+    """Closures [m] and shares of the cells in contact over (branch, level), and what stays [m].
+
+    Closures count from first touch of the pristine walls.
+    """
+
+    closure: np.ndarray
+    contact: np.ndarray
+    residual: float
+
+
+def hardnesses(rock) -> dict[str, float]:
+    """Hardnesses [Pa] of a rock by name: the mean Hertz pressure at breakage, and Tabor's."""
+    strength = rock.compressive_strength
+    return {
+        "at breakage": 2.0 / 3.0 * strength / strength_factor(rock.poisson_ratio),
+        "2.8 sigma_c": 2.8 * strength,
+    }
+
+
+def asperity_model(walls, effects, stresses: np.ndarray) -> History:
+    """Our model."""
+    history = close(walls, effects, stresses[-1], cycles=2)
+    read = [
+        closures_at(history.assign(closure=values), stresses)
+        for values in (history.closure, history.contact_fraction)
+    ]
+    # loading, unloading of the first cycle, loading of the second
+    curves, shares = (np.array([each[0, 0], each[0, 1], each[1, 0]]) for each in read)
+    return History(curves, shares, float(history.residual_closure[0]))
+
+
+def along(press: Callable, left: Callable[[], float], stresses: np.ndarray) -> History:
+    """The history of a continuum code.
+
+    ``press(stress)`` gives closure [m] and pressures (y, x) [Pa] at the next stress [Pa];
+    ``left()`` the closure [m] at which the walls as they are touch last. Under a hardness the
+    largest stress is met again in the state in which it was left, which is not asked for again.
+    """
+    shape = (len(BRANCHES), stresses.size)
+    closure, contact = np.zeros(shape), np.zeros(shape)
+    up = range(stresses.size)
+    for branch, order in enumerate((up, up[::-1], up)):
+        if branch == 2:
+            residual = left()
+        for level in order:
+            if branch and level == up[-1]:
+                closure[branch, level], contact[branch, level] = closure[0, -1], contact[0, -1]
+                continue
+            closure[branch, level], pressure = press(stresses[level])
+            contact[branch, level] = np.mean(pressure > 0.0)
+    return History(closure, contact, residual)
+
+
+def elastic(set_up: Callable, gap: np.ndarray, stresses: np.ndarray) -> History:
+    """A code of `peers.py`: one curve for all branches."""
+    solve, guess, curves = set_up(gap), np.ones_like(gap), []
+    for stress in stresses:
+        closure, guess, _ = solve(stress, guess * (stress / guess.mean()), 1e-6, np.ptp(gap))
+        curves.append((closure, np.mean(guess > 0.0)))
+    closure, contact = (np.tile(each, (len(BRANCHES), 1)) for each in np.transpose(curves))
+    return History(closure, contact, 0.0)
+
+
+def contact_mechanics_plastic(gap: np.ndarray, hardness: float):
+    """ContactMechanics with a penetration hardness [Pa]: ``press`` and ``left`` of `along`."""
+    from ContactMechanics import FreeFFTElasticHalfSpace
+    from ContactMechanics.Factory import make_plastic_system
+    from SurfaceTopography import PlasticTopography, Topography
+
+    sizes = (peers.SIDE, peers.SIDE)
+    surface = PlasticTopography(Topography(-gap, physical_sizes=sizes), hardness)
+    half_space = FreeFFTElasticHalfSpace(gap.shape, peers.MODULUS, sizes)
+    system = make_plastic_system(substrate=half_space, surface=surface)
+
+    def press(stress: float) -> tuple[float, np.ndarray]:
+        found = system.minimize_proxy(
+            external_force=stress * peers.SIDE**2,
+            pentol=OVERLAP,
+            maxiter=ITERATIONS,
+        )
+        pressure = found.jac[tuple(slice(cells) for cells in gap.shape)] / peers.CELL
+        if abs(pressure.mean() / stress - 1.0) > 1e-2:
+            raise RuntimeError(f"ContactMechanics: no equilibrium at {stress:g} Pa")
+        return found.offset, pressure
+
+    return press, lambda: float(-surface.heights().max())
+
+
+def models(stresses: np.ndarray) -> dict[str, Callable]:
+    """All models by name: a history of two walls."""
+
+    def gap_of(walls):
+        summed = walls[0] + walls[1]
+        return summed.max() - summed
+
+    found: dict[str, Callable] = {
+        "asperity model": lambda walls: asperity_model(walls, FULL, stresses),
+        "asperity model, elastic": lambda walls: asperity_model(walls, ELASTIC, stresses),
+    }
+    for name in ("contact_mechanics", "tamaas", "aspher"):
+        set_up = getattr(peers, name)
+        found[f"continuum, elastic ({name})"] = lambda walls, set_up=set_up: elastic(
+            set_up, gap_of(walls), stresses
+        )
+    for name, hardness in hardnesses(DOLERITE).items():
+        found[f"continuum, hardness {name} (ContactMechanics)"] = lambda walls, hardness=hardness: (
+            along(*contact_mechanics_plastic(gap_of(walls), hardness), stresses)
+        )
+    return found
+
+
+def closed(name: str, history_of: Callable, walls, stresses: np.ndarray) -> History:
+    """A model's history of two walls; NaN, and a line, where a code finds no equilibrium."""
+    try:
+        return history_of(walls)
+    except RuntimeError as error:
+        print(f"{name}: a realisation is left out ({error})", flush=True)
+        nothing = np.full((len(BRANCHES), stresses.size), np.nan)
+        return History(nothing, nothing, np.nan)
+
+
+def readings(history: History, stresses: np.ndarray) -> dict[str, float]:
+    """What is compared, in micrometres, percent and MPa/mm."""
+    half = int(np.flatnonzero(LEVELS == 0.5)[0])
+    chords = (stresses[-1] - stresses[half]) / (history.closure[:, -1] - history.closure[:, half])
+    first, _, second = history.closure[:, -1]
+    return {
+        "closure_1_um": 1e6 * first,
+        "residual_um": 1e6 * history.residual,
+        "closure_2_um": 1e6 * (second - history.residual),
+        "contact_1_percent": 100.0 * history.contact[0, -1],
+        "contact_half_unloaded_percent": 100.0 * history.contact[1, half],
+        **{
+            f"stiffness_{branch}_MPa_per_mm": 1e-9 * chord
+            for branch, chord in zip(BRANCHES, chords, strict=True)
+        },
+    }
+
+
+def table_of(histories: dict[str, list[History]], stresses: np.ndarray) -> pd.DataFrame:
+    """Means with errors, and ratios to the first model's by pairs of the same walls."""
+    read = {
+        name: pd.DataFrame([readings(each, stresses) for each in own])
+        for name, own in histories.items()
+    }
+    ours = next(iter(read.values()))
+    rows = []
+    for name, own in read.items():
+        for reading in own:
+            known = own[reading].notna()
+            values, of_ours = own[reading][known], ours[reading][known]
+            rows.append(
+                {"model": name, "reading": reading, "realizations": int(known.sum())}
+                | dict(zip(("mean", "error"), mean_of(values), strict=True))
+                | dict(zip(("ratio", "ratio_error"), mean_of(values / of_ours), strict=True))
+            )
+    return pd.DataFrame(rows)
+
+
+@styled
+def continuum_figure(histories: dict[str, list[History]], stresses: np.ndarray) -> Figure:
+    """Stress and contact against closure, means over realisations; bars are standard errors."""
+    figure, (left, right) = subplots(1, 2, figsize=(10.0, 5.2), layout="constrained")
+    shown = [name for name in histories if "tamaas" not in name and "aspher" not in name]
+    for number, name in enumerate(shown):
+        closure = 1e6 * np.array([each.closure for each in histories[name]])
+        contact = 100.0 * np.array([each.contact for each in histories[name]])
+        known = np.isfinite(closure[:, 0, 0])
+        closure, contact = closure[known], contact[known]
+        error = closure.std(axis=0, ddof=1) / np.sqrt(len(closure))
+        for branch, line in enumerate(("-", "--", ":")):
+            label = name if branch == 0 else None
+            mean = closure.mean(axis=0)[branch]
+            left.errorbar(
+                mean, 1e-6 * stresses, xerr=error[branch] if branch == 0 else None,
+                ls=line, color=f"C{number}", label=label, capsize=2, lw=1.3,
+            )  # fmt: skip
+            right.plot(1e-6 * stresses, contact.mean(axis=0)[branch], line, color=f"C{number}")
+    left.set(xlabel="closure since first touch (µm)", ylabel="normal stress (MPa)", ylim=0.0)
+    right.set(xlabel="normal stress (MPa)", ylabel="cells in contact (%)", yscale="log")
+    right.set_title("– loading   - - unloading   ··· reloading", fontsize="small")
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    return figure
+
+
+def main(realizations: int, stress: float, output: Path) -> None:
+    """Print the machine and the comparison; write tables/continuum.csv and the figure."""
+    stresses = LEVELS * stress
+    settings = case_settings(realizations, peers.CELLS, stress, FULL)
+    pairs, histories = list(walls_of(settings.surfaces)), {}
+    for name, history_of in models(stresses).items():
+        try:
+            histories[name] = [closed(name, history_of, walls, stresses) for walls in pairs]
+        except ImportError as error:
+            print(f"{name} is left out: it is not installed here ({error})")
+    table = table_of(histories, stresses)
+    print(f"{machine()}\n{DOLERITE}, {1e-6 * stress:g} MPa, {peers.CELLS} x {peers.CELLS} cells")
+    print(table.to_string(float_format="%.4g"))
+    for folder in ("tables", "figures"):
+        (output / folder).mkdir(parents=True, exist_ok=True)
+    write_csv(table, output / "tables/continuum.csv")
+    save_figure(continuum_figure(histories, stresses), output / "figures/continuum.png")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--realizations", type=int, default=6)
+    parser.add_argument("--stress", type=float, default=30e6, help="largest, in Pa")
+    parser.add_argument("--output", type=Path, default=RESULTS, help="folder")
+    arguments = parser.parse_args()
+    main(arguments.realizations, arguments.stress, arguments.output)

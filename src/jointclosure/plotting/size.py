@@ -1,0 +1,81 @@
+"""Closure, residual closure and stiffness against patch length and spacing."""
+
+import pandas as pd
+import seaborn as sns
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, NullLocator
+
+from jointclosure.plotting.style import styled, subplots
+
+_ROWS = (
+    ("closure_net_mm", 1, "net closure, cycle 1"),
+    ("residual_closure_mm", 1, "residual closure, cycle 1"),
+    ("closure_net_mm", 2, "net closure, cycle 2"),
+    ("net_stiffness_MPa_per_mm", 2, "net stiffness from half\nof the stress, cycle 2"),
+)
+_MARKERS = "osD^vP*X"
+
+
+@styled
+def size_figure(table: pd.DataFrame) -> Figure:
+    """Ratios to the base's joints: against patch length (left) and spacing (right).
+
+    Parameters
+    ----------
+    table : DataFrame
+        As from `jointclosure.studies.size.table.size_table`; its first rock is drawn.
+
+    Notes
+    -----
+    Bars are standard errors over realisations, of pairs of the same walls. Both axes are
+    logarithmic: a power is a straight line.
+    """
+    table = table[table.rock == table.rock.iloc[0]]
+    base = table[(table.closure_mm_ratio == 1.0) & (table.closure_mm_error == 0.0)].iloc[0]
+    figure, panels = subplots(
+        len(_ROWS), 2, figsize=(9.0, 11.5), layout="constrained", sharey="row", sharex="col"
+    )
+    for row, (column, cycle, title) in zip(panels, _ROWS, strict=True):
+        own = table[table.cycle == cycle]
+        lines = (
+            ("patch_mm", own[own.spacing_mm == base.spacing_mm]),
+            ("spacing_mm", own[own.patch_mm == base.patch_mm]),
+        )
+        for axes, (along, part) in zip(row, lines, strict=True):
+            _against(axes, part, along, column)
+        row[0].set_ylabel(f"{title}\nover that of the base")
+    panels[-1][0].set_xlabel("patch length (mm)")
+    panels[-1][1].set_xlabel("spacing (mm)")
+    panels[0][0].set_title(f"spacing {base.spacing_mm:g} mm")
+    panels[0][1].set_title(f"patch {base.patch_mm:g} mm")
+    handles, names = panels[0][0].get_legend_handles_labels()
+    figure.legend(
+        handles, [name.replace("_", " ") for name in names], loc="outside lower center", ncols=3,
+        frameon=False,
+    )  # fmt: skip
+    return figure
+
+
+def _against(axes: Axes, table: pd.DataFrame, along: str, column: str) -> None:
+    """Ratios of a reading over patch lengths or spacings, a line for each spectrum."""
+    spectra = list(dict.fromkeys(table.spectrum))
+    colours = sns.color_palette("colorblind", len(spectra))
+    axes.axhline(1.0, color="0.8", lw=0.8)
+    sizes = sorted(table[along].unique())
+    for number, (spectrum, colour) in enumerate(zip(spectra, colours, strict=True)):
+        part = table[table.spectrum == spectrum].sort_values(along)
+        aside = 1.0 + 0.02 * (number - 0.5 * (len(spectra) - 1))
+        axes.errorbar(
+            part[along] * aside, part[f"{column}_ratio"], part[f"{column}_error"], color=colour,
+            marker=_MARKERS[number % len(_MARKERS)], ms=4, lw=1.0, capsize=2, label=spectrum,
+        )  # fmt: skip
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.xaxis.set_major_locator(FixedLocator(sizes))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.set_xticklabels([f"{size:g}" for size in sizes])
+    ticks = [0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0, 3.0]
+    axes.yaxis.set_major_locator(FixedLocator(ticks))
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.set_yticklabels([f"{tick:g}" for tick in ticks])

@@ -1,0 +1,195 @@
+"""The scale effect: nested patches, ratios, exponents, scalings, Barton and Bandis."""
+
+import matplotlib
+import numpy as np
+import pytest
+import xarray as xr
+
+from jointclosure.config.files import ConfigurationError, read_plain
+from jointclosure.empirical import barton_bandis, scaled_to
+from jointclosure.inputs import InputError
+from jointclosure.plotting.size import size_figure
+from jointclosure.studies.size.closing import (
+    GEOMETRY,
+    READ,
+    close_nested,
+    costs,
+    joints_of,
+    nested_walls,
+    patch_of,
+    settings_of,
+)
+from jointclosure.studies.size.scaling import collapse_table, stacked
+from jointclosure.studies.size.table import barton_bandis_table, exponent_table, size_table
+from jointclosure.surface.roughness import rms_slope, z2_of_jrc
+from tests.studied import ROOT, study_of
+
+TINY = read_plain(ROOT / "tests/workflow/tiny_size.yaml")
+BASE = (3e-3, 0.25e-3)
+ROLL_OFFS = {"flat": 1.5e-3, "free": None}
+
+
+@pytest.fixture(scope="module")
+def run():
+    study = study_of(TINY, {"study": {"realizations": 4}})
+    closed = [close_nested(settings_of(study, "slate", name)) for name in study.size.spectra]
+    return xr.concat(closed, "spectrum").assign_coords(spectrum=list(study.size.spectra))
+
+
+def test_patches_and_coarser_grids_are_parts_of_the_same_walls():
+    settings = settings_of(study_of(TINY), "slate", "free")
+    upper, lower = next(nested_walls(settings))
+    assert upper.shape == (48, 48)
+    for wall in (upper, lower):
+        # at the spacing of the study they have the slope of their JRC, whatever the finest is
+        assert rms_slope(wall[::2, ::2], 0.25e-3) == pytest.approx(z2_of_jrc(6.5, 0.25e-3, 0.6))
+    fine = patch_of(upper, 0.125e-3, 3e-3, 0.125e-3, 1)
+    coarse = patch_of(upper, 0.125e-3, 3e-3, 0.25e-3, 1)
+    assert (fine.shape, coarse.shape) == ((24, 24), (12, 12))
+    # but for their planes they are the same heights
+    plane = fine[::2, ::2] - coarse
+    assert np.ptp(np.diff(plane, axis=0)) < 1e-12
+    assert np.ptp(np.diff(plane, axis=1)) < 1e-12
+    assert np.ptp(fine - (upper[24:, 24:] - upper[24:, 24:].mean())) > 0.0
+
+
+def test_what_is_too_many_cells_is_not_closed(run):
+    settings = settings_of(study_of(TINY), "slate", "free")
+    assert list(joints_of(settings)) == [(0, 0), (0, 1), (1, 1), (2, 1)]
+    closed = np.isfinite(run.status).sum("position").isel(spectrum=0, realization=0)
+    assert closed.values.tolist() == [[4, 4], [0, 2], [0, 1]]
+
+
+def test_spectra_are_closed_on_the_same_noise():
+    study = study_of(TINY)
+    flat, free = (next(nested_walls(settings_of(study, "slate", name)))[0] for name in ROLL_OFFS)
+    assert np.corrcoef(flat.ravel(), free.ravel())[0, 1] > 0.3
+    assert np.corrcoef(np.diff(flat).ravel(), np.diff(free).ravel())[0, 1] > 0.8
+
+
+def test_larger_patches_close_more(run):
+    table = size_table({"slate": run}, BASE).set_index(["spectrum", "cycle"])
+    for spectrum in ROLL_OFFS:
+        own = table.loc[(spectrum, 1)]
+        at_base = own[own.spacing_mm == 0.25].sort_values("patch_mm")
+        assert at_base.closure_net_mm_ratio.is_monotonic_increasing
+
+
+def test_ratios_are_of_pairs_of_the_same_walls(run):
+    table = size_table({"slate": run}, BASE)
+    row = table[
+        (table.spectrum == "free") & (table.patch_mm == 6) & (table.cycle == 1)
+    ].iloc[0]  # fmt: skip
+    closure = run.closure.sel(spectrum="free", cycle=1, spacing=0.25e-3)
+    pairs = np.log(closure.sel(patch=6e-3)).mean("position").values
+    pairs = pairs - np.log(closure.sel(patch=3e-3)).mean("position").values
+    ratio = np.exp(pairs.mean())
+    assert row.closure_mm_ratio == pytest.approx(ratio)
+    assert row.closure_mm_error == pytest.approx(ratio * pairs.std(ddof=1) / 2.0)
+    base = table[(table.patch_mm == 3) & (table.spacing_mm == 0.25)]
+    assert (base.closure_mm_ratio == 1.0).all()
+    assert (base.closure_mm_error == 0.0).all()
+    figure = size_figure(table)
+    assert isinstance(figure, matplotlib.figure.Figure)
+    assert len(figure.axes) == 8
+    assert len(figure.axes[0].containers) == 2
+
+
+def power_law(power, bend=0.0, surfaces=6):
+    """A run whose readings go as powers of the patch, bent or not, and of the rms height."""
+    random = np.random.default_rng(3)
+    patch, spacing = np.array([1e-3, 2e-3, 4e-3]), np.array([1e-4, 2e-4])
+    over = ("spectrum", "patch", "spacing", "position", "realization")
+    own = np.exp(0.3 * random.standard_normal((1, 1, 1, 1, surfaces)))
+    size = np.log(patch / patch[0])[None, :, None, None, None]
+    scatter = np.exp(1e-3 * random.standard_normal((2, 3, 2, 1, surfaces)))
+    values = 1e-4 * own * scatter * np.exp(power * size + bend * size**2)
+    geometry = {name: (over, 1e-4 * np.exp(0.5 * size) * scatter) for name in GEOMETRY}
+    readings = {name: ((*over, "cycle"), np.stack([values, values], -1)) for name in READ}
+    return xr.Dataset(
+        readings | geometry | {"status": (over, 0.0 * values)},
+        coords={"spectrum": list(ROLL_OFFS), "patch": patch, "spacing": spacing, "cycle": [1, 2]},
+    )
+
+
+def test_an_exponent_is_found_and_what_is_no_power_is_told():
+    table = exponent_table({"rock": power_law(0.7)}, (2e-3, 2e-4))
+    straight = table[(table.reading == "closure") & (table.of == "patch")]
+    assert straight.exponent.values == pytest.approx(0.7, abs=4 * straight.error.max())
+    assert (straight.error < 0.01).all()
+    assert (straight.p > 1e-3).all()
+    bent = exponent_table({"rock": power_law(0.7, bend=0.1)}, (2e-3, 2e-4))
+    bent = bent[(bent.reading == "closure") & (bent.of == "patch")]
+    # the slope of size^2 between neighbours rises by 2 ln 2 times the bend
+    assert bent.change.values == pytest.approx(0.2 * np.log(2.0), abs=0.01)
+    assert (bent.p < 1e-3).all()
+
+
+def test_the_right_scaling_removes_the_spread_and_carries_over_to_the_largest_patch():
+    table = collapse_table({"rock": power_law(0.7)}, ROLL_OFFS)
+    table = table[(table.reading == "closure") & (table.cycle == 1)].set_index(
+        ["between", "scaling"]
+    )
+    for between in ("sizes", "sizes and spectra"):
+        own = table.loc[between]
+        assert own.loc["none", "removed_percent"] == 0.0
+        assert own.loc["spacing", "removed_percent"] < 5.0
+        for scaling in ("patch length", "rms height"):
+            assert own.loc[scaling, "removed_percent"] > 99.0
+            assert own.loc[scaling, "largest_off_percent"] < 0.3
+        assert own.loc["none", "largest_off_percent"] == pytest.approx(70.0 * np.log(2), abs=0.3)
+        # closure goes as (rms height)^(0.7/0.5)
+        assert own.loc["rms height", "exponents"].startswith("rms_height 1.4")
+
+
+def test_the_longest_wave_ends_at_the_roll_off():
+    joints = stacked(power_law(0.7), ROLL_OFFS, "closure", 1)
+    longest = {name: set() for name in ROLL_OFFS}
+    for spectrum, wave in zip(joints.spectrum, joints.predictors["wave"][:, 0], strict=True):
+        longest[spectrum].add(round(1e3 * np.exp(wave), 9))
+    assert longest == {"flat": {1.0, 1.5}, "free": {1.0, 2.0, 4.0}}
+
+
+def test_barton_and_bandis_say_softer_and_smoother_for_longer_joints(run):
+    jrc, strength = scaled_to(0.4, 10.0, 100e6, 0.1)
+    assert jrc == pytest.approx(10.0 * 4.0**-0.2)
+    assert strength == pytest.approx(100e6 * 4.0**-0.3)
+    assert scaled_to(0.1, 10.0, 100e6, 0.1) == (10.0, 100e6)
+    table = barton_bandis_table({"slate": run}, BASE, {"slate": (6.5, 159e6, 5e6)}, 1.5)
+    row = table[(table.reading == "kni_net") & (table.to_mm == 6) & (table.cycle == 1)].iloc[0]
+    small = barton_bandis(6.5, 159e6, 1.5, 1)
+    large = barton_bandis(6.5 * 4.0**-0.13, 159e6, 1.5 * 4.0**0.195, 1)
+    assert row.barton_bandis == pytest.approx(large.initial_stiffness / small.initial_stiffness)
+    assert 0.0 < row.barton_bandis < 1.0
+    assert set(table.reading) == {"kni_net", "vm_net", "stiffness_net", "closure_net"}
+
+
+def test_the_time_is_told_for_all_joints():
+    study = study_of(TINY)
+    table = costs({name: settings_of(study, "slate", name) for name in study.size.spectra})
+    assert table.joints.tolist() == [66, 66]  # 6 realisations of 4 + 4 + 2 + 1
+    assert (table.seconds > 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"spacing_mm": [0.15, 0.25]}, "size.spacing_mm = 0.25: must be a multiple of 0.15"),
+        ({"patch_mm": [3, 4]}, "size.patch_mm = 3: must be a whole part of 4"),
+        ({"patch_mm": [1.5, 6]}, "size.patch_mm: must have the side of the grid, 3"),
+        ({"spacing_mm": [0.125]}, "size.spacing_mm: must have grid.spacing_mm = 0.25"),
+        ({"spectra": {"flat": {"roll_off_mm": 0.2}}}, "size.spectra.flat: roll_off = 0.0002"),
+        ({"spectra": {"flat": {"hurst": 2}}}, "size.spectra.flat.hurst = 2: must be at most 1"),
+    ],
+)  # fmt: skip
+def test_a_design_that_cannot_be_is_refused(change, said):
+    with pytest.raises(ConfigurationError) as error:
+        study_of(TINY, {"size": change})
+    assert said in str(error.value)
+
+
+def test_a_study_without_a_design_has_no_settings():
+    with pytest.raises(InputError, match="size = null"):
+        settings_of(study_of(), "slate", "free")
+    with pytest.raises(ConfigurationError, match="belongs to another target"):
+        study_of(TINY, {"study": {"name": "size"}, "size": None})

@@ -1,0 +1,157 @@
+"""The comparison with continuum codes: our own parts, and theirs where they are installed."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from jointclosure.mechanics.strength import von_mises_on_axis
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
+import continuum
+import peers
+from yardstick import DOLERITE, joint_walls
+
+STRESSES = continuum.LEVELS * 1e6
+
+
+@pytest.fixture(scope="module")
+def gap():
+    summed = np.add(*joint_walls(peers.CELLS, 3))
+    return summed.max() - summed
+
+
+def test_the_lower_hardness_is_the_mean_pressure_at_which_an_asperity_breaks():
+    hardness = continuum.hardnesses(DOLERITE)
+    largest = max(von_mises_on_axis(z, DOLERITE.poisson_ratio) for z in np.linspace(0.3, 0.6, 301))
+    peak = 1.5 * hardness["at breakage"]
+    assert peak * largest == pytest.approx(DOLERITE.compressive_strength, rel=1e-3)
+    assert hardness["2.8 sigma_c"] == 2.8 * DOLERITE.compressive_strength
+
+
+def test_a_history_is_pressed_up_down_and_up_again():
+    said = []
+
+    def press(stress):
+        said.append(stress)
+        return stress / 1e13, np.array([[stress, 0.0]])
+
+    def left():
+        said.append("left")
+        return 3e-8
+
+    stresses = np.array([1e6, 2e6, 3e6])
+    history = continuum.along(press, left, stresses)
+    assert said == [1e6, 2e6, 3e6, 2e6, 1e6, "left", 1e6, 2e6]
+    assert history.closure.tolist() == [[1e-7, 2e-7, 3e-7]] * 3
+    assert (history.contact == 0.5).all()
+    assert history.residual == 3e-8
+
+
+def test_readings_are_those_of_a_joint_of_known_stiffness():
+    closure = np.array([continuum.LEVELS * 1e-4, 1e-4 + 0.0 * STRESSES, 2e-4 * continuum.LEVELS])
+    closure[1] -= 2e-5 * (1.0 - continuum.LEVELS)
+    contact = np.array([continuum.LEVELS * 0.1] * 3)
+    read = continuum.readings(continuum.History(closure, contact, 5e-5), STRESSES)
+    assert read["closure_1_um"] == pytest.approx(100.0)
+    assert read["residual_um"] == pytest.approx(50.0)
+    assert read["closure_2_um"] == pytest.approx(150.0)
+    assert read["contact_1_percent"] == pytest.approx(10.0)
+    # 0.5 MPa over 50, 10 and 100 micrometres
+    assert read["stiffness_loading_MPa_per_mm"] == pytest.approx(10.0)
+    assert read["stiffness_unloading_MPa_per_mm"] == pytest.approx(50.0)
+    assert read["stiffness_reloading_MPa_per_mm"] == pytest.approx(5.0)
+
+
+def test_ratios_are_of_the_same_walls():
+    def history(scale):
+        return continuum.History(
+            scale * np.tile(continuum.LEVELS, (3, 1)), np.full((3, 6), 0.1), 0.5 * scale
+        )
+
+    scales = (1e-4, 3e-4, 2e-4)
+    table = continuum.table_of(
+        {"ours": [history(s) for s in scales], "other": [history(2.0 * s) for s in scales]},
+        STRESSES,
+    )
+    own = table[table.reading == "closure_1_um"].set_index("model")
+    assert own["mean"].tolist() == pytest.approx([200.0, 400.0])
+    assert own.error.other == pytest.approx(200.0 / np.sqrt(3))
+    assert own.ratio.other == pytest.approx(2.0)
+    assert own.ratio_error.other == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_asperity_model_is_read_on_its_three_branches():
+    walls = joint_walls(24, 3)
+    history = continuum.asperity_model(walls, continuum.FULL, STRESSES)
+    loading, unloading, _ = history.closure
+    assert np.isfinite(history.closure).all()
+    assert (unloading[:-1] > loading[:-1]).all()
+    assert 0.0 < history.residual < unloading[0]
+    assert (np.diff(history.contact[0]) > 0.0).all()
+
+
+def test_an_elastic_code_has_one_curve_for_all_branches(gap):
+    history = continuum.elastic(peers.own, gap, STRESSES)
+    assert (history.closure == history.closure[0]).all()
+    assert (np.diff(history.closure[0]) > 0.0).all()
+    assert history.residual == 0.0
+
+
+def test_a_code_that_is_not_installed_is_named_and_left_out(tmp_path, monkeypatch, capsys):
+    def absent(walls):
+        raise ModuleNotFoundError("No module named 'other'")
+
+    def present(walls):
+        closure = np.tile(continuum.LEVELS, (3, 1)) * np.ptp(walls[0])
+        return continuum.History(closure, np.tile(0.1 * continuum.LEVELS, (3, 1)), 1e-5)
+
+    monkeypatch.setattr(continuum, "models", lambda stresses: {"ours": present, "other": absent})
+    continuum.main(2, 1e6, tmp_path)
+    assert "other is left out: it is not installed here" in capsys.readouterr().out
+    assert set(pd.read_csv(tmp_path / "tables/continuum.csv").model) == {"ours"}
+    assert (tmp_path / "figures/continuum.png").stat().st_size > 10000
+
+
+def test_a_realisation_without_an_equilibrium_is_named_and_left_out(capsys):
+    def fails(walls):
+        raise RuntimeError("no equilibrium at 1e6 Pa")
+
+    def history(scale):
+        return continuum.History(
+            scale * np.tile(continuum.LEVELS, (3, 1)), np.full((3, 6), 0.1), 0.5 * scale
+        )
+
+    none = continuum.closed("other", fails, None, STRESSES)
+    assert "other: a realisation is left out (no equilibrium" in capsys.readouterr().out
+    ours = [history(s) for s in (1e-4, 2e-4, 9e-4)]
+    other = [history(3e-4), history(6e-4), none]
+    table = continuum.table_of({"ours": ours, "other": other}, STRESSES)
+    own = table[table.reading == "closure_1_um"].set_index("model")
+    assert own.realizations.tolist() == [3, 2]
+    assert own["mean"].other == pytest.approx(450.0)
+    assert own.ratio.other == pytest.approx(3.0)
+    assert len(continuum.continuum_figure({"ours": ours, "other": other}, STRESSES).axes) == 2
+
+
+def test_a_hardness_that_is_not_reached_leaves_the_elastic_curve(gap):
+    pytest.importorskip("ContactMechanics")
+    plastic = continuum.along(*continuum.contact_mechanics_plastic(gap, 1e12), STRESSES)
+    elastic = continuum.elastic(peers.own, gap, STRESSES)
+    assert plastic.closure == pytest.approx(elastic.closure, rel=1e-3)
+    assert plastic.residual == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_hardness_limits_the_pressure_and_leaves_a_residual_closure(gap):
+    pytest.importorskip("ContactMechanics")
+    press, left = continuum.contact_mechanics_plastic(gap, 460e6)
+    _, pressure = press(1e6)
+    assert pressure.max() == pytest.approx(460e6, rel=1e-2)
+    assert pressure.mean() == pytest.approx(1e6, rel=1e-3)
+    history = continuum.along(press, left, STRESSES)
+    assert history.residual > 1e-5
+    assert (history.closure[1, :-1] < history.closure[0, -1]).all()
+    again, _ = press(1e6)
+    assert again == pytest.approx(history.closure[0, -1], rel=0.01)

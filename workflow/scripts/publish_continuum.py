@@ -1,0 +1,52 @@
+"""Renew docs/continuum.md from results/continuum. Run by hand after `benchmarks/continuum.py`."""
+
+import shutil
+from pathlib import Path
+
+import pandas as pd
+from markers import fill
+from publish_measured import markdown
+
+from jointclosure.statistics.standard_errors import rounded
+from jointclosure.storage.text import read_csv
+
+ROOT = Path(__file__).parents[2]
+RESULTS = ROOT / "results/continuum"
+CLOSURES = {
+    "closure_1_um": "closure, cycle 1 (µm)",
+    "residual_um": "residual closure (µm)",
+    "closure_2_um": "closure, cycle 2 (µm)",
+    "contact_1_percent": "cells in contact at 30 MPa (%)",
+    "contact_half_unloaded_percent": "the same unloaded to 15 MPa (%)",
+}
+STIFFNESSES = {
+    f"stiffness_{branch}_MPa_per_mm": f"{branch} (MPa/mm)"
+    for branch in ("loading", "unloading", "reloading")
+}
+
+
+def shown(columns: dict[str, str]) -> str:
+    """Means of readings with errors, and their ratios to the asperity model's."""
+    table = read_csv(RESULTS / "tables/continuum.csv")
+    rows = []
+    for model in dict.fromkeys(table.model):
+        own = table[table.model == model].set_index("reading")
+        row = {"model": model.replace("sigma_c", "σc").replace("_mechanics", "Mechanics")}
+        for reading, title in columns.items():
+            mean, error, ratio, doubt = own.loc[reading, ["mean", "error", "ratio", "ratio_error"]]
+            cell = rounded(mean, error) if mean == mean else ""
+            told = model != table.model.iloc[0] and ratio == ratio and mean != 0.0
+            row[title] = f"{cell} (x {rounded(ratio, doubt)})" if told else cell
+        rows.append(row)
+    return markdown(pd.DataFrame(rows))
+
+
+def main() -> None:
+    """Fill the document, and copy its figure."""
+    parts = {"closures": shown(CLOSURES), "stiffness": shown(STIFFNESSES)}
+    fill(ROOT / "docs/continuum.md", parts)
+    shutil.copy(RESULTS / "figures/continuum.png", ROOT / "docs/images/continuum.png")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,207 @@
+"""Renew docs/size.md from results/size. Run by hand after `make size`."""
+
+import shutil
+from pathlib import Path
+
+import pandas as pd
+from markers import fill
+from publish_measured import markdown
+
+from jointclosure.statistics.standard_errors import rounded
+from jointclosure.storage.text import read_csv
+
+ROOT = Path(__file__).parents[2]
+RESULTS = ROOT / "results/size"
+DEFAULT = "roll_off_3mm"
+"""The spectrum of the default study."""
+TITLES = {
+    "closure_net": "net closure",
+    "residual": "residual closure",
+    "stiffness_net": "net stiffness",
+    "kni_net": "k_ni",
+    "vm_net": "V_m",
+}
+COLUMNS = {
+    "closure_mm": "closure (mm)",
+    "closure_net_mm": "net closure (mm)",
+    "residual_closure_mm": "residual closure (mm)",
+    "net_stiffness_MPa_per_mm": "net stiffness, 15 to 30 MPa (MPa/mm)",
+}
+SHOWN = (("closure_net", 1), ("residual", 1), ("stiffness_net", 1))
+SHOWN += (("closure_net", 2), ("stiffness_net", 2))
+
+
+def table_of(name: str) -> pd.DataFrame:
+    return read_csv(RESULTS / f"tables/{name}.csv")
+
+
+def said(spectrum: str) -> str:
+    """A spectrum in words."""
+    hurst = "H 0.5" if spectrum.startswith("hurst_05") else "H 0.8"
+    length = spectrum.partition("roll_off_")[2].removesuffix("mm")
+    free = spectrum in ("no_roll_off", "hurst_05")
+    return f"{hurst}, {'no roll-off' if free else f'roll-off {length} mm'}"
+
+
+def finding() -> str:
+    """What was found, in a few sentences."""
+    law = table_of("size_barton_bandis")
+    law = law[(law.spectrum == DEFAULT) & (law.to_mm == law.to_mm.max())]
+    law = law.set_index(["reading", "cycle"])
+    told = {
+        which: f"{rounded(own.ratio, own.error)} ({own.barton_bandis:.2f})"
+        for which, own in law.iterrows()
+    }
+    return (
+        "Closures do not carry over as they are. From a patch of "
+        f"{law.from_mm.iloc[0]:g} mm to one of {law.to_mm.iloc[0]:g} mm of the same walls (those of "
+        f"the default study) the net closure is multiplied by {told['closure_net', 1]} on the first cycle and by "
+        f"{told['closure_net', 2]} on the second, the net stiffness by "
+        f"{told['stiffness_net', 1]} and {told['stiffness_net', 2]}. In brackets: what the scale "
+        f"corrections of Barton and Bandis say of the same change in size.\n\n{_best(1)}\n\n"
+        f"{_best(2)}\n"
+    )
+
+
+def _best(cycle: int) -> str:
+    """The scaling that removes most of the spread of a cycle's net closure."""
+    table = table_of("size_collapse")
+    own = table[(table.reading == "closure_net") & (table.cycle == cycle)]
+    alone, together = (own[own.between == each] for each in ("sizes", "sizes and spectra"))
+    best = together.sort_values("removed_percent").iloc[-1]
+    plain = together[together.scaling == "none"].iloc[0]
+    last = alone[alone.scaling == best.scaling].iloc[0]
+    first = alone[alone.scaling == "none"].iloc[0]
+    return (
+        f"**Cycle {cycle}**: the best scaling of net closure is by {best.scaling} "
+        f"({best.exponents.replace('_', ' ')}). On realisations that were not fitted it removes "
+        f"{rounded(best.removed_percent, best.removed_error)} % of the mean square spread between "
+        f"all sizes and spectra: {best.left_percent:.0f} % rms are left of "
+        f"{plain.left_percent:.0f} %. The largest patch, not fitted either, is off by "
+        f"{rounded(last.largest_off_percent, last.largest_off_error)} % rms (without a scaling "
+        f"by {rounded(first.largest_off_percent, first.largest_off_error)} %)."
+    )
+
+
+def sizes() -> str:
+    """Typical values of the default spectrum, and ratios to the base."""
+    table = table_of("size")
+    table = table[table.spectrum == DEFAULT]
+    rows = []
+    for own in table.sort_values(["cycle", "spacing_mm", "patch_mm"]).to_dict("records"):
+        row = {
+            "cycle": own["cycle"],
+            "patch (mm)": f"{own['patch_mm']:g}",
+            "spacing (mm)": f"{own['spacing_mm']:g}",
+        }
+        for column, title in COLUMNS.items():
+            ratio = rounded(own[f"{column}_ratio"], own[f"{column}_error"])
+            again = column.startswith("residual") and own["cycle"] > 1
+            row[title] = "" if again else f"{own[column]:.3g} (x {ratio})"
+        rows.append(row)
+    return markdown(pd.DataFrame(rows))
+
+
+def exponents() -> str:
+    """Exponents of patch length and spacing by spectrum; a star where it is no power."""
+    table = table_of("size_exponents")
+    rows = []
+    for of, word in (("patch", "patch length"), ("spacing", "spacing")):
+        for spectrum in dict.fromkeys(table.spectrum):
+            row = {"power of": word, "walls": said(spectrum)}
+            for reading, cycle in (*SHOWN, ("rms_height", 0)):
+                own = table[
+                    (table.of == of) & (table.spectrum == spectrum)
+                    & (table.reading == reading) & (table.cycle == cycle)
+                ].iloc[0]  # fmt: skip
+                title = TITLES.get(reading, "rms height") + (f", cycle {cycle}" if cycle else "")
+                star = "*" if own.p < 0.05 else ""
+                row[title] = rounded(own.exponent, own.error) + star
+            rows.append(row)
+    return markdown(pd.DataFrame(rows))
+
+
+def collapse() -> str:
+    """What each scaling removes of the spread, on realisations that were not fitted."""
+    table = table_of("size_collapse")
+    table = table[table.between == "sizes and spectra"]
+    rows = []
+    for scaling in dict.fromkeys(table.scaling):
+        row = {"scaling": scaling}
+        for reading, cycle in SHOWN:
+            own = table[
+                (table.scaling == scaling) & (table.reading == reading) & (table.cycle == cycle)
+            ].iloc[0]  # fmt: skip
+            title = f"{TITLES[reading]}, cycle {cycle}"
+            left = f"{own.left_percent:.0f} % left"
+            removed = rounded(own.removed_percent, own.removed_error)
+            row[title] = left if scaling == "none" else f"{removed}; {left}"
+        rows.append(row)
+    return markdown(pd.DataFrame(rows))
+
+
+def largest() -> str:
+    """How far the largest patch is off where it was not fitted."""
+    table = table_of("size_collapse")
+    table = table[table.between == "sizes"]
+    rows = []
+    for scaling in dict.fromkeys(table.scaling):
+        row = {"scaling": scaling}
+        for reading, cycle in SHOWN:
+            own = table[
+                (table.scaling == scaling) & (table.reading == reading) & (table.cycle == cycle)
+            ].iloc[0]  # fmt: skip
+            row[f"{TITLES[reading]}, cycle {cycle} (%)"] = rounded(
+                own.largest_off_percent, own.largest_off_error
+            )
+        rows.append(row)
+    return markdown(pd.DataFrame(rows))
+
+
+def scalings() -> str:
+    """The exponents of three scalings, of all sizes and spectra."""
+    table = table_of("size_collapse")
+    rows = []
+    for scaling in ("patch length, spacing", "rms height, spacing", "depth of 5 %, spacing"):
+        row = {"scaling": scaling}
+        for reading, cycle in SHOWN:
+            own = table[
+                (table.scaling == scaling) & (table.reading == reading) & (table.cycle == cycle)
+                & (table.between == "sizes and spectra")
+            ].iloc[0]  # fmt: skip
+            row[f"{TITLES[reading]}, cycle {cycle}"] = own.exponents.replace("_", " ")
+        rows.append(row)
+    return markdown(pd.DataFrame(rows))
+
+
+def barton_bandis() -> str:
+    """Ratios of the largest to the smallest patch, and those of Barton and Bandis."""
+    table = table_of("size_barton_bandis")
+    table = table[table.to_mm == table.to_mm.max()]
+    rows = []
+    for (cycle, reading), own in table.groupby(["cycle", "reading"], sort=False):
+        row = {"cycle": cycle, "of": TITLES[reading]}
+        row["Barton & Bandis"] = f"{own.barton_bandis.iloc[0]:.2f}"
+        for each in own.itertuples():
+            row[said(each.spectrum)] = rounded(each.ratio, each.error)
+        rows.append(row)
+    return markdown(pd.DataFrame(rows))
+
+
+def main() -> None:
+    """Fill the document, and copy its figure."""
+    parts = {
+        "finding": finding(),
+        "sizes": sizes(),
+        "exponents": exponents(),
+        "collapse": collapse(),
+        "largest": largest(),
+        "scalings": scalings(),
+        "barton bandis": barton_bandis(),
+    }
+    fill(ROOT / "docs/size.md", parts)
+    shutil.copy(RESULTS / "figures/size.png", ROOT / "docs/images/size.png")
+
+
+if __name__ == "__main__":
+    main()
