@@ -27,6 +27,8 @@ include: "workflow/rules/readings_setting.smk"
 include: "workflow/rules/readings.smk"
 include: "workflow/rules/mismatch_setting.smk"
 include: "workflow/rules/mismatch.smk"
+include: "workflow/rules/misalignment_setting.smk"
+include: "workflow/rules/misalignment.smk"
 include: "workflow/rules/numerics.smk"
 include: "workflow/rules/global_sensitivity_setting.smk"
 include: "workflow/rules/global_sensitivity.smk"
@@ -38,7 +40,7 @@ for folder, made_with in (
     (RESULTS, STUDY_WITH | CHOSEN_WITH | WALLS_WITH),
     (RESULTS, ACCURACY_WITH | SCENES_WITH | VALIDATED_WITH | READINGS_WITH),
     (RESULTS, TOGETHER_WITH),
-    (RESULTS, MISMATCH_WITH),
+    (RESULTS, MISMATCH_WITH | MISALIGNMENT_WITH),
     (HARD_RESULTS, HARD_WITH),
 ):
     for seal, reason in list(unmet_seals(folder, made_with)):

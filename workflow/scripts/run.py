@@ -53,6 +53,9 @@ TARGETS = {
     "accuracy": Target(("estimate_accuracy", "accuracy"), "config/accuracy.yaml"),
     "effects": Target(("estimate_effects", "effects"), "config/effects.yaml"),
     "mismatch": Target(("estimate_mismatch", "mismatch"), "config/mismatch.yaml"),
+    "misalignment": Target(
+        ("estimate_misalignment", "misalignment"), "config/misalignment.yaml"
+    ),
     "readings": Target(("estimate_readings", "readings"), "config/readings.yaml"),
     "jrc-range": Target(("all", "jrc_range")),
     "global-sensitivity": Target(

@@ -21,6 +21,7 @@ OTHER_TARGETS = {
     "readings": "readings",
     "global_sensitivity": "global_sensitivity",
     "mismatch": "mismatch",
+    "misalignment": "misalignment",
 }
 """Folders of results of other targets, and the section that a study of that name must have."""
 USUAL = _OF_ROCK | {
