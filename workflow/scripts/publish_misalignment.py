@@ -93,8 +93,7 @@ def finding() -> str:
 def _shown(table: pd.DataFrame) -> pd.DataFrame:
     """The rows that the tables show."""
     kept = [
-        table[(table.response == response) & (table.cycle == cycle)]
-        for response, cycle, _ in SHOWN
+        table[(table.response == response) & (table.cycle == cycle)] for response, cycle, _ in SHOWN
     ]
     return pd.concat(kept)
 

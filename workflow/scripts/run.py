@@ -22,6 +22,7 @@ from jointclosure.config.configuration import configured, merged_study
 from jointclosure.config.files import read_plain
 from jointclosure.config.wanted import Wanted, wanted_of
 from jointclosure.inputs import InputError
+from jointclosure.logbook import failed_log
 from jointclosure.progress import WorkflowProgress
 from jointclosure.storage.text import read_csv, write_text
 from jointclosure.studies.sensitivity.reached import surfaces_next, told
@@ -53,9 +54,7 @@ TARGETS = {
     "accuracy": Target(("estimate_accuracy", "accuracy"), "config/accuracy.yaml"),
     "effects": Target(("estimate_effects", "effects"), "config/effects.yaml"),
     "mismatch": Target(("estimate_mismatch", "mismatch"), "config/mismatch.yaml"),
-    "misalignment": Target(
-        ("estimate_misalignment", "misalignment"), "config/misalignment.yaml"
-    ),
+    "misalignment": Target(("estimate_misalignment", "misalignment"), "config/misalignment.yaml"),
     "readings": Target(("estimate_readings", "readings"), "config/readings.yaml"),
     "jrc-range": Target(("all", "jrc_range")),
     "global-sensitivity": Target(
@@ -197,6 +196,9 @@ def follow(command: list[str], stream: TextIO, log: Path) -> int:
         print(f"The run failed or was ended; all that was said is in {log}", file=sys.stderr)
     elif progress.total:
         console.say(f"{progress.done} of {progress.total} jobs done")
+        repeated = _FAILED.findall(log.read_bytes()[start:].decode(errors="replace"))
+        for rule, own in dict.fromkeys(repeated):
+            console.say(f"a job of {rule} failed and was repeated; its log is {failed_log(own)}")
     else:
         console.say("nothing was left to do")
     return 128 - status if status < 0 else status
