@@ -8,6 +8,7 @@ import pandas as pd
 from markers import fill
 from publish_measured import markdown
 
+from jointclosure.statistics.standard_errors import rounded
 from jointclosure.storage.text import read_csv
 
 ROOT = Path(__file__).parents[2]
@@ -55,7 +56,7 @@ def aligned() -> str:
             own = part[(part.response == response) & (part.cycle == cycle)]
             row = {"walls": _named(wavelength), "": f"{title} ({units.get(response, 'mm')})"}
             for each in own.itertuples():
-                row[each.rock] = f"{each.value:.3g} ± {each.error:.1g}"
+                row[each.rock] = rounded(each.value, each.error)
             rows.append(row)
     return markdown(pd.DataFrame(rows))
 
@@ -74,19 +75,20 @@ def finding() -> str:
     near = turned[(turned[ROTATION] == turned[ROTATION].min()) & np.isfinite(turned.wavelength_mm)]
     mean, error = _pooled(null)
     return (
-        f"- **Tilt.** A tilt of {tilt[TILT].iloc[0]:g} degrees changes the first cycle's closure "
-        f"of independent walls by {_span(free, 'closure', 1)} % and the second cycle's by "
-        f"{_span(free, 'closure', 2)} %, the stiffness by {_span(free, 'stiffness', 1)} and "
-        f"{_span(free, 'stiffness', 2)} %. Of walls whose long waves mate it changes the closures "
-        f"by {_span(mated, 'closure', 1)} and {_span(mated, 'closure', 2)} %.\n"
+        f"- **Tilt.** Of independent walls {tilt[TILT].iloc[0]:g} degrees change the closure by "
+        f"{_span(free, 'closure', 1)} % on the first cycle and {_span(free, 'closure', 2)} % on "
+        f"the second, the stiffness by {_span(free, 'stiffness', 1)} and "
+        f"{_span(free, 'stiffness', 2)} %. Of walls whose long waves mate they change the closure "
+        f"by {_span(mated, 'closure', 1)} and {_span(mated, 'closure', 2)} %, the stiffness by "
+        f"{_span(mated, 'stiffness', 1)} and {_span(mated, 'stiffness', 2)} %.\n"
         f"- **Rotation of independent walls does nothing**, as it must: over all rocks and angles "
         f"{_significant(null)} of {len(_shown(null))} changes are beyond their 95 % interval, and "
         f"the first cycle's closure changes by {mean:+.1f} ± {error:.1f} % on average.\n"
         f"- **Rotation of walls whose long waves mate unmates them**: {near[ROTATION].iloc[0]:g} "
         f"degree changes the first cycle's closure by {_span(near, 'closure', 1)} %, "
         f"{far[ROTATION].iloc[0]:g} degrees by {_span(far, 'closure', 1)} % (stiffness "
-        f"{_span(far, 'stiffness', 1)} %). The second cycle changes by "
-        f"{_span(far, 'closure', 2)} %.\n"
+        f"{_span(far, 'stiffness', 1)} %), the second cycle's by {_span(far, 'closure', 2)} % "
+        f"(stiffness {_span(far, 'stiffness', 2)} %).\n"
     )
 
 

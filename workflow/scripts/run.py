@@ -196,9 +196,8 @@ def follow(command: list[str], stream: TextIO, log: Path) -> int:
         print(f"The run failed or was ended; all that was said is in {log}", file=sys.stderr)
     elif progress.total:
         console.say(f"{progress.done} of {progress.total} jobs done")
-        repeated = _FAILED.findall(log.read_bytes()[start:].decode(errors="replace"))
-        for rule, own in dict.fromkeys(repeated):
-            console.say(f"a job of {rule} failed and was repeated; its log is {failed_log(own)}")
+        for line in repeated(log.read_bytes()[start:].decode(errors="replace")):
+            console.say(line)
     else:
         console.say("nothing was left to do")
     return 128 - status if status < 0 else status
@@ -280,7 +279,19 @@ def failures(said: str) -> str:
     return "\n\n".join(parts) or _end(said, 40)
 
 
-_FAILED = re.compile(r"^Error in rule (\w+):\n(?:    .*\n)*?    log: (.+?) \(check", re.MULTILINE)
+def repeated(said: str) -> list[str]:
+    """A line for each job that failed, of all that Snakemake said in a run that went well."""
+    found = dict.fromkeys(_FAILED.findall(said))
+    return [
+        f"a job of {rule} failed and was repeated; its log is {failed_log(log)}"
+        for rule, log in found
+    ]
+
+
+_FAILED = re.compile(
+    r"^Error in rule (\w+):\n(?:    .*\n)*?    log: (.+?)(?:, .*)? \(check", re.MULTILINE
+)
+"""A failed job and its own log; a cluster's log may stand after it."""
 
 
 def _end(text: str, lines: int) -> str:

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from jointclosure.ensemble.closing import close_pair
+from jointclosure.engineering.stiffness import closures_at
+from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.protocol import FAILURE
 
@@ -20,17 +21,17 @@ def cycle_responses(
         and ``closure_above_half`` (of loading, from half of the maximum stress to all of it), all
         in m; ``stiffness`` over that part [Pa/m]. NaN where the simulation failed.
     """
-    half = 0.5 * float(np.max(conditions.max_normal_stress))
-    row = close_pair(*walls, np.array([half]), conditions)
-    status, closure = int(row["status"][1]), row["max_closure"][1]
-    above = closure - row["closure"][1][:, 0, 0]
+    largest = float(np.max(conditions.max_normal_stress))
+    closed = close_walls(*walls, conditions)
+    status, closure = int(closed.status), closed.max_closure.values
+    half, whole = closures_at(closed, np.array([0.5 * largest, largest]))[:, 0].T
     answer = {
         "closure": closure,
-        "closure_net": row["max_closure_net"][1],
-        "closure_seated": row["max_closure_seated"][1],
-        "residual": row["residual_closure"][1],
-        "closure_above_half": above,
-        "stiffness": half / above,
+        "closure_net": closure - closed.max_bulk_indentation.values,
+        "closure_seated": closed.max_closure_seated.values,
+        "residual": closed.residual_closure.values,
+        "closure_above_half": whole - half,
+        "stiffness": 0.5 * largest / (whole - half),
     }
     if status >= FAILURE:
         answer = {name: np.full(closure.shape, np.nan) for name in answer}

@@ -84,6 +84,7 @@ def _spread_rotations(axes: Axes, rotations: pd.Series) -> None:
     """Small rotations as far apart as large ones."""
     values = np.sort(rotations.unique())
     if values.size > 1:
-        axes.set_xscale("symlog", linthresh=values[1])
+        axes.set_xscale("symlog", linthresh=values[1], linscale=0.4)
+        axes.set_xlim(-0.3 * values[1], 1.2 * values[-1])
         axes.xaxis.set_minor_locator(NullLocator())
         axes.set_xticks(values, [f"{value:g}" for value in values])
