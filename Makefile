@@ -30,7 +30,7 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects mismatch readings global-sensitivity jrc-range conclusions test test-all lint docs coverage wheel lock clean size
+.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects mismatch readings global-sensitivity jrc-range conclusions test test-all lint docs coverage wheel lock clean size misalignment
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -83,6 +83,9 @@ mismatch: $(STAMP) ## Close walls from mates to independent ones, and shifted (t
 
 size: $(STAMP) ## Ask what patch length and grid spacing do, and what carries over (twenty minutes on two cores)
 	$(RUN) size
+
+misalignment: $(STAMP) ## Close walls that are tilted, or rotated about the normal (ten minutes on two cores)
+	$(RUN) misalignment
 
 readings: $(STAMP) ## Ask which reading of the paper gives its Table 3 (ninety minutes on two cores)
 	$(RUN) readings

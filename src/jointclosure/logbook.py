@@ -1,6 +1,7 @@
 """Logs of the workflow's scripts."""
 
 import contextlib
+import shutil
 import sys
 import time
 import traceback
@@ -21,7 +22,10 @@ class Logbook:
 
 @contextlib.contextmanager
 def logging_to(path: str | Path) -> Iterator[Logbook]:
-    """A logbook in a file, which receives standard output and errors too."""
+    """A logbook in a file, which receives standard output and errors too.
+
+    What failed is kept as `failed_log` too, as a repeated job has its log in the same file.
+    """
     with (
         open(path, "w", encoding="utf-8", buffering=1) as stream,
         contextlib.redirect_stdout(stream),
@@ -32,5 +36,11 @@ def logging_to(path: str | Path) -> Iterator[Logbook]:
         except BaseException as error:
             traceback.print_exception(error, file=stream)
             print(f"failed: {type(error).__name__}: {error}", file=stream, flush=True)
+            shutil.copyfile(path, failed_log(path))
             print(f"{path}: {error}", file=sys.__stderr__, flush=True)
             raise
+
+
+def failed_log(path: str | Path) -> Path:
+    """Where the log of a failed try of a job is kept."""
+    return Path(f"{path}.failed")

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
+from jointclosure.statistics import variance_indices as variance_indices_module
 from jointclosure.statistics.orthonormal import design_matrix, fitted, terms_of
 from jointclosure.statistics.variance_indices import (
+    _shares,
     sampled_rows,
     shapley_effects,
     variance_indices,
@@ -130,6 +132,32 @@ def test_shapley_effects_of_dependent_normals_are_those_of_the_literature():
     found = shapley_effects((0, 0), idle.coefficients, {(0, 1): r})
     assert found.sum() == pytest.approx(1.0)
     assert found[1] == pytest.approx(expected, abs=0.02)
+
+
+def test_shapley_effects_of_many_inputs_are_those_of_the_definition():
+    """Some inputs dependent, some not, one of a few values: over all subsets, one by one."""
+    values, correlations = (0, 3, 0, 0), {(0, 2): 0.6}
+    random = np.random.default_rng(5)
+    coefficients = random.standard_normal(len(terms_of(values)))
+    found = shapley_effects(values, coefficients, correlations, draws=2**15)
+    assert found.sum() == pytest.approx(1.0)
+    defined = _shares(
+        range(4), values, range(len(coefficients)), coefficients, correlations, draws=2**15
+    )
+    np.testing.assert_allclose(found, defined / defined.sum(), atol=0.02)
+    assert np.abs(found - shapley_effects(values, coefficients)).max() > 0.05
+
+
+def test_shapley_effects_of_twenty_inputs_take_no_subset_of_all_of_them(monkeypatch):
+    asked = []
+    drawn = variance_indices_module._drawn_variances
+    monkeypatch.setattr(
+        variance_indices_module,
+        "_drawn_variances",
+        lambda *told: asked.append(len(told[-1])) or drawn(*told),
+    )
+    shapley_effects((0,) * 20, np.ones(len(terms_of((0,) * 20))), {(0, 1): 0.5}, draws=64)
+    assert sum(asked) == 4 + 18 * 8
 
 
 def test_what_has_no_index_is_said():

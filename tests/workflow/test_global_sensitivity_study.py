@@ -2,15 +2,18 @@
 
 import re
 import shutil
+from pathlib import Path
 
 import pandas as pd
 import pytest
 
+from jointclosure.logbook import failed_log
 from tests.workflow.test_pipeline import ROOT, checkout, snakemake
 
 pytestmark = pytest.mark.slow
 
 CONFIG = "tiny_global_sensitivity.yaml"
+BLOCKS = "results/tiny_global_sensitivity/global_sensitivity"
 
 
 @pytest.fixture(scope="module")
@@ -40,6 +43,40 @@ def test_what_is_lost_alone_is_made_again(results):
         (results / lost).unlink()
     counts = dict(re.findall(r"^(close_together|weigh_together) +(\d+)$", _dry_run(folder), re.M))
     assert counts == {"close_together": "1", "weigh_together": "1"}
+
+
+def fails_once(folder: Path, output: str) -> None:
+    """Have the job that writes a file fail at its first try."""
+    script = folder / "workflow/scripts/close_together.py"
+    text = script.read_text()
+    begin = '    design, rows = from_plain(Design, settings["design"])'
+    assert begin in text
+    lost = f"""    from pathlib import Path
+
+    if output.endswith({output!r}) and not Path("tried").exists():
+        Path("tried").touch()
+        raise RuntimeError("the node was lost")
+"""
+    script.write_text(text.replace(begin, lost + begin))
+
+
+def test_a_job_that_fails_is_recorded_and_repeated_while_others_go_on(tmp_path):
+    folder = checkout(tmp_path)
+    shutil.copy(ROOT / "tests/workflow" / CONFIG, folder)
+    fails_once(folder, "slate.8.nc")
+    stopped = snakemake(folder, "global_sensitivity", config=CONFIG)
+    assert stopped.returncode != 0
+    made = {each.name for each in (folder / BLOCKS).iterdir()}
+    assert made == {"dolerite.0.nc", "dolerite.8.nc", "slate.0.nc"}
+    log = folder / "results/tiny_global_sensitivity/logs/close_together/slate.8.log"
+    assert "failed: RuntimeError: the node was lost" in log.read_text()
+    (folder / "tried").unlink()
+    answer = snakemake(folder, "global_sensitivity", "--retries", "1", config=CONFIG)
+    said = answer.stdout + answer.stderr
+    assert answer.returncode == 0, said
+    assert said.count("Trying to restart job") == 1
+    assert "the node was lost" in failed_log(log).read_text()
+    assert "failed" not in log.read_text()
 
 
 def _dry_run(folder) -> str:

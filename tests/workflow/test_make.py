@@ -129,6 +129,13 @@ print("Error in rule close:\\n    jobid: 3\\n    log: job.log (check log file(s)
 sys.exit(7)
 """
 )
+REPEATS = (
+    FAKE
+    + """
+print("Error in rule close:\\n    jobid: 3\\n    log: job.log, /its/own/3.log (check log file(s))")
+print("Trying to restart job 3.", flush=True)
+"""
+)
 WAITS = FAKE + "time.sleep(600)\n"
 
 
@@ -173,6 +180,15 @@ def test_a_run_that_fails_says_which_rule_and_keeps_the_exit_status(tmp_path):
     assert "close failed; the end of job.log:" in wrong
     assert "failed: InputError: grid.cells_x = 2" in wrong
     assert "run.log" in wrong
+
+
+def test_a_run_that_went_well_says_which_jobs_were_repeated(tmp_path):
+    run = follow(tmp_path, REPEATS)
+    said, wrong = run.communicate()
+    assert run.returncode == 0, wrong
+    assert said.splitlines()[-1] == (
+        "a job of close failed and was repeated; its log is job.log.failed"
+    )
 
 
 def test_ctrl_c_ends_a_run_without_a_traceback(tmp_path):

@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from jointclosure.logbook import failed_log
+from tests.workflow.test_global_sensitivity_study import fails_once
 from tests.workflow.test_pipeline import ROOT, checkout, jointclosure_cli, snakemake
 
 PROFILE = ROOT / "workflow/profiles/slurm/config.yaml"
@@ -23,8 +25,9 @@ def slurm_is_here() -> bool:
     return answer.returncode == 0 and bool({"idle", "mixed"} & set(answer.stdout.split()))
 
 
-def on_slurm(folder: Path, accounting: bool) -> subprocess.CompletedProcess:
-    """Run the study by the project's profile, with waits for a test and without accounting."""
+def on_slurm(folder: Path, *goals: str, config: str = "tiny.yaml") -> subprocess.CompletedProcess:
+    """Run a study by the project's profile, with waits for a test, and without accounting."""
+    accounting = subprocess.run(["sacct"], capture_output=True, check=False).returncode == 0
     profile = yaml.safe_load(PROFILE.read_text())
     profile |= {"slurm-init-seconds-before-status-checks": 2, "seconds-between-status-checks": 2}
     profile |= {"cores": 2, "latency-wait": 30}
@@ -32,10 +35,28 @@ def on_slurm(folder: Path, accounting: bool) -> subprocess.CompletedProcess:
         profile |= {"slurm-no-account": True, "slurm-status-command": "squeue"}
     (folder / "profile").mkdir()
     (folder / "profile/config.yaml").write_text(yaml.safe_dump(profile))
-    return snakemake(folder, profile="profile")
+    return snakemake(folder, *goals, config=config, profile="profile")
 
 
-@pytest.mark.skipif(not slurm_is_here(), reason="no Slurm with an idle node, or no plugin for it")
+needs_slurm = pytest.mark.skipif(
+    not slurm_is_here(), reason="no Slurm with an idle node, or no plugin for it"
+)
+
+
+@needs_slurm
+def test_a_lost_slurm_job_is_recorded_and_repeated_while_others_go_on(tmp_path):
+    folder = checkout(tmp_path)
+    shutil.copy(ROOT / "tests/workflow/tiny_global_sensitivity.yaml", folder)
+    fails_once(folder, "slate.8.nc")
+    answer = on_slurm(folder, "global_sensitivity", config="tiny_global_sensitivity.yaml")
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    results = folder / "results/tiny_global_sensitivity"
+    lost = failed_log(results / "logs/close_together/slate.8.log")
+    assert "the node was lost" in lost.read_text()
+    assert (results / "tables/global_indices.csv").exists()
+
+
+@needs_slurm
 def test_slurm_gives_the_same_bits_in_a_few_jobs(tmp_path):
     here, there = tmp_path / "here", tmp_path / "there"
     for folder in (here, there):
@@ -47,8 +68,7 @@ def test_slurm_gives_the_same_bits_in_a_few_jobs(tmp_path):
     )
     answer = snakemake(here)
     assert answer.returncode == 0, answer.stdout + answer.stderr
-    accounting = subprocess.run(["sacct"], capture_output=True, check=False).returncode == 0
-    answer = on_slurm(there, accounting)
+    answer = on_slurm(there)
     assert answer.returncode == 0, answer.stdout + answer.stderr
     found = jointclosure_cli("compare", "--exact", here / "results/tiny", there / "results/tiny")
     assert found.returncode == 0, found.stdout + found.stderr

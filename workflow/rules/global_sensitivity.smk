@@ -28,7 +28,7 @@ rule compile_together:
     params:
         kernels=lambda wildcards: kernels_of(
             (each.case.effects, each.choices, each.numerics)
-            for each in global_design.ends_of(TOGETHER_DESIGN, config)
+            for each in global_design.settings_of_choices(TOGETHER_DESIGN, config)
         ),
         code=code_of("compile_kernels"),
     message:

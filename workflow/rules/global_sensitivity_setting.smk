@@ -1,4 +1,5 @@
 # What the rules of global sensitivity share: the design, what is closed, and its seals. No rules here.
+from jointclosure.config.contradictions import OTHER_TARGETS
 from jointclosure.studies.global_sensitivity import design as global_design
 
 TOGETHER = config.get("global_sensitivity")
@@ -17,18 +18,23 @@ TOGETHER_FIGURES = ["indices", "convergence", "conclusions"]
 
 def together_keys(rock):
     """The part of the configuration that the joints of a rock depend on."""
-    unused = ("accuracy", "ablation", "readings")
+    unused = {*OTHER_TARGETS.values()} - {"global_sensitivity"}
     keys = {name: part for name, part in config.items() if name not in unused}
     study = config["study"] | {"rocks": [rock], "pool": None}
     return keys | {"study": study, "rocks": {rock: config["rocks"][rock]}}
 
 
 def together_told(rock, first):
-    """What the closing of some rows is told."""
-    rows = TOGETHER_BLOCKS[first]
+    """What the closing of some rows is told: nothing of how many rows follow them."""
+    rows, keys = TOGETHER_BLOCKS[first], together_keys(rock)
+    design = TOGETHER_DESIGN.of_rows(rows)
+    section = keys["global_sensitivity"] | {
+        "rows": design.rows,
+        "rows_per_job": design.rows_per_job,
+    }
     return {
-        "design": to_plain(TOGETHER_DESIGN),
-        "configuration": together_keys(rock),
+        "design": to_plain(design),
+        "configuration": keys | {"global_sensitivity": section},
         "rows": [rows.start, rows.stop],
         "code": code_of("close_together"),
     }

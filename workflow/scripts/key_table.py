@@ -32,6 +32,8 @@ its value and what is allowed. Numbers beyond what is usual of rock are more oft
 - `effects.yaml`: what each effect adds, and what it costs (`make effects`).
 - `mismatch.yaml`: walls from mates to independent ones, and shifted (`make mismatch`).
 - `size.yaml`: nested patches of several sizes and spacings (`make size`).
+- `misalignment.yaml`: walls that are tilted, or rotated about the normal (`make misalignment`).
+- `global_sensitivity.yaml`: which properties and open choices matter (`make global-sensitivity`); `global_sensitivity_full.yaml`: the same at full size, for a cluster.
 - `many_realizations.yaml`: 100,000 small joints of one case ([docs/clusters.md](../docs/clusters.md)).
 - `measured_wall.yaml`: a rock whose walls were scanned ([scanned walls](../docs/measured_walls.md)).
 - `hard_cases.yaml`: joints that are hard on a solver (`make hard-cases`); its keys are in `verification/hard_case_keys.py`.

@@ -1,6 +1,7 @@
 """Renew docs/global_sensitivity.md from results/global_sensitivity and results/paper.
 
-Run by hand after `make global-sensitivity` and `make jrc-range`.
+Run by hand after `make global-sensitivity`, `make jrc-range` and
+`snakemake estimate_together --configfile config/global_sensitivity_full.yaml`.
 """
 
 import shutil
@@ -15,7 +16,10 @@ from jointclosure.storage.text import read_csv
 
 ROOT = Path(__file__).parents[2]
 RESULTS = ROOT / "results/global_sensitivity"
+FULL = ROOT / "results/global_sensitivity_full"
 PAPER = ROOT / "results/paper"
+ENOUGH = 0.1
+"""Standard error of a share that would settle it."""
 SHOWN = (
     ("closure", 1, "closure, cycle 1"),
     ("closure", 2, "closure, cycle 2"),
@@ -128,9 +132,50 @@ def jrc_claims() -> str:
     return markdown(pd.DataFrame(rows))
 
 
+def more_rows() -> str:
+    """How far the least certain share is known, and what it costs to know it to 10 %."""
+    shares = read_csv(RESULTS / "tables/global_conclusions.csv")
+    rows = int(read_csv(RESULTS / "tables/global_indices.csv").rows.max())
+    minutes = read_csv(RESULTS / "tables/global_estimate.csv").core_minutes.sum()
+    worst = shares.loc[shares.share_error.idxmax()]
+    enough = rows
+    while worst.share_error * (rows / enough) ** 0.5 > ENOUGH:
+        enough *= 2
+    net = ", net of bulk indentation" if worst.response.endswith("net") else ""
+    return (
+        f'The least certain share is that of "{worst.conclusion}" on cycle {worst.cycle}{net}: '
+        f"{_percent(worst.share, worst.share_error)} %. Errors fall as one over the square root of "
+        f"the rows: {enough:,} rows would bring it to {100 * ENOUGH:.0f} %, and take "
+        f"{minutes * enough / rows / 60:.0f} core-hours where these {rows} took "
+        f"{minutes / 60:.1f}.\n"
+    )
+
+
+def full_size() -> str:
+    """What the design at full size takes, by its own estimate."""
+    table = read_csv(FULL / "tables/global_estimate.csv")
+    rows = [
+        {
+            "rock": row.rock,
+            "simulations": f"{row.simulations:,}",
+            "seconds each": f"{row.seconds:.2f}",
+            "core-hours": rounded(row.core_minutes / 60, row.error / 60),
+        }
+        for row in table.itertuples()
+    ]
+    error = float((table.error**2).sum() ** 0.5)
+    whole = {
+        "rock": "all",
+        "simulations": f"{table.simulations.sum():,}",
+        "core-hours": rounded(table.core_minutes.sum() / 60, error / 60),
+    }
+    return markdown(pd.DataFrame([*rows, whole]))
+
+
 def main() -> None:
     """Fill the document, and copy its figures."""
     parts = {"indices": indices(), "elasticities": elasticities(), "conclusions": conclusions()}
+    parts |= {"more rows": more_rows(), "full size": full_size()}
     parts |= {"jrc range": jrc_range(), "jrc claims": jrc_claims()}
     fill(ROOT / "docs/global_sensitivity.md", parts)
     for figure in ("indices", "conclusions", "convergence"):

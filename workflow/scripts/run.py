@@ -22,6 +22,7 @@ from jointclosure.config.configuration import configured, merged_study
 from jointclosure.config.files import read_plain
 from jointclosure.config.wanted import Wanted, wanted_of
 from jointclosure.inputs import InputError
+from jointclosure.logbook import failed_log
 from jointclosure.progress import WorkflowProgress
 from jointclosure.storage.text import read_csv, write_text
 from jointclosure.studies.sensitivity.reached import surfaces_next, told
@@ -54,6 +55,7 @@ TARGETS = {
     "effects": Target(("estimate_effects", "effects"), "config/effects.yaml"),
     "mismatch": Target(("estimate_mismatch", "mismatch"), "config/mismatch.yaml"),
     "size": Target(("estimate_size", "size"), "config/size.yaml"),
+    "misalignment": Target(("estimate_misalignment", "misalignment"), "config/misalignment.yaml"),
     "readings": Target(("estimate_readings", "readings"), "config/readings.yaml"),
     "jrc-range": Target(("all", "jrc_range")),
     "conclusions": Target(("all", "conclusions")),
@@ -196,6 +198,8 @@ def follow(command: list[str], stream: TextIO, log: Path) -> int:
         print(f"The run failed or was ended; all that was said is in {log}", file=sys.stderr)
     elif progress.total:
         console.say(f"{progress.done} of {progress.total} jobs done")
+        for line in repeated(log.read_bytes()[start:].decode(errors="replace")):
+            console.say(line)
     else:
         console.say("nothing was left to do")
     return 128 - status if status < 0 else status
@@ -277,7 +281,19 @@ def failures(said: str) -> str:
     return "\n\n".join(parts) or _end(said, 40)
 
 
-_FAILED = re.compile(r"^Error in rule (\w+):\n(?:    .*\n)*?    log: (.+?) \(check", re.MULTILINE)
+def repeated(said: str) -> list[str]:
+    """A line for each job that failed, of all that Snakemake said in a run that went well."""
+    found = dict.fromkeys(_FAILED.findall(said))
+    return [
+        f"a job of {rule} failed and was repeated; its log is {failed_log(log)}"
+        for rule, log in found
+    ]
+
+
+_FAILED = re.compile(
+    r"^Error in rule (\w+):\n(?:    .*\n)*?    log: (.+?)(?:, .*)? \(check", re.MULTILINE
+)
+"""A failed job and its own log; a cluster's log may stand after it."""
 
 
 def _end(text: str, lines: int) -> str:

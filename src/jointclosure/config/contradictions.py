@@ -22,6 +22,7 @@ OTHER_TARGETS = {
     "global_sensitivity": "global_sensitivity",
     "mismatch": "mismatch",
     "size": "size",
+    "misalignment": "misalignment",
 }
 """Folders of results of other targets, and the section that a study of that name must have."""
 USUAL = _OF_ROCK | {

@@ -608,6 +608,25 @@ class SizeKeys(Keys):
     )
 
 
+class MisalignmentKeys(Keys):
+    """Design of a study of walls that are tilted or rotated (config/misalignment.yaml)."""
+
+    tilt_degrees: list[Annotated[float, Field(ge=0, le=5)]] = entry(
+        "Tilts of one wall about an axis in its mean plane [degrees]; 0 must be among them.",
+        min_length=1,
+        json_schema_extra={"uniqueItems": True},
+    )
+    rotation_degrees: list[Annotated[float, Field(ge=0, lt=360)]] = entry(
+        "Rotations of one wall about the normal [degrees]; 0 must be among them.",
+        min_length=1,
+        json_schema_extra={"uniqueItems": True},
+    )
+    mismatch_wavelength_mm: list[Annotated[float, Field(gt=0)]] = entry(
+        "Mismatch wavelengths [mm] of walls that are closed besides independent ones.",
+        json_schema_extra={"uniqueItems": True},
+    )
+
+
 class ReadingKeys(Keys):
     """A reading of the paper: settings that are merged over the study's."""
 
@@ -723,3 +742,4 @@ class ConfigurationKeys(Keys):
     global_sensitivity: GlobalSensitivityKeys | None = entry(GlobalSensitivityKeys.__doc__, None)
     mismatch: MismatchKeys | None = entry(MismatchKeys.__doc__, None)
     size: SizeKeys | None = entry(SizeKeys.__doc__, None)
+    misalignment: MisalignmentKeys | None = entry(MisalignmentKeys.__doc__, None)

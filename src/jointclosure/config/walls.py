@@ -7,6 +7,17 @@ from jointclosure.config.typed import SIDES, Configuration, Walls
 from jointclosure.inputs import InputError
 from jointclosure.surface.measured_pairs import PARTNERS
 
+_OF_MADE_WALLS = (
+    "accuracy",
+    "ablation",
+    "readings",
+    "mismatch",
+    "misalignment",
+    "size",
+    "global_sensitivity",
+)
+"""Sections of studies whose walls are made of a JRC."""
+
 
 def wall_files(walls: Walls) -> dict[str, str]:
     """Files of scanned walls by "upper" and "lower"."""
@@ -42,7 +53,7 @@ def wall_problems(keys: dict, name: str) -> Iterator[str]:
     yield from _registration_problems(walls, files, f"{where}.walls")
     if keys["effects"]["auto"] is not None:
         yield f"effects: auto: not with {where}.walls; its pilot draws walls of given JRC"
-    for section in ("accuracy", "ablation", "readings", "mismatch", "size", "global_sensitivity"):
+    for section in _OF_MADE_WALLS:
         if keys[section]:
             yield f"{section}: not with {where}.walls; it draws walls of given JRC"
 

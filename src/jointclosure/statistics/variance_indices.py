@@ -24,7 +24,7 @@ from scipy.special import ndtr, ndtri
 from scipy.stats import qmc
 
 from jointclosure.inputs import InputError
-from jointclosure.statistics.orthonormal import design_matrix, fitted, terms_of
+from jointclosure.statistics.orthonormal import Term, design_matrix, fitted, terms_of
 
 FOLDS = 8
 """Parts of the rows, of which each is left out of the fit that serves it."""
@@ -165,28 +165,53 @@ def shapley_effects(
 
     Notes
     -----
-    Owen and Prieur, SIAM/ASA J. Uncertain. Quantif. 5, 986, 2017. Where inputs depend the
-    variance by a subset J is the covariance of two responses that share x_J alone.
+    Owen and Prieur, SIAM/ASA J. Uncertain. Quantif. 5, 986, 2017. Terms of independent inputs
+    share their variance equally. The others are games of the dependent inputs with what
+    independent ones they stand with: of two such games no variance is common. Where inputs depend
+    the variance by a subset J is the covariance of two responses that share x_J alone.
     """
     d, coefficients = len(values), np.asarray(coefficients, dtype=float)
-    subsets = [frozenset(some) for size in range(d + 1) for some in combinations(range(d), size)]
-    if correlations:
-        found = dict(_drawn_variances(values, coefficients, correlations, draws, subsets))
-    else:
-        own = [term.inputs for term in terms_of(values)]
-        held = {some: [bool(each) and each <= some for each in own] for some in subsets}
-        found = {some: (coefficients[held[some]] ** 2).sum(axis=0) for some in subsets}
+    bound = frozenset(one for pair in correlations or {} for one in pair)
     effects = np.zeros((d, *coefficients.shape[1:]))
+    games: dict[frozenset[int], list[int]] = {}
+    for number, term in enumerate(terms_of(values)):
+        if term.inputs & bound:
+            games.setdefault(term.inputs - bound, []).append(number)
+            continue
+        for one in term.inputs:
+            effects[one] += coefficients[number] ** 2 / len(term.inputs)
+    for apart, numbers in games.items():
+        players = sorted(bound | apart)
+        effects[players] += _shares(
+            players, values, numbers, coefficients[numbers], correlations or {}, draws
+        )
+    return effects / effects.sum(axis=0)
+
+
+def _shares(players, values, numbers, coefficients, correlations, draws) -> np.ndarray:
+    """Shapley values (players, ...) of the variance of some terms of these inputs alone."""
+    place = {one: at for at, one in enumerate(players)}
+    terms = terms_of(values)
+    own = tuple(
+        Term(tuple((place[one], function) for one, function in terms[number].factors))
+        for number in numbers
+    )
+    among = {(place[one], place[other]): value for (one, other), value in correlations.items()}
+    d = len(players)
+    subsets = [frozenset(some) for size in range(d + 1) for some in combinations(range(d), size)]
+    counts = tuple(values[one] for one in players)
+    found = dict(_drawn_variances(counts, own, coefficients, among, draws, subsets))
+    shares = np.zeros((d, *coefficients.shape[1:]))
     for some in subsets[:-1]:
         weight = factorial(len(some)) * factorial(d - len(some) - 1) / factorial(d)
         for one in set(range(d)) - some:
-            effects[one] += weight * (found[some | {one}] - found[some])
-    return effects / found[frozenset(range(d))]
+            shares[one] += weight * (found[some | {one}] - found[some])
+    return shares
 
 
-def _drawn_variances(values, coefficients, correlations, draws, subsets):
+def _drawn_variances(values, terms, coefficients, correlations, draws, subsets):
     """(subset, variance by it) where inputs depend."""
-    d, terms = len(values), terms_of(values)
+    d = len(values)
     matrix = np.eye(d)
     for (one, other), correlation in correlations.items():
         matrix[one, other] = matrix[other, one] = correlation

@@ -1,5 +1,6 @@
 """Inputs that vary together, the points at which joints are closed, and their settings."""
 
+import itertools
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -20,6 +21,8 @@ from jointclosure.statistics.variance_indices import sampled_rows
 
 ROCK = "ROCK"
 """Stands in an input's key for the rock that is closed."""
+FEWEST_ROWS = 16
+"""Of a design."""
 SURFACES = 2
 """Surface pairs that all points of a row are closed on."""
 
@@ -73,6 +76,11 @@ class Design(NamedTuple):
     def points(self) -> np.ndarray:
         """Points (rows, inputs + 2, inputs) of the unit cube, the same in all rocks."""
         return sampled_rows(len(self.inputs), self.rows, self.seed)
+
+    def of_rows(self, rows: range) -> "Design":
+        """The smallest design with these rows, which are the same in every larger one."""
+        enough = max(FEWEST_ROWS, 1 << (rows.stop - 1).bit_length())
+        return self._replace(rows=enough, rows_per_job=len(rows))
 
     def blocks(self) -> list[range]:
         """The rows of each job."""
@@ -152,15 +160,21 @@ def settings_at(design: Design, keys: dict, rock: str, row: int, point) -> Closu
     return block_settings(typed, {case.label: case}, case.label, block)
 
 
-def ends_of(design: Design, keys: dict) -> list[ClosureSettings]:
-    """Settings at every value of each input that has a few, and at the ends of each other."""
-    middle, found = np.full(len(design.inputs), 0.5), []
-    for number, each in enumerate(design.inputs):
-        for end in np.linspace(0.0, 1.0, max(len(each.values), 2)):
-            point = middle.copy()
-            point[number] = end
-            found.append(settings_at(design, keys, design.rocks[0], 0, point))
-    return found
+def settings_of_choices(design: Design, keys: dict) -> list[ClosureSettings]:
+    """Settings at all combinations of values of the inputs that have a few, others in the middle.
+
+    Of the inputs that make walls none has another kernel, and one value stands for all.
+    """
+    places = [
+        [0.5]
+        if each.key[0] == "surface"
+        else [(place + 0.5) / len(each.values) for place in range(len(each.values))] or [0.5]
+        for each in design.inputs
+    ]
+    return [
+        settings_at(design, keys, design.rocks[0], 0, np.array(point))
+        for point in itertools.product(*places)
+    ]
 
 
 def is_positive(each: Input, keys: dict, rock: str) -> bool:

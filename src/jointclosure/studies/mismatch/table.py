@@ -11,6 +11,7 @@ import xarray as xr
 
 from jointclosure.protocol import FAILURE
 from jointclosure.randomness import generator, seed_of
+from jointclosure.statistics.ratios import ratio_of_means
 from jointclosure.statistics.standard_errors import mean_of
 
 MEANS = {
@@ -92,13 +93,9 @@ def _row(part: xr.Dataset, half_MPa: float) -> dict[str, float]:
 
 
 def _ratio(name: str, over: np.ndarray, under: np.ndarray) -> dict[str, float]:
-    """Ratio of two means over surfaces, and its standard error (delta method)."""
-    known = np.isfinite(over) & np.isfinite(under)
-    over, under = over[known], under[known]
-    if not known.any() or under.mean() == 0.0:
-        return {name: np.nan, f"{name}_error": np.nan}
-    ratio = float(over.mean() / under.mean())
-    return {name: ratio, f"{name}_error": _error(over - ratio * under) / abs(float(under.mean()))}
+    """A ratio of two means over surfaces, and its standard error."""
+    ratio, error = ratio_of_means(over, under)
+    return {name: ratio, f"{name}_error": error}
 
 
 def _error(values: np.ndarray) -> float:

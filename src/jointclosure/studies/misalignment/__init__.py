@@ -1,0 +1,1 @@
+"""Walls that are tilted against each other, or rotated about the normal."""

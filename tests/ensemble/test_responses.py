@@ -1,0 +1,56 @@
+"""What is read of each cycle is what engineers are told of the same joint."""
+
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from jointclosure.ensemble import responses as responses_module
+from jointclosure.ensemble.closing import close_walls
+from jointclosure.ensemble.responses import cycle_responses
+from jointclosure.ensemble.settings import Conditions
+from jointclosure.parameters import Choices, Effects, Numerics
+
+SLATE = jc.Rock(youngs_modulus=66e9, poisson_ratio=0.25, compressive_strength=159e6)
+
+
+@pytest.fixture(scope="module")
+def joint():
+    walls = jc.wall_pair(jrc=6.5, shape=(24, 24), spacing=0.25e-3, seed=4, roll_off=3e-3)
+    conditions = Conditions(0.25e-3, SLATE, 5e6, 3, 0.5e6, Effects(), Choices(), Numerics())
+    return close_walls(*walls, conditions), cycle_responses(walls, conditions)
+
+
+def test_stiffness_is_that_of_each_cycles_own_curve(joint):
+    """Read off the steps about half of the stress: chords there bound what it can be."""
+    closed, (status, responses) = joint
+    assert status < 16
+    for cycle in (1, 2, 3):
+        here = (closed.cycle == cycle) & (closed.branch == "loading")
+        stress, closure = (closed[name].values[here] for name in ("normal_stress", "closure"))
+        below, above = closure[stress < 2.5e6].max(), closure[stress >= 2.5e6].min()
+        read = responses["closure_above_half"][cycle - 1]
+        assert closure.max() - above <= read <= closure.max() - below
+        stiffness = (stress.max() - 2.5e6) / read
+        assert responses["stiffness"][cycle - 1] == pytest.approx(stiffness)
+    # the second cycle is stiffer than the first
+    assert responses["stiffness"][1] > 2.0 * responses["stiffness"][0]
+
+
+def test_closures_are_those_of_the_joint(joint):
+    closed, (_, responses) = joint
+    np.testing.assert_array_equal(responses["closure"], closed.max_closure)
+    np.testing.assert_array_equal(responses["residual"], closed.residual_closure)
+    np.testing.assert_array_equal(responses["closure_seated"], closed.max_closure_seated)
+    bulk = closed.max_bulk_indentation
+    np.testing.assert_allclose(responses["closure_net"], closed.max_closure - bulk)
+
+
+def test_a_failed_simulation_has_no_responses(monkeypatch):
+    walls = jc.wall_pair(jrc=6.5, shape=(24, 24), spacing=0.25e-3, seed=4, roll_off=3e-3)
+    conditions = Conditions(0.25e-3, SLATE, 1e6, 2, 0.5e6, Effects(), Choices(), Numerics())
+    closed = close_walls(*walls, conditions)
+    failed = closed.assign(status=closed.status * 0 + 16)
+    monkeypatch.setattr(responses_module, "close_walls", lambda *told: failed)
+    status, responses = cycle_responses(walls, conditions)
+    assert status == 16
+    assert all(np.isnan(values).all() for values in responses.values())
