@@ -76,11 +76,12 @@ class Step(NamedTuple):
 
 
 class History(NamedTuple):
-    """All accepted steps in order, the status bits, and the total effort."""
+    """All accepted steps in order, the status bits, the total effort, and cycles replayed."""
 
     steps: list[Step]
     status: int
     effort: Effort
+    replayed: int = 0
 
 
 class _Run:
@@ -177,10 +178,12 @@ def run_cycles(
     run = _Run(joint, solver, numerics, cycles, report, observers)
     run.accept(1, LOADING, _untouched(joint))
     elastic: _Loop | None = None
+    replayed = 0
     for cycle, load in enumerate(cycles, start=1):
         run.target_force = load.maximum
-        if elastic and load == cycles[cycle - 2]:
+        if elastic and numerics.replay and load == cycles[cycle - 2]:
             _repeat_elastic(run, cycle, elastic)
+            replayed += 1
             continue
         first = cycle == 1
         _load(
@@ -192,12 +195,13 @@ def run_cycles(
         if run.failed:
             break
         _judge_range(run)
-        broken = run.effort.breakage_steps
+        broken, maximum = run.effort.breakage_steps, run.closure
         _unload(run, cycle, load.minimum)
         if run.failed:
             break
         elastic = _loop_of(run, cycle) if _is_elastic_from_here(run, broken) else None
-    return History(run.steps, run.status, run.effort)
+        _note_held(run, cycle, maximum if elastic else -np.inf)
+    return History(run.steps, run.status, run.effort, replayed)
 
 
 def _elastic_cycles(joint, solver, numerics, cycles, extra_force) -> History:
@@ -262,7 +266,13 @@ def _show_elastic(
 
 
 def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float) -> None:
-    """Close by steps until the force passes the target, then land on it."""
+    """Close by steps until the force passes the target, then land on it.
+
+    No step jumps over a former maximum that is known to hold: beyond it breakage can let the force
+    fall, so that a maximum that was reached before would be missed.
+    """
+    held = run.joint.held_to
+    near = run.numerics.stress_tolerance * run.target_force
     adaptive = run.numerics.breakage == "resolved"
     run.cycle_start = run.closure
     step = displacement_step
@@ -271,8 +281,14 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
             run.status |= 8 * FAILURE
             return
         before = run.joint.snapshot()
-        settled = run.settle(run.closure + step, breakage_step)
+        closure = run.closure + step
+        if run.closure < held <= closure:
+            closure, step = held, held - run.closure
+        settled = run.settle(closure, breakage_step)
         if run.failed:
+            return
+        if closure == held and abs(settled.total_force - run.target_force) <= near:
+            run.accept(cycle, LOADING, settled)
             return
         if adaptive:
             taken, step = step, _next_step(run, settled, step, displacement_step, cycle)
@@ -423,9 +439,25 @@ def _land_below(run: _Run, cycle: int, minimum: float, before: tuple, passed: Se
 
 
 def _is_elastic_from_here(run: _Run, broken: int) -> bool:
-    """Whether nothing broke since ``broken`` breakage steps, from a maximum at rest."""
+    """Whether nothing broke since ``broken`` breakage steps, from a maximum at rest.
+
+    The certificate that below this maximum the joint is elastic, and breakage idle: the walls are
+    those at rest at the maximum, equilibrium at each closure is unique, and at every state of the
+    unloading it was solved for and all contacts were found to hold. Coming back through these
+    states nothing can break. Steps to other closures would prove the same of these only.
+    """
     at_rest = run.numerics.target == "equilibrate" and not run.status & TARGET_JUMPED
     return at_rest and run.effort.breakage_steps == broken
+
+
+def _note_held(run: _Run, cycle: int, maximum: float) -> None:
+    """Remember the closure [m] up to which the joint is elastic, -inf for none.
+
+    That of an earlier and larger maximum stays where nothing broke in this cycle.
+    """
+    intact = not any(s.settled.effort.breakage_steps for s in run.steps if s.cycle == cycle)
+    earlier = run.joint.held_to if intact else -np.inf
+    run.joint.held_to = max(maximum, earlier) if maximum > -np.inf else -np.inf
 
 
 class _Loop(NamedTuple):
@@ -443,8 +475,7 @@ def _loop_of(run: _Run, cycle: int) -> _Loop:
 def _repeat_elastic(run: _Run, cycle: int, loop: _Loop) -> None:
     """A cycle like the one before, whose unloading broke nothing: up and down the same curve.
 
-    The walls are those that were at rest at the maximum, and equilibrium is unique, so that
-    every later state at a closure of this one's is the same.
+    Its states are those of the unloading, by the certificate of `_is_elastic_from_here`.
     """
     opened = len(loop.settled) - 1
     up, down = range(opened - 1, -1, -1), range(1, opened + 1)

@@ -14,8 +14,9 @@ The first round begins in one of three ways:
 
 - nothing can break: one equilibrium, solved as exactly as asked, and no breakage;
 - fixed breakage steps: breakage, at the interaction that is extrapolated from the steps
-  before. Where nothing breaks, or the joint opens, the step is elastic: the forces are
-  extrapolated too, and the equilibrium is solved as exactly as asked;
+  before. Where nothing breaks, the joint opens, or it is closed again to where it is known to hold
+  (`Joint.held_to`: an extrapolation may be too low, and break what holds), the step is elastic: the
+  forces are extrapolated too, and the equilibrium is solved as exactly as asked;
 - resolved breakage: an equilibrium in which no contact carries more than its strength,
   docs/decisions/0010-resolved-breakage.md. By how much the force at rest misses its
   force is the measure of the step's error.
@@ -117,8 +118,8 @@ class _PathToRest:
         joint = self.joint
         # that of the step before is too low while the joint closes, and too much breaks
         joint.interaction += step * joint.interaction_rate
-        # while it opens the forces fall: what might break is seen once they are solved for
-        if step > 0.0 and self.break_to_rest() > 0:
+        # elsewhere what might break is seen once the forces are solved for
+        if step > 0.0 and self.closure > joint.held_to and self.break_to_rest() > 0:
             self.solve(_stages(asked)[0])
         else:
             np.maximum(joint.force + step * joint.force_rate, 0.0, out=joint.force)

@@ -105,6 +105,7 @@ class Joint:
         self.force = np.zeros(self.upper.shape)
         self.interaction = np.zeros(self.upper.shape)
         self.closure = np.zeros(())  # at which it was last settled
+        self.held_to = -math.inf  # closure [m] up to which it is known that nothing breaks
         # per closure, since the last but one
         self.interaction_rate, self.force_rate = np.zeros((2, *self.upper.shape))
 
