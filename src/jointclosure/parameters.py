@@ -92,8 +92,8 @@ class Numerics(NamedTuple):
     1e-10 or the ``force_tolerance``, whichever is smaller.
 
     With ``replay`` a cycle like the one before is the curve of that one's unloading, up and down,
-    where that broke nothing (docs/decisions/0005-protocol.md); without, it is solved for and searched
-    for breakage again, state by state.
+    where that broke nothing (docs/decisions/0005-protocol.md); without, every state of it is solved
+    for and searched for breakage again.
 
     A simulation ends with a status that says so beyond ``most_steps`` displacement
     steps, or ``most_breakage_steps`` breakage steps for each of its cells. Where it can

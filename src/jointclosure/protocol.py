@@ -20,6 +20,7 @@ from jointclosure.solvers.joint import (
     Settled,
     Solver,
 )
+from jointclosure.step_control import StepControl
 
 TARGET_JUMPED = 1
 OUTSIDE_MODEL_RANGE = 2
@@ -53,14 +54,6 @@ Report = Callable[[int, str, float], None]
 _SMALLEST_STEP = 1e-6
 """Fraction of a displacement step below which a jump of the stress is accepted as one, and of
 the closure reached, where that is less: a step may be far longer than all that is needed."""
-
-_CORRECTION, _RISE = 40.0, 10.0
-"""What an adapted step may miss its predicted force by, and raise the force by, both relative and
-over `Numerics.tolerance`: docs/decisions/0010-resolved-breakage.md."""
-LARGEST_STEP, _SMALLEST_ADAPTED = 8.0, 1.0 / 64.0
-"""Bounds of an adapted displacement step over the given one."""
-_RETRY = 0.4
-"""A step is taken again where the next would be this much shorter."""
 
 
 class Step(NamedTuple):
@@ -123,6 +116,13 @@ class _Run:
         elif self.effort.settled > self.numerics.most_steps:
             self.status |= TOO_MANY_STEPS
         return settled
+
+    def predict(self, step: float) -> float:
+        """Force [N] after a displacement step [m] before anything breaks; see `Solver.predict`."""
+        assert self.solver.predict is not None
+        force, effort = self.solver.predict(self.joint, self.closure + step)
+        self.effort = self.effort.plus(effort)
+        return force
 
     def accept(self, cycle: int, branch: str, settled: Settled) -> None:
         self.closure, self.total_force = settled.closure, settled.total_force
@@ -273,7 +273,11 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
     """
     held = run.joint.held_to
     near = run.numerics.stress_tolerance * run.target_force
-    adaptive = run.numerics.breakage == "resolved"
+    control = None
+    if run.numerics.breakage == "resolved":
+        control = StepControl(
+            run.numerics, displacement_step, run.target_force, may_lengthen=cycle == 1
+        )
     run.cycle_start = run.closure
     step = displacement_step
     while True:
@@ -281,18 +285,21 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
             run.status |= 8 * FAILURE
             return
         before = run.joint.snapshot()
+        if control:
+            step = control.fitting(step, run.total_force, run.predict)
         closure = run.closure + step
         if run.closure < held <= closure:
             closure, step = held, held - run.closure
         settled = run.settle(closure, breakage_step)
         if run.failed:
             return
-        if closure == held and abs(settled.total_force - run.target_force) <= near:
+        landed = abs(settled.total_force - run.target_force) <= near
+        if landed and (control or closure == held):
             run.accept(cycle, LOADING, settled)
             return
-        if adaptive:
-            taken, step = step, _next_step(run, settled, step, displacement_step, cycle)
-            if step < _RETRY * taken:
+        if control:
+            taken, step = step, control.following(step, run.total_force, settled)
+            if control.must_repeat(taken, step):
                 run.joint.restore(before)
                 continue
         if settled.total_force >= run.target_force:
@@ -304,32 +311,10 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
         _land(run, cycle, before, settled, displacement_step, breakage_step)
 
 
-def _next_step(run: _Run, settled: Settled, step: float, given: float, cycle: int) -> float:
-    """Displacement step that the last one's error allows [m] (resolved breakage).
-
-    What breaks in a step changes the contacts, so that the force misses the one
-    predicted; the miss grows with the step. It is kept in proportion to the
-    tolerance, of the force and a twentieth of the target; and so is the rise of
-    the force, as what a step jumps over breaks at the end of it.
-    """
-    tolerance = run.numerics.tolerance
-    scale = settled.total_force + 0.05 * run.target_force
-    missed = settled.correction / (_CORRECTION * tolerance * scale)
-    risen = (settled.total_force - run.total_force) / (_RISE * tolerance * run.target_force)
-    factor = 0.8 / max(missed, risen, 0.01)
-    largest = given * (LARGEST_STEP if cycle == 1 else 1.0)
-    smallest = given * _SMALLEST_ADAPTED
-    return min(max(step * min(max(factor, 0.25), 2.0), smallest), largest)
-
-
 def _land(run, cycle, before, passed, displacement_step, breakage_step) -> None:
     """Repeat the step that passed the target, smaller, until the force is within tolerance.
 
-    Half of the secant step from the last state below towards the last one
-    above, less for each in a row that passes the target again and more for
-    each that falls short: with breakage the force rises at once and then
-    hardly depends on the step, and what a large step breaks costs time. Where
-    the force jumps over the target, the last state below it.
+    Where the force jumps over the target, the last state below it.
     """
     near = run.numerics.stress_tolerance * run.target_force
     above, passed_again, short_again = passed, 0, 0
@@ -346,10 +331,7 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> None:
         if room < _SMALLEST_STEP * min(displacement_step, reached) or room <= resolved:
             break
         run.joint.restore(before)
-        slope = (above.total_force - run.total_force) / room
-        part = (run.target_force - run.total_force) / (slope * room)
-        part = 0.5 * min(max(part, 0.02), 0.98) * 0.4**passed_again
-        part = 1.0 - (1.0 - part) * 0.5**short_again
+        part = _part_to_target(run, above, passed_again, short_again)
         trial = run.settle(run.closure + part * room, breakage_step)
         if run.failed:
             return
@@ -362,6 +344,26 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> None:
     run.joint.restore(before)
     # where even the first force is beyond the target no state below it carries any
     run.status |= TARGET_JUMPED if run.total_force > 0.0 else 8 * FAILURE
+
+
+def _part_to_target(run: _Run, above: Settled, passed_again: int, short_again: int) -> float:
+    """How much of the way from the last state below the target to the last one above to go.
+
+    With fixed steps of breakage half of the secant step, less for each in a row that passed the
+    target again and more for each that fell short: the force rises at once and then hardly depends
+    on the step, and what a large step breaks costs time. With resolved breakage the force
+    follows the closure: false position (Illinois).
+    """
+    missing, beyond = run.target_force - run.total_force, above.total_force - run.target_force
+    if run.numerics.breakage == "resolved":
+        missing *= 0.5 ** max(passed_again - 1, 0)
+        beyond *= 0.5 ** max(short_again - 1, 0)
+        return min(max(missing / (missing + beyond), 0.02), 0.98)
+    room = above.closure - run.closure
+    slope = (above.total_force - run.total_force) / room
+    part = (run.target_force - run.total_force) / (slope * room)
+    part = 0.5 * min(max(part, 0.02), 0.98) * 0.4**passed_again
+    return 1.0 - (1.0 - part) * 0.5**short_again
 
 
 def _interpolate(

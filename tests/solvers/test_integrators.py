@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure import protocol
+from jointclosure import protocol, step_control
 from jointclosure.loading import LoadCycle
 from jointclosure.solvers import elastic, fast
 from jointclosure.solvers.coarse_space import CoarseSpace, coarse_space
@@ -55,7 +55,7 @@ def test_the_predictor_of_resolved_breakage_knows_the_strength(monkeypatch):
 
 def test_the_estimated_error_shortens_displacement_steps(monkeypatch):
     now = [closed(seed, breakage="resolved").sizes["step"] for seed in range(6)]
-    monkeypatch.setattr(protocol, "_CORRECTION", 1e12)
+    monkeypatch.setattr(step_control, "_CORRECTION", 1e12)
     without = [closed(seed, breakage="resolved").sizes["step"] for seed in range(6)]
     assert sum(now) > sum(without)
 

@@ -86,6 +86,19 @@ class FastSolver:
             settled = settled._replace(correction=abs(settled.total_force - predicted))
         return settled
 
+    def predict(self, joint: Joint, closure: float) -> tuple[float, Effort]:
+        """Total force [N] at a closure [m] before anything breaks there (resolved breakage).
+
+        Forces and interaction of the joint become those predicted, its walls stay. Infinite where
+        no equilibrium was found.
+        """
+        path = _PathToRest(joint, closure, np.nan)
+        try:
+            force = path.begin_within_strength(joint.numerics.force_tolerance)
+        except _GivenUp:
+            force = np.inf
+        return force, Effort(0, path.rounds, path.newton_steps, path.products)
+
 
 class _GivenUp(Exception):
     """A joint that does not come to rest, with the outcome that says why."""

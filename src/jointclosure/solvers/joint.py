@@ -211,11 +211,17 @@ class Solver(Protocol):
 
     ``elastic_curve(joint, targets)`` closes an elastic joint to total forces
     (t,) [N] without steps, see `jointclosure.solvers.elastic`; None where a
-    solver can only step.
+    solver can only step. ``predict(joint, closure)`` gives the total force [N] at a closure [m]
+    before anything breaks there, and what that took: for resolved breakage, None where a solver has
+    none. It leaves the walls as they are, and other forces.
     """
 
     @property
     def elastic_curve(self) -> Callable[["Joint", np.ndarray], list[Settled]] | None:
+        """See above."""
+
+    @property
+    def predict(self) -> Callable[["Joint", float], tuple[float, Effort]] | None:
         """See above."""
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
