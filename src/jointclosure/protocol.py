@@ -117,10 +117,10 @@ class _Run:
             self.status |= TOO_MANY_STEPS
         return settled
 
-    def predict(self, step: float) -> float:
+    def predict(self, step: float, residual: float) -> float:
         """Force [N] after a displacement step [m] before anything breaks; see `Solver.predict`."""
         assert self.solver.predict is not None
-        force, effort = self.solver.predict(self.joint, self.closure + step)
+        force, effort = self.solver.predict(self.joint, self.closure + step, residual)
         self.effort = self.effort.plus(effort)
         return force
 

@@ -18,6 +18,8 @@ _AIM = 0.8
 _RETRY = 0.4
 """A step is taken again where the next would be this much shorter."""
 _MOST_LOST = 0.75
+"""Share of a predicted rise of the force that breakage is expected to take at most."""
+_MOST_SHORTENED = 4
 
 
 class StepControl:
@@ -44,7 +46,7 @@ class StepControl:
         self._most_missed = _CORRECTION * numerics.tolerance
         self._predicted = self._lost = 0.0
 
-    def fitting(self, step: float, force: float, predict: Callable[[float], float]) -> float:
+    def fitting(self, step: float, force: float, predict: Callable[[float, float], float]) -> float:
         """The step, or a shorter one, before anything breaks in it [m].
 
         Its predicted force rises so little that it need not be taken again. It passes the target by
@@ -57,18 +59,20 @@ class StepControl:
         force : float
             Before the step [N].
         predict : callable
-            The force after a step [m], if nothing broke in it [N].
+            The force after a step [m], if nothing broke in it [N], to a relative residual.
         """
         room = (self._target - force) / (1.0 - self._lost)
         allowed = min(_AIM / _RETRY * self._most_rise, room)
         aim = min(_AIM * self._most_rise, room)
         smallest = self._smallest if aim < room else self._smallest * _SMALLEST_STEP
-        while True:
-            self._predicted = predict(step)
+        residual = 0.1 * allowed / self._target
+        for shortened in range(_MOST_SHORTENED + 1):
+            self._predicted = predict(step, residual)
             rise = self._predicted - force
-            if rise <= allowed or step <= smallest:
-                return step
+            if rise <= allowed or step <= smallest or shortened == _MOST_SHORTENED:
+                break
             step = max(step * min(max(aim / rise, 0.1), 0.97), smallest)
+        return step
 
     def following(self, step: float, force: float, settled: Settled) -> float:
         """The step [m] that the error of the last one, from a force [N] on, allows.

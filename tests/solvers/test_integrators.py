@@ -11,7 +11,6 @@ from jointclosure.loading import LoadCycle
 from jointclosure.solvers import elastic, fast
 from jointclosure.solvers.coarse_space import CoarseSpace, coarse_space
 from jointclosure.solvers.conjugate_gradients import newton_direction
-from jointclosure.solvers.contacts import separate_equilibrium, separate_shift
 from jointclosure.solvers.fast import FastSolver
 from jointclosure.solvers.interaction_operator import influence_of, influence_table
 from jointclosure.solvers.joint import Joint
@@ -102,9 +101,10 @@ def test_the_elastic_curve_is_warm_started(monkeypatch):
             effects=jc.Effects(breakage=False, gouge=False),
         )
 
-    def cold(solved, target, contacts):
-        closure = separate_shift(contacts, target)
-        return separate_equilibrium(contacts, closure), closure
+    predicted = elastic._predicted
+
+    def cold(_, *given):
+        return predicted([], *given)
 
     warm = curve()
     monkeypatch.setattr(elastic, "_predicted", cold)
@@ -140,12 +140,13 @@ def test_where_unloading_breaks_nothing_later_cycles_are_its_curve_and_cost_noth
     assert int(ends_early.newton_steps) == int(replayed.newton_steps)
 
 
-@pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
-def test_a_cycle_that_could_be_replayed_and_is_closed_again_is_the_same_curve(breakage):
+@pytest.mark.parametrize(("breakage", "tolerance"), [("fixed_step", 1e-12), ("resolved", 1e-3)])
+def test_a_cycle_that_could_be_replayed_and_is_closed_again_is_the_same(breakage, tolerance):
     """Equilibrium is unique, and what was found to hold on unloading holds on reloading.
 
     Without an end of the steps at the former maximum, and with breakage begun at an interaction
-    that is extrapolated, single second cycles were off by up to 61 %.
+    that is extrapolated, single second cycles were off by up to 61 %. Resolved breakage lands on
+    the stress within its tolerance.
     """
     compared = 0
     for seed in range(8):
@@ -156,7 +157,7 @@ def test_a_cycle_that_could_be_replayed_and_is_closed_again_is_the_same_curve(br
             compared += 1
             assert int(again.newton_steps) > int(replayed.newton_steps)
             assert int(again.breakage_steps) == int(replayed.breakage_steps)
-            np.testing.assert_allclose(again.max_closure, replayed.max_closure, rtol=1e-12)
+            np.testing.assert_allclose(again.max_closure, replayed.max_closure, rtol=tolerance)
     assert compared >= 5
 
 

@@ -31,7 +31,7 @@ from jointclosure.solvers.breakage import breakage_kernel, strength_limits
 from jointclosure.solvers.contacts import Contacts
 from jointclosure.solvers.elastic import elastic_curve
 from jointclosure.solvers.equilibrium import Equilibrium, solve_equilibrium
-from jointclosure.solvers.interaction_operator import dense_limit, interaction_field
+from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import (
     CONVERGED,
     NOT_AT_REST,
@@ -86,15 +86,20 @@ class FastSolver:
             settled = settled._replace(correction=abs(settled.total_force - predicted))
         return settled
 
-    def predict(self, joint: Joint, closure: float) -> tuple[float, Effort]:
+    def predict(self, joint: Joint, closure: float, residual: float) -> tuple[float, Effort]:
         """Total force [N] at a closure [m] before anything breaks there (resolved breakage).
+
+        Solved to a relative residual, which need not be below that of the joint's numerics, nor may
+        be above that which suffices to find what breaks.
 
         Forces and interaction of the joint become those predicted, its walls stay. Infinite where
         no equilibrium was found.
         """
         path = _PathToRest(joint, closure, np.nan)
         try:
-            force = path.begin_within_strength(joint.numerics.force_tolerance)
+            loosest = _stages(joint.numerics.force_tolerance)[0]
+            finest = joint.numerics.force_tolerance
+            force = float(path.solve(min(max(residual, finest), loosest)).force.sum())
         except _GivenUp:
             force = np.inf
         return force, Effort(0, path.rounds, path.newton_steps, path.products)
@@ -191,7 +196,7 @@ class _PathToRest:
         if self.rounds >= MOST_ROUNDS:
             raise _GivenUp(NOT_AT_REST)
         joint = self.joint
-        contacts, matrix = _with_matrix(joint, _contacts(joint, self.closure))
+        contacts, matrix = joint.with_matrix(_contacts(joint, self.closure))
         cells = contacts.cells
         answer = solve_equilibrium(
             joint.influence,
@@ -238,22 +243,6 @@ def _contacts(joint: Joint, closure: float) -> Contacts:
         _band(joint),
     )
     return contacts._replace(limit=limit)
-
-
-def _with_matrix(joint: Joint, contacts: Contacts) -> tuple[Contacts, np.ndarray | None]:
-    """The contacts among all cells that overlapped lately, and the influence between these.
-
-    Cells that do not overlap now are given an overlap that no force answers.
-    """
-    if joint.influence is None or contacts.cells.size > dense_limit(joint.upper.shape):
-        return contacts, None
-    near = joint.neighbours
-    slot = near.slots(contacts.cells)
-    n = near.cells.size
-    overlap, compliance, limit = np.full(n, -1.0), np.ones(n), np.full(n, np.inf)
-    overlap[slot], compliance[slot] = contacts.overlap, contacts.compliance
-    limit[slot] = contacts.limit
-    return Contacts(near.cells, overlap, compliance, limit, contacts.substrate), near.matrix
 
 
 def _stages(asked: float) -> tuple[float, ...]:

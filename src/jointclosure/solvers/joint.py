@@ -14,6 +14,7 @@ from jointclosure.solvers.contacts import Contacts, separate_equilibrium
 from jointclosure.solvers.interaction_operator import (
     Influence,
     Neighbours,
+    dense_limit,
     influence_of,
     influence_table,
     interaction_field,
@@ -166,6 +167,22 @@ class Joint:
         limit = np.full(cells.size, np.inf)
         return Contacts(cells, overlap, compliance, limit, self.law.substrate)
 
+    def with_matrix(self, contacts: Contacts) -> tuple[Contacts, np.ndarray | None]:
+        """Contacts among all `neighbours`, in their order, and the influence between these.
+
+        Cells that are not given have an overlap that no force answers. Where a dense matrix does
+        not pay, the contacts as they are and None.
+        """
+        if self.influence is None or contacts.cells.size > dense_limit(self.upper.shape):
+            return contacts, None
+        near = self.neighbours
+        slot = near.slots(contacts.cells)
+        n = near.cells.size
+        overlap, compliance, limit = np.full(n, -1.0), np.ones(n), np.full(n, np.inf)
+        overlap[slot], compliance[slot] = contacts.overlap, contacts.compliance
+        limit[slot] = contacts.limit
+        return Contacts(near.cells, overlap, compliance, limit, contacts.substrate), near.matrix
+
     def mean_interaction(self) -> float:
         """Mean displacement of all cells by the interaction: the bulk indentation [m]."""
         if not self.effects.interaction:
@@ -211,9 +228,10 @@ class Solver(Protocol):
 
     ``elastic_curve(joint, targets)`` closes an elastic joint to total forces
     (t,) [N] without steps, see `jointclosure.solvers.elastic`; None where a
-    solver can only step. ``predict(joint, closure)`` gives the total force [N] at a closure [m]
-    before anything breaks there, and what that took: for resolved breakage, None where a solver has
-    none. It leaves the walls as they are, and other forces.
+    solver can only step. ``predict(joint, closure, residual)`` gives the total force [N]
+    at a closure [m] before anything breaks there, to a relative residual, and what that took: for
+    resolved breakage, None where a solver has none. It leaves the walls as they are, and other
+    forces.
     """
 
     @property
@@ -221,7 +239,7 @@ class Solver(Protocol):
         """See above."""
 
     @property
-    def predict(self) -> Callable[["Joint", float], tuple[float, Effort]] | None:
+    def predict(self) -> Callable[["Joint", float, float], tuple[float, Effort]] | None:
         """See above."""
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
