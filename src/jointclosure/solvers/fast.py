@@ -125,11 +125,16 @@ class _PathToRest:
         self.solved_to = np.inf
         self.rounds = self.newton_steps = self.products = self.breakage_steps = 0
         self._memory = batch_memory()
+        # kept as long as the walls are: only breakage changes them on the way
+        self._overlapping: tuple | None = None
+        self._may_carry: Contacts | None = None
 
     def described(self, outcome: int) -> Settled:
         """The joint as it is now."""
         effort = Effort(1, self.rounds, self.newton_steps, self.products, self.breakage_steps)
-        return self.joint.describe(self.closure, outcome, self.locked, effort)
+        if self._overlapping is None:
+            self._overlapping = self.joint.overlapping(self.closure)
+        return self.joint.describe(self.closure, outcome, self.locked, effort, self._overlapping)
 
     def begin_extrapolated(self, step: float, asked: float) -> None:
         """First round with fixed breakage steps, a closure ``step`` [m] after the last one."""
@@ -187,6 +192,8 @@ class _PathToRest:
             self._memory,
         )
         self.breakage_steps += steps
+        if steps > 0:
+            self._overlapping = self._may_carry = None
         if self.breakage_steps >= most:
             raise _GivenUp(NOT_AT_REST)
         return steps
@@ -196,7 +203,7 @@ class _PathToRest:
         if self.rounds >= MOST_ROUNDS:
             raise _GivenUp(NOT_AT_REST)
         joint = self.joint
-        contacts, matrix = joint.with_matrix(_contacts(joint, self.closure))
+        contacts, matrix = joint.with_matrix(self._contacts())
         cells = contacts.cells
         answer = solve_equilibrium(
             joint.influence,
@@ -223,26 +230,28 @@ class _PathToRest:
         self.solved_to = tolerance
         return answer
 
-
-def _contacts(joint: Joint, closure: float) -> Contacts:
-    """What may carry force at a closure [m]; with resolved breakage no more than it can bear."""
-    cells, overlap, curvature, compliance = joint.overlapping(closure)
-    contacts = joint.contacts(cells, overlap, compliance)
-    if not (joint.effects.breakage and _resolved(joint)):
-        return contacts
-    limit = strength_limits(
-        joint.upper,
-        joint.lower,
-        cells,
-        curvature,
-        compliance,
-        joint.peaks,
-        joint.law,
-        joint.effects.gouge,
-        joint.tie_tolerance,
-        _band(joint),
-    )
-    return contacts._replace(limit=limit)
+    def _contacts(self) -> Contacts:
+        """What may carry force; with resolved breakage no more than it can bear."""
+        joint = self.joint
+        if self._may_carry is None:
+            self._overlapping = joint.overlapping(self.closure)
+            cells, overlap, curvature, compliance = self._overlapping
+            self._may_carry = joint.contacts(cells, overlap, compliance)
+            if joint.effects.breakage and _resolved(joint):
+                limit = strength_limits(
+                    joint.upper,
+                    joint.lower,
+                    cells,
+                    curvature,
+                    compliance,
+                    joint.peaks,
+                    joint.law,
+                    joint.effects.gouge,
+                    joint.tie_tolerance,
+                    _band(joint),
+                )
+                self._may_carry = self._may_carry._replace(limit=limit)
+        return self._may_carry
 
 
 def _stages(asked: float) -> tuple[float, ...]:

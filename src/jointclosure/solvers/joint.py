@@ -193,8 +193,17 @@ class Joint:
         """Force [N] on contacts (n,) that are flat: `FLATTEST` and below, by curvature [1/m]."""
         return float(force[curvature * self.law.spacing < FLATTEST].sum())
 
-    def describe(self, closure: float, outcome: int, locked: np.ndarray, effort: Effort) -> Settled:
+    def describe(
+        self,
+        closure: float,
+        outcome: int,
+        locked: np.ndarray,
+        effort: Effort,
+        overlapping: tuple | None = None,
+    ) -> Settled:
         """Sum up the present state; ``locked`` is a map (y, x).
+
+        ``overlapping`` is what `overlapping` gives of the walls as they are, where it is at hand.
 
         The residual is recomputed here from walls and forces alone, whatever
         the solver believes to have reached.
@@ -202,7 +211,9 @@ class Joint:
         total = float(self.force.sum())
         share = 1.0 / total if total > 0.0 else 0.0
         rigid = not np.isfinite(total)
-        cells, overlap, curvature, compliance = self.overlapping(closure)
+        if overlapping is None:
+            overlapping = self.overlapping(closure)
+        cells, overlap, curvature, compliance = overlapping
         force = self.force.ravel()[cells]
         if self.effects.interaction and total > 0.0 and not rigid:
             overlap = overlap - interaction_field(self.influence, self.force).ravel()[cells]

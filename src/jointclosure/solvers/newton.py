@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.compilation import kernel
-from jointclosure.solvers.coarse_space import coarse_space
+from jointclosure.solvers.coarse_space import coarse_space, no_coarse_space
 from jointclosure.solvers.conjugate_gradients import newton_direction
 from jointclosure.solvers.contacts import Contacts, contact_response, coordinate_sweep, energy
 from jointclosure.solvers.interaction_operator import Influence, interaction_product
@@ -162,7 +162,8 @@ def interacting_equilibrium(
     else:
         state = _iterate(problem, force, 0.0)
     products = 0 if given else 1
-    space = coarse_space(influence, contacts.cells, 1.0 / problem.secant)
+    stiffness = 1.0 / problem.secant
+    space = no_coarse_space(n)
     steps = poor = 0
     while steps < MOST_NEWTON_STEPS and poor <= _MOST_POOR_STEPS:
         if _misfit(state) <= tolerance * state.total:
@@ -173,6 +174,8 @@ def interacting_equilibrium(
             state = _iterate(problem, state.force, state.shift)
             products += 1
             continue
+        if steps == 0:
+            space = coarse_space(influence, contacts.cells, stiffness)
         steps += 1
         trial, used = _newton_step(problem, space, state, tolerance)
         products += used
