@@ -11,10 +11,10 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.parameters import Numerics
-from jointclosure.protocol import LARGEST_STEP
 from jointclosure.solvers.contacts import separate_shift
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import Joint
+from jointclosure.step_control import LARGEST_STEP
 
 _CRUSHING = 3e6
 """Breakage steps for each cell that crushing to powder took with resolved breakage: 1.3e9 on

@@ -91,6 +91,10 @@ class Numerics(NamedTuple):
     ``curve_points`` evenly spaced stresses up to the maximum, to a residual of
     1e-10 or the ``force_tolerance``, whichever is smaller.
 
+    With ``replay`` a cycle like the one before is the curve of that one's unloading, up and down,
+    where that broke nothing (docs/decisions/0005-protocol.md); without, every state of it is solved
+    for and searched for breakage again.
+
     A simulation ends with a status that says so beyond ``most_steps`` displacement
     steps, or ``most_breakage_steps`` breakage steps for each of its cells. Where it can
     be foreseen that it will, it is refused; infinity lifts a bound. By default they are
@@ -111,6 +115,7 @@ class Numerics(NamedTuple):
     tolerance: float = 0.02
     most_steps: float = 1e5
     most_breakage_steps: float = 1e6
+    replay: bool = True
 
 
 _Settings = TypeVar("_Settings", Rock, Choices, Numerics)
@@ -272,6 +277,8 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
     if numerics.breakage == "resolved" and numerics.target != "equilibrate":
         raise InputError("breakage = 'resolved': not with target = 'interpolate'; use equilibrate")
     check_one_of("target", numerics.target, ("equilibrate", "interpolate"))
+    if not isinstance(numerics.replay, bool | np.bool_):
+        raise InputError(f"replay = {numerics.replay!r}: must be True or False")
     check_one_of("solver", numerics.solver, solvers)
     for name in ("most_steps", "most_breakage_steps"):
         check_number(name, getattr(numerics, name))

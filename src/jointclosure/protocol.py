@@ -20,6 +20,7 @@ from jointclosure.solvers.joint import (
     Settled,
     Solver,
 )
+from jointclosure.step_control import StepControl
 
 TARGET_JUMPED = 1
 OUTSIDE_MODEL_RANGE = 2
@@ -54,14 +55,6 @@ _SMALLEST_STEP = 1e-6
 """Fraction of a displacement step below which a jump of the stress is accepted as one, and of
 the closure reached, where that is less: a step may be far longer than all that is needed."""
 
-_CORRECTION, _RISE = 40.0, 10.0
-"""What an adapted step may miss its predicted force by, and raise the force by, both relative and
-over `Numerics.tolerance`: docs/decisions/0010-resolved-breakage.md."""
-LARGEST_STEP, _SMALLEST_ADAPTED = 8.0, 1.0 / 64.0
-"""Bounds of an adapted displacement step over the given one."""
-_RETRY = 0.4
-"""A step is taken again where the next would be this much shorter."""
-
 
 class Step(NamedTuple):
     """One accepted point of the history: what was settled, and where in it.
@@ -76,11 +69,12 @@ class Step(NamedTuple):
 
 
 class History(NamedTuple):
-    """All accepted steps in order, the status bits, and the total effort."""
+    """All accepted steps in order, the status bits, the total effort, and cycles replayed."""
 
     steps: list[Step]
     status: int
     effort: Effort
+    replayed: int = 0
 
 
 class _Run:
@@ -122,6 +116,13 @@ class _Run:
         elif self.effort.settled > self.numerics.most_steps:
             self.status |= TOO_MANY_STEPS
         return settled
+
+    def predict(self, step: float, residual: float) -> float:
+        """Force [N] after a displacement step [m] before anything breaks; see `Solver.predict`."""
+        assert self.solver.predict is not None
+        force, effort = self.solver.predict(self.joint, self.closure + step, residual)
+        self.effort = self.effort.plus(effort)
+        return force
 
     def accept(self, cycle: int, branch: str, settled: Settled) -> None:
         self.closure, self.total_force = settled.closure, settled.total_force
@@ -177,10 +178,12 @@ def run_cycles(
     run = _Run(joint, solver, numerics, cycles, report, observers)
     run.accept(1, LOADING, _untouched(joint))
     elastic: _Loop | None = None
+    replayed = 0
     for cycle, load in enumerate(cycles, start=1):
         run.target_force = load.maximum
-        if elastic and load == cycles[cycle - 2]:
+        if elastic and numerics.replay and load == cycles[cycle - 2]:
             _repeat_elastic(run, cycle, elastic)
+            replayed += 1
             continue
         first = cycle == 1
         _load(
@@ -192,12 +195,13 @@ def run_cycles(
         if run.failed:
             break
         _judge_range(run)
-        broken = run.effort.breakage_steps
+        broken, maximum = run.effort.breakage_steps, run.closure
         _unload(run, cycle, load.minimum)
         if run.failed:
             break
         elastic = _loop_of(run, cycle) if _is_elastic_from_here(run, broken) else None
-    return History(run.steps, run.status, run.effort)
+        _note_held(run, cycle, maximum if elastic else -np.inf)
+    return History(run.steps, run.status, run.effort, replayed)
 
 
 def _elastic_cycles(joint, solver, numerics, cycles, extra_force) -> History:
@@ -262,8 +266,18 @@ def _show_elastic(
 
 
 def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float) -> None:
-    """Close by steps until the force passes the target, then land on it."""
-    adaptive = run.numerics.breakage == "resolved"
+    """Close by steps until the force passes the target, then land on it.
+
+    No step jumps over a former maximum that is known to hold: beyond it breakage can let the force
+    fall, so that a maximum that was reached before would be missed.
+    """
+    held = run.joint.held_to
+    near = run.numerics.stress_tolerance * run.target_force
+    control = None
+    if run.numerics.breakage == "resolved":
+        control = StepControl(
+            run.numerics, displacement_step, run.target_force, may_lengthen=cycle == 1
+        )
     run.cycle_start = run.closure
     step = displacement_step
     while True:
@@ -271,12 +285,21 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
             run.status |= 8 * FAILURE
             return
         before = run.joint.snapshot()
-        settled = run.settle(run.closure + step, breakage_step)
+        if control:
+            step = control.fitting(step, run.total_force, run.predict)
+        closure = run.closure + step
+        if run.closure < held <= closure:
+            closure, step = held, held - run.closure
+        settled = run.settle(closure, breakage_step)
         if run.failed:
             return
-        if adaptive:
-            taken, step = step, _next_step(run, settled, step, displacement_step, cycle)
-            if step < _RETRY * taken:
+        landed = abs(settled.total_force - run.target_force) <= near
+        if landed and (control or closure == held):
+            run.accept(cycle, LOADING, settled)
+            return
+        if control:
+            taken, step = step, control.following(step, run.total_force, settled)
+            if control.must_repeat(taken, step):
                 run.joint.restore(before)
                 continue
         if settled.total_force >= run.target_force:
@@ -288,32 +311,10 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
         _land(run, cycle, before, settled, displacement_step, breakage_step)
 
 
-def _next_step(run: _Run, settled: Settled, step: float, given: float, cycle: int) -> float:
-    """Displacement step that the last one's error allows [m] (resolved breakage).
-
-    What breaks in a step changes the contacts, so that the force misses the one
-    predicted; the miss grows with the step. It is kept in proportion to the
-    tolerance, of the force and a twentieth of the target; and so is the rise of
-    the force, as what a step jumps over breaks at the end of it.
-    """
-    tolerance = run.numerics.tolerance
-    scale = settled.total_force + 0.05 * run.target_force
-    missed = settled.correction / (_CORRECTION * tolerance * scale)
-    risen = (settled.total_force - run.total_force) / (_RISE * tolerance * run.target_force)
-    factor = 0.8 / max(missed, risen, 0.01)
-    largest = given * (LARGEST_STEP if cycle == 1 else 1.0)
-    smallest = given * _SMALLEST_ADAPTED
-    return min(max(step * min(max(factor, 0.25), 2.0), smallest), largest)
-
-
 def _land(run, cycle, before, passed, displacement_step, breakage_step) -> None:
     """Repeat the step that passed the target, smaller, until the force is within tolerance.
 
-    Half of the secant step from the last state below towards the last one
-    above, less for each in a row that passes the target again and more for
-    each that falls short: with breakage the force rises at once and then
-    hardly depends on the step, and what a large step breaks costs time. Where
-    the force jumps over the target, the last state below it.
+    Where the force jumps over the target, the last state below it.
     """
     near = run.numerics.stress_tolerance * run.target_force
     above, passed_again, short_again = passed, 0, 0
@@ -330,10 +331,7 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> None:
         if room < _SMALLEST_STEP * min(displacement_step, reached) or room <= resolved:
             break
         run.joint.restore(before)
-        slope = (above.total_force - run.total_force) / room
-        part = (run.target_force - run.total_force) / (slope * room)
-        part = 0.5 * min(max(part, 0.02), 0.98) * 0.4**passed_again
-        part = 1.0 - (1.0 - part) * 0.5**short_again
+        part = _part_to_target(run, above, passed_again, short_again)
         trial = run.settle(run.closure + part * room, breakage_step)
         if run.failed:
             return
@@ -346,6 +344,26 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> None:
     run.joint.restore(before)
     # where even the first force is beyond the target no state below it carries any
     run.status |= TARGET_JUMPED if run.total_force > 0.0 else 8 * FAILURE
+
+
+def _part_to_target(run: _Run, above: Settled, passed_again: int, short_again: int) -> float:
+    """How much of the way from the last state below the target to the last one above to go.
+
+    With fixed steps of breakage half of the secant step, less for each in a row that passed the
+    target again and more for each that fell short: the force rises at once and then hardly depends
+    on the step, and what a large step breaks costs time. With resolved breakage the force
+    follows the closure: false position (Illinois).
+    """
+    missing, beyond = run.target_force - run.total_force, above.total_force - run.target_force
+    if run.numerics.breakage == "resolved":
+        missing *= 0.5 ** max(passed_again - 1, 0)
+        beyond *= 0.5 ** max(short_again - 1, 0)
+        return min(max(missing / (missing + beyond), 0.02), 0.98)
+    room = above.closure - run.closure
+    slope = (above.total_force - run.total_force) / room
+    part = (run.target_force - run.total_force) / (slope * room)
+    part = 0.5 * min(max(part, 0.02), 0.98) * 0.4**passed_again
+    return 1.0 - (1.0 - part) * 0.5**short_again
 
 
 def _interpolate(
@@ -423,9 +441,25 @@ def _land_below(run: _Run, cycle: int, minimum: float, before: tuple, passed: Se
 
 
 def _is_elastic_from_here(run: _Run, broken: int) -> bool:
-    """Whether nothing broke since ``broken`` breakage steps, from a maximum at rest."""
+    """Whether nothing broke since ``broken`` breakage steps, from a maximum at rest.
+
+    The certificate that below this maximum the joint is elastic, and breakage idle: the walls are
+    those at rest at the maximum, equilibrium at each closure is unique, and at every state of the
+    unloading it was solved for and all contacts were found to hold. Coming back through these
+    states nothing can break. Steps to other closures would prove the same of these only.
+    """
     at_rest = run.numerics.target == "equilibrate" and not run.status & TARGET_JUMPED
     return at_rest and run.effort.breakage_steps == broken
+
+
+def _note_held(run: _Run, cycle: int, maximum: float) -> None:
+    """Remember the closure [m] up to which the joint is elastic, -inf for none.
+
+    That of an earlier and larger maximum stays where nothing broke in this cycle.
+    """
+    intact = not any(s.settled.effort.breakage_steps for s in run.steps if s.cycle == cycle)
+    earlier = run.joint.held_to if intact else -np.inf
+    run.joint.held_to = max(maximum, earlier) if maximum > -np.inf else -np.inf
 
 
 class _Loop(NamedTuple):
@@ -443,8 +477,7 @@ def _loop_of(run: _Run, cycle: int) -> _Loop:
 def _repeat_elastic(run: _Run, cycle: int, loop: _Loop) -> None:
     """A cycle like the one before, whose unloading broke nothing: up and down the same curve.
 
-    The walls are those that were at rest at the maximum, and equilibrium is unique, so that
-    every later state at a closure of this one's is the same.
+    Its states are those of the unloading, by the certificate of `_is_elastic_from_here`.
     """
     opened = len(loop.settled) - 1
     up, down = range(opened - 1, -1, -1), range(1, opened + 1)

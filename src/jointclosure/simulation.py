@@ -82,6 +82,7 @@ ATTRIBUTES: dict[str, dict[str, Any]] = {
         ("equilibria", "1", "equilibria solved on the way (reference: sweeps)"),
         ("newton_steps", "1", "steps of Newton's method"),
         ("breakage_steps", "1", "breakage steps taken"),
+        ("replayed_cycles", "1", "cycles that are the unloading curve of the one before"),
         ("locked_contacts", "1", "largest number of locked contacts at a step"),
         ("solver_iterations", "1", "products with the interaction, or sweeps (reference)"),
         ("force", "N", "normal force of each contact"),
@@ -418,6 +419,7 @@ def _history_dataset(
         "equilibria": history.effort.rounds,
         "newton_steps": history.effort.newton_steps,
         "breakage_steps": history.effort.breakage_steps,
+        "replayed_cycles": history.replayed,
         "locked_contacts": max(point.locked_contacts for point in settled),
         "solver_iterations": history.effort.products,
     }

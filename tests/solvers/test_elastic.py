@@ -6,6 +6,7 @@ import scipy.optimize
 
 import jointclosure as jc
 from jointclosure.protocol import FLAGS
+from jointclosure.solvers import elastic
 from jointclosure.verification import oracle
 from tests.conftest import DOLERITE, SPACING, bump
 
@@ -179,3 +180,46 @@ def test_a_curve_of_two_unequal_distant_contacts_solves_their_two_equations():
     closure = closures(first)[0]
     assert round(float(curve.contact_fraction.max()) * upper.size) == 2
     assert float(curve.max_closure[0]) == pytest.approx(closure, rel=1e-7)
+
+
+def test_the_curve_is_solved_in_the_cells_that_touch_and_is_that_of_all_that_overlap(monkeypatch):
+    """Of the cells that overlap most are pushed apart by those that touch."""
+    sizes = []
+    solve = elastic.solve_equilibrium
+
+    def counted(influence, contacts, *given):
+        sizes.append(contacts.cells.size)
+        return solve(influence, contacts, *given)
+
+    monkeypatch.setattr(elastic, "solve_equilibrium", counted)
+    walls = jc.wall_pair(8.0, (80, 80), SPACING, seed=4)
+    told = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 60e6, "cycles": 1}
+    told["effects"] = jc.Effects(breakage=False, gouge=False)
+    touching = jc.simulate(*walls, **told)
+    in_touching = sizes[-1]
+    monkeypatch.setattr(elastic, "_FEW", np.inf)
+    sizes.clear()
+    overlapping = jc.simulate(*walls, **told)
+    assert in_touching < 0.6 * sizes[-1]
+    assert in_touching >= int(touching.contact_fraction.max() * walls[0].size)
+    np.testing.assert_allclose(touching.closure, overlapping.closure, rtol=1e-9)
+    np.testing.assert_allclose(touching.contact_fraction, overlapping.contact_fraction, atol=1e-12)
+
+
+def test_a_cell_outside_of_the_working_set_that_touches_is_added_to_it(monkeypatch):
+    """Started from half of the cells, the curve is the same."""
+    walls = jc.wall_pair(8.0, (60, 60), SPACING, seed=4)
+    told = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 30e6, "cycles": 1}
+    told["effects"] = jc.Effects(breakage=False, gouge=False)
+    curve = jc.simulate(*walls, **told)
+    predicted = elastic._predicted
+
+    def halved(*given):
+        point = predicted(*given)
+        point.force[::2], point.gap[:] = 0.0, np.nan
+        return point
+
+    monkeypatch.setattr(elastic, "_predicted", halved)
+    from_half = jc.simulate(*walls, **told)
+    assert int(from_half.solver_iterations) > int(curve.solver_iterations)
+    np.testing.assert_allclose(from_half.closure, curve.closure, rtol=1e-9)

@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure import protocol
+from jointclosure import protocol, step_control
+from jointclosure.loading import LoadCycle
 from jointclosure.solvers import elastic, fast
 from jointclosure.solvers.coarse_space import CoarseSpace, coarse_space
 from jointclosure.solvers.conjugate_gradients import newton_direction
-from jointclosure.solvers.contacts import separate_equilibrium, separate_shift
+from jointclosure.solvers.fast import FastSolver
 from jointclosure.solvers.interaction_operator import influence_of, influence_table
+from jointclosure.solvers.joint import Joint
 from tests.conftest import DOLERITE, SPACING
 
 MODULUS = 4e10
@@ -52,7 +54,7 @@ def test_the_predictor_of_resolved_breakage_knows_the_strength(monkeypatch):
 
 def test_the_estimated_error_shortens_displacement_steps(monkeypatch):
     now = [closed(seed, breakage="resolved").sizes["step"] for seed in range(6)]
-    monkeypatch.setattr(protocol, "_CORRECTION", 1e12)
+    monkeypatch.setattr(step_control, "_CORRECTION", 1e12)
     without = [closed(seed, breakage="resolved").sizes["step"] for seed in range(6)]
     assert sum(now) > sum(without)
 
@@ -99,9 +101,10 @@ def test_the_elastic_curve_is_warm_started(monkeypatch):
             effects=jc.Effects(breakage=False, gouge=False),
         )
 
-    def cold(solved, target, contacts):
-        closure = separate_shift(contacts, target)
-        return separate_equilibrium(contacts, closure), closure
+    predicted = elastic._predicted
+
+    def cold(_, *given):
+        return predicted([], *given)
 
     warm = curve()
     monkeypatch.setattr(elastic, "_predicted", cold)
@@ -129,23 +132,65 @@ def test_what_was_chosen_is_written_into_the_result(small_joint, radius):
 
 
 def test_where_unloading_breaks_nothing_later_cycles_are_its_curve_and_cost_nothing(monkeypatch):
-    """Reloading by equilibria of its own gives the same closures: equilibrium is unique."""
     replayed = closed(3, force_tolerance=1e-11)
-    calls = []
-    monkeypatch.setattr(protocol, "_repeat_elastic", lambda *given: calls.append(given))
+    assert int(replayed.replayed_cycles) == 1
+    monkeypatch.setattr(protocol, "_repeat_elastic", lambda *_: None)
     ends_early = closed(3, force_tolerance=1e-11)
-    assert len(calls) == 1
     assert ends_early.sizes["step"] < replayed.sizes["step"]
-    monkeypatch.undo()
-    monkeypatch.setattr(protocol, "_is_elastic_from_here", lambda *_: False)
-    stepped = closed(3, force_tolerance=1e-11)
-    assert replayed.newton_steps < stepped.newton_steps
-    assert replayed.max_closure.values == pytest.approx(stepped.max_closure.values, rel=1e-3)
-    # what reloading breaks beyond the maximum is thrown away
-    assert int(stepped.breakage_steps) >= int(replayed.breakage_steps)
+    assert int(ends_early.newton_steps) == int(replayed.newton_steps)
 
 
-def test_a_target_that_was_jumped_over_or_interpolated_is_loaded_to_again(monkeypatch):
+@pytest.mark.parametrize(("breakage", "tolerance"), [("fixed_step", 1e-12), ("resolved", 1e-3)])
+def test_a_cycle_that_could_be_replayed_and_is_closed_again_is_the_same(breakage, tolerance):
+    """Equilibrium is unique, and what was found to hold on unloading holds on reloading.
+
+    Without an end of the steps at the former maximum, and with breakage begun at an interaction
+    that is extrapolated, single second cycles were off by up to 61 %. Resolved breakage lands on
+    the stress within its tolerance.
+    """
+    compared = 0
+    for seed in range(8):
+        told = {"seed": seed, "stress": 1e6, "breakage": breakage}
+        replayed, again = (closed(**told, replay=replay) for replay in (True, False))
+        assert int(again.replayed_cycles) == 0
+        if int(replayed.replayed_cycles) == 1:
+            compared += 1
+            assert int(again.newton_steps) > int(replayed.newton_steps)
+            assert int(again.breakage_steps) == int(replayed.breakage_steps)
+            np.testing.assert_allclose(again.max_closure, replayed.max_closure, rtol=tolerance)
+    assert compared >= 5
+
+
+def test_reloading_beyond_a_former_maximum_breaks_nothing_below_it():
+    numerics, looked_at = jc.Numerics(), 0
+    for seed in range(6):
+        joint = Joint(
+            *jc.wall_pair(8.0, (32, 32), SPACING, seed),
+            SPACING,
+            (DOLERITE, DOLERITE),
+            jc.Effects(),
+            jc.Choices(),
+            numerics,
+        )
+        area = joint.upper.size * SPACING**2
+        load = [LoadCycle(5e6 * area), LoadCycle(10e6 * area)]
+        history = protocol.run_cycles(joint, FastSolver(), numerics, load)
+        former = max(step.settled.closure for step in history.steps if step.cycle == 1)
+        again = [step.settled for step in history.steps if step[:2] == (2, "loading")]
+        if history.status & protocol.TARGET_JUMPED:
+            continue
+        looked_at += 1
+        assert former in [each.closure for each in again]
+        assert not any(each.effort.breakage_steps for each in again if each.closure <= former)
+        assert any(each.effort.breakage_steps for each in again)
+    assert looked_at >= 4
+
+
+def test_a_target_that_was_jumped_over_or_interpolated_is_loaded_to_again():
     """There the maximum is not the end of a loading that the next cycle must repeat."""
-    monkeypatch.setattr(protocol, "_repeat_elastic", lambda *_: pytest.fail("was replayed"))
-    closed(3, target="interpolate")
+    assert int(closed(3, target="interpolate").replayed_cycles) == 0
+
+
+def test_whether_to_replay_is_a_truth_value():
+    with pytest.raises(jc.InputError, match="replay = 'no': must be True or False"):
+        closed(3, replay="no")

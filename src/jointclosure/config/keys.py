@@ -368,6 +368,10 @@ class NumericsKeys(Keys):
         "ends as breakage_not_at_rest.",
         ge=1,
     )
+    replay: bool = entry(
+        "Whether a cycle like the one before, whose unloading broke nothing, is that unloading's "
+        "curve, up and down; false: it is closed again."
+    )
 
 
 class StatisticsKeys(Keys):

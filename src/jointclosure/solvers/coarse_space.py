@@ -19,10 +19,16 @@ _FEWEST_CONTACTS = 100
 
 
 class CoarseSpace(NamedTuple):
-    """Patch (n,) of each contact, and the inverse (c, c) of the patches' system."""
+    """Patch (n,) of each contact, -1 of none, and the inverse (c, c) of the patches' system."""
 
     patch: np.ndarray
     inverse: np.ndarray
+
+
+@kernel
+def no_coarse_space(n):
+    """A `CoarseSpace` of contacts (n,) without patches: its preconditioner changes nothing."""
+    return CoarseSpace(np.full(n, -1), np.empty((0, 0)))
 
 
 @kernel
@@ -50,26 +56,32 @@ def coarse_space(influence: Influence, cells, stiffness):
     of all their cells is taken instead of that of their contacts.
     """
     n = cells.size
-    patch = np.empty(n, np.int64)
     if n < _FEWEST_CONTACTS or influence.patch_table.size == 0:
-        return CoarseSpace(patch, np.empty((0, 0)))
+        return no_coarse_space(n)
+    patch = np.full(n, -1)
     nx = influence.table.shape[1]
     side = influence.patch
     rows, columns = influence.patch_table.shape
+    own = np.empty(n, np.int64)
+    stiff = np.zeros(rows * columns, np.bool_)
+    for i in range(n):
+        y, x = divmod(cells[i], nx)
+        own[i] = (y // side) * columns + x // side
+        stiff[own[i]] |= stiffness[i] > 0.0
     number = np.full(rows * columns, -1)
     place = np.empty((rows * columns, 2), np.int64)
     count = 0
     for i in range(n):
-        y, x = divmod(cells[i], nx)
-        own = (y // side) * columns + x // side
-        if number[own] < 0:
-            number[own] = count
-            place[count, 0], place[count, 1] = y // side, x // side
+        # a patch without a contact is coupled with no other
+        if number[own[i]] < 0 and stiff[own[i]]:
+            number[own[i]] = count
+            place[count, 0], place[count, 1] = divmod(own[i], columns)
             count += 1
-        patch[i] = number[own]
+        patch[i] = number[own[i]]
     total = np.zeros(count)
     for i in range(n):
-        total[patch[i]] += stiffness[i]
+        if patch[i] >= 0:
+            total[patch[i]] += stiffness[i]
     system = np.empty((count, count))
     for p in range(count):
         for q in range(p + 1):
@@ -89,9 +101,10 @@ def patch_weights(space: CoarseSpace, weight):
         return share
     square = np.zeros(count)
     for i in range(weight.size):
-        square[space.patch[i]] += weight[i] * weight[i]
+        if space.patch[i] >= 0:
+            square[space.patch[i]] += weight[i] * weight[i]
     for i in range(weight.size):
-        if weight[i] > 0.0:
+        if weight[i] > 0.0 and space.patch[i] >= 0:
             share[i] = weight[i] / np.sqrt(square[space.patch[i]])
     return share
 
@@ -105,8 +118,10 @@ def precondition(space: CoarseSpace, share, residual):
         return answer
     coarse = np.zeros(count)
     for i in range(residual.size):
-        coarse[space.patch[i]] += share[i] * residual[i]
+        if space.patch[i] >= 0:
+            coarse[space.patch[i]] += share[i] * residual[i]
     coarse = symmetric_times(space.inverse, coarse) - coarse
     for i in range(residual.size):
-        answer[i] += share[i] * coarse[space.patch[i]]
+        if space.patch[i] >= 0:
+            answer[i] += share[i] * coarse[space.patch[i]]
     return answer

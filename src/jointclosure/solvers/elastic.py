@@ -5,6 +5,8 @@ solution of one convex problem, and loading and unloading are one curve. No
 displacement steps are taken.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from jointclosure.solvers.contacts import Contacts, separate_equilibrium, separate_shift
@@ -27,10 +29,29 @@ from jointclosure.solvers.newton import Equilibrium
 ELASTIC_TOLERANCE = 1e-10
 """Relative residual of the forces, also where `Numerics.force_tolerance` asks for less."""
 _FIRST_CANDIDATES = 48
+_FEW = 0.1
+"""Candidates, over `dense_limit`, up to which all are in the working set."""
+
+
+class _Point(NamedTuple):
+    """A point of the curve: forces [N], gap [m], closure [m] and total force [N].
+
+    Forces and ``gap`` (overlap less interaction) are of all cells (y x,), the gap of those that
+    are far from touching an upper bound, NaN where it is not known.
+    """
+
+    force: np.ndarray
+    gap: np.ndarray
+    closure: float
+    target: float
 
 
 class _Candidates:
-    """The cells that may touch up to some closure, and their influence on each other."""
+    """The cells that may touch up to some closure, and their influence on each other.
+
+    Where they are many, a third of them touch: those push the others away. So the equilibrium
+    is that of a *working set*, and cells outside of it that turn out to touch are added to it.
+    """
 
     def __init__(self, joint: Joint, reach: float):
         self.joint, self.reach = joint, reach
@@ -39,17 +60,64 @@ class _Candidates:
         # overlaps at closure 0, none of them positive
         self.contacts = joint.contacts(cells, overlap - reach, compliance)
         self.influence, self.matrix = None, None
+        self.few = cells.size <= _FEW * dense_limit(joint.upper.shape)
         if joint.effects.interaction:
             table = joint.influence_table
-            dense = cells.size <= dense_limit(table.shape)
-            self.influence = dense_influence(table) if dense else joint.influence
-            self.matrix = influence_matrix(table, cells[: cells.size if dense else 0])
+            self.influence = dense_influence(table) if self.few else joint.influence
+            self.matrix = influence_matrix(table, cells[: cells.size if self.few else 0])
 
-    def solve(self, force: np.ndarray, closure: float, target: float) -> Equilibrium:
-        """Equilibrium at a total force [N] from a guess of forces (n,) and closure."""
+    def solve(self, guess: _Point, target: float) -> tuple[Equilibrium, np.ndarray]:
+        """Equilibrium at a total force [N] from a guess, and the gap [m] of the candidates."""
+        cells, closure = self.contacts.cells, min(guess.closure, self.reach)
         start = self.contacts._replace(overlap=self.contacts.overlap + closure)
-        found = solve_equilibrium(self.influence, start, force, target, self.tolerance, self.matrix)
-        return found._replace(shift=found.shift + closure)
+        force = guess.force[cells]
+        if self.influence is None or self.few:
+            found = self._solve_all(start, force, target)
+            gap = np.full(cells.size, np.nan)
+        else:
+            inside = (force > 0.0) | (guess.gap[cells] > 0.0)
+            found, gap = self._solve_working_set(start, force, inside, target)
+        return found._replace(shift=found.shift + closure), gap
+
+    def _solve_all(self, start: Contacts, force: np.ndarray, target: float) -> Equilibrium:
+        return solve_equilibrium(self.influence, start, force, target, self.tolerance, self.matrix)
+
+    def _solve_working_set(
+        self, start: Contacts, force: np.ndarray, inside: np.ndarray, target: float
+    ) -> tuple[Equilibrium, np.ndarray]:
+        near, newton_steps, products = self.joint.neighbours, 0, 0
+        while True:
+            some = start._replace(
+                cells=start.cells[inside],
+                overlap=start.overlap[inside],
+                compliance=start.compliance[inside],
+                limit=start.limit[inside],
+            )
+            contacts, matrix = self.joint.with_matrix(some)
+            if matrix is None or not some.cells.size:
+                found = self._solve_all(start, force, target)
+                gap = start.overlap + found.shift - found.interaction
+                break
+            slot = near.slots(some.cells)
+            guess = np.zeros(contacts.cells.size)
+            guess[slot] = force[inside]
+            found = solve_equilibrium(
+                self.influence, contacts, guess, target, self.tolerance, matrix
+            )
+            newton_steps, products = newton_steps + found.newton_steps, products + found.products
+            force = np.zeros(start.cells.size)
+            force[inside] = found.force[slot]
+            gap = start.overlap + found.shift
+            others = np.flatnonzero(~inside & (gap > 0.0))
+            gap[others] -= near.displacement_at(start.cells[others], found.force)
+            gap[inside] -= found.interaction[slot]
+            found = found._replace(force=force, newton_steps=0, products=0)
+            missed = others[gap[others] > 0.0]
+            if not missed.size:
+                break
+            inside[missed] = True
+        newton_steps, products = newton_steps + found.newton_steps, products + found.products
+        return found._replace(newton_steps=newton_steps, products=products), gap
 
 
 def elastic_curve(joint: Joint, targets: np.ndarray) -> list[Settled]:
@@ -69,23 +137,29 @@ def elastic_curve(joint: Joint, targets: np.ndarray) -> list[Settled]:
         entry's outcome then says.
     """
     candidates = _Candidates(joint, _reach_of(joint, _FIRST_CANDIDATES))
-    solved: list[tuple[np.ndarray, float, float]] = []  # force field, closure, target
+    solved: list[_Point] = []
     settled = []
     for target in targets:
         while True:
-            force, closure = _predicted(solved, target, candidates.contacts)
-            found = candidates.solve(force, min(closure, candidates.reach), target)
+            guess = _predicted(solved, target, candidates.contacts, joint.upper.size)
+            found, gap = candidates.solve(guess, target)
             if not found.shift > candidates.reach or not np.isfinite(found.shift):
                 break
             candidates = _Candidates(joint, 1.3 * found.shift)
-        field = np.zeros(joint.upper.size)
-        field[candidates.contacts.cells] = found.force
-        solved = [*solved[-1:], (field, found.shift, target)]
-        joint.force[:] = field.reshape(joint.force.shape)
+        point = _Point(*_nowhere(joint.upper.size), found.shift, target)
+        point.force[candidates.contacts.cells] = found.force
+        point.gap[candidates.contacts.cells] = gap
+        solved = [*solved[-1:], point]
+        joint.force[:] = point.force.reshape(joint.force.shape)
         settled.append(_settled(joint, candidates, found))
         if settled[-1].outcome != CONVERGED:
             break
     return settled
+
+
+def _nowhere(size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Forces of no contact, and gaps that are not known."""
+    return np.zeros(size), np.full(size, np.nan)
 
 
 def _reach_of(joint: Joint, count: int) -> float:
@@ -96,19 +170,24 @@ def _reach_of(joint: Joint, count: int) -> float:
     return reach + 4.0 * float(np.spacing(abs(joint.first_touch)))
 
 
-def _predicted(solved: list, target: float, contacts: Contacts) -> tuple[np.ndarray, float]:
-    """Forces and closure to start from: extrapolated, or those without interaction."""
+def _predicted(solved: list[_Point], target: float, contacts: Contacts, size: int) -> _Point:
+    """Point to start from: extrapolated, or that without interaction."""
     if not solved:
+        force, gap = _nowhere(size)
         closure = separate_shift(contacts, target)
-        return np.nan_to_num(separate_equilibrium(contacts, closure), posinf=target), closure
-    cells = contacts.cells
-    field, closure, reached = solved[-1]
+        alone = separate_equilibrium(contacts, closure)
+        force[contacts.cells] = np.nan_to_num(alone, posinf=target)
+        return _Point(force, gap, closure, target)
+    last = solved[-1]
     if len(solved) == 1:
-        return field[cells] * (target / reached), closure * (target / reached) ** 0.5
-    earlier, closure_before, reached_before = solved[0]
-    ahead = (target - reached) / (reached - reached_before)
-    force = field[cells] + ahead * (field[cells] - earlier[cells])
-    return np.maximum(force, 0.0), closure + ahead * (closure - closure_before)
+        share = target / last.target
+        return _Point(last.force * share, last.gap, last.closure * share**0.5, target)
+    before = solved[0]
+    ahead = (target - last.target) / (last.target - before.target)
+    force = last.force + ahead * (last.force - before.force)
+    gap = last.gap + ahead * (last.gap - before.gap)
+    closure = last.closure + ahead * (last.closure - before.closure)
+    return _Point(np.maximum(force, 0.0), gap, closure, target)
 
 
 def _settled(joint: Joint, candidates: _Candidates, found: Equilibrium) -> Settled:

@@ -14,8 +14,9 @@ The first round begins in one of three ways:
 
 - nothing can break: one equilibrium, solved as exactly as asked, and no breakage;
 - fixed breakage steps: breakage, at the interaction that is extrapolated from the steps
-  before. Where nothing breaks, or the joint opens, the step is elastic: the forces are
-  extrapolated too, and the equilibrium is solved as exactly as asked;
+  before. Where nothing breaks, the joint opens, or it is closed again to where it is known to hold
+  (`Joint.held_to`: an extrapolation may be too low, and break what holds), the step is elastic: the
+  forces are extrapolated too, and the equilibrium is solved as exactly as asked;
 - resolved breakage: an equilibrium in which no contact carries more than its strength,
   docs/decisions/0010-resolved-breakage.md. By how much the force at rest misses its
   force is the measure of the step's error.
@@ -30,7 +31,7 @@ from jointclosure.solvers.breakage import breakage_kernel, strength_limits
 from jointclosure.solvers.contacts import Contacts
 from jointclosure.solvers.elastic import elastic_curve
 from jointclosure.solvers.equilibrium import Equilibrium, solve_equilibrium
-from jointclosure.solvers.interaction_operator import dense_limit, interaction_field
+from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import (
     CONVERGED,
     NOT_AT_REST,
@@ -85,6 +86,24 @@ class FastSolver:
             settled = settled._replace(correction=abs(settled.total_force - predicted))
         return settled
 
+    def predict(self, joint: Joint, closure: float, residual: float) -> tuple[float, Effort]:
+        """Total force [N] at a closure [m] before anything breaks there (resolved breakage).
+
+        Solved to a relative residual, which need not be below that of the joint's numerics, nor may
+        be above that which suffices to find what breaks.
+
+        Forces and interaction of the joint become those predicted, its walls stay. Infinite where
+        no equilibrium was found.
+        """
+        path = _PathToRest(joint, closure, np.nan)
+        try:
+            loosest = _stages(joint.numerics.force_tolerance)[0]
+            finest = joint.numerics.force_tolerance
+            force = float(path.solve(min(max(residual, finest), loosest)).force.sum())
+        except _GivenUp:
+            force = np.inf
+        return force, Effort(0, path.rounds, path.newton_steps, path.products)
+
 
 class _GivenUp(Exception):
     """A joint that does not come to rest, with the outcome that says why."""
@@ -106,19 +125,24 @@ class _PathToRest:
         self.solved_to = np.inf
         self.rounds = self.newton_steps = self.products = self.breakage_steps = 0
         self._memory = batch_memory()
+        # kept as long as the walls are: only breakage changes them on the way
+        self._overlapping: tuple | None = None
+        self._may_carry: Contacts | None = None
 
     def described(self, outcome: int) -> Settled:
         """The joint as it is now."""
         effort = Effort(1, self.rounds, self.newton_steps, self.products, self.breakage_steps)
-        return self.joint.describe(self.closure, outcome, self.locked, effort)
+        if self._overlapping is None:
+            self._overlapping = self.joint.overlapping(self.closure)
+        return self.joint.describe(self.closure, outcome, self.locked, effort, self._overlapping)
 
     def begin_extrapolated(self, step: float, asked: float) -> None:
         """First round with fixed breakage steps, a closure ``step`` [m] after the last one."""
         joint = self.joint
         # that of the step before is too low while the joint closes, and too much breaks
         joint.interaction += step * joint.interaction_rate
-        # while it opens the forces fall: what might break is seen once they are solved for
-        if step > 0.0 and self.break_to_rest() > 0:
+        # elsewhere what might break is seen once the forces are solved for
+        if step > 0.0 and self.closure > joint.held_to and self.break_to_rest() > 0:
             self.solve(_stages(asked)[0])
         else:
             np.maximum(joint.force + step * joint.force_rate, 0.0, out=joint.force)
@@ -168,6 +192,8 @@ class _PathToRest:
             self._memory,
         )
         self.breakage_steps += steps
+        if steps > 0:
+            self._overlapping = self._may_carry = None
         if self.breakage_steps >= most:
             raise _GivenUp(NOT_AT_REST)
         return steps
@@ -177,7 +203,7 @@ class _PathToRest:
         if self.rounds >= MOST_ROUNDS:
             raise _GivenUp(NOT_AT_REST)
         joint = self.joint
-        contacts, matrix = _with_matrix(joint, _contacts(joint, self.closure))
+        contacts, matrix = joint.with_matrix(self._contacts())
         cells = contacts.cells
         answer = solve_equilibrium(
             joint.influence,
@@ -204,42 +230,28 @@ class _PathToRest:
         self.solved_to = tolerance
         return answer
 
-
-def _contacts(joint: Joint, closure: float) -> Contacts:
-    """What may carry force at a closure [m]; with resolved breakage no more than it can bear."""
-    cells, overlap, curvature, compliance = joint.overlapping(closure)
-    contacts = joint.contacts(cells, overlap, compliance)
-    if not (joint.effects.breakage and _resolved(joint)):
-        return contacts
-    limit = strength_limits(
-        joint.upper,
-        joint.lower,
-        cells,
-        curvature,
-        compliance,
-        joint.peaks,
-        joint.law,
-        joint.effects.gouge,
-        joint.tie_tolerance,
-        _band(joint),
-    )
-    return contacts._replace(limit=limit)
-
-
-def _with_matrix(joint: Joint, contacts: Contacts) -> tuple[Contacts, np.ndarray | None]:
-    """The contacts among all cells that overlapped lately, and the influence between these.
-
-    Cells that do not overlap now are given an overlap that no force answers.
-    """
-    if joint.influence is None or contacts.cells.size > dense_limit(joint.upper.shape):
-        return contacts, None
-    near = joint.neighbours
-    slot = near.slots(contacts.cells)
-    n = near.cells.size
-    overlap, compliance, limit = np.full(n, -1.0), np.ones(n), np.full(n, np.inf)
-    overlap[slot], compliance[slot] = contacts.overlap, contacts.compliance
-    limit[slot] = contacts.limit
-    return Contacts(near.cells, overlap, compliance, limit, contacts.substrate), near.matrix
+    def _contacts(self) -> Contacts:
+        """What may carry force; with resolved breakage no more than it can bear."""
+        joint = self.joint
+        if self._may_carry is None:
+            self._overlapping = joint.overlapping(self.closure)
+            cells, overlap, curvature, compliance = self._overlapping
+            self._may_carry = joint.contacts(cells, overlap, compliance)
+            if joint.effects.breakage and _resolved(joint):
+                limit = strength_limits(
+                    joint.upper,
+                    joint.lower,
+                    cells,
+                    curvature,
+                    compliance,
+                    joint.peaks,
+                    joint.law,
+                    joint.effects.gouge,
+                    joint.tie_tolerance,
+                    _band(joint),
+                )
+                self._may_carry = self._may_carry._replace(limit=limit)
+        return self._may_carry
 
 
 def _stages(asked: float) -> tuple[float, ...]:

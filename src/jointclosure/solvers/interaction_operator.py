@@ -99,6 +99,21 @@ def influence_matrix(table, cells):
     return matrix
 
 
+@kernel
+def displacement_between(wide, middle, place, sources, force):
+    """Displacements (m,) [m] at places (m,) by forces (n,) [N] at the places of ``sources``.
+
+    ``wide`` and ``middle`` as from `influence_by_place`.
+    """
+    answer = np.zeros(place.size)
+    for j in range(sources.size):
+        if force[j] > 0.0:
+            at = middle - sources[j]
+            for i in range(place.size):
+                answer[i] += wide[at + place[i]] * force[j]
+    return answer
+
+
 class Neighbours:
     """Cells that overlapped lately, and the influence between them, which grows with them.
 
@@ -128,6 +143,11 @@ class Neighbours:
             self._add(new)
             slot = self._slot[cells]
         return slot
+
+    def displacement_at(self, cells: np.ndarray, force: np.ndarray) -> np.ndarray:
+        """Displacements (k,) [m] at other cells (k,) by forces (n,) [N] at `cells`."""
+        place = places(cells, self._table.shape[1])
+        return displacement_between(self._wide, self._middle, place, self._place, force)
 
     def _add(self, new: np.ndarray) -> None:
         known, n = self.cells.size, self.cells.size + new.size

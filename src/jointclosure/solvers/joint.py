@@ -14,6 +14,7 @@ from jointclosure.solvers.contacts import Contacts, separate_equilibrium
 from jointclosure.solvers.interaction_operator import (
     Influence,
     Neighbours,
+    dense_limit,
     influence_of,
     influence_table,
     interaction_field,
@@ -105,6 +106,7 @@ class Joint:
         self.force = np.zeros(self.upper.shape)
         self.interaction = np.zeros(self.upper.shape)
         self.closure = np.zeros(())  # at which it was last settled
+        self.held_to = -math.inf  # closure [m] up to which it is known that nothing breaks
         # per closure, since the last but one
         self.interaction_rate, self.force_rate = np.zeros((2, *self.upper.shape))
 
@@ -165,6 +167,22 @@ class Joint:
         limit = np.full(cells.size, np.inf)
         return Contacts(cells, overlap, compliance, limit, self.law.substrate)
 
+    def with_matrix(self, contacts: Contacts) -> tuple[Contacts, np.ndarray | None]:
+        """Contacts among all `neighbours`, in their order, and the influence between these.
+
+        Cells that are not given have an overlap that no force answers. Where a dense matrix does
+        not pay, the contacts as they are and None.
+        """
+        if self.influence is None or contacts.cells.size > dense_limit(self.upper.shape):
+            return contacts, None
+        near = self.neighbours
+        slot = near.slots(contacts.cells)
+        n = near.cells.size
+        overlap, compliance, limit = np.full(n, -1.0), np.ones(n), np.full(n, np.inf)
+        overlap[slot], compliance[slot] = contacts.overlap, contacts.compliance
+        limit[slot] = contacts.limit
+        return Contacts(near.cells, overlap, compliance, limit, contacts.substrate), near.matrix
+
     def mean_interaction(self) -> float:
         """Mean displacement of all cells by the interaction: the bulk indentation [m]."""
         if not self.effects.interaction:
@@ -175,8 +193,17 @@ class Joint:
         """Force [N] on contacts (n,) that are flat: `FLATTEST` and below, by curvature [1/m]."""
         return float(force[curvature * self.law.spacing < FLATTEST].sum())
 
-    def describe(self, closure: float, outcome: int, locked: np.ndarray, effort: Effort) -> Settled:
+    def describe(
+        self,
+        closure: float,
+        outcome: int,
+        locked: np.ndarray,
+        effort: Effort,
+        overlapping: tuple | None = None,
+    ) -> Settled:
         """Sum up the present state; ``locked`` is a map (y, x).
+
+        ``overlapping`` is what `overlapping` gives of the walls as they are, where it is at hand.
 
         The residual is recomputed here from walls and forces alone, whatever
         the solver believes to have reached.
@@ -184,7 +211,9 @@ class Joint:
         total = float(self.force.sum())
         share = 1.0 / total if total > 0.0 else 0.0
         rigid = not np.isfinite(total)
-        cells, overlap, curvature, compliance = self.overlapping(closure)
+        if overlapping is None:
+            overlapping = self.overlapping(closure)
+        cells, overlap, curvature, compliance = overlapping
         force = self.force.ravel()[cells]
         if self.effects.interaction and total > 0.0 and not rigid:
             overlap = overlap - interaction_field(self.influence, self.force).ravel()[cells]
@@ -210,11 +239,18 @@ class Solver(Protocol):
 
     ``elastic_curve(joint, targets)`` closes an elastic joint to total forces
     (t,) [N] without steps, see `jointclosure.solvers.elastic`; None where a
-    solver can only step.
+    solver can only step. ``predict(joint, closure, residual)`` gives the total force [N]
+    at a closure [m] before anything breaks there, to a relative residual, and what that took: for
+    resolved breakage, None where a solver has none. It leaves the walls as they are, and other
+    forces.
     """
 
     @property
     def elastic_curve(self) -> Callable[["Joint", np.ndarray], list[Settled]] | None:
+        """See above."""
+
+    @property
+    def predict(self) -> Callable[["Joint", float, float], tuple[float, Effort]] | None:
         """See above."""
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.compilation import kernel
-from jointclosure.solvers.coarse_space import coarse_space
+from jointclosure.solvers.coarse_space import coarse_space, no_coarse_space
 from jointclosure.solvers.conjugate_gradients import newton_direction
 from jointclosure.solvers.contacts import Contacts, contact_response, coordinate_sweep, energy
 from jointclosure.solvers.interaction_operator import Influence, interaction_product
@@ -14,6 +14,7 @@ from jointclosure.solvers.interaction_operator import Influence, interaction_pro
 MOST_NEWTON_STEPS = 200
 _MOST_POOR_STEPS = 8
 _SWEEPS = 3
+_HALVINGS = 4
 ROUNDING = 2.0**-52
 """Residual [1] below which none is known in double precision."""
 
@@ -117,10 +118,22 @@ def _newton_step(problem, space, state, tolerance):
 
 @kernel
 def _lowered(problem, state, trial):
-    """The trial where it lowers the energy, else coordinate by coordinate, and the products."""
-    before = energy(problem.contacts, state.shift, state.elastic_displacement, state.force)
-    if energy(problem.contacts, state.shift, trial.elastic_displacement, trial.force) < before:
+    """The trial where it lowers the energy, or a part of the way to it that does, else
+    coordinate by coordinate; and the products, of which a part takes none."""
+    contacts, shift = problem.contacts, state.shift
+    before = energy(contacts, shift, state.elastic_displacement, state.force)
+    if energy(contacts, shift, trial.elastic_displacement, trial.force) < before:
         return trial, 0
+    part = 1.0
+    for _ in range(_HALVINGS):
+        part *= 0.5
+        force = state.force + part * (trial.force - state.force)
+        moved = trial.elastic_displacement - state.elastic_displacement
+        elastic_displacement = state.elastic_displacement + part * moved
+        if energy(contacts, shift, elastic_displacement, force) < before:
+            field = state.field + part * (trial.field - state.field)
+            field = field[:, : state.field.shape[1]]
+            return _judged(problem, force, elastic_displacement, field, shift), 0
     force = state.force.copy()
     for _ in range(_SWEEPS):
         coordinate_sweep(problem.influence.table, problem.contacts, state.shift, force)
@@ -149,7 +162,8 @@ def interacting_equilibrium(
     else:
         state = _iterate(problem, force, 0.0)
     products = 0 if given else 1
-    space = coarse_space(influence, contacts.cells, 1.0 / problem.secant)
+    stiffness = 1.0 / problem.secant
+    space = no_coarse_space(n)
     steps = poor = 0
     while steps < MOST_NEWTON_STEPS and poor <= _MOST_POOR_STEPS:
         if _misfit(state) <= tolerance * state.total:
@@ -160,6 +174,8 @@ def interacting_equilibrium(
             state = _iterate(problem, state.force, state.shift)
             products += 1
             continue
+        if steps == 0:
+            space = coarse_space(influence, contacts.cells, stiffness)
         steps += 1
         trial, used = _newton_step(problem, space, state, tolerance)
         products += used

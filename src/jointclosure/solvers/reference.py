@@ -176,6 +176,7 @@ class ReferenceSolver:
     """The paper's own loop; see the module's text and `Solver`."""
 
     elastic_curve = None  # the paper steps, also where nothing breaks
+    predict = None  # and its breakage is in fixed steps
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
         """Bring the joint to rest at a closure [m]; breakage in steps [m]."""

@@ -77,6 +77,7 @@ class NumericsKeys(Keys):
     curve_points: int = entry(_AS)
     most_steps: float = entry(_AS)
     most_breakage_steps: float = entry(_AS)
+    replay: bool = entry(_AS)
 
 
 class SameAsKeys(Keys):

@@ -101,6 +101,7 @@ class JudgedSolver:
         self._inner, self._show = inner, judge
         self._seen = 0
         self.elastic_curve = self._elastic_curve if inner.elastic_curve else None
+        self.predict = inner.predict
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
         """As the solver's own."""
