@@ -45,6 +45,19 @@ def test_what_is_lost_alone_is_made_again(results):
     assert counts == {"close_together": "1", "weigh_together": "1"}
 
 
+def test_rows_that_are_added_leave_those_that_are_closed(results):
+    folder = results.parents[1]
+    for block in ("dolerite.0", "dolerite.8", "slate.0"):
+        assert (results / f"global_sensitivity/{block}.nc").exists()
+    text = (folder / CONFIG).read_text()
+    (folder / "more.yaml").write_text(text.replace("rows: 16", "rows: 32"))
+    answer = snakemake(folder, "global_sensitivity", "--dry-run", config="more.yaml")
+    said = answer.stdout + answer.stderr
+    counts = dict(re.findall(r"^(close_together) +(\d+)$", said, re.M))
+    # two new blocks of each rock, and the one that the test before deleted
+    assert counts == {"close_together": "5"}
+
+
 def fails_once(folder: Path, output: str) -> None:
     """Have the job that writes a file fail at its first try."""
     script = folder / "workflow/scripts/close_together.py"
