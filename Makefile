@@ -81,7 +81,7 @@ effects: $(STAMP) ## Measure what each effect adds, and what it costs (up to an 
 mismatch: $(STAMP) ## Close walls from mates to independent ones, and shifted (ten minutes on two cores)
 	$(RUN) mismatch
 
-size: $(STAMP) ## Ask what patch length and grid spacing do, and what carries over (twenty minutes on two cores)
+size: $(STAMP) ## Ask what patch length and grid spacing do, and what carries over (ten minutes on two cores)
 	$(RUN) size
 
 misalignment: $(STAMP) ## Close walls that are tilted, or rotated about the normal (ten minutes on two cores)

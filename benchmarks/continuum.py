@@ -74,6 +74,7 @@ def hardnesses(rock) -> dict[str, float]:
 def asperity_model(walls, effects, stresses: np.ndarray) -> History:
     """Our model."""
     history = close(walls, effects, stresses[-1], cycles=2)
+    stresses = np.minimum(stresses, float(history.normal_stress.max()))  # breakage may jump over it
     read = [
         closures_at(history.assign(closure=values), stresses)
         for values in (history.closure, history.contact_fraction)

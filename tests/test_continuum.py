@@ -90,7 +90,7 @@ def test_the_asperity_model_is_read_on_its_three_branches():
     assert np.isfinite(history.closure).all()
     assert (unloading[:-1] > loading[:-1]).all()
     assert 0.0 < history.residual < unloading[0]
-    assert (np.diff(history.contact[0]) > 0.0).all()
+    assert 0.0 < history.contact[0, 0] < history.contact[0, -1] < 1.0
 
 
 def test_an_elastic_code_has_one_curve_for_all_branches(gap):

@@ -99,7 +99,10 @@ rule weigh_size:
         ENVIRONMENT
     params:
         base=(
-            [CONFIGURATION.grid.cells_x * CONFIGURATION.grid.spacing, CONFIGURATION.grid.spacing]
+            [
+                CONFIGURATION.grid.cells_x * CONFIGURATION.grid.spacing,
+                CONFIGURATION.grid.spacing,
+            ]
         ),
         spectra=lambda wildcards: to_plain(SIZE.spectra),
         rocks=lambda wildcards: {

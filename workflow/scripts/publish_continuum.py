@@ -25,6 +25,26 @@ STIFFNESSES = {
 }
 
 
+def finding() -> str:
+    """What was found, in a few sentences."""
+    table = read_csv(RESULTS / "tables/continuum.csv").set_index(["model", "reading"])
+    names = list(dict.fromkeys(table.index.get_level_values("model")))
+    hard, tabor = (next(name for name in names if word in name) for word in ("at break", "2.8"))
+
+    def told(model: str, reading: str) -> str:
+        own = table.loc[(model, reading)]
+        return rounded(own.ratio, own.ratio_error)
+
+    return (
+        "Pressed once, a continuum whose pressure is limited to that at which our asperities break "
+        f"closes {told(hard, 'closure_1_um')} times as far as the asperity model, keeps "
+        f"{told(hard, 'residual_um')} times its residual closure, and touches in "
+        f"{told(hard, 'contact_1_percent')} times as many cells. Unloaded and pressed again it is "
+        f"another model: its second closure is {told(hard, 'closure_2_um')} times ours, and "
+        f"{told(tabor, 'closure_2_um')} times where the hardness is 2.8 σc.\n"
+    )
+
+
 def shown(columns: dict[str, str]) -> str:
     """Means of readings with errors, and their ratios to the asperity model's."""
     table = read_csv(RESULTS / "tables/continuum.csv")
@@ -43,7 +63,7 @@ def shown(columns: dict[str, str]) -> str:
 
 def main() -> None:
     """Fill the document, and copy its figure."""
-    parts = {"closures": shown(CLOSURES), "stiffness": shown(STIFFNESSES)}
+    parts = {"finding": finding(), "closures": shown(CLOSURES), "stiffness": shown(STIFFNESSES)}
     fill(ROOT / "docs/continuum.md", parts)
     shutil.copy(RESULTS / "figures/continuum.png", ROOT / "docs/images/continuum.png")
 

@@ -54,8 +54,9 @@ def finding() -> str:
     }
     return (
         "Closures do not carry over as they are. From a patch of "
-        f"{law.from_mm.iloc[0]:g} mm to one of {law.to_mm.iloc[0]:g} mm of the same walls (those of "
-        f"the default study) the net closure is multiplied by {told['closure_net', 1]} on the first cycle and by "
+        f"{law.from_mm.iloc[0]:g} mm to one of {law.to_mm.iloc[0]:g} mm of the same walls "
+        "(those of the default study) the net closure is multiplied by "
+        f"{told['closure_net', 1]} on the first cycle and by "
         f"{told['closure_net', 2]} on the second, the net stiffness by "
         f"{told['stiffness_net', 1]} and {told['stiffness_net', 2]}. In brackets: what the scale "
         f"corrections of Barton and Bandis say of the same change in size.\n\n{_best(1)}\n\n"

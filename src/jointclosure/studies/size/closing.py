@@ -136,8 +136,8 @@ def close_nested(
         ``seconds``; and over the cycle too, `READ`. NaN where nothing was closed, or it failed.
     """
     told = settings.walls
-    shape = (len(settings.patch), len(settings.spacing), positions_of(settings, 0))
-    shape = (*shape, told.surfaces.realizations)
+    sizes = len(settings.patch), len(settings.spacing)
+    shape = (*sizes, positions_of(settings, 0), told.surfaces.realizations)
     alone = {name: np.full(shape, np.nan) for name in (*GEOMETRY, "status", "seconds")}
     values = {name: np.full((*shape, told.cycles), np.nan) for name in READ}
     for realization, walls in enumerate(nested_walls(settings)):
@@ -163,10 +163,10 @@ def _closed(
     """
     patch, spacing = settings.patch[place[0]], settings.spacing[place[1]]
     finest = settings.spacing[0]
-    pair = [patch_of(wall, finest, patch, spacing, place[2]) for wall in walls]
-    summed = pair[0] + pair[1]
+    upper, lower = (patch_of(wall, finest, patch, spacing, place[2]) for wall in walls)
+    summed = upper + lower
     start = time.process_time()
-    closed = close_walls(*pair, settings.walls.conditions()._replace(spacing=spacing))
+    closed = close_walls(upper, lower, settings.walls.conditions()._replace(spacing=spacing))
     found = {
         "rms_height": float(np.std(summed)),
         "rms_slope": rms_slope(summed, spacing),

@@ -163,8 +163,9 @@ def _off(
     for half in (0, 1):
         fitted, told = surfaces[half::2], surfaces[1 - half :: 2]
         few = np.ix_(np.flatnonzero(smaller), fitted)
+        own = predictors[:, few[0], few[1]]
         powers = exponents_of(
-            centred(predictors[(slice(None), *few)], groups[smaller]),
+            centred(own, groups[smaller]),
             centred(joints.response[few], groups[smaller]),
         )
         scaled = joints.response[:, told] - np.tensordot(powers, predictors[..., told], axes=1)

@@ -37,7 +37,8 @@ def logs_of(run: xr.Dataset, name: str, cycle: int | None = None) -> xr.DataArra
     NaN where nothing was closed, or nothing positive was read.
     """
     values = run[name] if cycle is None else run[name].sel(cycle=cycle)
-    return np.log(values.where(values > 0.0)).mean("position")
+    positive = values.where(values > 0.0)
+    return positive.copy(data=np.log(positive.values)).mean("position")
 
 
 def size_table(runs: Mapping[str, xr.Dataset], base: tuple[float, float]) -> pd.DataFrame:
