@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.solvers import fast
+from jointclosure.solvers import joint
 from jointclosure.solvers.interaction_operator import (
     Neighbours,
     influence_table,
@@ -59,6 +59,6 @@ def closed(cells, **numerics):
 @pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
 def test_a_kept_matrix_and_the_convolution_give_the_same_joint(monkeypatch, breakage):
     kept = closed(24, breakage=breakage, force_tolerance=1e-11)
-    monkeypatch.setattr(fast, "dense_limit", lambda _: 0)
+    monkeypatch.setattr(joint, "dense_limit", lambda _: 0)
     convolved = closed(24, breakage=breakage, force_tolerance=1e-11)
     assert kept.max_closure.values == pytest.approx(convolved.max_closure.values, rel=1e-6)

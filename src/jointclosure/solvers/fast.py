@@ -96,12 +96,14 @@ class FastSolver:
         no equilibrium was found.
         """
         path = _PathToRest(joint, closure, np.nan)
+        before = joint.interaction.copy(), joint.force.copy()
         try:
             loosest = _stages(joint.numerics.force_tolerance)[0]
             finest = joint.numerics.force_tolerance
             force = float(path.solve(min(max(residual, finest), loosest)).force.sum())
         except _GivenUp:
             force = np.inf
+            joint.interaction[:], joint.force[:] = before
         return force, Effort(0, path.rounds, path.newton_steps, path.products)
 
 
