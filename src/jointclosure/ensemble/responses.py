@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from jointclosure.engineering.stiffness import closures_at
+from jointclosure.engineering.stiffness import secant_stiffness
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.protocol import FAILURE
@@ -18,25 +18,27 @@ def cycle_responses(
     status : int
     responses : dict of array (cycles,)
         ``closure``, ``closure_net`` of bulk indentation, ``closure_seated``, ``residual`` closure
-        and ``closure_above_half`` (of loading, from half of the maximum stress to all of it), all
-        in m; ``stiffness`` over that part [Pa/m]. NaN where the simulation failed. Where breakage
-        jumps over the maximum stress, both are to the last state below it.
+        and ``closure_above_half``, all in m; ``stiffness`` of loading from half of the maximum
+        stress to where it begins to land on all of it (`secant_stiffness`) [Pa/m]; the former is
+        the closure over that half at this stiffness. NaN where the simulation failed, and of
+        stiffness where landing begins below half. Where breakage jumps over the maximum stress, the
+        last state below it stands for it.
     """
     half = 0.5 * float(np.max(conditions.max_normal_stress))
     closed = close_walls(*walls, conditions)
     status, closure = int(closed.status), closed.max_closure.values
     residual = closed.residual_closure.values
-    # maxima count from where their cycle began, curves and residual closures from first touch
-    begun = np.concatenate([[0.0], residual[:-1]])
-    above = begun + closure - closures_at(closed, np.array([half]))[:, 0, 0]
     reached = closed.normal_stress.groupby(closed.cycle).max().values
+    stiffness = np.array(
+        [secant_stiffness(closed, cycle, half, top) for cycle, top in enumerate(reached, start=1)]
+    )
     answer = {
         "closure": closure,
         "closure_net": closure - closed.max_bulk_indentation.values,
         "closure_seated": closed.max_closure_seated.values,
         "residual": residual,
-        "closure_above_half": above,
-        "stiffness": (reached - half) / above,
+        "closure_above_half": (reached - half) / stiffness,
+        "stiffness": stiffness,
     }
     if status >= FAILURE:
         answer = {name: np.full(closure.shape, np.nan) for name in answer}

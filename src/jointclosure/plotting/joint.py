@@ -75,13 +75,13 @@ def draw_stiffness(axes: Axes, closed: xr.Dataset) -> None:
     """Normal stiffness by chords against stress; chords of the landing as open circles."""
     table = stiffness_table(closed)
     for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
-        about = {"color": f"C{cycle - 1}", "marker": "o", "ms": 3, "zorder": above(cycle, branch)}
+        colour, order = f"C{cycle - 1}", above(cycle, branch)
         for landing, part in own.groupby("landing"):
             label = "landing on the maximum" if landing else f"cycle {cycle}, {branch}"
             axes.plot(
                 part.normal_stress_MPa, part.normal_stiffness_MPa_per_mm,
-                "" if landing else BRANCH_LINES[branch], label=label,
-                **about | ({"mfc": "none"} if landing else {}),
+                "" if landing else BRANCH_LINES[branch], label=label, color=colour, zorder=order,
+                marker="o", ms=3, mfc="none" if landing else colour,
             )  # fmt: skip
     axes.set(xlabel="normal stress (MPa)", ylabel="kn (MPa/mm)", yscale="log", xlim=0.0)
     axes.yaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
