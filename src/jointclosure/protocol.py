@@ -287,9 +287,9 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
         before = run.joint.snapshot()
         if control:
             step = control.fitting(step, run.total_force, run.predict)
-        closure = run.closure + step
-        if run.closure < held <= closure:
-            closure, step = held, held - run.closure
+        taken, closure = step, run.closure + step
+        if run.closure < held <= closure:  # this step alone is shorter
+            taken, closure = held - run.closure, held
         settled = run.settle(closure, breakage_step)
         if run.failed:
             return
@@ -298,7 +298,7 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
             run.accept(cycle, LOADING, settled)
             return
         if control:
-            taken, step = step, control.following(step, run.total_force, settled)
+            step = control.following(taken, run.total_force, settled)
             if control.must_repeat(taken, step):
                 run.joint.restore(before)
                 continue
