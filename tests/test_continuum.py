@@ -15,6 +15,8 @@ import peers
 from yardstick import DOLERITE, joint_walls
 
 STRESSES = continuum.LEVELS * 1e6
+LARGE = continuum.LEVELS * 30e6
+"""Of a whole wall: less would be carried by a single cell, which has no equilibrium to iterate."""
 
 
 @pytest.fixture(scope="module")
@@ -94,7 +96,7 @@ def test_the_asperity_model_is_read_on_its_three_branches():
 
 
 def test_an_elastic_code_has_one_curve_for_all_branches(gap):
-    history = continuum.elastic(peers.own, gap, STRESSES)
+    history = continuum.elastic(peers.own, gap, LARGE)
     assert (history.closure == history.closure[0]).all()
     assert (np.diff(history.closure[0]) > 0.0).all()
     assert history.residual == 0.0
@@ -138,20 +140,20 @@ def test_a_realisation_without_an_equilibrium_is_named_and_left_out(capsys):
 
 def test_a_hardness_that_is_not_reached_leaves_the_elastic_curve(gap):
     pytest.importorskip("ContactMechanics")
-    plastic = continuum.along(*continuum.contact_mechanics_plastic(gap, 1e12), STRESSES)
-    elastic = continuum.elastic(peers.own, gap, STRESSES)
-    assert plastic.closure == pytest.approx(elastic.closure, rel=1e-3)
-    assert plastic.residual == pytest.approx(0.0, abs=1e-9)
+    stresses = LARGE[[0, 2, 3]]
+    press, left = continuum.contact_mechanics_plastic(gap, 2e10)
+    plastic = [press(stress)[0] for stress in stresses]
+    elastic = continuum.elastic(peers.own, gap, stresses).closure[0]
+    assert plastic == pytest.approx(elastic, rel=1e-4)
+    assert left() == pytest.approx(0.0, abs=1e-8)
 
 
 def test_a_hardness_limits_the_pressure_and_leaves_a_residual_closure(gap):
     pytest.importorskip("ContactMechanics")
     press, left = continuum.contact_mechanics_plastic(gap, 460e6)
-    _, pressure = press(1e6)
+    closure, pressure = press(3e6)
     assert pressure.max() == pytest.approx(460e6, rel=1e-2)
-    assert pressure.mean() == pytest.approx(1e6, rel=1e-3)
-    history = continuum.along(press, left, STRESSES)
-    assert history.residual > 1e-5
-    assert (history.closure[1, :-1] < history.closure[0, -1]).all()
-    again, _ = press(1e6)
-    assert again == pytest.approx(history.closure[0, -1], rel=0.01)
+    assert pressure.mean() == pytest.approx(3e6, rel=1e-3)
+    unloaded, pressure = press(1.5e6)
+    assert pressure.max() < 460e6
+    assert 1e-5 < left() < unloaded < closure

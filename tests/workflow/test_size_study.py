@@ -41,9 +41,12 @@ def test_the_study_has_its_dataset_tables_and_figure(folder):
 def test_a_run_that_was_stopped_goes_on_with_what_is_missing(folder):
     again = snakemake(folder, "size", config=CONFIG)
     assert "Nothing to be done" in again.stdout + again.stderr
-    (folder / "results/tiny_size/size/slate.free.nc").unlink()
+    results = folder / "results/tiny_size"
+    for lost in ("size/slate.free.nc", "tables/size.csv"):
+        (results / lost).unlink()
     again = snakemake(folder, "size", config=CONFIG)
-    assert again.returncode == 0
+    assert again.returncode == 0, again.stdout + again.stderr
     said = again.stdout + again.stderr
     assert "spectrum free" in said
     assert "spectrum flat" not in said
+    assert (results / "tables/size.csv").exists()
