@@ -121,7 +121,34 @@ def _rows() -> Number:
     return Number(f"{TOGETHER}/global_indices.csv", rows, "rows", lambda own: str(own.rows.iloc[0]))
 
 
+def _tilted(cycle: int) -> Number:
+    """What the largest tilt changes of independent walls."""
+    rows = {"wavelength_mm": float("inf"), "rotation_degrees": 0.0, "tilt_degrees": MOST}
+    rows |= {"response": "closure", "cycle": cycle}
+    table = "results/misalignment/tables/misalignment.csv"
+    return span(table, "change_percent", "change_error", **rows)
+
+
+def _larger(cycle: int) -> Number:
+    """By what the net closure of the largest patch is multiplied, of the smallest one's."""
+    rows = {"spectrum": "roll_off_3mm", "reading": "closure_net", "cycle": cycle, "to_mm": MOST}
+    return span("results/size/tables/size_barton_bandis.csv", "ratio", "error", **rows)
+
+
+def _continuum(cycle: int) -> Number:
+    """Closure of a continuum whose pressure is limited over that of the asperity model."""
+    rows = {"model": "continuum, hardness at breakage (ContactMechanics)"}
+    rows |= {"reading": f"closure_{cycle}_um"}
+    return span("results/continuum/tables/continuum.csv", "ratio", "ratio_error", **rows)
+
+
 NUMBERS = {
+    "tilt 1": _tilted(1),
+    "tilt 2": _tilted(2),
+    "larger 1": _larger(1),
+    "larger 2": _larger(2),
+    "continuum 1": _continuum(1),
+    "continuum 2": _continuum(2),
     "rows": _rows(),
     "stand": _count("stands"),
     "fall": _count("falls"),
