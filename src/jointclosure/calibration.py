@@ -29,6 +29,7 @@ WAVELENGTHS, STRENGTHS = 8, 4
 STRENGTH_RANGE = (0.5, 2.0)
 """Of the strength that was given: where another is looked for."""
 DOUBTFUL = 0.01
+_FAR = 3.0  # standard deviations of joints from which a reading is said to be missed
 """Below this p-value no mismatch wavelength makes the curve likely."""
 
 
@@ -59,7 +60,10 @@ class Fit(NamedTuple):
     likelihood: Likelihood
 
     def sentences(self) -> list[str]:
-        """What was found, in words."""
+        """What was found, in words; first, and without an interval, where the model misses it."""
+        if self.p_value < DOUBTFUL:
+            nearest = f"nearest are {_near(self.mismatch_wavelength.value)}"
+            return [*self._missed(), nearest]
         said = [f"mismatch wavelength {_told(self.mismatch_wavelength, 1e3, 'mm')}"]
         if self.compressive_strength is not None:
             said.append(f"compressive strength {_told(self.compressive_strength, 1e-6, 'MPa')}")
@@ -68,12 +72,28 @@ class Fit(NamedTuple):
         if self.mismatch_wavelength.low == 0.0:
             said.append("mates are not excluded")
         said.append(f"{100.0 * self.p_value:.2g} % of such joints are as far from their mean")
-        if self.p_value < DOUBTFUL:
-            said[-1] = (
-                f"Warning: only {said[-1]}: the model hardly makes this curve, and the interval "
-                "does not hold; check rock, roughness, size and units"
-            )
         return said
+
+    def _missed(self) -> list[str]:
+        """That the model hardly makes the curve, and which reading of it no wavelength gives."""
+        seldom = f"1 in {1.0 / self.p_value:.0f}" if self.p_value > 1e-3 else "1 in 1000"
+        warning = (
+            f"Warning: the model hardly makes this curve: fewer than {seldom} of its joints are as "
+            "far from their mean, and no interval holds; check rock, roughness, size and units"
+        )
+        logs = np.log(self.measured.values)
+        means, scatter = np.nanmean(self.simulated, axis=2), np.nanstd(self.simulated, axis=2)
+        least = (np.abs(logs - means) / scatter).min(axis=(0, 1))
+        worst = int(least.argmax())
+        if least[worst] < _FAR:
+            return [warning, "each reading is made by some joints, and all of them by none"]
+        low, high = (1e3 * np.exp(end(means[..., worst])) for end in (np.min, np.max))
+        return [
+            warning,
+            f"no mismatch wavelength gives the {self.measured.names()[worst]}: measured "
+            f"{1e3 * self.measured.values[worst]:.3g} mm, joints of the model {low:.3g} to "
+            f"{high:.3g} mm in the mean",
+        ]
 
     def __repr__(self) -> str:
         return f"<Fit: {'; '.join(self.sentences())}>"
@@ -208,6 +228,12 @@ def _check(
     check_positive("seating_stress", seating_stress, "Pa")
     if not isinstance(shape, tuple | list) or len(shape) != 2 or min(shape) < 8:
         raise InputError(f"shape = {shape!r}: must be (cells along y, along x), at least 8 each")
+
+
+def _near(value: float) -> str:
+    """Walls of a mismatch wavelength [m], which may be at an end of what was closed."""
+    ends = {0.0: "mates", math.inf: "independent walls"}
+    return ends.get(value, f"walls of a mismatch wavelength of {1e3 * value:.3g} mm")
 
 
 def _told(found: Interval, scale: float, unit: str) -> str:

@@ -2,6 +2,7 @@
 
 import argparse
 import importlib
+import io
 import sys
 from collections.abc import Sequence
 from typing import NoReturn
@@ -36,6 +37,8 @@ def main(words: Sequence[str] | None = None) -> int:
     """Run a command; what is wrong with its input is one line on standard error."""
     words = sys.argv[1:] if words is None else words
     arguments = parser(words).parse_args(words)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(line_buffering=True)  # a log is written line by line
     try:
         return arguments.run(arguments)
     except (InputError, OSError, ValueError) as error:

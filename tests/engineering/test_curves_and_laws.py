@@ -100,6 +100,16 @@ def test_chords_beyond_the_last_whole_step_are_marked_as_landing(closed):
     assert f"({1e6 * marked.iloc[-1]:.6e}" not in itasca
 
 
+def test_chords_before_a_landing_know_nothing_of_it(closed):
+    """A cubic through all steps would bring the stiffness of the landing into the chord before."""
+    end = landing_stress(closed, 1)
+    here = (closed.cycle.values == 1) & (closed.branch.values == "loading")
+    kept = np.flatnonzero(here)[closed.normal_stress.values[here] <= end]
+    levels = np.linspace(0.9 * end, end, 4)
+    without = closures_at(closed.isel(step=kept).assign_attrs(numerics="{}"), levels)
+    np.testing.assert_array_equal(closures_at(closed, levels)[0, 0], without[0, 0])
+
+
 def test_a_secant_ends_where_the_landing_begins(closed):
     end = landing_stress(closed, 1)
     levels = np.array([2e6, end, 5e6])

@@ -65,6 +65,18 @@ def test_porepy_closes_as_the_joint_does(folder, history):
     assert stiffness == 1e9 * parameter(fits, 2, "loading", "kni_MPa_per_mm")
 
 
+def test_a_last_cycle_that_begins_above_seating_leaves_the_one_before_to_be_taken():
+    walls = jc.wall_pair(8.0, (24, 20), SPACING, seed=1)
+    about = {"spacing": SPACING, "rock": DOLERITE}
+    joint = jc.simulate(*walls, **about, max_normal_stress=[4e6, 0.0, 4e6, 1e6, 4e6])
+    before = joint.sel(step=joint.cycle <= 2)
+    assert porepy_parameters(joint) == porepy_parameters(before)
+    np.testing.assert_array_equal(geos_aperture_table(joint), geos_aperture_table(before))
+    above = joint.sel(step=joint.cycle == 3)
+    with pytest.raises(jc.InputError, match="no loading begins at or below the seating stress"):
+        porepy_parameters(above)
+
+
 def test_geos_takes_the_table(folder, history):
     """What its validateApertureTable asks for: the last coordinate 0, the last slope below 1."""
     function = ElementTree.parse(folder / "t/geos.xml").getroot()

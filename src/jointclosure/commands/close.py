@@ -131,6 +131,9 @@ def run(arguments) -> int:
     joint = _closed(settings, pair, arguments)
     print(summary(joint.history))
     print(f"{status_text(joint.history)}; {duration(time.perf_counter() - start)}")
+    for line in pair.report:
+        if "Warning" in line:  # again, below the numbers that it is about
+            print(f"- {line}")
     title = f"{arguments.upper.name} on {arguments.lower.name}"
     folder = arguments.output
     joint = joint._replace(history=write_animation(joint.history, arguments, title))
@@ -174,6 +177,10 @@ def _pair(arguments, walls: Walls) -> RegisteredPair:
         read_wall(path, walls.units, walls.spacing, walls.variable)
         for path in (walls.upper, walls.lower)
     )
+    for name, scan in (("upper", upper), ("lower", lower)):  # before what may take minutes
+        for remark in scan.remarks:
+            if "Warning" in remark:
+                print(f"- {name} wall: {remark}")
     return brought_together(upper, lower, walls, spacing)
 
 

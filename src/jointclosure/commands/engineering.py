@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 from jointclosure.commands import COMMANDS
+from jointclosure.commands.engineering_files import FIGURES
 from jointclosure.commands.finished import study_of
 from jointclosure.commands.joint_options import check_can_be_made
 from jointclosure.ensemble.bands import QUANTILES, band_table
@@ -56,7 +57,7 @@ def run(arguments) -> int:
         step = _fixed_step(json.loads(study.attrs["configuration"]))
         for name in asked:
             table = band_table(study.sel(case=name).load(), displacement_step=step)
-            write_csv(table, folder / f"{name}.csv")
+            write_csv(table, folder / f"{name}.csv", FIGURES)
     low, _, high = QUANTILES
     print(f"wrote {folder}: {', '.join(f'{name}.csv' for name in asked)}")
     print(f"bands are the {100 * low:g} and {100 * high:g} % quantiles of the joints")

@@ -206,7 +206,11 @@ def summary(closed: xr.Dataset) -> str:
     }
     frame = xr.Dataset({name: 1e3 * values for name, values in columns.items()}).to_dataframe()
     frame.index = [f"cycle {number}" for number in range(1, len(frame) + 1)]
-    lines = ["closure (mm)", frame.to_string(float_format="{:.5f}".format)]
+    head = "closure (mm): maximum from the cycle's start, at its end from first touch"
+    lines = [
+        head,
+        frame.to_string(float_format="{:.5f}".format),
+    ]
     if has_flow(closed):
         lines += ["at the maximum (mm)", _apertures(closed).to_string(float_format="{:.5f}".format)]
     return "\n".join(lines)

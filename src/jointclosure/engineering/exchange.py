@@ -14,12 +14,29 @@ from jointclosure.engineering.curves import (
 )
 from jointclosure.engineering.laws import fitted_laws, parameter
 from jointclosure.engineering.stiffness import closures_at, stiffness_table, stress_levels
+from jointclosure.history import branch_of
 from jointclosure.inputs import InputError
 from jointclosure.protocol import LOADING
 
 
+def _last_from_seating(history: xr.Dataset, program: str) -> int:
+    """The last cycle whose loading begins below the seating stress, from which closures count.
+
+    Raises
+    ------
+    InputError
+        None does.
+    """
+    seating = float(history.attrs["seating_stress_Pa"])
+    for cycle in np.unique(history.cycle.values)[::-1]:
+        here = branch_of(history.cycle.values, history.branch.values, cycle, LOADING)
+        if here.size > 1 and history.normal_stress.values[here].min() <= seating:
+            return int(cycle)
+    raise InputError(f"{program}: no loading begins at or below the seating stress, {seating:g} Pa")
+
+
 def porepy_parameters(history: xr.Dataset) -> dict[str, float]:
-    """Solid constants of PorePy's Barton-Bandis fracture, of the last cycle's loading.
+    """Solid constants of PorePy's Barton-Bandis fracture, of the last loading from seating on.
 
     Parameters
     ----------
@@ -35,14 +52,15 @@ def porepy_parameters(history: xr.Dataset) -> dict[str, float]:
     Raises
     ------
     InputError
-        The hyperbola could not be fitted, or closes more than there is aperture.
+        No loading begins at seating, the hyperbola could not be fitted, or closes more than there
+        is aperture.
     """
-    cycle = int(history.cycle.max())
-    fits, cycles = fitted_laws(history), cycle_table(history)
+    cycle = _last_from_seating(history, "PorePy")
+    fits, cycles = fitted_laws(history), cycle_table(history).set_index("cycle")
     stiffness, largest = (
         parameter(fits, cycle, LOADING, name) for name in ("kni_MPa_per_mm", "vm_mm")
     )
-    aperture = float(cycles.mean_aperture_at_seating_mm.iloc[-1])
+    aperture = float(cycles.mean_aperture_at_seating_mm[cycle])
     if not (stiffness > 0.0 and 0.0 < largest < aperture):
         raise InputError(
             f"PorePy: the hyperbola of cycle {cycle} has kni = {stiffness:g} MPa/mm and Vm = "
@@ -66,8 +84,8 @@ _END = 0.01
 def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Coordinates and values [m] of the aperture table of GEOS' contact models.
 
-    Of the last cycle's loading: the normal gap, negative where walls are pressed together beyond
-    seating, ascending to 0, and there the hydraulic aperture (the geometric mean of both
+    Of the last loading from seating on: the normal gap, negative where walls are pressed together
+    beyond seating, ascending to 0, and there the hydraulic aperture (the geometric mean of both
     directions), which is what its flow takes; the mean aperture of a history without flow.
     Where the last slope is 1 or more, as of hydraulic apertures that open faster than the gap and
     of mean apertures without interaction, a point just before the end makes it `OPENING_SLOPE`.
@@ -80,7 +98,7 @@ def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """
     if float(history.attrs["seating_stress_Pa"]) == 0.0:
         raise InputError("GEOS: its table begins at seating; give a seating_stress above 0")
-    cycle = int(history.cycle.max())
+    cycle = _last_from_seating(history, "GEOS")
     closure = closures_at(history, stress_levels(history, cycle=cycle))[cycle - 1, 0]
     if not (np.isfinite(closure).all() and (np.diff(closure) > 0.0).all()):
         raise InputError(

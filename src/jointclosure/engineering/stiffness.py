@@ -32,8 +32,8 @@ def closures_at(history: xr.Dataset, levels: np.ndarray) -> np.ndarray:
     """Closure (cycles, 2, levels) [m] on loading and unloading at stresses [Pa].
 
     Between the steps by a monotone cubic: chords between few steps would make stairs of the
-    stiffness. First crossings on loading, last ones on unloading; NaN where a level was not
-    reached.
+    stiffness. Steps of a landing (`landing_stress`) have a cubic of their own, as they are stiffer.
+    First crossings on loading, last ones on unloading; NaN where a level was not reached.
     """
     cycles = int(history.cycle.max())
     closures = np.full((cycles, 2, levels.size), np.nan)
@@ -45,14 +45,31 @@ def closures_at(history: xr.Dataset, levels: np.ndarray) -> np.ndarray:
             here = here if name == LOADING else here[::-1]
             stress, closure = history.normal_stress.values[here], history.closure.values[here]
             rises = np.concatenate([[True], stress[1:] > np.maximum.accumulate(stress)[:-1]])
-            curve = scipy.interpolate.PchipInterpolator(
-                stress[rises], closure[rises], extrapolate=False
-            )
             # a maximum within a percent below a level counts as having reached it
             largest = float(stress.max())
             reached = np.where((levels > largest) & (levels <= 1.01 * largest), largest, levels)
-            closures[number - 1, side] = curve(reached)
+            end = landing_stress(history, number) if name == LOADING else np.inf
+            closures[number - 1, side] = _between(stress[rises], closure[rises], reached, end)
     return closures
+
+
+def _between(
+    stress: np.ndarray, closure: np.ndarray, levels: np.ndarray, landing: float
+) -> np.ndarray:
+    """Closure at levels by a monotone cubic up to the landing, and another one from it on."""
+    found = np.full(levels.size, np.nan)
+    for part, asked in (
+        (stress <= landing, levels <= landing),
+        (stress >= landing, levels > landing),
+    ):
+        if part.sum() > 1 and asked.any():
+            curve = scipy.interpolate.PchipInterpolator(
+                stress[part], closure[part], extrapolate=False
+            )
+            found[asked] = curve(levels[asked])
+        elif part.any() and asked.any():  # one step alone
+            found[asked] = np.where(levels[asked] == stress[part][0], closure[part][0], np.nan)
+    return found
 
 
 def landing_stress(history: xr.Dataset, cycle: int) -> float:

@@ -56,7 +56,7 @@ def close(
     cycles: int | None = None,
     seating_stress: float = 0.5e6,
     units: str | None = None,
-    spacing: float | None = None,
+    grid_spacing: float | None = None,
     orientation: str | None = None,
     shift: str | None = None,
     cut_spikes: bool = True,
@@ -73,7 +73,8 @@ def close(
     Parameters
     ----------
     upper, lower : path, Scan or Cloud
-        Files that `jointclosure.read_scan` reads, or what it gave.
+        Files that `jointclosure.read_scan` reads, or what it gave (which takes the spacing of a
+        scan that has none, too).
     rock : str, Rock or (Rock, Rock)
         "granite" or another that comes with the package
         (`jointclosure.config.rocks.named_rock`); or of both walls, or of upper and lower.
@@ -83,7 +84,7 @@ def close(
         Where the ``_seated`` closures start to count [Pa]: laboratory curves start there.
     units : {"m", "mm", "um", "nm"}, optional
         Of both files, where these do not say them.
-    spacing : float, optional
+    grid_spacing : float, optional
         Of the joint's grid [m]; by default the larger point distance of the scans. It is a
         parameter of the model: a cell is an asperity.
     orientation, shift, cut_spikes
@@ -107,7 +108,7 @@ def close(
         check_usual(intact, max_normal_stress=largest_stress(max_normal_stress))
     above, below = read_wall(upper, units), read_wall(lower, units)
     pair = registered(
-        above, below, spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes
+        above, below, grid_spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes
     )
     conditions = Conditions(
         pair.spacing,

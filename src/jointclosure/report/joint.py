@@ -53,14 +53,14 @@ def joint_finding(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dat
         & stiffness.normal_stiffness_MPa_per_mm.notna()
         & ~stiffness.landing
     ]
-    last = known[known.cycle == known.cycle.max()]
-    if len(last):
-        at = last.iloc[len(last) // 2]
-        text += (
-            f"; in cycle {int(at.cycle)} its normal stiffness is "
-            f"{number_text(at.normal_stiffness_MPa_per_mm, 3)} MPa/mm at "
-            f"{at.normal_stress_MPa:.3g} MPa"
+    if len(known):
+        middle = known.normal_stress_MPa.unique()[known.normal_stress_MPa.nunique() // 2]
+        here = known[known.normal_stress_MPa == middle].drop_duplicates("cycle")
+        told = " and ".join(
+            f"{number_text(row.normal_stiffness_MPa_per_mm, 3)} MPa/mm in cycle {row.cycle}"
+            for row in here.iloc[[0, -1] if len(here) > 1 else [0]].itertuples()
         )
+        text += f"; its normal stiffness at {middle:.3g} MPa is {told}"
     return f"{text}."
 
 

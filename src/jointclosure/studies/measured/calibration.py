@@ -42,6 +42,16 @@ class Readings(NamedTuple):
     seating: float
     values: np.ndarray
 
+    def names(self) -> list[str]:
+        """What each value is, in words."""
+        found = []
+        for cycle in range(1, self.cycles + 1):
+            found += [
+                f"closure of cycle {cycle} at {1e-6 * level:.3g} MPa" for level in self.levels
+            ]
+            found += [f"closure recovered in cycle {cycle}"] * (cycle in self.unloaded)
+        return found
+
 
 class Interval(NamedTuple):
     """An estimate, and the ends of its 95 % interval."""
