@@ -259,7 +259,7 @@ def main(realizations: int, stress: float, output: Path) -> None:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--realizations", type=int, default=6)
+    parser.add_argument("--realizations", type=int, default=5)
     parser.add_argument("--stress", type=float, default=30e6, help="largest, in Pa")
     parser.add_argument("--output", type=Path, default=RESULTS, help="folder")
     arguments = parser.parse_args()

@@ -51,8 +51,8 @@ def shown(columns: dict[str, str]) -> str:
     rows = []
     for model in dict.fromkeys(table.model):
         own = table[table.model == model].set_index("reading")
-        title = model.replace("sigma_c", "σc").replace("contact_mechanics", "ContactMechanics")
-        row = {"model": title, "n": own.realizations.max()}
+        row = {"model": model.replace("sigma_c", "σc").replace("contact_m", "ContactM")}
+        row["joints"] = own.realizations.min()
         for reading, title in columns.items():
             mean, error, ratio, doubt = own.loc[reading, ["mean", "error", "ratio", "ratio_error"]]
             cell = rounded(mean, error) if mean == mean else ""
