@@ -19,7 +19,7 @@ TOLERANCE = jc.Numerics().stress_tolerance
 
 
 def closed(effects=SCENES["all"], **load):
-    walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=3)
+    walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=1)
     return jc.simulate(*walls, spacing=SPACING, rock=DOLERITE, effects=effects, **load)
 
 

@@ -89,7 +89,15 @@ def finding() -> str:
         f"{far[ROTATION].iloc[0]:g} degrees by {_span(far, 'closure', 1)} % (stiffness "
         f"{_span(far, 'stiffness', 1)} %), the second cycle's by {_span(far, 'closure', 2)} % "
         f"(stiffness {_span(far, 'stiffness', 2)} %).\n"
+        f"- The stiffness of a first cycle is of joints that do not begin to land on the maximum "
+        f"stress below half of it: at least {_read(free)} of {table.samples.max()} independent "
+        f"ones, and {_read(mated)} of those that mate, which are too stiff for the steps.\n"
     )
+
+
+def _read(table: pd.DataFrame) -> int:
+    """Joints of which the first cycle's stiffness was read, of the case with the fewest."""
+    return int(table[(table.response == "stiffness") & (table.cycle == 1)].samples.min())
 
 
 def _shown(table: pd.DataFrame) -> pd.DataFrame:

@@ -88,7 +88,8 @@ def landing_stress(history: xr.Dataset, cycle: int) -> float:
     here = branch_of(history.cycle.values, history.branch.values, cycle, LOADING)
     stress = history.normal_stress.values
     former = stress[history.cycle.values < cycle].max(initial=0.0)
-    if here.size < 2 or stress[here].max() <= former * (1.0 + numerics["stress_tolerance"]):
+    within = 1.0 + 3.0 * numerics["stress_tolerance"]  # both landed to the tolerance
+    if here.size < 2 or stress[here].max() <= former * within:
         return np.inf
     step = numerics["displacement_step" if cycle == 1 else "later_displacement_step"]
     whole = np.flatnonzero(np.diff(history.closure.values[here]) >= 0.999 * step)

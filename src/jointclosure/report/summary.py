@@ -111,7 +111,7 @@ def validity(configuration: Configuration, outcome: dict) -> list[str]:
             else "Walls are random and independent of each other. Natural joints mate in part, "
             "close less and are stiffer: the numbers are not theirs."
         )
-    said.append("Joints are dry, without shear; a cell of the grid is an asperity.")
+    said.append("No fluid pressure acts on walls, and no shear; a cell of the grid is an asperity.")
     if any(rock.max_normal_stress_is_assumed for rock in configuration.rocks.values()):
         said.append("Maximum stresses are assumptions.")
     flagged = outcome["flags"]["outside_model_range"]

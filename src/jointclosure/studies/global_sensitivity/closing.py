@@ -16,7 +16,7 @@ RESPONSES = {
     "closure": "maximum closure",
     "closure_net": "maximum closure net of bulk indentation",
     "residual": "residual closure",
-    "stiffness": "normal stiffness from half to maximum stress, loading",
+    "stiffness": "normal stiffness of loading, from half of the maximum to the landing",
 }
 """What is read of each cycle. A later cycle's residual closure is that of the first and more."""
 TRIED = 8
