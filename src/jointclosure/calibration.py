@@ -76,10 +76,11 @@ class Fit(NamedTuple):
 
     def _missed(self) -> list[str]:
         """That the model hardly makes the curve, and which reading of it no wavelength gives."""
-        seldom = f"1 in {1.0 / self.p_value:.0f}" if self.p_value > 1e-3 else "1 in 1000"
+        often = self.p_value > 1e-3
+        seldom = f"about 1 in {1.0 / self.p_value:.0f}" if often else "fewer than 1 in 1000"
         warning = (
-            f"Warning: the model hardly makes this curve: fewer than {seldom} of its joints are as "
-            "far from their mean, and no interval holds; check rock, roughness, size and units"
+            f"Warning: the model hardly makes this curve: {seldom} of its joints are as far "
+            "from their mean, and no interval holds; check rock, roughness, size and units"
         )
         logs = np.log(self.measured.values)
         means, scatter = np.nanmean(self.simulated, axis=2), np.nanstd(self.simulated, axis=2)

@@ -1,6 +1,7 @@
 """Renew docs/size.md from results/size. Run by hand after `make size`."""
 
 import shutil
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -122,57 +123,47 @@ def exponents() -> str:
     return markdown(pd.DataFrame(rows))
 
 
-def collapse() -> str:
-    """What each scaling removes of the spread, on realisations that were not fitted."""
+def _by_scaling(between: str, cell: Callable, unit: str = "", only: Sequence[str] = ()) -> str:
+    """A row a scaling and a column a reading; ``cell`` makes a row of the table into words."""
     table = table_of("size_collapse")
-    table = table[table.between == "sizes and spectra"]
+    table = table[table.between == between]
     rows = []
-    for scaling in dict.fromkeys(table.scaling):
+    for scaling in only or dict.fromkeys(table.scaling):
         row = {"scaling": scaling}
         for reading, cycle in SHOWN:
             own = table[
                 (table.scaling == scaling) & (table.reading == reading) & (table.cycle == cycle)
             ].iloc[0]  # fmt: skip
-            title = f"{TITLES[reading]}, cycle {cycle}"
-            left = f"{own.left_percent:.0f} % left"
-            removed = rounded(own.removed_percent, own.removed_error)
-            row[title] = left if scaling == "none" else f"{removed}; {left}"
+            row[f"{TITLES[reading]}, cycle {cycle}{unit}"] = cell(own)
         rows.append(row)
     return markdown(pd.DataFrame(rows))
+
+
+def collapse() -> str:
+    """What each scaling removes of the spread, on realisations that were not fitted."""
+
+    def cell(own) -> str:
+        left = f"{own.left_percent:.0f} % left"
+        removed = rounded(own.removed_percent, own.removed_error)
+        return left if own.scaling == "none" else f"{removed}; {left}"
+
+    return _by_scaling("sizes and spectra", cell)
 
 
 def largest() -> str:
     """How far the largest patch is off where it was not fitted."""
-    table = table_of("size_collapse")
-    table = table[table.between == "sizes"]
-    rows = []
-    for scaling in dict.fromkeys(table.scaling):
-        row = {"scaling": scaling}
-        for reading, cycle in SHOWN:
-            own = table[
-                (table.scaling == scaling) & (table.reading == reading) & (table.cycle == cycle)
-            ].iloc[0]  # fmt: skip
-            row[f"{TITLES[reading]}, cycle {cycle} (%)"] = rounded(
-                own.largest_off_percent, own.largest_off_error
-            )
-        rows.append(row)
-    return markdown(pd.DataFrame(rows))
+    return _by_scaling(
+        "sizes", lambda own: rounded(own.largest_off_percent, own.largest_off_error), " (%)"
+    )
 
 
 def scalings() -> str:
     """The exponents of three scalings, of all sizes and spectra."""
-    table = table_of("size_collapse")
-    rows = []
-    for scaling in ("patch length, spacing", "rms height, spacing", "depth of 5 %, spacing"):
-        row = {"scaling": scaling}
-        for reading, cycle in SHOWN:
-            own = table[
-                (table.scaling == scaling) & (table.reading == reading) & (table.cycle == cycle)
-                & (table.between == "sizes and spectra")
-            ].iloc[0]  # fmt: skip
-            row[f"{TITLES[reading]}, cycle {cycle}"] = own.exponents.replace("_", " ")
-        rows.append(row)
-    return markdown(pd.DataFrame(rows))
+    return _by_scaling(
+        "sizes and spectra",
+        lambda own: own.exponents.replace("_", " "),
+        only=("patch length, spacing", "rms height, spacing", "depth of 5 %, spacing"),
+    )
 
 
 def barton_bandis() -> str:

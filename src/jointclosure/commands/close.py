@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import math
 import time
 from collections.abc import Iterable
 from pathlib import Path
@@ -251,8 +250,5 @@ def _finite(values: Iterable[float]) -> list[float | None]:
 
 
 def _interval_mm(found: Mismatch) -> dict[str, float | None]:
-    """A mismatch wavelength and its interval [mm]; JSON has no infinity: null stands for it."""
-    return {
-        name: 1e3 * value if math.isfinite(value) else None
-        for name, value in found._asdict().items()
-    }
+    """A mismatch wavelength and its interval [mm]."""
+    return dict(zip(found._fields, _finite(1e3 * value for value in found), strict=True))

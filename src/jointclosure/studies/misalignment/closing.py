@@ -17,7 +17,7 @@ RESPONSES = {
     "closure": "maximum closure, from first touch",
     "closure_seated": "maximum closure since seating",
     "residual": "residual closure",
-    "closure_above_half": "closure of loading from half of the maximum stress to all of it",
+    "closure_above_half": "half of the maximum stress over the stiffness of loading there",
 }
 """What is read of each cycle [m]."""
 

@@ -36,7 +36,8 @@ def misalignment_table(runs: dict[str, xr.Dataset]) -> pd.DataFrame:
 
     Notes
     -----
-    The stiffness is that of the mean curve, from half of the maximum stress to all of it.
+    The stiffness is half of the maximum stress over the mean closure that it takes at the stiffness
+    of each joint (`jointclosure.ensemble.responses.cycle_responses`).
     """
     return pd.DataFrame([row for rock, run in runs.items() for row in _rows(rock, run)])
 
