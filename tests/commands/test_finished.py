@@ -1,8 +1,10 @@
 """Commands that read a finished study: none reads a file that is not the one its job wrote."""
 
 import pytest
+import xarray as xr
 
 from jointclosure.cli import main
+from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.seals import write_seal
 
 COMMANDS = {
@@ -15,10 +17,10 @@ COMMANDS = {
 @pytest.mark.parametrize("command", COMMANDS)
 def test_an_edited_study_is_refused(command, tmp_path, capsys):
     study = tmp_path / "study.nc"
-    study.write_text("as a job wrote it")
+    write_netcdf(xr.Dataset({"closure": 1.0}), study)
     (tmp_path / "seals").mkdir()
     write_seal(tmp_path / "seals/aggregate.json", [str(study)], {}, [], [])
-    study.write_text("as somebody edited it")
+    write_netcdf(xr.Dataset({"closure": 2.0}), study)  # whole, and another one
     assert main([command, str(tmp_path), *COMMANDS[command]]) == 2
     said = capsys.readouterr().err
     assert str(study) in said
