@@ -28,7 +28,6 @@ os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"
 os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
 
 import argparse
-import contextlib
 import subprocess
 import tempfile
 from pathlib import Path
@@ -41,6 +40,7 @@ from yardstick import (
     POINTS,
     SCENES,
     Pair,
+    base_case,
     by_solver,
     called_alone,
     case_settings,
@@ -54,16 +54,13 @@ from yardstick import (
     show,
     spread,
     timed,
+    timing_parts,
     warm_up,
 )
 
 import jointclosure as jc
-from jointclosure.config.typed import Configuration
-from jointclosure.ensemble.closing import close_surfaces, close_walls
-from jointclosure.ensemble.settings import Case
-from jointclosure.ensemble.slices import block_settings
-from jointclosure.ensemble.surfaces import surfaces_of, walls_of
-from jointclosure.solvers import fast
+from jointclosure.ensemble.closing import close_surfaces
+from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.storage.netcdf import reading_netcdf, write_netcdf_blocks
 
 SIZES = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512)
@@ -108,38 +105,6 @@ def elastic(arguments) -> tuple[pd.DataFrame, tuple]:
         row["worst status"] = max(int(found.status) for found in curves)
         rows.append(row | {"peak MB": peak, "before MB": before, "pair ms": 1e3 * pair.seconds})
     return pd.DataFrame(rows), (rows[0]["pairs"],)
-
-
-def base_case(configuration: Configuration, case: Case, realization: int) -> tuple[float, object]:
-    """Close a surface pair as the study does: seconds, and the dataset."""
-    block = range(realization, realization + 1)
-    settings = block_settings(configuration, {case.label: case}, case.label, block)
-    walls = next(walls_of(settings.surfaces))
-    return timed(lambda: close_walls(*walls, settings.conditions()))
-
-
-@contextlib.contextmanager
-def timing_parts():
-    """Seconds that the fast solver spends in breaking, and in equilibrium, while this holds."""
-    path = fast._PathToRest
-    spent = dict.fromkeys(("break_to_rest", "solve"), 0.0)
-    own = {name: getattr(path, name) for name in spent}
-
-    def timing(name):
-        def part(*arguments):
-            seconds, answer = timed(lambda: own[name](*arguments))
-            spent[name] += seconds
-            return answer
-
-        return part
-
-    for name in spent:
-        setattr(path, name, timing(name))
-    try:
-        yield spent
-    finally:
-        for name, method in own.items():
-            setattr(path, name, method)
 
 
 def study(arguments) -> tuple[pd.DataFrame, tuple]:

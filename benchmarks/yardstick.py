@@ -6,6 +6,7 @@ measurement, so that a machine that slows down slows both. Benchmarks set the en
 of the threads before they import this or numpy.
 """
 
+import contextlib
 import itertools
 import json
 import platform
@@ -26,8 +27,11 @@ import jointclosure as jc
 from jointclosure.config.configuration import configured, merged, merged_study
 from jointclosure.config.typed import Configuration
 from jointclosure.ensemble.cases import BASE, cases_of
+from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Case, ClosureSettings
 from jointclosure.ensemble.slices import block_settings
+from jointclosure.ensemble.surfaces import walls_of
+from jointclosure.solvers import fast
 from jointclosure.storage.text import read_csv
 
 SPACING = 0.25e-3
@@ -121,6 +125,38 @@ def median_time(function: Callable, repeats: int, before: Callable = lambda: Non
         before()
         times.append(timed(function)[0])
     return float(np.median(times))
+
+
+def base_case(configuration: Configuration, case: Case, realization: int) -> tuple[float, object]:
+    """Close a surface pair as the study does: seconds, and the dataset."""
+    block = range(realization, realization + 1)
+    settings = block_settings(configuration, {case.label: case}, case.label, block)
+    walls = next(walls_of(settings.surfaces))
+    return timed(lambda: close_walls(*walls, settings.conditions()))
+
+
+@contextlib.contextmanager
+def timing_parts():
+    """Seconds that the fast solver spends in breaking, and in equilibrium, while this holds."""
+    path = fast._PathToRest
+    spent = dict.fromkeys(("break_to_rest", "solve"), 0.0)
+    own = {name: getattr(path, name) for name in spent}
+
+    def timing(name):
+        def part(*arguments):
+            seconds, answer = timed(lambda: own[name](*arguments))
+            spent[name] += seconds
+            return answer
+
+        return part
+
+    for name in spent:
+        setattr(path, name, timing(name))
+    try:
+        yield spent
+    finally:
+        for name, method in own.items():
+            setattr(path, name, method)
 
 
 class Pair:

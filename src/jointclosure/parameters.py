@@ -95,6 +95,9 @@ class Numerics(NamedTuple):
     where that broke nothing (docs/decisions/0005-protocol.md); without, every state of it is solved
     for and searched for breakage again.
 
+    With an ``idle_interaction`` above 0 the interaction is left out of the first loading as long as
+    it would displace no contact by more than this share of the closure (docs/effects.md).
+
     A simulation ends with a status that says so beyond ``most_steps`` displacement
     steps, or ``most_breakage_steps`` breakage steps for each of its cells. Where it can
     be foreseen that it will, it is refused; infinity lifts a bound. By default they are
@@ -116,6 +119,7 @@ class Numerics(NamedTuple):
     most_steps: float = 1e5
     most_breakage_steps: float = 1e6
     replay: bool = True
+    idle_interaction: float = 0.0
 
 
 _Settings = TypeVar("_Settings", Rock, Choices, Numerics)
@@ -279,6 +283,9 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
     check_one_of("target", numerics.target, ("equilibrate", "interpolate"))
     if not isinstance(numerics.replay, bool | np.bool_):
         raise InputError(f"replay = {numerics.replay!r}: must be True or False")
+    check_number("idle_interaction", numerics.idle_interaction)
+    if not 0.0 <= numerics.idle_interaction < 1.0:
+        raise InputError(f"idle_interaction = {numerics.idle_interaction!r}: must lie in [0, 1)")
     check_one_of("solver", numerics.solver, solvers)
     for name in ("most_steps", "most_breakage_steps"):
         check_number(name, getattr(numerics, name))

@@ -55,6 +55,10 @@ _SMALLEST_STEP = 1e-6
 """Fraction of a displacement step below which a jump of the stress is accepted as one, and of
 the closure reached, where that is less: a step may be far longer than all that is needed."""
 
+_MISLED = 0.1
+"""Part of the step that passed a target in which it is no longer sought, where all shorter steps
+fell short of it."""
+
 
 class Step(NamedTuple):
     """One accepted point of the history: what was settled, and where in it.
@@ -69,12 +73,18 @@ class Step(NamedTuple):
 
 
 class History(NamedTuple):
-    """All accepted steps in order, the status bits, the total effort, and cycles replayed."""
+    """All accepted steps in order, the status bits, the total effort, and cycles replayed.
+
+    ``idle_steps`` of the first loading are without interaction, which would displace no contact by
+    more than ``idle_displacement`` of the closure there.
+    """
 
     steps: list[Step]
     status: int
     effort: Effort
     replayed: int = 0
+    idle_steps: int = 0
+    idle_displacement: float = 0.0
 
 
 class _Run:
@@ -100,6 +110,10 @@ class _Run:
         self.effort = Effort()
         self.closure_limit = _closure_limit(joint, max(cycle.maximum for cycle in cycles))
         self.most_breakage_steps = numerics.most_breakage_steps * joint.upper.size
+        self.idle_steps, self.idle_displacement = 0, 0.0
+        self.leaves_interaction_out = joint.interaction_acts and numerics.idle_interaction > 0.0
+        if self.leaves_interaction_out:
+            joint.interaction_acts = False
 
     @property
     def failed(self) -> bool:
@@ -123,6 +137,25 @@ class _Run:
         force, effort = self.solver.predict(self.joint, self.closure + step, residual)
         self.effort = self.effort.plus(effort)
         return force
+
+    def is_idle(self, settled: Settled) -> bool:
+        """Whether a state of the first loading that was settled without interaction may stand.
+
+        The certificate is `Joint.interaction_left_out`: with the interaction this state's force
+        would be reached at a closure further by that displacement at most. At the maximum the
+        interaction acts in any case, as later cycles are shorter than the first.
+        """
+        displaced = self.joint.interaction_left_out() / settled.closure
+        if settled.total_force >= self.target_force or displaced > self.numerics.idle_interaction:
+            return False
+        self.idle_steps += 1
+        self.idle_displacement = max(displaced, self.idle_displacement)
+        return True
+
+    def resume_interaction(self) -> None:
+        """Leave the interaction out no longer."""
+        self.joint.resume_interaction()
+        self.leaves_interaction_out = False
 
     def accept(self, cycle: int, branch: str, settled: Settled) -> None:
         self.closure, self.total_force = settled.closure, settled.total_force
@@ -201,7 +234,8 @@ def run_cycles(
             break
         elastic = _loop_of(run, cycle) if _is_elastic_from_here(run, broken) else None
         _note_held(run, cycle, maximum if elastic else -np.inf)
-    return History(run.steps, run.status, run.effort, replayed)
+    idle = run.idle_steps, run.idle_displacement
+    return History(run.steps, run.status, run.effort, replayed, *idle)
 
 
 def _elastic_cycles(joint, solver, numerics, cycles, extra_force) -> History:
@@ -293,6 +327,10 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
         settled = run.settle(closure, breakage_step)
         if run.failed:
             return
+        if run.leaves_interaction_out and not run.is_idle(settled):
+            run.joint.restore(before)
+            run.resume_interaction()
+            continue
         landed = abs(settled.total_force - run.target_force) <= near
         if landed and (control or closure == held):
             run.accept(cycle, LOADING, settled)
@@ -302,39 +340,46 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
             if control.must_repeat(taken, step):
                 run.joint.restore(before)
                 continue
-        if settled.total_force >= run.target_force:
-            break
-        run.accept(cycle, LOADING, settled)
-    if run.numerics.target == "interpolate":
-        _interpolate(run, cycle, LOADING, run.target_force, before, settled)
-    else:
-        _land(run, cycle, before, settled, displacement_step, breakage_step)
+        if settled.total_force < run.target_force:
+            run.accept(cycle, LOADING, settled)
+        elif run.numerics.target == "interpolate":
+            _interpolate(run, cycle, LOADING, run.target_force, before, settled)
+            return
+        elif _land(run, cycle, before, settled, displacement_step, breakage_step):
+            return
 
 
-def _land(run, cycle, before, passed, displacement_step, breakage_step) -> None:
+def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
     """Repeat the step that passed the target, smaller, until the force is within tolerance.
 
-    Where the force jumps over the target, the last state below it.
+    Where the force jumps over the target, the last state below it. Whether the loading is at its
+    end: with resolved breakage it may turn out that in shorter steps the force reaches the target
+    further on only.
     """
     near = run.numerics.stress_tolerance * run.target_force
     above, passed_again, short_again = passed, 0, 0
+    misled = 0.0
+    if run.numerics.breakage == "resolved":
+        misled = _MISLED * (passed.closure - run.closure)
     while True:
         if above.total_force - run.target_force <= near:
             run.accept(cycle, LOADING, above)
-            return
+            return True
         if run.target_force - run.total_force <= near:
             run.joint.restore(before)
-            return
+            return True
         room = above.closure - run.closure
         reached = above.closure - run.cycle_start
         resolved = float(np.spacing(abs(run.joint.first_touch) + above.closure))
         if room < _SMALLEST_STEP * min(displacement_step, reached) or room <= resolved:
             break
         run.joint.restore(before)
+        if above is passed and room < misled:
+            return False
         part = _part_to_target(run, above, passed_again, short_again)
         trial = run.settle(run.closure + part * room, breakage_step)
         if run.failed:
-            return
+            return True
         if trial.total_force > run.target_force:
             above, passed_again, short_again = trial, passed_again + 1, 0
         else:
@@ -344,6 +389,7 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> None:
     run.joint.restore(before)
     # where even the first force is beyond the target no state below it carries any
     run.status |= TARGET_JUMPED if run.total_force > 0.0 else 8 * FAILURE
+    return True
 
 
 def _part_to_target(run: _Run, above: Settled, passed_again: int, short_again: int) -> float:

@@ -83,6 +83,12 @@ ATTRIBUTES: dict[str, dict[str, Any]] = {
         ("newton_steps", "1", "steps of Newton's method"),
         ("breakage_steps", "1", "breakage steps taken"),
         ("replayed_cycles", "1", "cycles that are the unloading curve of the one before"),
+        ("idle_steps", "1", "steps of the first loading without interaction, as it was idle"),
+        (
+            "idle_displacement",
+            "1",
+            "largest displacement of a contact that was left out so, over the closure",
+        ),
         ("locked_contacts", "1", "largest number of locked contacts at a step"),
         ("solver_iterations", "1", "products with the interaction, or sweeps (reference)"),
         ("force", "N", "normal force of each contact"),
@@ -420,6 +426,8 @@ def _history_dataset(
         "newton_steps": history.effort.newton_steps,
         "breakage_steps": history.effort.breakage_steps,
         "replayed_cycles": history.replayed,
+        "idle_steps": history.idle_steps,
+        "idle_displacement": history.idle_displacement,
         "locked_contacts": max(point.locked_contacts for point in settled),
         "solver_iterations": history.effort.products,
     }

@@ -25,7 +25,7 @@ class Fields(NamedTuple):
 
 def fields_of(joint: Joint, closure: float) -> Fields:
     """Fields of a joint at rest at a closure [m], from its walls and forces."""
-    if joint.effects.interaction:
+    if joint.interaction_acts:
         displacement = interaction_field(joint.influence, joint.force)
     else:
         displacement = np.zeros(joint.upper.shape)

@@ -44,13 +44,13 @@ class StepControl:
         self._target = target_force
         self._most_rise = _RISE * numerics.tolerance * target_force
         self._most_missed = _CORRECTION * numerics.tolerance
-        self._predicted = self._lost = 0.0
+        self._predicted = self._slope = 0.0
 
     def fitting(self, step: float, force: float, predict: Callable[[float, float], float]) -> float:
         """The step, or a shorter one, before anything breaks in it [m].
 
-        Its predicted force rises so little that it need not be taken again. It passes the target by
-        what breakage is expected to take: its share of the predicted rise in the step before.
+        It lands on the target, should the force go on rising as it did in the step before; and its
+        predicted force rises so little that it need not be taken again.
 
         Parameters
         ----------
@@ -61,17 +61,19 @@ class StepControl:
         predict : callable
             The force after a step [m], if nothing broke in it [N], to a relative residual.
         """
-        room = (self._target - force) / (1.0 - self._lost)
-        allowed = min(_AIM / _RETRY * self._most_rise, room)
-        aim = min(_AIM * self._most_rise, room)
-        smallest = self._smallest if aim < room else self._smallest * _SMALLEST_STEP
+        missing = self._target - force
+        smallest = self._smallest
+        if self._slope * step > missing:
+            step = missing / self._slope
+            smallest *= _SMALLEST_STEP
+        allowed = min(_AIM / _RETRY * self._most_rise, missing / (1.0 - _MOST_LOST))
         residual = 0.1 * allowed / self._target
         for shortened in range(_MOST_SHORTENED + 1):
             self._predicted = predict(step, residual)
             rise = self._predicted - force
             if rise <= allowed or step <= smallest or shortened == _MOST_SHORTENED:
                 break
-            step = max(step * min(max(aim / rise, 0.1), 0.97), smallest)
+            step = max(step * min(max(_AIM * allowed / rise, 0.1), 0.97), smallest)
         return step
 
     def following(self, step: float, force: float, settled: Settled) -> float:
@@ -82,10 +84,7 @@ class StepControl:
         tolerance, of the force and a twentieth of the target; and so is the rise of
         the force, as what a step jumps over breaks at the end of it.
         """
-        rise = self._predicted - force
-        if rise > 0.0:
-            lost = (self._predicted - settled.total_force) / rise
-            self._lost = min(max(lost, 0.0), _MOST_LOST)
+        self._slope = (settled.total_force - force) / step
         scale = settled.total_force + 0.05 * self._target
         missed = settled.correction / (self._most_missed * scale)
         risen = (settled.total_force - force) / self._most_rise

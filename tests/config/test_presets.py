@@ -84,7 +84,8 @@ def test_words_are_settled_in_an_order_that_lets_them_stand_together():
     both = keys_of({"numerics": {"accuracy": 0.02}, "choices": {"largest_radius_mm": 20.0}})
     found = configured(both | {"effects": "auto"}, lambda path: TABLE)
     assert found.typed.effects_chosen_to == 0.02
-    assert found.typed.numerics == Numerics(breakage="resolved", tolerance=0.02, curve_points=60)
+    chosen = Numerics(breakage="resolved", tolerance=0.02, curve_points=60, idle_interaction=0.02)
+    assert found.typed.numerics == chosen
     assert "1 %" in found.said
 
 

@@ -160,6 +160,8 @@ def _typed(keys: dict) -> Configuration:
     study = keys["study"]
     rocks = {name: _rock(keys["rocks"][name], si["effects"]) for name in study["rocks"]}
     auto = si["effects"]["auto"]
+    if si["numerics"]["idle_interaction"] is None:
+        si["numerics"]["idle_interaction"] = auto or 0.0
     if si["output"]["largest_stress"] is None:
         si["output"]["largest_stress"] = max(rock.max_normal_stress for rock in rocks.values())
     return Configuration(

@@ -372,6 +372,12 @@ class NumericsKeys(Keys):
         "Whether a cycle like the one before, whose unloading broke nothing, is that unloading's "
         "curve, up and down; false: it is closed again."
     )
+    idle_interaction: float | None = entry(
+        "The interaction is left out of the first loading while it would displace no contact by "
+        "more than this share of the closure; 0: never; null: effects.auto, where that is given.",
+        ge=0,
+        lt=1,
+    )
 
 
 class StatisticsKeys(Keys):

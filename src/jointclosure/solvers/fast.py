@@ -17,9 +17,9 @@ The first round begins in one of three ways:
   before. Where nothing breaks, the joint opens, or it is closed again to where it is known to hold
   (`Joint.held_to`: an extrapolation may be too low, and break what holds), the step is elastic: the
   forces are extrapolated too, and the equilibrium is solved as exactly as asked;
-- resolved breakage: an equilibrium in which no contact carries more than its strength,
-  docs/decisions/0010-resolved-breakage.md. By how much the force at rest misses its
-  force is the measure of the step's error.
+- resolved breakage: an equilibrium in which no contact carries more than its strength, from forces
+  and interaction that are extrapolated, docs/decisions/0010-resolved-breakage.md. By how much the
+  force at rest misses its force is the measure of the step's error.
 
 At last the residual is computed anew from walls and forces alone. Where it exceeds what
 was asked for, the solution is tightened, and where that is of no avail it has failed.
@@ -49,6 +49,8 @@ PROVISIONAL_TOLERANCES = (1e-2, 1e-4)
 BAND = 10.0
 """Width of the band about its strength in which a contact rests, over `Numerics.tolerance`."""
 MOST_ROUNDS = 1000
+_CLEAR_OF_STRENGTH = 0.98
+"""Share of its strength below which a contact whose force is roughly known is taken to hold."""
 
 
 class FastSolver:
@@ -67,7 +69,7 @@ class FastSolver:
             if not joint.effects.breakage:
                 path.solve(asked)
             elif _resolved(joint):
-                predicted = path.begin_within_strength(asked)
+                predicted = path.begin_within_strength(step, asked)
                 path.alternate(asked)
             else:
                 path.begin_extrapolated(step, asked)
@@ -89,21 +91,23 @@ class FastSolver:
     def predict(self, joint: Joint, closure: float, residual: float) -> tuple[float, Effort]:
         """Total force [N] at a closure [m] before anything breaks there (resolved breakage).
 
-        Solved to a relative residual, which need not be below that of the joint's numerics, nor may
-        be above that which suffices to find what breaks.
+        Solved to a relative residual, which need not be below that of the joint's numerics.
 
-        Forces and interaction of the joint become those predicted, its walls stay. Infinite where
-        no equilibrium was found.
+        Walls, forces and interaction of the joint stay; its rates become those of the prediction,
+        from which the next prediction or the step itself begins. Infinite where no equilibrium was
+        found.
         """
         path = _PathToRest(joint, closure, np.nan)
         before = joint.interaction.copy(), joint.force.copy()
+        step = closure - float(joint.closure)
         try:
-            loosest = _stages(joint.numerics.force_tolerance)[0]
             finest = joint.numerics.force_tolerance
-            force = float(path.solve(min(max(residual, finest), loosest)).force.sum())
+            path.extrapolate(step)
+            force = float(path.solve(max(residual, finest)).force.sum())
+            _note_rates(joint, before, step)
         except _GivenUp:
             force = np.inf
-            joint.interaction[:], joint.force[:] = before
+        joint.interaction[:], joint.force[:] = before
         return force, Effort(0, path.rounds, path.newton_steps, path.products)
 
 
@@ -150,9 +154,18 @@ class _PathToRest:
             np.maximum(joint.force + step * joint.force_rate, 0.0, out=joint.force)
             self.solve(asked)
 
-    def begin_within_strength(self, asked: float) -> float:
-        """First equilibrium with resolved breakage; the total force [N] that it predicts."""
-        return float(self.solve(_stages(asked)[0]).force.sum())
+    def begin_within_strength(self, step: float, asked: float) -> float:
+        """First equilibrium with resolved breakage, a closure ``step`` [m] after the last one; the
+        total force [N] that it predicts."""
+        self.extrapolate(step)
+        may_break = step > 0.0 and self.closure > self.joint.held_to
+        return float(self.solve(_stages(asked)[0] if may_break else asked).force.sum())
+
+    def extrapolate(self, step: float) -> None:
+        """Forces and interaction a closure ``step`` [m] after the last one, by their rates."""
+        joint = self.joint
+        joint.interaction += step * joint.interaction_rate
+        np.maximum(joint.force + step * joint.force_rate, 0.0, out=joint.force)
 
     def alternate(self, asked: float) -> None:
         """Rounds until an equilibrium to the residual that is asked for breaks nothing."""
@@ -162,7 +175,7 @@ class _PathToRest:
             if self.break_to_rest() == 0:
                 if self.solved_to <= asked:
                     return
-                stage += 1
+                stage = len(stages) - 1 if self._is_clear_of_strength() else stage + 1
             self.solve(stages[stage])
 
     def tighten(self, finer: float) -> None:
@@ -231,6 +244,17 @@ class _PathToRest:
             raise _GivenUp(RIGID_CONTACT if answer.residual == np.inf else NOT_CONVERGED)
         self.solved_to = tolerance
         return answer
+
+    def _is_clear_of_strength(self) -> bool:
+        """Whether no contact is near its strength, so that a finer solution breaks nothing either.
+
+        Only a guess, which saves a stage: what the finer solution breaks is seen all the same.
+        """
+        if not _resolved(self.joint):
+            return False
+        contacts = self._contacts()
+        force = self.joint.force.ravel()[contacts.cells]
+        return not bool((force > _CLEAR_OF_STRENGTH * contacts.limit).any())
 
     def _contacts(self) -> Contacts:
         """What may carry force; with resolved breakage no more than it can bear."""

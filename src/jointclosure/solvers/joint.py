@@ -99,6 +99,7 @@ class Joint:
         self.upper = np.array(upper, dtype=np.float64, order="C")
         self.lower = np.array(lower, dtype=np.float64, order="C")
         self.effects, self.choices, self.numerics = effects, choices, numerics
+        self.interaction_acts = effects.interaction  # False while it is left out
         self.law: ContactLaw = contact_law(spacing, rock, effects, choices)
         self.first_touch = float((self.upper + self.lower).max())
         self.tie_tolerance = choices.tie_tolerance * roughness(self.upper, self.lower)
@@ -118,10 +119,29 @@ class Joint:
             *self.upper.shape, law.base_radius, law.substrate_modulus, law.spacing
         )
 
-    @cached_property
+    @property
     def influence(self) -> Influence | None:
-        """The interaction as a convolution; None in a scene without."""
-        return influence_of(self.influence_table) if self.effects.interaction else None
+        """The interaction as a convolution; None where it does not act."""
+        return self._influence if self.interaction_acts else None
+
+    @cached_property
+    def _influence(self) -> Influence:
+        return influence_of(self.influence_table)
+
+    def resume_interaction(self) -> None:
+        """Have the interaction act again: at first, that of the present forces."""
+        self.interaction_acts = self.effects.interaction
+        self.interaction[:] = interaction_field(self._influence, self.force)
+
+    def interaction_left_out(self) -> float:
+        """Largest displacement [m] of a contact by the interaction of the present forces.
+
+        While the interaction is left out this is a bound of what it would be on these walls at this
+        closure: it moves contacts apart, so that with it each carries less, and displaces the
+        others less.
+        """
+        field = interaction_field(self._influence, self.force)
+        return float(field[self.force > 0.0].max(initial=0.0))
 
     @cached_property
     def neighbours(self) -> Neighbours:
@@ -185,7 +205,7 @@ class Joint:
 
     def mean_interaction(self) -> float:
         """Mean displacement of all cells by the interaction: the bulk indentation [m]."""
-        if not self.effects.interaction:
+        if not self.interaction_acts:
             return 0.0
         return float(np.sum(self._mean_displacement * self.force))
 
@@ -215,7 +235,7 @@ class Joint:
             overlapping = self.overlapping(closure)
         cells, overlap, curvature, compliance = overlapping
         force = self.force.ravel()[cells]
-        if self.effects.interaction and total > 0.0 and not rigid:
+        if self.interaction_acts and total > 0.0 and not rigid:
             overlap = overlap - interaction_field(self.influence, self.force).ravel()[cells]
         answer = separate_equilibrium(self.contacts(cells, overlap, compliance), 0.0)
         misfit = np.inf if rigid else share * float(np.abs(answer - force).sum())

@@ -182,12 +182,12 @@ class ReferenceSolver:
         """Bring the joint to rest at a closure [m]; breakage in steps [m]."""
         effects, law = joint.effects, joint.law
         kernel_ = reference_kernel(
-            effects.interaction,
+            joint.interaction_acts,
             effects.breakage,
             effects.gouge,
             joint.choices.peaks == "current",
         )
-        table = joint.influence_table if effects.interaction else np.zeros((1, 1))
+        table = joint.influence_table if joint.interaction_acts else np.zeros((1, 1))
         # cells that lost contact since the last step carry nothing
         summed = joint.upper + joint.lower + (closure - joint.first_touch)
         joint.force[summed <= 0.0] = 0.0

@@ -78,6 +78,7 @@ class NumericsKeys(Keys):
     most_steps: float = entry(_AS)
     most_breakage_steps: float = entry(_AS)
     replay: bool = entry(_AS)
+    idle_interaction: float = entry(_AS)
 
 
 class SameAsKeys(Keys):
