@@ -5,7 +5,12 @@ import pandas as pd
 import pytest
 
 from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
-from jointclosure.studies.sensitivity.conclusions import DEPENDS, conclusion_table
+from jointclosure.studies.sensitivity.conclusions import (
+    DEPENDS,
+    JUDGED_ELSEWHERE,
+    ONLY_CONFIGURED,
+    conclusion_table,
+)
 
 ALL, ONE = "a; b; c; d", "a"
 
@@ -32,17 +37,23 @@ def told(verdict, readings=None, share=None, number="5a", response="closure", cy
         given["readings"]["title"] = [f"reading {i}" for i in range(len(readings))]
     if share is not None:
         rows = [(number.split(",")[0], response, cycle, "all", *share)]
-        rows.append((number.split(",")[0], "other", cycle, "all", np.nan, np.nan))
+        rows.append((number.split(",")[0], "other", cycle, "all", *[np.nan] * 3))
         given["choices"] = pd.DataFrame(
-            rows, columns=["number", "response", "cycle", "rock", "share", "share_error"]
-        )
+            rows,
+            columns=["number", "response", "cycle", "rock", "share", "share_low", "share_high"],
+        ).assign(share_error=0.01)
     (row,) = conclusion_table(claims, half_widths, **given).itertuples()
     return row
 
 
-def test_a_verdict_stays_where_nothing_else_was_studied():
+@pytest.mark.parametrize("readings", [None, [(STANDS, ONE, True)] * 2])
+def test_what_nothing_tried_in_all_rocks_is_known_as_configured_only(readings):
+    row = told(STANDS, readings and [(STANDS, ALL, False), *readings])
+    assert row.conclusion == ONLY_CONFIGURED[STANDS]
+
+
+def test_what_was_not_studied_is_left_empty():
     row = told(STANDS)
-    assert row.conclusion == STANDS
     assert (row.jrc_half_width, row.jrc_found_share, row.jrc_found_error) == (2.0, 0.7, 0.03)
     assert (row.jrc_found_low, row.jrc_found_high) == (0.64, 0.76)
     assert np.isnan(row.readings_stand)
@@ -66,30 +77,51 @@ def test_a_reading_of_the_other_verdict_turns_a_conclusion(verdict, readings, ex
     assert row.conclusion == expected
     assert (row.opposed_by != "") == (expected == DEPENDS)
     allowed = sum(each[2] for each in readings)
-    assert row.readings_stand + row.readings_fall + row.readings_open == allowed
+    counts = [
+        getattr(row, f"{kind}_{name}")
+        for kind in ("readings", "partial")
+        for name in ("stand", "fall", "open")
+    ]
+    assert sum(counts) == allowed
+
+
+def test_readings_of_one_rock_are_counted_by_themselves():
+    readings = [(STANDS, ALL, True), (STANDS, ONE, True), (CANNOT_BE_TOLD, ONE, True)]
+    row = told(STANDS, readings)
+    assert (row.readings_stand, row.readings_fall, row.readings_open) == (1, 0, 0)
+    assert (row.partial_stand, row.partial_fall, row.partial_open) == (1, 0, 1)
+    assert row.opened_by == "reading 2"
 
 
 @pytest.mark.parametrize(
     ("verdict", "share", "expected"),
     [
-        (STANDS, (1.0, 0.0), STANDS),
-        (STANDS, (0.95, 0.02), STANDS),
-        (STANDS, (0.8, 0.1), CANNOT_BE_TOLD),
-        (STANDS, (0.5, 0.1), DEPENDS),
-        (FALLS, (0.0, 0.0), FALLS),
-        (FALLS, (0.5, 0.1), DEPENDS),
+        (STANDS, (1.0, 0.94, 1.0), STANDS),
+        (STANDS, (0.95, 0.91, 0.99), STANDS),
+        (STANDS, (0.8, 0.6, 1.0), CANNOT_BE_TOLD),
+        (STANDS, (1.0, 0.8, 1.0), CANNOT_BE_TOLD),
+        (STANDS, (0.5, 0.3, 0.7), DEPENDS),
+        (FALLS, (0.0, 0.0, 0.06), FALLS),
+        (FALLS, (0.0, 0.0, 0.2), CANNOT_BE_TOLD),
+        (FALLS, (0.5, 0.3, 0.7), DEPENDS),
     ],
 )
 def test_choices_turn_a_conclusion_where_fewer_than_nine_tenths_agree(verdict, share, expected):
+    """By the whole interval of the share: (value, low, high)."""
     row = told(verdict, share=share)
     assert row.conclusion == expected
-    assert (row.choices_share, row.choices_error) == share
+    assert (row.choices_share, row.choices_share_low, row.choices_share_high) == share
 
 
 def test_a_claim_net_of_bulk_indentation_is_held_against_net_closures():
-    row = told(STANDS, share=(0.3, 0.0), number="5a, net", response="closure_net")
+    row = told(STANDS, share=(0.3, 0.2, 0.4), number="5a, net", response="closure_net")
     assert (row.choices_share, row.conclusion) == (0.3, DEPENDS)
 
 
 def test_a_claim_that_choices_were_not_asked_about_has_no_share():
-    assert np.isnan(told(STANDS, share=(0.3, 0.0), number="6b").choices_share)
+    assert np.isnan(told(STANDS, share=(0.3, 0.2, 0.4), number="6b").choices_share)
+
+
+def test_what_a_sensitivity_study_has_nothing_on_is_judged_elsewhere():
+    assert told(CANNOT_BE_TOLD, number="8").conclusion == JUDGED_ELSEWHERE
+    assert told(CANNOT_BE_TOLD, number="5d").conclusion == CANNOT_BE_TOLD

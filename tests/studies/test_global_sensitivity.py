@@ -8,8 +8,11 @@ import xarray as xr
 
 from jointclosure.config.files import ConfigurationError, read_plain
 from jointclosure.ensemble.surfaces import walls_of
+from jointclosure.plotting.global_sensitivity import conclusions as drawn_conclusions
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.studies.global_sensitivity.closing import RESPONSES, close_rows, costs
-from jointclosure.studies.global_sensitivity.conclusions import conclusion_table
+from jointclosure.studies.global_sensitivity.conclusions import conclusion_tables
 from jointclosure.studies.global_sensitivity.design import (
     design_of,
     keys_at,
@@ -127,16 +130,105 @@ def test_the_choice_that_doubles_the_closure_has_most_of_its_variance(world, des
 
 
 def test_conclusions_hold_for_the_share_of_choices_for_which_they_are_true(world, design, keys):
-    table = conclusion_table(design, keys, world)
+    table, margins = conclusion_tables(design, keys, world)
     assert set(table.rock) == {"dolerite", "slate", "all"}
     for number in ("1a", "2a", "3", "5a", "5b", "5c"):
         assert (table[table.number == number].share > 0.95).all(), number
+        assert (table[table.number == number].rows_true == 64).all(), number
+    assert set(table[table.number == "4"].cycle) == {2}
+    assert set(margins.input) == {each.name for each in design.inputs}
     switched = {name: each.copy() for name, each in world.items()}
     for each in switched.values():
         each["closure"] = 1.0 / each.closure
-    shares = conclusion_table(design, keys, switched)
+    shares = conclusion_tables(design, keys, switched)[0]
     shares = shares[shares.response == "closure"].set_index("number").share
     assert (shares[["5a", "5b", "5c"]] < 0.05).all()
+
+
+def test_a_share_is_never_known_closer_than_its_rows_could_tell(world, design, keys):
+    table = conclusion_tables(design, keys, world)[0]
+    sure = table[(table.number == "5a") & (table.rock == "all")]
+    assert (sure.share_error == 0.0).all()
+    # of 64 rows that all agree: Wilson's 95 % interval, 64/(64 + 1.96^2)
+    np.testing.assert_allclose(sure.share_low, 64 / (64 + 1.96**2), rtol=1e-4)
+    assert (sure.share_high == 1.0).all()
+
+
+def mixed(world, design, part: float) -> dict:
+    """Closures that also go as E^3 at such a part of the points of the first input, in a rock."""
+    changed = {name: each.copy(deep=True) for name, each in world.items()}
+    points = design.points()
+    for rock, at in (("dolerite", 0.0), ("slate", 1.0 - part)):
+        here = (points[:, :, 0] >= at) & (points[:, :, 0] < at + part)
+        low, high = (78e9 - 8e9, 78e9 + 7e9) if rock == "dolerite" else (60e9, 72e9)
+        modulus = low + (high - low) * points[:, :, 1]
+        factor = np.where(here, (modulus / low) ** 3, 1.0)[:, :, None, None]
+        changed[rock]["closure"] = changed[rock].closure * factor
+    return changed
+
+
+def test_the_error_of_all_rocks_at_once_is_that_of_their_share(world, design, keys):
+    """Not the largest of single rocks, which may be far from it, on either side."""
+    table = conclusion_tables(design, keys, mixed(world, design, 0.5))[0]
+    here = table[(table.number == "5a") & (table.response == "closure") & (table.cycle == 2)]
+    single, whole = here[here.rock != "all"], here[here.rock == "all"].iloc[0]
+    assert whole.share < 0.2 < single.share.min()
+    assert whole.share_error < 0.5 * single.share_error.max()
+
+
+def test_a_margin_goes_with_the_input_that_turns_the_conclusion(world, design, keys):
+    margins = conclusion_tables(design, keys, mixed(world, design, 0.5))[1]
+    here = margins[(margins.number == "5a") & (margins.response == "closure")]
+    assert (here[here.input == "poisson_ratio"].share > 0.9).all()
+    assert (here[here.input != "poisson_ratio"].share < 0.1).all()
+
+
+def test_a_regression_that_misses_a_change_leaves_more_than_noise(world, design, keys):
+    random = np.random.default_rng(5)
+    noisy = {}
+    for name, each in world.items():
+        noise = np.exp(0.01 * random.standard_normal(each.closure.shape))
+        noisy[name] = each.assign(closure=each.closure * noise)
+    fits = elasticity_table(design, keys, noisy)
+    fits = fits[fits.response == "closure"]
+    assert fits.fit_over_noise.between(0.4, 2.0).all()
+    missed = elasticity_table(design, keys, mixed(noisy, design, 0.5))
+    of_modulus = missed[(missed.response == "closure") & (missed.input == "youngs_modulus")]
+    assert (of_modulus.fit_over_noise > 2.0).all()
+
+
+@pytest.mark.parametrize("left", [["youngs_modulus", "jrc", "peaks"], ["peaks", "radius"]])
+def test_a_design_without_all_properties_has_tables_without_conclusions(left, tmp_path):
+    """Their columns are there, so that figures are drawn: without conclusions, or without all."""
+    radius = {"title": "radius", "key": "choices.base_radius_in_cells", "between": [0.25, 0.5]}
+    keys = keys_of(**section(rows=16, inputs={"radius": radius}))
+    keys["global_sensitivity"]["inputs"] = {
+        name: each for name, each in keys["global_sensitivity"]["inputs"].items() if name in left
+    }
+    keys["global_sensitivity"]["dependent"] = []
+    design = design_of(keys)
+    random = np.random.default_rng(1)
+    shape = (16, len(left) + 2, 2, 2)
+    closed = {
+        rock: xr.Dataset(
+            {
+                name: (("row", "point", "surface", "cycle"), 1.0 + random.random(shape))
+                for name in RESPONSES
+            },
+            coords={"row": np.arange(16), "cycle": [1, 2]},
+        )
+        for rock in design.rocks
+    }
+    conclusions, margins = conclusion_tables(design, keys, closed)
+    write_csv(conclusions, tmp_path / "conclusions.csv")
+    write_csv(margins, tmp_path / "margins.csv")
+    write_csv(elasticity_table(design, keys, closed), tmp_path / "elasticities.csv")
+    for file in tmp_path.iterdir():
+        assert "input" in read_csv(file) or "rock" in read_csv(file)
+    assert read_csv(tmp_path / "conclusions.csv").empty
+    save_figure(drawn_conclusions(read_csv(tmp_path / "conclusions.csv"), {}), tmp_path / "c.png")
+    elasticities = read_csv(tmp_path / "elasticities.csv")
+    assert set(elasticities.input) == set(left) - {"peaks", "radius"}
 
 
 def test_a_row_with_a_failed_simulation_is_left_out(world, design):

@@ -15,6 +15,7 @@ rule conclude:
         jrc_range=f"{RESULTS}/tables/jrc_range_claims.csv",
         readings=ancient(beside("readings")[0]),
         choices=ancient(beside("choices")[0]),
+        margins=ancient(beside("margins")[0]),
         seals=seals_of("judge_claims", "draw_jrc_range")
         + beside("readings")[1]
         + beside("choices")[1],

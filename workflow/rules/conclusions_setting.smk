@@ -3,6 +3,7 @@ from jointclosure.config.files import DEFAULT, read_plain
 
 BESIDE = {
     "readings": ("readings", "readings.csv", "weigh_readings"),
+    "margins": ("global_sensitivity", "global_margins.csv", "weigh_together"),
     "choices": ("global_sensitivity", "global_conclusions.csv", "weigh_together"),
 }
 

@@ -12,7 +12,7 @@ TOGETHER_FILES = [
     for rock in (TOGETHER_DESIGN.rocks if TOGETHER else [])
     for first in TOGETHER_BLOCKS
 ]
-TOGETHER_TABLES = ["indices", "elasticities", "conclusions"]
+TOGETHER_TABLES = ["indices", "elasticities", "conclusions", "margins"]
 TOGETHER_FIGURES = ["indices", "convergence", "conclusions"]
 
 

@@ -5,13 +5,16 @@ from jointclosure.logbook import Logbook
 from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.studies.sensitivity.conclusions import conclusion_table
 
+BESIDE = ("readings", "choices", "margins")
+"""Tables of other studies."""
+
 
 def main(inputs: dict, outputs: dict, log: Logbook) -> None:
     """Write the table; what was not run beside the study is left empty."""
-    beside = {name: read_csv(inputs[name]) for name in ("readings", "choices") if inputs[name]}
+    beside = {name: read_csv(inputs[name]) for name in BESIDE if inputs[name]}
     table = conclusion_table(read_csv(inputs["claims"]), read_csv(inputs["jrc_range"]), **beside)
     write_csv(table, outputs["table"])
-    for name in {"readings", "choices"} - set(beside):
+    for name in set(BESIDE) - set(beside):
         log(f"{name}: was not run beside this study, and is left empty")
     log(f"wrote {outputs['table']}")
 

@@ -9,13 +9,13 @@ from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import write_csv
-from jointclosure.studies.global_sensitivity.conclusions import conclusion_table
+from jointclosure.studies.global_sensitivity.conclusions import conclusion_tables
 from jointclosure.studies.global_sensitivity.design import Design
 from jointclosure.studies.global_sensitivity.table import elasticity_table, index_table
 
 
 def main(settings: dict, files: list[str], outputs: list[str], log: Logbook) -> None:
-    """Write the three tables."""
+    """Write the tables."""
     design, keys = from_plain(Design, settings["design"]), settings["configuration"]
     closed = {
         rock: xr.concat(
@@ -24,10 +24,12 @@ def main(settings: dict, files: list[str], outputs: list[str], log: Logbook) -> 
         )
         for rock in design.rocks
     }
+    conclusions, margins = conclusion_tables(design, keys, closed)
     tables = {
         "indices": index_table(design, closed),
         "elasticities": elasticity_table(design, keys, closed),
-        "conclusions": conclusion_table(design, keys, closed),
+        "conclusions": conclusions,
+        "margins": margins,
     }
     for output in outputs:
         table = tables[Path(output).stem.removeprefix("global_")]

@@ -91,7 +91,11 @@ def frequency(found) -> Frequency:
         raise InputError(
             f"found: {found.dtype} {found.shape}, must be one row of booleans, one a repetition"
         )
-    count, n = int(found.sum()), found.size
+    return frequency_of(int(found.sum()), found.size)
+
+
+def frequency_of(count: int, n: int) -> Frequency:
+    """How often, from a count of n repetitions."""
     share = count / n
     low, high = scipy.stats.binomtest(count, n).proportion_ci(method="wilson")
     error = float(np.sqrt(share * (1.0 - share) / n))

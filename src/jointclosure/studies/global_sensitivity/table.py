@@ -23,17 +23,45 @@ GROUPS = 16
 """Groups of rows of the jackknife, where fits are repeated."""
 CHOICES_DRAWN = 4096
 """Choices drawn, over which a conclusion is asked."""
+INDEX_COLUMNS = ("rock", "response", "cycle", "rows", "input", "title", "total", "total_error")
+"""Those that a table of indices has also where there are none."""
+ELASTICITY_COLUMNS = (
+    "rock", "response", "cycle", "input",
+    "elasticity", "elasticity_error", "spread", "spread_error",
+    "share_positive", "share_positive_error", "fit_over_noise",
+)  # fmt: skip
 
 
 class Responses(NamedTuple):
-    """A response (row, point, surface) of a rock and a cycle, with its points; whole rows only."""
+    """A response (row, point, surface) of a rock and a cycle, with its points; whole rows only.
+
+    ``rows`` are their numbers in the design, ``left_out`` how many are not whole.
+    """
 
     rock: str
     name: str
     cycle: int
+    rows: np.ndarray
     points: np.ndarray
     values: np.ndarray
     left_out: int
+
+
+class Elasticities(NamedTuple):
+    """Elasticities of a response by property, of a rock.
+
+    ``inputs`` (k) by name; ``drawn`` (k, n) at n drawn choices, ``left_out`` (k, groups, n) the
+    same without each group of rows; ``single`` (k, N) of each row alone, with its noise, and
+    ``rows`` (N,) their numbers; ``fit_over_noise`` (k,): what the regression leaves of the rows'
+    changes, over what two surfaces differ by (1: noise alone).
+    """
+
+    inputs: list[str]
+    drawn: np.ndarray
+    left_out: np.ndarray
+    single: np.ndarray
+    rows: np.ndarray
+    fit_over_noise: np.ndarray
 
 
 def responses_of(design: Design, closed: Mapping[str, xr.Dataset]) -> Iterator[Responses]:
@@ -52,8 +80,9 @@ def responses_of(design: Design, closed: Mapping[str, xr.Dataset]) -> Iterator[R
                     continue
                 values = whole[name].sel(cycle=cycle).values
                 good = np.isfinite(values).all(axis=(1, 2))
-                own = points[whole.row.values[good]]
-                yield Responses(rock, name, cycle, own, values[good], int((~good).sum()))
+                rows = whole.row.values[good]
+                left_out = int((~good).sum())
+                yield Responses(rock, name, cycle, rows, points[rows], values[good], left_out)
 
 
 def index_table(design: Design, closed: Mapping[str, xr.Dataset]) -> pd.DataFrame:
@@ -87,7 +116,7 @@ def index_table(design: Design, closed: Mapping[str, xr.Dataset]) -> pd.DataFram
         if enough:  # all of the rows came last
             fits.append((about, _resampled(each, design.values)))
     if not fits:
-        return pd.DataFrame(rows)
+        return pd.DataFrame(columns=list(INDEX_COLUMNS))
     return pd.DataFrame(rows).merge(_shapley_table(design, fits), how="left")
 
 
@@ -99,34 +128,36 @@ def elasticity_table(design: Design, keys: dict, closed) -> pd.DataFrame:
     DataFrame
         ``rock``, ``response``, ``cycle``, ``input``; ``elasticity``, its mean over all else;
         ``spread``, its standard deviation over all else; ``share_positive`` of all else for which
-        it is above 0; each with its jackknife error. A response that is not positive everywhere
-        has none.
+        it is above 0; each with its jackknife error; ``fit_over_noise``. A response that is not
+        positive everywhere has none.
     """
     rows = []
     for each in filter(has_elasticities, responses_of(design, closed)):
-        names, whole, left_out = elasticities_at(design, keys, each, choices_drawn(design))
+        if not _properties(design, keys, each.rock):
+            continue
+        found = elasticities_at(design, keys, each, choices_drawn(design))
 
-        def read(found: np.ndarray) -> dict[str, np.ndarray]:
+        def read(drawn: np.ndarray) -> dict[str, np.ndarray]:
             return {
-                "elasticity": found.mean(axis=-1),
-                "spread": found.std(axis=-1),
-                "share_positive": (found > 0.0).mean(axis=-1),
+                "elasticity": drawn.mean(axis=-1),
+                "spread": drawn.std(axis=-1),
+                "share_positive": (drawn > 0.0).mean(axis=-1),
             }
 
-        values = read(whole)
-        errors = {name: jackknife_error(parts) for name, parts in read(left_out).items()}
+        values = read(found.drawn)
+        errors = {name: jackknife_error(parts.T) for name, parts in read(found.left_out).items()}
         about = {"rock": each.rock, "response": each.name, "cycle": each.cycle}
-        for place, name in enumerate(names):
+        for place, name in enumerate(found.inputs):
             row = about | {"input": name}
             for column in values:
                 row[column] = values[column][place]
                 row[f"{column}_error"] = errors[column][place]
-            rows.append(row)
-    return pd.DataFrame(rows)
+            rows.append(row | {"fit_over_noise": found.fit_over_noise[place]})
+    return pd.DataFrame(rows, columns=list(ELASTICITY_COLUMNS))
 
 
-def elasticities_at(design: Design, keys: dict, each: Responses, at: np.ndarray):
-    """d ln(response)/d ln(property) at drawn choices, of all rows and without groups of rows.
+def elasticities_at(design: Design, keys: dict, each: Responses, at: np.ndarray) -> Elasticities:
+    """d ln(response)/d ln(property) at drawn choices (n, d), and what is known of each row.
 
     Between the two points of a row that differ in a property alone, on the same surfaces,
 
@@ -134,49 +165,66 @@ def elasticities_at(design: Design, keys: dict, each: Responses, at: np.ndarray)
 
     with the first function t_j of each input (`jointclosure.statistics.orthonormal`); least
     squares. Each b_j is multiplied by 1 - (error/b_j)^2, or 0: noise is no variation.
-
-    Parameters
-    ----------
-    design : Design
-    keys : dict
-    each : Responses
-    at : array (n, d)
-        Points of the unit cube.
-
-    Returns
-    -------
-    names : list of str
-        The properties that have elasticities.
-    whole : array (k, n)
-    left_out : array (groups, k, n)
     """
-    columns = np.stack(_first_functions(at, design.values), axis=-1)
-    names, whole, left_out = [], [], []
+    drawn_functions = first_functions(at, design.values)
+    functions = first_functions(each.points[:, 0], design.values)
     logarithms = np.log(each.values)
-    for place, one in enumerate(design.inputs):
-        if not (one.property and is_positive(one, keys, each.rock)):
-            continue
+    inputs, answers = [], []
+    for place, one in _properties(design, keys, each.rock):
         others = [other for other in range(len(design.inputs)) if other != place]
         step = _logarithm(one, keys, each.rock, each.points[:, 2 + place, place])
         step = step - _logarithm(one, keys, each.rock, each.points[:, 0, place])
-        change = (logarithms[:, 2 + place] - logarithms[:, 0]).mean(axis=-1)
-        here = np.stack(_first_functions(each.points[:, 0], design.values), axis=-1)
-        matrix = np.column_stack([np.ones(len(step)), here[:, others]]) * step[:, None]
-        slopes = [_least_squares(matrix, change, rows) for rows in _kept(len(step))]
-        squares, noise = slopes[0] ** 2, jackknife_error(np.stack(slopes[1:])) ** 2
-        factors = np.divide(squares - noise, squares, out=0.0 * squares, where=squares > noise)
-        factors[0] = 1.0
-        drawn = np.column_stack([np.ones(len(at)), columns[:, others]])
-        found = [drawn @ (factors * slope) for slope in slopes]
-        names.append(one.name)
-        whole.append(found[0])
-        left_out.append(np.stack(found[1:]))
-    return names, np.stack(whole), np.stack(left_out, axis=1)
+        change = logarithms[:, 2 + place] - logarithms[:, 0]  # (row, surface)
+        matrix = np.column_stack([np.ones(len(step)), functions[:, others]]) * step[:, None]
+        slopes = _shrunk_slopes(matrix, change.mean(axis=-1), each.rows)
+        columns = np.column_stack([np.ones(len(at)), drawn_functions[:, others]])
+        drawn = np.stack([columns @ slope for slope in slopes])
+        inputs.append(one.name)
+        answers.append(
+            (drawn[0], drawn[1:], change.mean(axis=-1) / step, _over_noise(matrix, change))
+        )
+    drawn, left_out, single, over_noise = map(np.array, zip(*answers, strict=True))
+    return Elasticities(inputs, drawn, left_out, single, each.rows, over_noise)
+
+
+def _properties(design: Design, keys: dict, rock: str) -> list[tuple[int, Input]]:
+    """Inputs that have elasticities, with their places."""
+    return [
+        (place, one)
+        for place, one in enumerate(design.inputs)
+        if one.property and is_positive(one, keys, rock)
+    ]
+
+
+def _shrunk_slopes(matrix: np.ndarray, change: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Slopes (1 + groups, columns) of all rows and without each group, noise taken off."""
+    slopes = np.stack([_least_squares(matrix, change, own) for own in _kept(rows)])
+    squares, noise = slopes[0] ** 2, jackknife_error(slopes[1:]) ** 2
+    factors = np.divide(squares - noise, squares, out=0.0 * squares, where=squares > noise)
+    factors[0] = 1.0
+    return factors * slopes
+
+
+def _over_noise(matrix: np.ndarray, change: np.ndarray) -> float:
+    """Variance that the fit leaves of mean changes, over that by which two surfaces differ."""
+    rows, columns = matrix.shape
+    if rows <= columns:
+        return np.nan
+    mean = change.mean(axis=-1)
+    left = mean - matrix @ _least_squares(matrix, mean, np.arange(rows))
+    noise = np.mean((change[:, 0] - change[:, 1]) ** 2) / 4.0  # of a mean of two
+    return float((left**2).sum() / (rows - columns) / noise) if noise > 0.0 else np.nan
+
+
+def first_functions(points: np.ndarray, values: tuple[int, ...]) -> np.ndarray:
+    """The first function of each input at points (n, d): (n, d)."""
+    terms = tuple(Term(((one, 0),)) for one in range(len(values)))
+    return design_matrix(points, values, terms)
 
 
 def has_elasticities(each: Responses) -> bool:
-    """Whether a response has a logarithm at all points."""
-    return bool((each.values > 0.0).all())
+    """Whether a response has a logarithm at all points of some rows."""
+    return bool(each.values.size and (each.values > 0.0).all())
 
 
 def choices_drawn(design: Design) -> np.ndarray:
@@ -229,24 +277,18 @@ def _resampled(each: Responses, counts) -> list[Fit]:
     mean = each.values.mean(axis=-1)
     return [
         fitted(each.points[rows].reshape(-1, d), mean[rows].ravel(), counts)
-        for rows in _kept(len(mean))
+        for rows in _kept(each.rows)
     ]
 
 
-def _kept(n: int) -> list[np.ndarray]:
-    """All rows, and all but a group, in turn."""
-    groups = (np.arange(first, n, GROUPS) for first in range(GROUPS))
-    return [np.arange(n), *(np.setdiff1d(np.arange(n), group) for group in groups)]
+def _kept(rows: np.ndarray) -> list[np.ndarray]:
+    """Places of all rows, and of all but a group, in turn; groups are by the rows' numbers."""
+    group = rows % GROUPS
+    return [np.arange(rows.size), *(np.flatnonzero(group != one) for one in range(GROUPS))]
 
 
 def _least_squares(matrix: np.ndarray, change: np.ndarray, rows: np.ndarray) -> np.ndarray:
     return np.linalg.lstsq(matrix[rows], change[rows], rcond=None)[0]
-
-
-def _first_functions(points: np.ndarray, values: tuple[int, ...]) -> list[np.ndarray]:
-    """The first function of each input at points (n, d)."""
-    terms = tuple(Term(((one, 0),)) for one in range(len(values)))
-    return list(design_matrix(points, values, terms).T)
 
 
 def _logarithm(one: Input, keys: dict, rock: str, u: np.ndarray) -> np.ndarray:

@@ -58,8 +58,8 @@ CLAIMS: dict[str, tuple[str, Callable[[Response], float]]] = {
         lambda r: r.sensitivity(E, 2) - r.others((E,), 2),
     ),
     "2b": (
-        "Young's modulus does not matter most on cycle 1",
-        lambda r: r.others((E,), 1) - r.sensitivity(E, 1),
+        "Young's modulus matters most on cycle 1",
+        lambda r: r.sensitivity(E, 1) - r.others((E,), 1),
     ),
     "3": (
         "Compressive strength is next on cycle 2",

@@ -56,7 +56,7 @@ def _least_sensitive(cycle: int) -> Rule:
     return Rule(numbers, found)
 
 
-def _most_sensitive(cycle: int, variable: str = TARGET, negated: bool = False) -> Rule:
+def _most_sensitive(cycle: int, variable: str = TARGET) -> Rule:
     def numbers(sample, figure):
         if not _varies(sample, _ALL, cycle):
             return []
@@ -68,7 +68,7 @@ def _most_sensitive(cycle: int, variable: str = TARGET, negated: bool = False) -
             return None
         return findings.shortest(studies.percents(rock, cycle, variable), E)
 
-    return Rule(numbers, found, negated)
+    return Rule(numbers, found)
 
 
 def _second_most_sensitive(cycle: int) -> Rule:
@@ -173,7 +173,7 @@ RULES: dict[str, Rule] = {
     "1b": _no_effect_within_figure(),
     "2a": _most_sensitive(2),
     "2a, net": _most_sensitive(2, NET),
-    "2b": _most_sensitive(1, negated=True),
+    "2b": _most_sensitive(1),
     "3": _second_most_sensitive(2),
     "4": _sensitivity_falls(JRC),
     "5a": _trend(E, 2, -1),

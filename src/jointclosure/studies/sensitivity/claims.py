@@ -43,7 +43,9 @@ from jointclosure.studies.sensitivity.responses import (
 CONFIDENCE = 0.95
 YES, NO = "yes", "no"
 _TABLE_3 = "table 3"
-_ELSEWHERE = {
+OURS = "ours"
+"""Where a claim is said that is a variant of ours, and not the paper's."""
+ELSEWHERE = {
     "7": "a study has one setting of the steps; docs/accuracy.md has what they are worth",
     "8": "the measured curves are not available",
 }
@@ -82,17 +84,18 @@ def judge_claims(evidence: Evidence, claims: pd.DataFrame, paper: pd.DataFrame) 
     ----------
     evidence : Evidence
     claims : DataFrame
-        What the paper says: number, claim, parameter, cycle, figure, shown.
+        What the paper says: number, claim, said_in, parameter, cycle, figure, shown.
     paper : DataFrame
         Its Table 3.
 
     Returns
     -------
     DataFrame
-        ``verdict``: whether it is true of the model, by the number in ``model`` that decides
-        it, of each rock. ``found_share``: of the repetitions, with its binomial error and 95 %
-        interval; ``found_here``: whether the study as made finds it; ``paper_finds``: whether
-        the paper's own Table 3 does. In a study of other rocks only, the columns of the paper
+        ``said_in``: where the paper has it, or `OURS`. ``verdict``: whether it is true of the
+        model, by the number in ``model`` that decides it, of each rock. ``found_share``: of the
+        repetitions, with its binomial error and 95 % interval; ``found_here``: whether the study
+        as made finds it; ``paper_finds``: whether the paper's own Table 3 does. In a study of
+        other rocks only, the columns of the paper
         are left out, and claims that cannot be judged.
     """
     judged = _judged(evidence, paper)
@@ -100,22 +103,27 @@ def judge_claims(evidence: Evidence, claims: pd.DataFrame, paper: pd.DataFrame) 
     for claim in claims.itertuples():
         figure = None if pd.isna(claim.figure) else float(claim.figure)
         row = {"number": claim.number, "claim": _said(claim.claim, figure)}
+        row["said_in"] = claim.said_in
         row["paper"] = _papers_figures(claim, paper, judged.samples)
         rule = RULES.get(claim.number)
         if rule is None:
-            row |= {"model": _ELSEWHERE.get(claim.number, ""), "verdict": CANNOT_BE_TOLD}
+            row |= {"model": ELSEWHERE.get(claim.number, ""), "verdict": CANNOT_BE_TOLD}
         else:
             row |= _true(rule, judged.samples, figure) | _found(rule, judged, figure)
-            if claim.shown == _TABLE_3 and not claim.number.endswith("net"):
+            if claim.shown == _TABLE_3 and claim.said_in != OURS:
                 found = _finds(rule, judged.paper, figure)
                 row["paper_finds"] = None if found is None else YES if found[0] else NO
         rows.append(row)
-    columns = ["number", "claim", "paper", "paper_finds", "model", "verdict"]
+    columns = ["number", "claim", "said_in", "paper", "paper_finds", "model", "verdict"]
     columns += ["found_here", "found_share", "found_error", "found_low", "found_high"]
     table = pd.DataFrame(rows, columns=columns)
     if not judged.paper.drawn:
         judgeable = table.number.isin(list(RULES)) & table.model.ne("")
-        table = table[judgeable].drop(columns=["paper", "paper_finds"]).reset_index(drop=True)
+        table = (
+            table[judgeable]
+            .drop(columns=["said_in", "paper", "paper_finds"])
+            .reset_index(drop=True)
+        )
     return table
 
 

@@ -4,9 +4,14 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
+from jointclosure.studies.sensitivity.claims import ELSEWHERE
 
 DEPENDS = "depends on what is unstated"
 """Said of a conclusion that is true under some readings or choices, and false under others."""
+ONLY_CONFIGURED = {each: f"{each} as configured" for each in (STANDS, FALLS)}
+"""Said of one that no reading of all rocks and no choice tried: not trying is no agreement."""
+JUDGED_ELSEWHERE = "judged elsewhere"
+"""Said of one that a sensitivity study has nothing on."""
 
 NEARLY_ALL = 0.9
 """Share of the open choices for which a verdict must hold to be said without them."""
@@ -16,7 +21,9 @@ OF_CHOICES = {
     "1a, cycle 2": ("1a", "closure", 2),
     "2a": ("2a", "closure", 2),
     "2a, net": ("2a", "closure_net", 2),
+    "2b": ("2a", "closure", 1),
     "3": ("3", "closure", 2),
+    "4": ("4", "closure", 2),
     "5a": ("5a", "closure", 2),
     "5a, net": ("5a", "closure_net", 2),
     "5b": ("5b", "closure", 2),
@@ -26,6 +33,9 @@ OF_CHOICES = {
 
 FOUND = ("found_share", "found_error", "found_low", "found_high")
 """Columns on how often studies find a claim: share, standard error, 95 % interval."""
+SHARES = ("share", "share_error", "share_low", "share_high")
+"""Columns of the share of choices; ``choices_share`` and so on here."""
+COUNTS = {"stand": STANDS, "fall": FALLS, "open": CANNOT_BE_TOLD}
 
 _MOST_NAMED = 3
 
@@ -35,6 +45,7 @@ def conclusion_table(
     jrc_range: pd.DataFrame,
     readings: pd.DataFrame | None = None,
     choices: pd.DataFrame | None = None,
+    margins: pd.DataFrame | None = None,
 ) -> pd.DataFrame:
     """What each claim rests on, and what is left of it.
 
@@ -45,29 +56,34 @@ def conclusion_table(
     jrc_range : DataFrame
         How often studies find each claim where a JRC is known to a range (`jrc_range_tables`).
     readings : DataFrame, optional
-        Table of `make readings`. Those that the paper's text rules out do not count, and a claim
-        about all rocks stands only in a reading that closed all of them.
-    choices : DataFrame, optional
-        Shares of the open choices of `make global-sensitivity`.
+        Table of `make readings`. Those that the paper's text rules out do not count. One that
+        closed some rocks only can contradict a claim about all, and not confirm it.
+    choices, margins : DataFrame, optional
+        Shares of the open choices of `make global-sensitivity`, and what margins go with.
 
     Returns
     -------
     DataFrame
-        A row a claim: ``number``, ``claim``, ``verdict`` as configured, `FOUND` of studies by the
-        paper's protocol, ``jrc_half_width`` and the same at the largest one, ``readings_stand``,
-        ``readings_fall`` and ``readings_open`` (numbers), ``opposed_by`` (titles of readings of
-        the opposite verdict), ``choices_share`` and ``choices_error`` (in all rocks at once), and
-        the ``conclusion``: the verdict, where no reading is opposed and at least `NEARLY_ALL` of
-        the choices agree; `DEPENDS`, where one is opposed or fewer agree; "cannot be told" where
-        the verdict is that, or the share of choices is not known well enough (two standard
-        errors). What was not studied does not count.
+        A row a claim: ``number``, ``claim``, ``said_in``, ``verdict`` as configured, `FOUND` of
+        studies by the paper's protocol, ``jrc_half_width`` and the same at the largest one;
+        verdicts of readings (numbers) that closed all rocks (``readings_stand``,
+        ``readings_fall``, ``readings_open``) and of those that closed some (``partial_stand``
+        and so on: true there, false there, open there); ``opposed_by`` and ``opened_by`` (titles
+        of readings that contradict the verdict, and that leave it open); ``choices_share`` with
+        its error and interval (in all rocks at once); ``moved_by``, the input with which the
+        margin varies most, and its share of the margin's variance in the rocks; and the
+        ``conclusion``: the verdict, where no reading is opposed and at least `NEARLY_ALL` of the
+        choices agree by the whole of their interval; `DEPENDS`, where one is opposed or fewer
+        agree by all of it; "cannot be told" where the verdict is that, or the interval has
+        `NEARLY_ALL` within; `ONLY_CONFIGURED` where neither was tried.
     """
     rows = []
     for claim in claims.itertuples():
         row = {"number": claim.number, "claim": claim.claim, "verdict": claim.verdict}
+        row["said_in"] = getattr(claim, "said_in", "")
         row |= {name: getattr(claim, name) for name in FOUND}
         row |= _of_jrc(claim.number, jrc_range) | _of_readings(claim, readings)
-        row |= _of_choices(claim.number, choices)
+        row |= _of_choices(claim.number, choices, margins)
         rows.append(row | {"conclusion": _conclusion(row)})
     return pd.DataFrame(rows)
 
@@ -83,44 +99,66 @@ def _of_readings(claim, readings: pd.DataFrame | None) -> dict:
     """Verdicts of the readings that the paper allows."""
     column = f"claim {claim.number}"
     if readings is None or column not in readings:
-        return dict.fromkeys(("readings_stand", "readings_fall", "readings_open"), np.nan) | {
-            "opposed_by": ""
-        }
+        counts = [f"{kind}_{name}" for kind in ("readings", "partial") for name in COUNTS]
+        return dict.fromkeys(counts, np.nan) | {"opposed_by": "", "opened_by": ""}
     allowed = readings[readings.allowed]
-    verdicts = allowed[column].copy()
-    whole = allowed.rocks.str.len() == allowed.rocks.str.len().max()
-    verdicts[(verdicts == STANDS) & ~whole & (claim.verdict == FALLS)] = CANNOT_BE_TOLD
-    opposite = {STANDS: FALLS, FALLS: STANDS}.get(claim.verdict)
-    opposed = allowed[verdicts == opposite].title.tolist()
-    named = "; ".join(opposed[:_MOST_NAMED])
-    rest = len(opposed) - _MOST_NAMED
+    verdicts = allowed[column]
+    whole = allowed.rocks.str.len() == readings.rocks.str.len().max()
+    opposed = verdicts == {STANDS: FALLS, FALLS: STANDS}.get(claim.verdict)
+    opposed &= whole | (verdicts == FALLS)
+    opened = (verdicts == CANNOT_BE_TOLD) & (claim.verdict != CANNOT_BE_TOLD)
     return {
-        "readings_stand": int((verdicts == STANDS).sum()),
-        "readings_fall": int((verdicts == FALLS).sum()),
-        "readings_open": int((verdicts == CANNOT_BE_TOLD).sum()),
-        "opposed_by": f"{named}; {rest} more" if rest > 0 else named,
+        f"{kind}_{name}": int((verdicts[own] == verdict).sum())
+        for kind, own in (("readings", whole), ("partial", ~whole))
+        for name, verdict in COUNTS.items()
+    } | {
+        "opposed_by": _named(allowed.title[opposed].tolist()),
+        "opened_by": _named(allowed.title[opened].tolist()),
     }
 
 
-def _of_choices(number: str, choices: pd.DataFrame | None) -> dict:
+def _named(titles: list[str]) -> str:
+    named = "; ".join(titles[:_MOST_NAMED])
+    rest = len(titles) - _MOST_NAMED
+    return f"{named}; {rest} more" if rest > 0 else named
+
+
+def _of_choices(number: str, choices: pd.DataFrame | None, margins: pd.DataFrame | None) -> dict:
     """Share of the choices for which a claim is true in all rocks at once."""
-    if choices is None or number not in OF_CHOICES:
-        return {"choices_share": np.nan, "choices_error": np.nan}
-    name, response, cycle = OF_CHOICES[number]
-    here = (choices.number == name) & (choices.response == response) & (choices.cycle == cycle)
-    (own,) = choices[here & (choices.rock == "all")].itertuples()
-    return {"choices_share": own.share, "choices_error": own.share_error}
+    where = OF_CHOICES.get(number)
+    own = _rows_of(choices, where)
+    (row,) = own[own.rock == "all"].to_dict("records") or [dict.fromkeys(SHARES, np.nan)]
+    moved = _rows_of(margins, where).dropna(subset="share")
+    answer: dict = {f"choices_{name}": row[name] for name in SHARES} | {"moved_by": ""}
+    if len(moved):
+        most = moved.groupby("title", sort=False).share.mean().idxmax()
+        shares = 100.0 * moved.share[moved.title == most]
+        answer["moved_by"] = f"{most} ({shares.min():.0f} to {shares.max():.0f} %)"
+    return answer
+
+
+def _rows_of(table: pd.DataFrame | None, where: tuple[str, str, int] | None) -> pd.DataFrame:
+    if table is None or where is None:
+        return pd.DataFrame(columns=["rock", "title", *SHARES])
+    name, response, cycle = where
+    here = (table.number == name) & (table.response == response) & (table.cycle == cycle)
+    return table[here]
 
 
 def _conclusion(row: dict) -> str:
     verdict = row["verdict"]
+    if row["number"] in ELSEWHERE:
+        return JUDGED_ELSEWHERE
     if verdict == CANNOT_BE_TOLD:
         return CANNOT_BE_TOLD
     if row["opposed_by"]:
         return DEPENDS
-    if np.isnan(row["choices_share"]):
-        return verdict
-    agree = row["choices_share"] if verdict == STANDS else 1.0 - row["choices_share"]
-    if agree + 2.0 * row["choices_error"] < NEARLY_ALL:
+    low, high = row["choices_share_low"], row["choices_share_high"]
+    if np.isnan(low):
+        tried = row["readings_stand"] + row["readings_fall"] + row["readings_open"] > 0
+        return verdict if tried else ONLY_CONFIGURED[verdict]
+    if verdict == FALLS:
+        low, high = 1.0 - high, 1.0 - low
+    if high < NEARLY_ALL:
         return DEPENDS
-    return verdict if agree - 2.0 * row["choices_error"] >= NEARLY_ALL else CANNOT_BE_TOLD
+    return verdict if low >= NEARLY_ALL else CANNOT_BE_TOLD
