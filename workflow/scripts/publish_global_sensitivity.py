@@ -7,10 +7,12 @@ Run by hand after `make global-sensitivity`, `make jrc-range` and
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 from markers import fill
 from publish_measured import markdown
 
+from jointclosure.config.properties import PARAMETERS
 from jointclosure.statistics.standard_errors import rounded
 from jointclosure.storage.text import read_csv
 
@@ -25,8 +27,18 @@ SHOWN = (
     ("closure", 2, "closure, cycle 2"),
     ("closure_net", 2, "net closure, cycle 2"),
     ("residual", 1, "residual closure"),
+    ("compliance", 1, "compliance, cycle 1"),
     ("compliance", 2, "compliance, cycle 2"),
 )
+CASES = (
+    (1, "closure", "cycle 1"),
+    (1, "closure_net", "cycle 1, net"),
+    (2, "closure", "cycle 2"),
+    (2, "closure_net", "cycle 2, net"),
+)
+"""Cycle and response that conclusions are about."""
+SHOWN_FROM = 0.1
+"""Share of a margin's variance from which on an input is shown."""
 
 
 def span(values: pd.Series, errors: pd.Series, digits: int = 2) -> str:
@@ -34,26 +46,76 @@ def span(values: pd.Series, errors: pd.Series, digits: int = 2) -> str:
     return f"{values.min():.{digits}f} to {values.max():.{digits}f} (± {errors.max():.{digits}f})"
 
 
-def indices() -> str:
-    """Total indices of each input, and the Shapley effect on the second cycle."""
+def whole() -> pd.DataFrame:
+    """Indices of all rows."""
     table = read_csv(RESULTS / "tables/global_indices.csv")
-    table = table[table.rows == table.rows.max()]
+    return table[table.rows == table.rows.max()]
+
+
+def indices(kind: str) -> str:
+    """First or total indices of each input."""
     rows = []
-    for name in dict.fromkeys(table.input):
-        own = table[table.input == name]
-        row = {"input": own.title.iloc[0]}
-        for response, cycle, title in SHOWN:
+    for title, own in whole().groupby("title", sort=False):
+        row = {"input": title}
+        for response, cycle, name in SHOWN:
             part = own[(own.response == response) & (own.cycle == cycle)]
-            row[title] = span(part.total, part.total_error)
-        part = own[(own.response == "closure") & (own.cycle == 1)]
-        for column, title in (
-            ("shapley", "Shapley, cycle 1"),
-            ("shapley_dependent", "the same, E and σc correlated"),
-        ):
-            known = part[column].notna().any()
-            row[title] = span(part[column], part[f"{column}_error"]) if known else ""
+            known = part[kind].notna().any()
+            row[name] = span(part[kind], part[f"{kind}_error"]) if known else ""
+        if any(list(row.values())[1:]):
+            rows.append(row)
+    return markdown(pd.DataFrame(rows))
+
+
+def shapley() -> str:
+    """Shapley effects on the closures, with and without dependent inputs."""
+    table = whole()[lambda own: (own.response == "closure") & own.shapley.notna()]
+    rows = []
+    for title, own in table.groupby("title", sort=False):
+        row = {"input": title}
+        for cycle, part in own.groupby("cycle"):
+            for column, name in (
+                ("shapley", f"cycle {cycle}"),
+                ("shapley_dependent", f"cycle {cycle}, E and σc correlated"),
+            ):
+                row[name] = span(part[column], part[f"{column}_error"])
         rows.append(row)
     return markdown(pd.DataFrame(rows))
+
+
+def cost() -> str:
+    """Size of the design, and the processor time that its jobs took."""
+    simulations = read_csv(RESULTS / "tables/global_estimate.csv").simulations.sum()
+    files = (RESULTS / "benchmarks").rglob("*.tsv")
+    minutes = sum(pd.read_csv(file, sep="\t").cpu_time.sum() for file in files) / 60.0
+    return (
+        f"{whole().rows.max():.0f} rows, {simulations:,} joints of 64 x 64 cells, {minutes:.0f} "
+        f"minutes of processor time. Least to largest of the four rocks, with the largest "
+        f"standard error.\n"
+    )
+
+
+def convergence() -> str:
+    """How the largest index of the first cycle goes with the rows, and what the fit has."""
+    table = read_csv(RESULTS / "tables/global_indices.csv")
+    own = table[(table.response == "closure") & (table.cycle == 1) & (table.input == "roll_off")]
+    of_rocks = "; ".join(
+        f"{rock} {', '.join(f'{value:.2f}' for value in part.sort_values('rows').total)}"
+        for rock, part in own.groupby("rock", sort=False)
+    )
+    rows = ", ".join(f"{each:.0f}" for each in sorted(own.rows.unique()))
+    last = own[own.rows == own.rows.max()]
+    fits = whole().drop_duplicates(["rock", "response", "cycle"])
+    shares = []
+    for response, cycle, name in SHOWN:
+        part = fits[(fits.response == response) & (fits.cycle == cycle)].fit_share
+        shares.append(f"{name}: {part.min():.2f} to {part.max():.2f}")
+    return (
+        f"The largest index of the first cycle, the roll-off's, from {rows} rows: {of_rocks}. "
+        f"From all rows it is known to ± {100 * (last.total_error / last.total).max():.0f} % of "
+        f"itself or better; {min(own.rows):.0f} rows "
+        f"are too few. The fitted polynomial has this much of the variance found (1: all of it; "
+        f"above 1 where the rows found less than it has): {'; '.join(shares)}.\n"
+    )
 
 
 def elasticities() -> str:
@@ -70,6 +132,8 @@ def elasticities() -> str:
                 for each in own.itertuples():
                     row[each.rock] = rounded(each.elasticity, each.elasticity_error)
                 row["varies by"] = span(own.spread, own.spread_error)
+                fit = own.fit_over_noise
+                row["fit over noise"] = f"{fit.min():.1f} to {fit.max():.1f}"
                 rows.append(row)
     return markdown(pd.DataFrame(rows))
 
@@ -78,19 +142,53 @@ def conclusions() -> str:
     """Shares of choices for which conclusions hold: the least of a rock, and in all rocks."""
     table = read_csv(RESULTS / "tables/global_conclusions.csv")
     rows = []
-    for (number, said), own in table.groupby(["number", "conclusion"], sort=False):
+    for (number, said), own in table.groupby(["number", "conclusion"]):
         row = {"": number, "conclusion": said}
-        for cycle in (1, 2):
-            for response, net in (("closure", ""), ("closure_net", ", net")):
-                part = own[(own.cycle == cycle) & (own.response == response)]
-                whole = part[part.rock == "all"].iloc[0]
-                least = part[part.rock != "all"].sort_values("share").iloc[0]
-                row[f"cycle {cycle}{net} (%)"] = (
-                    f"{_percent(least.share, least.share_error)}; all "
-                    f"{_percent(whole.share, whole.share_error)}"
-                )
+        for cycle, response, name in CASES:
+            part = own[(own.cycle == cycle) & (own.response == response)]
+            if part.empty:
+                row[f"{name} (%)"] = ""
+                continue
+            together = part[part.rock == "all"].iloc[0]
+            least = part[part.rock != "all"].sort_values("share").iloc[0]
+            row[f"{name} (%)"] = f"{_between(least)}; all {_between(together)}"
         rows.append(row)
     return markdown(pd.DataFrame(rows))
+
+
+def single_rows() -> str:
+    """At how many rows a conclusion is true of the row's own changes."""
+    table = read_csv(RESULTS / "tables/global_conclusions.csv")
+    rows = []
+    for (number, said), own in table.groupby(["number", "conclusion"]):
+        row = {"": number, "conclusion": said}
+        for cycle, response, name in CASES:
+            part = own[(own.cycle == cycle) & (own.response == response)]
+            of_rocks = part[part.rock != "all"].rows_true
+            row[name] = f"{of_rocks.min()} to {of_rocks.max()}" if len(part) else ""
+        rows.append(row)
+    return markdown(pd.DataFrame(rows))
+
+
+def ranking() -> str:
+    """Shares of the variance of a ranking's margin over the choices, by input and rock."""
+    table = read_csv(RESULTS / "tables/global_margins.csv")
+    table = table[(table.cycle == 2) & table.number.isin(["1a", "2a"])]
+    rows = []
+    for (number, said), own in table.groupby(["number", "conclusion"]):
+        for title, part in own.groupby("title", sort=False):
+            row = {"": number, "conclusion": said, "varies with": title}
+            for each in part.itertuples():
+                net = ", net" if each.response == "closure_net" else ""
+                row[f"{each.rock}{net}"] = f"{each.share:.2f} ± {each.share_error:.2f}"
+            if part.share.max() >= SHOWN_FROM:
+                rows.append(row)
+    return markdown(pd.DataFrame(rows))
+
+
+def _between(row: pd.Series) -> str:
+    """A share in percent, and its 95 % interval."""
+    return f"{100 * row.share:.0f} ({100 * row.share_low:.0f} to {100 * row.share_high:.0f})"
 
 
 def _percent(share: float, error: float) -> str:
@@ -98,25 +196,31 @@ def _percent(share: float, error: float) -> str:
 
 
 def jrc_range() -> str:
-    """S/mean and median lengths at each half-width of the JRC, least and largest of the rocks."""
+    """S/mean, median lengths and the share of dashes at each half-width of the JRC, over rocks."""
     table = read_csv(PAPER / "tables/jrc_range.csv")
     rows = []
     names = {"base": "S/mean (%)", "joint p": "p of the paper's Table 3"}
     for (name, cycle), own in table.groupby(["parameter", "cycle"], sort=False):
-        if name not in ("base", "jrc", "youngs_modulus", "joint p"):
-            continue
         title = names.get(name, f"median length of {name.replace('_', ' ')} (%)")
-        row = {"": title, "cycle": cycle or ""}
+        row, dashes = {"": title, "cycle": cycle or ""}, {"": "its dashes (%)", "cycle": cycle}
         for half_width, part in own.groupby("half_width"):
             title = f"JRC ± {half_width:g}" if half_width else "JRC known"
-            digits = 2 if name == "joint p" else 1
-            row[title] = (
-                span(part.value, part.standard_error, digits)
-                if len(part) > 1
-                else rounded(part.value.iloc[0], part.standard_error.iloc[0])
-            )
-        rows.append(row)
+            row[title] = _lengths(part, digits=2 if name == "joint p" else 1)
+            without = 100.0 * part.share_without_root
+            dashes[title] = f"{without.min():.0f} to {without.max():.0f}"
+        rows += [row, dashes] if name in PARAMETERS else [row]
     return markdown(pd.DataFrame(rows))
+
+
+def _lengths(part: pd.DataFrame, digits: int) -> str:
+    """Least and largest of the rocks; an infinite median is a dash, as in Table 3."""
+    if len(part) == 1:
+        return rounded(part.value.iloc[0], part.standard_error.iloc[0])
+    known = part[np.isfinite(part.value)]
+    if known.empty:
+        return "–"
+    text = span(known.value, known.standard_error, digits)
+    return text if len(known) == len(part) else f"{text}; {len(part) - len(known)} –"
 
 
 def jrc_claims() -> str:
@@ -145,7 +249,7 @@ def more_rows() -> str:
     return (
         f'The least certain share is that of "{worst.conclusion}" on cycle {worst.cycle}{net}: '
         f"{_percent(worst.share, worst.share_error)} %. Errors fall as one over the square root of "
-        f"the rows: {enough:,} rows would bring it to {100 * ENOUGH:.0f} %, and take "
+        f"the rows: {enough:,} rows would bring it below {100 * ENOUGH:.0f} %, and take "
         f"{minutes * enough / rows / 60:.0f} core-hours where these {rows} took "
         f"{minutes / 60:.1f}.\n"
     )
@@ -174,7 +278,10 @@ def full_size() -> str:
 
 def main() -> None:
     """Fill the document, and copy its figures."""
-    parts = {"indices": indices(), "elasticities": elasticities(), "conclusions": conclusions()}
+    parts = {"cost": cost(), "indices": indices("total"), "first": indices("first")}
+    parts |= {"shapley": shapley(), "convergence": convergence()}
+    parts |= {"elasticities": elasticities(), "conclusions": conclusions()}
+    parts |= {"single rows": single_rows(), "ranking": ranking()}
     parts |= {"more rows": more_rows(), "full size": full_size()}
     parts |= {"jrc range": jrc_range(), "jrc claims": jrc_claims()}
     fill(ROOT / "docs/global_sensitivity.md", parts)

@@ -17,6 +17,8 @@ from jointclosure.statistics.standard_errors import rounded, variation_of
 from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv
+from jointclosure.studies.sensitivity.claims import OURS
+from jointclosure.studies.sensitivity.conclusions import JUDGED_ELSEWHERE
 
 ROOT = Path(__file__).parents[2]
 PAPER = ROOT / "results/paper"
@@ -24,7 +26,7 @@ EXCLUDED = 0.05
 """Joint p below which the README says that Table 3 excludes the model (decision 0013)."""
 
 
-VERDICTS = {STANDS: "stand", FALLS: "fall", CANNOT_BE_TOLD: "cannot be told"}
+VERDICTS = {STANDS: "are true of the model", FALLS: "are false", CANNOT_BE_TOLD: "cannot be told"}
 SHOWN = ("This study", "The paper")
 """Tables of table_3_indifference.md that are shown, by their titles."""
 
@@ -72,15 +74,19 @@ def _without_percent(cell: str) -> str:
 
 
 def claim_table() -> str:
-    """Claims: true of the model, found by how many studies, and by the paper's own table."""
+    """Claims: who says so, true of the model, found by studies, and in the paper's own table."""
     claims = read_csv(PAPER / "tables/claims.csv")
     rows = []
     for row in claims.itertuples():
         found = percent_text(row.found_share, row.found_error, row.found_low, row.found_high)
         own = "" if pd.isna(row.paper_finds) else row.paper_finds
-        rows.append(f"| {row.number} | {row.claim} | {row.verdict} | {found} | {own} |")
-    head = "| | claim | true of the model | studies that find it | in the paper's Table 3 |\n"
-    return head + "|---|---|---|---|---|\n" + "\n".join(rows) + "\n"
+        rows.append(
+            f"| {row.number} | {row.claim} | {row.said_in} | {row.verdict} | {found} | {own} |"
+        )
+    heads = ["", "claim", "said in", "true of the model", "studies that find it"]
+    heads += ["in the paper's Table 3"]
+    head = f"| {' | '.join(heads)} |\n"
+    return head + "|---" * len(heads) + "|\n" + "\n".join(rows) + "\n"
 
 
 def picture() -> str:
@@ -109,13 +115,19 @@ def outcome() -> str:
     """All entries together, and what is true of the paper's claims: the finding in short."""
     whole = read_csv(PAPER / "tables/table_3_joint_tests.csv").iloc[0]
     said = "exclude" if whole.p < EXCLUDED else "do not exclude"
-    counts = read_csv(PAPER / "tables/claims.csv").verdict.value_counts()
-    verdicts = ", ".join(f"{counts.get(word, 0)} {words}" for word, words in VERDICTS.items())
+    claims = read_csv(PAPER / "tables/conclusions.csv")
+    claims = claims[claims.said_in != OURS]
+    asked = claims[claims.conclusion != JUDGED_ELSEWHERE]
+    configured = asked.verdict.value_counts()
+    verdicts = ", ".join(f"{configured.get(word, 0)} {words}" for word, words in VERDICTS.items())
+    left = asked.conclusion.value_counts()
     return (
         f"Together the paper's {whole.number} entries {said} this model "
         f"(p {_sign(whole.p, whole.p_error)}; without any effect of the properties: "
-        f"p {_sign(whole.null_p, whole.null_p_error)}). Of {counts.sum()} claims of the paper "
-        f"{verdicts}.\n"
+        f"p {_sign(whole.null_p, whole.null_p_error)}). Of {len(asked)} claims of the paper on "
+        f"sensitivity and cycles, as configured, {verdicts}. With what the paper leaves open "
+        f"varied, {left.get(STANDS, 0)} still stand and {left.get(FALLS, 0)} fall "
+        f"([conclusions](docs/conclusions.md)).\n"
     )
 
 

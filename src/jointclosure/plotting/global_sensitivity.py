@@ -122,7 +122,7 @@ def conclusions(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     Parameters
     ----------
     table : DataFrame
-        From `jointclosure.studies.global_sensitivity.conclusions.conclusion_table`; where it
+        From `jointclosure.studies.global_sensitivity.conclusions.conclusion_tables`; where it
         is empty the figure says so.
     titles : dict
         Of rocks.
@@ -134,7 +134,8 @@ def conclusions(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
         return figure
     rocks = [*(rock for rock in dict.fromkeys(table.rock) if rock != "all"), "all"]
     colours = {rock: f"C{number}" for number, rock in enumerate(rocks)} | {"all": "0.15"}
-    rows = list(table[["number", "conclusion"]].drop_duplicates().itertuples(index=False))
+    said = table[["number", "conclusion"]].drop_duplicates().sort_values("number")
+    rows = list(said.itertuples(index=False))
     figure, panels = subplots(
         1, 4, figsize=(12.0, 1.6 + 0.55 * len(rows)), layout="constrained", sharex=True, sharey=True
     )
@@ -146,8 +147,9 @@ def conclusions(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
             own = here[here.rock == rock].set_index("number").reindex([row[0] for row in rows])
             axes.errorbar(
                 100.0 * own.share, places + 0.14 * ((len(rocks) - 1) / 2.0 - number),
-                xerr=100.0 * _WIDTH * own.share_error, fmt="D" if rock == "all" else "o", ms=4.5,
-                color=colours[rock], lw=0.8, label=titles.get(rock, "in all rocks at once"),
+                xerr=100.0 * np.array([own.share - own.share_low, own.share_high - own.share]),
+                fmt="D" if rock == "all" else "o", ms=4.5, color=colours[rock], lw=0.8,
+                label=titles.get(rock, "in all rocks at once"),
             )  # fmt: skip
         net = ", net of bulk\nindentation" if response == "closure_net" else ""
         axes.set_title(f"cycle {cycle}{net}", fontsize=10)

@@ -12,6 +12,7 @@ from jointclosure.progress import duration
 from jointclosure.report import findings, running, settings, summary
 from jointclosure.report.curves import MOST_JOINTS, explorer_data
 from jointclosure.report.page import Picture
+from jointclosure.studies.sensitivity.claims import OURS
 
 
 class Material(NamedTuple):
@@ -69,7 +70,7 @@ def content(material: Material) -> dict:
         "rocks": configuration.rocks,
         "cases": study.sizes["case"],
         "outcome": found,
-        "verdicts": {} if material.claims is None else _counts(material.claims.verdict),
+        "verdicts": {} if material.claims is None else _counts(_of_paper(material.claims).verdict),
         "compared": [titles[name] for name in titles if name in of_paper],
         "not_compared": [titles[name] for name in titles if name not in of_paper],
         "departures": settings.departures(rows),
@@ -102,6 +103,11 @@ def outcome(study: xr.Dataset) -> dict:
     }
 
 
+def _of_paper(claims: pd.DataFrame) -> pd.DataFrame:
+    """Without variants that are ours."""
+    return claims[claims.said_in != OURS] if "said_in" in claims else claims
+
+
 def _counts(words: pd.Series) -> dict[str, int]:
     return words.value_counts(sort=False).to_dict()
 
@@ -126,6 +132,7 @@ def _sheets(material: Material, titles: dict, of_paper: set, rows: pd.DataFrame)
         sheets.append(findings.evidence_sheet(material.claims, bool(of_paper)))
     if material.conclusions is not None:
         sheets.append(findings.conclusion_sheet(material.conclusions))
+        sheets.append(findings.moved_sheet(material.conclusions))
     if material.flow is not None:
         sheets.append(findings.flow_sheet(material.flow, titles))
     if material.measured is not None:

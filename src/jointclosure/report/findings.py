@@ -190,6 +190,7 @@ def claim_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
     columns = {"number": "No.", "claim": "Claim", "verdict": "True of the model"}
     columns |= {"found": "Studies that find it", "found_here": "Found by this one"}
     if compared and "paper" in claims:
+        columns["said_in"] = "Said in"
         columns["paper_finds"] = "Found in the paper's Table 3"
     shown = claims.assign(
         found=[
@@ -216,36 +217,74 @@ def evidence_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
 
 def conclusion_sheet(conclusions: pd.DataFrame) -> Sheet:
     """What each claim rests on, and what is left of it (`make conclusions`)."""
-    widest = conclusions.jrc_half_width.max()
     columns = {
         "number": "No.",
         "claim": "Claim",
+        "said_in": "Said in",
         "verdict": "As configured",
         "found": "Studies that find it",
-        "jrc_found": f"The same, JRC known to ±{widest:g}",
-        "readings": "Readings: stands, falls, open",
+        "readings": "Readings of all rocks: stands, falls, open",
+        "partial": "Readings of some rocks: true there, false, open",
         "choices": "True for so many open choices",
         "conclusion": "Left of it",
-        "opposed_by": "Turned by the reading",
     }
-    rows = conclusions.itertuples()
     shown = [
         row._asdict()
         | {
             "found": percent_text(row.found_share, row.found_error, row.found_low, row.found_high),
-            "jrc_found": percent_text(
-                row.jrc_found_share, row.jrc_found_error, row.jrc_found_low, row.jrc_found_high
-            ),
-            "choices": percent_text(row.choices_share, row.choices_error),
-            "readings": ""
-            if pd.isna(row.readings_stand)
-            else f"{row.readings_stand:.0f}, {row.readings_fall:.0f}, {row.readings_open:.0f}",
-            "opposed_by": row.opposed_by if isinstance(row.opposed_by, str) else "",
+            "readings": _tried(row.readings_stand, row.readings_fall, row.readings_open),
+            "partial": _tried(row.partial_stand, row.partial_fall, row.partial_open),
+            "choices": NOT_TRIED
+            if pd.isna(row.choices_share)
+            else f"{_percents(row.choices_share)} % ({_percents(row.choices_share_low)} to "
+            f"{_percents(row.choices_share_high)})",
         }
-        for row in rows
+        for row in conclusions.itertuples()
     ]
     caption = "What is left of each claim under readings and choices that the paper leaves open"
     return sheet("conclusions", caption, pd.DataFrame(shown), columns)
+
+
+def moved_sheet(conclusions: pd.DataFrame) -> Sheet:
+    """What moves the verdict on each claim, of those that something was found to move."""
+    widest = conclusions.jrc_half_width.max()
+    columns = {
+        "number": "No.",
+        "verdict": "As configured",
+        "opposed_by": "Contradicted by the reading",
+        "opened_by": "Left open by the readings",
+        "moved_by": "Over the open choices it varies most with",
+        "jrc_found": f"Studies that find it, JRC known to ±{widest:g}",
+    }
+    told = conclusions.fillna({"opposed_by": "", "opened_by": "", "moved_by": ""})
+    moved = told[(told.opposed_by + told.opened_by + told.moved_by) != ""]
+    shown = [
+        row._asdict()
+        | {
+            "jrc_found": percent_text(
+                row.jrc_found_share, row.jrc_found_error, row.jrc_found_low, row.jrc_found_high
+            )
+        }
+        for row in moved.itertuples()
+    ]
+    caption = "What moves a verdict: readings, and the input that a claim's margin goes with"
+    return sheet(
+        "moved", caption, pd.DataFrame(shown, columns=[*told.columns, "jrc_found"]), columns
+    )
+
+
+NOT_TRIED = "not tried"
+"""Of a claim that readings or choices were not asked about."""
+
+
+def _tried(*counts: float) -> str:
+    if pd.isna(counts[0]):
+        return NOT_TRIED
+    return ", ".join(f"{each:.0f}" for each in counts) if sum(counts) else "none"
+
+
+def _percents(share: float) -> str:
+    return f"{100.0 * share:.0f}"
 
 
 _DECIDES = re.compile(r"(?:([\w ]+): )?(.*?)\s*([-−]?[\d.]+(?: ± [\d.]+)?)?$")
