@@ -30,7 +30,7 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects mismatch readings global-sensitivity jrc-range conclusions test test-all lint docs coverage wheel lock clean size misalignment
+.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects mismatch readings global-sensitivity global-sensitivity-estimate jrc-range conclusions test test-all lint docs coverage wheel lock clean size misalignment
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -84,14 +84,17 @@ mismatch: $(STAMP) ## Close walls from mates to independent ones, and shifted (t
 size: $(STAMP) ## Ask what patch length and grid spacing do, and what carries over (ten minutes on two cores)
 	$(RUN) size
 
-misalignment: $(STAMP) ## Close walls that are tilted, or rotated about the normal (ten minutes on two cores)
+misalignment: $(STAMP) ## Close walls that are tilted, or rotated about the normal (three to ten core-minutes)
 	$(RUN) misalignment
 
 readings: $(STAMP) ## Ask which reading of the paper gives its Table 3 (ninety minutes on two cores)
 	$(RUN) readings
 
-global-sensitivity: $(STAMP) ## Ask what matters when properties and open choices vary together (half an hour on two cores)
+global-sensitivity: $(STAMP) ## Ask what matters when properties and open choices vary together (a quarter of a core-hour)
 	$(RUN) global-sensitivity
+
+global-sensitivity-estimate: $(STAMP) ## Say what that would cost, and close a few of its joints only
+	$(RUN) global-sensitivity-estimate
 
 jrc-range: $(STAMP) ## Ask what a JRC that is known to a range does to the study, or to that of CONFIG
 	$(RUN) jrc-range

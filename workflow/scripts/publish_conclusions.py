@@ -13,9 +13,17 @@ import pandas as pd
 from markers import fill
 from publish_measured import markdown
 
-from jointclosure.report.findings import conclusion_sheet
+from jointclosure.report.findings import conclusion_sheet, moved_sheet
+from jointclosure.report.sheets import Sheet
 from jointclosure.statistics.standard_errors import rounded
+from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
 from jointclosure.storage.text import read_csv
+from jointclosure.studies.sensitivity.claims import OURS
+from jointclosure.studies.sensitivity.conclusions import (
+    DEPENDS,
+    JUDGED_ELSEWHERE,
+    ONLY_CONFIGURED,
+)
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs/conclusions.md"
@@ -23,6 +31,12 @@ PAPER, READINGS = "results/paper/tables", "results/readings/tables"
 TOGETHER = "results/global_sensitivity/tables"
 METHODS = "src/jointclosure/config/accuracy_methods.csv"
 MOST = "the most"
+WITH_NET = (
+    ("2a", 1, "2b"), ("2a", 2, "2a"), ("3", 2, "3"), ("1a", 1, "1a, cycle 1"),
+    ("1a", 2, "1a, cycle 2"), ("4", 2, "4"), ("5a", 1, None), ("5a", 2, "5a"), ("5b", 2, "5b"),
+)  # fmt: skip
+"""Conclusions asked with and without bulk indentation: number and cycle in the study of choices,
+and as a claim."""
 
 
 class Number(NamedTuple):
@@ -56,8 +70,8 @@ def span(table: str, value: str, error: str, scale: float = 1.0, **rows) -> Numb
     return Number(table, rows, value, text)
 
 
-def _elasticity(parameter: str, cycle: int) -> Number:
-    name = "elasticity"
+def _elasticity(parameter: str, cycle: int, net: str = "") -> Number:
+    name = f"elasticity{net}"
     table = f"{PAPER}/elasticities.csv"
     return span(table, name, f"{name}_standard_error", parameter=parameter, cycle=cycle)
 
@@ -106,13 +120,51 @@ def _steps(cycle: int) -> Number:
     return Number(METHODS, rows, "bias_percent", text)
 
 
-def _count(conclusion: str) -> Number:
-    """How many claims have such a conclusion: a count has no error, and may be none."""
+def _count(*conclusions: str) -> Number:
+    """How many claims of the paper have such a conclusion: a count has no error, and may be 0."""
 
     def text(own: pd.DataFrame) -> str:
-        return str(int((own.conclusion == conclusion).sum()))
+        return str(int((own.conclusion.isin(conclusions) & (own.said_in != OURS)).sum()))
 
-    return Number(f"{PAPER}/conclusions.csv", {}, f"rows of conclusion = {conclusion}", text)
+    column = f"rows of conclusion = {' or '.join(conclusions)}, said_in not {OURS}"
+    return Number(f"{PAPER}/conclusions.csv", {}, column, text)
+
+
+def _claims() -> Number:
+    """How many claims the paper makes."""
+    column = f"rows of said_in not {OURS}"
+    return Number(
+        f"{PAPER}/conclusions.csv", {}, column, lambda own: str(int((own.said_in != OURS).sum()))
+    )
+
+
+def _readings(kind: str) -> Number:
+    """How many readings that the paper allows closed all rocks (readings), or some (partial)."""
+    columns = [f"{kind}_{name}" for name in ("stand", "fall", "open")]
+    return Number(
+        f"{PAPER}/conclusions.csv", {"number": "2a"}, " + ".join(columns),
+        lambda own: f"{own[columns].sum(axis=1).iloc[0]:.0f}",
+    )  # fmt: skip
+
+
+def _share_of_rows(number: str, cycle: int) -> Number:
+    """At how many rows a conclusion is true of the row's own changes, over rocks."""
+
+    def text(own: pd.DataFrame) -> str:
+        of_rocks = own[own.rock != "all"].rows_true
+        return f"{of_rocks.min()} to {of_rocks.max()}"
+
+    rows = {"number": number, "response": "closure", "cycle": cycle}
+    return Number(f"{TOGETHER}/global_conclusions.csv", rows, "rows_true", text)
+
+
+def _margin(name: str, response: str = "closure") -> Number:
+    """Share of the margin of Young's modulus on the second cycle that goes with an input."""
+    rows = {"number": "2a", "response": response, "cycle": 2, "input": name}
+    return Number(
+        f"{TOGETHER}/global_margins.csv", rows, "share",
+        lambda own: f"{100 * own.share.min():.0f} to {100 * own.share.max():.0f} %",
+    )  # fmt: skip
 
 
 def _rows() -> Number:
@@ -150,10 +202,26 @@ NUMBERS = {
     "continuum 1": _continuum(1),
     "continuum 2": _continuum(2),
     "rows": _rows(),
-    "stand": _count("stands"),
-    "fall": _count("falls"),
-    "depend": _count("depends on what is unstated"),
-    "untold": _count("cannot be told"),
+    "stand": _count(STANDS),
+    "fall": _count(FALLS),
+    "depend": _count(DEPENDS),
+    "untold": _count(CANNOT_BE_TOLD),
+    "configured only": _count(*ONLY_CONFIGURED.values()),
+    "elsewhere": _count(JUDGED_ELSEWHERE),
+    "claims": _claims(),
+    "readings of all rocks": _readings("readings"),
+    "readings of some rocks": _readings("partial"),
+    "rows of 5a": _share_of_rows("5a", 2),
+    "rows of 5b": _share_of_rows("5b", 2),
+    "rows of 5c": _share_of_rows("5c", 1),
+    "2a goes with the ratio": _margin("peak_modulus"),
+    "2a goes with the rule for peaks": _margin("peaks"),
+    "2a goes with JRC": _margin("jrc"),
+    "e(E) 2, net": _elasticity("youngs_modulus", 2, "_net"),
+    "e(E) 1, net": _elasticity("youngs_modulus", 1, "_net"),
+    "e(sigma_c) 2, net": _elasticity("compressive_strength", 2, "_net"),
+    "found 2b": _found("2b"),
+    "choices 2b": _choices("2a", "closure", 1),
     "mean 1": _mean(1),
     "mean 2": _mean(2),
     "scatter 1": _jrc("base", 1, 0.0),
@@ -206,11 +274,29 @@ def filled(page: str, found: dict[str, str]) -> str:
     return re.sub(r"<!-- n:(.+?) -->.*?<!-- /n -->", put, page)
 
 
-def table() -> str:
-    """What each claim rests on."""
-    sheet = conclusion_sheet(read_csv(ROOT / PAPER / "conclusions.csv"))
+def table(of: Callable[[pd.DataFrame], Sheet]) -> str:
+    """A table of the report on what claims rest on."""
+    sheet = of(read_csv(ROOT / PAPER / "conclusions.csv"))
     rows = [[cell.text for cell in row] for row in sheet.rows]
     return markdown(pd.DataFrame(rows, columns=sheet.titles))
+
+
+def net() -> str:
+    """Conclusions with and without bulk indentation: choices, and verdict as configured."""
+    shares = read_csv(ROOT / TOGETHER / "global_conclusions.csv")
+    shares = shares[shares.rock == "all"]
+    verdicts = read_csv(ROOT / PAPER / "conclusions.csv").set_index("number").verdict
+    rows = []
+    for number, cycle, claim in WITH_NET:
+        own = shares[(shares.number == number) & (shares.cycle == cycle)]
+        row = {"conclusion": own.conclusion.iloc[0], "cycle": cycle}
+        for response, said, suffix in (("closure", "", ""), ("closure_net", ", net", ", net")):
+            (each,) = own[own.response == response].itertuples()
+            row[f"as configured{said}"] = verdicts.get(f"{claim}{suffix}", "not judged")
+            value, low, high = 100 * each.share, 100 * each.share_low, 100 * each.share_high
+            row[f"choices{said} (%)"] = f"{value:.0f} ({low:.0f} to {high:.0f})"
+        rows.append(row)
+    return markdown(pd.DataFrame(rows))
 
 
 def origins(page: str, found: dict[str, str]) -> str:
@@ -230,7 +316,8 @@ def main() -> None:
     found = numbers()
     page = filled(PAGE.read_text(encoding="utf-8"), found)
     PAGE.write_text(page, encoding="utf-8")
-    fill(PAGE, {"conclusions": table(), "origins": origins(page, found)})
+    parts = {"conclusions": table(conclusion_sheet), "moved": table(moved_sheet), "net": net()}
+    fill(PAGE, parts | {"origins": origins(page, found)})
 
 
 if __name__ == "__main__":

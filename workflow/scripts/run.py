@@ -59,6 +59,7 @@ TARGETS = {
     "readings": Target(("estimate_readings", "readings"), "config/readings.yaml"),
     "jrc-range": Target(("all", "jrc_range")),
     "conclusions": Target(("all", "conclusions")),
+    "global-sensitivity-estimate": Target(("estimate_together",), "config/global_sensitivity.yaml"),
     "global-sensitivity": Target(
         ("estimate_together", "global_sensitivity"), "config/global_sensitivity.yaml"
     ),
@@ -87,7 +88,8 @@ def main(name: str) -> int:
                 )
             if status:
                 return status
-    print(f"Results are in {folder}/ (tables, figures, study.nc)")
+    parts = [each for each in ("tables", "figures", "study.nc") if (folder / each).exists()]
+    print(f"Results are in {folder}/ ({', '.join(parts)})")
     return 0
 
 
