@@ -282,6 +282,8 @@ def test_joints_are_closed_as_everywhere_and_their_cost_is_known_before():
         ({"inputs": {"jrc": {"between": [6, 60]}}}, "inputs.jrc: rocks.dolerite.jrc = 60"),
         ({"inputs": {"peaks": {"values": ["pristine", "old"]}}}, "choices.peaks = 'old'"),
         ({"inputs": {"jrc": {"key": "rocks.ROCK.jcr"}}}, "inputs.jrc.between = levels"),
+        ({"inputs": {"peaks": {"values": ["pristine"]}}}, "peaks.values = ['pristine']: must be"),
+        ({"inputs": {"jrc": {"key": "grid.cells_x", "between": [32, 64]}}}, "must begin with"),
         ({"dependent": [{"inputs": ["jrc", "e"], "correlation": 0.5}]}, "'e': must be one of"),
     ],
 )
@@ -289,3 +291,20 @@ def test_a_design_that_cannot_be_closed_is_refused_before_any_job(changes, said)
     with pytest.raises(ConfigurationError) as error:
         design_of(keys_of(**section(**changes)))
     assert said in str(error.value)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"title": "m", "key": "choices.peak_modulus_ratio", "between": [0.01, 5]},
+        {"title": "m", "key": "choices.peek_modulus_ratio", "between": [0.01, 0.2]},
+        {"title": "m", "key": "choices.peaks", "values": ["pristine", "fresh"]},
+    ],
+)
+def test_the_input_that_is_wrong_is_named_and_no_other(wrong):
+    inputs = {"modulus": wrong, "peaks": {"values": ["pristine", "current"]}}
+    with pytest.raises(ConfigurationError) as error:
+        design_of(keys_of(**section(inputs=inputs)))
+    _, *lines = str(error.value).splitlines()
+    named = {line.split(":")[0].strip() for line in lines}
+    assert named == {"global_sensitivity.inputs.modulus"}

@@ -6,12 +6,17 @@ import pytest
 import jointclosure as jc
 from jointclosure.config.files import PAPER_CLAIMS, PAPER_TABLE_3
 from jointclosure.ensemble.cases import pool_of
+from jointclosure.inputs import InputError
 from jointclosure.randomness import generator
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.netcdf import reading_netcdf, write_netcdf
 from jointclosure.storage.text import read_csv
 from jointclosure.studies.sensitivity.claims import Evidence
-from jointclosure.studies.sensitivity.jrc_range import jrc_range_tables, with_jrc_range
+from jointclosure.studies.sensitivity.jrc_range import (
+    check_jrc_varies,
+    jrc_range_tables,
+    with_jrc_range,
+)
 from tests.studied import study_of
 from tests.studies.sensitivity_world import ELASTICITIES, world
 
@@ -74,3 +79,17 @@ def test_a_wide_range_widens_the_interval_of_jrc_on_the_first_cycle(pool):
     assert (known.found_low <= known.found_share).all()
     assert (known.found_share <= known.found_high).all()
     assert (known.found_high > known.found_low).all()
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"rocks": {"slate": {"levels": {"jrc": None}}}}, "rocks.slate.levels.jrc"),
+        ({"study": {"pool": None}}, "study.pool"),
+    ],
+)
+def test_a_study_that_does_not_tell_of_a_range_of_jrc_is_refused_before_it_is_closed(changes, said):
+    check_jrc_varies(study_of({"study": {"pool": 12}}))
+    check_jrc_varies(study_of({"study": {"pool": None, "draws": "common"}}))
+    with pytest.raises(InputError, match=said):
+        check_jrc_varies(study_of({"study": {"pool": 12}}, changes))

@@ -91,7 +91,6 @@ def test_a_configuration_of_any_name_is_read(project, name):
     answer = make(project, "study", f"CONFIG={name}")
     assert answer.returncode != 0
     assert "grid.cells_x = 2: must be at least 3" in answer.stderr
-    assert "results/hostile/logs/make_study.log" in answer.stdout
     assert not (project / "X").exists()
 
 
@@ -100,6 +99,41 @@ def test_a_name_of_a_study_that_leads_elsewhere_makes_no_folder(project):
     answer = make(project, "study", "CONFIG=out.yaml")
     assert "study.name = '../../out'" in answer.stderr
     assert not (project.parent / "out").exists()
+
+
+NO_SECTION = "study: {name: mine}\n"
+WITHOUT_JRC = """
+rocks: {dolerite: {levels: {jrc: null}}}
+"""
+CANNOT_TILT = """
+study: {name: oblong}
+grid: {cells_x: 32, cells_y: 64}
+misalignment: {tilt_degrees: [0, 1], rotation_degrees: [0, 1], mismatch_wavelength_mm: []}
+"""
+
+
+@pytest.mark.parametrize(
+    ("target", "keys", "said"),
+    [
+        ("size", NO_SECTION, "mine.yaml: has no section size, which make size needs"),
+        ("misalignment", NO_SECTION, "mine.yaml: has no section misalignment, which"),
+        ("global-sensitivity", NO_SECTION, "mine.yaml: has no section global_sensitivity, which"),
+        (
+            "global-sensitivity-estimate",
+            NO_SECTION,
+            "mine.yaml: has no section global_sensitivity, which",
+        ),
+        ("jrc-range", WITHOUT_JRC, "rocks.dolerite.levels.jrc: must be given"),
+        ("misalignment", CANNOT_TILT, "grid.cells_x = 32: must be cells_y (64)"),
+    ],
+)
+def test_what_a_target_cannot_do_is_refused_at_the_start_in_a_line(project, target, keys, said):
+    (project / "mine.yaml").write_text(keys)
+    done = make(project, target, env={**os.environ, "CONFIG": "mine.yaml"})
+    assert done.returncode != 0
+    assert sum(said in line for line in done.stderr.splitlines()) == 1
+    assert "Traceback" not in done.stderr + done.stdout
+    assert "Building DAG" not in done.stderr + done.stdout
 
 
 @pytest.mark.parametrize(

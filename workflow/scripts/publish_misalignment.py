@@ -90,8 +90,8 @@ def finding() -> str:
         f"{_span(far, 'stiffness', 1)} %), the second cycle's by {_span(far, 'closure', 2)} % "
         f"(stiffness {_span(far, 'stiffness', 2)} %).\n"
         f"- First-cycle stiffness leaves out joints whose last, ever smaller steps begin below "
-        f"half the maximum stress: {_left_out(free)} of {table.samples.max()} independent ones, up to "
-        f"{_left_out(mated)} of those that mate. These are the stiffest.\n"
+        f"half the maximum stress: {_left_out(free)} of {table.samples.max()} independent "
+        f"ones, up to {_left_out(mated)} of those that mate. These are the stiffest.\n"
         f"- So neither moves closures of non-mated walls, which are the paper's, by more than "
         f"{np.ceil(_closures_of_paper(table).change_percent.abs().max()):.0f} %.\n"
     )

@@ -11,20 +11,23 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple, TextIO
 
 import psutil
 import yaml
 
-from jointclosure.config.configuration import configured, merged_study
+from jointclosure.config.configuration import Configured, configured, merged_study
 from jointclosure.config.files import read_plain
 from jointclosure.config.wanted import Wanted, wanted_of
 from jointclosure.inputs import InputError
 from jointclosure.logbook import failed_log
 from jointclosure.progress import WorkflowProgress
 from jointclosure.storage.text import read_csv, write_text
+from jointclosure.studies.global_sensitivity import design as global_sensitivity
+from jointclosure.studies.misalignment import design as misalignment
+from jointclosure.studies.sensitivity.jrc_range import check_jrc_varies
 from jointclosure.studies.sensitivity.reached import surfaces_next, told
 
 SHOWN = "jointclosure: "
@@ -40,37 +43,58 @@ _ADVICE = {
 
 
 class Target(NamedTuple):
-    """What Snakemake is asked for: goals one after the other, and the usual configuration."""
+    """What Snakemake is asked for: goals one after the other, and the usual configuration.
+
+    ``section`` of a configuration that it needs; ``check`` refuses one that cannot be done.
+    """
 
     goals: tuple[str, ...] = ("all",)
     configuration: str = ""
     study: str = ""
+    section: str = ""
+    check: Callable[[Configured], object] = lambda configured: None
 
 
 TARGETS = {
     "study": Target(),
     "report": Target(("report",)),
     "hard-cases": Target(("hard_cases",), study="hard_cases"),
-    "accuracy": Target(("estimate_accuracy", "accuracy"), "config/accuracy.yaml"),
-    "effects": Target(("estimate_effects", "effects"), "config/effects.yaml"),
-    "mismatch": Target(("estimate_mismatch", "mismatch"), "config/mismatch.yaml"),
-    "size": Target(("estimate_size", "size"), "config/size.yaml"),
-    "misalignment": Target(("estimate_misalignment", "misalignment"), "config/misalignment.yaml"),
-    "readings": Target(("estimate_readings", "readings"), "config/readings.yaml"),
-    "jrc-range": Target(("all", "jrc_range")),
-    "conclusions": Target(("all", "conclusions")),
-    "global-sensitivity-estimate": Target(("estimate_together",), "config/global_sensitivity.yaml"),
+    "accuracy": Target(
+        ("estimate_accuracy", "accuracy"), "config/accuracy.yaml", section="accuracy"
+    ),
+    "effects": Target(("estimate_effects", "effects"), "config/effects.yaml", section="ablation"),
+    "mismatch": Target(
+        ("estimate_mismatch", "mismatch"), "config/mismatch.yaml", section="mismatch"
+    ),
+    "size": Target(("estimate_size", "size"), "config/size.yaml", section="size"),
+    "misalignment": Target(
+        ("estimate_misalignment", "misalignment"),
+        "config/misalignment.yaml",
+        section="misalignment",
+        check=lambda told: misalignment.design_of(told.keys),
+    ),
+    "readings": Target(
+        ("estimate_readings", "readings"), "config/readings.yaml", section="readings"
+    ),
+    "jrc-range": Target(("all", "jrc_range"), check=lambda told: check_jrc_varies(told.typed)),
+    "conclusions": Target(("all", "conclusions"), check=lambda told: check_jrc_varies(told.typed)),
     "global-sensitivity": Target(
-        ("estimate_together", "global_sensitivity"), "config/global_sensitivity.yaml"
+        ("estimate_together", "global_sensitivity"),
+        "config/global_sensitivity.yaml",
+        section="global_sensitivity",
+        check=lambda told: global_sensitivity.design_of(told.keys),
     ),
 }
+TARGETS["global-sensitivity-estimate"] = TARGETS["global-sensitivity"]._replace(
+    goals=("estimate_together",)
+)
 
 
 def main(name: str) -> int:
     """Run a target; the exit status of Snakemake, or 1 where the results are not as they should."""
     target = TARGETS[name]
     override = "" if target.study else os.environ.get("CONFIG") or target.configuration
-    folder = Path("results") / (target.study or study_name(override))
+    folder = Path("results") / (target.study or checked_name(name, override))
     command = snakemake(os.environ.get("PROFILE") or _PROFILE, os.environ.get("CORES", ""))
     given = ["--configfile", f"./{override}" if override.startswith("-") else override]
     given = given if override else []
@@ -93,12 +117,19 @@ def main(name: str) -> int:
     return 0
 
 
-def study_name(override: str) -> str:
-    """The name of the study that a file over the default configuration describes, if it can run."""
+def checked_name(name: str, override: str) -> str:
+    """The name of the study of a file over the default configuration, if a target can do it."""
     if override and not Path(override).is_file():
         raise InputError(f"CONFIG={override}: there is no such file")
-    keys = merged_study(*([Path(override)] if override else []))
-    return configured(keys, read_csv).typed.study.name
+    target = TARGETS[name]
+    told = configured(merged_study(*([Path(override)] if override else [])), read_csv)
+    if target.section and not told.keys.get(target.section):
+        raise InputError(
+            f"{override}: has no section {target.section}, which make {name} needs "
+            f"({target.configuration} has one)"
+        )
+    target.check(told)
+    return told.typed.study.name
 
 
 PLAN = "accuracy_plan.yaml"

@@ -23,6 +23,8 @@ ROCK = "ROCK"
 """Stands in an input's key for the rock that is closed."""
 FEWEST_ROWS = 16
 """Of a design."""
+VARIED = ("rocks", "surface", "effects", "choices", "numerics")
+"""Sections of a configuration whose keys can vary: others change which surfaces there are."""
 SURFACES = 2
 """Surface pairs that all points of a row are closed on."""
 
@@ -105,7 +107,8 @@ def design_of(keys: dict) -> Design:
         seed=seed_of(keys["study"]["root_seed"], "global sensitivity"),
         dependent=[(*each["inputs"], each["correlation"]) for each in section["dependent"]],
     )
-    problems = [*_problems(design, section)] or [*_unusable(design, keys)]
+    checks = (_problems(design, section), _unusable(design, keys), _clashing(design, keys))
+    problems = next(filter(None, map(dict.fromkeys, checks)), {})
     if problems:
         raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in problems))
     return design
@@ -197,6 +200,11 @@ def _problems(design: Design, section: dict) -> Iterator[str]:
         own = section["inputs"][each.name]
         if (own["between"] is None) == (not own["values"]):
             yield f"{where}.inputs.{each.name}: must have either between or values"
+        if len(own["values"] or [0, 1]) < 2:
+            yield f"{where}.inputs.{each.name}.values = {own['values']}: must be two or more"
+        if each.key[0] not in VARIED:
+            allowed = ", ".join(VARIED)
+            yield f"{where}.inputs.{each.name}.key = {own['key']}: must begin with {allowed}"
         if each.logarithmic and each.low is not None and not each.low > 0.0:
             yield f"{where}.inputs.{each.name}.between = {own['between']}: must be positive"
         if each.low is not None and each.high is not None and not each.low < each.high:
@@ -213,21 +221,43 @@ def _problems(design: Design, section: dict) -> Iterator[str]:
 
 
 def _unusable(design: Design, keys: dict) -> Iterator[str]:
+    """What the model says of the ends and values of each input.
+
+    Of each alone, all else as the study has it: so what is wrong is the input's own.
+    """
+    for rock in design.rocks:
+        for each in design.inputs:
+            alone = design._replace(inputs=(each,), dependent=[])
+            for u in _ends(each):
+                yield from _refused(alone, keys, rock, np.array([u]), each)
+
+
+def _clashing(design: Design, keys: dict) -> Iterator[str]:
     """What the model says of the ends of each input, all others in the middle."""
     middle = np.full(len(design.inputs), 0.5)
     for rock in design.rocks:
         for number, each in enumerate(design.inputs):
-            for end in (0.0, 1.0):
+            for u in _ends(each):
                 point = middle.copy()
-                point[number] = end
-                try:
-                    settings_at(design, keys, rock, 0, point)
-                except InputError as error:
-                    lines = str(error).removeprefix("configuration:").split("\n")
-                    said = "; ".join(line.strip() for line in lines if line.strip())
-                    yield f"global_sensitivity.inputs.{each.name}: {said}"
-                except KeyError as error:
-                    yield f"global_sensitivity.inputs.{each.name}: {error}: there is no such key"
+                point[number] = u
+                yield from _refused(design, keys, rock, point, each)
+
+
+def _ends(each: Input) -> list[float]:
+    """Where an input has each of its values, or the ends of its range."""
+    count = len(each.values)
+    return [(place + 0.5) / count for place in range(count)] or [0.0, 1.0]
+
+
+def _refused(design: Design, keys: dict, rock: str, point, each: Input) -> Iterator[str]:
+    try:
+        settings_at(design, keys, rock, 0, point)
+    except InputError as error:
+        lines = str(error).removeprefix("configuration:").split("\n")
+        said = "; ".join(line.strip() for line in lines if line.strip())
+        yield f"global_sensitivity.inputs.{each.name}: {said}"
+    except KeyError as error:
+        yield f"global_sensitivity.inputs.{each.name}: {error}: there is no such key"
 
 
 def _no_table(path):

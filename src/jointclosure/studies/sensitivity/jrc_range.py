@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.config.typed import Configuration
 from jointclosure.inputs import InputError
 from jointclosure.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import mean_of, variation_of
@@ -28,6 +29,24 @@ from jointclosure.studies.sensitivity.responses import (
 _ORDER = ("case", "realization", "cycle")
 REPEATS = 4
 """Times that a JRC is drawn for every joint of the pool; their scatter is the error of it."""
+
+
+def check_jrc_varies(configuration: Configuration) -> None:
+    """Whether a study tells how closures answer a change of JRC, surface by surface.
+
+    Raises
+    ------
+    InputError
+        Naming a rock whose JRC is not varied, or a study without common surfaces.
+    """
+    for name, rock in configuration.rocks.items():
+        if len(rock.levels.get("jrc", ())) < 2:
+            raise InputError(f"rocks.{name}.levels.jrc: must be given where a JRC is a range")
+    study = configuration.study
+    if not study.pool and study.draws != "common":
+        raise InputError(
+            "study.pool: must be given where a JRC is a range, or study.draws be common"
+        )
 
 
 def with_jrc_range(pool: xr.Dataset, half_width: float, random: np.random.Generator) -> xr.Dataset:
