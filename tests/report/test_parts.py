@@ -3,11 +3,12 @@
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from jointclosure.config.keys import ConfigurationKeys
 from jointclosure.config.schema import json_schema
-from jointclosure.report import curves
+from jointclosure.report import curves, findings
 from jointclosure.report.captions import read_caption
 from jointclosure.report.curves import MOST_JOINTS, explorer_data
 from jointclosure.report.settings import departures, setting_rows
@@ -146,3 +147,34 @@ def test_a_cycle_has_its_own_closure_where_it_counts_from_its_start(study, explo
         assert reached[-1] == pytest.approx(expected, rel=0.3)
     touch = [closure for closure in case["mean"][0][1][0] if closure is not None][-1]
     assert touch > 1.5 * [closure for closure in case["mean"][2][1][0] if closure is not None][-1]
+
+
+def concluded() -> pd.DataFrame:
+    """Two claims with what they rest on: one tried in all ways, one in none."""
+    shares = ("found_share", "found_error", "found_low", "found_high")
+    known = dict(zip(shares, (0.9, 0.01, 0.88, 0.92), strict=True))
+    tried = {"number": "2a", "claim": "it matters", "said_in": "Abstract", "verdict": "stands"}
+    tried |= known | {f"jrc_{name}": value for name, value in known.items()}
+    tried |= {"jrc_half_width": 2.0, "conclusion": "cannot be told"}
+    tried |= {"readings_stand": 4, "readings_fall": 0, "readings_open": 1}
+    tried |= {"partial_stand": 0, "partial_fall": 0, "partial_open": 0}
+    tried |= {"choices_share": 0.7, "choices_share_low": 0.47, "choices_share_high": 0.93}
+    tried |= {"opposed_by": "", "opened_by": "H = 0.4", "moved_by": "the ratio (18 to 72 %)"}
+    bare = tried | {"number": "6a", "opened_by": np.nan, "moved_by": np.nan, "opposed_by": np.nan}
+    bare |= dict.fromkeys([name for name in tried if name.startswith(("read", "part", "choi"))])
+    return pd.DataFrame([tried, bare])
+
+
+def test_what_was_not_tried_is_said_and_a_share_has_its_interval():
+    sheet = findings.conclusion_sheet(concluded())
+    tried, bare = (dict(zip(sheet.titles, row, strict=True)) for row in sheet.rows)
+    assert tried["Readings of all rocks: stands, falls, open"].text == "4, 0, 1"
+    assert tried["Readings of some rocks: true there, false, open"].text == "none"
+    assert tried["True for so many open choices"].text == "70 % (47 to 93)"
+    assert [cell.text for cell in list(bare.values())[5:8]] == ["not tried"] * 3
+
+
+def test_a_claim_that_nothing_moves_is_not_among_those_that_something_does():
+    sheet = findings.moved_sheet(concluded())
+    assert [row[0].text for row in sheet.rows] == ["2a"]
+    assert [cell.text for cell in sheet.rows[0][2:5]] == ["–", "H = 0.4", "the ratio (18 to 72 %)"]

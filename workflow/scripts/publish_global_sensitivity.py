@@ -13,6 +13,7 @@ from markers import fill
 from publish_measured import markdown
 
 from jointclosure.config.properties import PARAMETERS
+from jointclosure.report.findings import percent_text
 from jointclosure.statistics.standard_errors import rounded
 from jointclosure.storage.text import read_csv
 
@@ -230,8 +231,9 @@ def jrc_claims() -> str:
     for (number, said), own in table.groupby(["number", "claim"], sort=False):
         row = {"": number, "claim": said}
         for each in own.itertuples():
-            title = f"JRC ± {each.half_width:g} (%)" if each.half_width else "JRC known (%)"
-            row[title] = _percent(each.found_share, each.found_error)
+            title = f"JRC ± {each.half_width:g}" if each.half_width else "JRC known"
+            interval = (each.found_low, each.found_high)
+            row[title] = percent_text(each.found_share, each.found_error, *interval)
         rows.append(row)
     return markdown(pd.DataFrame(rows))
 
