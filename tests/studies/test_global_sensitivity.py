@@ -8,7 +8,7 @@ import xarray as xr
 
 from jointclosure.config.files import ConfigurationError, read_plain
 from jointclosure.ensemble.surfaces import walls_of
-from jointclosure.plotting.global_sensitivity import conclusions as drawn_conclusions
+from jointclosure.plotting import global_sensitivity as figures
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.studies.global_sensitivity.closing import RESPONSES, close_rows, costs
@@ -226,7 +226,14 @@ def test_a_design_without_all_properties_has_tables_without_conclusions(left, tm
     for file in tmp_path.iterdir():
         assert "input" in read_csv(file) or "rock" in read_csv(file)
     assert read_csv(tmp_path / "conclusions.csv").empty
-    save_figure(drawn_conclusions(read_csv(tmp_path / "conclusions.csv"), {}), tmp_path / "c.png")
+    found, titles = index_table(design, closed), {rock: rock for rock in design.rocks}
+    for drawn, table in (
+        (figures.conclusions, read_csv(tmp_path / "conclusions.csv")),
+        (figures.indices, found),
+        (figures.convergence, found),
+    ):
+        save_figure(drawn(table, titles), tmp_path / f"{drawn.__name__}.png")
+        assert (tmp_path / f"{drawn.__name__}.png").stat().st_size > 1000
     elasticities = read_csv(tmp_path / "elasticities.csv")
     assert set(elasticities.input) == set(left) - {"peaks", "radius"}
 
