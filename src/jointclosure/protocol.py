@@ -55,6 +55,9 @@ _SMALLEST_STEP = 1e-6
 """Fraction of a displacement step below which a jump of the stress is accepted as one, and of
 the closure reached, where that is less: a step may be far longer than all that is needed."""
 
+_FEWEST_CONTACTS = 300
+"""Cells in contact, at a pressure of the compressive strength, that a maximum must call for if the
+interaction is to be left out before it: of fewer each decides what the second cycle is."""
 _MOST_SECANTS = 2
 _MISLED = 0.1
 """Part of the step that passed a target in which it is no longer sought, where all shorter steps
@@ -112,7 +115,10 @@ class _Run:
         self.closure_limit = _closure_limit(joint, max(cycle.maximum for cycle in cycles))
         self.most_breakage_steps = numerics.most_breakage_steps * joint.upper.size
         self.idle_steps, self.idle_displacement = 0, 0.0
-        self.leaves_interaction_out = joint.interaction_acts and numerics.idle_interaction > 0.0
+        largest = max(cycle.maximum for cycle in cycles)
+        many = largest >= _FEWEST_CONTACTS * joint.compressive_strength * joint.law.spacing**2
+        idle = numerics.idle_interaction > 0.0 and many
+        self.leaves_interaction_out = joint.interaction_acts and idle
         if self.leaves_interaction_out:
             joint.interaction_acts = False
 
@@ -339,7 +345,7 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
         if control:
             step = control.following(taken, run.total_force, settled)
             if control.must_repeat(taken, step):
-                run.joint.restore(before)
+                run.joint.restore(before, rates=False)
                 continue
         if settled.total_force < run.target_force:
             run.accept(cycle, LOADING, settled)
@@ -375,7 +381,8 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
         resolved = float(np.spacing(abs(run.joint.first_touch) + above.closure))
         if room < _SMALLEST_STEP * min(displacement_step, reached) or room <= resolved:
             break
-        run.joint.restore(before)
+        # between two states the forces lie, where they follow the closure
+        run.joint.restore(before, rates=run.numerics.breakage == "fixed_step")
         if above is passed and room < misled:
             return False
         part = _part_to_target(run, above, further, passed_again, short_again)

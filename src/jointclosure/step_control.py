@@ -13,7 +13,7 @@ from jointclosure.solvers.joint import Settled
 _CORRECTION, _RISE = 40.0, 10.0
 """What a step may miss its predicted force by, and raise the force by, both relative and over
 `Numerics.tolerance`."""
-LARGEST_STEP, _SMALLEST_STEP = 8.0, 1.0 / 64.0
+LARGEST_STEP, _SMALLEST_STEP = 4.0, 1.0 / 64.0
 """Bounds of a step over the given one."""
 _AIM = 0.8
 """What a next step aims at, over what is allowed."""
@@ -21,6 +21,8 @@ _RETRY = 0.4
 """A step is taken again where the next would be this much shorter."""
 _MOST_LOST = 0.75
 """Share of a predicted rise of the force that breakage is expected to take at most."""
+_RESIDUAL, _LOOSEST = 0.25, 0.04
+"""Relative residual of a prediction over the rise that it may have, and the largest."""
 _NEAR = 0.97
 """What a step that is to land aims at, over the predicted rise that it may have."""
 _HARDLY_LESS, _MUCH_SHORTER = 0.8, 0.35
@@ -67,18 +69,16 @@ class StepControl:
         predict : callable
             The force after a step [m], if nothing broke in it [N], to a relative residual.
         """
-        missing = self._target - force
-        smallest = self._smallest
+        missing, smallest = self._target - force, self._smallest
         if self._slope * step > missing:
             step = missing / self._slope
-            smallest *= _SMALLEST_STEP
         # the shorter a step the more of its predicted rise is lost, where much is
         landing = missing * (1.0 + self._lost) / (1.0 - self._lost)
         allowed, aim = _AIM / _RETRY * self._most_rise, _AIM * self._most_rise
         if landing < allowed:
             allowed, aim = landing, _NEAR * landing
-            smallest = self._smallest * _SMALLEST_STEP
-        residual = 0.1 * allowed / self._target
+            smallest *= _SMALLEST_STEP
+        residual = min(_RESIDUAL * allowed / self._target, _LOOSEST)
         before = np.inf
         for shortened in range(_MOST_SHORTENED + 1):
             self._predicted = predict(step, residual)
@@ -102,7 +102,8 @@ class StepControl:
         rise = settled.total_force - force
         self._slope = rise / step
         if self._predicted > force:
-            self._lost = min(max(1.0 - rise / (self._predicted - force), 0.0), _MOST_LOST)
+            lost = 1.0 - rise / (self._predicted - force)
+            self._lost = min(max(lost, 0.0), _MOST_LOST)
         scale = settled.total_force + 0.05 * self._target
         missed = settled.correction / (self._most_missed * scale)
         risen = rise / self._most_rise

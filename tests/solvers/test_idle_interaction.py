@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
+from jointclosure import protocol
 from jointclosure.config.configuration import configured, merged, merged_study
 from jointclosure.loading import LoadCycle
 from jointclosure.protocol import LOADING, run_cycles
@@ -16,6 +17,18 @@ from jointclosure.storage.text import read_csv
 from tests.conftest import DOLERITE, SPACING
 
 SHARE = 0.05
+
+
+@pytest.fixture(autouse=True)
+def _small_joints_too(monkeypatch):
+    monkeypatch.setattr(protocol, "_FEWEST_CONTACTS", 0)
+
+
+def test_where_few_cells_touch_nothing_is_left_out(monkeypatch):
+    """10 MPa of 165 MPa: 0.0606 of the cells at a pressure of the strength, 97 of 1600."""
+    for fewest, idle in ((96, True), (98, False)):
+        monkeypatch.setattr(protocol, "_FEWEST_CONTACTS", fewest)
+        assert bool(closed(1, SHARE).idle_steps) is idle
 
 
 def closed(seed, idle_interaction, cells=40, stress=10e6, **numerics):
