@@ -13,7 +13,7 @@ means over realisations with their standard errors, and `ratio` is to the asperi
 The stiffness of loading is read, in all models, to the stress at which the asperity model begins
 to land on the maximum.
 
-    pip install 'jointclosure[peers]'
+    .venv/bin/python -m pip install -e '.[peers]'
 
 aspher is compiled, with Eigen (see `peers.py`). A code that is not installed is named and left out.
 Run as `python benchmarks/continuum.py`;
