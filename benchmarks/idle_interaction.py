@@ -43,10 +43,10 @@ def closed(configuration, case, realization: int, stresses: np.ndarray) -> dict:
     }
 
 
-def compare(shares: list[float], case_number: int, arguments) -> list[dict]:
-    """One rock's base case at each share: rows."""
+def compare(told: list, case_number: int, arguments) -> list[dict]:
+    """One rock's base case at each share: rows. ``told``: configuration and cases of none, and of
+    each share."""
     stresses = 1e6 * np.array(arguments.stresses)
-    told = [paper_study({"numerics": {"idle_interaction": share}}) for share in (0.0, *shares)]
     case = told[0][1][case_number]
     runs: dict = {}
     closed(told[0][0], case, 0, stresses)  # compiled before anything is timed
@@ -61,7 +61,7 @@ def compare(shares: list[float], case_number: int, arguments) -> list[dict]:
         return np.array([runs[number, r][name] for r in range(arguments.surfaces)])
 
     rows = []
-    for number, share in enumerate(shares, start=1):
+    for number, share in enumerate(arguments.shares, start=1):
         row = {"rock": case.rock, "share %": 100.0 * share}
         row["left out up to (% of 30 MPa)"] = 100.0 * float(np.median(of(number, "idle")))
         row["time saved %"] = 100.0 * (1.0 - of(number, "s").sum() / of(0, "s").sum())
@@ -86,9 +86,14 @@ def compare(shares: list[float], case_number: int, arguments) -> list[dict]:
 def main(arguments) -> None:
     """Print the table."""
     print(machine(), flush=True)
-    rows = []
-    for number in range(len(paper_study()[1])):
-        rows += compare(arguments.shares, number, arguments)
+    rows: list[dict] = []
+    rocks = {"study": {"rocks": arguments.rocks}} if arguments.rocks else {}
+    told = [
+        paper_study({"numerics": {"idle_interaction": share}}, rocks)
+        for share in (0.0, *arguments.shares)
+    ]
+    for number in range(len(told[0][1])):
+        rows += compare(told, number, arguments)
         show(__doc__.splitlines()[0], pd.DataFrame(rows), arguments.output, "idle_interaction")
 
 
@@ -96,6 +101,7 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
+    parser.add_argument("--rocks", nargs="+", help="of the study; all, if left out")
     parser.add_argument("--shares", type=float, nargs="+", default=[0.02, 0.05])
     parser.add_argument("--surfaces", type=int, default=12)
     parser.add_argument("--repeats", type=int, default=2)

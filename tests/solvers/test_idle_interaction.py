@@ -8,6 +8,8 @@ import pytest
 import jointclosure as jc
 from jointclosure import protocol
 from jointclosure.config.configuration import configured, merged, merged_study
+from jointclosure.ensemble.closing import close_pair
+from jointclosure.ensemble.settings import Conditions
 from jointclosure.loading import LoadCycle
 from jointclosure.protocol import LOADING, run_cycles
 from jointclosure.solvers.interaction_operator import interaction_field
@@ -139,6 +141,15 @@ def test_a_simulation_that_ends_early_tells_its_scene_all_the_same():
     joint = closed(1, 0.9, cells=16, stress=2e6, most_steps=45)
     assert int(joint.status) >= 16
     assert json.loads(joint.attrs["effects"])["interaction"] is True
+
+
+def test_the_results_of_a_study_bear_the_certificate():
+    walls = jc.wall_pair(8.0, (40, 40), SPACING, 1)
+    numerics = jc.Numerics(idle_interaction=SHARE)
+    told = Conditions(SPACING, DOLERITE, 10e6, 2, 0.0, jc.Effects(), jc.Choices(), numerics)
+    row = close_pair(*walls, np.array([0.0, 10e6]), told)
+    assert row["idle_steps"][1] >= 3
+    assert 0.0 < row["idle_displacement"][1] <= SHARE
 
 
 @pytest.mark.parametrize("share", [-0.1, 1.0, np.nan, "much"])
