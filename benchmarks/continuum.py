@@ -3,14 +3,17 @@
 The continuum is one elastic half-space of modulus 1/(1/E1* + 1/E2*), pressed by the sum of both
 walls, with a constant pressure on each cell (as in `peers.py`, whose set-ups are used). Its
 nearest law to strength is a hardness: no pressure is larger, and what would overlap there stays
-as plastic displacement (ContactMechanics; Almqvist et al. 2007). Three hardnesses: none (elastic);
-the mean Hertz pressure at which our asperities break, 2/3 sigma_c/c(nu); and 2.8 sigma_c, that of
-a fully plastic contact (Tabor 1951) of a yield stress sigma_c. tamaas and aspher are elastic.
+as plastic displacement (Almqvist et al. 2007), solved by ContactMechanics and by our own sets of
+cells (`limited_pressure.py`). Three hardnesses: none (elastic); the mean Hertz pressure at which
+our asperities break, 2/3 sigma_c/c(nu); and 2.8 sigma_c, that of a fully plastic contact (Tabor
+1951) of a yield stress sigma_c. tamaas and aspher are elastic.
 
 Walls are those of the paper's study of dolerite. Loading, unloading and reloading; numbers are
 means over realisations with their standard errors, and `ratio` is to the asperity model, by pairs.
+The stiffness of loading is read, in all models, to the stress at which the asperity model begins
+to land on the maximum.
 
-    pip install 'jointclosure[peers]'
+    .venv/bin/python -m pip install -e '.[peers]'
 
 aspher is compiled, with Eigen (see `peers.py`). A code that is not installed is named and left out.
 Run as `python benchmarks/continuum.py`;
@@ -27,13 +30,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+import limited_pressure
 import numpy as np
 import pandas as pd
 import peers
 from matplotlib.figure import Figure
 from yardstick import DOLERITE, ELASTIC, FULL, case_settings, close, machine
 
-from jointclosure.engineering.stiffness import closures_at
+from jointclosure.engineering.stiffness import closures_at, landing_stress
 from jointclosure.ensemble.surfaces import walls_of
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import styled, subplots
@@ -44,11 +48,28 @@ from jointclosure.storage.text import write_csv
 BRANCHES = ("loading", "unloading", "reloading")
 LEVELS = np.array([0.05, 0.1, 0.25, 0.5, 0.75, 1.0])
 """Stresses of every branch over the largest; among them half of it."""
-OVERLAP = 1e-8
-"""Of cells in contact, at which the plastic code may stop [m]."""
-ITERATIONS = 5000
-"""At most, of the plastic code."""
 RESULTS = Path(__file__).parents[1] / "results/continuum"
+
+
+class Stresses(NamedTuple):
+    """Stresses [Pa] of every branch of a joint, rising, and places among them.
+
+    ``levels`` are the places of `LEVELS`, ``half`` is that of half of the largest stress, ``end``
+    that to which the stiffness of loading is read.
+    """
+
+    all: np.ndarray
+    levels: np.ndarray
+    half: int
+    end: int
+
+
+def stresses_of(largest: float, landing: float) -> Stresses:
+    """`LEVELS` of a largest stress [Pa], and that from which a joint lands on it, if it does."""
+    levels, end = LEVELS * largest, min(landing, largest)
+    every = np.unique(np.append(levels, end))
+    half, last = np.searchsorted(every, [0.5 * largest, end])
+    return Stresses(every, np.searchsorted(every, levels), int(half), int(last))
 
 
 class History(NamedTuple):
@@ -75,10 +96,7 @@ def asperity_model(walls, effects, stresses: np.ndarray) -> History:
     """Our model."""
     history = close(walls, effects, stresses[-1], cycles=2)
     stresses = np.minimum(stresses, float(history.normal_stress.max()))  # breakage may jump over it
-    read = [
-        closures_at(history.assign(closure=values), stresses)
-        for values in (history.closure, history.contact_fraction)
-    ]
+    read = [closures_at(history, stresses, of) for of in ("closure", "contact_fraction")]
     # loading, unloading of the first cycle, loading of the second
     curves, shares = (np.array([each[0, 0], each[0, 1], each[1, 0]]) for each in read)
     return History(curves, shares, float(history.residual_closure[0]))
@@ -116,68 +134,51 @@ def elastic(set_up: Callable, gap: np.ndarray, stresses: np.ndarray) -> History:
     return History(closure, contact, 0.0)
 
 
-def contact_mechanics_plastic(gap: np.ndarray, hardness: float):
-    """ContactMechanics with a penetration hardness [Pa]: ``press`` and ``left`` of `along`."""
-    from ContactMechanics import FreeFFTElasticHalfSpace
-    from ContactMechanics.Factory import make_plastic_system
-    from SurfaceTopography import PlasticTopography, Topography
-
-    sizes = (peers.SIDE, peers.SIDE)
-    surface = PlasticTopography(Topography(-gap, physical_sizes=sizes), hardness)
-    half_space = FreeFFTElasticHalfSpace(gap.shape, peers.MODULUS, sizes)
-    system = make_plastic_system(substrate=half_space, surface=surface)
-
-    def press(stress: float) -> tuple[float, np.ndarray]:
-        found = system.minimize_proxy(
-            external_force=stress * peers.SIDE**2,
-            pentol=OVERLAP,
-            maxiter=ITERATIONS,
-        )
-        pressure = found.jac[tuple(slice(cells) for cells in gap.shape)] / peers.CELL
-        if not found.success:
-            raise RuntimeError(f"ContactMechanics: no equilibrium at {stress:g} Pa")
-        return found.offset, pressure
-
-    return press, lambda: float(-surface.heights().max())
-
-
-def models(stresses: np.ndarray) -> dict[str, Callable]:
-    """All models by name: a history of two walls."""
+def models() -> dict[str, Callable]:
+    """All models by name: a history of two walls at stresses (level,) [Pa]."""
 
     def gap_of(walls):
         summed = walls[0] + walls[1]
         return summed.max() - summed
 
     found: dict[str, Callable] = {
-        "asperity model": lambda walls: asperity_model(walls, FULL, stresses),
-        "asperity model, elastic": lambda walls: asperity_model(walls, ELASTIC, stresses),
+        "asperity model": lambda walls, stresses: asperity_model(walls, FULL, stresses),
+        "asperity model, elastic": lambda walls, stresses: asperity_model(walls, ELASTIC, stresses),
     }
     for name in ("contact_mechanics", "tamaas", "aspher"):
         set_up = getattr(peers, name)
-        found[f"continuum, elastic ({name})"] = lambda walls, set_up=set_up: elastic(
+        found[f"continuum, elastic ({name})"] = lambda walls, stresses, set_up=set_up: elastic(
             set_up, gap_of(walls), stresses
         )
     for name, hardness in hardnesses(DOLERITE).items():
-        found[f"continuum, hardness {name} (ContactMechanics)"] = lambda walls, hardness=hardness: (
-            along(*contact_mechanics_plastic(gap_of(walls), hardness), stresses)
-        )
+        for code, plastic in limited_pressure.CODES.items():
+            found[f"continuum, hardness {name} ({code})"] = (
+                lambda walls, stresses, plastic=plastic, hardness=hardness: along(
+                    *plastic(gap_of(walls), hardness), stresses
+                )
+            )
     return found
 
 
 def closed(name: str, history_of: Callable, walls, stresses: np.ndarray) -> History:
     """A model's history of two walls; NaN, and a line, where a code finds no equilibrium."""
     try:
-        return history_of(walls)
+        return history_of(walls, stresses)
     except RuntimeError as error:
         print(f"{name}: a realisation is left out ({error})", flush=True)
         nothing = np.full((len(BRANCHES), stresses.size), np.nan)
         return History(nothing, nothing, np.nan)
 
 
-def readings(history: History, stresses: np.ndarray) -> dict[str, float]:
+def readings(history: History, stresses: Stresses) -> dict[str, float]:
     """What is compared, in micrometres, percent and MPa/mm."""
-    half = int(np.flatnonzero(LEVELS == 0.5)[0])
-    chords = (stresses[-1] - stresses[half]) / (history.closure[:, -1] - history.closure[:, half])
+    half, top = stresses.half, stresses.all.size - 1
+    chords = {
+        branch: _chord(
+            history.closure[place], stresses.all, half, stresses.end if place == 0 else top
+        )
+        for place, branch in enumerate(BRANCHES)
+    }
     first, _, second = history.closure[:, -1]
     return {
         "closure_1_um": 1e6 * first,
@@ -185,17 +186,23 @@ def readings(history: History, stresses: np.ndarray) -> dict[str, float]:
         "closure_2_um": 1e6 * (second - history.residual),
         "contact_1_percent": 100.0 * history.contact[0, -1],
         "contact_half_unloaded_percent": 100.0 * history.contact[1, half],
-        **{
-            f"stiffness_{branch}_MPa_per_mm": 1e-9 * chord
-            for branch, chord in zip(BRANCHES, chords, strict=True)
-        },
+        **{f"stiffness_{branch}_MPa_per_mm": 1e-9 * chord for branch, chord in chords.items()},
+        "loading_read_to_MPa": 1e-6 * stresses.all[stresses.end],
     }
 
 
-def table_of(histories: dict[str, list[History]], stresses: np.ndarray) -> pd.DataFrame:
+def _chord(closure: np.ndarray, stresses: np.ndarray, low: int, high: int) -> float:
+    """Stiffness [Pa/m] between two places along a branch; NaN where the second is not higher."""
+    rise = stresses[high] - stresses[low]
+    return float(rise / (closure[high] - closure[low])) if high > low else np.nan
+
+
+def table_of(histories: dict[str, list[History]], stresses: list[Stresses]) -> pd.DataFrame:
     """Means with errors, and ratios to the first model's by pairs of the same walls."""
     read = {
-        name: pd.DataFrame([readings(each, stresses) for each in own])
+        name: pd.DataFrame(
+            [readings(each, there) for each, there in zip(own, stresses, strict=True)]
+        )
         for name, own in histories.items()
     }
     ours = next(iter(read.values()))
@@ -212,25 +219,58 @@ def table_of(histories: dict[str, list[History]], stresses: np.ndarray) -> pd.Da
     return pd.DataFrame(rows)
 
 
+def codes_table(histories: dict[str, list[History]]) -> pd.DataFrame:
+    """How far closures of both codes of a hardness differ, on the joints that both closed.
+
+    Columns ``hardness``, ``joints``; in percent the largest difference on first loading,
+    ``at_largest_stress`` and ``anywhere``.
+    """
+    rows = []
+    for hardness in hardnesses(DOLERITE):
+        names = [f"continuum, hardness {hardness} ({code})" for code in limited_pressure.CODES]
+        if not all(name in histories for name in names):
+            continue
+        own, other = (np.array([each.closure[0] for each in histories[name]]) for name in names)
+        both = np.isfinite(own + other).all(axis=1)
+        off = 100.0 * abs(other[both] / own[both] - 1.0)
+        rows.append(
+            {
+                "hardness": hardness,
+                "joints": int(both.sum()),
+                "at_largest_stress": off[:, -1].max(initial=0.0),
+                "anywhere": off.max(initial=0.0),
+            }
+        )
+    return pd.DataFrame(rows, columns=["hardness", "joints", "at_largest_stress", "anywhere"])
+
+
+NOT_DRAWN = ("tamaas", "aspher", "hardness at breakage (Contact", "2.8 sigma_c (Contact")
+"""In names of models: they lie on another line."""
+
+
 @styled
-def continuum_figure(histories: dict[str, list[History]], stresses: np.ndarray) -> Figure:
+def continuum_figure(histories: dict[str, list[History]], stresses: list[Stresses]) -> Figure:
     """Stress and contact against closure, means over realisations; bars are standard errors."""
     figure, (left, right) = subplots(1, 2, figsize=(10.0, 5.2), layout="constrained")
-    shown = [name for name in histories if "tamaas" not in name and "aspher" not in name]
+    shown = [name for name in histories if not any(word in name for word in NOT_DRAWN)]
+    levels = [each.levels for each in stresses]
+    stress = 1e-6 * stresses[0].all[levels[0]]
     for number, name in enumerate(shown):
-        closure = 1e6 * np.array([each.closure for each in histories[name]])
-        contact = 100.0 * np.array([each.contact for each in histories[name]])
+        title = name.replace("contact_mechanics", "ContactMechanics").replace("sigma_c", "σc")
+        own = list(zip(histories[name], levels, strict=True))
+        closure = 1e6 * np.array([each.closure[:, there] for each, there in own])
+        contact = 100.0 * np.array([each.contact[:, there] for each, there in own])
         known = np.isfinite(closure[:, 0, 0])
         closure, contact = closure[known], contact[known]
         error = closure.std(axis=0, ddof=1) / np.sqrt(len(closure))
         for branch, line in enumerate(("-", "--", ":")):
-            label = name if branch == 0 else None
+            label = title if branch == 0 else None
             mean = closure.mean(axis=0)[branch]
             left.errorbar(
-                mean, 1e-6 * stresses, xerr=error[branch] if branch == 0 else None,
+                mean, stress, xerr=error[branch] if branch == 0 else None,
                 ls=line, color=f"C{number}", label=label, capsize=2, lw=1.3,
             )  # fmt: skip
-            right.plot(1e-6 * stresses, contact.mean(axis=0)[branch], line, color=f"C{number}")
+            right.plot(stress, contact.mean(axis=0)[branch], line, color=f"C{number}")
     left.set(xlabel="closure since first touch (µm)", ylabel="normal stress (MPa)", ylim=0.0)
     right.set(xlabel="normal stress (MPa)", ylabel="cells in contact (%)", yscale="log")
     right.set_title("– loading   - - unloading   ··· reloading", fontsize="small")
@@ -240,12 +280,17 @@ def continuum_figure(histories: dict[str, list[History]], stresses: np.ndarray) 
 
 def main(realizations: int, stress: float, output: Path) -> None:
     """Print the machine and the comparison; write tables/continuum.csv and the figure."""
-    stresses = LEVELS * stress
     settings = case_settings(realizations, peers.CELLS, stress, FULL)
     pairs, histories = list(walls_of(settings.surfaces)), {}
-    for name, history_of in models(stresses).items():
+    stresses = [
+        stresses_of(stress, landing_stress(close(walls, FULL, stress), 1)) for walls in pairs
+    ]
+    for name, history_of in models().items():
         try:
-            histories[name] = [closed(name, history_of, walls, stresses) for walls in pairs]
+            histories[name] = [
+                closed(name, history_of, walls, there.all)
+                for walls, there in zip(pairs, stresses, strict=True)
+            ]
         except ImportError as error:
             print(f"{name} is left out: it is not installed here ({error})")
     table = table_of(histories, stresses)
@@ -254,12 +299,13 @@ def main(realizations: int, stress: float, output: Path) -> None:
     for folder in ("tables", "figures"):
         (output / folder).mkdir(parents=True, exist_ok=True)
     write_csv(table, output / "tables/continuum.csv")
+    write_csv(codes_table(histories), output / "tables/continuum_codes.csv")
     save_figure(continuum_figure(histories, stresses), output / "figures/continuum.png")
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--realizations", type=int, default=5)
+    parser.add_argument("--realizations", type=int, default=10)
     parser.add_argument("--stress", type=float, default=30e6, help="largest, in Pa")
     parser.add_argument("--output", type=Path, default=RESULTS, help="folder")
     arguments = parser.parse_args()

@@ -26,3 +26,22 @@ def test_speed_of_the_solvers_is_measured_with_its_parts(tmp_path):
     assert (study[["pairs", "products", "breakage steps"]] > 100.0).all(axis=None)
     assert len(pd.read_csv(tmp_path / "elastic.csv")) == 3
     assert set(pd.read_csv(tmp_path / "targets.csv").verdict) <= {"met", "NOT met"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["breakage_methods", "idle_interaction"])
+def test_methods_are_compared_on_the_same_walls(name, tmp_path):
+    options = ["--rocks", "dolerite", "--surfaces", "2", "--repeats", "1", "--output", tmp_path]
+    subprocess.run(
+        [sys.executable, BENCHMARKS / f"{name}.py", *options], check=True, capture_output=True
+    )
+    found = pd.read_csv(tmp_path / f"{name}.csv")
+    assert set(found.rock) == {"dolerite"}
+    if name == "breakage_methods":
+        counts = [f"{method} products" for method in ("fixed_step", "resolved")]
+        assert (found[counts] > 100.0).all(axis=None)
+        assert 0.0 < found["least of a surface"].item() <= found["resolved over fixed"].item()
+    else:
+        assert (found["left out up to (% of 30 MPa)"] > 0.0).all()
+        assert (found["products saved %"] > 0.0).all()
+        assert (found["cycle 1 %"].abs() < found["share %"]).all()

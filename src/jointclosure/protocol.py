@@ -55,6 +55,10 @@ _SMALLEST_STEP = 1e-6
 """Fraction of a displacement step below which a jump of the stress is accepted as one, and of
 the closure reached, where that is less: a step may be far longer than all that is needed."""
 
+_FEWEST_CONTACTS = 300
+"""Cells in contact, at a pressure of the compressive strength, that a maximum must call for if the
+interaction is to be left out before it: of fewer each decides what the second cycle is."""
+_MOST_SECANTS = 2
 _MISLED = 0.1
 """Part of the step that passed a target in which it is no longer sought, where all shorter steps
 fell short of it."""
@@ -111,7 +115,10 @@ class _Run:
         self.closure_limit = _closure_limit(joint, max(cycle.maximum for cycle in cycles))
         self.most_breakage_steps = numerics.most_breakage_steps * joint.upper.size
         self.idle_steps, self.idle_displacement = 0, 0.0
-        self.leaves_interaction_out = joint.interaction_acts and numerics.idle_interaction > 0.0
+        largest = max(cycle.maximum for cycle in cycles)
+        many = largest >= _FEWEST_CONTACTS * joint.compressive_strength * joint.law.spacing**2
+        idle = numerics.idle_interaction > 0.0 and many
+        self.leaves_interaction_out = joint.interaction_acts and idle
         if self.leaves_interaction_out:
             joint.interaction_acts = False
 
@@ -338,7 +345,7 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
         if control:
             step = control.following(taken, run.total_force, settled)
             if control.must_repeat(taken, step):
-                run.joint.restore(before)
+                run.joint.restore(before, rates=False)
                 continue
         if settled.total_force < run.target_force:
             run.accept(cycle, LOADING, settled)
@@ -358,6 +365,7 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
     """
     near = run.numerics.stress_tolerance * run.target_force
     above, passed_again, short_again = passed, 0, 0
+    further = passed  # the one before of those above the target
     misled = 0.0
     if run.numerics.breakage == "resolved":
         misled = _MISLED * (passed.closure - run.closure)
@@ -373,15 +381,16 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
         resolved = float(np.spacing(abs(run.joint.first_touch) + above.closure))
         if room < _SMALLEST_STEP * min(displacement_step, reached) or room <= resolved:
             break
-        run.joint.restore(before)
+        # between two states the forces lie, where they follow the closure
+        run.joint.restore(before, rates=run.numerics.breakage == "fixed_step")
         if above is passed and room < misled:
             return False
-        part = _part_to_target(run, above, passed_again, short_again)
+        part = _part_to_target(run, above, further, passed_again, short_again)
         trial = run.settle(run.closure + part * room, breakage_step)
         if run.failed:
             return True
         if trial.total_force > run.target_force:
-            above, passed_again, short_again = trial, passed_again + 1, 0
+            further, above, passed_again, short_again = above, trial, passed_again + 1, 0
         else:
             passed_again, short_again = 0, short_again + 1
             run.accept(cycle, LOADING, trial)
@@ -392,20 +401,28 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
     return True
 
 
-def _part_to_target(run: _Run, above: Settled, passed_again: int, short_again: int) -> float:
+def _part_to_target(
+    run: _Run, above: Settled, further: Settled, passed_again: int, short_again: int
+) -> float:
     """How much of the way from the last state below the target to the last one above to go.
 
-    With fixed steps of breakage half of the secant step, less for each in a row that passed the
-    target again and more for each that fell short: the force rises at once and then hardly depends
-    on the step, and what a large step breaks costs time. With resolved breakage the force
-    follows the closure: false position (Illinois).
+    ``further`` is the state above before the last one. With fixed steps of breakage half of the
+    secant step, less for each in a row that passed the target again and more for each that fell
+    short: the force rises at once and then hardly depends on the step, and what a large step breaks
+    costs time. With resolved breakage the force follows the closure: the secant of the states
+    above, or false position (Illinois) where there is one only or they do not come nearer.
     """
     missing, beyond = run.target_force - run.total_force, above.total_force - run.target_force
+    room = above.closure - run.closure
     if run.numerics.breakage == "resolved":
+        if 0 < passed_again <= _MOST_SECANTS and further.total_force > above.total_force:
+            slope = (further.total_force - above.total_force) / (further.closure - above.closure)
+            part = 1.0 - beyond / (slope * room)
+            if part > 0.02:
+                return part
         missing *= 0.5 ** max(passed_again - 1, 0)
         beyond *= 0.5 ** max(short_again - 1, 0)
         return min(max(missing / (missing + beyond), 0.02), 0.98)
-    room = above.closure - run.closure
     slope = (above.total_force - run.total_force) / room
     part = (run.target_force - run.total_force) / (slope * room)
     part = 0.5 * min(max(part, 0.02), 0.98) * 0.4**passed_again

@@ -7,7 +7,7 @@ import xarray as xr
 import jointclosure as jc
 from jointclosure.engineering.curves import area_of, curve_table, cycle_table
 from jointclosure.engineering.exchange import itasca_tables
-from jointclosure.engineering.laws import LAWS, fitted_laws, law_said, parameter
+from jointclosure.engineering.laws import LAWS, fitted_laws, law_curves, law_said, parameter
 from jointclosure.engineering.stiffness import (
     closures_at,
     landing_stress,
@@ -120,6 +120,26 @@ def test_a_secant_ends_where_the_landing_begins(closed):
     second = (5e6 - 2e6) / (closures[1, 2] - closures[1, 0])
     assert secant_stiffness(closed, 2, 2e6, 5e6) == pytest.approx(second)
     assert np.isnan(secant_stiffness(closed, 1, end, 5e6))
+
+
+def test_what_else_is_read_along_the_steps_ends_at_the_same_landing(closed):
+    """Net of bulk indentation no step is a whole one: the landing is that of the closure."""
+    net = closed.assign(closure_net=closed.closure - closed.bulk_indentation)
+    end = landing_stress(closed, 1)
+    levels = np.array([2e6, end])
+    bulk = closures_at(closed, levels) - closures_at(net, levels, "closure_net")
+    assert (bulk > 0.0).all()
+    here = (closed.cycle.values == 1) & (closed.branch.values == "loading")
+    at_end = closed.bulk_indentation.values[here][closed.normal_stress.values[here] == end]
+    assert bulk[0, 0, 1] == pytest.approx(at_end[0])
+    rise = np.diff(closures_at(net, levels, "closure_net")[0, 0])[0]
+    stiffness = secant_stiffness(net, 1, 2e6, 5e6, "closure_net")
+    assert stiffness == pytest.approx((end - 2e6) / rise)
+    assert stiffness > secant_stiffness(closed, 1, 2e6, 5e6)
+    fitted = law_curves(net, "closure_net")[1, "loading"][1]
+    levels = 1e6 * law_curves(closed)[1, "loading"][0][[0, -1]]
+    closures = closures_at(net, levels, "closure_net")[0, 0]
+    assert fitted[-1] == pytest.approx(1e3 * np.diff(closures)[0])
 
 
 @pytest.mark.parametrize(

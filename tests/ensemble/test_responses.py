@@ -41,6 +41,18 @@ def test_stiffness_is_that_of_each_cycles_own_curve(joint):
     assert responses["stiffness"][1] > 2.0 * responses["stiffness"][0]
 
 
+def test_net_stiffness_is_the_chord_of_the_same_stresses_less_the_bulk_indentation(joint):
+    """Compliances add: that of the bulk is its indentation over the rise of stress."""
+    closed, (_, responses) = joint
+    for cycle in (1, 2, 3):
+        here = (closed.cycle == cycle) & (closed.branch == "loading")
+        stress, bulk = (closed[name].values[here] for name in ("normal_stress", "bulk_indentation"))
+        top = min(landing_stress(closed, cycle), stress.max())
+        rise = np.diff(np.interp([HALF, top], stress, bulk))[0]
+        compliances = 1.0 / responses["stiffness"][cycle - 1] - rise / (top - HALF)
+        assert responses["stiffness_net"][cycle - 1] == pytest.approx(1.0 / compliances, rel=0.01)
+
+
 def test_closures_are_those_of_the_joint(joint):
     closed, (_, responses) = joint
     np.testing.assert_array_equal(responses["closure"], closed.max_closure)

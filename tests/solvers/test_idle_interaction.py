@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
+from jointclosure import protocol
 from jointclosure.config.configuration import configured, merged, merged_study
+from jointclosure.ensemble.closing import close_pair
+from jointclosure.ensemble.settings import Conditions
 from jointclosure.loading import LoadCycle
 from jointclosure.protocol import LOADING, run_cycles
 from jointclosure.solvers.interaction_operator import interaction_field
@@ -16,6 +19,18 @@ from jointclosure.storage.text import read_csv
 from tests.conftest import DOLERITE, SPACING
 
 SHARE = 0.05
+
+
+@pytest.fixture(autouse=True)
+def _small_joints_too(monkeypatch):
+    monkeypatch.setattr(protocol, "_FEWEST_CONTACTS", 0)
+
+
+def test_where_few_cells_touch_nothing_is_left_out(monkeypatch):
+    """10 MPa of 165 MPa: 0.0606 of the cells at a pressure of the strength, 97 of 1600."""
+    for fewest, idle in ((96, True), (98, False)):
+        monkeypatch.setattr(protocol, "_FEWEST_CONTACTS", fewest)
+        assert bool(closed(1, SHARE).idle_steps) is idle
 
 
 def closed(seed, idle_interaction, cells=40, stress=10e6, **numerics):
@@ -126,6 +141,15 @@ def test_a_simulation_that_ends_early_tells_its_scene_all_the_same():
     joint = closed(1, 0.9, cells=16, stress=2e6, most_steps=45)
     assert int(joint.status) >= 16
     assert json.loads(joint.attrs["effects"])["interaction"] is True
+
+
+def test_the_results_of_a_study_bear_the_certificate():
+    walls = jc.wall_pair(8.0, (40, 40), SPACING, 1)
+    numerics = jc.Numerics(idle_interaction=SHARE)
+    told = Conditions(SPACING, DOLERITE, 10e6, 2, 0.0, jc.Effects(), jc.Choices(), numerics)
+    row = close_pair(*walls, np.array([0.0, 10e6]), told)
+    assert row["idle_steps"][1] >= 3
+    assert 0.0 < row["idle_displacement"][1] <= SHARE
 
 
 @pytest.mark.parametrize("share", [-0.1, 1.0, np.nan, "much"])

@@ -7,6 +7,8 @@ import xarray as xr
 
 from jointclosure.config.files import ConfigurationError, read_plain
 from jointclosure.empirical import barton_bandis, scaled_to
+from jointclosure.engineering.stiffness import closures_at, landing_stress
+from jointclosure.ensemble.closing import close_walls
 from jointclosure.inputs import InputError
 from jointclosure.plotting.size import size_figure
 from jointclosure.studies.size.closing import (
@@ -51,6 +53,26 @@ def test_patches_and_coarser_grids_are_parts_of_the_same_walls():
     assert np.ptp(np.diff(plane, axis=0)) < 1e-12
     assert np.ptp(np.diff(plane, axis=1)) < 1e-12
     assert np.ptp(fine - (upper[24:, 24:] - upper[24:, 24:].mean())) > 0.0
+
+
+def test_net_stiffness_is_read_from_half_of_the_stress_to_where_a_first_loading_lands(run):
+    """Later loadings do not land, and are read to the maximum."""
+    settings = settings_of(study_of(TINY, {"study": {"realizations": 4}}), "slate", "free")
+    conditions = settings.walls.conditions()
+    largest = float(conditions.max_normal_stress)
+    upper, lower = next(nested_walls(settings))
+    walls = (patch_of(wall, 0.125e-3, 6e-3, 0.25e-3, 0) for wall in (upper, lower))
+    closed = close_walls(*walls, conditions._replace(spacing=0.25e-3))
+    net = closed.assign(closure_net=closed.closure - closed.bulk_indentation)
+    ends = landing_stress(closed, 1), float(closed.normal_stress.max())
+    assert 0.5 * largest < ends[0] < 0.95 * largest
+    for cycle, end in enumerate(ends, start=1):
+        levels = np.array([0.5 * largest, end])
+        chord = np.diff(levels) / np.diff(closures_at(net, levels, "closure_net")[cycle - 1, 0])
+        own = run.stiffness_net.sel(
+            spectrum="free", patch=6e-3, spacing=0.25e-3, position=0, realization=0, cycle=cycle
+        )
+        assert float(own) == pytest.approx(chord[0])
 
 
 def test_what_is_too_many_cells_is_not_closed(run):

@@ -1,13 +1,17 @@
-"""Renew what docs/speed.md shows of the benchmarks.
+"""Renew what the documents show of the benchmarks.
 
-Run by hand after these, which write to build/benchmarks:
+Run by hand after these, which write to build/benchmarks; with names, such as `idle_interaction`,
+for these tables alone:
 
     python benchmarks/solver_speed.py --output build/benchmarks
     python benchmarks/growth.py --output build/benchmarks
     python benchmarks/peers.py --output build/benchmarks/peers.csv
+    python benchmarks/breakage_methods.py --output build/benchmarks
+    python benchmarks/idle_interaction.py --output build/benchmarks
 """
 
 import shutil
+import sys
 
 import pandas as pd
 from markers import fill
@@ -114,12 +118,69 @@ def peers() -> str:
     return markdown(pd.DataFrame(shown))
 
 
-def main() -> None:
-    """Fill the document, and copy the figure."""
-    parts = (study, elastic, peers, reference, growth)
-    fill(ROOT / "docs/speed.md", {part.__name__: part() for part in parts})
-    shutil.copy(MEASURED / "growth.png", ROOT / "docs/images/growth.png")
+def breakage_methods() -> str:
+    """Resolved breakage beside the paper's steps."""
+    table = read_csv(MEASURED / "breakage_methods.csv")
+
+    def both(name: str, shown: str = "{:,.0f}") -> list[str]:
+        """Of resolved breakage, and of the paper's steps."""
+        pairs = zip(table[f"resolved {name}"], table[f"fixed_step {name}"], strict=True)
+        return [f"{shown.format(one)} ({shown.format(other)})" for one, other in pairs]
+
+    shown = {
+        "rock": table.rock,
+        "time over that of the paper's steps": table["resolved over fixed"].map("{:.2f}".format),
+        "of single surfaces": [
+            f"{least:.2f} to {most:.2f}"
+            for least, most in zip(
+                table["least of a surface"], table["largest of a surface"], strict=True
+            )
+        ],
+        "FFT pairs": both("pairs"),
+        "states": both("states"),
+        "equilibria": both("equilibria"),
+        "products": both("products"),
+    }
+    steps = zip(table["resolved breakage steps"], table["fixed_step breakage steps"], strict=True)
+    shown["breakage steps (million)"] = [f"{a / 1e6:.1f} ({b / 1e6:.1f})" for a, b in steps]
+    return markdown(pd.DataFrame(shown))
+
+
+def idle_interaction() -> str:
+    """What leaving the idle interaction out saves and moves."""
+    table = read_csv(MEASURED / "idle_interaction.csv")
+    moved = [name.removesuffix(" +- %") for name in table.columns if name.endswith(" +- %")]
+    shown = {
+        "rock": table.rock,
+        "tolerance (%)": table["share %"].map("{:g}".format),
+        "left out up to (% of 30 MPa)": table["left out up to (% of 30 MPa)"].map("{:.0f}".format),
+        "time saved (%)": table["time saved %"].map("{:.0f}".format),
+        "products saved (%)": table["products saved %"].map("{:.0f}".format),
+    } | {
+        f"closure, {name} (%)": [
+            f"{change:+.2f} ± {error:.2f}"
+            for change, error in zip(table[f"{name} %"], table[f"{name} +- %"], strict=True)
+        ]
+        for name in moved
+    }
+    return markdown(pd.DataFrame(shown))
+
+
+SPEED = ROOT / "docs/speed.md"
+PARTS = {part.__name__: (SPEED, part) for part in (study, elastic, peers, reference, growth)} | {
+    "breakage_methods": (ROOT / "docs/decisions/0010-resolved-breakage.md", breakage_methods),
+    "idle_interaction": (ROOT / "docs/effects.md", idle_interaction),
+}
+
+
+def main(names: list[str]) -> None:
+    """Fill the documents, and copy the figure."""
+    for name in names or PARTS:
+        document, part = PARTS[name]
+        fill(document, {name: part()})
+        if name == "growth":
+            shutil.copy(MEASURED / "growth.png", ROOT / "docs/images/growth.png")
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

@@ -189,7 +189,7 @@ def _larger(cycle: int) -> Number:
 
 def _continuum(cycle: int) -> Number:
     """Closure of a continuum whose pressure is limited over that of the asperity model."""
-    rows = {"model": "continuum, hardness at breakage (ContactMechanics)"}
+    rows = {"model": "continuum, hardness at breakage (own)"}
     rows |= {"reading": f"closure_{cycle}_um"}
     return span("results/continuum/tables/continuum.csv", "ratio", "ratio_error", **rows)
 

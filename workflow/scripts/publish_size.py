@@ -8,8 +8,10 @@ import pandas as pd
 from markers import fill
 from publish_measured import markdown
 
+from jointclosure.config.configuration import configured, merged_study
 from jointclosure.statistics.standard_errors import rounded
 from jointclosure.storage.text import read_csv
+from jointclosure.studies.size.table import law_of_size
 
 ROOT = Path(__file__).parents[2]
 RESULTS = ROOT / "results/size"
@@ -26,8 +28,10 @@ COLUMNS = {
     "closure_mm": "closure (mm)",
     "closure_net_mm": "net closure (mm)",
     "residual_closure_mm": "residual closure (mm)",
-    "net_stiffness_MPa_per_mm": "net stiffness, 15 to 30 MPa (MPa/mm)",
+    "net_stiffness_MPa_per_mm": "net stiffness above 15 MPa (MPa/mm)",
 }
+WALL_STRENGTHS = (1.0, 1.2, 1.5, 2.0, 3.0)
+"""Strengths of the rock over that of the walls at which the law is told."""
 SHOWN = (("closure_net", 1), ("residual", 1), ("stiffness_net", 1))
 SHOWN += (("closure_net", 2), ("stiffness_net", 2))
 
@@ -66,7 +70,8 @@ def finding() -> str:
 
 
 def _best(cycle: int) -> str:
-    """The scaling that removes most of the spread of a cycle's net closure."""
+    """The scaling that removes most of the spread of a cycle's net closure, and the one that tells
+    the largest patch best, where it is another one."""
     table = table_of("size_collapse")
     own = table[(table.reading == "closure_net") & (table.cycle == cycle)]
     alone, together = (own[own.between == each] for each in ("sizes", "sizes and spectra"))
@@ -74,14 +79,20 @@ def _best(cycle: int) -> str:
     plain = together[together.scaling == "none"].iloc[0]
     last = alone[alone.scaling == best.scaling].iloc[0]
     first = alone[alone.scaling == "none"].iloc[0]
+    nearest = alone.sort_values("largest_off_percent").iloc[0]
+    other = ""
+    if nearest.scaling != best.scaling:
+        off = rounded(nearest.largest_off_percent, nearest.largest_off_error)
+        other = f" That patch is told best, to {off} %, by {nearest.scaling}."
     return (
-        f"**Cycle {cycle}**: the best scaling of net closure is by {best.scaling} "
-        f"({best.exponents.replace('_', ' ')}). On realisations that were not fitted it removes "
+        f"**Cycle {cycle}**: of the scalings of net closure that by {best.scaling} "
+        f"({best.exponents.replace('_', ' ')}) removes most of the spread. On realisations that "
+        "were not fitted it removes "
         f"{rounded(best.removed_percent, best.removed_error)} % of the mean square spread between "
         f"all sizes and spectra: {best.left_percent:.0f} % rms are left of "
         f"{plain.left_percent:.0f} %. The largest patch, not fitted either, is off by "
         f"{rounded(last.largest_off_percent, last.largest_off_error)} % rms (without a scaling "
-        f"by {rounded(first.largest_off_percent, first.largest_off_error)} %)."
+        f"by {rounded(first.largest_off_percent, first.largest_off_error)} %).{other}"
     )
 
 
@@ -180,6 +191,24 @@ def barton_bandis() -> str:
     return markdown(pd.DataFrame(rows))
 
 
+def wall_strengths() -> str:
+    """What Barton and Bandis say of the largest patch, by the strength of its walls."""
+    table = table_of("size_barton_bandis")
+    times = table.to_mm.max() / table.from_mm.iloc[0]
+    typed = configured(merged_study(ROOT / "config/size.yaml"), read_csv).typed
+    rock = next(iter(typed.rocks.values()))
+    about = rock.jrc, rock.intact.compressive_strength, rock.max_normal_stress
+    rows = []
+    for ratio in sorted({*WALL_STRENGTHS, typed.output.wall_strength_ratio}):
+        for cycle in sorted(table.cycle.unique()):
+            changed, small = (law_of_size(each, about, ratio, cycle) for each in (times, 1.0))
+            rows.append(
+                {"σc/JCS": f"{ratio:g}", "cycle": cycle}
+                | {TITLES[of]: f"{changed[of] / small[of]:.2f}" for of in changed}
+            )
+    return markdown(pd.DataFrame(rows))
+
+
 def main() -> None:
     """Fill the document, and copy its figure."""
     parts = {
@@ -190,6 +219,7 @@ def main() -> None:
         "largest": largest(),
         "scalings": scalings(),
         "barton bandis": barton_bandis(),
+        "wall strengths": wall_strengths(),
     }
     fill(ROOT / "docs/size.md", parts)
     shutil.copy(RESULTS / "figures/size.png", ROOT / "docs/images/size.png")

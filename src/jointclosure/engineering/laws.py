@@ -80,38 +80,43 @@ LAWS = {
 }
 
 
-def law_curves(history: xr.Dataset) -> dict[tuple[int, str], tuple[np.ndarray, np.ndarray]]:
+def law_curves(
+    history: xr.Dataset, of: str = "closure"
+) -> dict[tuple[int, str], tuple[np.ndarray, np.ndarray]]:
     """Stress [MPa] and closure since seating on that branch [mm], by cycle and branch.
 
-    Branches that do not reach from seating to their cycle's maximum are left out.
+    Branches that do not reach from seating to their cycle's maximum are left out. ``of`` as in
+    `jointclosure.engineering.stiffness.closures_at`.
     """
     seating = float(history.attrs["seating_stress_Pa"])
     curves = {}
     for index in range(int(history.cycle.max())):
         levels = stress_levels(history, POINTS, index + 1)
-        branches = closures_at(history, levels)[index]
+        branches = closures_at(history, levels, of)[index]
         for name, closure in zip((LOADING, UNLOADING), branches, strict=True):
             if not np.isfinite(closure).all():
                 continue
-            start = closure[0] if seating > 0.0 else _start(history, index + 1, name)
+            start = closure[0] if seating > 0.0 else _start(history, index + 1, name, of)
             curves[index + 1, name] = 1e-6 * levels, 1e3 * (closure - start)
     return curves
 
 
-def _start(history: xr.Dataset, cycle: int, branch: str) -> float:
+def _start(history: xr.Dataset, cycle: int, branch: str, of: str) -> float:
     """Closure at which a branch without seating begins, or ends [m]."""
     here = np.flatnonzero((history.cycle.values == cycle) & (history.branch.values == branch))
     first = here[0] - 1 if here[0] > 0 else here[0]
-    return float(history.closure.values[first if branch == LOADING else here[-1]])
+    return float(history[of].values[first if branch == LOADING else here[-1]])
 
 
-def fitted_laws(history: xr.Dataset) -> pd.DataFrame:
+def fitted_laws(history: xr.Dataset, of: str = "closure") -> pd.DataFrame:
     """The laws fitted by least squares of closure, for each cycle and branch.
 
     Parameters
     ----------
     history : Dataset
         As from `jointclosure.simulate`.
+    of : str
+        The variable [m] over the steps that is fitted.
 
     Returns
     -------
@@ -124,7 +129,7 @@ def fitted_laws(history: xr.Dataset) -> pd.DataFrame:
     """
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
     rows = []
-    for (cycle, branch), (stress, closure) in law_curves(history).items():
+    for (cycle, branch), (stress, closure) in law_curves(history, of).items():
         for name, law in LAWS.items():
             values, errors, fit = _fit(law, stress, closure, seating)
             about = {"cycle": cycle, "branch": branch, "law": name}

@@ -28,8 +28,10 @@ def stress_levels(history: xr.Dataset, count: int = LEVELS, cycle: int | None = 
     return np.linspace(seating, largest, count + (seating == 0.0))[(seating == 0.0) :]
 
 
-def closures_at(history: xr.Dataset, levels: np.ndarray) -> np.ndarray:
+def closures_at(history: xr.Dataset, levels: np.ndarray, of: str = "closure") -> np.ndarray:
     """Closure (cycles, 2, levels) [m] on loading and unloading at stresses [Pa].
+
+    ``of`` names what is read over the steps, where it is another than the closure.
 
     Between the steps by a monotone cubic: chords between few steps would make stairs of the
     stiffness. Steps of a landing (`landing_stress`) have a cubic of their own, as they are stiffer.
@@ -43,7 +45,7 @@ def closures_at(history: xr.Dataset, levels: np.ndarray) -> np.ndarray:
             if here.size < 2:
                 continue
             here = here if name == LOADING else here[::-1]
-            stress, closure = history.normal_stress.values[here], history.closure.values[here]
+            stress, closure = history.normal_stress.values[here], history[of].values[here]
             rises = np.concatenate([[True], stress[1:] > np.maximum.accumulate(stress)[:-1]])
             # a maximum within a percent below a level counts as having reached it
             largest = float(stress.max())
@@ -96,14 +98,16 @@ def landing_stress(history: xr.Dataset, cycle: int) -> float:
     return float(stress[here][whole[-1] + 1 if whole.size else 0])
 
 
-def secant_stiffness(history: xr.Dataset, cycle: int, low: float, high: float) -> float:
+def secant_stiffness(
+    history: xr.Dataset, cycle: int, low: float, high: float, of: str = "closure"
+) -> float:
     """Normal stiffness [Pa/m] of a cycle's loading by the chord between two stresses [Pa].
 
     It ends where the loading begins to land on its maximum (`landing_stress`), if that is below
-    the higher stress; NaN where the loading does not get there.
+    the higher stress; NaN where the loading does not get there. ``of`` as in `closures_at`.
     """
     levels = np.array([low, min(high, landing_stress(history, cycle))])
-    rise = float(np.diff(closures_at(history, levels)[cycle - 1, 0])[0])
+    rise = float(np.diff(closures_at(history, levels, of)[cycle - 1, 0])[0])
     return float(np.diff(levels)[0]) / rise if levels[1] > low and rise > 0.0 else np.nan
 
 

@@ -29,6 +29,9 @@ PER_REALIZATION = (
     "breakage_steps",
     "locked_contacts",
     "solver_iterations",
+    "replayed_cycles",
+    "idle_steps",
+    "idle_displacement",
 )
 
 

@@ -1,6 +1,7 @@
 """What studies of a joint's closure, residual closure and stiffness read of each cycle."""
 
 import numpy as np
+import xarray as xr
 
 from jointclosure.engineering.stiffness import secant_stiffness
 from jointclosure.ensemble.closing import close_walls
@@ -11,35 +12,52 @@ from jointclosure.protocol import FAILURE
 def cycle_responses(
     walls: tuple[np.ndarray, np.ndarray], conditions: Conditions
 ) -> tuple[int, dict[str, np.ndarray]]:
-    """Close two walls (y, x) [m] to one maximum stress, and read every cycle.
+    """Close two walls (y, x) [m] to one maximum stress: the status, and `responses_of` its cycles.
+
+    All is NaN where the simulation failed.
+    """
+    closed = close_walls(*walls, conditions)
+    status, answer = int(closed.status), responses_of(closed, conditions)
+    if status >= FAILURE:
+        answer = {name: np.full(values.shape, np.nan) for name, values in answer.items()}
+    return status, answer
+
+
+def responses_of(closed: xr.Dataset, conditions: Conditions) -> dict[str, np.ndarray]:
+    """What is read of each cycle of a joint that was closed to one maximum stress.
 
     Returns
     -------
-    status : int
-    responses : dict of array (cycles,)
+    dict of array (cycles,)
         ``closure``, ``closure_net`` of bulk indentation, ``closure_seated``, ``residual`` closure
         and ``closure_above_half``, all in m; ``stiffness`` of loading from half of the maximum
-        stress to where it begins to land on all of it (`secant_stiffness`) [Pa/m]; the former is
-        the closure over that half at this stiffness. NaN where the simulation failed, and of
-        stiffness where landing begins below half. Where breakage jumps over the maximum stress, the
-        last state below it stands for it.
+        stress to where it begins to land on all of it (`secant_stiffness`), and ``stiffness_net``
+        of bulk indentation [Pa/m]. ``closure_above_half`` is the closure over all of that half at
+        the former. Stiffness is NaN where landing begins below half. Where breakage jumps over the
+        maximum stress, the last state below it stands for it.
     """
     half = 0.5 * float(np.max(conditions.max_normal_stress))
-    closed = close_walls(*walls, conditions)
-    status, closure = int(closed.status), closed.max_closure.values
-    residual = closed.residual_closure.values
+    closure = closed.max_closure.values
     reached = closed.normal_stress.groupby(closed.cycle).max().values
-    stiffness = np.array(
-        [secant_stiffness(closed, cycle, half, top) for cycle, top in enumerate(reached, start=1)]
-    )
-    answer = {
+    history = net_of_bulk(closed)
+
+    def chords(of: str) -> np.ndarray:
+        return np.array(
+            [secant_stiffness(history, i, half, top, of) for i, top in enumerate(reached, start=1)]
+        )
+
+    stiffness = chords("closure")
+    return {
         "closure": closure,
         "closure_net": closure - closed.max_bulk_indentation.values,
         "closure_seated": closed.max_closure_seated.values,
-        "residual": residual,
+        "residual": closed.residual_closure.values,
         "closure_above_half": (reached - half) / stiffness,
         "stiffness": stiffness,
+        "stiffness_net": chords("closure_net"),
     }
-    if status >= FAILURE:
-        answer = {name: np.full(closure.shape, np.nan) for name in answer}
-    return status, answer
+
+
+def net_of_bulk(history: xr.Dataset) -> xr.Dataset:
+    """A history that has ``closure_net`` too: closure less bulk indentation [m] at each step."""
+    return history.assign(closure_net=history.closure - history.bulk_indentation)

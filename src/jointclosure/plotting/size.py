@@ -52,7 +52,7 @@ def size_figure(table: pd.DataFrame) -> Figure:
     handles, names = panels[0][0].get_legend_handles_labels()
     figure.legend(
         handles, [name.replace("_", " ") for name in names], loc="outside lower center", ncols=3,
-        frameon=False,
+        frameon=False, title="bars: standard errors of ratios of the same walls",
     )  # fmt: skip
     return figure
 

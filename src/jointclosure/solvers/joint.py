@@ -29,6 +29,10 @@ CONVERGED, NOT_CONVERGED, NOT_AT_REST, RIGID_CONTACT = range(4)
 """Outcomes of `Solver.settle`."""
 
 
+_RATES = 2
+"""How many fields of a snapshot are rates; they are its last."""
+
+
 class Effort(NamedTuple):
     """What settling took, in counts that do not depend on the machine.
 
@@ -101,6 +105,7 @@ class Joint:
         self.effects, self.choices, self.numerics = effects, choices, numerics
         self.interaction_acts = effects.interaction  # False while it is left out
         self.law: ContactLaw = contact_law(spacing, rock, effects, choices)
+        self.compressive_strength = min(wall.compressive_strength for wall in rock)  # [Pa]
         self.first_touch = float((self.upper + self.lower).max())
         self.tie_tolerance = choices.tie_tolerance * roughness(self.upper, self.lower)
         self.peaks = peak_map(self.upper, self.lower)
@@ -165,9 +170,10 @@ class Joint:
         """Copies of all that changes, for `restore`."""
         return tuple(field.copy() for field in self._state())
 
-    def restore(self, snapshot: tuple[np.ndarray, ...]) -> None:
-        """Go back to a snapshot, which stays valid."""
-        for field, saved in zip(self._state(), snapshot, strict=True):
+    def restore(self, snapshot: tuple[np.ndarray, ...], *, rates: bool = True) -> None:
+        """Go back to a snapshot, which stays valid; without ``rates`` these stay as they are."""
+        kept = None if rates else -_RATES
+        for field, saved in zip(self._state()[:kept], snapshot[:kept], strict=True):
             field[...] = saved
 
     def _state(self) -> tuple[np.ndarray, ...]:

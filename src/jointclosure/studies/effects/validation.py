@@ -94,6 +94,8 @@ def validate(
     report(f"conditions {number}: {scene}")
     design = settings.design
     walls, conditions = _walls(settings, number, scene), _in_full(settings, scene)
+    for effects in (Effects(), Effects(breakage=False, gouge=False)):
+        close_walls(*walls[0], conditions._replace(effects=effects))  # kernels are loaded untimed
     choices, told = [], [conditions]
     for tolerance in design.tolerances:
         numerics = conditions.numerics._replace(idle_interaction=tolerance)

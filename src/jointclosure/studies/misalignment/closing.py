@@ -8,6 +8,7 @@ import xarray as xr
 
 from jointclosure.ensemble.responses import cycle_responses
 from jointclosure.ensemble.surfaces import seeds_of
+from jointclosure.ensemble.wavelengths import wavelength_coordinate
 from jointclosure.studies.misalignment.design import MisalignedSettings
 from jointclosure.surface.misalignment import rotated_pair, tilted
 from jointclosure.surface.roughness import z2_of_jrc
@@ -82,7 +83,6 @@ def close_misaligned(
 def _labelled(settings: MisalignedSettings, values: dict, status, seconds) -> xr.Dataset:
     """Readings with their coordinates and units."""
     over = ("wavelength", "condition", "realization")
-    wavelength = settings.mismatch_wavelength
     tilts, rotations = zip(*settings.conditions, strict=True)
     found: dict = {
         name: ((*over, "cycle"), own[np.newaxis], {"units": "m", "long_name": RESPONSES[name]})
@@ -93,11 +93,7 @@ def _labelled(settings: MisalignedSettings, values: dict, status, seconds) -> xr
     return xr.Dataset(
         found,
         coords={
-            "wavelength": (
-                "wavelength",
-                [np.inf if wavelength is None else wavelength],
-                {"units": "m"},
-            ),
+            "wavelength": wavelength_coordinate(settings.mismatch_wavelength),
             "tilt": ("condition", list(tilts), {"units": "degree"}),
             "rotation": ("condition", list(rotations), {"units": "degree"}),
             "cycle": np.arange(1, settings.closures.cycles + 1),

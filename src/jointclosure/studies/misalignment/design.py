@@ -9,9 +9,7 @@ from jointclosure.config.units import to_si
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.slices import closure_settings, surface_settings
-
-INDEPENDENT = "independent"
-"""Label of independent walls; their wavelength is None."""
+from jointclosure.ensemble.wavelengths import labelled_wavelengths
 
 
 class Design(NamedTuple):
@@ -70,13 +68,10 @@ def design_of(keys: dict) -> Design:
     if problems:
         raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in problems))
     lengths = to_si(section.model_dump())["mismatch_wavelength"]
-    wavelengths: dict[str, float | None] = {
-        f"{1e6 * value:.15g}um": value for value in sorted(lengths)
-    }
     return Design(
         tuple(sorted(section.tilt_degrees)),
         tuple(sorted(section.rotation_degrees)),
-        wavelengths | {INDEPENDENT: None},
+        labelled_wavelengths(sorted(lengths)),
     )
 
 

@@ -19,11 +19,10 @@ from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.ensemble.surfaces import walls_of
+from jointclosure.ensemble.wavelengths import labelled_wavelengths, wavelength_coordinate
 from jointclosure.inputs import InputError
 from jointclosure.protocol import FAILURE
 
-INDEPENDENT = "independent"
-"""Label of independent walls; their wavelength is infinite."""
 READ = {
     "max_closure": ("max_closure_mm", "m", "largest closure of the cycle, from its start"),
     "closure_since_seating": ("closure_since_seating_mm", "m", "the same since seating"),
@@ -40,8 +39,8 @@ READ_ALONG = {
 }
 
 
-def labels_of(configuration: Configuration) -> dict[str, float]:
-    """Mismatch wavelengths [m] of a study's jobs by label, in micrometres; independent walls last.
+def labels_of(configuration: Configuration) -> dict[str, float | None]:
+    """Mismatch wavelengths [m] of a study's jobs by label; None for independent walls, the last.
 
     Raises
     ------
@@ -50,22 +49,23 @@ def labels_of(configuration: Configuration) -> dict[str, float]:
     """
     if configuration.mismatch is None:
         raise InputError("mismatch = null: the study is none of mismatch (config/mismatch.yaml)")
-    wavelengths = configuration.mismatch.wavelength
-    return {f"{1e6 * value:.15g}um": value for value in wavelengths} | {INDEPENDENT: np.inf}
+    return labelled_wavelengths(configuration.mismatch.wavelength)
 
 
 def settings_of(
-    configuration: Configuration, rock: str, wavelength: float
+    configuration: Configuration, rock: str, wavelength: float | None
 ) -> list[ClosureSettings]:
-    """Settings of a rock's closures at a mismatch wavelength [m], one for each shift."""
+    """Settings of a rock's closures at a mismatch wavelength [m], one for each shift.
+
+    Independent walls (None) are not shifted.
+    """
     design, study = configuration.mismatch, configuration.study
     assert design is not None  # `labels_of` was asked for the wavelengths
     case = base_case(rock, configuration.rocks[rock])
-    independent = np.isinf(wavelength)
     found = []
-    for shift in (0,) if independent else design.shift_in_cells:
+    for shift in (0,) if wavelength is None else design.shift_in_cells:
         surface = configuration.surface._replace(
-            mismatch_wavelength=None if independent else wavelength, shift_in_cells=shift
+            mismatch_wavelength=wavelength, shift_in_cells=shift
         )
         surfaces = surface_settings(
             configuration._replace(surface=surface), case, range(study.realizations)
@@ -134,7 +134,6 @@ def _labelled(
 ) -> xr.Dataset:
     """Readings with their coordinates and units."""
     told = settings[0]
-    wavelength = told.surfaces.surface.mismatch_wavelength
     shifts = [each.surfaces.surface.shift_in_cells for each in settings]
     over = ("wavelength", "shift", "realization")
     about = {name: (unit, text) for name, (_, unit, text) in READ.items()} | READ_ALONG
@@ -153,11 +152,7 @@ def _labelled(
     return xr.Dataset(
         found,
         coords={
-            "wavelength": (
-                "wavelength",
-                [np.inf if wavelength is None else wavelength],
-                {"units": "m"},
-            ),
+            "wavelength": wavelength_coordinate(told.surfaces.surface.mismatch_wavelength),
             "shift": ("shift", [spacing * shift for shift in shifts], {"units": "m"}),
             "cycle": np.arange(1, told.cycles + 1),
         },

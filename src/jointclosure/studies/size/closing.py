@@ -15,10 +15,10 @@ import xarray as xr
 
 from jointclosure.config.typed import Configuration, Grid, SizeDesign
 from jointclosure.engineering.laws import fitted_laws, parameter
-from jointclosure.engineering.stiffness import closures_at
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.closing import close_walls
-from jointclosure.ensemble.settings import ClosureSettings
+from jointclosure.ensemble.responses import net_of_bulk, responses_of
+from jointclosure.ensemble.settings import ClosureSettings, Conditions
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.ensemble.surfaces import walls_of
 from jointclosure.inputs import InputError
@@ -30,11 +30,14 @@ READ = {
     "closure": ("m", "largest closure of the cycle, from its start"),
     "closure_net": ("m", "the same net of bulk indentation"),
     "residual": ("m", "residual closure"),
-    "stiffness_net": ("Pa/m", "net stiffness of loading, from half of the maximum stress to it"),
+    "stiffness_net": (
+        "Pa/m",
+        "net stiffness of loading, from half of the maximum stress to the landing on it",
+    ),
     "kni_net": ("Pa/m", "initial stiffness of the hyperbolic law of net loading since seating"),
     "vm_net": ("m", "largest closure of that law"),
 }
-"""What is read of each cycle."""
+"""What is read of each cycle. Only first loadings land (`ensemble.responses.responses_of`)."""
 GEOMETRY = {
     "rms_height": ("m", "of the summed heights, less their plane"),
     "rms_slope": ("1", "of the summed heights at the spacing"),
@@ -166,7 +169,8 @@ def _closed(
     upper, lower = (patch_of(wall, finest, patch, spacing, place[2]) for wall in walls)
     summed = upper + lower
     start = time.process_time()
-    closed = close_walls(upper, lower, settings.walls.conditions()._replace(spacing=spacing))
+    conditions = settings.walls.conditions()._replace(spacing=spacing)
+    closed = close_walls(upper, lower, conditions)
     found = {
         "rms_height": float(np.std(summed)),
         "rms_slope": rms_slope(summed, spacing),
@@ -174,28 +178,20 @@ def _closed(
         "status": int(closed.status),
         "seconds": time.process_time() - start,
     }
-    return found, _read(closed) if closed.status < FAILURE else {}
+    return found, _read(closed, conditions) if closed.status < FAILURE else {}
 
 
-def _read(closed: xr.Dataset) -> dict[str, np.ndarray]:
+def _read(closed: xr.Dataset, conditions: Conditions) -> dict[str, np.ndarray]:
     """`READ` over the cycles (cycles,)."""
-    net = closed.assign(closure=closed.closure - closed.bulk_indentation)
-    largest = float(closed.normal_stress.max())
-    half, whole = closures_at(net, np.array([0.5 * largest, largest]))[:, 0].T
-    laws = fitted_laws(net)
+    laws = fitted_laws(net_of_bulk(closed), "closure_net")
 
     def of_law(name: str) -> np.ndarray:
         cycles = range(1, closed.max_closure.size + 1)
         return np.array([parameter(laws, cycle, LOADING, name) for cycle in cycles])
 
-    return {
-        "closure": closed.max_closure.values,
-        "closure_net": closed.max_closure.values - closed.max_bulk_indentation.values,
-        "residual": closed.residual_closure.values,
-        "stiffness_net": 0.5 * largest / (whole - half),
-        "kni_net": 1e9 * of_law("kni_MPa_per_mm"),
-        "vm_net": 1e-3 * of_law("vm_mm"),
-    }
+    read = responses_of(closed, conditions)
+    fitted = {"kni_net": 1e9 * of_law("kni_MPa_per_mm"), "vm_net": 1e-3 * of_law("vm_mm")}
+    return {name: read[name] for name in READ if name in read} | fitted
 
 
 def _labelled(settings: SizeSettings, alone: dict, values: dict) -> xr.Dataset:

@@ -200,7 +200,7 @@ def barton_bandis_table(
         smallest, *larger = run.patch.values.tolist()
         for cycle in run.cycle.values.tolist():
             laws = {
-                patch: _law(patch / smallest, rocks[rock], strength_ratio, cycle)
+                patch: law_of_size(patch / smallest, rocks[rock], strength_ratio, cycle)
                 for patch in run.patch.values.tolist()
             }
             for spectrum in run.spectrum.values.tolist():
@@ -225,10 +225,26 @@ def barton_bandis_table(
     return pd.DataFrame(rows)
 
 
-def _law(
+def law_of_size(
     times: float, rock: tuple[float, float, float], strength_ratio: float, cycle: int
 ) -> dict[str, float]:
-    """What the law says of a joint so many times as long as the one that was measured [SI]."""
+    """What the law of Barton and Bandis says of a joint so many times as long as one that is known.
+
+    Parameters
+    ----------
+    times : float
+    rock : (float, float, float)
+        JRC, sigma_c [Pa] and maximum stress [Pa] of the known joint.
+    strength_ratio : float
+        sigma_c/JCS of the known joint.
+    cycle : int
+
+    Returns
+    -------
+    dict
+        Initial stiffness and stiffness from half of the stress on [Pa/m], largest closure and that
+        at the stress [m], by the names of the model's readings.
+    """
     jrc, strength, stress = rock
     jrc, wall_strength = scaled_to(times, jrc, strength / strength_ratio, 1.0)
     law = barton_bandis(jrc, strength, strength / wall_strength, cycle)

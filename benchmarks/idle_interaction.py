@@ -1,0 +1,110 @@
+"""What it saves to leave the interaction out while it is idle, and what that moves.
+
+Closes the study's own walls of each rock's base case (config/default.yaml), both cycles, with the
+interaction throughout and with `Numerics.idle_interaction` at each share. All alternate on each
+surface, and the least CPU time of all repetitions counts, as others on the machine only add to it.
+Differences are of means over the surfaces, with the standard error of a mean of paired differences.
+Run as `python benchmarks/idle_interaction.py`; --help lists what can be changed.
+"""
+
+import os
+
+os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
+os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from yardstick import base_case, machine, paper_study, show
+
+from jointclosure.history import closure_at_stresses
+
+
+def closed(configuration, case, realization: int, stresses: np.ndarray) -> dict:
+    """A simulation's seconds and counts, its maximum closures and those of its first loading."""
+    seconds, found = base_case(configuration, case, realization)
+    curve = closure_at_stresses(
+        found.closure.values,
+        found.normal_stress.values,
+        found.cycle.values,
+        found.branch.values,
+        found.sizes["cycle"],
+        stresses,
+    )[0, 0]
+    largest = float(found.normal_stress.max())
+    first = found.normal_stress.values[: int(found.idle_steps) + 1]
+    return {
+        "s": seconds,
+        "products": int(found.solver_iterations),
+        "idle": float(first.max()) / largest,
+        "closures": np.array([*found.max_closure.values, *curve]),
+    }
+
+
+def compare(told: list, case_number: int, arguments) -> list[dict]:
+    """One rock's base case at each share: rows. ``told``: configuration and cases of none, and of
+    each share."""
+    stresses = 1e6 * np.array(arguments.stresses)
+    case = told[0][1][case_number]
+    runs: dict = {}
+    closed(told[0][0], case, 0, stresses)  # compiled before anything is timed
+    for _ in range(arguments.repeats):
+        for realization in range(arguments.surfaces):
+            for number, (configuration, _) in enumerate(told):
+                found = closed(configuration, case, realization, stresses)
+                before = runs.get((number, realization), found)
+                runs[number, realization] = found | {"s": min(found["s"], before["s"])}
+
+    def of(number: int, name: str) -> np.ndarray:
+        return np.array([runs[number, r][name] for r in range(arguments.surfaces)])
+
+    rows = []
+    for number, share in enumerate(arguments.shares, start=1):
+        row = {"rock": case.rock, "share %": 100.0 * share}
+        row["left out up to (% of 30 MPa)"] = 100.0 * float(np.median(of(number, "idle")))
+        row["time saved %"] = 100.0 * (1.0 - of(number, "s").sum() / of(0, "s").sum())
+        products = of(number, "products").sum() / of(0, "products").sum()
+        row["products saved %"] = 100.0 * (1.0 - products)
+        change = of(number, "closures") - of(0, "closures")
+        mean = of(0, "closures").mean(axis=0)
+        error = change.std(axis=0, ddof=1) / np.sqrt(arguments.surfaces)
+        names = [
+            "cycle 1",
+            "cycle 2",
+            *(f"loading, {stress:g} MPa" for stress in arguments.stresses),
+        ]
+        for name, moved, wrong in zip(
+            names, 100.0 * change.mean(axis=0) / mean, 100.0 * error / mean, strict=True
+        ):
+            row |= {f"{name} %": moved, f"{name} +- %": wrong}
+        rows.append(row)
+    return rows
+
+
+def main(arguments) -> None:
+    """Print the table."""
+    print(machine(), flush=True)
+    rows: list[dict] = []
+    rocks = {"study": {"rocks": arguments.rocks}} if arguments.rocks else {}
+    told = [
+        paper_study({"numerics": {"idle_interaction": share}}, rocks)
+        for share in (0.0, *arguments.shares)
+    ]
+    for number in range(len(told[0][1])):
+        rows += compare(told, number, arguments)
+        show(__doc__.splitlines()[0], pd.DataFrame(rows), arguments.output, "idle_interaction")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--rocks", nargs="+", help="of the study; all, if left out")
+    parser.add_argument("--shares", type=float, nargs="+", default=[0.02, 0.05])
+    parser.add_argument("--surfaces", type=int, default=12)
+    parser.add_argument("--repeats", type=int, default=2)
+    parser.add_argument("--stresses", type=float, nargs="+", default=[1.0, 3.0, 10.0], help="[MPa]")
+    parser.add_argument("--output", type=Path, help="folder for the table as CSV")
+    main(parser.parse_args())
