@@ -56,12 +56,12 @@ def test_the_estimated_error_shortens_displacement_steps(monkeypatch):
     """At coarse tolerances it seldom does: there the rise of the force sets the steps."""
 
     def steps():
-        told = {"cells": 40, "stress": 10e6, "breakage": "resolved", "tolerance": 0.005}
-        return sum(closed(seed, **told).sizes["step"] for seed in range(6))
+        told = {"breakage": "resolved", "tolerance": 0.001}
+        return sum(closed(seed, **told).sizes["step"] for seed in range(4))
 
     now = steps()
     monkeypatch.setattr(step_control, "_CORRECTION", 1e12)
-    assert now > 1.02 * steps()
+    assert now > 1.03 * steps()
 
 
 def test_predictions_and_steps_begin_at_what_is_extrapolated(monkeypatch):
@@ -78,7 +78,7 @@ def test_predictions_and_steps_begin_at_what_is_extrapolated(monkeypatch):
 
 def test_what_is_clear_of_its_strength_is_solved_without_a_stage_between(monkeypatch):
     def equilibria():
-        found = [closed(seed, cells=40, stress=10e6, breakage="resolved") for seed in range(3)]
+        found = [closed(seed, cells=40, stress=10e6, breakage="resolved") for seed in range(12)]
         return sum(int(each.equilibria) for each in found)
 
     now = equilibria()
@@ -99,7 +99,7 @@ def test_a_stress_that_shorter_steps_reach_further_on_is_not_taken_for_a_jump(mo
         )
         return int(closed.status) & protocol.TARGET_JUMPED
 
-    misled = (24, 26, 29, 54)  # of 150 seeds
+    misled = (93, 98, 114, 149)  # of 150 seeds
     assert not any(jumped(seed) for seed in misled)
     monkeypatch.setattr(protocol, "_MISLED", 0.0)
     assert any(jumped(seed) for seed in misled)
