@@ -58,6 +58,9 @@ the closure reached, where that is less: a step may be far longer than all that 
 _FEWEST_CONTACTS = 300
 """Cells in contact, at a pressure of the compressive strength, that a maximum must call for if the
 interaction is to be left out before it: of fewer each decides what the second cycle is."""
+_MOST_CRUSHED = 0.4
+"""Share of the compressive strength that a maximum stress may have for it: beyond, nearly all of
+the time goes into what breaks, and a joint that began without interaction breaks no less."""
 _MOST_SECANTS = 2
 _MISLED = 0.1
 """Part of the step that passed a target in which it is no longer sought, where all shorter steps
@@ -115,10 +118,11 @@ class _Run:
         self.closure_limit = _closure_limit(joint, max(cycle.maximum for cycle in cycles))
         self.most_breakage_steps = numerics.most_breakage_steps * joint.upper.size
         self.idle_steps, self.idle_displacement = 0, 0.0
-        largest = max(cycle.maximum for cycle in cycles)
-        many = largest >= _FEWEST_CONTACTS * joint.compressive_strength * joint.law.spacing**2
-        idle = numerics.idle_interaction > 0.0 and many
-        self.leaves_interaction_out = joint.interaction_acts and idle
+        self.leaves_interaction_out = (
+            joint.interaction_acts
+            and numerics.idle_interaction > 0.0
+            and _pays_without_interaction(joint, max(cycle.maximum for cycle in cycles))
+        )
         if self.leaves_interaction_out:
             joint.interaction_acts = False
 
@@ -566,6 +570,16 @@ def _untouched(joint: Joint) -> Settled:
 
 def _mean_height(joint: Joint) -> float:
     return float(joint.upper.mean() + joint.lower.mean())
+
+
+def _pays_without_interaction(joint: Joint, largest: float) -> bool:
+    """Whether a history to a largest force [N] may begin without the interaction.
+
+    By the cells that carry it at a pressure of the compressive strength: neither a few nor a large
+    share of all (docs/effects.md).
+    """
+    cells = largest / (joint.compressive_strength * joint.law.spacing**2)
+    return _FEWEST_CONTACTS <= cells <= _MOST_CRUSHED * joint.upper.size
 
 
 def _closure_limit(joint: Joint, target_force: float) -> float:

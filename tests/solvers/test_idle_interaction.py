@@ -33,6 +33,13 @@ def test_where_few_cells_touch_nothing_is_left_out(monkeypatch):
         assert bool(closed(1, SHARE).idle_steps) is idle
 
 
+def test_where_nearly_all_time_goes_into_what_breaks_nothing_is_left_out(monkeypatch):
+    """10 MPa of 165 MPa: at a pressure of the strength 0.0606 of the cells carry it."""
+    for most, idle in ((0.0605, False), (0.0607, True)):
+        monkeypatch.setattr(protocol, "_MOST_CRUSHED", most)
+        assert bool(closed(1, SHARE).idle_steps) is idle
+
+
 def closed(seed, idle_interaction, cells=40, stress=10e6, **numerics):
     return jc.simulate(
         *jc.wall_pair(8.0, (cells, cells), SPACING, seed),
