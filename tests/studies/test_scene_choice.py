@@ -195,10 +195,10 @@ def test_a_choice_is_held_against_the_full_model(settings, monkeypatch):
         validation, "close_walls", lambda *given: told.append(given[2]) or close(*given)
     )
     table = validate(settings, 1)
-    # each pair in full and as selected to each tolerance
+    # each pair in full and as selected to each tolerance, all of it twice
     told = told[2:]  # those that load kernels
-    assert [each.numerics.idle_interaction for each in told] == [0.0, 0.05, 0.9] * 2
-    assert [each.effects for each in told[::3]] == [jc.Effects()] * 2
+    assert [each.numerics.idle_interaction for each in told] == [0.0, 0.05, 0.9] * 4
+    assert [each.effects for each in told[::3]] == [jc.Effects()] * 4
     assert table.tolerance.tolist() == [0.05, 0.9]
     assert (table.actual_percent > 0.0).any()
     assert (table.holds == (table.actual_percent <= 100.0 * table.tolerance)).all()
