@@ -45,3 +45,25 @@ def test_methods_are_compared_on_the_same_walls(name, tmp_path):
         assert (found["left out up to (% of 30 MPa)"] > 0.0).all()
         assert (found["products saved %"] > 0.0).all()
         assert (found["cycle 1 %"].abs() < found["share %"]).all()
+
+
+@pytest.mark.slow
+def test_a_version_beside_itself_closes_the_same(tmp_path):
+    options = ["--against", "HEAD", "--rocks", "slate", "--surfaces", "2", "--repeats", "2"]
+    subprocess.run(
+        [sys.executable, BENCHMARKS / "versions.py", *options, "--cells", "40"]
+        + ["--output", tmp_path],
+        check=True,
+        capture_output=True,
+    )
+    found = pd.read_csv(tmp_path / "versions.csv").iloc[0]
+    assert 0.3 < found["time over"] < 3.0  # that both were timed, not how fast they are
+    assert found["products now"] == found["products before"] > 100
+    assert found["cycle 1 %"] == found["cycle 2 %"] == 0.0
+
+
+def test_a_revision_that_is_not_there_is_refused():
+    given = [sys.executable, BENCHMARKS / "versions.py", "--against", "no_such_revision"]
+    found = subprocess.run(given, capture_output=True, text=True)
+    assert found.returncode
+    assert "--against no_such_revision" in found.stderr

@@ -8,6 +8,7 @@ for these tables alone:
     python benchmarks/peers.py --output build/benchmarks/peers.csv
     python benchmarks/breakage_methods.py --output build/benchmarks
     python benchmarks/idle_interaction.py --output build/benchmarks
+    python benchmarks/versions.py --output build/benchmarks
 """
 
 import shutil
@@ -156,18 +157,45 @@ def idle_interaction() -> str:
         "left out up to (% of 30 MPa)": table["left out up to (% of 30 MPa)"].map("{:.0f}".format),
         "time saved (%)": table["time saved %"].map("{:.0f}".format),
         "products saved (%)": table["products saved %"].map("{:.0f}".format),
-    } | {
-        f"closure, {name} (%)": [
-            f"{change:+.2f} ± {error:.2f}"
-            for change, error in zip(table[f"{name} %"], table[f"{name} +- %"], strict=True)
-        ]
-        for name in moved
-    }
+    } | {f"closure, {name} (%)": changes(table, name) for name in moved}
     return markdown(pd.DataFrame(shown))
 
 
+def versions() -> str:
+    """The study's simulations beside those of an earlier version."""
+    table = read_csv(MEASURED / "versions.csv")
+
+    def both(name: str, shown: str = "{:,.0f}", scale: float = 1.0) -> list[str]:
+        """Of this version, and of the other."""
+        pairs = zip(scale * table[f"{name} now"], scale * table[f"{name} before"], strict=True)
+        return [f"{shown.format(now)} ({shown.format(before)})" for now, before in pairs]
+
+    shown = {
+        "rock": table.rock,
+        "time over": table["time over"].map("{:.2f}".format),
+        "of single surfaces": [
+            f"{least:.2f} to {most:.2f}"
+            for least, most in zip(
+                table["least of a surface"], table["largest of a surface"], strict=True
+            )
+        ],
+        "ms": both("ms"),
+        "FFT pairs": both("pairs"),
+        "products": both("products"),
+        "breakage steps (million)": both("breakage steps", "{:.1f}", 1e-6),
+    } | {f"closure, cycle {cycle} (%)": changes(table, f"cycle {cycle}") for cycle in (1, 2)}
+    return markdown(pd.DataFrame(shown))
+
+
+def changes(table: pd.DataFrame, name: str) -> list[str]:
+    """Changes in percent with their standard errors."""
+    pairs = zip(table[f"{name} %"], table[f"{name} +- %"], strict=True)
+    return [f"{change:+.2f} ± {error:.2f}" for change, error in pairs]
+
+
 SPEED = ROOT / "docs/speed.md"
-PARTS = {part.__name__: (SPEED, part) for part in (study, elastic, peers, reference, growth)} | {
+OF_SPEED = (study, versions, elastic, peers, reference, growth)
+PARTS = {part.__name__: (SPEED, part) for part in OF_SPEED} | {
     "breakage_methods": (ROOT / "docs/decisions/0010-resolved-breakage.md", breakage_methods),
     "idle_interaction": (ROOT / "docs/effects.md", idle_interaction),
 }

@@ -1,0 +1,171 @@
+"""How much faster the study's simulations are than those of another version of this project.
+
+Takes the source of a revision from the repository's history (--against, such as a commit or tag)
+and closes the study's own walls of each rock's base case (config/default.yaml), both cycles, in two
+processes that wait for each other: one of that version, one of this. Each closes as its own
+defaults say. They take turns on each surface, each repetition in the other order, and the least CPU
+time of all repetitions counts, as others on the machine only add to it; FFT pairs are timed in
+between (benchmarks/yardstick.py). Differences are of means over the surfaces, with the standard
+error of a mean of paired differences. Both need the same packages, and `jointclosure.simulate`.
+Run as `python benchmarks/versions.py`; --help lists what can be changed.
+"""
+
+import os
+
+os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
+os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
+
+import argparse
+import contextlib
+import json
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import IO, NamedTuple
+
+import numpy as np
+import pandas as pd
+from yardstick import Pair, block_settings, machine, paper_study, show, walls_of
+
+ROOT = Path(__file__).parents[1]
+CLOSE = """
+import json, sys, time
+import numpy as np
+import jointclosure as jc
+assert jc.__file__.startswith(sys.argv[1]), jc.__file__
+for line in sys.stdin:
+    told = json.loads(line)
+    with np.load(told["walls"]) as walls:
+        upper, lower = walls["upper"], walls["lower"]
+    rock = jc.Rock(*told["rock"])
+    start = time.process_time()
+    closed = jc.simulate(upper, lower, spacing=told["spacing"], rock=rock,
+                         max_normal_stress=told["stress"])
+    seconds = time.process_time() - start
+    print(json.dumps(dict(s=seconds, products=int(closed.solver_iterations),
+                          steps=int(closed.breakage_steps),
+                          closures=closed.max_closure.values.tolist())), flush=True)
+"""
+
+
+class Version(NamedTuple):
+    """What a process is told and answers that closes joints with the source of one version."""
+
+    source: Path
+    told: IO[str]
+    answers: IO[str]
+
+    def close(self, told: dict) -> dict:
+        """Seconds, counts and maximum closures of a simulation."""
+        print(json.dumps(told), file=self.told, flush=True)
+        answer = self.answers.readline()
+        if not answer:
+            raise SystemExit(f"a simulation by the version in {self.source} failed")
+        return json.loads(answer)
+
+
+@contextlib.contextmanager
+def running(source: Path) -> Iterator[Version]:
+    """A version's process, which ends with the context."""
+    command = [sys.executable, "-c", CLOSE, str(source)]
+    environment = os.environ | {"PYTHONPATH": str(source)}
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True, env=environment) as process:
+        try:
+            yield Version(source, process.stdin, process.stdout)
+        finally:
+            process.kill()
+
+
+def source_of(revision: str, folder: Path) -> Path:
+    """The package's source of a revision, written into a folder."""
+    archive = folder / "source.tar"
+    command = ["git", "-C", str(ROOT), "archive", "--output", str(archive), revision, "src"]
+    if subprocess.run(command).returncode:
+        raise SystemExit(f"--against {revision}: give a revision that `git log` shows, here")
+    subprocess.run(["tar", "-xf", str(archive), "-C", str(folder)], check=True)
+    return folder / "src"
+
+
+def joints(folder: Path, arguments) -> dict[str, list[dict]]:
+    """What each simulation of each rock is told, its walls in files."""
+    cells = {"grid": {"cells_x": arguments.cells, "cells_y": arguments.cells}}
+    rocks = {"study": {"rocks": arguments.rocks}} if arguments.rocks else {}
+    configuration, cases = paper_study(cells, rocks)
+    told: dict[str, list[dict]] = {}
+    for case in cases:
+        settings = block_settings(
+            configuration, {case.label: case}, case.label, range(arguments.surfaces)
+        )
+        conditions = settings.conditions()
+        for number, (upper, lower) in enumerate(walls_of(settings.surfaces)):
+            walls = folder / f"{case.rock}_{number}.npz"
+            np.savez(walls, upper=upper, lower=lower)
+            about = {"walls": str(walls), "rock": list(conditions.rock)}
+            about |= {"spacing": conditions.spacing, "stress": conditions.max_normal_stress}
+            told.setdefault(case.rock, []).append(about)
+    return told
+
+
+def compare(rock: str, surfaces: list[dict], versions: list[Version], repeats: int) -> dict:
+    """One rock's base case by both versions, the other one first: a row."""
+    pair = Pair()
+    least: dict = {}
+    for version in versions:
+        version.close(surfaces[0])  # compiled before anything is timed
+    for repetition in range(repeats):
+        for number, told in enumerate(surfaces):
+            pair.sample()
+            for which in (0, 1) if (repetition + number) % 2 else (1, 0):
+                found = versions[which].close(told)
+                before = least.get((which, number), found)
+                least[which, number] = found | {"s": min(found["s"], before["s"])}
+    runs = [[least[which, number] for number in range(len(surfaces))] for which in (0, 1)]
+    seconds = np.array([[run["s"] for run in each] for each in runs])
+    ratios = seconds[1] / seconds[0]
+    row = {"rock": rock, "surfaces": len(surfaces)}
+    row |= {"time over": seconds[1].sum() / seconds[0].sum()}
+    row |= {"least of a surface": ratios.min(), "largest of a surface": ratios.max()}
+    for name, each, spent in zip(("before", "now"), runs, seconds, strict=True):
+        row |= {f"ms {name}": 1e3 * spent.mean(), f"pairs {name}": spent.mean() / pair.seconds}
+        row |= {f"products {name}": np.mean([run["products"] for run in each])}
+        row |= {f"breakage steps {name}": np.mean([run["steps"] for run in each])}
+    before, now = (np.array([run["closures"] for run in each]) for each in runs)
+    change = 100.0 * (now - before) / before.mean(axis=0)
+    for cycle in range(change.shape[1]):
+        row[f"cycle {cycle + 1} %"] = change[:, cycle].mean()
+        row[f"cycle {cycle + 1} +- %"] = change[:, cycle].std(ddof=1) / np.sqrt(len(surfaces))
+    return row | {"pair ms": 1e3 * pair.seconds}
+
+
+def main(arguments) -> None:
+    """Print the table."""
+    print(machine(), flush=True)
+    with tempfile.TemporaryDirectory() as name, contextlib.ExitStack() as stack:
+        folder = Path(name).resolve()
+        sources = (source_of(arguments.against, folder), ROOT / "src")
+        versions = [stack.enter_context(running(source)) for source in sources]
+        rows = []
+        for rock, surfaces in joints(folder, arguments).items():
+            rows.append(compare(rock, surfaces, versions, arguments.repeats))
+            show(
+                f"This version over {arguments.against}",
+                pd.DataFrame(rows),
+                arguments.output,
+                "versions",
+            )
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--against", default="108bd62", help="revision of the other version")
+    parser.add_argument("--rocks", nargs="+", help="of the study; all, if left out")
+    parser.add_argument("--surfaces", type=int, default=20)
+    parser.add_argument("--cells", type=int, default=100, help="along a wall")
+    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--output", type=Path, help="folder for the table as CSV")
+    main(parser.parse_args())
