@@ -122,29 +122,32 @@ def peers() -> str:
 def breakage_methods() -> str:
     """Resolved breakage beside the paper's steps."""
     table = read_csv(MEASURED / "breakage_methods.csv")
-
-    def both(name: str, shown: str = "{:,.0f}") -> list[str]:
-        """Of resolved breakage, and of the paper's steps."""
-        pairs = zip(table[f"resolved {name}"], table[f"fixed_step {name}"], strict=True)
-        return [f"{shown.format(one)} ({shown.format(other)})" for one, other in pairs]
-
-    shown = {
-        "rock": table.rock,
-        "time over that of the paper's steps": table["resolved over fixed"].map("{:.2f}".format),
-        "of single surfaces": [
-            f"{least:.2f} to {most:.2f}"
-            for least, most in zip(
-                table["least of a surface"], table["largest of a surface"], strict=True
-            )
-        ],
-        "FFT pairs": both("pairs"),
-        "states": both("states"),
-        "equilibria": both("equilibria"),
-        "products": both("products"),
-    }
-    steps = zip(table["resolved breakage steps"], table["fixed_step breakage steps"], strict=True)
-    shown["breakage steps (million)"] = [f"{a / 1e6:.1f} ({b / 1e6:.1f})" for a, b in steps]
+    shown = {"rock": table.rock}
+    shown |= _of_two(table, "resolved {}", "fixed_step {}", "resolved over fixed")
     return markdown(pd.DataFrame(shown))
+
+
+def _of_two(table: pd.DataFrame, one: str, other: str, over: str) -> dict:
+    """Columns of two that were timed in turn: the ratio of times, and what each took.
+
+    ``one`` and ``other`` make the names of their columns; the other's numbers are in brackets.
+    """
+
+    def both(name: str, shown: str = "{:,.0f}", scale: float = 1.0) -> list[str]:
+        pairs = zip(scale * table[one.format(name)], scale * table[other.format(name)], strict=True)
+        return [f"{shown.format(own)} ({shown.format(beside)})" for own, beside in pairs]
+
+    extremes = zip(table["least of a surface"], table["largest of a surface"], strict=True)
+    columns = {
+        "time over that in brackets": table[over].map("{:.2f}".format),
+        "of single surfaces": [f"{least:.2f} to {most:.2f}" for least, most in extremes],
+        "FFT pairs": both("pairs"),
+    }
+    for name in ("ms", "states", "equilibria", "products"):
+        if one.format(name) in table:
+            columns[name] = both(name)
+    steps = both("breakage steps", "{:.1f}", 1e-6)
+    return columns | {"breakage steps (million)": steps}
 
 
 def idle_interaction() -> str:
@@ -164,26 +167,8 @@ def idle_interaction() -> str:
 def versions() -> str:
     """The study's simulations beside those of an earlier version."""
     table = read_csv(MEASURED / "versions.csv")
-
-    def both(name: str, shown: str = "{:,.0f}", scale: float = 1.0) -> list[str]:
-        """Of this version, and of the other."""
-        pairs = zip(scale * table[f"{name} now"], scale * table[f"{name} before"], strict=True)
-        return [f"{shown.format(now)} ({shown.format(before)})" for now, before in pairs]
-
-    shown = {
-        "rock": table.rock,
-        "time over": table["time over"].map("{:.2f}".format),
-        "of single surfaces": [
-            f"{least:.2f} to {most:.2f}"
-            for least, most in zip(
-                table["least of a surface"], table["largest of a surface"], strict=True
-            )
-        ],
-        "ms": both("ms"),
-        "FFT pairs": both("pairs"),
-        "products": both("products"),
-        "breakage steps (million)": both("breakage steps", "{:.1f}", 1e-6),
-    } | {f"closure, cycle {cycle} (%)": changes(table, f"cycle {cycle}") for cycle in (1, 2)}
+    shown = {"rock": table.rock} | _of_two(table, "{} now", "{} before", "time over")
+    shown |= {f"closure, cycle {cycle} (%)": changes(table, f"cycle {cycle}") for cycle in (1, 2)}
     return markdown(pd.DataFrame(shown))
 
 
