@@ -50,9 +50,9 @@ def test_methods_are_compared_on_the_same_walls(name, tmp_path):
 @pytest.mark.slow
 def test_a_version_beside_itself_closes_the_same(tmp_path):
     options = ["--against", "HEAD", "--rocks", "slate", "--surfaces", "2", "--repeats", "2"]
+    options += ["--cells", "40"]
     subprocess.run(
-        [sys.executable, BENCHMARKS / "versions.py", *options, "--cells", "40"]
-        + ["--output", tmp_path],
+        [sys.executable, BENCHMARKS / "versions.py", *options, "--output", tmp_path],
         check=True,
         capture_output=True,
     )

@@ -39,6 +39,10 @@ class Effects(NamedTuple):
     soft_peaks: bool = True
 
 
+AUTO_TOLERANCE = 0.02
+"""Change of a mean maximum closure below which `effects: auto` leaves an effect out [1]."""
+
+
 def scene_name(effects: Effects) -> str:
     """Name of a scene: its effects joined by hyphens, or "hertz_only" where it has none."""
     return "-".join(name for name, on in effects._asdict().items() if on) or "hertz_only"

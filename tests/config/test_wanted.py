@@ -4,10 +4,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.config.configuration import configured
-from jointclosure.config.files import METHODS, ConfigurationError
+from jointclosure.config.configuration import configured, merged
+from jointclosure.config.files import METHODS, ConfigurationError, read_plain
 from jointclosure.config.wanted import (
     BLOCK,
+    KNOWN_AT,
     MEASURED_SURFACES,
     Wanted,
     biases,
@@ -17,16 +18,17 @@ from jointclosure.config.wanted import (
 from jointclosure.inputs import InputError
 from jointclosure.statistics.total_error import method_of
 from jointclosure.storage.text import read_csv
-from tests.studied import keys_of
+from tests.studied import ROOT, keys_of
 
 PRESETS = ("quick", "accurate")
 
 
-def method(name, cycle, bias, adjusted, cost, told=True):
+def method(name, cycle, bias, adjusted, cost, known_to=0.0):
     """Scatter 10 %, of which control variates explain nearly all on the first cycle."""
     explained = 0.96 if adjusted and cycle == 1 else 0.0
-    row = {"response": "mean", "cycle": cycle, "rock": "slate", "method": name, "told": told}
+    row = {"response": "mean", "cycle": cycle, "rock": "slate", "method": name}
     row |= {"control_variates": adjusted, "bias_percent": bias, "scatter": 0.1}
+    row |= {"bias_low": bias - known_to, "bias_high": bias + known_to}
     row |= {"left": 1.0 - explained, "explained": explained, "cost": cost}
     return row | {"measured_cost": 1e-3, "least": 15 if adjusted else 2}
 
@@ -71,16 +73,34 @@ def test_a_cheaper_way_that_takes_more_than_the_most_surfaces_is_not_granted():
     assert (within.control_variates, within.surfaces) == (True, 20)
 
 
-def test_a_bias_that_is_not_told_from_chance_counts_as_none():
-    quiet = TABLE.assign(told=TABLE.method != "accurate")
-    assert biases(quiet, "accurate", "mean") == {1: 0.0, 2: 0.0}
-    assert biases(TABLE, "quick", "mean") == {1: 0.06, 2: 0.06}
+def test_what_a_bias_is_known_to_is_part_of_every_total_error():
+    """1.96 of its standard errors, which are half of its 95 % confidence interval."""
+    rough = TABLE.assign(bias_low=TABLE.bias_percent - 3.0, bias_high=TABLE.bias_percent + 3.0)
+    assert biases(rough, "quick", "mean")[1] == pytest.approx((0.06, 0.03 / 1.96))
+    assert biases(TABLE, "quick", "mean")[1] == (0.06, 0.0)
+    way = grant(wanted(0.06), rough, PRESETS, 2)
+    assert way.total == pytest.approx(0.01 + np.hypot(0.03, 1.96 * 0.1 / way.surfaces**0.5))
+    assert way.surfaces > grant(wanted(0.06), TABLE, PRESETS, 2).surfaces
+    with pytest.raises(InputError, match=r"within = 0\.04: no preset .*more than 0\.04"):
+        grant(wanted(0.04), rough, PRESETS, 2)
+
+
+def test_where_biases_are_known_is_as_the_study_of_accuracy_has_it():
+    section = read_plain(ROOT / "config/accuracy.yaml")
+    total, scenes = section["accuracy"]["total"], section["accuracy"]["scenes"]
+    for of, scene in (("mean", total["scene"]), ("interval", total["interval_scene"])):
+        own = merged({"grid": section["grid"], "rocks": section["rocks"]}, scenes[scene])
+        stresses = {rock["max_normal_stress_MPa"] for rock in own["rocks"].values()}
+        cells = own["grid"]["cells_x"]
+        names = " and ".join(section["study"]["rocks"])
+        assert KNOWN_AT[of] == f"{names}, {cells} x {cells} cells at {stresses.pop():g} MPa"
+        assert not stresses
 
 
 @pytest.mark.parametrize(
     ("wish", "message"),
     [
-        (wanted(0.01), "within = 0.01: no preset has it, however many the surfaces; must be more"),
+        (wanted(0.01), "within = 0.01: no preset is known to have it, .*; must be more"),
         (
             wanted(0.011),
             r"within = 0\.011: takes about \d+ surfaces a case, more than .*most = 400",
@@ -121,6 +141,12 @@ def test_a_study_has_the_numerics_surfaces_and_control_variates_that_were_grante
         ({"numerics": {"preset": "quick"}}, "numerics.preset = 'quick': leave it out"),
         ({"numerics": {"force_tolerance": 1e-3}}, "numerics.force_tolerance = 0.001: leave it"),
         ({"choices": {"largest_radius_mm": 20.0}}, "largest_radius_mm = 20.0: .*null only"),
+        ({"choices": {"concave": "flat"}}, "choices.concave = 'flat': .*'magnitude' only"),
+        ({"surface": {"roll_off_mm": None}}, "surface.roll_off_mm = None: .*3 only"),
+        ({"effects": {"auto": 0.2}}, "effects.auto = 0.2: .*null only"),
+        ({"rocks": {"slate": {"effects": {"interaction": False}}}}, "rocks.slate.effects = .*: le"),
+        ({"numerics": {"idle_interaction": 0.1}}, "idle_interaction = 0.1: must be null or 0"),
+        ({"numerics": {"accuracy": {"surfaces": 300}}}, "surfaces = 300: must be at most .*200"),
         ({"effects": {"breakage": False, "gouge": False}}, "nothing does here"),
         ({"numerics": {"accuracy": {"of": "slope"}}}, "accuracy.of = 'slope': must be one of"),
         ({"numerics": {"accuracy": {"within": 1.5}}}, "accuracy.within = 1.5: must be below 1"),

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointclosure.statistics.total_error import REACH, Method, front, shares
+from jointclosure.statistics.total_error import REACH, Bias, Method, front, shares
 
 METHOD = Method(
-    bias=-0.02, scatter=0.1, left=0.02, explained=0.98, cost=0.5, measured_cost=3e-3, least=15
+    bias=Bias(-0.02), scatter=0.1, left=0.02, explained=0.98, cost=0.5, measured_cost=3e-3, least=15
 )
 
 

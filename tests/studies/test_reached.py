@@ -3,16 +3,18 @@
 import numpy as np
 import pandas as pd
 import pytest
+import scipy.stats
 
 from jointclosure.config.wanted import BLOCK, Wanted
-from jointclosure.statistics.total_error import REACH
+from jointclosure.statistics.total_error import REACH, Bias
 from jointclosure.studies.sensitivity.closures import max_closure_table
 from jointclosure.studies.sensitivity.planning import Wish, surfaces_for
 from jointclosure.studies.sensitivity.reached import reached_table, surfaces_next, told
 from jointclosure.studies.sensitivity.responses import TARGET, responses
 from tests.studies.sensitivity_world import world
 
-BIASES = {1: 0.02, 2: 0.01}
+BIASES = {1: Bias(0.02), 2: Bias(-0.01, 0.005)}
+AT = "somewhere"
 
 
 @pytest.fixture(scope="module")
@@ -25,21 +27,27 @@ def wanted(of="mean", within=0.05, most=1000):
 
 
 def test_total_errors_of_means_are_the_presets_bias_and_the_studys_own_interval(study):
-    table = reached_table(study, None, wanted(), BIASES, 0.05)
+    table = reached_table(study, None, wanted(), BIASES, 0.05, AT)
     own = max_closure_table(study)
     error = own.max_closure_mean_mm_standard_error / own.max_closure_mean_mm
-    assert table.sampling_percent.to_numpy() == pytest.approx(100.0 * REACH * error.to_numpy())
-    bias = table.cycle.map(BIASES)
-    assert np.allclose(table.total_percent, 100.0 * bias + table.sampling_percent)
+    students = scipy.stats.t.ppf(0.975, own.samples.to_numpy() - 1)
+    assert table.sampling_percent.to_numpy() == pytest.approx(100.0 * students * error.to_numpy())
+    size = 100.0 * table.cycle.map({1: 0.02, 2: 0.01})
+    known_to = 100.0 * REACH * table.cycle.map({1: 0.0, 2: 0.005})
+    total = size + np.hypot(known_to, table.sampling_percent)
+    assert np.allclose(table.total_percent, total)
+    assert set(table.bias_known_at) == {AT}
     assert (table.met == (table.total_percent <= 5.0)).all()
     # the number that is needed gives what is wanted, by the square root of numbers
     some = table[table.surfaces_needed > 2]
-    left = some.sampling_percent * np.sqrt(some.surfaces / some.surfaces_needed)
-    assert (left + some.bias_percent <= 5.0 + 1e-9).all()
+    assert len(some)
+    ratio = REACH / scipy.stats.t.ppf(0.975, some.surfaces - 1)
+    left = ratio * some.sampling_percent * np.sqrt(some.surfaces / some.surfaces_needed)
+    assert (size[some.index] + np.hypot(known_to[some.index], left) <= 5.0 + 1e-9).all()
 
 
 def test_surfaces_that_intervals_need_are_those_of_the_plan(study):
-    table = reached_table(study, None, wanted("interval", 0.2), {2: 0.0}, 0.05)
+    table = reached_table(study, None, wanted("interval", 0.2), {2: Bias(0.0)}, 0.05, AT)
     assert set(table.cycle) == {2}  # of the first nothing is known
     for row, response in zip(
         table.itertuples(), [r for r in responses(study, TARGET) if r.cycle == 2], strict=True
@@ -49,7 +57,7 @@ def test_surfaces_that_intervals_need_are_those_of_the_plan(study):
 
 
 def test_a_bias_that_is_larger_than_what_is_wanted_is_never_met(study):
-    table = reached_table(study, None, wanted("interval", 0.2), {2: 0.3}, 0.05)
+    table = reached_table(study, None, wanted("interval", 0.2), {2: Bias(0.3)}, 0.05, AT)
     assert not table.met.any()
     assert np.isinf(table.surfaces_needed).all()
 

@@ -170,6 +170,12 @@ def test_bad_input_is_refused():
         choose_effects(joints(8), max_normal_stress=1e6, tolerance=1.5, **SETTING)
     with pytest.raises(InputError, match="0 pairs"):
         choose_effects([], max_normal_stress=1e6, **SETTING)
+    with pytest.raises(InputError, match=r"walls: an array of shape \(8,\) .*a list of pairs"):
+        choose_effects(joints(8)[0], max_normal_stress=1e6, **SETTING)
+    with pytest.raises(InputError, match="tolerance = 'auto': must be a number"):
+        choose_effects(joints(8), max_normal_stress=1e6, tolerance="auto", **SETTING)
+    with pytest.raises(InputError, match="effects = 'auto': must be an Effects"):
+        choose_effects(joints(8), max_normal_stress=1e6, effects="auto", **SETTING)
 
 
 @pytest.fixture(scope="module")
@@ -210,22 +216,24 @@ def test_a_choice_is_held_against_the_full_model(settings, monkeypatch):
 def test_the_summary_counts_what_held_and_what_was_saved():
     table = pd.DataFrame(
         {
-            "tolerance": [0.1, 0.1, 0.1],
-            "chosen": [scene_name(jc.Effects()), "substrate", "substrate"],
-            "holds": [True, True, False],
-            "actual_percent": [0.0, 4.0, 12.0],
-            "full_s": [10.0, 10.0, 20.0],
-            "chosen_s": [10.0, 1.0, 2.0],
-            "pilot_s": [1.0, 1.0, 1.0],
-            "saved_percent": [-10.0, 80.0, 85.0],
+            "tolerance": [0.1, 0.1, 0.1, 0.1],
+            "chosen": [scene_name(jc.Effects())] * 2 + ["substrate"] * 2,
+            "holds": [True, True, True, False],
+            "actual_percent": [0.0, 0.0, 4.0, 12.0],
+            "full_s": [10.0, 10.0, 10.0, 20.0],
+            "chosen_s": [10.0, 11.0, 1.0, 2.0],
+            "pilot_s": [1.0, 0.0, 1.0, 3.0],
+            "saved_percent": [-10.0, -10.0, 80.0, 75.0],
         }
     )
     row = validation_summary(table).iloc[0]
-    assert (row.scenes, row.changed) == (3, 2)
-    assert row.held_percent == pytest.approx(200.0 / 3.0)
+    assert (row.scenes, row.changed) == (4, 2)
+    assert row.held_percent == pytest.approx(75.0)
     assert row.held_of_changed_percent == pytest.approx(50.0)
-    assert row.saved_percent == pytest.approx(100.0 * (1.0 - 16.0 / 40.0))
-    assert row.saved_where_changed_percent == pytest.approx(100.0 * (1.0 - 5.0 / 30.0))
+    assert row.saved_percent == pytest.approx(100.0 * (1.0 - 29.0 / 50.0))
+    assert row.saved_where_changed_percent == pytest.approx(100.0 * (1.0 - 7.0 / 30.0))
     assert row.saved_where_unchanged_percent == pytest.approx(-10.0)
     assert row.least_saved_percent == -10.0
+    assert row.largest_pilot_percent == pytest.approx(10.0)
+    assert row.timing_scatter_percent == pytest.approx(100.0 * 0.1 / 2.0**0.5)
     assert row.largest_error_percent == 12.0

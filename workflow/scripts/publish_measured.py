@@ -82,6 +82,7 @@ def total() -> str:
         "surfaces closed": table.surfaces,
         "measured": table.measured.replace(0, pd.NA),
         "bias (%)": table.bias_percent.round(1),
+        "known to ± (%)": table.bias_error_percent.round(1),
         "sampling (%)": table.sampling_percent.round(1),
         "total error (%)": table.total_percent.round(1),
     }

@@ -2,7 +2,7 @@
 
 from jointclosure.config.files import METHODS
 from jointclosure.config.plain import from_plain
-from jointclosure.config.wanted import Wanted, biases
+from jointclosure.config.wanted import KNOWN_AT, Wanted, biases
 from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.ensemble.covariates import from_dataset
 from jointclosure.jobs import job
@@ -21,6 +21,7 @@ def main(study: str, covariates: str | None, settings: dict, output: str, log: L
         wanted,
         biases(read_csv(METHODS), settings["preset"], wanted.of),
         settings["significance"],
+        KNOWN_AT[wanted.of],
     )
     write_csv(table, output)
     log(told(table, wanted))

@@ -151,7 +151,8 @@ def planned(override: str, folder: Path) -> list[str]:
         return []
     found = wanted_of(read_plain(plan))
     if found is None or found._replace(surfaces=None) != wanted._replace(surfaces=None):
-        return []  # of another wish
+        plan.unlink()  # of another wish
+        return []
     return [str(plan)]
 
 

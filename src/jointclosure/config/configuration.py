@@ -33,14 +33,12 @@ from jointclosure.config.units import to_si
 from jointclosure.config.wanted import check_left_out, grant, said, wanted_of, with_granted
 from jointclosure.inputs import InputError
 from jointclosure.parameters import (
+    AUTO_TOLERANCE,
     Choices,
     Effects,
     Numerics,
     Rock,
 )
-
-_AUTO_TOLERANCE = 0.02
-"""Of `effects: auto`, which names none."""
 
 
 class Configured(NamedTuple):
@@ -81,7 +79,7 @@ def written_out(keys: dict) -> dict:
     """Keys whose ``effects: auto`` is written out: those of the full model, chosen to 2 %."""
     if keys.get("effects") != "auto":
         return keys
-    return keys | {"effects": Effects()._asdict() | {"auto": _AUTO_TOLERANCE}}
+    return keys | {"effects": Effects()._asdict() | {"auto": AUTO_TOLERANCE}}
 
 
 def configured(keys: dict, read: Callable[[Path], pd.DataFrame]) -> Configured:

@@ -8,10 +8,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from jointclosure.parameters import Effects, scene_name
+from jointclosure.parameters import AUTO_TOLERANCE, Effects, scene_name
 from jointclosure.plotting.style import styled, subplots
 
 _FLOOR = 0.1
+_WIDE = 5.0
+"""Ratio of times above which an axis has room for few labels only."""
 _LEAST_ERROR = 0.01
 
 
@@ -57,18 +59,21 @@ def effect_figure(table: pd.DataFrame) -> Figure:
                 zorder=2,
             )
             axes.axvline(1.0, color="0.8", lw=0.8, zorder=0)
-            axes.axhline(1.0, color="0.8", lw=0.8, zorder=0)
+            axes.axhline(100.0 * AUTO_TOLERANCE, color="0.5", lw=0.8, ls="--", zorder=0)
             axes.set(xscale="log", yscale="log")
             for axis in (axes.xaxis, axes.yaxis):
-                subs = (1.0, 3.0) if axis is axes.xaxis else (1.0,)
-                axis.set_major_locator(LogLocator(subs=subs, numticks=5))
+                axis.set_major_locator(LogLocator(subs=(1.0,), numticks=5))
                 axis.set_major_formatter(StrMethodFormatter("{x:g}"))
                 axis.set_minor_formatter(NullFormatter())
-        row[0].set_ylabel(f"change of max. closure\nof cycle {cycle} (%)")
+        row[0].set_ylabel(f"size of the change of\nmax. closure, cycle {cycle} (%)")
     for axes, effect in zip(panels[0], effects, strict=True):
         axes.set_title(effect.replace("_", " "))
     for axes in panels[-1]:
         axes.set_xlabel("time with / without")
+    for axes in panels.ravel():
+        low, high = axes.get_xlim()
+        labelled = (1.0, 3.0) if high / low > _WIDE else (1.0, 1.5, 2.0, 3.0, 7.0)
+        axes.xaxis.set_major_locator(LogLocator(subs=labelled))
     figure.colorbar(marks, ax=panels, label="maximum stress (MPa)", shrink=0.7)
     handles = [
         Line2D(
@@ -83,6 +88,8 @@ def effect_figure(table: pd.DataFrame) -> Figure:
         for jrc in sorted(table.jrc.unique())
     ]
     handles.append(Line2D([], [], color="0.8", lw=0.8, label="least to largest of the rocks"))
+    tolerance = f"tolerance of effects: auto, {100.0 * AUTO_TOLERANCE:g} %"
+    handles.append(Line2D([], [], color="0.5", lw=0.8, ls="--", label=tolerance))
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
     sns.despine(figure)
     return figure
@@ -158,7 +165,7 @@ def choice_figure(table: pd.DataFrame) -> Figure:
         lower.set(xscale="log", xlabel="maximum normal stress (MPa)")
         for axis in (upper.yaxis, lower.xaxis):
             axis.set_major_formatter(StrMethodFormatter("{x:g}"))
-        lower.set_ylim(bottom=max(-100.0, table.saved_percent.min() - 5.0), top=105.0)
+        lower.set_ylim(top=105.0)
     panels[0, 0].set_ylabel("change of mean\nmax. closure (%)")
     panels[1, 0].set_ylabel("time saved,\npilot counted (%)")
     handles = [

@@ -2,9 +2,10 @@
 
 A method (a setting of the numerics, say) is off by a bias that more surfaces do not take away, and
 its mean over n surfaces scatters. Control variates explain a share of that scatter by numbers that
-are measured on m surfaces of their own, which cost little. The total error is
+are measured on m surfaces of their own, which cost little. The bias was measured, to a standard
+error e. The total error is
 
-    |bias| + 1.96 s sqrt((1 - rho) / n + rho / m),
+    |bias| + 1.96 sqrt(e^2 + s^2 ((1 - rho) / n + rho / m)),
 
 a bound that holds in 95 of 100 studies: s is the relative standard error of one surface, rho the
 share that is explained.
@@ -18,17 +19,33 @@ REACH = 1.96
 """Standard errors in half a 95 % confidence interval."""
 
 
+class Bias(NamedTuple):
+    """What a method is off by [1], of either sign, and the standard error that this is known to."""
+
+    value: float
+    error: float = 0.0
+
+    def total(self, sampling: float) -> float:
+        """Total error [1] with a sampling error of so much: half a 95 % confidence interval."""
+        return abs(self.value) + float(np.hypot(REACH * self.error, sampling))
+
+    def room(self, within: float) -> float:
+        """The largest sampling error [1] with which the total error is within a bound, or 0."""
+        left, known_to = within - abs(self.value), REACH * self.error
+        return float(np.sqrt(left**2 - known_to**2)) if left > known_to else 0.0
+
+
 class Method(NamedTuple):
     """A way to a result: errors are relative to it, costs are those of one surface.
 
-    ``bias``: what it is off by, of either sign. ``scatter``: relative standard error of one
+    ``bias``: what it is off by. ``scatter``: relative standard error of one
     surface. ``left``: share of its variance that control variates leave, as told by studies of
     finite size; ``explained``: the share that they explain; 1 and 0 without any. ``cost``: of a
     surface that is closed; ``measured_cost``: of one that is only measured [s]. ``least``: surfaces
     that it takes.
     """
 
-    bias: float
+    bias: Bias
     scatter: float
     left: float
     explained: float
@@ -42,7 +59,7 @@ class Method(NamedTuple):
 
     def total(self, surfaces: float, measured: float = np.inf) -> float:
         """Total error [1]."""
-        return abs(self.bias) + self.sampling(surfaces, measured)
+        return self.bias.total(self.sampling(surfaces, measured))
 
     def seconds(self, surfaces: float, measured: float = 0.0) -> float:
         """Time of so many surfaces closed, and measured [s]."""
@@ -50,9 +67,8 @@ class Method(NamedTuple):
 
     def surfaces_for(self, within: float, measured: float = np.inf) -> float:
         """The fewest surfaces whose total error is within a bound; infinite where none is."""
-        room = within - abs(self.bias)
-        allowed = (room / (REACH * self.scatter)) ** 2 - self.explained / measured
-        if room <= 0.0 or allowed <= 0.0:
+        allowed = (self.bias.room(within) / (REACH * self.scatter)) ** 2 - self.explained / measured
+        if allowed <= 0.0:
             return np.inf
         return float(max(self.least, np.ceil(self.left / allowed - 1e-9)))
 
@@ -60,9 +76,9 @@ class Method(NamedTuple):
 def method_of(row) -> Method:
     """A method from a row of a table with its fields, whose bias is in percent.
 
-    A bias that is not told from chance (``told``) counts as none.
+    The bias has a 95 % confidence interval, ``bias_low`` to ``bias_high``.
     """
-    bias = 0.01 * row.bias_percent if row.told else 0.0
+    bias = Bias(0.01 * row.bias_percent, 0.01 * (row.bias_high - row.bias_low) / (2.0 * REACH))
     fields = [getattr(row, name) for name in Method._fields[1:]]
     return Method(bias, *fields)
 

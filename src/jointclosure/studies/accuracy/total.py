@@ -110,8 +110,7 @@ def method_table(
     -------
     DataFrame
         ``response``, ``cycle``, ``rock``, ``method``, ``control_variates``; ``bias_percent`` with
-        ``bias_low`` and ``bias_high``; ``told``: whether these exclude 0, as a bias counts only
-        where it is told from chance; the other fields of
+        ``bias_low`` and ``bias_high``; the other fields of
         `jointclosure.statistics.total_error.Method`. A method of which these ends are not known for
         a rock, as an interval is absent from many resamples, has no row in that response and cycle.
 
@@ -147,10 +146,8 @@ def method_table(
 
 
 def _bias(bias: tuple[float, ...], cost: float) -> dict:
-    """A method's bias [%], its confidence interval, whether it is told from 0, and its cost [s]."""
-    error, low, high = bias
-    named = {"bias_percent": error, "bias_low": low, "bias_high": high}
-    return named | {"told": bool(low > 0.0 or high < 0.0), "cost": cost}
+    """A method's bias [%], its confidence interval, and its cost [s]."""
+    return dict(zip(("bias_percent", "bias_low", "bias_high"), bias, strict=True)) | {"cost": cost}
 
 
 def _row(costs: pd.DataFrame, total: dict, name: str, response: str, rock: str, cycle: int):
@@ -228,7 +225,8 @@ def point_table(methods: pd.DataFrame) -> pd.DataFrame:
     DataFrame
         For each response, cycle, method and control variates: ``surfaces`` closed and
         ``measured``, ``core_minutes`` of the rock where they are most; ``total_percent`` of the
-        rock where it is largest, its parts ``bias_percent`` and ``sampling_percent``.
+        rock where it is largest, its parts ``bias_percent``, ``bias_error_percent`` (1.96 standard
+        errors of it) and ``sampling_percent``.
         ``best``: that nothing of the response and cycle beats in both.
     """
     rows = []
@@ -243,7 +241,8 @@ def point_table(methods: pd.DataFrame) -> pd.DataFrame:
                 | {"surfaces": surfaces, "measured": measured if names[-1] else 0}
                 | {"core_minutes": seconds / 60.0}
                 | {"total_percent": 100.0 * worst.total(surfaces, measured)}
-                | {"bias_percent": 100.0 * abs(worst.bias)}
+                | {"bias_percent": 100.0 * abs(worst.bias.value)}
+                | {"bias_error_percent": 100.0 * REACH * worst.bias.error}
                 | {"sampling_percent": 100.0 * worst.sampling(surfaces, measured)}
             )
     table = pd.DataFrame(rows)

@@ -37,10 +37,12 @@ from jointclosure.ensemble.settings import ClosureSettings, Conditions
 from jointclosure.ensemble.surfaces import walls_of
 from jointclosure.inputs import InputError, check_length, check_number
 from jointclosure.parameters import (
+    AUTO_TOLERANCE,
     Choices,
     Effects,
     Numerics,
     both_walls,
+    check_scene,
     check_usual,
     well_posed_scenes,
 )
@@ -117,7 +119,7 @@ def choose_effects(
     choices: Choices = Choices(),
     numerics: Numerics = Numerics(),
     unusual_values: bool = False,
-    tolerance: float = 0.02,
+    tolerance: float = AUTO_TOLERANCE,
     report: Callable[[str], None] = lambda line: None,
 ) -> SceneChoice:
     """Choose the effects that matter in a scene.
@@ -163,6 +165,8 @@ def choose_among(
     report: Callable[[str], None] = lambda line: None,
 ) -> SceneChoice:
     """`choose_effects` among those of the conditions at which walls are closed."""
+    check_number("tolerance", tolerance)
+    check_scene(conditions.effects)
     if not 0.0 < tolerance < 1.0:
         raise InputError(f"tolerance = {tolerance!r}: must lie between 0 and 1")
     effects = conditions.effects
@@ -191,7 +195,8 @@ def _evidence(pilot: "_Pilot", names, trial: Effects, tolerance: float) -> tuple
     """What a scene without some effects is off by, and that in words: the cheapest that decides."""
     least = pilot.shown(names)
     if MARGIN * least > tolerance:
-        return MARGIN * least, f"about {100.0 * least:.2g} % or more, by a run with all effects"
+        counted = f"{MARGIN:g} times {100.0 * least:.2g} %"
+        return MARGIN * least, f"{counted} (estimated from one run with all effects, so doubled)"
     change = pilot.changes(trial, 1)
     off = MARGIN * float(np.abs(change).max())
     many = 1 if trial.breakage else len(pilot.pairs)
@@ -266,6 +271,12 @@ class _Pilot:
     def __init__(self, pairs: list[tuple[np.ndarray, np.ndarray]], conditions: Conditions):
         if not pairs:
             raise InputError("walls: 0 pairs, a pilot needs one at least")
+        for pair in pairs:
+            if len(pair) != 2 or np.ndim(pair[0]) != 2:
+                raise InputError(
+                    f"walls: an array of shape {np.shape(pair[0])} where a wall (y, x) should be; "
+                    "give a list of pairs, such as [(upper, lower)]"
+                )
         self.pairs, self.conditions = pairs, conditions
         self.closed: list[Closed] = []
         self.trial_seconds = 0.0

@@ -195,8 +195,11 @@ def validation_summary(table: pd.DataFrame) -> pd.DataFrame:
     of all scenes, ``held_of_changed_percent`` of these. ``saved_percent`` is of the time
     of all scenes together, ``saved_where_changed_percent`` of that of the changed ones and
     ``saved_where_unchanged_percent`` of the others,
-    pilots counted in all; ``least_saved_percent`` is that of the scene that lost most;
-    ``pilot_percent`` is the pilots' share of the full time.
+    pilots counted in all; ``least_saved_percent`` is that of the scene that lost most.
+    ``pilot_percent`` is the pilots' share of the full time, ``largest_pilot_percent`` that of the
+    scene where it is largest among those that run all effects: what is lost there.
+    ``timing_scatter_percent`` is the standard deviation of the times saved where both did the same
+    (all effects, and closures that are equal), the pilots aside: what times are known to.
     """
     rows = []
     for tolerance, part in table.groupby("tolerance"):
@@ -216,5 +219,8 @@ def validation_summary(table: pd.DataFrame) -> pd.DataFrame:
             row[name] = 100.0 * (1.0 - spent / some.full_s.sum()) if len(some) else np.nan
         row["least_saved_percent"] = part.saved_percent.min()
         row["pilot_percent"] = 100.0 * part.pilot_s.sum() / part.full_s.sum()
+        row["largest_pilot_percent"] = 100.0 * (unchanged.pilot_s / unchanged.full_s).max()
+        same = unchanged[unchanged.actual_percent == 0.0]
+        row["timing_scatter_percent"] = 100.0 * (same.chosen_s / same.full_s).std()
         rows.append(row)
     return pd.DataFrame(rows)

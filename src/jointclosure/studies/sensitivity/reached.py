@@ -4,25 +4,28 @@ from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
+import scipy.stats
 import xarray as xr
 
 from jointclosure.config.wanted import BLOCK, Wanted
 from jointclosure.ensemble.covariates import Covariates
-from jointclosure.statistics.total_error import REACH, Method
+from jointclosure.statistics.total_error import REACH, Bias, Method
 from jointclosure.studies.sensitivity.closures import max_closure_table
 from jointclosure.studies.sensitivity.planning import Wish, length_error, surfaces_for
 from jointclosure.studies.sensitivity.responses import TARGET, responses
 
-COLUMNS = ["rock", "parameter", "level", "cycle", "surfaces", "bias_percent", "sampling_percent"]
-COLUMNS += ["total_percent", "within_percent", "met", "surfaces_needed"]
+COLUMNS = ["rock", "parameter", "level", "cycle", "surfaces", "bias_percent", "bias_error_percent"]
+COLUMNS += ["sampling_percent", "total_percent", "within_percent", "met", "surfaces_needed"]
+COLUMNS += ["bias_known_at"]
 
 
 def reached_table(
     study: xr.Dataset,
     covariates: Covariates | None,
     wanted: Wanted,
-    biases: dict[int, float],
+    biases: dict[int, Bias],
     significance: float,
+    known_at: str,
 ) -> pd.DataFrame:
     """Total error of each mean, or of each interval, of a study.
 
@@ -33,15 +36,18 @@ def reached_table(
         Of the study, where means are adjusted.
     wanted : Wanted
     biases : dict
-        What the preset is off by [1] in each cycle that is known.
+        What the preset is off by in each cycle that is known.
     significance : float
         Of the intervals.
+    known_at : str
+        Where that was measured, in words.
 
     Returns
     -------
     DataFrame
         For each case or parameter and cycle whose bias is known: surfaces that it has, the bias of
-        the preset, half the 95 % confidence interval that the study itself finds, their sum,
+        the preset with its standard error, half the 95 % confidence interval that the study itself
+        finds (Student's t), the total error of both (`jointclosure.statistics.total_error`),
         whether it is ``met``, and how many ``surfaces_needed`` are expected to meet it, infinite
         where none do.
     """
@@ -49,10 +55,13 @@ def reached_table(
     rows = []
     for about, surfaces, sampling, needed in found(study, covariates, wanted, biases, significance):
         bias = biases[about["cycle"]]
-        total = bias + sampling
+        # few surfaces tell their scatter roughly
+        sampling *= scipy.stats.t.ppf(0.975, surfaces - 1) / REACH
+        total = bias.total(sampling)
         rows.append(
             about
-            | {"surfaces": surfaces, "bias_percent": 100.0 * bias}
+            | {"surfaces": surfaces, "bias_percent": 100.0 * bias.value}
+            | {"bias_error_percent": 100.0 * bias.error, "bias_known_at": known_at}
             | {"sampling_percent": 100.0 * sampling, "total_percent": 100.0 * total}
             | {"within_percent": 100.0 * wanted.within, "met": bool(total <= wanted.within)}
             | {"surfaces_needed": needed}
@@ -78,7 +87,7 @@ def _of_intervals(study, covariates, wanted: Wanted, biases, significance) -> It
         if response.cycle not in biases:
             continue
         surfaces = response.samples.shape[1]
-        room = wanted.within - biases[response.cycle]
+        room = biases[response.cycle].room(wanted.within)
         wish = Wish("width", 2.0 * room)
         needed = surfaces_for(response, wish, significance, response.paired) if room > 0 else np.inf
         about = {"rock": response.rock, "parameter": response.parameter, "level": ""}
