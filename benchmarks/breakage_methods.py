@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from yardstick import Pair, base_case, machine, paper_study, show, timing_parts
+from yardstick import Pair, base_case, machine, paper_study, ratio_of_sums, show, timing_parts
 
 METHODS = ("fixed_step", "resolved")
 COUNTS = {
@@ -59,7 +59,8 @@ def compare(of_method: dict, number: int, arguments) -> dict:
     sums = table.groupby("method").mean()
     ratios = table.s["resolved"] / table.s["fixed_step"]
     answer = {"rock": cases[number].rock, "surfaces": arguments.surfaces}
-    answer["resolved over fixed"] = sums.s["resolved"] / sums.s["fixed_step"]
+    ratio, error = ratio_of_sums(table.s["resolved"], table.s["fixed_step"])
+    answer |= {"resolved over fixed": ratio, "resolved over fixed +-": error}
     answer |= {"least of a surface": ratios.min(), "largest of a surface": ratios.max()}
     for method in METHODS:
         answer |= {f"{method} {name}": value for name, value in sums.loc[method].items()}

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from yardstick import base_case, machine, paper_study, show
+from yardstick import base_case, machine, paper_study, ratio_of_sums, show
 
 from jointclosure.history import closure_at_stresses
 
@@ -64,10 +64,13 @@ def compare(told: list, case_number: int, arguments) -> list[dict]:
     for number, share in enumerate(arguments.shares, start=1):
         row = {"rock": case.rock, "share %": 100.0 * share}
         row["left out up to (% of 30 MPa)"] = 100.0 * float(np.median(of(number, "idle")))
-        row["time saved %"] = 100.0 * (1.0 - of(number, "s").sum() / of(0, "s").sum())
-        products = of(number, "products").sum() / of(0, "products").sum()
-        row["products saved %"] = 100.0 * (1.0 - products)
+        for name, what in (("time", "s"), ("products", "products")):
+            ratio, error = ratio_of_sums(of(number, what), of(0, what))
+            row |= {f"{name} saved %": 100.0 * (1.0 - ratio), f"{name} saved +- %": 100.0 * error}
         change = of(number, "closures") - of(0, "closures")
+        single = np.abs(change / of(0, "closures"))[:, 2:]  # of the first loading, joint by joint
+        row["single closures beyond %"] = 100.0 * float((single > share).mean())
+        row["largest of single closures %"] = 100.0 * float(single.max())
         mean = of(0, "closures").mean(axis=0)
         error = change.std(axis=0, ddof=1) / np.sqrt(arguments.surfaces)
         names = [
@@ -103,7 +106,7 @@ if __name__ == "__main__":
     )
     parser.add_argument("--rocks", nargs="+", help="of the study; all, if left out")
     parser.add_argument("--shares", type=float, nargs="+", default=[0.02, 0.05])
-    parser.add_argument("--surfaces", type=int, default=12)
+    parser.add_argument("--surfaces", type=int, default=48)
     parser.add_argument("--repeats", type=int, default=2)
     parser.add_argument("--stresses", type=float, nargs="+", default=[1.0, 3.0, 10.0], help="[MPa]")
     parser.add_argument("--output", type=Path, help="folder for the table as CSV")

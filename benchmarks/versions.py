@@ -27,7 +27,7 @@ from typing import IO, NamedTuple
 
 import numpy as np
 import pandas as pd
-from yardstick import Pair, block_settings, machine, paper_study, show, walls_of
+from yardstick import Pair, block_settings, machine, paper_study, ratio_of_sums, show, walls_of
 
 ROOT = Path(__file__).parents[1]
 CLOSE = """
@@ -126,7 +126,7 @@ def compare(rock: str, surfaces: list[dict], versions: list[Version], repeats: i
     seconds = np.array([[run["s"] for run in each] for each in runs])
     ratios = seconds[1] / seconds[0]
     row = {"rock": rock, "surfaces": len(surfaces)}
-    row |= {"time over": seconds[1].sum() / seconds[0].sum()}
+    row["time over"], row["time over +-"] = ratio_of_sums(seconds[1], seconds[0])
     row |= {"least of a surface": ratios.min(), "largest of a surface": ratios.max()}
     for name, each, spent in zip(("before", "now"), runs, seconds, strict=True):
         row |= {f"ms {name}": 1e3 * spent.mean(), f"pairs {name}": spent.mean() / pair.seconds}

@@ -139,7 +139,10 @@ def _of_two(table: pd.DataFrame, one: str, other: str, over: str) -> dict:
 
     extremes = zip(table["least of a surface"], table["largest of a surface"], strict=True)
     columns = {
-        "time over that in brackets": table[over].map("{:.2f}".format),
+        "time over that in brackets": [
+            f"{ratio:.2f} ± {error:.2f}"
+            for ratio, error in zip(table[over], table[f"{over} +-"], strict=True)
+        ],
         "of single surfaces": [f"{least:.2f} to {most:.2f}" for least, most in extremes],
         "FFT pairs": both("pairs"),
     }
@@ -154,14 +157,24 @@ def idle_interaction() -> str:
     """What leaving the idle interaction out saves and moves."""
     table = read_csv(MEASURED / "idle_interaction.csv")
     moved = [name.removesuffix(" +- %") for name in table.columns if name.endswith(" +- %")]
+    moved = [name for name in moved if not name.endswith(" saved")]
     shown = {
         "rock": table.rock,
         "tolerance (%)": table["share %"].map("{:g}".format),
         "left out up to (% of 30 MPa)": table["left out up to (% of 30 MPa)"].map("{:.0f}".format),
-        "time saved (%)": table["time saved %"].map("{:.0f}".format),
-        "products saved (%)": table["products saved %"].map("{:.0f}".format),
+        "time saved (%)": _saved(table, "time"),
+        "products saved (%)": _saved(table, "products"),
     } | {f"closure, {name} (%)": changes(table, name) for name in moved}
+    shown["single joints beyond the tolerance (%)"] = table["single closures beyond %"].map(
+        "{:.0f}".format
+    )
+    shown["largest change of one (%)"] = table["largest of single closures %"].map("{:.0f}".format)
     return markdown(pd.DataFrame(shown))
+
+
+def _saved(table: pd.DataFrame, name: str) -> list[str]:
+    pairs = zip(table[f"{name} saved %"], table[f"{name} saved +- %"], strict=True)
+    return [f"{saved:.0f} ± {error:.0f}" for saved, error in pairs]
 
 
 def versions() -> str:

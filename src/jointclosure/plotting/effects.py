@@ -165,7 +165,7 @@ def choice_figure(table: pd.DataFrame) -> Figure:
         lower.set(xscale="log", xlabel="maximum normal stress (MPa)")
         for axis in (upper.yaxis, lower.xaxis):
             axis.set_major_formatter(StrMethodFormatter("{x:g}"))
-        lower.set_ylim(top=105.0)
+        lower.set_ylim(table.saved_percent.min() - 5.0, 105.0)
     panels[0, 0].set_ylabel("change of mean\nmax. closure (%)")
     panels[1, 0].set_ylabel("time saved,\npilot counted (%)")
     handles = [
