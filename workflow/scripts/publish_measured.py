@@ -121,12 +121,17 @@ def sources() -> str:
                 "rock": table.rock,
                 "cycle": table.cycle,
                 "source": table.source,
-                "error (%)": table.error_percent.round(1),
-                "low": table.low.round(1),
-                "high": table.high.round(1),
+                "error (%)": table.error_percent.map(_small),
+                "low": table.low.map(_small),
+                "high": table.high.map(_small),
             }
         )
     )
+
+
+def _small(percent: float) -> str:
+    """To a tenth of a percent, and below that to one digit."""
+    return f"{percent:.1f}" if abs(percent) >= 0.1 else f"{percent:.1g}"
 
 
 def orders() -> str:
