@@ -254,8 +254,8 @@ def _outside(
             told = f"{title} = {value:.4g}: {_ranges(name, chosen)}"
             if name in _CAUSES:
                 told += (
-                    f"; likely {_CAUSES[name]}: `snakemake surrogate` on a study of such walls "
-                    "tells their constants"
+                    f"; likely {_CAUSES[name]}: `.venv/bin/snakemake surrogate` on a study of "
+                    "such walls tells their constants"
                 )
             yield told
 
@@ -263,10 +263,11 @@ def _outside(
 def _ranges(name: str, chosen: _Calibration) -> str:
     """Where the law was tested; of heights, which choose the constants, all kinds of walls."""
     kinds = _calibrations() if name == "height_over_slope" else (chosen,)
-    return "the law was tested " + " and ".join(
-        "from {:.4g} to {:.4g} on {}".format(*getattr(kind.tested, name), kind.named())
-        for kind in kinds
-    )
+    told = []
+    for kind in kinds:
+        least, most = getattr(kind.tested, name)
+        told.append(f"from {least:.4g} to {most:.4g} on {kind.named()}")
+    return "the law was tested " + " and ".join(told)
 
 
 def _worst(errors: list[tuple[np.ndarray, np.ndarray]], ratio: np.ndarray) -> np.ndarray:

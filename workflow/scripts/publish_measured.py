@@ -2,12 +2,11 @@
 
 Run by hand after `make accuracy`, `make effects`, `make mismatch` or `make study`:
 `publish_measured.py accuracy`, `effects`, `mismatch` or `paper`; after
-`snakemake total_error --configfile config/accuracy.yaml`, `total`; or, after
+`.venv/bin/snakemake total_error --configfile config/accuracy.yaml`, `total`; or, after
 `make study CONFIG=config/no_roll_off.yaml` and
-`snakemake --configfile config/no_roll_off.yaml surrogate`, `publish_measured.py no_roll_off`; after
-`make study` and `snakemake surrogate`, `roll_off`. Snakemake is `.venv/bin/snakemake`. Tables that
-the package ships are copied too: those of presets and of the bearing-area law
-(src/jointclosure/config/).
+`.venv/bin/snakemake --configfile config/no_roll_off.yaml surrogate`, `no_roll_off`; after
+`make study` and `.venv/bin/snakemake surrogate`, `roll_off`. Tables that the package ships are
+copied too: those of presets and of the bearing-area law (src/jointclosure/config/).
 """
 
 import math
