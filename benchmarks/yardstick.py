@@ -25,6 +25,7 @@ import scipy.fft
 
 import jointclosure as jc
 from jointclosure.config.configuration import configured, merged, merged_study
+from jointclosure.config.files import ConfigurationError
 from jointclosure.config.typed import Configuration
 from jointclosure.ensemble.cases import BASE, cases_of
 from jointclosure.ensemble.closing import close_walls
@@ -80,8 +81,14 @@ def close(walls, effects: jc.Effects, stress: float, cycles: int = 1, **options)
 
 
 def paper_study(*changes: dict) -> tuple[Configuration, list[Case]]:
-    """The paper's study, with changes of its keys, and its base cases, one a rock."""
-    configuration = configured(merged(merged_study(), *changes), read_csv).typed
+    """The paper's study, with changes of its keys, and its base cases, one a rock.
+
+    Changes that cannot be end the benchmark, with a message that names the key.
+    """
+    try:
+        configuration = configured(merged(merged_study(), *changes), read_csv).typed
+    except ConfigurationError as error:
+        raise SystemExit(str(error)) from None
     return configuration, [case for case in cases_of(configuration) if case.parameter == BASE]
 
 

@@ -67,3 +67,20 @@ def test_a_revision_that_is_not_there_is_refused():
     found = subprocess.run(given, capture_output=True, text=True)
     assert found.returncode
     assert "--against no_such_revision" in found.stderr
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "said"),
+    [
+        ("breakage_methods", ["--radius", "1000000"], "choices.largest_radius_mm = 1000000.0: not"),
+        ("breakage_methods", ["--rocks", "granite"], "study.rocks = 'granite': not among rocks"),
+        ("idle_interaction", ["--shares", "2"], "numerics.idle_interaction = 2.0: must be below 1"),
+    ],
+)
+def test_what_cannot_be_measured_is_refused_by_its_key(name, options, said):
+    ended = subprocess.run(
+        [sys.executable, BENCHMARKS / f"{name}.py", *options], capture_output=True, text=True
+    )
+    assert ended.returncode == 1
+    assert said in ended.stderr
+    assert "Traceback" not in ended.stderr

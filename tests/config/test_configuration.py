@@ -261,6 +261,10 @@ def test_a_rock_may_have_its_own_effects():
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
+        (
+            {"effects": {"interaction": False}, "numerics": {"idle_interaction": 0.02}},
+            "numerics.idle_interaction = 0.02: effects.interaction is false for every rock",
+        ),
         ({"effects": {"auto": 1.5}}, "effects.auto = 1.5: must be below 1"),
         ({"rocks": {"slate": {"effects": {"breakage": False}}}}, "gouge"),
         ({"rocks": {"slate": {"effects": {"glue": True}}}}, "effects.glue = True: unknown key"),

@@ -152,7 +152,12 @@ def test_a_study_has_the_numerics_surfaces_and_control_variates_that_were_grante
         ({"numerics": {"accuracy": {"within": 1.5}}}, "accuracy.within = 1.5: must be below 1"),
         ({"numerics": {"accuracy": {"most": 3}}}, "accuracy.most = 3: must be at least 10"),
         ({"numerics": {"accuracy": {"off": 3}}}, "accuracy.off = 3: unknown key"),
-        ({"numerics": {"accuracy": "fine"}}, "accuracy = 'fine': must be of type number"),
+        (
+            {"numerics": {"accuracy": "fine"}},
+            "accuracy = 'fine': must be a number .*{of: mean, within",
+        ),
+        ({"numerics": {"accuracy": ["mean", 0.05]}}, "0.05].* or {of: mean, within: 0.05}"),
+        ({"numerics": {"tolerance": 0.01}}, "tolerance = 0.01: .* numerics.accuracy.of chooses it"),
     ],
 )
 def test_what_contradicts_a_wanted_accuracy_is_refused_by_name(change, message):

@@ -4,11 +4,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.transforms import Bbox
 
 from jointclosure.plotting.accuracy import KNOB_TITLES, error_sources, work_precision
 from jointclosure.studies.accuracy.design import BASE
 
 PAPER = "the paper's steps"
+FRONT = "none is faster and more exact; hollow marks count as alike"
 
 
 @pytest.fixture(autouse=True)
@@ -63,7 +65,7 @@ def test_there_is_a_panel_for_each_rock_and_cycle_with_both_axes_named(costs):
 def test_every_knob_that_is_drawn_in_some_panel_is_in_the_legend_and_other_joints_are_not(costs):
     names = legend(work_precision(costs, "", PAPER))
     assert set(names) == {
-        KNOB_TITLES["steps"], KNOB_TITLES["resolved"], PAPER, "none is faster and more exact",
+        KNOB_TITLES["steps"], KNOB_TITLES["resolved"], PAPER, FRONT,
         "not told from no error",
     }  # fmt: skip
     assert len(names) == len(set(names))
@@ -80,10 +82,62 @@ def test_a_mark_is_hollow_where_its_interval_includes_zero_and_stands_at_the_flo
     np.testing.assert_array_equal(star.get_xydata(), [[1.0, 8.0]])
 
 
-def test_what_no_setting_beats_in_both_leaves_out_the_finest(costs):
+def test_what_no_setting_beats_in_both_ends_at_the_first_hollow_mark(costs):
+    """It leaves out the finest, and gives no order to errors that are not told from none."""
     axes = work_precision(costs, "", PAPER).axes[0]
-    (best,) = [line for line in axes.lines if line.get_label() == "none is faster and more exact"]
-    np.testing.assert_array_equal(best.get_xdata(), [0.5, 1.0, 4.0, 8.0])
+    (best,) = [line for line in axes.lines if line.get_label() == FRONT]
+    np.testing.assert_array_equal(best.get_xdata(), [0.5, 1.0, 4.0])
+
+
+def boxes(axes):
+    return [text.get_window_extent() for text in axes.texts]
+
+
+def collisions(found, others=()):
+    pairs = [(a, b) for i, a in enumerate(found) for b in found[:i]]
+    pairs += [(a, b) for a in found for b in others]
+    return sum(a.overlaps(b) for a, b in pairs)
+
+
+def test_values_beside_marks_cover_neither_each_other_nor_a_mark(costs):
+    """Marks at nearly one place, as those of knobs that hardly matter."""
+    near = [
+        row("dolerite", 1, knob, value, 8.0 + 0.1 * i, 7.0, 9.0, 0.9 + 0.02 * i)
+        for i, (knob, value) in enumerate(
+            (knob, value)
+            for knob in ("force_tolerance", "displacement_step")
+            for value in (0.0001, 0.001, 2.0)
+        )
+    ]
+    figure = work_precision(pd.concat([costs, pd.DataFrame(near)]), "", PAPER)
+    figure.canvas.draw()
+    axes = figure.axes[0]
+    marks = [
+        Bbox.from_bounds(x - 3, y - 3, 6, 6)
+        for line in axes.lines
+        if line.get_marker() in ("o", "*")
+        for x, y in axes.transData.transform(line.get_xydata())
+    ]
+    assert len(axes.texts) >= 4
+    assert collisions(boxes(axes), marks) == 0
+
+
+def test_small_bars_bear_values_that_do_not_meet():
+    table = pd.DataFrame(
+        [
+            ("siltstone", 2, "steps", -2.9, -5.8, 0.5),
+            ("siltstone", 2, "tolerances", -0.42, np.nan, np.nan),
+            ("siltstone", 2, "sampling", 0.94, np.nan, np.nan),
+            ("siltstone", 2, "surface rule (hurst 0.6)", 0.83, -2.0, 4.2),
+            *(("dolerite", cycle, "sampling", 0.002, 0.001, 0.003) for cycle in (1, 2, 3)),
+        ],
+        columns=["rock", "cycle", "source", "error_percent", "low", "high"],
+    )
+    figure = error_sources(table, "")
+    figure.canvas.draw()
+    (axes,) = figure.axes
+    assert [text.get_text() for text in axes.texts] == ["0.4", "0.9", *["0.002"] * 3, "0.8"]
+    assert collisions(boxes(axes)) == 0
 
 
 def test_each_source_of_error_is_a_bar_of_its_size_with_its_interval_and_in_the_legend():
@@ -102,6 +156,11 @@ def test_each_source_of_error_is_a_bar_of_its_size_with_its_interval_and_in_the_
     assert [text.get_text() for text in axes.get_legend().get_texts()] == [
         "steps", "tolerances", "sampling",
     ]  # fmt: skip
+    key = [handle.patches[0].get_facecolor() for handle in axes.get_legend_handles_labels()[0]]
+    assert len(set(key)) == 3
+    assert {bar.get_facecolor() for bar in axes.patches} == set(key)
+    shown = [patch.get_facecolor() for patch in axes.get_legend().get_patches()]
+    assert shown == key
     assert [label.get_text() for label in axes.get_xticklabels()] == [
         "Dolerite\ncycle 1", "Slate\ncycle 1",
     ]  # fmt: skip

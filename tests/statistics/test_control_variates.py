@@ -50,6 +50,21 @@ def test_95_percent_intervals_of_adjusted_means_cover_93_to_97_times_in_100(n, c
     assert np.median(gains) > (2.0 if curved else 5.0)
 
 
+@pytest.mark.parametrize(
+    ("n", "bend", "noise", "low", "high"),
+    [(20, 0.0, 0.3, 0.94, 0.96), (20, 0.3, 0.05, 0.87, 0.9), (10, 0.3, 0.05, 0.8, 0.84)],
+)
+def test_intervals_cover_less_where_a_bend_is_most_of_what_is_left(n, bend, noise, low, high):
+    """As the docstring of `adjusted_values` says."""
+    random, repetitions = generator(7), 6000
+    covariates = random.normal(size=(repetitions, n, 2))
+    first = covariates[..., 0]
+    values = first + bend * (first**2 - 1.0) + noise * random.normal(size=(repetitions, n))
+    adjusted = adjusted_values(values, covariates, np.zeros(2))
+    inside = [np.prod(t_interval(mean_of(each), n)) <= 0.0 for each in adjusted]
+    assert low <= np.mean(inside) <= high
+
+
 def test_an_adjusted_mean_is_as_much_better_as_it_says():
     random = generator(1)
     plain, adjusted, told = [], [], []

@@ -1,11 +1,14 @@
 """What accuracy costs: settings from a design, and errors, orders and sources from known data."""
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
 from jointclosure.config.files import ConfigurationError, read_plain
 from jointclosure.studies.accuracy.cost import (
+    Resampling,
+    _sampling,
     cost_table,
     order_table,
     source_table,
@@ -135,8 +138,11 @@ def fake_run(error, seconds, n=12, noise=0.0):
     )
 
 
-def weighed(noise=0.0):
-    """A knob of second order, held against its exact result."""
+DRAWN = (200, 0.95)
+
+
+def turned(noise=0.0):
+    """A knob of second order, and the runs of its settings."""
     values = [0.5, 1.0, 2.0, 4.0]
     settings = [fake_setting("base", ""), *(fake_setting("steps", value) for value in values)]
     settings.append(fake_setting("resolved", 0.005))
@@ -148,8 +154,23 @@ def weighed(noise=0.0):
     runs[fake_setting("base", "").run] = fake_run(0.01, 1.0, noise=noise)
     runs[fake_setting("resolved", 0.005).run] = fake_run(0.0, 3.0)
     runs[fake_setting("surface_rule", "hurst 0.6").run] = fake_run(0.4, 1.0)
+    return settings, runs
+
+
+def costs_of(settings, runs):
+    """Errors held against the exact result."""
     finest = {"full": {"knob": "resolved", "value": 0.005}}
-    return cost_table(settings, runs, finest, np.random.default_rng(3), 200, 0.95, 0.05)
+    return cost_table(settings, runs, finest, np.random.default_rng(3), *DRAWN, 0.05)
+
+
+def weighed(noise=0.0):
+    return costs_of(*turned(noise))
+
+
+def sources_of(settings, runs, realizations=20):
+    drawn = Resampling(np.random.default_rng(4), *DRAWN)
+    table = source_table(costs_of(settings, runs), runs, "full", realizations, drawn)
+    return table.set_index("source")
 
 
 def test_errors_times_and_order_are_those_put_in():
@@ -191,9 +212,36 @@ def test_failed_realisations_are_left_out_and_counted():
 
 
 def test_sources_of_the_configured_setting():
-    sources = source_table(weighed(), "full", 20).set_index("source")
+    sources = sources_of(*turned())
     assert sources.loc["steps", "error_percent"] == pytest.approx(1.0)
     assert sources.loc["surface rule (hurst 0.6)", "error_percent"] > 30.0
     base = weighed().iloc[0]
     expected = 100.0 * base.deviation_mm / base.mean_mm / np.sqrt(20)
     assert sources.loc["sampling", "error_percent"] == pytest.approx(expected)
+    assert "tolerances" not in sources.index
+
+
+def test_what_tolerances_move_is_told_by_the_same_surfaces():
+    settings, runs = turned()
+    settings.append(fake_setting("paper_tolerances", "tight"))
+    # all surfaces are off by the same share: no scatter from surface to surface is left in it
+    runs[settings[-1].run] = fake_run(0.008, 9.0)
+    found = sources_of(settings, runs).loc["tolerances", ["error_percent", "low", "high"]]
+    np.testing.assert_allclose(found.astype(float), 100.0 * (1.01 / 1.008 - 1.0), rtol=1e-6)
+    runs[settings[-1].run] = fake_run(0.008, 9.0, noise=0.05)
+    noisy = sources_of(settings, runs).loc["tolerances"]
+    assert noisy.low < noisy.error_percent < noisy.high
+    assert noisy.high - noisy.low > 0.5
+
+
+def test_the_interval_of_a_sampling_error_covers_as_often_as_it_says():
+    random, covered = np.random.default_rng(5), 0
+    for _ in range(2000):
+        closures = 1.0 + 0.1 * random.standard_normal(8)
+        row = pd.Series(
+            {"deviation_mm": closures.std(ddof=1), "mean_mm": closures.mean(), "samples": 8}
+        )
+        error, low, high = _sampling(row, 20, 0.95)
+        assert low < error < high
+        covered += low < 100.0 * 0.1 / np.sqrt(20) < high
+    assert covered / 2000 == pytest.approx(0.95, abs=0.02)

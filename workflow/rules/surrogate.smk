@@ -1,6 +1,6 @@
 # Constants of the bearing-area law of `jointclosure.estimate`: `snakemake surrogate`, from the joints
-# of a finished study. What the package ships is that of walls with waves of all lengths
-# (config/no_roll_off.yaml), as natural walls have (publish_measured.py no_roll_off).
+# of a finished study. The package ships those of the default study's walls and those of walls with
+# waves of all lengths (config/no_roll_off.yaml): publish_measured.py roll_off and no_roll_off.
 
 
 rule surrogate:

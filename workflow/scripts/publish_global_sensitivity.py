@@ -1,7 +1,7 @@
 """Renew docs/global_sensitivity.md from results/global_sensitivity and results/paper.
 
 Run by hand after `make global-sensitivity`, `make jrc-range` and
-`snakemake estimate_together --configfile config/global_sensitivity_full.yaml`.
+`.venv/bin/snakemake estimate_together --configfile config/global_sensitivity_full.yaml`.
 """
 
 import shutil

@@ -2,11 +2,11 @@
 
 Run by hand after `make accuracy`, `make effects`, `make mismatch` or `make study`:
 `publish_measured.py accuracy`, `effects`, `mismatch` or `paper`; after
-`snakemake total_error --configfile config/accuracy.yaml`, `total`; or, after
+`.venv/bin/snakemake total_error --configfile config/accuracy.yaml`, `total`; or, after
 `make study CONFIG=config/no_roll_off.yaml` and
-`snakemake --configfile config/no_roll_off.yaml surrogate`, `publish_measured.py no_roll_off`.
-Tables that the package ships are copied too: those of presets and of the bearing-area law
-(src/jointclosure/config/).
+`.venv/bin/snakemake --configfile config/no_roll_off.yaml surrogate`, `no_roll_off`; after
+`make study` and `.venv/bin/snakemake surrogate`, `roll_off`. Tables that the package ships are
+copied too: those of presets and of the bearing-area law (src/jointclosure/config/).
 """
 
 import math
@@ -17,6 +17,7 @@ from pathlib import Path
 import pandas as pd
 from markers import fill
 
+from jointclosure.config.files import SURROGATES
 from jointclosure.config.presets import SCENES, radii_words
 from jointclosure.storage.text import read_csv
 
@@ -24,7 +25,6 @@ ROOT = Path(__file__).parents[2]
 ACCURACY, EFFECTS = ROOT / "results/accuracy", ROOT / "results/effects"
 MISMATCH = ROOT / "results/mismatch"
 PAPER = ROOT / "results/paper"
-NO_ROLL_OFF = ROOT / "results/no_roll_off"
 
 
 def markdown(table: pd.DataFrame) -> str:
@@ -122,12 +122,17 @@ def sources() -> str:
                 "rock": table.rock,
                 "cycle": table.cycle,
                 "source": table.source,
-                "error (%)": table.error_percent.round(1),
-                "low": table.low.round(1),
-                "high": table.high.round(1),
+                "error (%)": table.error_percent.map(_small),
+                "low": table.low.map(_small),
+                "high": table.high.map(_small),
             }
         )
     )
+
+
+def _small(percent: float) -> str:
+    """To a tenth of a percent, and below that to one digit."""
+    return f"{percent:.1f}" if abs(percent) >= 0.1 else f"{percent:.1g}"
 
 
 def orders() -> str:
@@ -180,14 +185,21 @@ def _range(values: pd.Series, digits: int) -> str:
     return " to ".join(dict.fromkeys(ends))
 
 
+def _shipped_laws() -> pd.DataFrame:
+    """Constants and errors of the bearing-area law on all kinds of walls, as shipped."""
+    table = pd.concat([read_csv(path) for path in SURROGATES], ignore_index=True)
+    known = "roll-off " + table.roll_off_mm.map("{:g} mm".format)
+    return table.assign(walls=known.where(table.roll_off_mm.notna(), "no roll-off"))
+
+
 def surrogate() -> str:
-    """What the bearing-area law is off by, for each rock, roughness and stress."""
-    table = read_csv(NO_ROLL_OFF / "tables/surrogate.csv")
+    """What the bearing-area law is off by, for each kind of walls, rock, roughness and stress."""
+    table = _shipped_laws()
     table = table[table.constants == "all"]
     top = table.stress_MPa.max()
     rows = []
-    for (rock, jrc), part in table.groupby(["rock", "jrc"], sort=False):
-        row = {"rock": rock, "JRC": f"{jrc:g}", "joints": part.joints.max()}
+    for (walls, rock, jrc), part in table.groupby(["walls", "rock", "jrc"], sort=False):
+        row = {"walls": walls, "rock": rock, "JRC": f"{jrc:g}", "joints": part.joints.max()}
         for ratio in (0.01, 0.03, 0.05, 0.1, 0.15):
             row[f"{ratio:g} σc"] = (
                 f"{part.rms_percent[part.stress_over_strength == ratio].item():.0f}"
@@ -199,16 +211,31 @@ def surrogate() -> str:
 
 
 def constants() -> str:
-    """Constants of the law, of all rocks and of each."""
-    table = read_csv(NO_ROLL_OFF / "tables/surrogate.csv").drop_duplicates(
-        ["constants", "at_strength"]
-    )
+    """Constants of the law on each kind of walls, of all rocks and of each."""
+    table = _shipped_laws().drop_duplicates(["walls", "constants", "at_strength"])
     shown = {
+        "walls": table.walls,
         "fitted to": table.rock.where(table.constants == "own", "all four"),
         "a": table.at_strength.round(3),
         "b": table.exponent.round(3),
     }
     return markdown(pd.DataFrame(shown))
+
+
+def limits() -> str:
+    """What walls must have for the law to be used on them."""
+    titles = {
+        "height_over_slope_m": "RMS of the summed heights / RMS slope (m)",
+        "slope_ratio": "RMS slope at 0.5 mm / at 0.25 mm",
+        "correlation": "correlation of slopes",
+    }
+    rows = []
+    for walls, part in _shipped_laws().groupby("walls", sort=False):
+        first, row = part.iloc[0], {"walls": walls}
+        for name, title in titles.items():
+            row[title] = f"{first[f'least_{name}']:.3g} to {first[f'most_{name}']:.3g}"
+        rows.append(row)
+    return markdown(pd.DataFrame(rows))
 
 
 def choice() -> str:
@@ -342,6 +369,7 @@ def between() -> str:
     )
 
 
+OF_LAWS = {"constants": constants, "surrogate": surrogate, "limits": limits}
 PLACES = {
     "accuracy": (
         ROOT / "docs/accuracy.md",
@@ -354,11 +382,11 @@ PLACES = {
     ),
     "effects": (ROOT / "docs/effects.md", {"choice": choice, "contributions": contributions}),
     "paper": (ROOT / "docs/accuracy.md", {"variance": variance}),
-    "no_roll_off": (
-        ROOT / "docs/accuracy.md",
-        {"constants": constants, "surrogate": surrogate},
-    ),
+    "no_roll_off": (ROOT / "docs/accuracy.md", OF_LAWS),
+    "roll_off": (ROOT / "docs/accuracy.md", OF_LAWS),
 }
+FOLDERS = {"total": "accuracy", "roll_off": "paper"}
+"""Folders of results that are not named as what is published of them."""
 FIGURES = {
     "accuracy": {"accuracy_regularised": "accuracy", "accuracy_sources": "accuracy_sources"},
     "total": {"accuracy_total": "accuracy_total"},
@@ -366,26 +394,27 @@ FIGURES = {
     "mismatch": {"mismatch": "mismatch"},
     "paper": {},
     "no_roll_off": {},
+    "roll_off": {},
 }
 SHIPPED = {
-    "accuracy": "accuracy_settings.csv",
-    "total": "accuracy_methods.csv",
-    "no_roll_off": "surrogate.csv",
+    "accuracy": ("accuracy_settings.csv", "accuracy_settings.csv"),
+    "total": ("accuracy_methods.csv", "accuracy_methods.csv"),
+    "no_roll_off": ("surrogate.csv", "surrogate_no_roll_off.csv"),
+    "roll_off": ("surrogate.csv", "surrogate_roll_off.csv"),
 }
-"""Tables of a study that the package has a copy of."""
+"""Tables of a study that the package has a copy of, and the copy's name."""
 
 
 def main(study: str) -> None:
     """Fill the document of a study, and copy its figures."""
     path, parts = PLACES[study]
-    folder = "accuracy" if study == "total" else study
+    folder = ROOT / "results" / FOLDERS.get(study, study)
+    if study in SHIPPED:
+        table, copy = SHIPPED[study]
+        shutil.copy(folder / "tables" / table, ROOT / "src/jointclosure/config" / copy)
     fill(path, {name: content() for name, content in parts.items()})
     for figure, image in FIGURES[study].items():
-        source = ROOT / f"results/{folder}/figures/{figure}.png"
-        shutil.copy(source, ROOT / f"docs/images/{image}.png")
-    if table := SHIPPED.get(study):
-        source = ROOT / f"results/{folder}/tables/{table}"
-        shutil.copy(source, ROOT / "src/jointclosure/config" / table)
+        shutil.copy(folder / f"figures/{figure}.png", ROOT / f"docs/images/{image}.png")
 
 
 if __name__ == "__main__":

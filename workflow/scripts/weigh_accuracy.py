@@ -8,7 +8,7 @@ from jointclosure.logbook import Logbook
 from jointclosure.randomness import generator, seed_of
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import write_csv
-from jointclosure.studies.accuracy.cost import cost_table, order_table, source_table
+from jointclosure.studies.accuracy.cost import Resampling, cost_table, order_table, source_table
 from jointclosure.studies.accuracy.design import Setting
 from jointclosure.studies.accuracy.presets_table import setting_table
 
@@ -29,8 +29,16 @@ def main(inputs: list[str], settings: dict, outputs: dict, log: Logbook) -> None
     )
     write_csv(costs, outputs["costs"])
     write_csv(order_table(costs), outputs["orders"])
+    drawn = Resampling(
+        generator(seed_of(settings["root_seed"], "accuracy", "sources")),
+        design["resamples"],
+        design["confidence"],
+    )
     sources = pd.concat(
-        [source_table(costs, scene, settings["realizations"]) for scene in design["scenes"]]
+        [
+            source_table(costs, runs, scene, settings["realizations"], drawn)
+            for scene in design["scenes"]
+        ]
     )
     write_csv(sources, outputs["sources"])
     write_csv(

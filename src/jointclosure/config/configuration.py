@@ -129,7 +129,10 @@ def _chosen(keys: dict, default: dict, read) -> tuple[dict, str, str | None]:
     granted = grant(wanted, read(METHODS), settings.preset.dropna().unique(), cycles)
     named = {"preset": granted.preset, "accuracy": None}
     numerics = chosen_numerics(
-        keys | {"numerics": keys["numerics"] | named}, default["numerics"], lambda: settings
+        keys | {"numerics": keys["numerics"] | named},
+        default["numerics"],
+        lambda: settings,
+        by="accuracy.of",
     ).numerics
     kept = {"preset": None, "accuracy": keys["numerics"]["accuracy"]}
     whole = with_granted(keys, wanted, granted) | {"numerics": numerics | kept}

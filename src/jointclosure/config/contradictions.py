@@ -69,6 +69,12 @@ def contradictions(keys: dict, typed: Callable[[dict], Configuration]) -> Iterat
             check()
         except InputError as error:
             yield str(error)
+    share = keys["numerics"]["idle_interaction"]
+    if share and not any(rock.effects.interaction for rock in configuration.rocks.values()):
+        yield (
+            f"numerics.idle_interaction = {share:g}: effects.interaction is false for every rock, "
+            "which leaves the interaction out of everything; must be null or 0 there"
+        )
     yield from _mismatch_problems(configuration)
     yield from _size_problems(configuration)
     for name, rock in configuration.rocks.items():

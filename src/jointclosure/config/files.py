@@ -15,8 +15,11 @@ MEASURED = Path(__file__).with_name("accuracy_settings.csv")
 """What settings of the numerics were off by: presets are chosen from it."""
 METHODS = Path(__file__).with_name("accuracy_methods.csv")
 """What presets are off by, scatter and cost: a wanted accuracy is granted from it."""
-SURROGATE = Path(__file__).with_name("surrogate.csv")
-"""Constants of the bearing-area law, and what it was off by: `snakemake surrogate` makes it."""
+SURROGATES = tuple(
+    Path(__file__).with_name(f"surrogate_{walls}.csv") for walls in ("roll_off", "no_roll_off")
+)
+"""Constants of the bearing-area law, and what it was off by, for the default study's walls and for
+walls with waves of all lengths: `snakemake surrogate` makes such a table."""
 PAPER_TABLE_3 = Path(__file__).with_name("paper_table_3.csv")
 """The paper's Table 3."""
 PAPER_CLAIMS = Path(__file__).with_name("paper_claims.csv")

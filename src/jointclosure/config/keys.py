@@ -484,8 +484,8 @@ class TotalErrorKeys(Keys):
     finished study says of scatter and control variates."""
 
     study: Name = entry(
-        "Study whose tables are read, of the size and stress of `scene`; `snakemake surrogate` has "
-        "been run on it too."
+        "Study whose tables are read, of the size and stress of `scene`; `.venv/bin/snakemake "
+        "surrogate` has been run on it too."
     )
     scene: str = entry("Variant of the model whose errors of means and times count.")
     methods: dict[Name, PointKeys] = entry(

@@ -46,7 +46,10 @@ class Chosen(NamedTuple):
 
 
 def chosen_numerics(
-    configuration: dict, default: dict, measured: Callable[[], pd.DataFrame]
+    configuration: dict,
+    default: dict,
+    measured: Callable[[], pd.DataFrame],
+    by: str | None = None,
 ) -> Chosen:
     """The numerics that a configuration's preset or accuracy stands for.
 
@@ -59,6 +62,8 @@ def chosen_numerics(
         sets and that differs from it was set by the user as well.
     measured : callable
         Gives the table of `setting_table`; called where it is needed.
+    by : str, optional
+        Key of ``numerics`` that the user set, where that is not the one it is chosen by here.
 
     Returns
     -------
@@ -89,7 +94,7 @@ def chosen_numerics(
     touched = set().union(*(json.loads(each) for each in known.numerics))
     for key in touched:
         if numerics[key] != default[key]:
-            name = "preset" if accuracy is None else "accuracy"
+            name = by or ("preset" if accuracy is None else "accuracy")
             raise InputError(
                 f"numerics.{key} = {numerics[key]!r}: leave it out, numerics.{name} chooses it"
             )

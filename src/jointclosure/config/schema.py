@@ -121,14 +121,23 @@ def _explained(keys, settings, path: tuple, kind: str, errors: list[dict]) -> It
         yield f"{where or 'the configuration'} = {short(value)}: {_allowed(first, path, errors)}"
 
 
+_IN_WORDS = {
+    ("effects",): "must be auto, or effects with true or false",
+    ("numerics", "accuracy"): (
+        "must be a number above 0 and below 1, or {of: mean, within: 0.05} (of: mean or interval)"
+    ),
+}
+"""What keys may be whose types do not say it."""
+
+
 def _allowed(error: dict, path: tuple, errors: list[dict]) -> str:
     kind, about = error["type"], error.get("ctx", {})
     if kind in _BOUNDS:
         name, word = _BOUNDS[kind]
         return f"must be {word} {about[name]:g}"
     if kind in _TYPES:
-        if path == ("effects",):
-            return "must be auto, or effects with true or false"
+        if path in _IN_WORDS:
+            return _IN_WORDS[path]
         said = f"must be of type {' or '.join(_TYPES[each['type']] for each in errors)}"
         return said + _number_hint(error["input"], said)
     if kind == "finite_number":

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
+from jointclosure.plotting.labels import Label, label_marks
 from jointclosure.plotting.style import styled, subplots
 from jointclosure.statistics.total_error import front
 from jointclosure.studies.accuracy.design import BASE
@@ -32,11 +33,10 @@ SCENE_TITLES = {
     "regularised": "radii bounded",
     "paper_size": "the paper's size and stress",
 }
+_FRONT = "none is faster and more exact; hollow marks count as alike"
 _FLOOR = 0.01
 _HARDLY_SEEN = 1.0
 """Percent below which a bar bears its value."""
-_BESIDE_STAR = 0.08
-"""Distance [decades] to the star within which marks bear no value: the labels would cover it."""
 
 
 @styled
@@ -56,7 +56,9 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
     A panel for each rock and cycle. A hollow mark's confidence interval
     includes zero: its error is not told from none. Errors below a hundredth of a
     percent are drawn there. The finest setting, which the others are held against, is not
-    drawn. The grey line is what no setting beats in both.
+    drawn. The grey line is what no setting beats in both: as errors that are not told from none
+    have no order, it ends at the fastest hollow mark. Values of a knob stand beside its marks
+    where there is room.
     """
     shown = costs[~costs.other_joints]
     rocks, cycles = shown.rock.unique(), sorted(shown.cycle.unique())
@@ -71,10 +73,11 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
     )
     knobs = [knob for knob in shown.knob.unique() if knob != BASE]
     colours = dict(zip(knobs, sns.color_palette("colorblind", len(knobs)), strict=True))
+    values = []
     for row, cycle in zip(panels, cycles, strict=True):
         for axes, rock in zip(row, rocks, strict=True):
             part = shown[(shown.rock == rock) & (shown.cycle == cycle)]
-            _draw(axes, part, colours, paper)
+            values.append(_draw(axes, part, colours, paper))
             axes.set_title(f"{rock.replace('_', ' ').capitalize()}, cycle {cycle}")
     for axes in panels[-1]:
         axes.set_xlabel("time a simulation / that of the marked setting")
@@ -92,13 +95,17 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
     )
     figure.suptitle(title, x=0.01, ha="left")
     sns.despine(figure)
+    for axes, labels in zip(panels.flat, values, strict=True):
+        label_marks(axes, labels)
     return figure
 
 
-def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> None:
+def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> list[Label]:
+    """Draw a panel; the values of its marks."""
     size = part.mean_error_percent.abs().clip(lower=_FLOOR)
-    part = part.assign(size=size)
+    part = part.assign(size=size, known=(part.mean_low > 0.0) | (part.mean_high < 0.0))
     base = part[part.knob == BASE].iloc[0]
+    labels = []
     for knob, colour in colours.items():
         line = part[(part.knob == knob) & (part.mean_error_percent != 0.0)]
         if line.empty:
@@ -115,36 +122,28 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> None:
             ms=5,
             label=KNOB_TITLES.get(knob, knob),
         )
-        known = (line.mean_low > 0.0) | (line.mean_high < 0.0)
-        axes.plot(line.relative_time[known], line["size"][known], "o", color=colour, ms=5)
-        axes.plot(
-            line.relative_time[~known], line["size"][~known], "o", color=colour, mfc="w", ms=5
-        )
-        away = np.hypot(
-            np.log10(line.relative_time / base.relative_time), np.log10(line["size"] / base["size"])
-        )
-        for entry in line[away > _BESIDE_STAR].itertuples() if numbers else ():
-            axes.annotate(
-                f"{float(entry.value):g}",
-                (entry.relative_time, entry.size),
-                textcoords="offset points",
-                xytext=(4, 3),
-                fontsize=6,
-                color=colour,
-            )
+        for known, face in ((True, colour), (False, "w")):
+            marked = line[line.known == known]
+            axes.plot(marked.relative_time, marked["size"], "o", color=colour, mfc=face, ms=5)
+        labels += [
+            Label(f"{float(entry.value):g}", entry.relative_time, entry.size, colour)
+            for entry in (line.itertuples() if numbers else ())
+        ]
     axes.plot([base.relative_time], [base["size"]], "k*", ms=13, zorder=4, label=paper)
     # the finest is what the others are held against: its error is not known from here
     part = part[part.mean_error_percent != 0.0]
-    best = part.iloc[front(part.relative_time.to_numpy(), part["size"].to_numpy())]
+    exact = part["size"].where(part.known, 0.0)  # errors that are not told from none are alike
+    best = part.iloc[front(part.relative_time.to_numpy(), exact.to_numpy())]
     axes.plot(
         best.relative_time, best["size"], drawstyle="steps-post", color="0.6", lw=4, alpha=0.5,
-        zorder=0, label="none is faster and more exact",
+        zorder=0, label=_FRONT,
     )  # fmt: skip
     axes.set(xscale="log", yscale="log")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
         axis.set_minor_formatter(NullFormatter())
+    return labels
 
 
 @styled
@@ -163,25 +162,32 @@ def error_sources(sources: pd.DataFrame, title: str) -> Figure:
     figure, axes = subplots(figsize=(7.2, 3.6), layout="constrained")
     width = 0.8 / len(kinds)
     for k, kind in enumerate(kinds):
-        axes.bar([], [], color=f"C{k}", label=kind)
+        places, rows = [], []
         for g, (_, part) in enumerate(groups):
-            row = part[part.kind == kind]
-            if row.empty:
-                continue
-            row = row.iloc[0]
-            x = g + (k - 0.5 * (len(kinds) - 1)) * width
-            axes.bar(x, abs(row.error_percent), width, color=f"C{k}")
-            if abs(row.error_percent) < _HARDLY_SEEN:
-                size = f"{abs(row.error_percent):.1f}"
-                side = "right" if np.isfinite(row.low) else "center"  # beside the interval
-                axes.annotate(size, (x, 0.0), (0, 3), textcoords="offset points", ha=side)
-            if np.isfinite(row.low):
-                span = np.sort(np.abs([row.low, row.high]))
-                low = 0.0 if row.low * row.high < 0.0 else span[0]
-                axes.plot([x, x], [low, span[1]], color="0.1", lw=1)
+            for row in part[part.kind == kind].itertuples():
+                places.append(g + (k - 0.5 * (len(kinds) - 1)) * width)
+                rows.append(row)
+        sizes = [abs(row.error_percent) for row in rows]
+        axes.bar(places, sizes, width, color=f"C{k}", label=kind)
+        for x, size, row in zip(places, sizes, rows, strict=True):
+            low, high = _span(row)
+            if np.isfinite(high):
+                axes.plot([x, x], [low, high], color="0.1", lw=1)
+            if size < _HARDLY_SEEN:
+                top = max(size, high) if np.isfinite(high) else size
+                axes.annotate(
+                    f"{size:.1g}", (x, top), (0, 2), textcoords="offset points", ha="center",
+                    fontsize=7,
+                )  # fmt: skip
     names = [f"{rock.replace('_', ' ').capitalize()}\ncycle {cycle}" for (rock, cycle), _ in groups]
     axes.set_xticks(range(len(groups)), names)
     axes.set(ylabel="error, either sign (% of the mean)", title=title)
     axes.legend(frameon=False)
     sns.despine(figure)
     return figure
+
+
+def _span(row) -> tuple[float, float]:
+    """Ends of the interval of an error without its sign; from 0 where it includes none."""
+    low, high = sorted((abs(row.low), abs(row.high)))
+    return (0.0 if row.low * row.high < 0.0 else low), high

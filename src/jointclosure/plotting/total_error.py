@@ -11,8 +11,8 @@ from jointclosure.plotting.style import styled, subplots
 from jointclosure.statistics.total_error import front
 
 _TITLES = {"mean": "Mean closure", "interval": "Indifference interval"}
-_RANGE = {"mean": (0.3, 100.0), "interval": (3.0, 300.0)}
-"""Errors [%] that are drawn."""
+_RANGE = (0.3, 1000.0)
+"""Errors [%] that are drawn, the same in every panel."""
 _MARKED = (2, 20, 200, 2000)
 """Surfaces that are marked on plain lines."""
 
@@ -42,12 +42,13 @@ def total_error_figure(points: pd.DataFrame) -> Figure:
         figsize=(4.2 * len(shown), 4.4),
         layout="constrained",
         sharex=True,
+        sharey=True,
         squeeze=False,
     )
     for axes, ((response, cycle), part) in zip(panels[0], shown, strict=True):
-        _style(axes, points, _RANGE[response])
-        missing = _draw(axes, part, colours, _RANGE[response][1])
-        beyond = f"\n({', '.join(missing)}: beyond {_RANGE[response][1]:g} %)" if missing else ""
+        _style(axes, points)
+        missing = _draw(axes, part, colours, _RANGE[1])
+        beyond = f"\n({', '.join(missing)}: beyond {_RANGE[1]:g} %)" if missing else ""
         axes.set_title(f"{_TITLES[response]}, cycle {cycle}{beyond}")
         axes.set_xlabel("core-minutes")
     panels[0, 0].set_ylabel("total error (%)")
@@ -88,11 +89,11 @@ def _nearest(line: pd.DataFrame) -> pd.DataFrame:
     return line.loc[[off.idxmin() for off in near if off.min() < 0.15]]
 
 
-def _style(axes: Axes, points: pd.DataFrame, errors: tuple[float, float]) -> None:
-    axes.set(xscale="log", yscale="log", ylim=errors)
+def _style(axes: Axes, points: pd.DataFrame) -> None:
+    axes.set(xscale="log", yscale="log", ylim=_RANGE)
     axes.set_xlim(0.8 * points.core_minutes.min(), 2000.0)
     axes.xaxis.set_major_locator(LogLocator(numticks=6))
-    axes.yaxis.set_major_locator(FixedLocator([0.3, 1, 3, 10, 30, 100, 300]))
+    axes.yaxis.set_major_locator(FixedLocator([0.3, 1, 3, 10, 30, 100, 300, 1000]))
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(StrMethodFormatter("{x:g}"))
         axis.set_minor_formatter(NullFormatter())

@@ -198,26 +198,56 @@ def order_table(costs: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def source_table(costs: pd.DataFrame, scene: str, realizations: int) -> pd.DataFrame:
+class Resampling(NamedTuple):
+    """How confidence intervals are drawn."""
+
+    random: np.random.Generator
+    resamples: int
+    confidence: float
+
+
+def source_table(
+    costs: pd.DataFrame,
+    runs: Mapping[str, xr.Dataset],
+    scene: str,
+    realizations: int,
+    drawn: Resampling,
+) -> pd.DataFrame:
     """Where the error of the paper's own setting in a scene comes from, in percent of the mean.
 
-    ``steps``: that of its steps; ``tolerances``: what tight ones (knob
-    ``paper_tolerances``, where it is turned) move; ``sampling``: the standard error
-    of a mean over so many ``realizations``; ``surface rule``: the largest change
-    among the rules tried, which no computing takes away.
+    Parameters
+    ----------
+    costs : DataFrame
+        As from `cost_table`.
+    runs : mapping
+        As for `cost_table`.
+    scene : str
+    realizations : int
+        Surfaces of a mean whose sampling error is told.
+    drawn : Resampling
+        For the intervals of ``tolerances``.
+
+    Returns
+    -------
+    DataFrame
+        ``source``, ``error_percent``, ``low``, ``high``. ``steps``: the error of its steps;
+        ``tolerances``: what tight ones (knob ``paper_tolerances``, where it is turned) move, on the
+        same surfaces; ``sampling``: the standard error of a mean over so many ``realizations``,
+        with the interval (by chi-square) that the deviation of normal closures has from the
+        surfaces that were closed; ``surface rule``: the largest change among the rules tried,
+        which no computing takes away.
     """
     rows = []
     chosen = costs[costs.scene == scene]
     for (rock, cycle), part in chosen.groupby(["rock", "cycle"], sort=False):
         base = part[part.knob == BASE].iloc[0]
         rule = part[part.knob == "surface_rule"]
-        sampling = 100.0 * base.deviation_mm / base.mean_mm / np.sqrt(realizations)
         sources = {"steps": (base.mean_error_percent, base.mean_low, base.mean_high)}
         tight = part[part.knob == "paper_tolerances"]
         if len(tight):
-            change = 100.0 * (base.mean_mm / tight.mean_mm.iloc[0] - 1.0)
-            sources["tolerances"] = (change, np.nan, np.nan)
-        sources["sampling"] = (sampling, np.nan, np.nan)
+            pair = runs[base.run], runs[tight.run.iloc[0]]
+            sources["tolerances"] = _moved(*pair, cycle, drawn)
+        sources["sampling"] = _sampling(base, realizations, drawn.confidence)
         if len(rule):
             worst = rule.loc[rule.mean_error_percent.abs().idxmax()]
             name = f"surface rule ({worst['value']})"
@@ -226,3 +256,27 @@ def source_table(costs: pd.DataFrame, scene: str, realizations: int) -> pd.DataF
             row = {"scene": scene, "rock": rock, "cycle": cycle, "source": source}
             rows.append(row | {"error_percent": error, "low": low, "high": high})
     return pd.DataFrame(rows)
+
+
+def _moved(
+    base: xr.Dataset, tight: xr.Dataset, cycle: int, drawn: Resampling
+) -> tuple[float, float, float]:
+    """Change [%] of the base's mean from that of tight tolerances, and its interval."""
+    own, exact = (_sample(run, cycle, np.nan) for run in (base, tight))
+    good = np.flatnonzero(own.good & exact.good)
+    level = list(own.levels).index(own.base)
+    pair = own.closures[level, good], exact.closures[level, good]
+    index = drawn.random.integers(0, good.size, (drawn.resamples, good.size))
+    found = [100.0 * (pair[0][i].mean(-1) / pair[1][i].mean(-1) - 1.0) for i in (..., index)]
+    tail = 50.0 * (1.0 - drawn.confidence)
+    low, high = np.percentile(found[1], [tail, 100.0 - tail])
+    return float(found[0]), float(low), float(high)
+
+
+def _sampling(base: pd.Series, realizations: int, confidence: float) -> tuple[float, float, float]:
+    """Standard error [%] of a mean over realisations, and the interval of its estimate."""
+    error = 100.0 * base.deviation_mm / base.mean_mm / np.sqrt(realizations)
+    free = base.samples - 1
+    tail = 0.5 * (1.0 - confidence)
+    low, high = np.sqrt(free / scipy.stats.chi2.ppf([1.0 - tail, tail], free))
+    return error, error * low, error * high

@@ -180,7 +180,9 @@ def _of_surrogate(table: pd.DataFrame, scene: pd.DataFrame, rock: str) -> tuple[
     """
     part = table[(table.constants == ALL_ROCKS) & (table.rock == rock)]
     if part.empty:
-        raise InputError(f"surrogate.csv: has no joints of {rock}; run `snakemake surrogate`")
+        raise InputError(
+            f"surrogate.csv: has no joints of {rock}; run `.venv/bin/snakemake surrogate`"
+        )
     row = part[part.stress_MPa == part.stress_MPa.max()].iloc[0]
     half = REACH * row.rms_percent / np.sqrt(row.joints)
     own = scene[(scene.knob == BASE) & (scene.rock == rock) & (scene.cycle == 1)].iloc[0]

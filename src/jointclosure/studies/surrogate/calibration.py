@@ -14,12 +14,15 @@ from jointclosure.inputs import InputError
 from jointclosure.protocol import LOADING
 from jointclosure.surface.bearing import bearing_depths
 from jointclosure.surface.roughness import z2_of_jrc
-from jointclosure.surrogate import ALL_ROCKS, BearingLaw, slope_and_height
+from jointclosure.surrogate import ALL_ROCKS, BearingLaw, WallMeasures, wall_measures
 
 RATIOS = (0.01, 0.02, 0.03, 0.05, 0.075, 0.1, 0.125, 0.15)
 """Stresses over compressive strength at which closures are compared, besides the maximum."""
 FITTED_FROM = 0.05
 """The smallest of them that the constants are fitted to: below, few asperities carry the load."""
+ALLOWED = 4.0
+"""Standard deviations about the mean of the joints' walls within which each measure of other walls
+must be for these to be walls of their kind: 99.99 % of such walls are, if measures are normal."""
 _FRACTIONS = np.geomspace(1e-4, 0.6, 200)
 _START = BearingLaw(0.3, 0.8)
 
@@ -29,7 +32,7 @@ class _Joints(NamedTuple):
 
     ``ratios`` (s,): stresses over strength; ``closures`` (n, s) [m]; ``depths`` (n, f) [m] of the
     bearing-area curves at `_FRACTIONS`; ``fitted`` (n,): whether a joint is among those that
-    constants are fitted to; ``heights`` (n,): RMS of the summed heights over the walls' slope [m].
+    constants are fitted to; ``walls``: the measures of each joint's walls.
     """
 
     case: int
@@ -37,7 +40,7 @@ class _Joints(NamedTuple):
     closures: np.ndarray
     depths: np.ndarray
     fitted: np.ndarray
-    heights: np.ndarray
+    walls: list[WallMeasures]
 
     def errors(self, law: BearingLaw, which: np.ndarray, ratios: np.ndarray) -> np.ndarray:
         """Relative errors (joints, ratios) of the law's closures."""
@@ -64,6 +67,8 @@ def calibrate(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> pd.DataFram
         A row for each rock and JRC, stress over strength, and constants: those of "all" rocks,
         fitted to all cases, and the "own" of the rock, fitted to all of its cases. ``rms_percent``
         and ``mean_percent`` are of the closures' relative errors on ``joints`` single joints.
+        ``roll_off_mm``: of the walls, NaN without. ``least_`` and ``most_`` are what walls of their
+        kind have of a measure, see `ALLOWED`.
 
     Raises
     ------
@@ -82,13 +87,12 @@ def calibrate(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> pd.DataFram
     stiff = ensemble.youngs_modulus.values / ensemble.compressive_strength.values
     stiff = stiff[[each.case for each in cases]]
     about = {
+        "roll_off_mm": np.nan if surface.roll_off is None else 1e3 * surface.roll_off,
         "spacing_m": grid.spacing,
         "length_m": grid.spacing * min(grid.shape),
         "least_modulus_over_strength": stiff.min(),
         "most_modulus_over_strength": stiff.max(),
-        "least_height_over_slope_m": min(each.heights.min() for each in cases),
-        "most_height_over_slope_m": max(each.heights.max() for each in cases),
-    }
+    } | _allowed([walls for each in cases for walls in each.walls])
     rows: list[dict] = []
     for joints in cases:
         case = ensemble.isel(case=joints.case)
@@ -101,6 +105,23 @@ def calibrate(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> pd.DataFram
             row |= law._asdict() | about
             rows += _tested(joints, law, row, float(case.compressive_strength))
     return pd.DataFrame(rows)
+
+
+def _allowed(walls: list[WallMeasures]) -> dict[str, float]:
+    """Ends of the measures of walls of the joints' kind; those of heights by their logarithm."""
+    heights = np.log([each.height_over_slope for each in walls])
+    ends = {"height_over_slope_m": np.exp(_ends(heights))}
+    for name in ("slope_ratio", "correlation"):
+        ends[name] = _ends(np.array([getattr(each, name) for each in walls]))
+    return {
+        f"{end}_{name}": float(both[i])
+        for name, both in ends.items()
+        for i, end in enumerate(("least", "most"))
+    }
+
+
+def _ends(values: np.ndarray) -> np.ndarray:
+    return values.mean() + ALLOWED * values.std(ddof=1) * np.array([-1.0, 1.0])
 
 
 def _tested(joints: _Joints, law: BearingLaw, row: dict, strength: float) -> list[dict]:
@@ -126,7 +147,7 @@ def _cases(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> list[_Joints]:
     loading = loading.transpose("case", "realization", "stress").values
     highest = ensemble.max_closure.sel(cycle=1).values
     good, found = succeeded(ensemble).values, []
-    known: dict[tuple[str, float], tuple[np.ndarray, float]] = {}
+    known: dict[tuple[str, float], tuple[np.ndarray, WallMeasures]] = {}
     for i, jrc in enumerate(ensemble.jrc.values.tolist()):
         kept = np.flatnonzero(good[i])
         if np.isnan(jrc) or kept.size < 2:
@@ -135,9 +156,9 @@ def _cases(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> list[_Joints]:
             if (seed, jrc) not in known:
                 upper, lower = walls_of_seed(int(seed, 16), jrc, grid, surface)
                 depths = bearing_depths(upper + lower, _FRACTIONS)
-                known[seed, jrc] = depths, slope_and_height(upper, lower, grid.spacing)[1]
+                known[seed, jrc] = depths, wall_measures(upper, lower, grid.spacing)
         own = [known[seed, jrc] for seed in ensemble.seed.values[i, kept]]
-        curves, heights = (np.array(part) for part in zip(*own, strict=True))
+        curves = np.array([curve for curve, _ in own])
         strength = float(ensemble.compressive_strength[i])
         maximum = float(ensemble.max_normal_stress[i])
         ratios = np.array([r for r in RATIOS if r < 0.999 * maximum / strength])
@@ -149,7 +170,8 @@ def _cases(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> list[_Joints]:
             stresses = np.append(ensemble.stress.values[read], maximum)
             closures.append(np.interp(ratios * strength, stresses, np.append(curve[read], top)))
         numbers = ensemble.realization.values[kept]
-        found.append(_Joints(i, ratios, np.array(closures), curves, numbers % 2 == 0, heights))
+        walls = [measures for _, measures in own]
+        found.append(_Joints(i, ratios, np.array(closures), curves, numbers % 2 == 0, walls))
     return found
 
 

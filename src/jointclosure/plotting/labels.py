@@ -1,0 +1,79 @@
+"""Labels beside marks, none of which covers a mark or another label."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patheffects import withStroke
+from matplotlib.transforms import Bbox
+
+_PLACES = (
+    ((4, 3), "left", "bottom"),
+    ((4, -3), "left", "top"),
+    ((-4, 3), "right", "bottom"),
+    ((-4, -3), "right", "top"),
+    ((0, 5), "center", "bottom"),
+    ((0, -5), "center", "top"),
+)
+"""Offsets [points] from a mark's middle that are tried in turn, and what stands there."""
+_STAR = 6.0
+"""Half the width of a large mark [points]."""
+
+
+class Label(NamedTuple):
+    """A text and the mark (data coordinates) that it belongs to."""
+
+    text: str
+    x: float
+    y: float
+    colour: Any
+
+
+def label_marks(axes: Axes, labels: Sequence[Label], size: float = 6.0) -> None:
+    """Write labels beside their marks, where there is room; leave out those that have none.
+
+    Parameters
+    ----------
+    axes : Axes
+        With all of its marks, its limits and its layout.
+    labels : sequence of Label
+    size : float
+        Of the font [points].
+
+    Notes
+    -----
+    A place has room if it lies within the axes and meets no mark and no label that is written.
+    """
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    figure.draw_without_rendering()
+    taken = _marks(axes, figure.dpi / 72.0)
+    within = axes.get_window_extent()
+    for label in labels:
+        for offset, across, along in _PLACES:
+            text = axes.annotate(
+                label.text, (label.x, label.y), offset, textcoords="offset points", ha=across,
+                va=along, fontsize=size, color=label.colour,
+            )  # fmt: skip
+            text.set_path_effects([withStroke(linewidth=1.5, foreground="w")])
+            text.set_in_layout(False)
+            box = text.get_window_extent()
+            inside = within.x0 <= box.x0 and box.x1 <= within.x1
+            inside &= within.y0 <= box.y0 and box.y1 <= within.y1
+            if inside and not any(box.overlaps(other) for other in taken):
+                taken.append(box)
+                break
+            text.remove()
+
+
+def _marks(axes: Axes, scale: float) -> list[Bbox]:
+    """The boxes [pixels] of all marks; ``scale`` pixels are a point."""
+    found = []
+    for line in axes.lines:
+        if line.get_marker() in ("", "None", None):
+            continue
+        half = scale * (_STAR if line.get_marker() == "*" else 0.5 * line.get_markersize())
+        for x, y in axes.transData.transform(np.column_stack(line.get_data())):
+            found.append(Bbox([[x - half, y - half], [x + half, y + half]]))
+    return found
