@@ -89,6 +89,17 @@ def test_what_no_setting_beats_in_both_ends_at_the_first_hollow_mark(costs):
     np.testing.assert_array_equal(best.get_xdata(), [0.5, 1.0, 4.0])
 
 
+def test_the_star_too_is_hollow_where_its_error_is_not_told_from_none(costs):
+    unsure = costs.assign(mean_low=costs.mean_low.where(costs.knob != BASE, -1.0))
+    for table, hollow in ((costs, False), (unsure, True)):
+        figure = work_precision(table, "", PAPER)
+        (star,) = [line for line in figure.axes[0].lines if line.get_marker() == "*"]
+        assert (star.get_markerfacecolor() == "w") is hollow
+        # the key has it as it is where its error is known
+        (entry,) = [line for line in figure.legends[0].get_lines() if line.get_marker() == "*"]
+        assert entry.get_markerfacecolor() != "w"
+
+
 def boxes(axes):
     return [text.get_window_extent() for text in axes.texts]
 

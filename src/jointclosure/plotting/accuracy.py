@@ -87,6 +87,7 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
     for axes in panels.flat:  # a panel may lack a knob that others have
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
+    entries[paper] = Line2D([], [], ls="", marker="*", color="k", ms=13)
     entries["not told from no error"] = Line2D(
         [], [], ls="", marker="o", color="0.3", mfc="w", ms=5
     )
@@ -129,7 +130,10 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> list[Lab
             Label(f"{float(entry.value):g}", entry.relative_time, entry.size, colour)
             for entry in (line.itertuples() if numbers else ())
         ]
-    axes.plot([base.relative_time], [base["size"]], "k*", ms=13, zorder=4, label=paper)
+    axes.plot(
+        [base.relative_time], [base["size"]], "k*", ms=13, mfc="k" if base.known else "w", zorder=4,
+        label=paper,
+    )  # fmt: skip
     # the finest is what the others are held against: its error is not known from here
     part = part[part.mean_error_percent != 0.0]
     exact = part["size"].where(part.known, 0.0)  # errors that are not told from none are alike
