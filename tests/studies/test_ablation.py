@@ -92,8 +92,8 @@ def test_the_figure_has_a_panel_for_each_effect_and_cycle(table):
 def test_the_key_of_the_figure_says_what_the_sizes_of_its_marks_are(table):
     figure = effect_figure(table)
     entries = [text.get_text() for text in figure.legends[0].get_texts()]
-    sizes = [handle.get_markersize() for handle in figure.legends[0].legend_handles[:-1]]
-    assert entries[:-1] == [f"JRC {jrc:g}" for jrc in sorted(table.jrc.unique())]
+    sizes = [handle.get_markersize() for handle in figure.legends[0].legend_handles[:-2]]
+    assert entries[:-2] == [f"JRC {jrc:g}" for jrc in sorted(table.jrc.unique())]
     drawn = {
         round(float(size), 6)
         for axes in figure.axes

@@ -138,7 +138,7 @@ def _small(percent: float) -> str:
 def orders() -> str:
     """Observed orders of convergence, or why there is none."""
     table = read_csv(ACCURACY / "tables/accuracy_orders.csv")
-    table = table[~table.knob.str.contains("tolerance")]
+    table = table[~table.knob.str.contains("tolerance|preset")]
     columns = ["variant", "rock", "knob", "cycle", "order", "error", "remark"]
     return markdown(table.rename(columns={"scene": "variant"})[columns].round(2))
 

@@ -492,6 +492,9 @@ class TotalErrorKeys(Keys):
         "Settings that are compared by name, each a knob and its value in `scene`.", min_length=1
     )
     interval_scene: str = entry("Variant of the model whose errors of intervals count.")
+    interval_cycles: list[int] | None = entry(
+        "Cycles of whose intervals it is; null: all of which errors are known.", None
+    )
     interval_methods: dict[Name, PointKeys] = entry(
         "The same settings in `interval_scene`; one that is left out is taken from `scene`.", {}
     )

@@ -126,6 +126,9 @@ def method_table(
     for response in RESPONSES:
         times = 1 if response == "mean" else told.levels
         for rock, cycle in scene[["rock", "cycle"]].drop_duplicates().itertuples(index=False):
+            cycles = told.total.get("interval_cycles") or [cycle]
+            if response == "interval" and cycle not in cycles:
+                continue
             about = {"response": response, "cycle": cycle, "rock": rock}
             scatter = _scatter(variance, about, told)
             for name in told.total["methods"]:
