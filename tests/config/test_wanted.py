@@ -124,7 +124,10 @@ def test_a_study_has_the_numerics_surfaces_and_control_variates_that_were_grante
     granted = grant(wanted_of(found.keys), table, [found.granted], 2)
     assert found.typed.study.realizations == granted.surfaces
     assert found.typed.study.realizations % found.typed.study.realizations_per_job == 0
-    assert found.typed.statistics.control_variates == MEASURED_SURFACES
+    assert found.typed.statistics.control_variates is None  # of two cycles they help one only
+    assert not granted.control_variates
+    of_one = study({"study": {"cycles": 1}}, within=0.02)
+    assert of_one.typed.statistics.control_variates == MEASURED_SURFACES
     assert found.typed.numerics.breakage == "resolved"
     for part in (f"preset {found.granted}", f"{granted.surfaces} surfaces", "core-minutes a case"):
         assert part in found.said
