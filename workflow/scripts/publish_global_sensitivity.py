@@ -5,6 +5,7 @@ Run by hand after `make global-sensitivity`, `make jrc-range` and
 """
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -141,32 +142,34 @@ def elasticities() -> str:
 
 def conclusions() -> str:
     """Shares of choices for which conclusions hold: the least of a rock, and in all rocks."""
-    table = read_csv(RESULTS / "tables/global_conclusions.csv")
-    rows = []
-    for (number, said), own in table.groupby(["number", "conclusion"]):
-        row = {"": number, "conclusion": said}
-        for cycle, response, name in CASES:
-            part = own[(own.cycle == cycle) & (own.response == response)]
-            if part.empty:
-                row[f"{name} (%)"] = ""
-                continue
-            together = part[part.rock == "all"].iloc[0]
-            least = part[part.rock != "all"].sort_values("share").iloc[0]
-            row[f"{name} (%)"] = f"{_between(least)}; all {_between(together)}"
-        rows.append(row)
-    return markdown(pd.DataFrame(rows))
+
+    def shares(part: pd.DataFrame) -> str:
+        together = part[part.rock == "all"].iloc[0]
+        least = part[part.rock != "all"].sort_values("share").iloc[0]
+        return f"{_between(least)}; all {_between(together)}"
+
+    return _by_case(shares, " (%)")
 
 
 def single_rows() -> str:
     """At how many rows a conclusion is true of the row's own changes."""
+
+    def counts(part: pd.DataFrame) -> str:
+        of_rocks = part[part.rock != "all"].rows_true
+        return f"{of_rocks.min()} to {of_rocks.max()}"
+
+    return _by_case(counts)
+
+
+def _by_case(cell: Callable[[pd.DataFrame], str], unit: str = "") -> str:
+    """A row for each conclusion, with a cell for each cycle and closure of which it is."""
     table = read_csv(RESULTS / "tables/global_conclusions.csv")
     rows = []
     for (number, said), own in table.groupby(["number", "conclusion"]):
         row = {"": number, "conclusion": said}
         for cycle, response, name in CASES:
             part = own[(own.cycle == cycle) & (own.response == response)]
-            of_rocks = part[part.rock != "all"].rows_true
-            row[name] = f"{of_rocks.min()} to {of_rocks.max()}" if len(part) else ""
+            row[name + unit] = cell(part) if len(part) else ""
         rows.append(row)
     return markdown(pd.DataFrame(rows))
 
