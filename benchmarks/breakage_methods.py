@@ -18,7 +18,16 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from yardstick import Pair, base_case, machine, paper_study, ratio_of_sums, show, timing_parts
+from yardstick import (
+    Pair,
+    base_case,
+    machine,
+    paired_change,
+    paper_study,
+    ratio_of_sums,
+    show,
+    timing_parts,
+)
 
 METHODS = ("fixed_step", "resolved")
 COUNTS = {
@@ -65,17 +74,12 @@ def compare(of_method: dict, number: int, arguments) -> dict:
     for method in METHODS:
         answer |= {f"{method} {name}": value for name, value in sums.loc[method].items()}
         answer[f"{method} pairs"] = sums.s[method] / pair.seconds
-    difference = np.array(
-        [closures["resolved", r] - closures["fixed_step", r] for r in range(arguments.surfaces)]
+    of_methods = (
+        [closures[method, r] for r in range(arguments.surfaces)]
+        for method in ("resolved", "fixed_step")
     )
-    mean = np.mean([closures["fixed_step", r] for r in range(arguments.surfaces)], axis=0)
-    for cycle in (0, 1):
-        answer[f"cycle {cycle + 1}: resolved less fixed %"] = (
-            100.0 * difference[:, cycle].mean() / mean[cycle]
-        )
-        answer[f"cycle {cycle + 1}: +- %"] = (
-            100.0 * difference[:, cycle].std(ddof=1) / np.sqrt(len(difference)) / mean[cycle]
-        )
+    for cycle, (change, error) in enumerate(zip(*paired_change(*of_methods), strict=True), start=1):
+        answer |= {f"cycle {cycle}: resolved less fixed %": change, f"cycle {cycle}: +- %": error}
     return answer | {"pair ms": 1e3 * pair.seconds}
 
 

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from yardstick import base_case, machine, paper_study, ratio_of_sums, show
+from yardstick import base_case, machine, paired_change, paper_study, ratio_of_sums, show
 
 from jointclosure.history import closure_at_stresses
 
@@ -67,20 +67,17 @@ def compare(told: list, case_number: int, arguments) -> list[dict]:
         for name, what in (("time", "s"), ("products", "products")):
             ratio, error = ratio_of_sums(of(number, what), of(0, what))
             row |= {f"{name} saved %": 100.0 * (1.0 - ratio), f"{name} saved +- %": 100.0 * error}
-        change = of(number, "closures") - of(0, "closures")
-        single = np.abs(change / of(0, "closures"))[:, 2:]  # of the first loading, joint by joint
+        # of the first loading, joint by joint
+        single = np.abs(of(number, "closures") / of(0, "closures") - 1.0)[:, 2:]
         row["single closures beyond %"] = 100.0 * float((single > share).mean())
         row["largest of single closures %"] = 100.0 * float(single.max())
-        mean = of(0, "closures").mean(axis=0)
-        error = change.std(axis=0, ddof=1) / np.sqrt(arguments.surfaces)
         names = [
             "cycle 1",
             "cycle 2",
             *(f"loading, {stress:g} MPa" for stress in arguments.stresses),
         ]
-        for name, moved, wrong in zip(
-            names, 100.0 * change.mean(axis=0) / mean, 100.0 * error / mean, strict=True
-        ):
+        changes = paired_change(of(number, "closures"), of(0, "closures"))
+        for name, moved, wrong in zip(names, *changes, strict=True):
             row |= {f"{name} %": moved, f"{name} +- %": wrong}
         rows.append(row)
     return rows

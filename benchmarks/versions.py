@@ -27,7 +27,16 @@ from typing import IO, NamedTuple
 
 import numpy as np
 import pandas as pd
-from yardstick import Pair, block_settings, machine, paper_study, ratio_of_sums, show, walls_of
+from yardstick import (
+    Pair,
+    block_settings,
+    machine,
+    paired_change,
+    paper_study,
+    ratio_of_sums,
+    show,
+    walls_of,
+)
 
 ROOT = Path(__file__).parents[1]
 CLOSE = """
@@ -133,10 +142,8 @@ def compare(rock: str, surfaces: list[dict], versions: list[Version], repeats: i
         row |= {f"products {name}": np.mean([run["products"] for run in each])}
         row |= {f"breakage steps {name}": np.mean([run["steps"] for run in each])}
     before, now = (np.array([run["closures"] for run in each]) for each in runs)
-    change = 100.0 * (now - before) / before.mean(axis=0)
-    for cycle in range(change.shape[1]):
-        row[f"cycle {cycle + 1} %"] = change[:, cycle].mean()
-        row[f"cycle {cycle + 1} +- %"] = change[:, cycle].std(ddof=1) / np.sqrt(len(surfaces))
+    for cycle, (change, error) in enumerate(zip(*paired_change(now, before), strict=True), start=1):
+        row |= {f"cycle {cycle} %": change, f"cycle {cycle} +- %": error}
     return row | {"pair ms": 1e3 * pair.seconds}
 
 
