@@ -19,7 +19,7 @@ DEFAULT = "roll_off_3mm"
 """The spectrum of the default study."""
 TITLES = {
     "closure_net": "net closure",
-    "residual": "residual closure",
+    "residual_seated_net": "residual closure",
     "stiffness_net": "net stiffness",
     "kni_net": "k_ni",
     "vm_net": "V_m",
@@ -32,7 +32,7 @@ COLUMNS = {
 }
 WALL_STRENGTHS = (1.0, 1.2, 1.5, 2.0, 3.0)
 """Strengths of the rock over that of the walls at which the law is told."""
-SHOWN = (("closure_net", 1), ("residual", 1), ("stiffness_net", 1))
+SHOWN = (("closure_net", 1), ("residual_seated_net", 1), ("stiffness_net", 1))
 SHOWN += (("closure_net", 2), ("stiffness_net", 2))
 
 

@@ -29,7 +29,7 @@ from jointclosure.surface.roughness import detrended, rms_slope, z2_of_jrc
 READ = {
     "closure": ("m", "largest closure of the cycle, from its start"),
     "closure_net": ("m", "the same net of bulk indentation"),
-    "residual": ("m", "residual closure"),
+    "residual_seated_net": ("m", "net residual closure at seating"),
     "stiffness_net": (
         "Pa/m",
         "net stiffness of loading, from half of the maximum stress to the landing on it",

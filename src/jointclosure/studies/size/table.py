@@ -20,7 +20,7 @@ from jointclosure.studies.size.closing import GEOMETRY, READ
 COLUMNS = {
     "closure": ("closure_mm", 1e3),
     "closure_net": ("closure_net_mm", 1e3),
-    "residual": ("residual_closure_mm", 1e3),
+    "residual_seated_net": ("residual_closure_mm", 1e3),
     "stiffness_net": ("net_stiffness_MPa_per_mm", 1e-9),
     "kni_net": ("net_kni_MPa_per_mm", 1e-9),
     "vm_net": ("net_vm_mm", 1e3),
