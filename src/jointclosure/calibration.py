@@ -9,9 +9,10 @@ import numpy as np
 
 from jointclosure.config.rocks import named_rock
 from jointclosure.ensemble.settings import Conditions
-from jointclosure.inputs import InputError, check_number, check_positive
-from jointclosure.parameters import Choices, Effects, Numerics, Rock, check_rock, check_usual
+from jointclosure.inputs import InputError, check_number, check_positive, check_seed
+from jointclosure.parameters import Choices, Effects, Numerics, Rock, check_rock
 from jointclosure.randomness import seed_of
+from jointclosure.simulation import checked_conditions
 from jointclosure.storage.text import read_text
 from jointclosure.studies.measured.calibration import (
     Interval,
@@ -147,7 +148,7 @@ def fit(
         Joints that are closed at each of 8 mismatch wavelengths, from two spacings to the shorter
         side, and 4 strengths if asked for.
     closure_error : float
-        Relative error of measured closures, one standard deviation.
+        Relative error of measured closures, one standard deviation; at most 1.
     seed : int
         Of the joints.
     hurst, roll_off
@@ -173,10 +174,12 @@ def fit(
     """
     intact = named_rock(rock) if isinstance(rock, str) else rock
     check_rock(intact)
-    _check(surfaces, closure_error, seating_stress, shape)
+    _check(surfaces, closure_error, seed, seating_stress, shape)
     measured = _measured(curve, seating_stress, stress_unit, closure_unit)
     stress = float(measured.levels[-1])
-    check_usual((intact, intact), max_normal_stress=stress)
+    checked_conditions(
+        intact, spacing, stress, measured.cycles, seating_stress, effects, choices, numerics, False
+    )
     conditions = Conditions(
         spacing, intact, stress, measured.cycles, seating_stress, effects, choices, numerics
     )
@@ -220,12 +223,15 @@ def _measured(
 
 
 def _check(
-    surfaces: int, closure_error: float, seating_stress: float, shape: tuple[int, int]
+    surfaces: int, closure_error: float, seed: int, seating_stress: float, shape: tuple[int, int]
 ) -> None:
     check_number("surfaces", surfaces, whole=True)
     if surfaces < 4:
         raise InputError(f"surfaces = {surfaces}: must be at least 4, whose scatter is needed")
-    check_positive("closure_error", closure_error, "")
+    check_number("closure_error", closure_error)
+    if not 0.0 < closure_error <= 1.0:
+        raise InputError(f"closure_error = {closure_error!r}: must be above 0 and at most 1")
+    check_seed("seed", seed)
     check_positive("seating_stress", seating_stress, "Pa")
     if not isinstance(shape, tuple | list) or len(shape) != 2 or min(shape) < 8:
         raise InputError(f"shape = {shape!r}: must be (cells along y, along x), at least 8 each")

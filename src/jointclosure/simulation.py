@@ -19,8 +19,9 @@ from jointclosure.inputs import (
     check_length,
     check_number,
 )
-from jointclosure.loading import LoadCycle, largest_stress, load_cycles
+from jointclosure.loading import LoadCycle, check_snapshots, largest_stress, load_cycles
 from jointclosure.parameters import (
+    USUAL,
     Choices,
     Effects,
     Numerics,
@@ -38,6 +39,7 @@ from jointclosure.protocol import (
     UNLOADING,
     History,
     Report,
+    closure_limit,
     run_cycles,
 )
 from jointclosure.solvers.joint import Joint, Settled, Solver
@@ -239,23 +241,12 @@ def simulate_by(
 ) -> xr.Dataset:
     """`simulate` with a solver of one's own: ``solver_of`` its name gives it."""
     upper, lower = checked_walls(upper, lower)
-    rock = both_walls(rock)
-    check_scene(effects)
-    check_numerics(numerics, tuple(SOLVERS))
-    check_length("spacing", spacing)
-    load = load_cycles(max_normal_stress, cycles)
-    _check_seating(seating_stress, load)
+    rock, load = checked_conditions(
+        rock, spacing, max_normal_stress, cycles, seating_stress, effects, choices, numerics,
+        unusual_values,
+    )  # fmt: skip
     largest = largest_stress(max_normal_stress)
-    _check_snapshots(snapshots, largest)
-    check_choices(choices, spacing)
-    if not unusual_values:
-        check_usual(rock, spacing=spacing, max_normal_stress=largest)
-    stiffness = min(wall.youngs_modulus for wall in rock)
-    if largest >= stiffness:
-        raise InputError(
-            f"max_normal_stress = {largest!r} Pa: must be below the rock's "
-            f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
-        )
+    check_snapshots(snapshots, largest)
     _check_steps(upper, lower, numerics)
     choices, numerics = in_double(choices), in_double(numerics)
     spacing, largest, seating_stress = float(spacing), float(largest), float(seating_stress)
@@ -317,6 +308,47 @@ def height_datum(wall: np.ndarray) -> float:
     return round(middle / unit) * unit
 
 
+def checked_conditions(
+    rock: Rock | Sequence[Rock],
+    spacing: float | None,
+    max_normal_stress: float | Sequence[float],
+    cycles: int | None,
+    seating_stress: float,
+    effects: Effects,
+    choices: Choices,
+    numerics: Numerics,
+    unusual_values: bool,
+) -> tuple[tuple[Rock, Rock], list[LoadCycle]]:
+    """Rocks of both walls and cycles of the load, of arguments of `simulate` that are checked.
+
+    ``spacing`` is None where it is not known before the walls are.
+
+    Raises
+    ------
+    InputError
+        An argument out of its range; the walls are not needed to know it.
+    """
+    pair = both_walls(rock)
+    check_scene(effects)
+    check_numerics(numerics, tuple(SOLVERS))
+    if spacing is not None:
+        check_length("spacing", spacing)
+    load = load_cycles(max_normal_stress, cycles)
+    _check_seating(seating_stress, load)
+    largest = largest_stress(max_normal_stress)
+    check_choices(choices, spacing or 0.0)
+    if not unusual_values:
+        known = {} if spacing is None else {"spacing": spacing}
+        check_usual(pair, max_normal_stress=largest, **known)
+    stiffness = min(wall.youngs_modulus for wall in pair)
+    if largest >= stiffness:
+        raise InputError(
+            f"max_normal_stress = {largest!r} Pa: must be below the rock's "
+            f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
+        )
+    return pair, load
+
+
 def equilibrium(
     upper: ArrayLike,
     lower: ArrayLike,
@@ -336,7 +368,8 @@ def equilibrium(
     upper, lower, spacing, rock, choices, numerics, unusual_values
         As for `simulate`.
     closure : float
-        Approach from first touch [m].
+        Approach from first touch [m]. Refused as unusual beyond what the joint would reach under
+        the largest usual stress, at twice the depth of all voids and the elastic approach.
     effects : Effects
         Breakage and gouge are left out, whatever is given.
 
@@ -368,6 +401,13 @@ def equilibrium(
     choices, numerics = in_double(choices), in_double(numerics)
     upper, lower = upper - height_datum(upper), lower - height_datum(lower)
     joint = Joint(upper, lower, spacing, rock, effects, choices, numerics)
+    largest_force = USUAL["max_normal_stress"][1] * upper.size * spacing**2
+    if not unusual_values and closure > closure_limit(joint, largest_force):
+        raise InputError(
+            f"closure = {closure!r} m: not usual of this joint, which no usual stress closes by "
+            f"more than {closure_limit(joint, largest_force):.3g} m; is the unit right? "
+            "unusual_values=True takes it as it is"
+        )
     run = solver_named(numerics.solver).settle(joint, closure, numerics.breakage_step)
     fields = fields_of(joint, closure)
     status = np.int16(FLAG_OF_OUTCOME.get(run.outcome, 0))
@@ -502,13 +542,3 @@ def _check_seating(seating_stress: float, load: Sequence[LoadCycle]) -> None:
         raise InputError(
             f"seating_stress = {seating_stress!r} Pa: must be from 0 to below max_normal_stress"
         )
-
-
-def _check_snapshots(snapshots: Sequence[float], max_normal_stress: float) -> None:
-    for stress in snapshots:
-        check_number("snapshots", stress)
-        if not 0.0 <= stress <= max_normal_stress:
-            raise InputError(
-                f"snapshots: {stress!r} Pa: must be from 0 to max_normal_stress = "
-                f"{max_normal_stress!r} Pa"
-            )

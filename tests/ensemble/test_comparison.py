@@ -53,6 +53,17 @@ def test_surfaces_with_the_same_seeds_are_compared_one_by_one():
     assert len(by_rock(changes)) == 2 * len(TARGETS)
 
 
+@pytest.mark.parametrize("seeds", [range(10, 16), range(5)])
+def test_compare_says_where_the_surfaces_differ(folders, capsys, seeds):
+    assert cli.main(["compare", *map(str, folders)]) == 0
+    assert "close the same surfaces" in capsys.readouterr().out
+    write_netcdf(study(seeds=seeds), folders[1] / "study.nc")
+    assert cli.main(["compare", *map(str, folders)]) == 0
+    said = capsys.readouterr().out
+    assert "The surfaces differ in 2 of 2 cases" in said
+    assert "study.surfaces_of" in said
+
+
 def test_failures_are_left_out_on_both_sides():
     broken = study(1.1)
     broken["status"][0, 2] = 16

@@ -102,6 +102,9 @@ def test_the_run_writes_what_the_readme_promises(study):
     assert {"rock", "parameter", "cycle", "length", "unit", "percent", "root", "extrapolated",
             "status", "paper_length", "paper_percent", "length_net"} <= set(table.columns)  # fmt: skip
     assert len(table) == 8
+    checks = pd.read_csv(results / "tables/checks.csv")
+    assert checks.passed.all()
+    assert set(checks.ensemble) == {"cases", "pool"}
 
 
 def test_the_dataset_has_coordinates_units_and_provenance(study):

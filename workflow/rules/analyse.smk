@@ -267,8 +267,8 @@ rule follow_stress:
 
 rule check_results:
     input:
-        f"{RESULTS}/study.nc",
-        seals=seals_of("aggregate"),
+        ensembles=list(dict.fromkeys([f"{RESULTS}/study.nc", POOL])),
+        seals=BOTH_SEALS,
     output:
         f"{RESULTS}/tables/checks.csv",
         seal=f"{RESULTS}/seals/check_results.json",
@@ -280,7 +280,9 @@ rule check_results:
         ENVIRONMENT
     params:
         numerics=to_plain(CONFIGURATION.numerics),
-        realizations=CONFIGURATION.study.realizations,
+        realizations={
+            name: settled.study.realizations for name, settled in ENSEMBLES.items()
+        },
         made_with=STUDY_WITH,
         code=code_of("check_results"),
     message:

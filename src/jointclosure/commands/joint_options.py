@@ -15,7 +15,7 @@ from jointclosure.config.rocks import other_rocks
 from jointclosure.engineering.curves import curve_table, cycle_table, has_flow
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError
-from jointclosure.loading import load_cycles
+from jointclosure.loading import check_snapshots, load_cycles
 from jointclosure.parameters import Effects
 from jointclosure.progress import bar
 from jointclosure.protocol import FAILURE, LOADING, Report
@@ -170,7 +170,9 @@ def joint_configuration(
         changes["flow"] = True
     if "seating" in given:
         changes["seating_stress_MPa"] = given["seating"]
-    return configured(merged(base, changes, *arguments.set), read_csv)
+    settings = configured(merged(base, changes, *arguments.set), read_csv)
+    check_snapshots(given.get("snapshots", ()), settings.typed.rocks[name].max_normal_stress)
+    return settings
 
 
 def loaded(conditions: Conditions, arguments) -> Conditions:

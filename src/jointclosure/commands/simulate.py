@@ -26,7 +26,7 @@ from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Case, Conditions
 from jointclosure.ensemble.slices import closure_settings, surface_settings
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, check_seed
 from jointclosure.loading import load_said
 from jointclosure.progress import duration
 from jointclosure.protocol import FAILURE
@@ -135,8 +135,7 @@ def run(arguments) -> int:
 def _settings(arguments) -> Configured:
     """The whole configuration that the arguments describe, checked."""
     base = base_keys(arguments)
-    if arguments.seed < 0:
-        raise InputError(f"--seed {arguments.seed}: must be 0 or above")
+    check_seed("--seed", arguments.seed)
     if base["rocks"].get(arguments.rock, {}).get("walls"):
         raise InputError(f"--rock {arguments.rock}: has scanned walls; this closes random ones")
     grid = dict(zip(("cells_x", "cells_y"), arguments.cells or (), strict=False))

@@ -11,10 +11,11 @@ from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError
-from jointclosure.loading import largest_stress, load_cycles, load_said
-from jointclosure.parameters import Choices, Effects, Numerics, Rock, both_walls, check_usual
+from jointclosure.loading import load_said
+from jointclosure.parameters import Choices, Effects, Numerics, Rock
 from jointclosure.protocol import FAILURE, Report
 from jointclosure.scans import read_scan
+from jointclosure.simulation import checked_conditions
 from jointclosure.surface.measured import Cloud, Scan
 from jointclosure.surface.registration import RegisteredPair, registered
 
@@ -112,10 +113,10 @@ def close(
         A file that cannot be read, units that nobody says, walls of which no orientation is
         clear or that do not overlap, a number out of its range.
     """
-    intact = both_walls(named_rock(rock) if isinstance(rock, str) else rock)
-    load = load_cycles(max_normal_stress, cycles)
-    if not unusual_values:
-        check_usual(intact, max_normal_stress=largest_stress(max_normal_stress))
+    intact, load = checked_conditions(
+        named_rock(rock) if isinstance(rock, str) else rock, None, max_normal_stress, cycles,
+        seating_stress, effects, choices, numerics, unusual_values,
+    )  # fmt: skip
     above, below = read_wall(upper, units), read_wall(lower, units)
     pair = registered(
         above, below, grid_spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.fft
 
-from jointclosure.inputs import InputError, check_length, check_number, check_one_of
+from jointclosure.inputs import InputError, check_length, check_number, check_one_of, check_seed
 from jointclosure.randomness import generator, seed_of
 from jointclosure.surface.roughness import DEFAULT_RELATION, detrended, rms_slope, z2_of_jrc
 
@@ -239,7 +239,7 @@ def wall_pair(
         ("correlation", correlation),
     ):
         check_number(name, value)
-    check_number("seed", seed, whole=True)
+    check_seed("seed", seed)
     check_number("shift_in_cells", shift_in_cells, whole=True)
     _check(shape, spacing, hurst, correlation, shift_in_cells)
     _check_normalise(normalise)

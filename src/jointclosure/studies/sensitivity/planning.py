@@ -37,6 +37,10 @@ _COLUMNS = (
 )
 
 
+_LARGEST = {"length": 1e3, "width": 10.0, "standard-error": 1.0, "elasticity-error": 10.0}
+"""Largest amount of each kind of wish that any study could miss; powers are below 1."""
+
+
 class Wish(NamedTuple):
     """What a study is to reach: its kind, one of `WISHES`, and how much of it."""
 
@@ -80,9 +84,13 @@ def plan(
     Raises
     ------
     InputError
-        A wish that is not one, or paired tests of an ensemble of independent draws.
+        A wish or significance out of its range, or paired tests of an ensemble of independent
+        draws.
     """
     _check(wish)
+    check_number("significance", significance)
+    if not 0.0 < significance < 1.0:
+        raise InputError(f"significance = {significance!r}: must be between 0 and 1 (0.05 is 5 %)")
     rows = []
     for response in responses(ensemble, TARGET):
         if paired and not response.paired:
@@ -215,6 +223,7 @@ def _check(wish: Wish) -> None:
     if wish.kind not in WISHES:
         raise InputError(f"wish = {wish.kind!r}: must be one of {', '.join(WISHES)}")
     check_number(wish.kind, wish.amount)
-    if not wish.amount > 0.0 or (wish.kind == "power" and wish.amount >= 1.0):
-        allowed = "between 0 and 1" if wish.kind == "power" else "positive"
+    largest = _LARGEST.get(wish.kind)
+    if not wish.amount > 0.0 or not (wish.amount <= largest if largest else wish.amount < 1.0):
+        allowed = f"above 0 and at most {largest:g}" if largest else "between 0 and 1"
         raise InputError(f"{wish.kind} = {wish.amount!r}: must be {allowed}")
