@@ -16,9 +16,14 @@ USUAL = {
     "compressive_strength": (2.5e5, 1e9, "Pa"),
     "max_normal_stress": (1e3, 1e9, "Pa"),
     "spacing": (1e-6, 0.1, "m"),
+    "side_of_scan": (5e-3, 10.0, "m"),
 }
 """Least and largest values that are usual of rock and its joints, and their unit: what lies
 beyond is more often a slip of units."""
+AS_IT_IS = (
+    "unusual_values=True (on the command line --set study.unusual_values=allow) takes it as it is"
+)
+"""How a caller goes on all the same, at the end of what refuses an unusual value."""
 
 
 class Rock(NamedTuple):
@@ -190,7 +195,7 @@ def check_usual(rocks: tuple[Rock, ...], **values: float) -> None:
             if not low <= value <= high and not np.isinf(value):
                 raise InputError(
                     f"{name} = {value!r} {unit}: not usual of rock ({low:g} to {high:g} {unit}); "
-                    "is the unit right? unusual_values=True takes it as it is"
+                    f"is the unit right? {AS_IT_IS}"
                 )
 
 
