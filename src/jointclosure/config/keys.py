@@ -103,7 +103,7 @@ RockEffectKeys = create_model(
 )
 
 
-_WALL = (
+_WALL = entry(
     "A file, relative to where the study is run (or absolute); or, where the other wall is a file: "
     "rotated (that wall, turned by 180 degrees), mirrored, or synthetic (a wall of its slope "
     "and Hurst exponent, independent of it)."
@@ -113,8 +113,8 @@ _WALL = (
 class WallKeys(Keys):
     """Scanned walls instead of a JRC, docs/measured_walls.md."""
 
-    upper: Text = entry(_WALL)
-    lower: Text = entry(_WALL)
+    upper: Text = _WALL
+    lower: Text = _WALL
     units: Literal["m", "mm", "um", "nm"] | None = entry(
         "Of heights and distances, where the file does not say them.", None
     )
@@ -529,10 +529,6 @@ class AccuracyKeys(Keys):
     total: TotalErrorKeys | None = entry(TotalErrorKeys.__doc__, None)
 
 
-def _range(kind: Any, description: str):
-    return Annotated[list[kind], Field(min_length=2, max_length=2, description=description)]
-
-
 class ValidationKeys(Keys):
     """Random conditions at which the effects that a pilot selects (effects.auto) are held against
     the full model."""
@@ -542,18 +538,23 @@ class ValidationKeys(Keys):
     )
     realizations: int = entry("Surfaces of each.", ge=2, le=100_000)
     tolerances: list[Share] = entry("Tolerances of the selection.", min_length=1)
-    cells: _range(Annotated[float, Field(ge=3, le=512)], "Range of the cells along a square joint.")
-    youngs_modulus_GPa: _range(
-        Positive, "Range of Young's modulus [GPa], uniform in its logarithm."
+    cells: list[Annotated[float, Field(ge=3, le=512)]] = entry(
+        "Range of the cells along a square joint.", min_length=2, max_length=2
     )
-    poisson_ratio: _range(Poisson, "Range of Poisson's ratio.")
-    compressive_strength_MPa: _range(
-        Positive, "Range of the compressive strength [MPa], uniform in its logarithm."
+    youngs_modulus_GPa: list[Positive] = entry(
+        "Range of Young's modulus [GPa], uniform in its logarithm.", min_length=2, max_length=2
     )
-    jrc: _range(Jrc, "Range of the joint roughness coefficient.")
-    stress_MPa: _range(
-        Positive,
+    poisson_ratio: list[Poisson] = entry("Range of Poisson's ratio.", min_length=2, max_length=2)
+    compressive_strength_MPa: list[Positive] = entry(
+        "Range of the compressive strength [MPa], uniform in its logarithm.",
+        min_length=2,
+        max_length=2,
+    )
+    jrc: list[Jrc] = entry("Range of the joint roughness coefficient.", min_length=2, max_length=2)
+    stress_MPa: list[Positive] = entry(
         "Range of the maximum normal stress [MPa], uniform in its logarithm; at most the strength.",
+        min_length=2,
+        max_length=2,
     )
 
 
