@@ -140,7 +140,9 @@ def with_other_texts(file, call):
     return count
 
 
-def test_an_edited_description_of_a_key_runs_the_report_again_and_nothing_else(copy):
+def test_an_edited_description_or_title_closes_no_walls_again(copy):
+    """A description runs the report again, and nothing else."""
+
     def digests():
         forget()
         return {script.stem: sources.code_digest(str(script)) for script in SCRIPTS.glob("*.py")}
@@ -150,6 +152,10 @@ def test_an_edited_description_of_a_key_runs_the_report_again_and_nothing_else(c
     assert with_other_texts(copy / "verification/hard_case_keys.py", "entry") > 10
     after = digests()
     assert {name for name in before if before[name] != after[name]} == {"write_report"}
+    assert with_other_texts(copy / "parameters.py", "Property") == 4
+    moved = {name for name, code in digests().items() if code != after[name]}
+    assert {"write_tables", "draw_figures", "aggregate"} <= moved
+    assert not any(name.startswith(("make_", "close_", "cut_")) for name in moved)
 
 
 def test_simulations_import_no_pictures():

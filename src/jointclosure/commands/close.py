@@ -12,7 +12,7 @@ from jointclosure.commands import COMMANDS
 from jointclosure.commands.animations import check_animation, kept_stresses, write_animation
 from jointclosure.commands.engineering_files import write_exports
 from jointclosure.commands.joint_options import (
-    OF_ROCK,
+    NEEDED,
     add_load_and_model,
     add_rock,
     base_keys,
@@ -151,7 +151,7 @@ def _settings(arguments) -> Configured:
         "spikes": arguments.spikes,
     }
     grid = {} if arguments.grid_spacing is None else {"spacing_mm": arguments.grid_spacing}
-    needed = tuple(option for option in OF_ROCK if option != "jrc")
+    needed = tuple(option for option in NEEDED if option != "jrc")
     own = {"jrc": None, "walls": walls}
     return joint_configuration(base_keys(arguments), arguments, own, {"grid": grid}, needed)
 

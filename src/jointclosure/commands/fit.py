@@ -8,6 +8,7 @@ from pathlib import Path
 from jointclosure.calibration import Fit, fit
 from jointclosure.commands import COMMANDS
 from jointclosure.commands.joint_options import (
+    NEEDED,
     add_model,
     add_rock,
     add_seating,
@@ -138,7 +139,7 @@ def _settings(arguments, largest: float) -> Configured:
     if arguments.jrc is None and base["rocks"].get(arguments.rock, {}).get("jrc") is None:
         raise InputError("--jrc: must be given")
     own = {"max_normal_stress_MPa": 1e-6 * largest, "walls": None}
-    needed = ("youngs_modulus", "poisson_ratio", "strength", "jrc")
+    needed = tuple(option for option in NEEDED if option != "stress")
     changes = {"grid": grid, "surface": {"roll_off_mm": None}}
     return joint_configuration(base, arguments, own, changes, needed)
 

@@ -17,7 +17,8 @@ from pydantic import (
     create_model,
 )
 
-from jointclosure.parameters import Effects, Rock
+from jointclosure.config.units import in_unit
+from jointclosure.parameters import OF_ROCK, PROPERTIES, Effects, Rock, key_of
 from jointclosure.solvers.registry import SOLVERS
 from jointclosure.surface.registration import ORIENTATIONS, SHIFTS
 from jointclosure.surface.roughness import RELATIONS
@@ -30,8 +31,8 @@ Text = Annotated[str, StringConstraints(min_length=1)]
 SectionKey = Annotated[str, StringConstraints(pattern=r"^[a-z]+[.][A-Za-z_]+$")]
 Positive = Annotated[float, Field(gt=0)]
 Share = Annotated[float, Field(gt=0, lt=1)]
-Jrc = Annotated[float, Field(ge=0, le=20)]
-Poisson = Annotated[float, Field(ge=0, le=0.5)]
+Jrc = Annotated[float, Field(**PROPERTIES["jrc"].bounds)]
+Poisson = Annotated[float, Field(**PROPERTIES["poisson_ratio"].bounds)]
 
 
 def entry(description: str, default: Any = ..., **bounds):
@@ -82,17 +83,23 @@ class StudyKeys(Keys):
     )
 
 
-class LevelKeys(Keys):
-    """For each parameter to be varied, its values besides the rock's own, ascending."""
-
-    _about = (
-        "At least two values, strictly ascending; with the rock's own they make three levels or "
-        "more; null for none."
-    )
-    poisson_ratio: list[Poisson] | None = entry(_about, None, min_length=2)
-    youngs_modulus_GPa: list[Positive] | None = entry(_about, None, min_length=2)
-    compressive_strength_MPa: list[Positive] | None = entry(_about, None, min_length=2)
-    jrc: list[Jrc] | None = entry(_about, None, min_length=2)
+LevelKeys = create_model(
+    "LevelKeys",
+    __base__=Keys,
+    __doc__="For each parameter to be varied, its values besides the rock's own, ascending.",
+    **{
+        key_of(name): (
+            list[Annotated[float, Field(**about.bounds)]] | None,
+            entry(
+                "At least two values, strictly ascending; with the rock's own they make three "
+                "levels or more; null for none.",
+                None,
+                min_length=2,
+            ),
+        )
+        for name, about in PROPERTIES.items()
+    },
+)
 
 
 RockEffectKeys = create_model(
@@ -175,18 +182,37 @@ class MeasuredKeys(Keys):
     )
 
 
-class RockKeys(Keys):
+def intact_keys(base: type[BaseModel]) -> type[BaseModel]:
+    """Keys of the properties of an intact rock; one with a default may be left out."""
+    keys: dict[str, Any] = {}
+    for name, about in OF_ROCK.items():
+        unit = "" if about.unit == "1" else f" [{about.unit}]"
+        default = Rock._field_defaults.get(name, ...)
+        if default is not ...:
+            default = float(in_unit(default, about.unit))
+        keys[key_of(name)] = (
+            float,
+            entry(
+                f"{about.title} {about.symbol} of the intact rock{unit}"
+                + ("." if default is ... else f"; {default:g} unless given."),
+                default,
+                **about.bounds,
+            ),
+        )
+    return create_model("IntactKeys", __base__=base, **keys)
+
+
+class _TitledKeys(Keys):
+    title: Text = entry("Name in tables and figures.")
+
+
+class RockKeys(intact_keys(_TitledKeys)):
     """A rock; a study's own file may add some."""
 
-    title: Text = entry("Name in tables and figures.")
-    youngs_modulus_GPa: float = entry("Young's modulus E of the intact rock [GPa].", gt=0)
-    poisson_ratio: float = entry("Poisson's ratio of the intact rock.", ge=0, le=0.5)
-    compressive_strength_MPa: float = entry("Compressive strength sigma_c [MPa].", gt=0)
     jrc: float | None = entry(
         "Joint roughness coefficient; left out (or null) where `walls` are given.",
         None,
-        ge=0,
-        le=20,
+        **PROPERTIES["jrc"].bounds,
     )
     max_normal_stress_MPa: float = entry(
         "Maximum nominal normal stress of every cycle [MPa].", gt=0

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 import pydantic
 from pydantic import ConfigDict, Field, StringConstraints
 
-from jointclosure.config.keys import entry
+from jointclosure.config.keys import entry, intact_keys
 from jointclosure.protocol import FLAGS
 from jointclosure.solvers.registry import SOLVERS
 from jointclosure.verification.hard_walls import SHAPES
@@ -34,12 +34,8 @@ class WallKeys(Keys):
     offset_m: list[float] = entry("Added to upper and lower wall.", min_length=2, max_length=2)
 
 
-class RockKeys(Keys):
+class RockKeys(intact_keys(Keys)):
     """Intact rock."""
-
-    youngs_modulus_GPa: float = _AS
-    poisson_ratio: float = _AS
-    compressive_strength_MPa: float = _AS
 
 
 class EffectKeys(Keys):
