@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from jointclosure.commands.joint_options import check_can_be_made
 from jointclosure.files import atomically
 from jointclosure.inputs import InputError
 from jointclosure.storage import folders
@@ -157,3 +158,5 @@ def test_a_record_that_is_none_is_refused_and_nothing_outside_is_removed(tmp_pat
     with pytest.raises(InputError, match=f"{RECORD}: must be a JSON object"):
         replace_files(folder, "close", some_files("a"))
     assert (tmp_path / "outside").exists()
+    with pytest.raises(InputError, match=f"{RECORD}: must be a JSON object"):
+        check_can_be_made(folder)  # before a joint is closed

@@ -19,6 +19,7 @@ from jointclosure.loading import load_cycles
 from jointclosure.parameters import OF_ROCK, Effects, Rock, key_of
 from jointclosure.progress import bar
 from jointclosure.protocol import FAILURE, LOADING, Report
+from jointclosure.storage.folders import check_record
 from jointclosure.storage.text import read_csv
 
 _SHORTER = {"compressive_strength": "strength"}
@@ -279,8 +280,9 @@ def _setting(text: str) -> dict:
 
 
 def check_can_be_made(folder: Path) -> None:
-    """Whether the folder of the results can be made, before anything is computed."""
+    """Refuse a folder of results that cannot be written into, before anything is computed."""
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder}: is a file, and must be a folder")
     if not folder.parent.is_dir():
         raise InputError(f"{folder}: there is no folder {folder.parent}")
+    check_record(folder)

@@ -67,6 +67,11 @@ def written_files(folder: Path, command: str) -> list[str]:
     return _commands(folder).get(command, [])
 
 
+def check_record(folder: Path) -> None:
+    """Raise `InputError` where the record of a folder cannot be read; one without is fine."""
+    _commands(folder)
+
+
 def _commands(folder: Path) -> dict[str, list[str]]:
     path = folder / RECORD
     if not path.is_file():
@@ -74,14 +79,14 @@ def _commands(folder: Path) -> dict[str, list[str]]:
     try:
         commands = json.loads(read_text(path))
         names = [name for files in commands.values() for name in files]
-        if all(Path(name).name == name for name in names):
-            return commands
-    except (AttributeError, TypeError, json.JSONDecodeError):
-        pass
-    raise InputError(
-        f"{path}: must be a JSON object of lists of file names, as jointclosure writes it; delete "
-        "it, and what earlier runs wrote into the folder"
-    )
+        if any(Path(name).name != name for name in names):
+            raise ValueError("a name with a folder")
+    except (AttributeError, TypeError, ValueError) as error:
+        raise InputError(
+            f"{path}: must be a JSON object of lists of file names, as jointclosure writes it "
+            f"({error}); delete it, and what earlier runs wrote into the folder"
+        ) from None
+    return commands
 
 
 def _record(folder: Path, command: str, names: list[str]) -> None:
