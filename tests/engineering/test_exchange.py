@@ -174,5 +174,5 @@ def test_files_of_engineers_are_all_there(folder):
     assert {path.name for path in (folder / "t").iterdir()} == {
         "curves.csv", "cycles.csv", "stiffness.csv", "laws.csv", "joint_stiffness.dat",
         "porepy.json", "geos.xml", "geos_gap.csv", "geos_aperture.csv", "fracture.vtu",
-        "engineering.png",
+        "engineering.png", "written.json",
     }  # fmt: skip

@@ -126,21 +126,27 @@ def test_independent_walls_have_no_clear_orientation_and_one_must_be_stated():
     np.testing.assert_allclose(found.upper, upper, atol=1e-12)
 
 
-def test_the_wrong_orientation_is_warned_of_and_closes_more(joint):
+def test_the_wrong_orientation_is_refused_unless_it_is_meant_and_closes_more(joint):
     upper, lower = joint
-    right = registered(scanned(upper, "common_frame"), grid(lower))
-    wrong = registered(scanned(upper, "common_frame"), grid(lower), orientation="towards")
+    scans = scanned(upper, "common_frame"), grid(lower)
+    right = registered(*scans)
+    with pytest.raises(jc.InputError, match=r"orientation = 'towards': common_frame fits clearly"):
+        registered(*scans, orientation="towards")
+    wrong = registered(*scans, orientation="towards", unusual_values=True)
     assert wrong.aperture.mean() > 1.5 * right.aperture.mean()
     assert any(line.startswith("Warning: the stated orientation towards") for line in wrong.report)
     assert not any("Warning" in line for line in right.report if "below" not in line)
 
 
 @pytest.mark.parametrize(("distance", "word"), [(1e-3, "above"), (-1e-3, "below")])
-def test_walls_in_the_wrong_order_are_warned_of(distance, word, joint):
+def test_walls_in_the_wrong_order_are_refused_unless_they_are_meant(distance, word, joint):
     upper, lower = joint
     scan = scanned(upper, "common_frame")
-    found = registered(scan._replace(heights=scan.heights + distance), grid(lower))
-    said = found.report[-1]
+    scans = scan._replace(heights=scan.heights + distance), grid(lower)
+    if word == "below":
+        with pytest.raises(jc.InputError, match=r"lies below the lower one in \S+ % of the cells"):
+            registered(*scans)
+    said = registered(*scans, unusual_values=word == "below").report[-1]
     assert f"lies 1 mm {word} the lower one" in said
     assert ("Warning" in said) == (word == "below")
 
@@ -194,6 +200,39 @@ def test_scans_that_lie_apart_are_refused(joint):
     upper = scanned(joint[0], "common_frame")._replace(origin=(1.0, 0.0))
     with pytest.raises(jc.InputError, match="walls overlap in 0 x"):
         registered(upper, grid(joint[1]))
+
+
+def copies(wall):
+    """What one file may be given as twice: as it is, in other words, and moved."""
+    scan = scanned(wall, "common_frame")
+    return {
+        "the same": (scan, scan),
+        "as points": (scan, Cloud(points_of(scan))),
+        "turned over": (scanned(wall, "turned_about_x"), scan),
+        "moved": (scan._replace(origin=(0.0, 3 * SPACING)), scan),
+        "printed": (scan, scan._replace(heights=np.round(scan.heights, 9))),
+    }
+
+
+@pytest.mark.parametrize("kind", copies(np.zeros((4, 4))))
+def test_a_scan_and_its_copy_are_refused_unless_they_are_meant(kind, joint):
+    scans = copies(joint[0])[kind]
+    with pytest.raises(jc.InputError, match=r"(given twice|a copy of the other); unusual_values"):
+        registered(*scans, shift="mated", cut_spikes=False)
+    pair = registered(*scans, shift="mated", cut_spikes=False, unusual_values=True)
+    assert abs(pair.correlation) == pytest.approx(1.0)
+    assert np.abs(pair.mating.correlation).max() <= 1.0
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_a_size_that_no_wall_has_is_refused_unless_it_is_meant(factor, joint):
+    scans = [
+        Scan(factor * scan.heights, (factor * SPACING, factor * SPACING))
+        for scan in (scanned(joint[0], "common_frame"), grid(joint[1]))
+    ]
+    with pytest.raises(jc.InputError, match=r"spacing = .* is the unit right\?"):
+        registered(*scans, cut_spikes=False)
+    assert registered(*scans, cut_spikes=False, unusual_values=True).spacing == factor * SPACING
 
 
 @pytest.mark.parametrize(("key", "value"), [("orientation", "upside down"), ("shift", "best")])

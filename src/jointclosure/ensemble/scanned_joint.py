@@ -100,7 +100,9 @@ def close(
         parameter of the model: a cell is an asperity.
     orientation, shift, cut_spikes
         As for `jointclosure.surface.registration.registered`.
-    effects, choices, numerics, unusual_values, report, flow, snapshots
+    unusual_values : bool
+        As for `jointclosure.simulate`, and for `jointclosure.surface.registration.registered`.
+    effects, choices, numerics, report, flow, snapshots
         As for `jointclosure.simulate`.
 
     Returns
@@ -111,7 +113,8 @@ def close(
     ------
     InputError
         A file that cannot be read, units that nobody says, walls of which no orientation is
-        clear or that do not overlap, a number out of its range.
+        clear or that do not overlap, a pair that is refused as `registered` does, a number out of
+        its range.
     """
     intact, load = checked_conditions(
         named_rock(rock) if isinstance(rock, str) else rock, None, max_normal_stress, cycles,
@@ -119,8 +122,9 @@ def close(
     )  # fmt: skip
     above, below = read_wall(upper, units), read_wall(lower, units)
     pair = registered(
-        above, below, grid_spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes
-    )
+        above, below, grid_spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes,
+        unusual_values=unusual_values,
+    )  # fmt: skip
     name = rock if isinstance(rock, str) else "rock"
     conditions = Conditions(
         pair.spacing,

@@ -3,11 +3,10 @@
 import re
 
 from jointclosure.inputs import InputError
+from jointclosure.parameters import USUAL
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
 """Those that a user may state."""
-SMALLEST_SIDE, LARGEST_SIDE = 5e-3, 10.0
-"""Of a plausible wall [m]."""
 _SPELT = {
     **{name: name for name in UNITS},
     **dict.fromkeys(("µm", "μm", "micron", "microns", "micrometer", "micrometers"), "um"),
@@ -52,7 +51,8 @@ def doubted(stated: str | None, sides: tuple[float, float] | None) -> tuple[str,
 
 
 def _is_plausible(size: float, sides: tuple[float, float]) -> bool:
-    return size * min(sides) >= SMALLEST_SIDE and size * max(sides) <= LARGEST_SIDE
+    smallest, largest, _ = USUAL["side_of_scan"]
+    return size * min(sides) >= smallest and size * max(sides) <= largest
 
 
 def settled(what: str, own: str | None, stated: str | None, sides=None) -> str:
