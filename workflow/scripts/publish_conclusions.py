@@ -13,12 +13,12 @@ import pandas as pd
 from markers import fill
 from publish_measured import markdown
 
+from jointclosure.claims.table import OURS
 from jointclosure.report.findings import conclusion_sheet, moved_sheet
 from jointclosure.report.sheets import Sheet
 from jointclosure.statistics.standard_errors import rounded
 from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
 from jointclosure.storage.text import read_csv
-from jointclosure.studies.sensitivity.claims import OURS
 from jointclosure.studies.sensitivity.conclusions import (
     DEPENDS,
     JUDGED_ELSEWHERE,
@@ -32,8 +32,9 @@ TOGETHER = "results/global_sensitivity/tables"
 METHODS = "src/jointclosure/config/accuracy_methods.csv"
 MOST = "the most"
 WITH_NET = (
-    ("2a", 1, "2b"), ("2a", 2, "2a"), ("3", 2, "3"), ("1a", 1, "1a, cycle 1"),
-    ("1a", 2, "1a, cycle 2"), ("4", 2, "4"), ("5a", 1, None), ("5a", 2, "5a"), ("5b", 2, "5b"),
+    ("2a", 1, "2b"), ("2a", 2, "2a"), ("2c", 2, "2c"), ("3", 1, "3, cycle 1"),
+    ("3", 2, "3, cycle 2"), ("3b", 2, "3b"), ("1a", 1, "1a, cycle 1"), ("1a", 2, "1a, cycle 2"),
+    ("4", 2, "4"), ("5a", 1, None), ("5a", 2, "5a"), ("5b", 2, "5b"),
 )  # fmt: skip
 """Conclusions asked with and without bulk indentation: number and cycle in the study of choices,
 and as a claim."""
