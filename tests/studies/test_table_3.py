@@ -74,9 +74,13 @@ def test_the_header_of_a_paired_table_says_why_and_no_dash_claims_that_nothing_i
         with_paper(indifference_table(world(c), statistics, 1), PAPER)
         for c in (study_of(ONE, COMMON), study_of(ONE))
     )
-    text = table_3_markdown(paired, titles)
-    assert text.startswith("The same surfaces were closed at every level")
-    assert "**This study, unpaired test**" in text
+    text = table_3_markdown(paired, titles, elasticity_table(world(study_of(ONE, COMMON))))
+    assert text.startswith("**Elasticities**")
+    lengths = text.split("The same surfaces were closed at every level")[1]
+    headings = [line for line in lengths.splitlines() if line.startswith("**")]
+    assert "paired t test on common surfaces" in headings[0]
+    assert all("paired t test" in line for line in headings)  # each length names its test
+    assert "unpaired t test" in headings[1]
     assert "the test is the paired t test" in table_3_latex(paired, titles)
     text = table_3_markdown(unpaired, titles)
     assert "same surfaces" not in text

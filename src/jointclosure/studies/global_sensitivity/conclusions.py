@@ -9,8 +9,9 @@ import pandas as pd
 
 from jointclosure.claims.statements import Elasticities, Statement
 from jointclosure.claims.table import statements_of_elasticities
+from jointclosure.inputs import InputError
 from jointclosure.statistics.verdicts import frequency_of, t_interval
-from jointclosure.studies.global_sensitivity.design import Design
+from jointclosure.studies.global_sensitivity.design import Design, is_positive
 from jointclosure.studies.global_sensitivity.table import (
     GROUPS,
     choices_drawn,
@@ -61,6 +62,11 @@ def conclusion_tables(design: Design, keys: dict, closed) -> tuple[pd.DataFrame,
 
     Without statements on properties that do not vary, and without responses that are not
     positive everywhere.
+
+    Raises
+    ------
+    InputError
+        The joints of a rock of the design are missing.
     """
     found = _elasticities(design, keys, closed)
     shares: list[dict] = []
@@ -80,9 +86,13 @@ def conclusion_tables(design: Design, keys: dict, closed) -> tuple[pd.DataFrame,
 
 
 def _elasticities(design: Design, keys: dict, closed) -> dict[tuple, FittedElasticities]:
-    """By rock, response and cycle; none where no property varies."""
-    if not any(one.property for one in design.inputs):
-        return {}
+    """By rock, response and cycle; none where a rock has none to any property."""
+    missing = sorted(set(design.rocks) - set(closed))
+    if missing:
+        raise InputError(f"the joints of {', '.join(missing)} are missing, which the design closes")
+    for rock in design.rocks:
+        if not any(one.property and is_positive(one, keys, rock) for one in design.inputs):
+            return {}
     at = choices_drawn(design)
     return {
         (each.rock, each.name, each.cycle): elasticities_at(design, keys, each, at)
