@@ -77,6 +77,25 @@ def test_a_table_of_the_results_is_told_by_rock_and_cycle(monkeypatch, tmp_path)
     ]
 
 
+def test_what_was_not_run_again_stays_on_the_page_of_conclusions_and_says_so(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "workflow/scripts")
+    publish = script("publish_conclusions")
+    page = (
+        "<!-- conclusions -->\n| No. | Left of it | Readings of all rocks: stands, falls |\n"
+        "| --- | --- | --- |\n| 2a | stands | 4, 0 |\n| 6b | stands | 3, 0 |\n<!-- end -->\n"
+    )
+    now = pd.DataFrame(
+        {"No.": ["2a", "2c"], "Left of it": ["falls", "stands"], "Readings of all rocks": ["", ""]}
+    )
+    before = publish.page_table(page, "conclusions")
+    found = publish.with_earlier(now, before, ("Readings of all",))
+    assert found.columns[2] == "Readings of all rocks: stands, falls, earlier run"
+    assert found.iloc[:, 2].tolist() == ["4, 0", "not tried"]
+    assert found["Left of it"].tolist() == ["falls", "stands"]
+    kept = "p is <!-- n:p -->0.2<!-- /n -->, of <!-- n:claims -->15<!-- /n -->"
+    assert publish.filled(kept, {"claims": "16"}) == kept.replace("15", "16")
+
+
 def test_decisions_named_in_docstrings_exist():
     for source in (ROOT / "src").rglob("*.py"):
         for named in re.findall(r"docs/[\w/-]+\.md", source.read_text(encoding="utf-8")):
