@@ -12,6 +12,7 @@ from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError, check_number, check_positive, check_seed
 from jointclosure.parameters import Choices, Effects, Numerics, Rock, check_rock
 from jointclosure.randomness import seed_of
+from jointclosure.remarks import caution
 from jointclosure.simulation import checked_conditions
 from jointclosure.storage.text import read_text
 from jointclosure.studies.measured.calibration import (
@@ -79,8 +80,8 @@ class Fit(NamedTuple):
         """That the model hardly makes the curve, and which reading of it no wavelength gives."""
         often = self.p_value > 1e-3
         seldom = f"about 1 in {1.0 / self.p_value:.0f}" if often else "fewer than 1 in 1000"
-        warning = (
-            f"Warning: the model hardly makes this curve: {seldom} of its joints are as far "
+        warning = caution(
+            f"the model hardly makes this curve: {seldom} of its joints are as far "
             "from their mean, and no interval holds; check rock, roughness, size and units"
         )
         logs = np.log(self.measured.values)

@@ -9,6 +9,7 @@ import pytest
 import jointclosure as jc
 from jointclosure import cli
 from jointclosure.commands.engineering_files import FIGURES
+from jointclosure.remarks import cautions
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.surface.registration import registered
 from tests.conftest import SPACING, TWO_WALLS
@@ -64,6 +65,7 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, cap
     assert first.closure_gross_since_seating_mm.iloc[-1] == pytest.approx(1e3 * seated)
     record = json.loads((tmp_path / "j/joint.json").read_text())
     assert record["found"] == pair.report
+    assert record["warnings"] == cautions(pair.report)
     assert record["mismatch_wavelength_mm"]["wavelength"] == 1e3 * library.pair.mismatch.wavelength
     assert sum("the walls mate at " in line for line in pair.report) == 1
     assert set(record["sha256"]) == {"upper", "lower"}
@@ -105,7 +107,8 @@ def test_walls_lie_as_is_stated_and_are_moved_if_asked_to(scans):
         jc.close(*files, **about, orientation="rotated")
     fits = jc.close(*files, **about)
     wrong = jc.close(*files, **about, orientation="rotated", unusual_values=True)
-    assert any("Warning: the stated orientation rotated" in line for line in wrong.pair.report)
+    warned = "\n".join(cautions(wrong.pair.report))
+    assert "Warning: the stated orientation rotated" in warned
     assert float(wrong.history.max_closure[0]) > 1.3 * float(fits.history.max_closure[0])
     about["unusual_values"] = True
     moved = jc.close(*files, **about, shift="mated", orientation="rotated").pair

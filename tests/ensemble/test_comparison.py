@@ -96,6 +96,7 @@ def test_all_that_differs_is_named():
 
 def intervals(length):
     row = {"rock": "slate", "parameter": "jrc", "cycle": 1, "unit": "1", "status": "interval"}
+    row["test"] = "paired"
     return pd.DataFrame([row | {"length": length, "length_low": 1.0, "length_high": 3.0}])
 
 
@@ -120,6 +121,8 @@ def test_compare_prints_what_moved(folders, capsys):
     said = capsys.readouterr().out
     assert "10.0" in said
     assert "2 (1 to 3)" in said
+    assert "t test" in said
+    assert "paired" in said
     assert "–" in said
     assert "Verdicts that differ" in said
     assert "1a" not in said.split("Verdicts")[1]

@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from jointclosure.config.configuration import resolved
-from jointclosure.config.files import MEASURED, PAPER_CLAIMS, PAPER_TABLE_3
+from jointclosure.config.files import MEASURED, PAPER_TABLE_3
 from jointclosure.config.keys import ConfigurationKeys
 from jointclosure.config.schema import json_schema
 from jointclosure.ensemble.aggregation import join_cases
@@ -126,14 +126,15 @@ def material(study, configuration, default, pictures):
     paper = read_csv(PAPER_TABLE_3)
     closures = max_closure_table(study)
     intervals = with_paper(indifference_table(study, resolved(configuration).statistics, 1), paper)
-    said = read_csv(PAPER_CLAIMS)
-    drawn = predictive(study, Design(), 100, 1)
+    claims, margins = judge_claims(Evidence(study, study, Design(), 100, 1, 3), paper)
+    drawn = predictive(study, Design(), 100, 1, pools=3)
     numerics = resolved(configuration).numerics
     return Material(
         study=study,
         closures=closures,
         intervals=intervals,
-        claims=judge_claims(Evidence(study, study, Design(), 100, 1), said, paper),
+        claims=claims,
+        margins=margins,
         predictive=predictive_table(drawn, paper),
         joint=joint_table(drawn, paper),
         elasticities=elasticity_table(study),

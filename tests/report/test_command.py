@@ -21,6 +21,7 @@ TABLES = {
     "closures": "max_closure",
     "intervals": "table_3_indifference",
     "claims": "claims",
+    "margins": "claim_margins",
     "checks": "checks",
     "predictive": "table_3_predictive",
     "joint": "table_3_joint_tests",
@@ -64,7 +65,7 @@ def test_the_files_give_the_page_that_their_content_gives(material, folder, caps
 
 def test_a_study_that_varies_nothing_has_a_page(material, pictures, tmp_path):
     bare = material._replace(
-        **dict.fromkeys(("intervals", "claims", "predictive", "joint", "elasticities"))
+        **dict.fromkeys(("intervals", "claims", "margins", "predictive", "joint", "elasticities"))
     )
     folder = finished(bare, pictures, tmp_path / "bare")
     assert cli.main(["report", str(folder)]) == 0

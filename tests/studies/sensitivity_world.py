@@ -26,7 +26,7 @@ def world(
     configuration: Configuration | None = None,
     elasticities: dict | None = None,
     irregular: float = IRREGULAR,
-    loop: float = 0.02,
+    loop: float = 0.05,
 ) -> xr.Dataset:
     """The dataset of a study, or of a pool, in that world.
 

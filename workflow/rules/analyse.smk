@@ -215,11 +215,11 @@ rule judge_claims:
     input:
         study=f"{RESULTS}/study.nc",
         pool=POOL,
-        claims=PAPER_CLAIMS,
         paper=PAPER_TABLE_3,
         seals=BOTH_SEALS,
     output:
-        f"{RESULTS}/tables/claims.csv",
+        claims=f"{RESULTS}/tables/claims.csv",
+        margins=f"{RESULTS}/tables/claim_margins.csv",
         seal=f"{RESULTS}/seals/judge_claims.json",
     log:
         f"{RESULTS}/logs/judge_claims.log",

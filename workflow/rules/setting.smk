@@ -2,7 +2,7 @@
 from pathlib import Path
 
 from jointclosure.config import configuration
-from jointclosure.config.files import PAPER_CLAIMS, PAPER_TABLE_3, read_plain
+from jointclosure.config.files import PAPER_TABLE_3, read_plain
 from jointclosure.config.plain import to_plain
 from jointclosure.config.wanted import wanted_of
 from jointclosure.config.walls import check_files, wall_files
@@ -62,6 +62,7 @@ TABLES = [
     "max_closure.csv",
     "variance_reduction.csv",
     "claims.csv",
+    "claim_margins.csv",
     "checks.csv",
     *(["accuracy_reached.csv"] if WANTED else []),
     *(["measured_fit.csv"] if CURVES else []),

@@ -33,6 +33,7 @@ from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.loading import load_said
 from jointclosure.progress import duration
 from jointclosure.protocol import FAILURE
+from jointclosure.remarks import cautions
 from jointclosure.scans.units import UNITS
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.folders import replace_files
@@ -124,9 +125,8 @@ def run(arguments) -> int:
     joint = _closed(settings, pair, arguments)
     print(summary(joint.history))
     print(f"{status_text(joint.history)}; {duration(time.perf_counter() - start)}")
-    for line in pair.report:
-        if "Warning" in line:  # again, below the numbers that it is about
-            print(f"- {line}")
+    for line in cautions(pair.report):  # again, below the numbers that they are about
+        print(f"- {line}")
     title = f"{arguments.upper.name} on {arguments.lower.name}"
     joint = joint._replace(history=write_animation(joint.history, arguments, title))
     names = replace_files(
@@ -167,9 +167,8 @@ def _pair(arguments, settings: Configured) -> RegisteredPair:
         for path in (walls.upper, walls.lower)
     )
     for name, scan in (("upper", upper), ("lower", lower)):  # before what may take minutes
-        for remark in scan.remarks:
-            if "Warning" in remark:
-                print(f"- {name} wall: {remark}")
+        for remark in cautions(scan.remarks):
+            print(f"- {name} wall: {remark}")
     allowed = settings.typed.study.unusual_values == "allow"
     return brought_together(upper, lower, walls, spacing, allowed)
 
@@ -224,6 +223,7 @@ def _record(joint: ClosedJoint, settings: Configured, about: dict[str, str], tit
         "rock": rock_record(joint.conditions.rock, joint.rock_name),
         "status": status_text(history),
         "found": pair.report,
+        "warnings": cautions(pair.report),
         "cells_y_x": list(pair.upper.shape),
         "spacing_mm": 1e3 * pair.spacing,
         "orientation": pair.orientation,

@@ -127,6 +127,7 @@ def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material"
         closures=_needed(folder / "tables/max_closure.csv", sealed),
         intervals=_table(folder / "tables/table_3_indifference.csv", sealed),
         claims=_table(folder / "tables/claims.csv", sealed),
+        margins=_table(folder / "tables/claim_margins.csv", sealed),
         predictive=_table(folder / "tables/table_3_predictive.csv", sealed),
         joint=_table(folder / "tables/table_3_joint_tests.csv", sealed),
         elasticities=_table(folder / "tables/elasticities.csv", sealed),

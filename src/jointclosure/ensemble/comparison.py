@@ -81,7 +81,7 @@ def interval_changes(first: pd.DataFrame, second: pd.DataFrame) -> pd.DataFrame:
         As from `jointclosure.studies.sensitivity.responses.indifference_table`.
     """
     keys = ["rock", "parameter", "cycle"]
-    columns = [*keys, "unit", "length", "length_low", "length_high", "status"]
+    columns = [*keys, "unit", "length", "length_low", "length_high", "status", "test"]
     both = first[columns].merge(second[columns], on=keys, suffixes=("_first", "_second"))
     both = both.drop(columns="unit_second").rename(columns={"unit_first": "unit"})
     return both.assign(ratio=both.length_second / both.length_first)
@@ -158,5 +158,6 @@ def shown_intervals(changes: pd.DataFrame) -> pd.DataFrame:
     shown["unit"] = [PROPERTIES[name].unit for name in changes.parameter]
     for which in ("first", "second"):
         shown[which] = [text(row, which) for _, row in changes.iterrows()]
+        shown[f"t test, {which}"] = changes[f"test_{which}"]
     shown["ratio"] = changes.ratio
     return shown

@@ -27,7 +27,7 @@ def joint_content(material: JointMaterial) -> dict:
         "title": record.get("title", "a rough joint"),
         "joint": record["joint"].strip("<>").removeprefix("ClosedJoint: "),
         "finding": joint_finding(cycles, stiffness, history),
-        "warnings": [line for line in record["found"] if "Warning" in line],
+        "warnings": record.get("warnings", []),
         "found": record["found"],
         "status": record["status"],
         "sheets": {each.name: each for each in _sheets(cycles, stiffness, history)},

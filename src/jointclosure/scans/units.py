@@ -4,6 +4,7 @@ import re
 
 from jointclosure.inputs import InputError
 from jointclosure.parameters import USUAL
+from jointclosure.remarks import caution
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
 """Those that a user may state."""
@@ -47,7 +48,7 @@ def doubted(stated: str | None, sides: tuple[float, float] | None) -> tuple[str,
     """A warning where the units that a user states make a wall no laboratory or outcrop has."""
     if stated is None or sides is None or _is_plausible(size_of(stated), sides):
         return ()
-    return (f"Warning: unusual in {stated}{plausible(sides)}",)
+    return (caution(f"unusual in {stated}{plausible(sides)}"),)
 
 
 def _is_plausible(size: float, sides: tuple[float, float]) -> bool:

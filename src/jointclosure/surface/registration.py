@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.inputs import InputError
+from jointclosure.remarks import caution, prefixed
 from jointclosure.surface.implausible import Implausible
 from jointclosure.surface.mating import (
     Mating,
@@ -179,7 +180,7 @@ def registered(
     report: list[str] = []
     clouds = []
     for side, scan in (("upper", upper), ("lower", lower)):
-        report += [f"{side} wall: {remark}" for remark in scan.remarks]
+        report += [prefixed(f"{side} wall: ", remark) for remark in scan.remarks]
         kept, said = without_spikes(scan) if cut_spikes else (scan, "")
         report += [f"{side} wall: {said}; they were cut"] if said else []
         clouds.append(points_of(kept))
@@ -292,8 +293,10 @@ def _chosen(
     if stated is not None and clear and best.orientation != stated:
         implausible.check_orientation(stated, best.orientation)
         report.append(
-            f"Warning: the stated orientation {stated} fits worse than {best.orientation}, which "
-            f"is clear; closures of the wrong one are several times too large"
+            caution(
+                f"the stated orientation {stated} fits worse than {best.orientation}, which "
+                f"is clear; closures of the wrong one are several times too large"
+            )
         )
     return name
 
@@ -361,15 +364,17 @@ def _described(
         f"heights correlate by {correlation:.3f}; {_mating_said(mismatch)}",
         f"at first touch, at cell (y, x) = ({y}, {x}), the mean aperture is "
         f"{1e3 * aperture.mean():.3g} mm",
-        f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
-        + (_STANDS_OUT if early > _FAR * aperture.std() else ""),
     ]
+    touches = f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
+    stands_out = early > _FAR * aperture.std()
+    report.append(caution(_STANDS_OUT, f"{touches}: ") if stands_out else touches)
     if name == "common_frame" and applied == (0.0, 0.0):
         side = "above" if gap > 0.0 else "below"
-        report.append(
+        lies = (
             f"as scanned the upper wall lies {1e3 * abs(gap):.3g} mm {side} the lower one in the "
-            "mean" + ("" if gap > 0.0 else _BELOW)
+            "mean"
         )
+        report.append(lies if gap > 0.0 else caution(_BELOW, f"{lies}: "))
     return RegisteredPair(
         upper, lower, spacing, aperture, (y, x), name, fits, applied, mated, correlation,
         mating(upper, lower, spacing), mismatch, found.share, report,
@@ -380,12 +385,11 @@ _FAR = 1.5
 """Standard deviations of the aperture by which first touch may lie before the touch of a thousandth
 of the cells. Of 144 Gaussian pairs (64 to 256 cells a side, H 0.5 and 0.8) the largest was 0.95."""
 _STANDS_OUT = (
-    ": Warning: what touches first stands out far, perhaps a spike that was left; trust closures "
+    "what touches first stands out far, perhaps a spike that was left; trust closures "
     "since seating, not those from first touch"
 )
 _BELOW = (
-    ": Warning: if both scans have one zero of heights, the walls are interchanged or heights "
-    "count downwards"
+    "if both scans have one zero of heights, the walls are interchanged or heights count downwards"
 )
 
 

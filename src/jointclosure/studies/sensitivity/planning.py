@@ -8,6 +8,7 @@ import pandas as pd
 import scipy.stats
 import xarray as xr
 
+from jointclosure.claims.found import TARGET
 from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.inputs import InputError, check_number
 from jointclosure.randomness import generator, seed_of
@@ -15,7 +16,10 @@ from jointclosure.statistics.correlations import fit_quadratic
 from jointclosure.statistics.indifference import indifference_interval
 from jointclosure.statistics.paired import paired_indifference_interval
 from jointclosure.statistics.standard_errors import elasticity, mean_covariance, quadratic_errors
-from jointclosure.studies.sensitivity.responses import TARGET, Response, responses
+from jointclosure.studies.sensitivity.responses import (
+    Response,
+    responses,
+)
 
 MOST = 1_000_000
 """Surfaces beyond which a wish counts as out of reach."""
