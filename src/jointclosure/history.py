@@ -5,8 +5,38 @@ Seating never changes the history; it is a way of reading it.
 
 import numpy as np
 import scipy
+import xarray as xr
 
 from jointclosure.protocol import LOADING, UNLOADING
+
+NET, GROSS = "closure_net", "closure"
+"""Names of the two closures of a history: without and with the elastic indentation of the
+half-spaces. The joint's is the net one (`read_along`)."""
+
+
+def read_along(history: xr.Dataset, of: str = NET) -> np.ndarray:
+    """Read a variable at each step of a history (steps,), by default the closure of the joint.
+
+    Net closure is the gross closure less ``bulk_indentation``, by which the half-spaces of intact
+    rock give way under the loaded patch as a whole (docs/model.md, "Interaction"). It is what
+    laboratories report, who subtract the deformation of the intact rock, and what a program
+    needs that computes the deformation of the rock itself. Gross closure has both.
+
+    Parameters
+    ----------
+    history : Dataset
+        As from `jointclosure.simulate`, with ``closure`` and ``bulk_indentation`` [m].
+    of : str
+        `NET`, or any variable over the steps, such as `GROSS`.
+
+    Returns
+    -------
+    array (steps,)
+        Closure counts from first touch [m]; other variables have their own unit.
+    """
+    if of == NET:
+        return history.closure.values - history.bulk_indentation.values
+    return history[of].values
 
 
 def branch_of(cycle: np.ndarray, branch: np.ndarray, number: int, name: str) -> np.ndarray:

@@ -47,7 +47,8 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, cap
     code, out, err = said(capsys, *files, *WORDS, "--rock", "granite", "--output", tmp_path / "j")
     assert (code, err) == (0, "")
     assert "orientation of the upper wall, found: common_frame" in out
-    assert "Granite, 72 x 64 cells of 0.25 mm: 2 MPa, 2 cycles" in out
+    assert "Granite (Young's modulus 73 GPa, Poisson's ratio 0.25, compressive strength" in out
+    assert "72 x 64 cells of 0.25 mm: 2 MPa, 2 cycles" in out
     pair = registered(*(jc.read_scan(file, units="mm") for file in files))
     rock = jc.Rock(73e9, 0.25, 173e6)
     alone = jc.simulate(pair.upper, pair.lower, spacing=pair.spacing, rock=rock, **LOAD)
@@ -58,9 +59,9 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, cap
         np.testing.assert_array_equal(library.history[name], alone[name])
     curves = pd.read_csv(tmp_path / "j/curves.csv")
     first = curves[(curves.cycle == 1) & (curves.branch == "loading")]
-    assert first.closure_mm.iloc[-1] == pytest.approx(1e3 * float(alone.max_closure[0]))
+    assert first.closure_gross_mm.iloc[-1] == pytest.approx(1e3 * float(alone.max_closure[0]))
     seated = float(alone.max_closure_seated[0])
-    assert first.closure_since_seating_mm.iloc[-1] == pytest.approx(1e3 * seated)
+    assert first.closure_gross_since_seating_mm.iloc[-1] == pytest.approx(1e3 * seated)
     record = json.loads((tmp_path / "j/joint.json").read_text())
     assert record["found"] == pair.report
     assert record["mismatch_wavelength_mm"]["wavelength"] == 1e3 * library.pair.mismatch.wavelength
@@ -71,8 +72,13 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, cap
     assert record["provenance"]["source_digest"]
     for picture in ("walls.png", "closure.png"):
         assert (tmp_path / "j" / picture).stat().st_size > 20000
-    line = repr(library)
-    assert line.startswith("<ClosedJoint: 72 x 64 cells of 0.25 mm (18 x 16 mm), closes ")
+    assert record["rock"]["upper"] == record["rock"]["lower"] == {
+        "youngs_modulus_GPa": 73.0, "poisson_ratio": 0.25, "compressive_strength_MPa": 173.0
+    }  # fmt: skip
+    line, cycles = repr(library), pd.read_csv(tmp_path / "j/cycles.csv")
+    assert line.startswith("<ClosedJoint: 72 x 64 cells of 0.25 mm (18 x 16 mm) of granite (Young")
+    net = [f"{value:.4g}" for value in cycles.closure_net_since_seating_mm]
+    assert f"closes {', '.join(net)} mm net" in line
     assert "\n" not in line
 
 
@@ -169,10 +175,10 @@ def test_both_walls_of_a_published_fracture_are_closed_with_defaults_for_granite
     assert record["cells_y_x"] == [188, 188]
     assert "Warning: what touches first stands out far" in out
     per_cycle = record["per_cycle"]
-    first, second = per_cycle["closure_since_seating_mm"]
-    assert 0.0 < second < first < per_cycle["max_closure_mm"][0]
+    first, second = per_cycle["closure_net_since_seating_mm"]
+    assert 0.0 < second < first < per_cycle["max_closure_gross_mm"][0]
     told = pd.read_csv(tmp_path / "j/cycles.csv")  # one definition of what stays
-    for name in ("residual_at_seating_mm", "residual_share", "closure_since_seating_mm"):
+    for name in told.columns.drop("cycle"):
         assert per_cycle[name] == pytest.approx(told[name].tolist(), rel=1e-6)
     words = (tmp_path / "j/cycles.csv").read_text().splitlines()[1].split(",")
     assert max(len(word.replace(".", "").lstrip("0")) for word in words) <= FIGURES

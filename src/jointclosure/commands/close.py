@@ -24,6 +24,7 @@ from jointclosure.commands.joint_options import (
     summary,
 )
 from jointclosure.config.configuration import Configured
+from jointclosure.config.rocks import rock_record, rock_text
 from jointclosure.config.typed import Walls
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.cases import cases_of
@@ -189,13 +190,14 @@ def _closed(settings: Configured, pair: RegisteredPair, arguments) -> ClosedJoin
     surfaces = surface_settings(configuration, case, range(1))
     conditions = loaded(closure_settings(configuration, case, surfaces).conditions(), arguments)
     ny, nx = pair.upper.shape
-    rock = configuration.rocks[case.rock].title
+    name = configuration.rocks[case.rock].title
     print(
-        f"{rock}, {nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm: "
+        f"{rock_text(conditions.rock, name)}; {nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm: "
         f"{load_said(conditions.max_normal_stress, conditions.cycles)}"
     )
     with shown_progress(conditions.cycles) as report:
-        return closed_pair(pair, conditions, report, kept_stresses(arguments, conditions))
+        stresses = kept_stresses(arguments, conditions)
+        return closed_pair(pair, conditions, report, stresses, rock_name=name)
 
 
 def _write(joint: ClosedJoint, settings: Configured, folder: Path, title: str) -> None:
@@ -212,16 +214,15 @@ def _record(joint: ClosedJoint, settings: Configured, about: dict[str, str], tit
     case = cases_of(settings.typed)[0]
     surfaces = surface_settings(settings.typed, case, range(1))
     per_cycle = {
-        f"{name}_mm": _finite(1e3 * history[name].values)
-        for name in ("max_closure", "residual_closure", "max_bulk_indentation")
+        name: _finite(values) for name, values in cycle_table(history).items() if name != "cycle"
     } | {
-        name: _finite(values)
-        for name, values in cycle_table(history).items()
-        if name not in ("cycle", "max_closure_mm")
+        f"{name}_mm": _finite(1e3 * history[name].values)
+        for name in ("residual_closure", "max_bulk_indentation")
     }
     return {
         "title": title,
         "joint": repr(joint),
+        "rock": rock_record(joint.conditions.rock, joint.rock_name),
         "status": status_text(history),
         "found": pair.report,
         "cells_y_x": list(pair.upper.shape),

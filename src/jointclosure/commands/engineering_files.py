@@ -48,7 +48,8 @@ def write_engineering(history: xr.Dataset, folder: Path, title: str) -> list[str
     Returns
     -------
     list of str
-        Sentences: the best law of each cycle's loading, and what could not be written.
+        Sentences: which closure the files are of, the best law of each cycle's loading, and what
+        could not be written.
     """
     from jointclosure.plotting.engineering import engineering_figure
 
@@ -58,7 +59,11 @@ def write_engineering(history: xr.Dataset, folder: Path, title: str) -> list[str
     write_csv(stiffness_table(history), folder / "stiffness.csv", FIGURES)
     write_csv(fits, folder / "laws.csv", FIGURES)
     write_text(itasca_tables(history), folder / "joint_stiffness.dat")
-    said = [law_said(fits, cycle, LOADING) for cycle in cycles.cycle]
+    said = [
+        "stiffness, laws and inputs of other programs are net, without the elastic indentation of "
+        "the half-spaces; curves.csv, cycles.csv and stiffness.csv have gross values too"
+    ]
+    said += [law_said(fits, cycle, LOADING) for cycle in cycles.cycle]
     for write in (_write_porepy, _write_geos, _write_mesh):
         try:
             write(history, folder)

@@ -12,7 +12,7 @@ import xarray as xr
 from jointclosure.config.configuration import Configured, configured, merged, merged_study
 from jointclosure.config.files import value_of
 from jointclosure.config.rocks import other_rocks
-from jointclosure.engineering.curves import curve_table, has_flow
+from jointclosure.engineering.curves import curve_table, cycle_table, has_flow
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError
 from jointclosure.loading import load_cycles
@@ -197,18 +197,19 @@ def shown_progress(cycles: int) -> Iterator[Report]:
 
 
 def summary(closed: xr.Dataset) -> str:
-    """The closures of each cycle, as lines of text; hydraulic apertures where these were found."""
+    """Write the closures of each cycle as lines of text, with hydraulic apertures where known."""
     seating = 1e-6 * closed.attrs["seating_stress_Pa"]
-    columns = {
-        "maximum": closed.max_closure,
-        f"since {seating:g} MPa": closed.max_closure_seated,
-        "at its end": closed.residual_closure,
+    table = cycle_table(closed)
+    names = {
+        "closure_net_since_seating_mm": f"net since {seating:g} MPa",
+        "residual_net_at_seating_mm": "of it stays",
+        "closure_gross_since_seating_mm": f"gross since {seating:g} MPa",
+        "max_closure_gross_mm": "gross from its start",
     }
-    frame = xr.Dataset({name: 1e3 * values for name, values in columns.items()}).to_dataframe()
-    frame.index = [f"cycle {number}" for number in range(1, len(frame) + 1)]
-    head = "closure (mm): maximum from the cycle's start, at its end from first touch"
+    frame = table[list(names)].rename(columns=names)
+    frame.index = [f"cycle {number}" for number in table.cycle]
     lines = [
-        head,
+        "closure (mm); gross contains the elastic indentation of the half-spaces, net does not",
         frame.to_string(float_format="{:.5f}".format),
     ]
     if has_flow(closed):

@@ -86,10 +86,10 @@ def write_report(folder: Path, output: Path) -> int:
 
 
 _OF_A_JOINT = {
-    "engineering": ("Closure, stiffness and aperture", "Closure since seating with fitted laws, "
-                    "normal stiffness and mean aperture, each against normal stress, by cycle."),
-    "closure": ("Closure from first touch, and since seating", "Normal stress against closure: "
-                "loading in full lines, unloading dashed, a colour for each cycle."),
+    "engineering": ("Net closure, net stiffness and aperture", "Net closure since seating with "
+                    "fitted laws, net normal stiffness and mean aperture against normal stress."),
+    "closure": ("Gross closure from first touch, and net closure since seating", "Normal stress "
+                "against closure: loading in full lines, unloading dashed, a colour a cycle."),
     "walls": ("The walls as they were closed", "Maps of both walls and of the aperture at first "
               "touch, a section there, correlation by wavelength and by orientation."),
     "snapshots": ("The joint under stress", "Maps of aperture, stress of contacts and change of "

@@ -6,6 +6,7 @@ import xarray as xr
 from jointclosure.engineering.stiffness import secant_stiffness
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Conditions
+from jointclosure.history import GROSS, NET
 from jointclosure.protocol import FAILURE
 
 
@@ -39,14 +40,13 @@ def responses_of(closed: xr.Dataset, conditions: Conditions) -> dict[str, np.nda
     half = 0.5 * float(np.max(conditions.max_normal_stress))
     closure = closed.max_closure.values
     reached = closed.normal_stress.groupby(closed.cycle).max().values
-    history = net_of_bulk(closed)
 
     def chords(of: str) -> np.ndarray:
         return np.array(
-            [secant_stiffness(history, i, half, top, of) for i, top in enumerate(reached, start=1)]
+            [secant_stiffness(closed, i, half, top, of) for i, top in enumerate(reached, start=1)]
         )
 
-    stiffness = chords("closure")
+    stiffness = chords(GROSS)
     return {
         "closure": closure,
         "closure_net": closure - closed.max_bulk_indentation.values,
@@ -54,10 +54,5 @@ def responses_of(closed: xr.Dataset, conditions: Conditions) -> dict[str, np.nda
         "residual": closed.residual_closure.values,
         "closure_above_half": (reached - half) / stiffness,
         "stiffness": stiffness,
-        "stiffness_net": chords("closure_net"),
+        "stiffness_net": chords(NET),
     }
-
-
-def net_of_bulk(history: xr.Dataset) -> xr.Dataset:
-    """A history that has ``closure_net`` too: closure less bulk indentation [m] at each step."""
-    return history.assign(closure_net=history.closure - history.bulk_indentation)

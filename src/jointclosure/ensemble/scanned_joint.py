@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import xarray as xr
 
-from jointclosure.config.rocks import named_rock
+from jointclosure.config.rocks import named_rock, rock_text
+from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError
@@ -28,21 +29,30 @@ class ClosedJoint(NamedTuple):
     history : Dataset
         As from `jointclosure.simulate`.
     conditions : Conditions
-        What the joint was told besides its walls.
+        Rock, load and model.
+    rock_name : str
+        Of `rock_text`; "rock" where it is given by its properties alone.
     """
 
     pair: RegisteredPair
     history: xr.Dataset
     conditions: Conditions
+    rock_name: str = "rock"
 
     def __repr__(self) -> str:
         ny, nx = self.pair.upper.shape
         step = 1e3 * self.pair.spacing
-        closures = ", ".join(f"{1e3 * value:.4g}" for value in self.history.max_closure.values)
+        seating = 1e-6 * self.conditions.seating_stress
+        table = cycle_table(self.history)
+        net, gross = (
+            ", ".join(f"{value:.4g}" for value in table[f"closure_{kind}_since_seating_mm"])
+            for kind in ("net", "gross")
+        )
         failed = ", failed" if int(self.history.status) >= FAILURE else ""
         return (
             f"<ClosedJoint: {nx} x {ny} cells of {step:.4g} mm ({nx * step:.3g} x {ny * step:.3g} "
-            f"mm), closes {closures} mm "
+            f"mm) of {rock_text(self.conditions.rock, self.rock_name)}, closes {net} mm net "
+            f"({gross} mm gross) since {seating:g} MPa "
             f"({load_said(self.conditions.max_normal_stress, self.conditions.cycles)}){failed}>"
         )
 
@@ -110,6 +120,7 @@ def close(
     pair = registered(
         above, below, grid_spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes
     )
+    name = rock if isinstance(rock, str) else "rock"
     conditions = Conditions(
         pair.spacing,
         intact,
@@ -121,7 +132,7 @@ def close(
         numerics,
         flow,
     )
-    return closed_pair(pair, conditions, report, snapshots)
+    return closed_pair(pair, conditions, report, snapshots, rock_name=name)
 
 
 def closed_pair(
@@ -129,11 +140,12 @@ def closed_pair(
     conditions: Conditions,
     report: Report | None = None,
     snapshots: Sequence[float] = (),
+    rock_name: str = "rock",
 ) -> ClosedJoint:
     """Close walls that were brought together, on their own grid, as any other walls."""
     conditions = conditions._replace(spacing=pair.spacing)
     history = close_walls(pair.upper, pair.lower, conditions, report, snapshots)
-    return ClosedJoint(pair, history, conditions)
+    return ClosedJoint(pair, history, conditions, rock_name)
 
 
 def read_wall(

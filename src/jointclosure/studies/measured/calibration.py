@@ -15,6 +15,7 @@ import xarray as xr
 from jointclosure.engineering.stiffness import closures_at
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Conditions
+from jointclosure.history import GROSS
 from jointclosure.inputs import InputError
 from jointclosure.parameters import both_walls
 from jointclosure.protocol import FAILURE, LOADING, UNLOADING
@@ -146,7 +147,7 @@ def readings_of_history(history: xr.Dataset, asked: Readings) -> np.ndarray:
     """The same of a joint that was closed; NaN where it was not read."""
     stresses = np.append(asked.seating, asked.levels)
     values = []
-    for cycle, (loading, unloading) in enumerate(closures_at(history, stresses), start=1):
+    for cycle, (loading, unloading) in enumerate(closures_at(history, stresses, GROSS), start=1):
         values += (loading[1:] - loading[0]).tolist()
         if cycle in asked.unloaded:
             values.append(loading[-1] - unloading[0])

@@ -20,13 +20,14 @@ from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.ensemble.surfaces import walls_of
 from jointclosure.ensemble.wavelengths import labelled_wavelengths, wavelength_coordinate
+from jointclosure.history import GROSS
 from jointclosure.inputs import InputError
 from jointclosure.protocol import FAILURE
 
 READ = {
-    "max_closure": ("max_closure_mm", "m", "largest closure of the cycle, from its start"),
-    "closure_since_seating": ("closure_since_seating_mm", "m", "the same since seating"),
-    "residual_closure": ("residual_at_seating_mm", "m", "what stays at the seating stress"),
+    "max_closure": ("max_closure_gross_mm", "m", "largest closure of the cycle, from its start"),
+    "closure_since_seating": ("closure_gross_since_seating_mm", "m", "the same since seating"),
+    "residual_closure": ("residual_gross_at_seating_mm", "m", "what stays at the seating stress"),
     "aperture_at_seating": ("mean_aperture_at_seating_mm", "m", "mean aperture at seating"),
 }
 """What is read of `cycle_table`: its column, unit and name."""
@@ -124,7 +125,9 @@ def _read(closed: xr.Dataset) -> dict[str, np.ndarray]:
     table = cycle_table(closed)
     found = {name: 1e-3 * table[column].to_numpy() for name, (column, *_) in READ.items()}
     largest = float(closed.normal_stress.max())
-    stiffness = [secant_stiffness(closed, cycle, 0.5 * largest, largest) for cycle in table.cycle]
+    stiffness = [
+        secant_stiffness(closed, cycle, 0.5 * largest, largest, GROSS) for cycle in table.cycle
+    ]
     above = 0.5 * largest / np.array(stiffness)
     return found | {"hysteresis": hysteresis(closed), "closure_above_half": above}
 

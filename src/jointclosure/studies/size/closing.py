@@ -17,7 +17,7 @@ from jointclosure.config.typed import Configuration, Grid, SizeDesign
 from jointclosure.engineering.laws import fitted_laws, parameter
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.closing import close_walls
-from jointclosure.ensemble.responses import net_of_bulk, responses_of
+from jointclosure.ensemble.responses import responses_of
 from jointclosure.ensemble.settings import ClosureSettings, Conditions
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.ensemble.surfaces import walls_of
@@ -183,7 +183,7 @@ def _closed(
 
 def _read(closed: xr.Dataset, conditions: Conditions) -> dict[str, np.ndarray]:
     """`READ` over the cycles (cycles,)."""
-    laws = fitted_laws(net_of_bulk(closed), "closure_net")
+    laws = fitted_laws(closed)
 
     def of_law(name: str) -> np.ndarray:
         cycles = range(1, closed.max_closure.size + 1)
