@@ -87,6 +87,17 @@ def _between(
     return float(closure[before] + part * (closure[after] - closure[before]))
 
 
+def at_seating(values: np.ndarray, stress: np.ndarray, branch: str, seating: float) -> float:
+    """Read values of a branch (n,) at the seating stress [Pa], in their own unit.
+
+    On loading where it is first reached, on unloading where it is had for the last time; NaN where
+    the branch does not pass it.
+    """
+    if stress.size and stress.min() > seating:
+        return float("nan")
+    return (first_crossing if branch == LOADING else last_crossing)(stress, values, seating)
+
+
 def cycle_closures(
     closure: np.ndarray,
     stress: np.ndarray,
@@ -104,15 +115,16 @@ def cycle_closures(
     minima : array (cycles,)
         Stress at or below which each cycle that was asked for is unloaded [Pa]; 0 is last contact.
     seating_stress : float
-        The ``_seated`` closures count from the first point of that cycle's
-        loading that reaches it [Pa], and are NaN where its loading starts above it.
+        [Pa]. The ``_seated`` closures count from the first point of that cycle's loading that
+        reaches it, and are NaN where its loading starts, or its unloading ends, above it.
 
     Returns
     -------
     dict
-        ``max_closure``, ``residual_closure`` and the same ``_seated``. A
-        cycle's ``max_closure`` counts from its own start (Bandis), its
-        ``residual_closure`` from first touch.
+        ``max_closure`` from the cycle's own start (Bandis), ``max_closure_seated``;
+        ``residual_closure``, at the cycle's end from first touch, and
+        ``residual_closure_seated``, which is what a laboratory calls residual: closure at the
+        seating stress on unloading less that on the loading of the same cycle.
     """
     names = ("max_closure", "residual_closure", "max_closure_seated", "residual_closure_seated")
     closures = {name: np.full(len(minima), np.nan) for name in names}
@@ -121,14 +133,15 @@ def cycle_closures(
         unloading = branch_of(cycle, branch, index + 1, UNLOADING)
         if not _is_complete(loading, unloading, stress, minimum):
             continue
-        seat = first_crossing(stress[loading], closure[loading], seating_stress)
-        if stress[loading[0]] > seating_stress:
-            seat = np.nan
+        seat, back = (
+            at_seating(closure[here], stress[here], name, seating_stress)
+            for here, name in ((loading, LOADING), (unloading, UNLOADING))
+        )
         maximum, end = closure[loading[-1]], closure[unloading[-1]]
         closures["max_closure"][index] = maximum - closure[loading[0]]
         closures["residual_closure"][index] = end
         closures["max_closure_seated"][index] = maximum - seat
-        closures["residual_closure_seated"][index] = end - seat
+        closures["residual_closure_seated"][index] = back - seat
     return closures
 
 

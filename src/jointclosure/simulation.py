@@ -65,7 +65,7 @@ ATTRIBUTES: dict[str, dict[str, Any]] = {
         (
             "residual_closure_seated",
             "m",
-            "closure at the cycle's end from the seating of its own loading, can be negative",
+            "closure at seating on the cycle's unloading less that on its loading",
         ),
         ("max_bulk_indentation", "m", "bulk indentation at the cycle's maximum"),
         (
@@ -169,7 +169,8 @@ def simulate(
         ``bulk_indentation`` [m], ``mean_aperture`` [m] (the mean distance of the deformed walls,
         negative where asperities are pressed into each other), ``equilibrium_residual``, with
         coordinates ``cycle`` and ``branch``. Along ``cycle``: ``max_closure``,
-        ``residual_closure`` [m], both ``_seated`` too, ``locked_share`` and
+        ``residual_closure`` [m], both ``_seated`` too (`jointclosure.history.cycle_closures`),
+        ``locked_share`` and
         ``flat_share`` of the force at the maximum, ``unloading_excess`` [Pa], by
         which stress on unloading exceeds that on loading. The walls as they ended,
         ``status`` (bits, below 16 a success; see its attributes), and counts.

@@ -76,7 +76,8 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, cap
         "youngs_modulus_GPa": 73.0, "poisson_ratio": 0.25, "compressive_strength_MPa": 173.0
     }  # fmt: skip
     line, cycles = repr(library), pd.read_csv(tmp_path / "j/cycles.csv")
-    assert line.startswith("<ClosedJoint: 72 x 64 cells of 0.25 mm (18 x 16 mm) of granite (Young")
+    assert line.startswith("<ClosedJoint: granite (Young's modulus 73 GPa, Poisson's ratio 0.25, ")
+    assert "72 x 64 cells of 0.25 mm (18 x 16 mm)" in line
     net = [f"{value:.4g}" for value in cycles.closure_net_since_seating_mm]
     assert f"closes {', '.join(net)} mm net" in line
     assert "\n" not in line

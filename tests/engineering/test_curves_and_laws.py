@@ -96,7 +96,12 @@ def test_chords_beyond_the_last_whole_step_are_marked_as_landing(closed):
     last_whole = stress[1:][np.diff(closure) > 0.999 * 12.5e-6][-1]
     assert SEATING < last_whole < 5.0
     np.testing.assert_array_equal(first.landing, first.to_MPa > last_whole)
-    assert not table[(table.cycle == 2) | (table.branch == "unloading")].landing.any()
+    steps = curve_table(closed)
+    loading = steps[(steps.cycle == 1) & (steps.branch == "loading")]
+    upper = loading.normal_stress_MPa.shift(-1, fill_value=loading.normal_stress_MPa.iloc[-1])
+    np.testing.assert_array_equal(loading.landing, upper > last_whole)
+    for chords in (table, steps):
+        assert not chords[(chords.cycle == 2) | (chords.branch == "unloading")].landing.any()
     marked = first[first.landing].normal_stress_MPa
     itasca = itasca_tables(closed).split("'kn-cycle-1-loading'")[1].split("table")[0]
     assert itasca.count("(") == (~first.landing).sum()
@@ -173,6 +178,13 @@ def test_curves_agree_with_the_history(closed):
     assert area_of(closed) == pytest.approx(20 * 24 * SPACING**2)
     seated = 1e3 * closed.max_closure_seated.values
     np.testing.assert_allclose(cycle_table(closed).closure_gross_since_seating_mm, seated)
+    stays = 1e3 * closed.residual_closure_seated.values
+    np.testing.assert_allclose(cycle_table(closed).residual_gross_at_seating_mm, stays)
+    unloading = table[(table.cycle == 1) & (table.branch == "unloading")]
+    back = np.interp(
+        SEATING, *unloading[["normal_stress_MPa", "closure_gross_since_seating_mm"]].values[::-1].T
+    )
+    assert stays[0] == pytest.approx(back)
     # void volume falls by the area times the closure, less what the half-spaces give way
     lost = first.void_volume_mm3.iloc[0] - first.void_volume_mm3.iloc[-1]
     area = 1e6 * area_of(closed)

@@ -95,6 +95,8 @@ def _closed(case, number: int) -> xr.Dataset:
             "max_closure_seated": (over, 0.8 * per_cycle),
             "max_closure_seated_net": (over, 0.7 * per_cycle),
             "residual_closure": (over, np.repeat(closure[:, 0, 1, :1], 2, axis=1)),
+            "residual_closure_seated_net": (over, 0.5 * per_cycle),
+            "stiffness_net": (over, 1e6 / per_cycle),
             "unloading_excess": (over, 0.0 * per_cycle),
             "timing_simulation": ("realization", random.uniform(1.0, 2.0, JOINTS)),
             **{name: ("realization", np.full(JOINTS, v)) for name, v in per_joint.items()},

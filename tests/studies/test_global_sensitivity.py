@@ -268,10 +268,10 @@ def test_joints_are_closed_as_everywhere_and_their_cost_is_known_before():
     assert (closed.status < 16).all()
     assert (closed.closure_net < closed.closure).all()
     # of these small joints some begin to land on the maximum below half of it: no first stiffness
-    read = closed.stiffness > 0.0
+    read = closed.stiffness_net > 0.0
     assert read.sel(cycle=2).mean() > 0.8
     assert read.sel(cycle=1).any()
-    assert (read | closed.stiffness.isnull()).all()
+    assert (read | closed.stiffness_net.isnull()).all()
     again = close_rows(design, keys, "slate", range(2, 3))
     assert np.array_equal(again.closure, closed.closure)
     table = costs(design, dict.fromkeys(design.rocks, keys))

@@ -20,15 +20,15 @@ DEFAULT = "roll_off_3mm"
 BASE = 0.25
 """The spacing [mm] of the joints that others are held against."""
 TITLES = {
-    "closure_net_seated": "net closure since seating",
+    "closure_seated_net": "net closure since seating",
     "closure_net": "net closure from first touch",
-    "residual": "residual closure",
+    "residual_seated_net": "residual closure",
     "stiffness_net": "net stiffness",
     "kni_net": "k_ni",
     "vm_net": "V_m",
 }
 COLUMNS = {
-    "closure_net_since_seating_mm": "net closure since 0.5 MPa (mm)",
+    "closure_seated_net_mm": "net closure since 0.5 MPa (mm)",
     "closure_net_mm": "net closure from first touch (mm)",
     "closure_mm": "gross closure from first touch (mm)",
     "residual_closure_mm": "residual closure (mm)",
@@ -36,8 +36,13 @@ COLUMNS = {
 }
 WALL_STRENGTHS = (1.0, 1.2, 1.5, 2.0, 3.0)
 """Strengths of the rock over that of the walls at which the law is told."""
-SHOWN = (("closure_net_seated", 1), ("closure_net", 1), ("residual", 1), ("stiffness_net", 1))
-SHOWN += (("closure_net_seated", 2), ("closure_net", 2), ("stiffness_net", 2))
+SHOWN = (
+    ("closure_seated_net", 1),
+    ("closure_net", 1),
+    ("residual_seated_net", 1),
+    ("stiffness_net", 1),
+)
+SHOWN += (("closure_seated_net", 2), ("closure_net", 2), ("stiffness_net", 2))
 
 
 def table_of(name: str) -> pd.DataFrame:
@@ -67,8 +72,8 @@ def finding() -> str:
         "laboratories count: from a patch of "
         f"{law.from_mm.iloc[0]:g} mm to one of {law.to_mm.iloc[0]:g} mm of the same walls "
         "(those of the default study) closure is multiplied by "
-        f"{told['closure_net_seated', 1]} on the first cycle and by "
-        f"{told['closure_net_seated', 2]} on the second, net stiffness by "
+        f"{told['closure_seated_net', 1]} on the first cycle and by "
+        f"{told['closure_seated_net', 2]} on the second, net stiffness by "
         f"{told['stiffness_net', 1]} and {told['stiffness_net', 2]}. In brackets: what the scale "
         "corrections of Barton and Bandis say of the same change in size.\n\n"
         f"Net closure *from first touch* is multiplied by {touch[0]} and {touch[1]}: it grows with "
@@ -89,7 +94,7 @@ def _best(cycle: int) -> str:
     """The scaling that removes most of the spread of a cycle's net closure since seating, and the
     one that predicts the largest patch best, where it is another one."""
     table = table_of("size_collapse")
-    own = table[(table.reading == "closure_net_seated") & (table.cycle == cycle)]
+    own = table[(table.reading == "closure_seated_net") & (table.cycle == cycle)]
     alone, together = (own[own.between == each] for each in ("sizes", "sizes and spectra"))
     best = together.sort_values("removed_percent").iloc[-1]
     plain = together[together.scaling == "none"].iloc[0]

@@ -4,12 +4,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.engineering.stiffness import landing_stress, secant_stiffness
 from jointclosure.history import (
     GROSS,
     NET,
+    at_seating,
     branch_of,
-    first_crossing,
-    last_crossing,
+    cycle_closures,
     read_along,
 )
 from jointclosure.protocol import LOADING, UNLOADING
@@ -45,7 +46,8 @@ def curve_table(history: xr.Dataset) -> pd.DataFrame:
         ``closure_<kind>_since_seating_mm`` from the point of the cycle's loading at the seating
         stress (negative before it, NaN where it was not reached), ``closure_<kind>_mm`` from first
         touch and ``normal_stiffness_<kind>_MPa_per_mm`` (kn = d sigma/d closure, by the chord of
-        a step's neighbours, NaN where closure does not change); ``mean_aperture_mm``,
+        a step's neighbours, NaN where closure does not change); ``landing``: whether that chord
+        reaches beyond `landing_stress`, so that it is stiffer than the joint; ``mean_aperture_mm``,
         ``void_volume_mm3`` (mean aperture times nominal area), ``contact_area_mm2`` (of the cells
         that carry force: an upper bound) and ``contact_fraction``; of a history with flow also
         ``hydraulic_aperture_x_mm``, ``hydraulic_aperture_y_mm`` and their ratios to the mean
@@ -79,7 +81,9 @@ def _branch_table(history: xr.Dataset, cycle: int, branch: str, here: np.ndarray
         f"normal_stiffness_{kind}_MPa_per_mm": 1e-9 * _chords(closure, stress)
         for kind, closure in closures.items()
     }
+    beyond = np.append(stress[1:], stress[-1]) > landing_stress(history, cycle)
     columns |= {
+        "landing": (branch == LOADING) & beyond,
         "mean_aperture_mm": 1e3 * aperture,
         "void_volume_mm3": 1e9 * area * aperture,
         "contact_area_mm2": 1e6 * area * contact,
@@ -109,29 +113,68 @@ def _flow_columns(history: xr.Dataset, here: np.ndarray) -> dict[str, np.ndarray
     return columns
 
 
-def _flow_at_max(history: xr.Dataset, cycle: int) -> dict[str, float]:
-    """Hydraulic apertures at a cycle's maximum, by their columns; none without flow."""
-    here = branch_of(history.cycle.values, history.branch.values, cycle, UNLOADING)
-    return {
-        f"{name.removesuffix('_mm')}_at_max_mm": values[0] if here.size else float("nan")
-        for name, values in _flow_columns(history, here[:1]).items()
-        if name.endswith("_mm")
-    }
-
-
 def seat_of(history: xr.Dataset, cycle: int, branch: str, of: str = NET) -> float:
-    """Read the closure at the seating stress: first reached on loading, last had on unloading.
+    """Read the net closure [m], or what ``of`` names, at the seating stress of a branch.
 
-    ``of`` names what is read (`jointclosure.history.read_along`), by default the net closure [m].
-    NaN where the branch starts or ends above the seating stress.
+    As `jointclosure.history.at_seating` and `jointclosure.history.read_along`.
     """
     here = branch_of(history.cycle.values, history.branch.values, cycle, branch)
-    crossing = first_crossing if branch == LOADING else last_crossing
-    level = float(history.attrs["seating_stress_Pa"])
-    stress = history.normal_stress.values[here]
-    if here.size and stress.min() > level:
-        return float("nan")
-    return crossing(stress, read_along(history, of)[here], level)
+    seating = float(history.attrs["seating_stress_Pa"])
+    return at_seating(
+        read_along(history, of)[here], history.normal_stress.values[here], branch, seating
+    )
+
+
+def closures_of_cycles(history: xr.Dataset, of: str = NET) -> dict[str, np.ndarray]:
+    """Read `jointclosure.history.cycle_closures` (cycles,) [m] of the net closure, or of another.
+
+    NaN for cycles that were not loaded and unloaded.
+    """
+    stress, cycle, branch = (history[name].values for name in ("normal_stress", "cycle", "branch"))
+    anywhere = np.full(int(cycle.max()), np.inf)  # however far it was unloaded
+    seating = float(history.attrs["seating_stress_Pa"])
+    return cycle_closures(read_along(history, of), stress, cycle, branch, anywhere, seating)
+
+
+def net_responses(history: xr.Dataset, largest: float) -> dict[str, np.ndarray]:
+    """Read each cycle of a joint as a laboratory does: net of the half-spaces' indentation.
+
+    Parameters
+    ----------
+    history : Dataset
+        As from `jointclosure.simulate`.
+    largest : float
+        The maximum stress that was asked for [Pa].
+
+    Returns
+    -------
+    dict of array (cycles,)
+        ``max_closure_net`` from the cycle's start, ``max_closure_seated_net``, both at its maximum,
+        and ``residual_closure_seated_net``, what stays at seating, as in
+        `jointclosure.history.cycle_closures` [m]; ``stiffness_net`` [Pa/m], the
+        `secant_stiffness` of loading from half of the maximum stress to where it begins to land on
+        all of it (NaN where that is below half); and that `landing_stress` [Pa]. NaN for cycles
+        that were not completed.
+    """
+    completed = np.isfinite(history.max_closure.values)
+    begun = int(history.cycle.max())
+    net = closures_of_cycles(history)
+    responses = {
+        f"{name}_net": net[name]
+        for name in ("max_closure", "max_closure_seated", "residual_closure_seated")
+    }
+    responses |= {
+        "stiffness_net": np.array(
+            [secant_stiffness(history, each + 1, 0.5 * largest, largest) for each in range(begun)]
+        ),
+        "landing_stress": np.array([landing_stress(history, each + 1) for each in range(begun)]),
+    }
+    return {
+        name: np.where(
+            completed, np.pad(values, (0, completed.size - begun), constant_values=np.nan), np.nan
+        )
+        for name, values in responses.items()
+    }
 
 
 def cycle_table(history: xr.Dataset) -> pd.DataFrame:
@@ -151,41 +194,43 @@ def cycle_table(history: xr.Dataset) -> pd.DataFrame:
         ``residual_share_<kind>`` of the closure since seating, and ``max_closure_<kind>_mm`` from
         the cycle's start; ``mean_aperture_at_seating_mm``, ``mean_aperture_at_max_mm`` and
         ``contact_at_max``; of a history with flow also ``hydraulic_aperture_x_at_max_mm`` and the
-        same along y. What counts at the maximum is NaN in a cycle whose loading failed.
+        same along y. All but the aperture at seating is NaN in a cycle whose loading failed.
     """
-    rows = []
-    for number in np.unique(history.cycle.values):
-        row = {"cycle": number}
-        for kind, of in KINDS.items():
-            row |= _closures_of(history, number, kind, of)
-        at_seating = seat_of(history, number, LOADING, "mean_aperture")
-        row |= {
-            "mean_aperture_at_seating_mm": 1e3 * at_seating,
-            "mean_aperture_at_max_mm": 1e3 * _at_maximum(history, number, "mean_aperture"),
-            **_flow_at_max(history, number),
-            "contact_at_max": _at_maximum(history, number, "contact_fraction"),
+    numbers = np.unique(history.cycle.values)
+    columns = {"cycle": numbers}
+    for kind, of in KINDS.items():
+        closures = {
+            name: 1e3 * values[numbers - 1]
+            for name, values in closures_of_cycles(history, of).items()
         }
-        rows.append(row)
-    return pd.DataFrame(rows)
+        since, residual = closures["max_closure_seated"], closures["residual_closure_seated"]
+        columns[f"closure_{kind}_since_seating_mm"] = since
+        columns[f"residual_{kind}_at_seating_mm"] = residual
+        columns[f"residual_share_{kind}"] = residual / since
+        columns[f"max_closure_{kind}_mm"] = closures["max_closure"]
+    return pd.DataFrame(columns).join(
+        pd.DataFrame([_state_of(history, number) for number in numbers])
+    )
 
 
-def _closures_of(history: xr.Dataset, cycle: int, kind: str, of: str) -> dict[str, float]:
-    """Closures of a row of `cycle_table`, by the names of their columns."""
-    start = branch_of(history.cycle.values, history.branch.values, cycle, LOADING)[0]
-    largest = _at_maximum(history, cycle, of)
-    seat, back = (seat_of(history, cycle, name, of) for name in (LOADING, UNLOADING))
+def _state_of(history: xr.Dataset, cycle: int) -> dict[str, float]:
+    """Apertures and contact of a row of `cycle_table`, by the names of their columns."""
+    cycles, branches = history.cycle.values, history.branch.values
+    at_max = branch_of(cycles, branches, cycle, UNLOADING)[:1]
+
+    def read(values: np.ndarray) -> float:
+        return float(values[0]) if at_max.size else float("nan")
+
     return {
-        f"closure_{kind}_since_seating_mm": 1e3 * (largest - seat),
-        f"residual_{kind}_at_seating_mm": 1e3 * (back - seat),
-        f"residual_share_{kind}": (back - seat) / (largest - seat),
-        f"max_closure_{kind}_mm": 1e3 * (largest - read_along(history, of)[start]),
+        "mean_aperture_at_seating_mm": 1e3 * seat_of(history, cycle, LOADING, "mean_aperture"),
+        "mean_aperture_at_max_mm": 1e3 * read(history.mean_aperture.values[at_max]),
+        **{
+            f"{name.removesuffix('_mm')}_at_max_mm": read(values)
+            for name, values in _flow_columns(history, at_max).items()
+            if name.endswith("_mm")
+        },
+        "contact_at_max": read(history.contact_fraction.values[at_max]),
     }
-
-
-def _at_maximum(history: xr.Dataset, cycle: int, of: str) -> float:
-    """Read a variable where a cycle's unloading begins; NaN where its loading failed."""
-    here = branch_of(history.cycle.values, history.branch.values, cycle, UNLOADING)
-    return read_along(history, of)[here[0]] if here.size else float("nan")
 
 
 def hysteresis(closed: xr.Dataset) -> np.ndarray:

@@ -104,10 +104,15 @@ def secant_stiffness(
 ) -> float:
     """Compute the normal stiffness [Pa/m] of a cycle's loading by the chord between two stresses.
 
-    It ends where the loading begins to land on its maximum (`landing_stress`), if that is below
-    the higher one [Pa]; NaN where the loading does not get there. ``of`` as in `closures_at`.
+    It ends below the higher one [Pa] where the loading begins to land on its maximum
+    (`landing_stress`), or reached no more; NaN where that is not above the lower one. ``of`` as in
+    `closures_at`.
     """
-    levels = np.array([low, min(high, landing_stress(history, cycle))])
+    here = branch_of(history.cycle.values, history.branch.values, cycle, LOADING)
+    if here.size < 2:
+        return np.nan
+    reached = float(history.normal_stress.values[here].max())
+    levels = np.array([low, min(high, reached, landing_stress(history, cycle))])
     rise = float(np.diff(closures_at(history, levels, of)[cycle - 1, 0])[0])
     return float(np.diff(levels)[0]) / rise if levels[1] > low and rise > 0.0 else np.nan
 

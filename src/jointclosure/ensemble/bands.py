@@ -14,7 +14,6 @@ QUANTILES = (0.05, 0.5, 0.95)
 def band_table(
     case: xr.Dataset,
     quantiles: tuple[float, ...] = QUANTILES,
-    displacement_step: float | None = None,
 ) -> pd.DataFrame:
     """Tabulate closure, normal stiffness and apertures against stress over joints that succeeded.
 
@@ -25,9 +24,6 @@ def band_table(
         `jointclosure.simulate_ensemble`.
     quantiles : tuple of float
         In (0, 1), which become columns ``q05`` and so on.
-    displacement_step : float, optional
-        [m] of joints that break by fixed steps: over the last one of the first loading, in which
-        they land on the maximum, stiffness is left out (`engineering.stiffness.landing_stress`).
 
     Returns
     -------
@@ -39,10 +35,11 @@ def band_table(
         also ``mean_aperture_mm`` and ``hydraulic_aperture_x_mm``, ``..._y_mm``. Each has its
         ``mean`` and quantiles as ``<name>_<statistic>``; ``samples`` are the joints that reach the
         stress. Statistics are NaN where none does; stiffness of single joints is NaN where closure
-        does not change.
+        does not change, and beyond their landing (`engineering.stiffness.landing_stress`).
     """
     good = case.where(succeeded(case))
-    landing = _landing(good.closure, displacement_step or 0.0)
+    upper = good.stress.shift(stress=-1)
+    landing = (good.branch == LOADING) & (upper > good.landing_stress)
     fields = {}
     for kind in KINDS:
         net = kind == "net"
@@ -77,12 +74,3 @@ def _stiffness(closure: xr.DataArray) -> xr.DataArray:
     run = closure.diff("stress", label="lower")
     chords = 1e-9 * rise / run.where(run > 0.0)
     return chords.reindex(stress=closure.stress).transpose(*closure.dims)
-
-
-def _landing(closure: xr.DataArray, step: float) -> xr.DataArray:
-    """Whether the chord from a stress to the next may reach into the landing on the maximum.
-
-    That is within the last displacement step [m] of the first loading's gross closure.
-    """
-    first = (closure.cycle == 1) & (closure.branch == LOADING)
-    return first & (step > 0.0) & ~(closure.shift(stress=-1) <= closure.max("stress") - step)

@@ -50,8 +50,8 @@ class ClosedJoint(NamedTuple):
         )
         failed = ", failed" if int(self.history.status) >= FAILURE else ""
         return (
-            f"<ClosedJoint: {nx} x {ny} cells of {step:.4g} mm ({nx * step:.3g} x {ny * step:.3g} "
-            f"mm) of {rock_text(self.conditions.rock, self.rock_name)}, closes {net} mm net "
+            f"<ClosedJoint: {rock_text(self.conditions.rock, self.rock_name)}, {nx} x {ny} cells "
+            f"of {step:.4g} mm ({nx * step:.3g} x {ny * step:.3g} mm), closes {net} mm net "
             f"({gross} mm gross) since {seating:g} MPa "
             f"({load_said(self.conditions.max_normal_stress, self.conditions.cycles)}){failed}>"
         )

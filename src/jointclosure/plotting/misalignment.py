@@ -12,9 +12,9 @@ from jointclosure.plotting.style import styled, subplots
 _PANELS = (
     ("closure", 1, "maximum closure,\ncycle 1"),
     ("closure", 2, "maximum closure,\ncycle 2"),
-    ("residual", 1, "residual closure"),
-    ("stiffness", 1, "normal stiffness,\ncycle 1"),
-    ("stiffness", 2, "normal stiffness,\ncycle 2"),
+    ("residual_seated_net", 1, "residual closure"),
+    ("stiffness_net", 1, "net normal stiffness,\ncycle 1"),
+    ("stiffness_net", 2, "net normal stiffness,\ncycle 2"),
 )
 """Response, cycle and title of each row."""
 

@@ -9,10 +9,10 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from jointclosure.plotting.style import styled, subplots
 
 _ROWS = (
-    ("closure_net_since_seating_mm", 1, "net closure since seating,\ncycle 1"),
+    ("closure_seated_net_mm", 1, "net closure since seating,\ncycle 1"),
     ("closure_net_mm", 1, "net closure from first touch,\ncycle 1"),
     ("residual_closure_mm", 1, "residual closure, cycle 1"),
-    ("closure_net_since_seating_mm", 2, "net closure since seating,\ncycle 2"),
+    ("closure_seated_net_mm", 2, "net closure since seating,\ncycle 2"),
     ("net_stiffness_MPa_per_mm", 2, "net stiffness from half\nof the stress, cycle 2"),
 )
 _MARKERS = "osD^vP*X"

@@ -1,56 +1,51 @@
 """The first screen of a study's page: the finding in a sentence, its numbers, its validity."""
 
-import numpy as np
 import pandas as pd
 import xarray as xr
 
 from jointclosure.config.properties import PARAMETER_TITLES
 from jointclosure.config.typed import Configuration
 from jointclosure.ensemble.aggregation import succeeded
-from jointclosure.protocol import LOADING
 from jointclosure.report.sheets import Sheet, number_text, sheet
+from jointclosure.statistics.ratios import harmonic_mean
 
 FIRST_PICTURES = ("fig_5_closure", "table_3_intervals")
 """Shown on the first screen, those of them that a study has."""
 
 
+STAYS = "Of it since seating, net, stays (%)"
+
+
 def summary_sheet(study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
-    """Closure, what stays of it and normal stiffness of each rock as it is."""
+    """Tabulate closure, what stays of it and net normal stiffness of each rock as it is."""
     base = closures[closures.parameter == "base"]
     rows = []
     for rock, own in base.groupby("rock", sort=False):
         own = own.set_index("cycle")
-        first, stays = own.max_closure_mean_mm[1], own.residual_closure_mean_mm[1]
-        row = {"rock": titles[rock], "stays": 100.0 * stays / first}
+        stays = own.residual_closure_seated_net_mean_mm[1] / own.max_closure_seated_net_mean_mm[1]
+        row = {"rock": titles[rock], "stays": 100.0 * stays}
         for cycle in own.index:
             row[f"closure_{cycle}"] = own.max_closure_mean_mm[cycle]
-            row[f"kn_{cycle}"] = secant_stiffness(study, rock, cycle)
+            row[f"kn_{cycle}"] = 1e-9 * mean_stiffness(study, rock, cycle)
         rows.append(row)
     cycles = [int(cycle) for cycle in study.cycle.values]
     columns = {"rock": "Rock"}
     columns |= {f"closure_{cycle}": f"Closure, cycle {cycle} (mm)" for cycle in cycles}
-    columns |= {"stays": "Of the first closure stays (%)"}
-    columns |= {f"kn_{cycle}": f"kn, cycle {cycle} (MPa/mm)" for cycle in cycles}
+    columns |= {"stays": STAYS}
+    columns |= {f"kn_{cycle}": f"Net kn, cycle {cycle} (MPa/mm)" for cycle in cycles}
     caption = (
-        "Mean maximum closure of each rock as it is, and normal stiffness kn on loading from half "
-        "of the maximum stress to four fifths of it (beyond, joints land on the maximum by small "
-        "steps)"
+        "Mean maximum closure of each rock as it is, share of the first cycle's net closure since "
+        "seating that stays at seating, and net normal stiffness kn on loading from half of the "
+        "maximum stress to where joints begin to land on it by small steps"
     )
     return sheet("in-short", caption, pd.DataFrame(rows), columns)
 
 
-def secant_stiffness(study: xr.Dataset, rock: str, cycle: int) -> float:
-    """Normal stiffness of a rock's mean loading curve [MPa/mm], from half to 4/5 of the maximum."""
+def mean_stiffness(study: xr.Dataset, rock: str, cycle: int) -> float:
+    """Net normal stiffness of a rock's mean loading curve [Pa/m] (`harmonic_mean` over joints)."""
     case = study.case.values[(study.rock.values == rock) & (study.parameter.values == "base")][0]
     own = study.sel(case=case)
-    largest = float(own.max_normal_stress) * (1.0 + 1e-9)
-    stress = study.stress.values[study.stress.values <= largest]
-    ends = [int(np.abs(stress - part * stress[-1]).argmin()) for part in (0.5, 0.8)]
-    curves = own.closure.sel(cycle=cycle, branch=LOADING).isel(stress=ends)
-    joints = curves.values[succeeded(own).values]
-    joints = joints[np.isfinite(joints).all(axis=1)]  # some jump over their target
-    rise = float(np.diff(joints.mean(axis=0))[0]) if len(joints) else 0.0
-    return 1e-9 * float(np.diff(stress[ends])[0]) / rise if rise > 0.0 else float("nan")
+    return harmonic_mean(own.stiffness_net.sel(cycle=cycle).values[succeeded(own).values]).value
 
 
 def finding(numbers: Sheet, intervals: pd.DataFrame | None, configuration: Configuration) -> str:
@@ -66,7 +61,7 @@ def finding(numbers: Sheet, intervals: pd.DataFrame | None, configuration: Confi
     text = f"{who} close {first} mm when they are first loaded to {stresses} MPa"
     if "Closure, cycle 2 (mm)" in said:
         text += f", and {said['Closure, cycle 2 (mm)']} mm when they are loaded again"
-    text += f"; {said['Of the first closure stays (%)']} % of the first closure stays."
+    text += f"; {said[STAYS]} % of the first net closure since seating stays."
     return f"{text} {_sensitive(intervals)}".strip()
 
 

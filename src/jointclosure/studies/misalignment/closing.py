@@ -15,12 +15,15 @@ from jointclosure.surface.roughness import z2_of_jrc
 from jointclosure.surface.synthesis import spectrum_of
 
 RESPONSES = {
-    "closure": "maximum closure, from first touch",
-    "closure_seated": "maximum closure since seating",
-    "residual": "residual closure",
-    "closure_above_half": "half of the maximum stress over the stiffness of loading there",
+    "closure": ("m", "maximum closure, from the cycle's start"),
+    "closure_seated_net": ("m", "net closure since seating"),
+    "residual_seated_net": ("m", "net residual closure at seating"),
+    "stiffness_net": (
+        "Pa/m",
+        "net normal stiffness of loading from half of the maximum stress to the landing on it",
+    ),
 }
-"""What is read of each cycle [m]."""
+"""Unit and name of what is read of each cycle (`jointclosure.ensemble.responses`)."""
 
 
 def walls_at(
@@ -85,7 +88,11 @@ def _labelled(settings: MisalignedSettings, values: dict, status, seconds) -> xr
     over = ("wavelength", "condition", "realization")
     tilts, rotations = zip(*settings.conditions, strict=True)
     found: dict = {
-        name: ((*over, "cycle"), own[np.newaxis], {"units": "m", "long_name": RESPONSES[name]})
+        name: (
+            (*over, "cycle"),
+            own[np.newaxis],
+            dict(zip(("units", "long_name"), RESPONSES[name], strict=True)),
+        )
         for name, own in values.items()
     }
     found["status"] = (over, status[np.newaxis])

@@ -6,15 +6,15 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.statistics.ratios import ratio_of_means
+from jointclosure.statistics.ratios import harmonic_mean, ratio_of_means
 
 READ = {
-    "closure": ("closure", "maximum closure (mm)"),
-    "closure_seated": ("closure_seated", "closure since seating (mm)"),
-    "residual": ("residual", "residual closure (mm)"),
-    "stiffness": ("closure_above_half", "normal stiffness (MPa/mm)"),
+    "closure": "maximum closure (mm)",
+    "closure_seated_net": "net closure since seating (mm)",
+    "residual_seated_net": "net residual closure at seating (mm)",
+    "stiffness_net": "net normal stiffness (MPa/mm)",
 }
-"""Columns ``response``: what each is read of, and its name with its unit."""
+"""Names and units of the ``response`` column."""
 
 
 def misalignment_table(runs: dict[str, xr.Dataset]) -> pd.DataFrame:
@@ -36,14 +36,12 @@ def misalignment_table(runs: dict[str, xr.Dataset]) -> pd.DataFrame:
 
     Notes
     -----
-    The stiffness is half of the maximum stress over the mean closure that it takes at the stiffness
-    of each joint (`jointclosure.ensemble.responses.cycle_responses`).
+    The mean stiffness is the harmonic one, that of the mean curve.
     """
     return pd.DataFrame([row for rock, run in runs.items() for row in _rows(rock, run)])
 
 
 def _rows(rock: str, run: xr.Dataset) -> Iterator[dict]:
-    half_MPa = 0.5e-6 * run.attrs["max_normal_stress_Pa"]
     aligned = int(np.flatnonzero((run.tilt == 0.0) & (run.rotation == 0.0))[0])
     for wavelength in run.wavelength.values.tolist():
         for condition in range(run.sizes["condition"]):
@@ -56,21 +54,21 @@ def _rows(rock: str, run: xr.Dataset) -> Iterator[dict]:
                     "rotation_degrees": float(run.rotation[condition]),
                     "cycle": cycle,
                 }
-                for response, (name, _) in READ.items():
-                    if response == "residual" and cycle > 1:
+                for response in READ:
+                    if response == "residual_seated_net" and cycle > 1:
                         continue
-                    own, before = (part[name].values[place] for place in (condition, aligned))
-                    yield about | {"response": response} | _row(response, own, before, half_MPa)
+                    own, before = (part[response].values[place] for place in (condition, aligned))
+                    yield about | {"response": response} | _row(response, own, before)
 
 
-def _row(response: str, own: np.ndarray, before: np.ndarray, half_MPa: float) -> dict:
+def _row(response: str, own: np.ndarray, before: np.ndarray) -> dict:
     both = np.isfinite(own) & np.isfinite(before)
-    own, before = 1e3 * own[both], 1e3 * before[both]
-    if response == "stiffness":
-        mean = ratio_of_means(np.full(own.size, half_MPa), own)
-        ratio = ratio_of_means(before, own)
+    own, before = own[both], before[both]
+    if response == "stiffness_net":
+        mean = harmonic_mean(1e-9 * own)
+        ratio = ratio_of_means(1.0 / before, 1.0 / own)
     else:
-        mean = ratio_of_means(own, np.ones(own.size))
+        mean = ratio_of_means(1e3 * own, np.ones(own.size))
         ratio = ratio_of_means(own, before)
     return {
         "value": mean.value,

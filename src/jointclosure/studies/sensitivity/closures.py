@@ -38,6 +38,7 @@ CLOSURES = (
     "max_closure_seated",
     "max_closure_seated_net",
     "residual_closure",
+    "residual_closure_seated_net",
 )
 _MM = 1e3
 _OF_MEAN, _OF_DEVIATION = ("b", "c", "d"), ("b_s", "c_s", "d_s")

@@ -14,7 +14,6 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.config.typed import Configuration, Grid, SizeDesign
-from jointclosure.engineering.curves import cycle_table
 from jointclosure.engineering.laws import fitted_laws, parameter
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.closing import close_walls
@@ -30,9 +29,8 @@ from jointclosure.surface.roughness import detrended, rms_slope, z2_of_jrc
 READ = {
     "closure": ("m", "largest closure of the cycle, from its start"),
     "closure_net": ("m", "the same net of bulk indentation"),
-    "closure_seated": ("m", "closure at the cycle's maximum since seating"),
-    "closure_net_seated": ("m", "the same net of bulk indentation"),
-    "residual": ("m", "residual closure"),
+    "closure_seated_net": ("m", "the same since seating"),
+    "residual_seated_net": ("m", "net residual closure at seating"),
     "stiffness_net": (
         "Pa/m",
         "net stiffness of loading, from half of the maximum stress to the landing on it",
@@ -193,9 +191,7 @@ def _read(closed: xr.Dataset, conditions: Conditions) -> dict[str, np.ndarray]:
         return np.array([parameter(laws, cycle, LOADING, name) for cycle in cycles])
 
     read = responses_of(closed, conditions)
-    seated = cycle_table(closed).closure_net_since_seating_mm.to_numpy()
     fitted = {"kni_net": 1e9 * of_law("kni_MPa_per_mm"), "vm_net": 1e-3 * of_law("vm_mm")}
-    fitted["closure_net_seated"] = 1e-3 * seated
     return {name: read[name] for name in READ if name in read} | fitted
 
 

@@ -20,9 +20,8 @@ from jointclosure.studies.size.closing import GEOMETRY, READ
 COLUMNS = {
     "closure": ("closure_mm", 1e3),
     "closure_net": ("closure_net_mm", 1e3),
-    "closure_seated": ("closure_since_seating_mm", 1e3),
-    "closure_net_seated": ("closure_net_since_seating_mm", 1e3),
-    "residual": ("residual_closure_mm", 1e3),
+    "closure_seated_net": ("closure_seated_net_mm", 1e3),
+    "residual_seated_net": ("residual_closure_mm", 1e3),
     "stiffness_net": ("net_stiffness_MPa_per_mm", 1e-9),
     "kni_net": ("net_kni_MPa_per_mm", 1e-9),
     "vm_net": ("net_vm_mm", 1e3),
@@ -256,5 +255,5 @@ def law_of_size(
         "kni_net": law.initial_stiffness,
         "vm_net": law.largest_closure,
         "stiffness_net": 0.5 * stress / float(whole - half),
-        "closure_net_seated": float(whole),
+        "closure_seated_net": float(whole),
     }
