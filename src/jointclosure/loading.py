@@ -9,6 +9,8 @@ import numpy as np
 from jointclosure.inputs import InputError, check_number
 
 USUAL_CYCLES = 2
+SEATING_STRESS = 0.5e6
+"""Default stress [Pa] from which seated closures count: laboratory curves start there."""
 
 
 class LoadCycle(NamedTuple):

@@ -19,7 +19,13 @@ from jointclosure.inputs import (
     check_length,
     check_number,
 )
-from jointclosure.loading import LoadCycle, check_snapshots, largest_stress, load_cycles
+from jointclosure.loading import (
+    SEATING_STRESS,
+    LoadCycle,
+    check_snapshots,
+    largest_stress,
+    load_cycles,
+)
 from jointclosure.parameters import (
     USUAL,
     Choices,
@@ -113,7 +119,7 @@ def simulate(
     rock: Rock | Sequence[Rock],
     max_normal_stress: float | Sequence[float],
     cycles: int | None = None,
-    seating_stress: float = 0.0,
+    seating_stress: float = SEATING_STRESS,
     effects: Effects = Effects(),
     choices: Choices = Choices(),
     numerics: Numerics = Numerics(),
@@ -538,7 +544,9 @@ def _check_steps(upper: np.ndarray, lower: np.ndarray, numerics: Numerics) -> No
 
 def _check_seating(seating_stress: float, load: Sequence[LoadCycle]) -> None:
     check_number("seating_stress", seating_stress)
-    if not 0.0 <= seating_stress < min(cycle.maximum for cycle in load):
+    least = min(cycle.maximum for cycle in load)
+    if not 0.0 <= seating_stress < least:
         raise InputError(
-            f"seating_stress = {seating_stress!r} Pa: must be from 0 to below max_normal_stress"
+            f"seating_stress = {seating_stress!r} Pa: must be from 0 to below the least maximum of "
+            f"max_normal_stress, {least!r} Pa"
         )

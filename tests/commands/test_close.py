@@ -31,7 +31,7 @@ def write_points(path, heights):
 def scans(tmp_path_factory):
     """Both walls of a joint in one frame, z upwards, and a wall of another joint."""
     folder = tmp_path_factory.mktemp("scans")
-    upper, lower = jc.wall_pair(9.0, SHAPE, SPACING, seed=4, correlation=0.9)
+    upper, lower = jc.wall_pair(9.0, SHAPE, SPACING, seed=4, correlation=0.9, roll_off=None)
     write_points(folder / "top.xyz", 0.6e-3 - upper)
     write_points(folder / "bottom.xyz", lower)
     write_points(folder / "other.xyz", jc.wall_pair(9.0, SHAPE, SPACING, seed=5)[0])

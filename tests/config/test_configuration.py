@@ -1,3 +1,4 @@
+import inspect
 import json
 import os
 import shutil
@@ -59,6 +60,26 @@ def test_the_library_and_the_configuration_have_the_same_defaults():
     assert study.numerics == jc.Numerics(curve_points=points)
     assert study.choices == jc.Choices()
     assert study.rocks["slate"].effects == jc.Effects()
+    surface = study.surface._asdict()
+    for function in (jc.wall_pair, jc.fit):
+        given = _defaults(function)
+        assert given == given | {name: surface[name] for name in given.keys() & surface.keys()}
+    assert surface.keys() <= _defaults(jc.wall_pair).keys()
+    for function in (jc.simulate, jc.close, jc.fit, jc.simulate_ensemble):
+        assert _defaults(function)["seating_stress"] == study.seating_stress
+
+
+def _defaults(function) -> dict:
+    """Default values of a function's arguments, by name; those without one are left out."""
+    arguments = inspect.signature(function).parameters.values()
+    return {each.name: each.default for each in arguments if each.default is not each.empty}
+
+
+def test_one_load_is_said_in_the_same_words_to_all_functions_that_take_one():
+    import jointclosure as jc
+
+    for function in (jc.simulate, jc.close, jc.simulate_ensemble, jc.estimate):
+        assert "max_normal_stress" in inspect.signature(function).parameters
 
 
 _WITH_GRAIN_SIZE = """

@@ -97,7 +97,7 @@ def test_the_page_can_be_written_elsewhere_from_a_copy(folder, tmp_path):
 
 
 def test_the_folder_of_a_single_joint_has_a_page(tmp_path, capsys):
-    upper, lower = jc.wall_pair(9.0, (40, 44), SPACING, seed=4, correlation=0.95)
+    upper, lower = jc.wall_pair(9.0, (40, 44), SPACING, seed=4, correlation=0.95, roll_off=None)
     y, x = np.indices(upper.shape) * 1e3 * SPACING
     for name, heights in (("top", 1e-3 - upper), ("bottom", lower)):
         points = np.column_stack([x.ravel(), y.ravel(), 1e3 * heights.ravel()])

@@ -25,7 +25,7 @@ SHAPE = (96, 104)
 @pytest.fixture(scope="module")
 def joint():
     """Upper and lower wall, heights towards each other, correlated by 0.9."""
-    return jc.wall_pair(9.0, SHAPE, SPACING, seed=4, correlation=0.9)
+    return jc.wall_pair(9.0, SHAPE, SPACING, seed=4, correlation=0.9, roll_off=None)
 
 
 def scanned(wall, name, tilt=0.0):
@@ -65,7 +65,7 @@ def test_a_tilt_of_a_scan_is_removed_and_told(name, joint):
 
 
 def test_a_shift_is_found_and_the_same_places_meet():
-    upper, lower = jc.wall_pair(9.0, (110, 120), SPACING, seed=4, correlation=0.9)
+    upper, lower = jc.wall_pair(9.0, (110, 120), SPACING, seed=4, correlation=0.9, roll_off=None)
     first, second = upper[7:, 11:], lower[:-9, :-4]
     found = registered(scanned(first, "turned_about_y"), grid(second), cut_spikes=False)
     assert found.orientation == "turned_about_y"
@@ -77,7 +77,7 @@ def test_a_shift_is_found_and_the_same_places_meet():
 
 
 def test_scans_in_one_frame_stay_where_they_are_unless_they_are_to_mate():
-    upper, lower = jc.wall_pair(9.0, (96, 110), SPACING, seed=4, correlation=0.9)
+    upper, lower = jc.wall_pair(9.0, (96, 110), SPACING, seed=4, correlation=0.9, roll_off=None)
     first, second = upper[:, 6:], lower[:, :-6]
     stay = registered(scanned(first, "common_frame"), grid(second), cut_spikes=False)
     assert stay.shift == (0.0, 0.0)
@@ -244,7 +244,7 @@ def test_an_unknown_choice_is_named(key, value, joint):
 
 
 def test_mates_correlate_at_all_wavelengths_and_independent_walls_at_none():
-    upper, lower = jc.wall_pair(9.0, (128, 128), SPACING, seed=4, correlation=1.0)
+    upper, lower = jc.wall_pair(9.0, (128, 128), SPACING, seed=4, correlation=1.0, roll_off=None)
     mates = mating(upper, lower, SPACING)
     np.testing.assert_allclose(mates.correlation, 1.0, atol=1e-12)
     assert measured_mismatch(upper, lower, SPACING) == Mismatch(0.0, 0.0, 0.0)

@@ -12,6 +12,7 @@ import pytest
 import xarray as xr
 import yaml
 
+import jointclosure as jc
 from jointclosure import cli
 from jointclosure.config.configuration import merged, written_out
 from jointclosure.ensemble.aggregation import join_cases
@@ -19,7 +20,7 @@ from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.closing import close_surfaces
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import surfaces_of
-from jointclosure.storage.netcdf import write_netcdf
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.storage.text import read_text, write_csv
 from jointclosure.studies.measured.curves import curve_settings, measured_curves
 from tests.studied import DEFAULT, file_study, study_of
@@ -149,6 +150,24 @@ def test_python_samples_run_one_after_the_other(document, smoke_study, capsys):
     for code in codes:
         exec(compile(code, document.name, "exec"), namespace)
     assert capsys.readouterr().out
+
+
+def test_the_readmes_joint_succeeds_and_is_that_of_its_estimate_and_of_its_command(
+    tmp_path, capsys
+):
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    namespace: dict = {}
+    exec(re.search(r"^```python\n(.*?)^```", text, re.S | re.M).group(1), namespace)
+    joint, walls = namespace["joint"], (namespace["upper"], namespace["lower"])
+    assert int(joint.status) == 0
+    estimate = jc.estimate(*walls, **namespace["load"])
+    off = estimate.closure / float(joint.max_closure[0]) - 1.0
+    assert abs(off) < 3.0 * estimate.rms_error
+    words = shlex.split(re.search(r"`jointclosure (simulate [^`]+)`", text).group(1))
+    assert cli.main([*words, "--output", str(tmp_path / "joint.nc")]) == 0
+    again = read_netcdf(tmp_path / "joint.nc")
+    for variable in joint.data_vars:
+        np.testing.assert_array_equal(again[variable], joint[variable])
 
 
 @pytest.mark.parametrize("code", samples("yaml"))

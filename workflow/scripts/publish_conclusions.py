@@ -186,8 +186,9 @@ def _tilted(cycle: int) -> Number:
 
 
 def _larger(cycle: int) -> Number:
-    """By what the net closure of the largest patch is multiplied, of the smallest one's."""
-    rows = {"spectrum": "roll_off_3mm", "reading": "closure_net", "cycle": cycle, "to_mm": MOST}
+    """Ratio of the net closure since seating of the largest patch to that of the smallest."""
+    rows = {"spectrum": "roll_off_3mm", "reading": "closure_seated_net"}
+    rows |= {"cycle": cycle, "to_mm": MOST}
     return span("results/size/tables/size_barton_bandis.csv", "ratio", "error", **rows)
 
 

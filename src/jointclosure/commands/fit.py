@@ -5,7 +5,7 @@ import json
 import math
 from pathlib import Path
 
-from jointclosure.calibration import Fit, fit
+from jointclosure.calibration import Fit, assumptions, fit
 from jointclosure.commands import COMMANDS
 from jointclosure.commands.joint_options import (
     NEEDED,
@@ -96,13 +96,18 @@ def run(arguments) -> int:
     settings = _settings(arguments, float(curve.stress.max()))
     configuration, case = settings.typed, cases_of(settings.typed)[0]
     surface = configuration.surface
+    grid = configuration.grid
+    assumed = assumptions(
+        case.intact, case.jrc, grid.shape, grid.spacing, surface.roll_off, arguments.fit_strength
+    )
+    print(f"assumed (--jrc, --cells, --spacing and --set change it): {assumed}")
     with bar("closing") as show:
         found = fit(
             arguments.curve,
             rock=case.intact,
             jrc=case.jrc,
-            shape=configuration.grid.shape,
-            spacing=configuration.grid.spacing,
+            shape=grid.shape,
+            spacing=grid.spacing,
             seating_stress=configuration.seating_stress,
             fit_strength=arguments.fit_strength,
             stress_unit=arguments.stress_unit,
@@ -131,7 +136,7 @@ def run(arguments) -> int:
 
 
 def _settings(arguments, largest: float) -> Configured:
-    """The whole configuration that the arguments describe, checked; waves of all lengths."""
+    """The whole configuration that the arguments describe, checked."""
     grid: dict = {"cells_x": arguments.cells, "cells_y": arguments.cells}
     if arguments.spacing is not None:
         grid["spacing_mm"] = arguments.spacing
@@ -140,8 +145,7 @@ def _settings(arguments, largest: float) -> Configured:
         raise InputError("--jrc: must be given")
     own = {"max_normal_stress_MPa": 1e-6 * largest, "walls": None}
     needed = tuple(option for option in NEEDED if option != "stress")
-    changes = {"grid": grid, "surface": {"roll_off_mm": None}}
-    return joint_configuration(base, arguments, own, changes, needed)
+    return joint_configuration(base, arguments, own, {"grid": grid}, needed)
 
 
 def _record(found: Fit, settings: Configured) -> dict:
@@ -152,6 +156,8 @@ def _record(found: Fit, settings: Configured) -> dict:
         "mismatch_wavelength_mm": _scaled(found.mismatch_wavelength, 1e3),
         "compressive_strength_MPa": None if strength is None else _scaled(strength, 1e-6),
         "p_value": found.p_value,
+        "interval_holds": found.interval_holds,
+        "assumed": found.assumed,
         "stress_MPa": (1e-6 * found.measured.levels).tolist(),
         "measured_mm": (1e3 * found.measured.values).tolist(),
         "likelihood": {

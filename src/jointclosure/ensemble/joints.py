@@ -15,7 +15,7 @@ from jointclosure.ensemble.settings import Conditions
 from jointclosure.ensemble.workers import Failed, ProcessLostError, shared
 from jointclosure.given_walls import checked_walls
 from jointclosure.inputs import InputError, check_number
-from jointclosure.loading import largest_stress
+from jointclosure.loading import SEATING_STRESS, largest_stress
 from jointclosure.parameters import Choices, Effects, Numerics, Rock
 from jointclosure.progress import bar
 from jointclosure.protocol import FLAGS
@@ -35,7 +35,7 @@ def simulate_ensemble(
     max_normal_stress: float | Sequence[float],
     seeds: Iterable[int] = range(20),
     cycles: int | None = None,
-    seating_stress: float = 0.5e6,
+    seating_stress: float = SEATING_STRESS,
     stress_points: int = 31,
     effects: Effects = Effects(),
     choices: Choices = Choices(),

@@ -11,7 +11,7 @@ from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError
-from jointclosure.loading import load_said
+from jointclosure.loading import SEATING_STRESS, load_said
 from jointclosure.parameters import Choices, Effects, Numerics, Rock
 from jointclosure.protocol import FAILURE, Report
 from jointclosure.scans import read_scan
@@ -65,7 +65,7 @@ def close(
     rock: str | Rock | tuple[Rock, Rock],
     max_normal_stress: float | Sequence[float],
     cycles: int | None = None,
-    seating_stress: float = 0.5e6,
+    seating_stress: float = SEATING_STRESS,
     units: str | None = None,
     grid_spacing: float | None = None,
     orientation: str | None = None,
@@ -92,7 +92,7 @@ def close(
     max_normal_stress, cycles
         As for `jointclosure.simulate`: a maximum [Pa] and how often, or a load history.
     seating_stress : float
-        Where the ``_seated`` closures start to count [Pa]: laboratory curves start there.
+        Where the ``_seated`` closures start to count [Pa].
     units : {"m", "mm", "um", "nm"}, optional
         Of both files, where these do not say them.
     grid_spacing : float, optional

@@ -18,6 +18,9 @@ from jointclosure.surface.roughness import DEFAULT_RELATION, detrended, rms_slop
 
 RULES = ("self_affine", "walk")
 """How the long waves of a wall go with the short ones."""
+ROLL_OFF = 3e-3
+"""Wavelength [m] beyond which the power spectrum of a wall is flat, of the default study too
+(docs/decisions/0013-readings.md)."""
 
 
 class Spectrum(NamedTuple):
@@ -184,7 +187,7 @@ def wall_pair(
     shift_in_cells: int = 0,
     mismatch_wavelength: float | None = None,
     rule: str = "self_affine",
-    roll_off: float | None = None,
+    roll_off: float | None = ROLL_OFF,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Upper and lower wall of a joint, heights towards the other wall.
 
@@ -220,7 +223,8 @@ def wall_pair(
         along y, projected on the nearest heights (`Spectrum`). Then ``hurst`` only carries Z2 from
         the interval of the relation to the spacing.
     roll_off : float, optional
-        Wavelength [m] beyond which the power spectrum is flat; None for none.
+        Wavelength [m] beyond which the power spectrum is flat; None: walls with waves of all
+        lengths.
 
     Returns
     -------

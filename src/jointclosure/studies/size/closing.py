@@ -29,6 +29,7 @@ from jointclosure.surface.roughness import detrended, rms_slope, z2_of_jrc
 READ = {
     "closure": ("m", "largest closure of the cycle, from its start"),
     "closure_net": ("m", "the same net of bulk indentation"),
+    "closure_seated_net": ("m", "the same since seating"),
     "residual_seated_net": ("m", "net residual closure at seating"),
     "stiffness_net": (
         "Pa/m",
