@@ -1,7 +1,6 @@
 """The claims of Rezaei Niya & Selvadurai, "Modeling the Approach of Non-mated Rock Fracture
 Surfaces Under Quasi-static Normal Load Cycles", in one table that all studies use."""
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -120,8 +119,6 @@ CLAIMS = (
           None, (), _FIG_5, remark="the measured curves are not available"),
 )  # fmt: skip
 """All claims, in the order in which they are shown."""
-
-Finder = Callable[[Findings], np.ndarray | None]
 
 
 def statements_of_elasticities() -> list[Statement]:

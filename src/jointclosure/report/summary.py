@@ -76,10 +76,10 @@ def finding(numbers: Sheet, elasticities: pd.DataFrame | None, configuration: Co
     if "Closure, cycle 2 (mm)" in said:
         text += f", and {said['Closure, cycle 2 (mm)']} mm when they are loaded again"
     text += f"; {said['Of the first closure stays (%)']} % of the first closure stays."
-    return f"{text} {_sensitive(elasticities)}".strip()
+    return f"{text} {sensitivity_sentence(elasticities)}".strip()
 
 
-def _sensitive(elasticities: pd.DataFrame | None) -> str:
+def sensitivity_sentence(elasticities: pd.DataFrame | None) -> str:
     """The property that the last cycle's closure is most sensitive to, where that can be told."""
     if elasticities is None or not len(elasticities):
         return ""

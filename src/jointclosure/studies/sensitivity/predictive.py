@@ -26,6 +26,7 @@ from jointclosure.statistics.drawn_studies import (
 )
 from jointclosure.statistics.joint_tests import joint_test, p_of_table
 from jointclosure.statistics.predictive import length_distribution, share_as_short, two_sided_p
+from jointclosure.studies.sensitivity.intervals import UNPAIRED
 from jointclosure.studies.sensitivity.responses import (
     RockSample,
     rock_sample,
@@ -172,11 +173,12 @@ def predictive_table(found: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        In the units of Table 1. Ends of ranges are infinite where too many repetitions have no
-        root. ``median_error`` is from the number of repetitions, ``median_pool_error`` from
-        that of the pool's surfaces, which the ranges contain. ``p``: two-sided, of the paper's
-        entry; ``null_p``: probability of a length as short as the paper's where the parameter
-        has no effect. Errors of probabilities are of repetitions and of the pool's surfaces
+        In the units of Table 1; ``test`` of the lengths. Ends of ranges are infinite where too
+        many repetitions have no root. ``median_error`` is from the number of repetitions,
+        ``median_pool_error`` from that of the pool's surfaces, which the ranges contain. ``p``:
+        two-sided, of the paper's entry; ``null_p``: probability of a length as short as the
+        paper's where the parameter has no effect. Errors of probabilities are of repetitions and
+        of the pool's surfaces
         together. Without these for other rocks.
     """
     published = _published(paper)
@@ -187,6 +189,7 @@ def predictive_table(found: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
         summary = length_distribution(lengths)._asdict()
         share = summary.pop("share_without_root")
         row = {"rock": rock, "parameter": parameter, "cycle": cycle, "unit": unit.unit}
+        row["test"] = UNPAIRED
         row |= {"base": own / unit.size, "pool": found.pool[rock], "repetitions": lengths.size}
         row |= {name: value / unit.size for name, value in summary.items()}
         row["median_percent"] = 100.0 * summary["median"] / own if own else np.nan
