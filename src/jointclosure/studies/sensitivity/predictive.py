@@ -62,6 +62,10 @@ class Predictive(NamedTuple):
     pool: dict[str, int]
     resampled: list[Resampled]
 
+    def pools(self) -> list[Resampled]:
+        """Lengths from the pool itself, and from resampled ones."""
+        return [Resampled(self.lengths, self.null), *self.resampled]
+
 
 def predictive(
     ensemble: xr.Dataset,
@@ -210,7 +214,7 @@ def _of_paper(length: float, entry: Entry, found: Predictive, size: float) -> di
     row = {"paper_length": length}
     for prefix, probability in (("", two_sided_p), ("null_", share_as_short)):
         of_model, *resampled = (
-            (each.null if prefix else each.lengths)[entry] for each in (found, *found.resampled)
+            (each.null if prefix else each.lengths)[entry] for each in found.pools()
         )
         p = probability(of_model, length * size)
         again = [probability(each, length * size) for each in resampled]
@@ -238,7 +242,7 @@ def joint_table(found: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
         for prefix in ("", "null_"):
             lengths, *resampled = (
                 np.stack([(each.null if prefix else each.lengths)[e] for e in chosen], axis=1)
-                for each in (found, *found.resampled)
+                for each in found.pools()
             )
             if np.any(lengths == 0.0):  # a closure without any scatter: nothing is drawn
                 continue
