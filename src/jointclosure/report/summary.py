@@ -19,8 +19,11 @@ from jointclosure.statistics.verdicts import (
     verdict,
 )
 
-FIRST_PICTURES = ("fig_5_closure", "table_3_intervals")
-"""Shown on the first screen, those of them that a study has."""
+FIRST_PICTURES = {
+    "independent": ("fig_5_closure", "table_3_intervals"),
+    "common": ("fig_5_closure", "along_curve_elasticities"),
+}
+"""Shown on the first screen by a study's draws, those of them that it has."""
 
 
 def summary_sheet(study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
