@@ -8,7 +8,7 @@ import pytest
 
 from jointclosure.config.keys import ConfigurationKeys
 from jointclosure.config.schema import json_schema
-from jointclosure.report import curves, findings
+from jointclosure.report import curves, findings, summary
 from jointclosure.report.captions import read_caption
 from jointclosure.report.curves import MOST_JOINTS, explorer_data
 from jointclosure.report.settings import departures, setting_rows
@@ -179,3 +179,31 @@ def test_a_claim_that_nothing_moves_is_not_among_those_that_something_does():
     sheet = findings.moved_sheet(concluded())
     assert [row[0].text for row in sheet.rows] == ["2a"]
     assert [cell.text for cell in sheet.rows[0][2:5]] == ["–", "H = 0.4", "the ratio (18 to 72 %)"]
+
+
+def elasticities(of_modulus: dict, error: float, samples: int = 60) -> pd.DataFrame:
+    """Elasticities to Young's modulus by rock, and one of 0.6 to strength, on cycle 2."""
+    rows = [
+        {"rock": rock, "parameter": name, "cycle": 2, "samples": samples,
+         "elasticity": value, "elasticity_standard_error": error}
+        for rock, modulus in of_modulus.items()
+        for name, value in (("youngs_modulus", modulus), ("compressive_strength", 0.6))
+    ]  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+@pytest.mark.parametrize(
+    ("table", "verdict"),
+    [
+        (elasticities({"slate": -1.0, "dolerite": -1.1}, 0.02), "stands"),
+        (elasticities({"slate": -1.0, "dolerite": -1.1}, 0.2, samples=4), "cannot be told"),
+        (elasticities({"slate": -1.0, "dolerite": -0.65}, 0.005), "no difference"),
+        (elasticities({"slate": -1.0, "dolerite": -0.2}, 0.02), "falls"),
+    ],
+)
+def test_the_headline_says_no_more_than_its_verdict(table, verdict):
+    assert summary.most_sensitive(table, "youngs_modulus") == verdict
+    sentence = summary.sensitivity_sentence(table)
+    assert ("is most sensitive to Young's modulus in all 2 rocks" in sentence) == (
+        verdict == "stands"
+    )

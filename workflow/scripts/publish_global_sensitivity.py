@@ -205,7 +205,7 @@ def jrc_range() -> str:
     rows = []
     names = {"base": "S/mean (%)", "joint p": "p of the paper's Table 3"}
     for (name, cycle), own in table.groupby(["parameter", "cycle"], sort=False):
-        title = names.get(name, f"median length of {name.replace('_', ' ')} (%)")
+        title = names.get(name, f"median length of {name.replace('_', ' ')}, unpaired t test (%)")
         row, dashes = {"": title, "cycle": cycle or ""}, {"": "its dashes (%)", "cycle": cycle}
         for half_width, part in own.groupby("half_width"):
             title = f"JRC ± {half_width:g}" if half_width else "JRC known"

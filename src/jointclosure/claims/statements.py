@@ -6,7 +6,7 @@ surfaces changes these, while the lengths of Table 3 in percent go as the scatte
 """
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -26,18 +26,20 @@ TOLERANCE = NEGLIGIBLE / 0.2
 """Elasticities that differ by less count as alike. A property of one rock is known to a fifth at
 best; a change by as much then changes the closure by less than `NEGLIGIBLE`."""
 
-Margins = Mapping[str, np.ndarray]
+Value = Any
+"""A number, or an array of them."""
+Margins = Mapping[str, Value]
 """Margins by name: numbers, or arrays alike in shape."""
 
 
 class Elastic(Protocol):
     """A model of a rock of which elasticities are known."""
 
-    def elasticity(self, parameter: str, cycle: int, variable: str = TARGET) -> np.ndarray:
+    def elasticity(self, parameter: str, cycle: int, variable: str = TARGET) -> Value:
         """d ln(closure)/d ln(parameter) at the rock's own value."""
         ...
 
-    def slopes(self, parameter: str, cycle: int, variable: str = TARGET) -> list[np.ndarray]:
+    def slopes(self, parameter: str, cycle: int, variable: str = TARGET) -> list[Value]:
         """The same from each level to the next, where levels are known."""
         ...
 
@@ -45,15 +47,15 @@ class Elastic(Protocol):
 class Closed(Elastic, Protocol):
     """A model of a rock whose closures at all levels are known."""
 
-    def change(self, parameter: str, cycle: int, change: float) -> np.ndarray:
+    def change(self, parameter: str, cycle: int, change: float) -> Value:
         """Relative change of the closure with a change of the parameter."""
         ...
 
-    def loop(self, cycle: int) -> np.ndarray:
+    def loop(self, cycle: int) -> Value:
         """Loop over the closure, see `LOOP`."""
         ...
 
-    def significant(self, cycle: int) -> np.ndarray:
+    def significant(self, cycle: int) -> Value:
         """Relative change of the mean closure that a study of the paper's size finds."""
         ...
 
@@ -61,13 +63,13 @@ class Closed(Elastic, Protocol):
 class Elasticities(NamedTuple):
     """Elasticities by (parameter, cycle): what some studies know of a rock."""
 
-    by_cycle: Mapping[tuple[str, int], np.ndarray]
+    by_cycle: Mapping[tuple[str, int], Value]
 
-    def elasticity(self, parameter: str, cycle: int, variable: str = TARGET) -> np.ndarray:
+    def elasticity(self, parameter: str, cycle: int, variable: str = TARGET) -> Value:
         """As of `Elastic`; of one variable only."""
         return self.by_cycle[parameter, cycle]
 
-    def slopes(self, parameter: str, cycle: int, variable: str = TARGET) -> list[np.ndarray]:
+    def slopes(self, parameter: str, cycle: int, variable: str = TARGET) -> list[Value]:
         """As of `Elastic`: the elasticity itself."""
         return [self.elasticity(parameter, cycle, variable)]
 
@@ -120,7 +122,7 @@ class Statement(NamedTuple):
         return 0.0 if self.within else self.above
 
 
-def _size(model: Elastic, parameter: str, cycle: int, variable: str) -> np.ndarray:
+def _size(model: Elastic, parameter: str, cycle: int, variable: str) -> Value:
     return np.abs(model.elasticity(parameter, cycle, variable))
 
 

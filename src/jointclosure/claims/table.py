@@ -1,14 +1,13 @@
 """The claims of Rezaei Niya & Selvadurai, "Modeling the Approach of Non-mated Rock Fracture
 Surfaces Under Quasi-static Normal Load Cycles", in one table that all studies use."""
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from jointclosure.claims import statements
 from jointclosure.claims.found import NET, TARGET, Findings
-from jointclosure.claims.statements import Closed, Statement
+from jointclosure.claims.statements import Closed, Statement, Value
 
 OURS = "ours"
 """Source of a claim that is a variant of ours, and not the paper's."""
@@ -35,6 +34,19 @@ class Claim(NamedTuple):
     negated: bool = False
     remark: str = ""
 
+    @property
+    def judged_by(self) -> Statement:
+        """Its statement.
+
+        Raises
+        ------
+        ValueError
+            It has none.
+        """
+        if self.statement is None:
+            raise ValueError(f"claim {self.number}: {self.remark}")
+        return self.statement
+
     def cycles_among(self, names: tuple[tuple[str, int], ...]) -> list[int]:
         """Cycles for which all that the statement needs is among targets (variable, cycle)."""
         if self.statement is None:
@@ -42,13 +54,12 @@ class Claim(NamedTuple):
         cycles = {cycle for variable, cycle in names if variable == self.variable}
         return [cycle for cycle in self.cycles if cycles.issuperset(self.statement.cycles(cycle))]
 
-    def margins(self, model: Closed, cycles: list[int]) -> dict[tuple[str, int], np.ndarray]:
+    def margins(self, model: Closed, cycles: list[int]) -> dict[tuple[str, int], Value]:
         """Margins of the statement by name and cycle."""
-        assert self.statement is not None
         return {
             (name, cycle): value
             for cycle in cycles
-            for name, value in self.statement.margins(model, cycle, self.variable).items()
+            for name, value in self.judged_by.margins(model, cycle, self.variable).items()
         }
 
     def found_in(self, studies: Findings) -> np.ndarray | None:
@@ -120,8 +131,6 @@ CLAIMS = (
           None, (), _FIG_5, remark="the measured curves are not available"),
 )  # fmt: skip
 """All claims, in the order in which they are shown."""
-
-Finder = Callable[[Findings], np.ndarray | None]
 
 
 def statements_of_elasticities() -> list[Statement]:

@@ -66,7 +66,9 @@ def content(material: Material) -> dict:
         "finding": summary.finding(numbers, material.elasticities, configuration),
         "validity": summary.validity(configuration, found),
         "first_pictures": [
-            picture for picture in material.pictures if picture.name in summary.FIRST_PICTURES
+            picture
+            for picture in material.pictures
+            if picture.name in summary.FIRST_PICTURES[configuration.study.draws]
         ],
         "configuration": configuration,
         "rocks": configuration.rocks,

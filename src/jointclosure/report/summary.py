@@ -19,8 +19,11 @@ from jointclosure.statistics.verdicts import (
     verdict,
 )
 
-FIRST_PICTURES = ("fig_5_closure", "table_3_intervals")
-"""Shown on the first screen, those of them that a study has."""
+FIRST_PICTURES = {
+    "independent": ("fig_5_closure", "table_3_intervals"),
+    "common": ("fig_5_closure", "along_curve_elasticities"),
+}
+"""Shown on the first screen by a study's draws, those of them that it has."""
 
 
 STAYS = "Of it since seating, net, stays (%)"
@@ -72,10 +75,10 @@ def finding(numbers: Sheet, elasticities: pd.DataFrame | None, configuration: Co
     if "Closure, cycle 2 (mm)" in said:
         text += f", and {said['Closure, cycle 2 (mm)']} mm when they are loaded again"
     text += f"; {said[STAYS]} % of the first net closure since seating stays."
-    return f"{text} {_sensitive(elasticities)}".strip()
+    return f"{text} {sensitivity_sentence(elasticities)}".strip()
 
 
-def _sensitive(elasticities: pd.DataFrame | None) -> str:
+def sensitivity_sentence(elasticities: pd.DataFrame | None) -> str:
     """The property that the last cycle's closure is most sensitive to, where that can be told."""
     if elasticities is None or not len(elasticities):
         return ""

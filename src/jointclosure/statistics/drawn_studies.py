@@ -141,7 +141,7 @@ def resampled_pools(
             for pool in own:
                 size = pool.values.shape[1]
                 if pool.surfaces not in chosen:
-                    chosen[pool.surfaces] = random.integers(size, size=size)
+                    chosen[pool.surfaces] = random.integers(size, size=(size,))
             resampled = (Pool(p.values[:, chosen[p.surfaces]], p.surfaces) for p in own)
             changed[key] = Sensitivity(levels, base, tuple(resampled))
         yield changed

@@ -111,17 +111,19 @@ def _of_rocks(
     properties = {one.name: one.property for one in design.inputs}
     margins = {}
     for rock in design.rocks:
-        of_cycles = {c: found.get((rock, name, c)) for c in statement.cycles(cycle)}
-        if any(
-            own is None or not set(statement.parameters) <= {properties[one] for one in own.inputs}
-            for own in of_cycles.values()
-        ):
+        of_cycles = {
+            c: own
+            for c in statement.cycles(cycle)
+            if (own := found.get((rock, name, c))) is not None
+            and set(statement.parameters) <= {properties[one] for one in own.inputs}
+        }
+        if len(of_cycles) < len(statement.cycles(cycle)):
             return {}
         rows = functools.reduce(np.intersect1d, [own.rows for own in of_cycles.values()])
 
         def least(part, of_cycles=of_cycles) -> np.ndarray:
             by_cycle = {
-                (properties[one], c): values
+                (str(properties[one]), c): values
                 for c, own in of_cycles.items()
                 for one, values in zip(own.inputs, part(own), strict=True)
             }

@@ -78,15 +78,15 @@ def claims_judged(
         for claim in asked:
             (cycle,) = claim.cycles
             value, *left_out = (
-                float(claim.statement.least(each, cycle)) for each in (whole, *parts)
+                float(claim.judged_by.least(each, cycle)) for each in (whole, *parts)
             )
             estimate = (value, jackknife_error(left_out))
             intervals[claim.number].append(t_interval(estimate, count, confidence))
     return {
         claim.number: verdict(
-            claim.statement.least_interval(intervals[claim.number]),
-            (claim.statement.true_above(), np.inf),
-            claim.statement.alike,
+            claim.judged_by.least_interval(intervals[claim.number]),
+            (claim.judged_by.true_above(), np.inf),
+            claim.judged_by.alike,
         )
         if intervals[claim.number]
         else CANNOT_BE_TOLD

@@ -14,6 +14,7 @@ from jointclosure.randomness import generator, seed_of
 from jointclosure.statistics.drawn_studies import Design, DrawnResponse, draw_studies
 from jointclosure.statistics.predictive import length_distribution
 from jointclosure.statistics.standard_errors import elasticity, rounded, variation_of
+from jointclosure.studies.sensitivity.intervals import UNPAIRED
 from jointclosure.studies.sensitivity.responses import (
     RockSample,
     rock_sample,
@@ -27,6 +28,7 @@ COLUMNS = (
     "rock", "parameter", "cycle", "stress_MPa", "samples", "elasticity",
     "elasticity_standard_error", "elasticity_shown", "variation", "variation_standard_error",
     "percent_median", "percent_low_90", "percent_high_90", "share_without_root",
+    "test",
 )  # fmt: skip
 
 
@@ -55,7 +57,7 @@ def along_curve(
     DataFrame
         By rock, parameter, cycle and stress: elasticity and S/mean (``variation``) with standard
         errors; median, 5 and 95 % of the published length in percent of the rock's own value,
-        infinite for no root.
+        infinite for no root, by the ``test``.
     """
     rows = []
     for rock in rocks_of(ensemble):
@@ -88,7 +90,7 @@ def _rows(
             lengths = length_distribution(100.0 * drawn.lengths[:, i] / abs(levels.base))
             row |= {"percent_median": lengths.median, "percent_low_90": lengths.low_90}
             row |= {"percent_high_90": lengths.high_90}
-            row["share_without_root"] = lengths.share_without_root
+            row |= {"share_without_root": lengths.share_without_root, "test": UNPAIRED}
         at_base = values[levels.values == levels.base][0]
         row["variation"], row["variation_standard_error"] = variation_of(at_base)
         rows.append(row)

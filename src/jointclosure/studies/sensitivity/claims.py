@@ -118,7 +118,7 @@ def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame,
     judged = _judged(evidence, paper)
     rows, margins = [], []
     for claim in CLAIMS:
-        row = {"number": claim.number, "claim": claim.text, "said_in": claim.said_in}
+        row: dict = {"number": claim.number, "claim": claim.text, "said_in": claim.said_in}
         row |= {"paper": _papers_figures(claim, paper, judged.samples), "remark": claim.remark}
         word, own = _true(claim, judged)
         row |= {"verdict": word} | _found(claim, judged)
@@ -207,7 +207,7 @@ def _margins(sample: RockSample, critical: float) -> dict[str, dict[tuple[str, i
         claim: cycles
         for claim in CLAIMS
         if (cycles := claim.cycles_among(sample.names))
-        and set(claim.statement.parameters) <= set(sample.levels)
+        and set(claim.judged_by.parameters) <= set(sample.levels)
     }
     whole = _with_squares(sample)
 
@@ -237,8 +237,8 @@ def _true(claim: Claim, judged: _Judged) -> tuple[str, list[dict]]:
         own = [t_interval(each, sizes[rock], confidence) for each in estimates.values()]
         intervals += own
         rows += _margin_rows(claim, rock, estimates, own)
-    least = claim.statement.least_interval(intervals)
-    answer = verdict(least, (claim.statement.true_above(), np.inf), claim.statement.alike)
+    least = claim.judged_by.least_interval(intervals)
+    answer = verdict(least, (claim.judged_by.true_above(), np.inf), claim.judged_by.alike)
     if claim.negated:
         answer = {STANDS: FALLS, FALLS: STANDS}.get(answer, answer)
     return answer, rows
@@ -249,8 +249,8 @@ def _margin_rows(
 ) -> list[dict]:
     """Margins of a rock; the one decides that is least, in standard errors, where it is true."""
     inside = [
-        (claim.statement.least_interval([Interval(each.value, each.value)]).low
-         - claim.statement.true_above())
+        (claim.judged_by.least_interval([Interval(each.value, each.value)]).low
+         - claim.judged_by.true_above())
         for each in estimates.values()
     ]  # fmt: skip
     errors = [each.standard_error for each in estimates.values()]
@@ -330,7 +330,7 @@ def _papers_figures(claim: Claim, paper: pd.DataFrame, samples: list[RockSample]
         return claim.shown
     rocks = {sample.rock for sample in samples}
     part = paper[(paper.parameter == claim.parameter) & paper.rock.isin(rocks)]
-    part = part[part.cycle.isin({c for each in claim.cycles for c in claim.statement.cycles(each)})]
+    part = part[part.cycle.isin({c for each in claim.cycles for c in claim.judged_by.cycles(each)})]
     return "; ".join(
         f"cycle {cycle}: " + ", ".join(_entry(row) for row in rows.itertuples())
         for cycle, rows in part.groupby("cycle")

@@ -26,6 +26,7 @@ from jointclosure.statistics.drawn_studies import (
 )
 from jointclosure.statistics.joint_tests import joint_test, p_of_table
 from jointclosure.statistics.predictive import length_distribution, share_as_short, two_sided_p
+from jointclosure.studies.sensitivity.intervals import UNPAIRED
 from jointclosure.studies.sensitivity.responses import (
     RockSample,
     rock_sample,
@@ -60,6 +61,10 @@ class Predictive(NamedTuple):
     bases: dict[Entry, float]
     pool: dict[str, int]
     resampled: list[Resampled]
+
+    def pools(self) -> list[Resampled]:
+        """Lengths from the pool itself, and from resampled ones."""
+        return [Resampled(self.lengths, self.null), *self.resampled]
 
 
 def predictive(
@@ -172,11 +177,12 @@ def predictive_table(found: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        In the units of Table 1. Ends of ranges are infinite where too many repetitions have no
-        root. ``median_error`` is from the number of repetitions, ``median_pool_error`` from
-        that of the pool's surfaces, which the ranges contain. ``p``: two-sided, of the paper's
-        entry; ``null_p``: probability of a length as short as the paper's where the parameter
-        has no effect. Errors of probabilities are of repetitions and of the pool's surfaces
+        In the units of Table 1; ``test`` of the lengths. Ends of ranges are infinite where too
+        many repetitions have no root. ``median_error`` is from the number of repetitions,
+        ``median_pool_error`` from that of the pool's surfaces, which the ranges contain. ``p``:
+        two-sided, of the paper's entry; ``null_p``: probability of a length as short as the
+        paper's where the parameter has no effect. Errors of probabilities are of repetitions and
+        of the pool's surfaces
         together. Without these for other rocks.
     """
     published = _published(paper)
@@ -187,6 +193,7 @@ def predictive_table(found: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
         summary = length_distribution(lengths)._asdict()
         share = summary.pop("share_without_root")
         row = {"rock": rock, "parameter": parameter, "cycle": cycle, "unit": unit.unit}
+        row["test"] = UNPAIRED
         row |= {"base": own / unit.size, "pool": found.pool[rock], "repetitions": lengths.size}
         row |= {name: value / unit.size for name, value in summary.items()}
         row["median_percent"] = 100.0 * summary["median"] / own if own else np.nan
@@ -207,7 +214,7 @@ def _of_paper(length: float, entry: Entry, found: Predictive, size: float) -> di
     row = {"paper_length": length}
     for prefix, probability in (("", two_sided_p), ("null_", share_as_short)):
         of_model, *resampled = (
-            (each.null if prefix else each.lengths)[entry] for each in (found, *found.resampled)
+            (each.null if prefix else each.lengths)[entry] for each in found.pools()
         )
         p = probability(of_model, length * size)
         again = [probability(each, length * size) for each in resampled]
@@ -235,7 +242,7 @@ def joint_table(found: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
         for prefix in ("", "null_"):
             lengths, *resampled = (
                 np.stack([(each.null if prefix else each.lengths)[e] for e in chosen], axis=1)
-                for each in (found, *found.resampled)
+                for each in found.pools()
             )
             if np.any(lengths == 0.0):  # a closure without any scatter: nothing is drawn
                 continue
