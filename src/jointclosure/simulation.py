@@ -324,7 +324,7 @@ def checked_conditions(
     choices: Choices,
     numerics: Numerics,
     unusual_values: bool,
-) -> tuple[tuple[Rock, Rock], list[LoadCycle]]:
+) -> tuple[tuple[Rock, Rock], tuple[LoadCycle, ...]]:
     """Rocks of both walls and cycles of the load, of arguments of `simulate` that are checked.
 
     ``spacing`` is None where it is not known before the walls are.

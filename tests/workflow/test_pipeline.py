@@ -107,6 +107,27 @@ def test_the_run_writes_what_the_readme_promises(study):
     assert set(checks.ensemble) == {"cases", "pool"}
 
 
+SMALLEST = """study: {name: smallest, rocks: [slate], realizations: 2, pool: %s, cycles: %d}
+grid: {cells_x: 3, cells_y: 3}
+surface: {roll_off_mm: null}
+rocks:
+  slate:
+    max_normal_stress_MPa: 1
+    levels: {poisson_ratio: null, youngs_modulus_GPa: null, jrc: [5, 8]}
+statistics: {bootstrap_resamples: 10, repetitions: 100, control_variates: 100}
+output: {stress_points: 2}
+"""
+
+
+@pytest.mark.parametrize(("pool", "cycles"), [("null", 1), ("2", 2)])
+def test_the_smallest_legal_study_finishes(tmp_path, pool, cycles):
+    folder = checkout(tmp_path)
+    (folder / "smallest.yaml").write_text(SMALLEST % (pool, cycles))
+    answer = snakemake(folder, config="smallest.yaml")
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    assert (folder / "results/smallest/figures/table_3_intervals.png").is_file()
+
+
 def test_the_dataset_has_coordinates_units_and_provenance(study):
     dataset = read_netcdf(study / "results/tiny/study.nc")
     assert dict(dataset.sizes) == {

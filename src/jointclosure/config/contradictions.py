@@ -2,6 +2,7 @@
 
 import difflib
 import itertools
+import math
 from collections.abc import Callable, Iterator
 
 from jointclosure.config.typed import Configuration, StudyRock
@@ -156,7 +157,7 @@ def _size_problems(configuration: Configuration) -> Iterator[str]:
 
 
 def _whole(ratio: float) -> bool:
-    return abs(ratio - round(ratio)) < 1e-9 * ratio
+    return math.isfinite(ratio) and abs(ratio - round(ratio)) < 1e-9 * ratio
 
 
 def _among(value: float, values: tuple[float, ...]) -> bool:

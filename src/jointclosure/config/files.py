@@ -115,7 +115,7 @@ def _parsed(text: str, path: str | Path) -> object:
 
 
 def _check_plain(settings: dict, path: str | Path) -> None:
-    """Refuse what is too deep, too large once its aliases are written out, or has odd keys."""
+    """Refuse what is too deep, too large once its aliases are written out, or no plain data."""
     waiting, count = [(settings, 0)], 0
     while waiting:
         value, depth = waiting.pop()
@@ -136,6 +136,8 @@ def _check_plain(settings: dict, path: str | Path) -> None:
         parts = value.values() if isinstance(value, dict) else value
         if isinstance(value, dict | list):
             waiting += [(part, depth + 1) for part in parts]
+        elif not isinstance(value, str | int | float | None):  # YAML reads dates
+            raise ConfigurationError(f"{path}: {value}: is a {type(value).__name__}; quote a text")
 
 
 def _short(value: object) -> str:

@@ -3,6 +3,7 @@
 import math
 from decimal import Decimal
 
+from jointclosure.inputs import InputError, check_number
 from jointclosure.properties import SI_FACTORS
 
 
@@ -17,6 +18,11 @@ def to_si(settings: dict) -> dict:
 
     ``{"youngs_modulus_GPa": 78}`` becomes ``{"youngs_modulus": 78e9}``; a key
     without a known unit is kept, lists and nested settings are converted too.
+
+    Raises
+    ------
+    InputError
+        A value of a key with a unit is no number, as nested settings are not checked before.
     """
     converted: dict = {}
     for key, value in settings.items():
@@ -28,10 +34,19 @@ def to_si(settings: dict) -> dict:
         elif value is None:
             converted[name] = None
         elif isinstance(value, list | tuple):
-            converted[name] = [_scaled(item, _power(unit)) for item in value]
+            converted[name] = [_in_si(key, item, unit) for item in value]
         else:
-            converted[name] = _scaled(value, _power(unit))
+            converted[name] = _in_si(key, value, unit)
     return converted
+
+
+def _in_si(key: str, value: float, unit: str) -> float:
+    """A value of a key in SI; `InputError` where it is no number that double precision holds."""
+    check_number(key, value)
+    number = _scaled(value, _power(unit))
+    if math.isfinite(value) and (math.isinf(number) or (value != 0.0 and number == 0.0)):
+        raise InputError(f"{key} = {value!r}: must be a number that fits in double precision in SI")
+    return number
 
 
 def in_unit(value: float, unit: str) -> float | int:

@@ -46,15 +46,13 @@ class Flow(NamedTuple):
 class _Network(NamedTuple):
     """Conductances between nodes: the cells in C order, the inlet, and the outlet last.
 
-    ``first`` and ``second`` (n,) are the nodes of each face. ``left_out`` has those that count as
-    closed and are not quite.
+    ``first`` and ``second`` (n,) are the nodes of each face.
     """
 
     first: np.ndarray
     second: np.ndarray
     conductance: np.ndarray
     nodes: int
-    left_out: "_Network | None" = None
 
 
 def flow_along(aperture: np.ndarray, direction: str) -> Flow:
@@ -79,12 +77,12 @@ def flow_along(aperture: np.ndarray, direction: str) -> Flow:
     field = aperture if direction == "x" else aperture.T
     largest = float(field.max())
     nowhere = np.full(aperture.shape, np.nan)
-    network = _network((field / largest) ** 3) if largest > 0.0 else None
-    joined = _joined(network) if network is not None else None
-    if network is None:
+    if not largest > 0.0:
         return Flow(0.0, BLOCKED, 0.0, nowhere)
+    network, left_out = _networks((field / largest) ** 3)
+    joined = _joined(network)
     if joined is None:
-        status = BLOCKED if _joined(_whole(network)) is None else AT_LEAST
+        status = BLOCKED if _joined(_together(network, left_out)) is None else AT_LEAST
         return Flow(0.0, status, 0.0, nowhere)
     try:
         pressures = _pressures(network, joined)
@@ -96,13 +94,14 @@ def flow_along(aperture: np.ndarray, direction: str) -> Flow:
     rows, columns = field.shape
     shown = np.where(joined, pressures[0], np.nan)[:-2].reshape(field.shape)
     hydraulic = largest * float(np.cbrt(outflow * columns / rows))
-    counts = _left_out_flow(network, joined, pressures[0]) > LARGEST_IMBALANCE * outflow
+    added = _left_out_flow(network, left_out, joined, pressures[0])
+    counts = added > LARGEST_IMBALANCE * outflow
     status = AT_LEAST if counts else FLOWS
     return Flow(hydraulic, status, imbalance, shown if direction == "x" else shown.T)
 
 
-def _network(transmissivity: np.ndarray) -> _Network:
-    """Faces between cells (y, x) and to both sides along x; those that are `CLOSED` left out."""
+def _networks(transmissivity: np.ndarray) -> tuple[_Network, _Network]:
+    """Open faces between cells (y, x) and to both sides along x; those `CLOSED` that pass any."""
     rows, columns = transmissivity.shape
     cells = np.arange(rows * columns).reshape(rows, columns)
     inlet, outlet = cells.size, cells.size + 1
@@ -121,23 +120,32 @@ def _network(transmissivity: np.ndarray) -> _Network:
     total[-2:] = 0.0
     is_open = conductance > CLOSED * np.maximum(total[first], total[second])
     nearly = ~is_open & (conductance > 0.0)
-    left_out = _Network(first[nearly], second[nearly], conductance[nearly], nodes)
-    return _Network(first[is_open], second[is_open], conductance[is_open], nodes, left_out)
+    opened, left_out = (
+        _Network(first[faces], second[faces], conductance[faces], nodes)
+        for faces in (is_open, nearly)
+    )
+    return opened, left_out
 
 
-def _whole(network: _Network) -> _Network:
-    """A network with the faces that were left out of it."""
-    parts = zip(network[:3], network.left_out[:3], strict=True)
-    return _Network(*(np.concatenate(pair) for pair in parts), network.nodes)
+def _together(one: _Network, other: _Network) -> _Network:
+    """The faces of both of two networks of the same nodes."""
+    return _Network(
+        np.concatenate([one.first, other.first]),
+        np.concatenate([one.second, other.second]),
+        np.concatenate([one.conductance, other.conductance]),
+        one.nodes,
+    )
 
 
-def _left_out_flow(network: _Network, joined: np.ndarray, pressure: np.ndarray) -> float:
+def _left_out_flow(
+    network: _Network, left_out: _Network, joined: np.ndarray, pressure: np.ndarray
+) -> float:
     """Upper bound of the flow that faces left out would add, at a pressure fall of 1.
 
     By Dirichlet's principle: the flow is at most what any field of pressures dissipates. The field
     is the solved one, and one value in each group of cells that open faces join to neither side.
     """
-    first, second, conductance, nodes, _ = network.left_out
+    first, second, conductance, nodes = left_out
     if not first.size:
         return 0.0
     group = _groups(network)
@@ -174,7 +182,7 @@ def _pressures(network: _Network, joined: np.ndarray) -> np.ndarray:
     unknown = joined.copy()
     unknown[-2:] = False
     number = np.cumsum(unknown) - 1
-    first, second, conductance, nodes, _ = network
+    first, second, conductance, nodes = network
     diagonal = np.bincount(first, conductance, nodes) + np.bincount(second, conductance, nodes)
     inner = unknown[first] & unknown[second]
     row, column = number[first[inner]], number[second[inner]]
@@ -201,7 +209,7 @@ def _pressures(network: _Network, joined: np.ndarray) -> np.ndarray:
 
 def _balance(network: _Network, pressures: np.ndarray) -> tuple[float, float]:
     """Outflow, and the sum of all cells' imbalances over it; by faces, whatever was solved."""
-    first, second, conductance, nodes, _ = network
+    first, second, conductance, nodes = network
     fall, rise = pressures[:, second] - pressures[:, first]
     near_outlet = pressures[0][first] < 0.5
     flux = conductance * np.where(near_outlet, fall, -rise)

@@ -181,7 +181,7 @@ def _unknown(keys: dict) -> Iterator[str]:
         yield from _strange(keys, way.get("set", {}), f"{where}.set")
         for key in _keys_of(way):
             section, name = key.split(".")
-            if name not in keys.get(section, {}):
+            if not isinstance(keys.get(section), dict) or name not in keys[section]:
                 yield f"{where}: {key}: there is no such key"
         for entry in way["values"]:
             if isinstance(entry, dict):
@@ -214,10 +214,12 @@ def _keys_of(way: dict) -> list[str]:
 
 
 def _strange(known: dict, settings: dict, where: str) -> Iterator[str]:
-    """Keys of nested settings that the configuration does not have."""
+    """Nested settings that the configuration does not have, or that replace a whole section."""
     for key, value in settings.items():
         if key not in known:
             yield f"{where}.{key} = {value!r}: unknown key (allowed: {', '.join(known)})"
+        elif isinstance(known[key], dict) and not isinstance(value, dict):
+            yield f"{where}.{key} = {value!r}: must hold keys and values"
         elif isinstance(value, dict) and isinstance(known[key], dict):
             yield from _strange(known[key], value, f"{where}.{key}")
 
@@ -239,6 +241,13 @@ def _turned(base: dict, way: dict) -> Iterator[tuple[float | str, dict]]:
         change: dict = {}
         for key in _keys_of(way):
             section, name = key.split(".")
-            value = base[section][name] * entry if way.get("scale") else entry
+            value = base[section][name]
+            if way.get("scale"):
+                for number, where in ((value, key), (entry, "values")):
+                    if not isinstance(number, int | float):
+                        raise ConfigurationError(
+                            f"accuracy.knobs: {where} = {number!r}: must be a number to be scaled"
+                        )
+            value = value * entry if way.get("scale") else entry
             change = merged(change, {section: {name: value}})
         yield entry, merged(base, change)
