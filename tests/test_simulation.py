@@ -409,3 +409,14 @@ def test_every_step_is_reported_as_it_is_taken(rock, small_joint):
     assert [step[0] for step in told] == closed.cycle.values.tolist()
     assert [step[1] for step in told] == closed.branch.values.tolist()
     np.testing.assert_allclose([step[2] for step in told], closed.normal_stress / 1e6, rtol=1e-12)
+
+
+@pytest.mark.parametrize("stress", [3e6, 5e6, 30e6])
+def test_seating_at_a_step_of_an_elastic_curve_makes_no_step_of_no_length(stress):
+    """0.5 MPa is one of sixty stresses, but for rounding."""
+    closed = jc.simulate(
+        *jc.wall_pair(8.0, (8, 8), SPACING, seed=1), spacing=SPACING, rock=DOLERITE, cycles=1,
+        max_normal_stress=stress, effects=jc.Effects(breakage=False, gouge=False),
+    )  # fmt: skip
+    loading = closed.normal_stress.values[closed.branch.values == "loading"]
+    assert np.diff(loading).min() > 1e-3 * stress

@@ -282,13 +282,13 @@ def _elastic_cycles(joint, solver, numerics, cycles, extra_force) -> History:
 
 
 def _elastic_forces(numerics, cycles, extra_force) -> np.ndarray:
-    """Forces of an elastic curve from 0 on [N]: evenly spaced, and where the load turns."""
+    """Forces of an elastic curve from 0 on [N]: evenly spaced, at seating and at each turn."""
     largest = max(cycle.maximum for cycle in cycles)
     forces = largest * np.arange(numerics.curve_points + 1) / numerics.curve_points
-    if 0.0 < extra_force < largest:
-        forces = np.union1d(forces, [extra_force])
-    # a turn that is one of them but for rounding would be a step of no length
+    # a turn, or seating, that is one of them but for rounding would be a step of no length
     turns = {force for cycle in cycles for force in cycle}
+    if 0.0 < extra_force < largest:
+        turns.add(extra_force)
     apart = [turn for turn in turns if np.abs(forces - turn).min() > 1e-12 * largest]
     return np.union1d(forces, apart) if apart else forces
 

@@ -34,7 +34,7 @@ def with_walls(**changes):
 
 @pytest.fixture
 def scan():
-    wall = jc.wall_pair(9.0, (40, 50), SPACING, seed=3)[0]
+    wall = jc.wall_pair(9.0, (40, 50), SPACING, seed=3, roll_off=None)[0]
     return Scan(wall, (SPACING, SPACING))
 
 

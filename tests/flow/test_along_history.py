@@ -81,7 +81,8 @@ def test_what_an_observer_is_shown_is_the_joint_at_that_step(joints):
     joint = Joint(*walls(), SPACING, (DOLERITE, DOLERITE), effects, jc.Choices(), jc.Numerics())
     force = LOAD["max_normal_stress"] * joint.upper.size * SPACING**2
     load = [LoadCycle(force)] * 2
-    run_cycles(joint, solver_named("fast"), jc.Numerics(), load, observers=[observe])
+    seating = closed.attrs["seating_stress_Pa"] * joint.upper.size * SPACING**2
+    run_cycles(joint, solver_named("fast"), jc.Numerics(), load, seating, observers=[observe])
     closure, mean, contact, *along = np.array(shown).T
     assert np.array_equal(closure, closed.closure)
     assert np.allclose(mean, closed.mean_aperture, rtol=1e-9, atol=0.0)

@@ -5,37 +5,53 @@
 A few minutes. The page keeps its text; the lines between its marks are made anew.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import NamedTuple
 
-import numpy as np
 import pandas as pd
+from markers import fill
 
 import jointclosure as jc
 from jointclosure.config.rocks import named_rock
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.engineering.laws import fitted_laws
 from jointclosure.engineering.stiffness import secant_stiffness
-from jointclosure.history import GROSS
+from jointclosure.history import GROSS, NET
+from jointclosure.statistics.standard_errors import rounded
 
 PAGE = Path(__file__).parents[2] / "docs/validation.md"
-START, END = "<!-- model -->", "<!-- end -->"
-SPACING, STRESS, SEATING = 0.25e-3, 10e6, 0.5e6
-WALLS: dict[str, dict] = {
-    "independent": {},
-    "independent, waves up to 3 mm": {"roll_off": 3e-3},
-    "correlated by 0.9": {"correlation": 0.9},
-    "mating beyond 6 mm": {"mismatch_wavelength": 6e-3},
-    "mating beyond 3 mm": {"mismatch_wavelength": 3e-3},
-    "mating beyond 1.5 mm": {"mismatch_wavelength": 1.5e-3},
+SPACING, STRESS, JRC = 0.25e-3, 10e6, 8.0
+ROCK = named_rock("granite")._replace(youngs_modulus=11e9)
+"""Granite with the middle of the 10 to 12 GPa that were measured on the joints' granodiorite."""
+
+
+class Joints(NamedTuple):
+    """Joints that are closed: arguments of `jointclosure.wall_pair`, cells a side, how many."""
+
+    walls: dict
+    cells: int = 100
+    number: int = 10
+
+
+CASES: dict[str, Joints] = {
+    "independent": Joints({"roll_off": None}),
+    "independent, flat beyond 3 mm": Joints({}),
+    "correlated by 0.9": Joints({"roll_off": None, "correlation": 0.9}),
+    "mating beyond 6 mm": Joints({"roll_off": None, "mismatch_wavelength": 6e-3}),
+    "mating beyond 3 mm": Joints({"roll_off": None, "mismatch_wavelength": 3e-3}),
+    "mating beyond 1.5 mm": Joints({"roll_off": None, "mismatch_wavelength": 1.5e-3}),
+    "mating beyond 3 mm, large": Joints({"roll_off": None, "mismatch_wavelength": 3e-3}, 488, 1),
 }
-"""Walls of JRC 8 that are closed, and what `jointclosure.wall_pair` is told of them."""
 COLUMNS: dict[str, str] = {
-    "closure": "closure at 10 MPa (mm)",
-    "seated": "since 0.5 MPa (mm)",
-    "stays": "of it stays (%)",
-    "kn": "kn, 5 to 10 MPa (MPa/mm)",
-    "stiffer": "kn of cycle 2 over cycle 1",
+    "seated_net": "closure since 0.5 MPa, net (mm)",
+    "seated_gross": "gross (mm)",
+    "stays_net": "of it stays, net (%)",
+    "stays_gross": "gross (%)",
+    "kn_net": "kn, 5 to 10 MPa, net (MPa/mm)",
+    "kn_gross": "gross (MPa/mm)",
+    "stiffer_net": "kn of cycle 2 over cycle 1, net",
+    "stiffer_gross": "gross",
     "semilog": "rms miss of the semi-logarithmic law (%)",
     "hyperbola": "of the hyperbola (%)",
     "loop": "loop of cycle 2 (MPa)",
@@ -45,16 +61,17 @@ COLUMNS: dict[str, str] = {
 def numbers_of(history) -> dict[str, float]:
     """What is compared, of one joint."""
     first = cycle_table(history).iloc[0]
-    kn = [1e-9 * secant_stiffness(history, cycle, 0.5 * STRESS, STRESS, GROSS) for cycle in (1, 2)]
-    fits = fitted_laws(history, GROSS)
+    numbers = {}
+    for kind, of in (("net", NET), ("gross", GROSS)):
+        kn = [1e-9 * secant_stiffness(history, cycle, 0.5 * STRESS, STRESS, of) for cycle in (1, 2)]
+        numbers[f"seated_{kind}"] = first[f"closure_{kind}_since_seating_mm"]
+        numbers[f"stays_{kind}"] = 100.0 * first[f"residual_share_{kind}"]
+        numbers[f"kn_{kind}"] = kn[0]
+        numbers[f"stiffer_{kind}"] = kn[1] / kn[0]
+    fits = fitted_laws(history)
     fits = fits[(fits.cycle == 1) & (fits.branch == "loading")].drop_duplicates("law")
-    miss = 100.0 * fits.set_index("law").rms_mm / first.closure_gross_since_seating_mm
-    return {
-        "closure": first.max_closure_gross_mm,
-        "seated": first.closure_gross_since_seating_mm,
-        "stays": 100.0 * first.residual_share_gross,
-        "kn": kn[0],
-        "stiffer": kn[1] / kn[0],
+    miss = 100.0 * fits.set_index("law").rms_mm / numbers["seated_net"]
+    return numbers | {
         "semilog": float(miss["semi_logarithmic"]),
         "hyperbola": float(miss["hyperbolic"]),
         "loop": 1e-6 * float(history.unloading_excess[1]),
@@ -62,64 +79,55 @@ def numbers_of(history) -> dict[str, float]:
 
 
 def model_table(
-    cells: int, seeds: range, report: Callable[[str], None] = lambda line: None
+    cases: Mapping[str, Joints], report: Callable[[str], None] = lambda line: None
 ) -> pd.DataFrame:
-    """Means and standard deviations over joints of granite: columns (name, statistic)."""
-    rock, rows = named_rock("granite"), {}
-    for name, told in WALLS.items():
-        found = []
-        for seed in seeds:
-            pair = jc.wall_pair(8.0, (cells, cells), SPACING, seed, **told)
-            history = jc.simulate(
-                *pair, spacing=SPACING, rock=rock, max_normal_stress=STRESS, seating_stress=SEATING
+    """Means and standard deviations over the joints of each case: columns (name, statistic)."""
+    rows = {}
+    for name, joints in cases.items():
+        shape = (joints.cells, joints.cells)
+        numbers = pd.DataFrame(
+            numbers_of(
+                jc.simulate(
+                    *jc.wall_pair(JRC, shape, SPACING, seed, **joints.walls),
+                    spacing=SPACING,
+                    rock=ROCK,
+                    max_normal_stress=STRESS,
+                )
             )
-            found.append(numbers_of(history))
-        joints = pd.DataFrame(found)
+            for seed in range(joints.number)
+        )
         rows[name] = {
-            (key, statistic): getattr(joints[key], statistic)()
-            for key in joints
+            (key, statistic): getattr(numbers[key], statistic)()
+            for key in numbers
             for statistic in ("mean", "std")
         }
         report(name)
     return pd.DataFrame(rows).T
 
 
-def as_markdown(table: pd.DataFrame, cells: int, joints: int) -> str:
-    """The table between the marks of the page."""
-    size = 1e3 * cells * SPACING
+def as_markdown(table: pd.DataFrame, cases: Mapping[str, Joints]) -> str:
+    """The table of the page: a row a case."""
     lines = [
-        f"Means over {joints} joints of granite, JRC 8, {size:g} x {size:g} mm, with the standard "
-        "deviation of single joints:",
-        "",
-        "| walls | " + " | ".join(COLUMNS.values()) + " |",
-        "|---" * (len(COLUMNS) + 1) + "|",
+        "| walls | side (mm) | joints | " + " | ".join(COLUMNS.values()) + " |",
+        "|---" * (len(COLUMNS) + 3) + "|",
     ]
     for name, row in table.iterrows():
-        cells_of_row = [_plain(row[key, "mean"], row[key, "std"]) for key in COLUMNS]
-        lines.append(f"| {name} | " + " | ".join(cells_of_row) + " |")
-    return "\n".join(lines)
+        joints = cases[name]
+        values = [_plain(row[key, "mean"], row[key, "std"]) for key in COLUMNS]
+        about = [name, f"{1e3 * joints.cells * SPACING:g}", str(joints.number)]
+        lines.append(f"| {' | '.join([*about, *values])} |")
+    return "\n".join(lines) + "\n"
 
 
 def _plain(mean: float, deviation: float) -> str:
-    """A mean to two figures of its deviation's size, without powers of ten."""
-    if deviation == 0.0:
-        return f"{mean:.3g}"
-    digits = max(0, 1 - int(np.floor(np.log10(deviation))))
-    return f"{mean:.{digits}f} ± {deviation:.{digits}f}"
+    """A mean and its deviation; a mean alone of one joint, or where the joints do not differ."""
+    return rounded(mean, deviation) if deviation > 0.0 else f"{mean:.3g}"
 
 
-def put_in(page: str, block: str) -> str:
-    """The page with a new block between its marks."""
-    before, _, rest = page.partition(START)
-    _, _, after = rest.partition(END)
-    return f"{before}{START}\n{block}\n{END}{after}"
-
-
-def main(cells: int = 100, joints: int = 10) -> None:
+def main() -> None:
     """Close the joints and write the page."""
-    table = model_table(cells, range(joints), lambda line: print(line, flush=True))
-    block = as_markdown(table, cells, joints)
-    PAGE.write_text(put_in(PAGE.read_text(encoding="utf-8"), block), encoding="utf-8")
+    table = model_table(CASES, lambda line: print(line, flush=True))
+    fill(PAGE, {"model": as_markdown(table, CASES)})
 
 
 if __name__ == "__main__":
