@@ -2,7 +2,6 @@
 
 import json
 import math
-import warnings
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from jointclosure.foresight import check_foreseen
-from jointclosure.given_walls import checked_walls, doubts
+from jointclosure.given_walls import checked_walls, warn_of_doubts
 from jointclosure.history import cycle_closures, unloading_excess
 from jointclosure.inputs import (
     LENGTHS,
@@ -196,9 +195,7 @@ def simulate(
     """
     if not unusual_values:
         check_length("spacing", spacing)
-        upper, lower = checked_walls(upper, lower)
-        for doubt in doubts(upper, lower, spacing):
-            warnings.warn(doubt, stacklevel=2)
+        warn_of_doubts(*checked_walls(upper, lower, spacing), spacing)
     return simulate_by(
         solver_named,
         upper,
@@ -237,11 +234,11 @@ def simulate_by(
     snapshots: Sequence[float] = (),
 ) -> xr.Dataset:
     """`simulate` with a solver of one's own: ``solver_of`` its name gives it."""
-    upper, lower = checked_walls(upper, lower)
+    check_length("spacing", spacing)
+    upper, lower = checked_walls(upper, lower, spacing)
     rock = both_walls(rock)
     check_scene(effects)
     check_numerics(numerics, tuple(SOLVERS))
-    check_length("spacing", spacing)
     load = load_cycles(max_normal_stress, cycles)
     _check_seating(seating_stress, load)
     largest = largest_stress(max_normal_stress)
@@ -351,18 +348,20 @@ def equilibrium(
     InputError
         An argument out of its range, before any computing.
     """
-    upper, lower = checked_walls(upper, lower)
+    check_length("spacing", spacing)
+    upper, lower = checked_walls(upper, lower, spacing)
     rock = both_walls(rock)
     effects = effects._replace(breakage=False, gouge=False)
     check_scene(effects)
     check_numerics(numerics, tuple(SOLVERS))
-    check_length("spacing", spacing)
     check_choices(choices, spacing)
-    if not unusual_values:
-        check_usual(rock, spacing=spacing)
     check_number("closure", closure)
     if not abs(closure) <= LENGTHS[1]:
         raise InputError(f"closure = {closure!r} m: must be at most {LENGTHS[1]:g} m")
+    if not unusual_values:
+        check_usual(rock, spacing=spacing)
+        _check_usual_closure(closure, upper, lower, spacing)
+        warn_of_doubts(upper, lower, spacing)
     spacing, closure = float(spacing), float(closure)
     choices, numerics = in_double(choices), in_double(numerics)
     upper, lower = upper - height_datum(upper), lower - height_datum(lower)
@@ -371,6 +370,12 @@ def equilibrium(
     fields = fields_of(joint, closure)
     status = np.int16(FLAG_OF_OUTCOME.get(run.outcome, 0))
     stress = run.total_force / (upper.size * spacing**2)
+    stiffness = min(wall.youngs_modulus for wall in rock)
+    if not unusual_values and stress >= stiffness:
+        raise InputError(
+            f"closure = {closure!r} m: takes {stress:.3g} Pa, and must take less than the rock's "
+            f"youngs_modulus = {stiffness!r} Pa; unusual_values=True takes it as it is"
+        )
     variables = {
         "force": (("y", "x"), joint.force),
         "overlap": (("y", "x"), fields.overlap),
@@ -493,6 +498,19 @@ def _check_steps(upper: np.ndarray, lower: np.ndarray, numerics: Numerics) -> No
                 f"{name} = {getattr(numerics, name)!r} m: must be at least four times the "
                 f"resolution {resolution:.3g} m of the walls' heights in double precision"
             )
+
+
+def _check_usual_closure(
+    closure: float, upper: np.ndarray, lower: np.ndarray, spacing: float
+) -> None:
+    """Refuse a closure that presses even the farthest cells into each other by more than a cell."""
+    together = upper + lower
+    farthest = float(np.ptp(together)) + spacing
+    if closure > farthest:
+        raise InputError(
+            f"closure = {closure!r} m: these walls overlap everywhere by more than a cell beyond "
+            f"{farthest:.3g} m; is the unit right? unusual_values=True takes it as it is"
+        )
 
 
 def _check_seating(seating_stress: float, load: Sequence[LoadCycle]) -> None:

@@ -57,7 +57,10 @@ def test_each_joint_is_closed_as_a_study_closes_it(alone):
 def test_a_joint_that_cannot_be_closed_loses_no_other(alone, workers):
     pairs = [rule(seed) for seed in (3, 5, 4)]
     pairs[1] = (pairs[1][0], np.full((12, 16), np.nan))
-    ensemble = jc.simulate_ensemble(pairs, workers=workers, **LOAD)
+    with pytest.warns(
+        UserWarning, match=r"1 of 3 joints could not be closed .* the first of seed 1"
+    ):
+        ensemble = jc.simulate_ensemble(pairs, workers=workers, **LOAD)
     assert ensemble.status.values[1] == NOT_SIMULATED >= FAILURE
     assert "lower: 192 values are not finite" in ensemble.error.values[1]
     assert np.isnan(ensemble.closure.values[1]).all()
@@ -88,6 +91,19 @@ def test_a_worker_that_is_killed_loses_its_task_alone():
     assert isinstance(found[1], Failed)
     assert "before it was done" in str(found[1].error)
     assert [found[i] for i in (0, 2, 3)] == [2, 4, 6]
+
+
+def die_once(folder, number):
+    """The first process that is given a number is killed."""
+    if not os.path.exists(f"{folder}/{number}"):
+        with open(f"{folder}/{number}", "w"):
+            os.kill(os.getpid(), signal.SIGKILL)
+    return 2 * number
+
+
+def test_a_task_whose_worker_was_killed_is_done_again(tmp_path):
+    found = dict(shared(die_once, [(str(tmp_path), i) for i in range(3)], workers=2))
+    assert found == {0: 0, 1: 2, 2: 4}
 
 
 def test_a_script_without_a_guard_is_not_run_again(tmp_path):

@@ -1,6 +1,7 @@
 """Many joints closed under the same conditions, without a workflow."""
 
 import os
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -18,6 +19,7 @@ from jointclosure.loading import largest_stress, load_cycles
 from jointclosure.parameters import Choices, Effects, Numerics, Rock, both_walls, check_usual
 from jointclosure.progress import bar
 from jointclosure.protocol import FLAGS
+from jointclosure.surface.plausibility import doubts
 
 NOT_SIMULATED = 2 * max(FLAGS)
 """Bit of the status of a joint that could not be closed at all; its ``error`` says why."""
@@ -73,7 +75,8 @@ def simulate_ensemble(
         a study's case: ``closure`` [m] from first touch, ``bulk_indentation`` [m], by cycle
         ``max_closure``, ``residual_closure`` [m] and others, ``status``. Coordinate ``seed`` (of
         walls that were given, their place), and ``error``: why a joint could not be closed, else
-        empty. Such a joint has status `NOT_SIMULATED` and NaN, and spoils no other.
+        empty. Such a joint has status `NOT_SIMULATED` and NaN, spoils no other, and is warned of
+        (`UserWarning`). One whose process was killed is closed again, once.
 
     Raises
     ------
@@ -94,12 +97,22 @@ def simulate_ensemble(
     )  # fmt: skip
     stresses = np.linspace(0.0, largest, stress_points)
     labels, pairs = _pairs(walls, seeds)
+    if not unusual_values and (doubtful := _doubts(pairs, labels, spacing)):
+        warnings.warn(doubtful, stacklevel=2)
     tasks = [(upper, lower, stresses, conditions) for upper, lower in pairs]
     rows: list[Any] = [None] * len(tasks)
     with _shown(progress, len(tasks)) as show:
         for place, row in shared(_closed, tasks, _workers(workers)):
             rows[place] = row
             show()
+    lost = [place for place, row in enumerate(rows) if isinstance(row, Failed)]
+    if 0 < len(lost) < len(rows):
+        error = rows[lost[0]].error
+        warnings.warn(
+            f"{len(lost)} of {len(rows)} joints could not be closed and are missing (NaN), the "
+            f"first of seed {labels[lost[0]]}: {type(error).__name__}: {error}",
+            stacklevel=2,
+        )
     return _together(rows, labels, len(load), stresses)
 
 
@@ -118,7 +131,26 @@ def _pairs(walls, seeds: Iterable[int]) -> tuple[np.ndarray, list[Walls]]:
 
 def _closed(upper, lower, stresses: np.ndarray, conditions: Conditions) -> dict:
     """A joint closed as those of a study; walls that cannot be are its own failure."""
-    return close_pair(*checked_walls(upper, lower), stresses, conditions)
+    walls = checked_walls(upper, lower, conditions.spacing)
+    return close_pair(*walls, stresses, conditions)
+
+
+def _doubts(pairs: list[Walls], labels: np.ndarray, spacing: float) -> str:
+    """What looks like a slip in some of the pairs; those that are no walls fail by themselves."""
+    doubtful = {}
+    for label, (upper, lower) in zip(labels, pairs, strict=True):
+        try:
+            walls = checked_walls(upper, lower, spacing)
+        except InputError:
+            continue
+        if sentences := doubts(*walls, spacing):
+            doubtful[label] = sentences
+    if not doubtful:
+        return ""
+    first, sentences = next(iter(doubtful.items()))
+    return f"{len(doubtful)} of {len(pairs)} pairs of walls, the first {first}: " + "; ".join(
+        sentences
+    )
 
 
 def _workers(workers: int | None) -> int:

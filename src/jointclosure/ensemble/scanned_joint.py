@@ -1,5 +1,6 @@
 """The joint whose two walls were scanned: brought together, closed, and described in a line."""
 
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -110,6 +111,9 @@ def close(
     pair = registered(
         above, below, grid_spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes
     )
+    if not unusual_values:
+        for doubt in pair.warnings:
+            warnings.warn(doubt, stacklevel=2)
     conditions = Conditions(
         pair.spacing,
         intact,

@@ -16,6 +16,14 @@ from typing import Any, NamedTuple
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
+_TRIALS = 2
+"""Workers that a task is given to where they die."""
+
+
+class _WorkerDied(Exception):
+    """A worker ended before its answer; its exit code."""
+
+
 class Failed(NamedTuple):
     """What a task raised, or what became of its worker."""
 
@@ -39,14 +47,14 @@ def shared(
     Yields
     ------
     (place of the task, result or `Failed`)
-        As they are done.
+        As they are done. A task whose worker died is given to another one, once.
     """
     if workers == 1:
         for place, task in enumerate(tasks):
             yield place, _answer(function, task)
         return
     with _Workers() as own, ThreadPoolExecutor(min(workers, len(tasks))) as threads:
-        waiting = {threads.submit(own.ask, function, task): i for i, task in enumerate(tasks)}
+        waiting = {threads.submit(own.answer, function, task): i for i, task in enumerate(tasks)}
         try:
             for done in as_completed(waiting):
                 yield waiting[done], done.result()
@@ -69,8 +77,21 @@ class _Workers:
     def __exit__(self, *_: object) -> None:
         self.stop()
 
-    def ask(self, function: Callable[..., Any], task: tuple) -> Any:
-        """The answer of this thread's worker."""
+    def answer(self, function: Callable[..., Any], task: tuple) -> Any:
+        """The answer of this thread's worker, or of a second one where the first died."""
+        codes = []
+        for _ in range(_TRIALS):
+            try:
+                return self._ask(function, task)
+            except _WorkerDied as death:
+                codes.append(str(death))
+                if self._stopped:
+                    break
+        return Failed(
+            RuntimeError(f"its process ended with code {', then '.join(codes)} before it was done")
+        )
+
+    def _ask(self, function: Callable[..., Any], task: tuple) -> Any:
         worker = getattr(self._of_thread, "worker", None) or self._start()
         assert worker.stdin is not None  # both are pipes
         assert worker.stdout is not None
@@ -81,8 +102,7 @@ class _Workers:
         except (EOFError, OSError, pickle.UnpicklingError):
             self._of_thread.worker = None
             worker.kill()
-            code = worker.wait()
-            return Failed(RuntimeError(f"its process ended with code {code} before it was done"))
+            raise _WorkerDied(worker.wait()) from None
 
     def _start(self) -> subprocess.Popen:
         environment = os.environ | dict.fromkeys(_ONE_THREAD, "1")
@@ -99,6 +119,7 @@ class _Workers:
 
     def stop(self) -> None:
         """End every worker."""
+        self._stopped = True
         for worker in self._all:
             worker.kill()
             worker.wait()

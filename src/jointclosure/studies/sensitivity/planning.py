@@ -80,9 +80,9 @@ def plan(
     Raises
     ------
     InputError
-        A wish that is not one, or paired tests of an ensemble of independent draws.
+        A wish that is not one, a significance that is no probability, or paired tests of an ensemble of independent draws.
     """
-    _check(wish)
+    _check(wish, significance)
     rows = []
     for response in responses(ensemble, TARGET):
         if paired and not response.paired:
@@ -211,7 +211,12 @@ def _seconds(ensemble: xr.Dataset, response: Response) -> float:
     return float(times.mean("realization").sum())
 
 
-def _check(wish: Wish) -> None:
+def _check(wish: Wish, significance: float) -> None:
+    check_number("significance", significance)
+    if not 0.0 < significance < 1.0:
+        raise InputError(
+            f"significance = {significance!r}: must be between 0 and 1 (5 % is 0.05)"
+        )
     if wish.kind not in WISHES:
         raise InputError(f"wish = {wish.kind!r}: must be one of {', '.join(WISHES)}")
     check_number(wish.kind, wish.amount)
