@@ -182,6 +182,19 @@ def test_a_closure_that_is_no_length_is_refused(closure):
         equilibrium(np.zeros((4, 4)), np.zeros((4, 4)), closure=closure)
 
 
+@pytest.mark.parametrize(
+    ("closure", "said"),
+    [(0.2, "overlap everywhere by more than a cell"), (2e-4, "takes .* Pa, and must take less")],
+)
+def test_a_closure_far_beyond_the_model_is_refused_unless_it_is_meant(closure, said):
+    """0.2 m in place of 0.2 mm; and one within a cell at a stress above Young's modulus."""
+    told = {"rock": DOLERITE._replace(youngs_modulus=1e9), "effects": jc.Effects(*[False] * 5)}
+    flat = np.zeros((4, 4)), np.zeros((4, 4))
+    with pytest.raises(jc.InputError, match=rf"closure = {closure!r} m: .*{said}"):
+        equilibrium(*flat, closure=closure, **told)
+    equilibrium(*flat, closure=closure, unusual_values=True, **told)
+
+
 @pytest.mark.parametrize("name", ["levels", "means", "standard_deviations"])
 @pytest.mark.parametrize(
     ("values", "said"),

@@ -20,6 +20,7 @@ from jointclosure.inputs import (
 )
 from jointclosure.loading import LoadCycle, largest_stress, load_cycles
 from jointclosure.parameters import (
+    AS_IT_IS,
     Choices,
     Effects,
     Numerics,
@@ -374,7 +375,7 @@ def equilibrium(
     if not unusual_values and stress >= stiffness:
         raise InputError(
             f"closure = {closure!r} m: takes {stress:.3g} Pa, and must take less than the rock's "
-            f"youngs_modulus = {stiffness!r} Pa; unusual_values=True takes it as it is"
+            f"youngs_modulus = {stiffness!r} Pa; {AS_IT_IS}"
         )
     variables = {
         "force": (("y", "x"), joint.force),
@@ -509,7 +510,7 @@ def _check_usual_closure(
     if closure > farthest:
         raise InputError(
             f"closure = {closure!r} m: these walls overlap everywhere by more than a cell beyond "
-            f"{farthest:.3g} m; is the unit right? unusual_values=True takes it as it is"
+            f"{farthest:.3g} m; is the unit right? {AS_IT_IS}"
         )
 
 

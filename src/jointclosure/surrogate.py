@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from jointclosure.config.files import SURROGATES
 from jointclosure.given_walls import checked_walls
 from jointclosure.inputs import InputError, check_length, real_array
-from jointclosure.parameters import Rock, both_walls
+from jointclosure.parameters import Rock, both_walls, strength_of
 from jointclosure.surface.bearing import bearing_depths
 
 ALL_ROCKS = "all"
@@ -157,7 +157,7 @@ def estimate(
         raise InputError(f"normal_stress = {normal_stress!r} Pa: must be positive")
     measures = wall_measures(upper, lower, spacing)
     chosen = _nearest(measures.height_over_slope)
-    ratio = stresses / rock.compressive_strength
+    ratio = stresses / strength_of(rock)
     outside = list(_outside(chosen, measures, upper.shape, spacing, rock, ratio))
     if outside and not extrapolate:
         raise InputError(f"{outside[0]}; extrapolate=True gives a closure without an error")
@@ -241,7 +241,7 @@ def _outside(
     """What is beyond the joints that the law was tested on, one sentence each."""
     given = {name: (value, value) for name, value in walls._asdict().items()} | {
         "stress_over_strength": (ratio.min(), ratio.max()),
-        "modulus_over_strength": (rock.youngs_modulus / rock.compressive_strength,) * 2,
+        "modulus_over_strength": (rock.youngs_modulus / strength_of(rock),) * 2,
         "spacing": (spacing, spacing),
         "length": (spacing * min(shape), spacing * max(shape)),
     }

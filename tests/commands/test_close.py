@@ -94,9 +94,13 @@ def test_flow_and_snapshots_of_scanned_walls_are_there_where_asked_for(scans, tm
 def test_walls_lie_as_is_stated_and_are_moved_if_asked_to(scans):
     files = scans / "top.xyz", scans / "bottom.xyz"
     about = {"units": "mm", "rock": "granite", **LOAD, "cycles": 1}
-    fits, wrong = (jc.close(*files, **about, orientation=name) for name in (None, "rotated"))
+    with pytest.raises(jc.InputError, match="orientation = 'rotated': common_frame fits clearly"):
+        jc.close(*files, **about, orientation="rotated")
+    fits = jc.close(*files, **about)
+    wrong = jc.close(*files, **about, orientation="rotated", unusual_values=True)
     assert any("Warning: the stated orientation rotated" in line for line in wrong.pair.report)
     assert float(wrong.history.max_closure[0]) > 1.3 * float(fits.history.max_closure[0])
+    about["unusual_values"] = True
     moved = jc.close(*files, **about, shift="mated", orientation="rotated").pair
     assert moved.shift == moved.mating_shift != (0.0, 0.0)
 
@@ -109,6 +113,30 @@ def test_walls_lie_as_is_stated_and_are_moved_if_asked_to(scans):
             ("other.xyz", "bottom.xyz"),
             [*WORDS, "--rock", "granite"],
             "other.xyz and {}/bottom.xyz: the orientation of the upper wall is not clear",
+        ),
+        (
+            ("bottom.xyz", "top.xyz"),
+            [*WORDS, "--rock", "granite"],
+            "top.xyz: upper and lower: the upper wall lies below the lower one in",
+        ),
+        (
+            ("top.xyz", "top.xyz"),
+            [*WORDS, "--rock", "granite"],
+            "top.xyz: upper and lower: the same scan was given twice; unusual_values=True (on the "
+            "command line --set study.unusual_values=allow) takes it as it is",
+        ),
+        (
+            ("top.xyz", "bottom.xyz"),
+            [*WORDS, "--rock", "granite", "--orientation", "towards"],
+            "orientation = 'towards': common_frame fits clearly better",
+        ),
+        *(
+            (
+                ("top.xyz", "bottom.xyz"),
+                ["--units", unit, *WORDS[2:], "--rock", "granite"],
+                "not usual of rock",
+            )
+            for unit in ("um", "m")
         ),
         (
             ("top.xyz", "no.xyz"),
@@ -153,6 +181,42 @@ def test_a_wall_that_is_an_array_is_refused_with_what_closes_it(small_joint):
         jc.close(*small_joint, rock="granite", max_normal_stress=1e6)
     with pytest.raises(jc.InputError, match="rock = 'marble': must be a Rock or one of dolerite"):
         jc.close("a.xyz", "b.xyz", rock="marble", max_normal_stress=1e6)
+
+
+def test_what_is_implausible_is_closed_where_it_is_meant(scans, tmp_path, capsys):
+    words = ["--units", "mm", "--stress", 1, "--rock", "granite", "--cycles", 1]
+    words += ["--set", "study.unusual_values=allow", "--output", tmp_path / "j"]
+    code, out, err = said(capsys, scans / "top.xyz", scans / "top.xyz", *words)
+    assert (code, err) == (0, "")  # with all pictures, whose error bars a correlation of 1 shrinks
+    assert "walls.png" in out
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def test_a_folder_written_twice_equals_one_written_once(scans, tmp_path, capsys):
+    """Of another joint nothing stays, and what someone else put there is left alone."""
+    twice, once = tmp_path / "twice", tmp_path / "once"
+    files = scans / "top.xyz", scans / "bottom.xyz"
+    words = [*files, *WORDS, "--cycles", 1, "--rock", "granite", "--output"]
+    first = [*words, twice, "--snapshots", "1,2"]
+    assert said(capsys, *first)[::2] == (0, "")
+    (twice / "notes.txt").write_text("mine")
+    assert cli.main(["report", str(twice)]) == 0
+    written = {"snapshots.png", "geos.xml", "geos_gap.csv", "geos_aperture.csv", "report.html"}
+    assert written <= set(contents(twice))
+    (_, out, _), _ = (
+        # from first touch on GEOS has no form
+        said(capsys, *words, folder, "--set", "seating_stress_MPa=0")
+        for folder in (twice, once)
+    )
+    listed = out.splitlines()[-1].partition(": ")[2].split(", ")
+    assert (twice / "notes.txt").read_text() == "mine"
+    (twice / "notes.txt").unlink()
+    assert contents(twice) == contents(once)
+    assert sorted([*listed, "written.json"]) == sorted(contents(once))
+    assert not written & set(contents(once))
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ import xarray as xr
 
 from jointclosure.config.files import ConfigurationError, read_plain
 from jointclosure.ensemble.surfaces import walls_of
+from jointclosure.inputs import InputError
 from jointclosure.plotting import global_sensitivity as figures
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv, write_csv
@@ -143,6 +144,8 @@ def test_conclusions_hold_for_the_share_of_choices_for_which_they_are_true(world
     shares = conclusion_tables(design, keys, switched)[0]
     shares = shares[shares.response == "closure"].set_index("number").share
     assert (shares[["5a", "5b", "5c"]] < 0.05).all()
+    with pytest.raises(InputError, match="the joints of slate are missing"):
+        conclusion_tables(design, keys, {"dolerite": world["dolerite"]})
 
 
 def test_a_share_is_never_known_closer_than_its_rows_could_tell(world, design, keys):

@@ -249,6 +249,10 @@ def test_claims_that_are_true_of_the_world_stand_and_others_fall():
     assert turned["5a"] == turned["5b"] == turned["5c"] == FALLS
     part = {rock: {"jrc": each["jrc"]} for rock, each in PARAMETERS.items()}
     assert set(claims_judged(world(12), part, 4, 0.95).values()) == {CANNOT_BE_TOLD}
+    # one that the paper does not vary takes no verdict away, and gives none
+    more = {rock: each | {"grain_size": each["jrc"]} for rock, each in PARAMETERS.items()}
+    verdicts, expected = (claims_judged(world(12), of, 4, 0.95) for of in (more, PARAMETERS))
+    assert verdicts == expected
 
 
 def test_the_cost_counts_each_surface_once_and_each_pair_anew():

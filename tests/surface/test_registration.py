@@ -126,21 +126,27 @@ def test_independent_walls_have_no_clear_orientation_and_one_must_be_stated():
     np.testing.assert_allclose(found.upper, upper, atol=1e-12)
 
 
-def test_the_wrong_orientation_is_warned_of_and_closes_more(joint):
+def test_the_wrong_orientation_is_refused_unless_it_is_meant_and_closes_more(joint):
     upper, lower = joint
-    right = registered(scanned(upper, "common_frame"), grid(lower))
-    wrong = registered(scanned(upper, "common_frame"), grid(lower), orientation="towards")
+    scans = scanned(upper, "common_frame"), grid(lower)
+    right = registered(*scans)
+    with pytest.raises(jc.InputError, match=r"orientation = 'towards': common_frame fits clearly"):
+        registered(*scans, orientation="towards")
+    wrong = registered(*scans, orientation="towards", unusual_values=True)
     assert wrong.aperture.mean() > 1.5 * right.aperture.mean()
     assert any(line.startswith("Warning: the stated orientation towards") for line in wrong.report)
     assert not any("Warning" in line for line in right.report if "below" not in line)
 
 
 @pytest.mark.parametrize(("distance", "word"), [(1e-3, "above"), (-1e-3, "below")])
-def test_walls_in_the_wrong_order_are_warned_of(distance, word, joint):
+def test_walls_in_the_wrong_order_are_refused_unless_they_are_meant(distance, word, joint):
     upper, lower = joint
     scan = scanned(upper, "common_frame")
-    found = registered(scan._replace(heights=scan.heights + distance), grid(lower))
-    said = found.report[-1]
+    scans = scan._replace(heights=scan.heights + distance), grid(lower)
+    if word == "below":
+        with pytest.raises(jc.InputError, match=r"lies below the lower one in \S+ % of the cells"):
+            registered(*scans)
+    said = registered(*scans, unusual_values=word == "below").report[-1]
     assert f"lies 1 mm {word} the lower one" in said
     assert ("Warning" in said) == (word == "below")
 
@@ -194,6 +200,39 @@ def test_scans_that_lie_apart_are_refused(joint):
     upper = scanned(joint[0], "common_frame")._replace(origin=(1.0, 0.0))
     with pytest.raises(jc.InputError, match="walls overlap in 0 x"):
         registered(upper, grid(joint[1]))
+
+
+def copies(wall):
+    """What one file may be given as twice: as it is, in other words, and moved."""
+    scan = scanned(wall, "common_frame")
+    return {
+        "the same": (scan, scan),
+        "as points": (scan, Cloud(points_of(scan))),
+        "turned over": (scanned(wall, "turned_about_x"), scan),
+        "moved": (scan._replace(origin=(0.0, 3 * SPACING)), scan),
+        "printed": (scan, scan._replace(heights=np.round(scan.heights, 9))),
+    }
+
+
+@pytest.mark.parametrize("kind", copies(np.zeros((4, 4))))
+def test_a_scan_and_its_copy_are_refused_unless_they_are_meant(kind, joint):
+    scans = copies(joint[0])[kind]
+    with pytest.raises(jc.InputError, match=r"(given twice|a copy of the other); unusual_values"):
+        registered(*scans, shift="mated", cut_spikes=False)
+    pair = registered(*scans, shift="mated", cut_spikes=False, unusual_values=True)
+    assert abs(pair.correlation) == pytest.approx(1.0)
+    assert np.abs(pair.mating.correlation).max() <= 1.0
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_a_size_that_no_wall_has_is_refused_unless_it_is_meant(factor, joint):
+    scans = [
+        Scan(factor * scan.heights, (factor * SPACING, factor * SPACING))
+        for scan in (scanned(joint[0], "common_frame"), grid(joint[1]))
+    ]
+    with pytest.raises(jc.InputError, match=r"spacing = .* is the unit right\?"):
+        registered(*scans, cut_spikes=False)
+    assert registered(*scans, cut_spikes=False, unusual_values=True).spacing == factor * SPACING
 
 
 @pytest.mark.parametrize(("key", "value"), [("orientation", "upside down"), ("shift", "best")])
@@ -321,3 +360,39 @@ def test_a_cell_that_stands_out_far_is_warned_of(joint):
     found = registered(grid(-upper), grid(lower), cut_spikes=False)
     assert any(said in line for line in found.report)
     assert found.first_touch[0] in (40, 41)
+
+
+@pytest.fixture(scope="module")
+def small_joint():
+    """Heights (y, x) of both walls in one frame, z upwards."""
+    upper, lower = jc.wall_pair(9.0, (48, 52), SPACING, seed=4, correlation=0.9)
+    return 1e-3 - upper, lower
+
+
+AS_SCANNED = {"orientation": "common_frame", "shift": "scanned", "cut_spikes": False}
+
+
+def test_a_small_overlap_a_steep_plane_and_a_wedge_are_warned_of(small_joint):
+    upper, lower = small_joint
+    assert registered(grid(upper), grid(lower), **AS_SCANNED).warnings == []
+    y, x = np.indices(upper.shape) * SPACING
+    steep, wedge = np.tan(np.radians(9.0)) * x, np.tan(np.radians(2.0)) * y
+    aside = Scan(upper[:, 30:], (SPACING, SPACING), (0.0, 30 * SPACING))
+    beside = Scan(lower[:, :39], (SPACING, SPACING), (0.0, 0.0))
+    for pair, warning in (
+        ((grid(upper + steep), grid(lower + steep)), "the common plane is inclined by 9.0 degrees"),
+        ((grid(upper + wedge), grid(lower)), "the walls are inclined to each other by 2.0 degrees"),
+        ((aside, beside), "the walls overlap in 44 % of the smaller scan, less than 50 %"),
+    ):
+        found = registered(*pair, **AS_SCANNED, unusual_values=True)
+        assert any(line.startswith(f"Warning: {warning}") for line in found.warnings), warning
+
+
+@pytest.mark.parametrize("factor", [1e3, 1e-3])
+def test_heights_in_another_unit_than_x_and_y_are_refused_unless_they_are_meant(
+    factor, small_joint
+):
+    scans = [grid(factor * wall) for wall in small_joint]
+    with pytest.raises(jc.InputError, match=r"its rms slope is .*; unusual_values=True"):
+        registered(*scans, **AS_SCANNED)
+    registered(*scans, **AS_SCANNED, unusual_values=True)

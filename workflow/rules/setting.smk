@@ -167,6 +167,7 @@ def preparing(rock):
         "grid": to_plain(CONFIGURATION.grid),
         "jrc_relation": CONFIGURATION.surface.jrc_relation,
         "realizations": max(each.study.realizations for each in ENSEMBLES.values()),
+        "unusual_values": CONFIGURATION.study.unusual_values == "allow",
         "code": code_of("prepare_walls"),
     }
 

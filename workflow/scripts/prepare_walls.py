@@ -16,8 +16,9 @@ def main(settings: dict, output: str, log: Logbook) -> None:
     files = wall_files(walls)
     given = {"units": walls.units, "spacing": walls.spacing, "variable": walls.variable}
     scans = {side: read_scan(file, **given) for side, file in files.items()}
-    unusual = settings["unusual_values"] == "allow"
-    prepared = prepared_walls(scans, walls, grid.spacing, settings["jrc_relation"], unusual)
+    prepared = prepared_walls(
+        scans, walls, grid.spacing, settings["jrc_relation"], settings["unusual_values"]
+    )
     log(prepared.attrs.get("registration", "as they lie"))
     for side, file in files.items():
         about = prepared[side].attrs | {"file": file, "sha256": settings["digests"][side]}

@@ -10,9 +10,9 @@ import numpy as np
 
 from jointclosure.commands import COMMANDS
 from jointclosure.commands.animations import check_animation, kept_stresses, write_animation
-from jointclosure.commands.engineering_files import write_engineering
+from jointclosure.commands.engineering_files import write_exports
 from jointclosure.commands.joint_options import (
-    OF_ROCK,
+    NEEDED,
     add_load_and_model,
     add_rock,
     base_keys,
@@ -24,7 +24,6 @@ from jointclosure.commands.joint_options import (
     summary,
 )
 from jointclosure.config.configuration import Configured
-from jointclosure.config.typed import Walls
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.measured_walls import brought_together
@@ -35,6 +34,7 @@ from jointclosure.progress import duration
 from jointclosure.protocol import FAILURE
 from jointclosure.scans.units import UNITS
 from jointclosure.storage.figures import save_figure
+from jointclosure.storage.folders import replace_files
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import write_text
@@ -112,19 +112,12 @@ def add_to(commands) -> None:
 
 def run(arguments) -> int:
     """Close the joint and write its folder; 1 where the simulation failed."""
-    from jointclosure.plotting.joint import closure_curve
-    from jointclosure.plotting.scanned_joint import pair_figure
-
-    if arguments.snapshots:
-        from jointclosure.plotting.snapshots import snapshot_figure
+    import jointclosure.plotting.scanned_joint  # noqa: F401  an extra that may be missing
 
     check_animation(arguments.animation)
     check_can_be_made(arguments.output)
     settings = _settings(arguments)
-    walls = next(iter(settings.typed.rocks.values())).walls
-    assert walls is not None  # they are the arguments' own
-    pair = _pair(arguments, walls)
-    arguments.output.mkdir(exist_ok=True)
+    pair = _pair(arguments, settings)
     print("\n".join(f"- {line}" for line in pair.report))
     start = time.perf_counter()
     joint = _closed(settings, pair, arguments)
@@ -134,17 +127,11 @@ def run(arguments) -> int:
         if "Warning" in line:  # again, below the numbers that it is about
             print(f"- {line}")
     title = f"{arguments.upper.name} on {arguments.lower.name}"
-    folder = arguments.output
     joint = joint._replace(history=write_animation(joint.history, arguments, title))
-    _write(joint, settings, folder, title)
-    if int(joint.history.status) < FAILURE:
-        said = write_engineering(joint.history, folder, title)
-        print("\n".join(f"- {line}" for line in said))
-    save_figure(pair_figure(pair, title), folder / "walls.png")
-    save_figure(closure_curve(joint.history, title), folder / "closure.png")
-    if arguments.snapshots and joint.history.sizes["snapshot"]:
-        save_figure(snapshot_figure(joint.history, title), folder / "snapshots.png")
-    print(f"wrote {folder}: {', '.join(sorted(path.name for path in folder.iterdir()))}")
+    names = replace_files(
+        arguments.output, "close", lambda folder: _write(joint, settings, folder, title)
+    )
+    print(f"wrote {arguments.output}: {', '.join(names)}")
     return 1 if int(joint.history.status) >= FAILURE else 0
 
 
@@ -164,13 +151,15 @@ def _settings(arguments) -> Configured:
         "spikes": arguments.spikes,
     }
     grid = {} if arguments.grid_spacing is None else {"spacing_mm": arguments.grid_spacing}
-    needed = tuple(option for option in OF_ROCK if option != "jrc")
+    needed = tuple(option for option in NEEDED if option != "jrc")
     own = {"jrc": None, "walls": walls}
     return joint_configuration(base_keys(arguments), arguments, own, {"grid": grid}, needed)
 
 
-def _pair(arguments, walls: Walls) -> RegisteredPair:
+def _pair(arguments, settings: Configured) -> RegisteredPair:
     """The scans, read and brought together as their configuration says."""
+    walls = next(iter(settings.typed.rocks.values())).walls
+    assert walls is not None  # they are the arguments' own
     spacing = None if arguments.grid_spacing is None else 1e-3 * arguments.grid_spacing
     upper, lower = (
         read_wall(path, walls.units, walls.spacing, walls.variable)
@@ -180,7 +169,8 @@ def _pair(arguments, walls: Walls) -> RegisteredPair:
         for remark in scan.remarks:
             if "Warning" in remark:
                 print(f"- {name} wall: {remark}")
-    return brought_together(upper, lower, walls, spacing)
+    allowed = settings.typed.study.unusual_values == "allow"
+    return brought_together(upper, lower, walls, spacing, allowed)
 
 
 def _closed(settings: Configured, pair: RegisteredPair, arguments) -> ClosedJoint:
@@ -199,11 +189,20 @@ def _closed(settings: Configured, pair: RegisteredPair, arguments) -> ClosedJoin
 
 
 def _write(joint: ClosedJoint, settings: Configured, folder: Path, title: str) -> None:
-    """All numbers of a joint: its history, and what was found on the way."""
-    about = provenance(settings.keys)
-    write_netcdf(joint.history.assign_attrs(about), folder / "joint.nc")
+    """All files of a joint: its history, what was found on the way, exports and pictures."""
+    from jointclosure.plotting.joint import closure_curve
+    from jointclosure.plotting.scanned_joint import pair_figure
+    from jointclosure.plotting.snapshots import snapshot_figure
+
+    about, history = provenance(settings.keys), joint.history
+    write_netcdf(history.assign_attrs(about), folder / "joint.nc")
     record = _record(joint, settings, about, title)
     write_text(json.dumps(record, indent=1) + "\n", folder / "joint.json")
+    write_exports(history, folder, title)
+    save_figure(pair_figure(joint.pair, title), folder / "walls.png")
+    save_figure(closure_curve(history, title), folder / "closure.png")
+    if history.sizes.get("snapshot"):
+        save_figure(snapshot_figure(history, title), folder / "snapshots.png")
 
 
 def _record(joint: ClosedJoint, settings: Configured, about: dict[str, str], title: str) -> dict:

@@ -15,7 +15,7 @@ from jointclosure.engineering.exchange import (
 from jointclosure.engineering.laws import fitted_laws, law_said
 from jointclosure.engineering.stiffness import stiffness_table
 from jointclosure.inputs import InputError
-from jointclosure.protocol import LOADING
+from jointclosure.protocol import FAILURE, LOADING
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.meshes import write_vtu
 from jointclosure.storage.text import write_csv, write_text
@@ -31,6 +31,12 @@ _GEOS = """<!-- for <Functions>; its contact model has apertureTableName="joint_
   voxelFile="geos_aperture.csv"
   interpolation="linear"/>
 """
+
+
+def write_exports(history: xr.Dataset, folder: Path, title: str) -> None:
+    """Write and print as `write_engineering` does; nothing of a joint whose simulation failed."""
+    if int(history.status) < FAILURE:
+        print("\n".join(f"- {line}" for line in write_engineering(history, folder, title)))
 
 
 def write_engineering(history: xr.Dataset, folder: Path, title: str) -> list[str]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from jointclosure.calibration import Fit, fit
 from jointclosure.commands import COMMANDS
 from jointclosure.commands.joint_options import (
+    NEEDED,
     add_model,
     add_rock,
     add_seating,
@@ -20,6 +21,7 @@ from jointclosure.ensemble.cases import cases_of
 from jointclosure.inputs import InputError
 from jointclosure.progress import bar
 from jointclosure.storage.figures import save_figure
+from jointclosure.storage.folders import replace_files
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import read_text, write_text
 from jointclosure.studies.measured.calibration import Interval
@@ -92,8 +94,6 @@ def run(arguments) -> int:
     units = (arguments.stress_unit, arguments.closure_unit)
     curve = parsed_curve(read_text(arguments.curve), str(arguments.curve), *units, cycle=1)
     settings = _settings(arguments, float(curve.stress.max()))
-    if arguments.output:
-        arguments.output.mkdir(exist_ok=True)
     configuration, case = settings.typed, cases_of(settings.typed)[0]
     surface = configuration.surface
     with bar("closing") as show:
@@ -119,10 +119,14 @@ def run(arguments) -> int:
         )
     print("\n".join(f"- {line}" for line in found.sentences()))
     if arguments.output:
-        record = _record(found, settings)
-        write_text(json.dumps(record, indent=1) + "\n", arguments.output / "fit.json")
-        save_figure(fit_figure(found, arguments.curve.name), arguments.output / "fit.png")
-        print(f"wrote {arguments.output}: fit.json, fit.png")
+
+        def write(folder: Path) -> None:
+            record = _record(found, settings)
+            write_text(json.dumps(record, indent=1) + "\n", folder / "fit.json")
+            save_figure(fit_figure(found, arguments.curve.name), folder / "fit.png")
+
+        names = replace_files(arguments.output, "fit", write)
+        print(f"wrote {arguments.output}: {', '.join(names)}")
     return 0
 
 
@@ -135,7 +139,7 @@ def _settings(arguments, largest: float) -> Configured:
     if arguments.jrc is None and base["rocks"].get(arguments.rock, {}).get("jrc") is None:
         raise InputError("--jrc: must be given")
     own = {"max_normal_stress_MPa": 1e-6 * largest, "walls": None}
-    needed = ("youngs_modulus", "poisson_ratio", "strength", "jrc")
+    needed = tuple(option for option in NEEDED if option != "stress")
     changes = {"grid": grid, "surface": {"roll_off_mm": None}}
     return joint_configuration(base, arguments, own, changes, needed)
 

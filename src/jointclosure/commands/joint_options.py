@@ -16,19 +16,22 @@ from jointclosure.engineering.curves import curve_table, has_flow
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError
 from jointclosure.loading import load_cycles
-from jointclosure.parameters import Effects
+from jointclosure.parameters import OF_ROCK, Effects, Rock, key_of
 from jointclosure.progress import bar
 from jointclosure.protocol import FAILURE, LOADING, Report
 from jointclosure.storage.text import read_csv
 
-OF_ROCK = {
-    "youngs_modulus": "youngs_modulus_GPa",
-    "poisson_ratio": "poisson_ratio",
-    "strength": "compressive_strength_MPa",
+_SHORTER = {"compressive_strength": "strength"}
+"""Options that are shorter than the property of rock that they give."""
+_INTACT = {_SHORTER.get(name, name): name for name in OF_ROCK}
+"""Properties of intact rock by their options."""
+OPTIONS = {option: key_of(name) for option, name in _INTACT.items()} | {
     "jrc": "jrc",
     "stress": "max_normal_stress_MPa",
 }
-"""Options that say what a configuration says of a rock."""
+"""Keys of a rock in a configuration by their options."""
+NEEDED = tuple(option for option in OPTIONS if _INTACT.get(option) not in Rock._field_defaults)
+"""Options that must be given where no rock is named: those of properties without a default."""
 _UNNAMED = "rock"
 """Name of a rock that is given by its properties."""
 _FIRST_LOADING = 5.0
@@ -47,9 +50,14 @@ def add_rock(command: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="study whose rocks and other keys are used, over the paper's",
     )
-    rock.add_argument("--youngs-modulus", type=float, metavar="GPa", help="Young's modulus E")
-    rock.add_argument("--poisson-ratio", type=float, metavar="NU", help="Poisson's ratio")
-    rock.add_argument("--strength", type=float, metavar="MPa", help="compressive strength sigma_c")
+    for option, name in _INTACT.items():
+        about = OF_ROCK[name]
+        rock.add_argument(
+            "--" + option.replace("_", "-"),
+            type=float,
+            metavar=about.symbol.upper() if about.unit == "1" else about.unit,
+            help=f"{about.long_name} {about.symbol}",
+        )
 
 
 def add_load_and_model(command: argparse.ArgumentParser) -> None:
@@ -131,7 +139,7 @@ def base_keys(arguments) -> dict:
 
 
 def joint_configuration(
-    base: dict, arguments, own: dict, changes: dict, needed: tuple[str, ...] = tuple(OF_ROCK)
+    base: dict, arguments, own: dict, changes: dict, needed: tuple[str, ...] = NEEDED
 ) -> Configured:
     """The whole configuration that the arguments describe, checked.
 
@@ -146,12 +154,12 @@ def joint_configuration(
     changes : dict
         Further keys of the study.
     needed : tuple of str
-        Options that must be given where no rock is named, of `OF_ROCK`.
+        Options that must be given where no rock is named, of `NEEDED`.
     """
     given = {name: value for name, value in vars(arguments).items() if value is not None}
     if isinstance(given.get("stress"), tuple):
         given["stress"] = max(arguments.stress)
-    own = own | {key: given[option] for option, key in OF_ROCK.items() if option in given}
+    own = own | {key: given[option] for option, key in OPTIONS.items() if option in given}
     name = arguments.rock or _UNNAMED
     base["rocks"].setdefault(name, {})["levels"] = {}
     if not arguments.rock:

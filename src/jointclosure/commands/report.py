@@ -14,6 +14,7 @@ from jointclosure.config.schema import json_schema
 from jointclosure.extras import needs
 from jointclosure.inputs import InputError
 from jointclosure.sources import PACKAGE
+from jointclosure.storage.folders import add_file
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.seals import check_folder
 from jointclosure.storage.text import read_benchmarks, read_csv, write_text
@@ -75,6 +76,8 @@ def write_report(folder: Path, output: Path) -> int:
     if (folder / "joint.json").is_file():
         page = _joint_page(folder)
         write_text(page, output)
+        if output.parent == folder:  # the page goes with the joint that it shows
+            add_file(folder, "close", output.name)
         return len(page.encode())
     sealed = check_folder(folder)
     if folder / "study.nc" not in sealed:

@@ -5,7 +5,7 @@ from pathlib import Path
 from jointclosure.config.files import DEFAULT, read_plain
 from jointclosure.config.units import to_si
 from jointclosure.inputs import InputError
-from jointclosure.parameters import Rock
+from jointclosure.parameters import Rock, rock_of
 
 OTHERS = Path(__file__).with_name("rocks.yaml")
 """Rocks that are in no study, with the sources of their properties."""
@@ -33,5 +33,4 @@ def named_rock(name: str) -> Rock:
     rocks = read_plain(DEFAULT)["rocks"] | other_rocks()
     if name not in rocks:
         raise InputError(f"rock = {name!r}: must be a Rock or one of {', '.join(rocks)}")
-    si = to_si(rocks[name])
-    return Rock(**{field: si[field] for field in Rock._fields})
+    return rock_of(to_si(rocks[name]))

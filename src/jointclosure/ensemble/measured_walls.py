@@ -10,6 +10,7 @@ from jointclosure.config.typed import Walls
 from jointclosure.ensemble.settings import SurfaceSettings
 from jointclosure.ensemble.surfaces import surface_pair
 from jointclosure.inputs import InputError
+from jointclosure.parameters import AS_IT_IS
 from jointclosure.randomness import seed_of
 from jointclosure.surface.measured import Cloud, Scan, disjoint, filled, wall_on_grid
 from jointclosure.surface.measured_pairs import Cutter, MeasuredWalls
@@ -38,7 +39,8 @@ def prepared_walls(
     jrc_relation : str
         Key of `jointclosure.surface.roughness.RELATIONS`: the JRC that is reported.
     unusual_values : bool
-        Whether walls are taken that look like a slip of units or of orientation.
+        Whether walls are taken that look like a slip: as for
+        `jointclosure.surface.registration.registered`, and for walls that lie as they are given.
 
     Returns
     -------
@@ -53,12 +55,13 @@ def prepared_walls(
     """
     walls = xr.Dataset(attrs={"spacing_m": spacing, "partner": ""})
     if settings.bring_together:
-        pair = brought_together(scans["upper"], scans["lower"], settings, spacing)
+        both = scans["upper"], scans["lower"]
+        pair = brought_together(*both, settings, spacing, unusual_values)
         heights = {"upper": (pair.upper, 0.0), "lower": (pair.lower, 0.0)}
         walls.attrs["registration"] = "; ".join(pair.report)
     else:
         heights = _as_they_lie(scans, settings, spacing)
-    if not unusual_values:
+    if not (unusual_values or settings.bring_together):
         _check_plausible({side: wall for side, (wall, _) in heights.items()}, settings, spacing)
     for side, (wall, share) in heights.items():
         # the relations and the synthesis know no H beyond 1, where walls are smooth at the grid
@@ -86,14 +89,15 @@ def _check_plausible(walls: dict[str, np.ndarray], settings: Walls, spacing: flo
     both = len(walls) == 2
     found = doubts(**walls, spacing=spacing) if both else slope_doubts(walls, spacing)
     if found:
-        raise InputError(
-            f"{settings.upper} and {settings.lower}: {'; '.join(found)} (study.unusual_values: "
-            "allow takes them as they are)"
-        )
+        raise InputError(f"{settings.upper} and {settings.lower}: {'; '.join(found)}; {AS_IT_IS}")
 
 
 def brought_together(
-    upper: Scan | Cloud, lower: Scan | Cloud, settings: Walls, spacing: float | None
+    upper: Scan | Cloud,
+    lower: Scan | Cloud,
+    settings: Walls,
+    spacing: float | None,
+    unusual_values: bool,
 ) -> RegisteredPair:
     """Two scans registered as a configuration says; errors name their files."""
     try:
@@ -105,6 +109,7 @@ def brought_together(
             shift=settings.shift,
             cut_spikes=settings.spikes == "cut",
             largest_filled_share=settings.largest_filled_share,
+            unusual_values=unusual_values,
         )
     except InputError as error:
         raise InputError(f"{settings.upper} and {settings.lower}: {error}") from None

@@ -90,7 +90,9 @@ def close(
         parameter of the model: a cell is an asperity.
     orientation, shift, cut_spikes
         As for `jointclosure.surface.registration.registered`.
-    effects, choices, numerics, unusual_values, report, flow, snapshots
+    unusual_values : bool
+        As for `jointclosure.simulate`, and for `jointclosure.surface.registration.registered`.
+    effects, choices, numerics, report, flow, snapshots
         As for `jointclosure.simulate`.
 
     Returns
@@ -101,7 +103,8 @@ def close(
     ------
     InputError
         A file that cannot be read, units that nobody says, walls of which no orientation is
-        clear or that do not overlap, a number out of its range.
+        clear or that do not overlap, a pair that is refused as `registered` does, a number out of
+        its range.
     """
     intact = both_walls(named_rock(rock) if isinstance(rock, str) else rock)
     load = load_cycles(max_normal_stress, cycles)
@@ -109,8 +112,9 @@ def close(
         check_usual(intact, max_normal_stress=largest_stress(max_normal_stress))
     above, below = read_wall(upper, units), read_wall(lower, units)
     pair = registered(
-        above, below, grid_spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes
-    )
+        above, below, grid_spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes,
+        unusual_values=unusual_values,
+    )  # fmt: skip
     if not unusual_values:
         for doubt in pair.warnings:
             warnings.warn(doubt, stacklevel=2)

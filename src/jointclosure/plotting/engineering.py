@@ -75,7 +75,7 @@ def _draw_aperture(axes, history: xr.Dataset) -> None:
         loaded = own[own.normal_stress_MPa >= 0.5 * seating].mean_aperture_mm
         top = max(top, float(np.nanmax(loaded)) if len(loaded) else 0.0)
     axes.set(
-        title="mean aperture", xlim=0.0, ylim=(0.0, 1.15 * top),
+        title="mean aperture", xlim=0.0, ylim=(0.0, 1.15 * top or None),
         xlabel="normal stress (MPa)", ylabel="mean aperture (mm)",
     )  # fmt: skip
     axes.legend(frameon=False, fontsize=9)

@@ -3,9 +3,7 @@
 import re
 
 from jointclosure.inputs import SPELT, UNITS, InputError, size_of
-
-SMALLEST_SIDE, LARGEST_SIDE = 5e-3, 10.0
-"""Of a plausible wall [m]."""
+from jointclosure.parameters import USUAL
 
 
 def is_unit(word: str) -> bool:
@@ -34,7 +32,8 @@ def doubted(units: str, sides: tuple[float, float] | None) -> tuple[str, ...]:
 
 
 def _is_plausible(size: float, sides: tuple[float, float]) -> bool:
-    return size * min(sides) >= SMALLEST_SIDE and size * max(sides) <= LARGEST_SIDE
+    smallest, largest, _ = USUAL["side_of_scan"]
+    return size * min(sides) >= smallest and size * max(sides) <= largest
 
 
 def settled(what: str, own: str | None, stated: str | None, sides=None) -> str:

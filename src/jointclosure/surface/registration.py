@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.inputs import InputError
+from jointclosure.surface.implausible import Implausible
 from jointclosure.surface.mating import (
     Mating,
     best_shift,
@@ -24,7 +25,6 @@ from jointclosure.surface.measured import (
 from jointclosure.surface.mismatch import CONFIDENCE, Mismatch, measured_mismatch
 from jointclosure.surface.outliers import points_of, without_spikes
 from jointclosure.surface.overlap import Overlap, overlap_of
-from jointclosure.surface.plausibility import slope_doubts
 from jointclosure.surface.roughness import detrended
 
 LEAST_OVERLAP = 0.5
@@ -141,6 +141,7 @@ def registered(
     shift: str | None = None,
     cut_spikes: bool = True,
     largest_filled_share: float = LARGEST_FILLED_SHARE,
+    unusual_values: bool = False,
 ) -> RegisteredPair:
     """Bring two scans of the walls of one joint together.
 
@@ -160,6 +161,8 @@ def registered(
         Leave out spikes (`jointclosure.surface.outliers.without_spikes`).
     largest_filled_share : float
         Of the cells: holes inside the walls are filled linearly up to that.
+    unusual_values : bool
+        Whether to go on with what is more often a slip than meant: see Raises.
 
     Returns
     -------
@@ -168,22 +171,26 @@ def registered(
     Raises
     ------
     InputError
-        No orientation is clear and none is stated, the walls are inclined too much, do not
-        overlap, or lie in the wrong order.
+        No orientation is clear and none is stated, the walls are inclined too much or do not
+        overlap. Unless ``unusual_values``: both scans are one or a copy of each other, the walls
+        are interchanged, the stated orientation is not the one that is clear, or spacing or size
+        are those of no wall.
     """
     _check_choices(orientation, shift)
+    implausible = Implausible(unusual_values)
+    distances = point_distance(upper), point_distance(lower)
+    spacing = max(distances) if spacing is None else float(spacing)
+    implausible.check_scans(upper, lower, spacing)
     report: list[str] = []
-    clouds, distances = [], []
+    clouds = []
     for side, scan in (("upper", upper), ("lower", lower)):
         report += [f"{side} wall: {remark}" for remark in scan.remarks]
         kept, said = without_spikes(scan) if cut_spikes else (scan, "")
         report += [f"{side} wall: {said}; they were cut"] if said else []
         clouds.append(points_of(kept))
-        distances.append(point_distance(scan))
-    spacing = max(distances) if spacing is None else float(spacing)
     placed = [_Placed.of(cloud, spacing) for cloud in clouds]
     fits = _compared(placed[0], placed[1], spacing)
-    name = _chosen(fits, orientation, report)
+    name = _chosen(fits, orientation, implausible, report)
     whole_cells = all(isinstance(scan, Scan) for scan in (upper, lower))
     best = _refined(
         placed[0], placed[1], spacing, next(fit for fit in fits if fit.orientation == name)
@@ -194,9 +201,11 @@ def registered(
     report.append(_shift_said(mated, moved))
     turned = _oriented(clouds[0], placed[0], spacing, ORIENTATIONS[name])
     raised = turned + np.array([applied[1], applied[0], 0.0])
-    both = (distances[0], distances[1])
-    found = overlap_of(raised, clouds[1], spacing, both, largest_filled_share)
-    return _described(found, spacing, name, fits, applied, mated, report)
+    found = overlap_of(raised, clouds[1], spacing, distances, largest_filled_share)
+    pair = _described(found, spacing, name, fits, applied, mated, report)
+    implausible.check_slopes(pair.upper, pair.lower, spacing)
+    implausible.check_pair(found.upper - found.lower, pair.correlation, name == "common_frame")
+    return pair
 
 
 class _Placed(NamedTuple):
@@ -267,7 +276,9 @@ def _block_means(wall: np.ndarray, cells: int) -> np.ndarray:
     return np.where(known > 0, np.nansum(blocks, axis=(1, 3)) / np.maximum(known, 1), np.nan)
 
 
-def _chosen(fits: list[Fit], stated: str | None, report: list[str]) -> str:
+def _chosen(
+    fits: list[Fit], stated: str | None, implausible: Implausible, report: list[str]
+) -> str:
     """The orientation that was stated, or that is clear; `InputError` where none is."""
     best, second = fits[:2]
     clear = best.correlation >= CLEAR * max(second.correlation, 0.0)
@@ -285,6 +296,7 @@ def _chosen(fits: list[Fit], stated: str | None, report: list[str]) -> str:
         f"correlate by {listed}"
     )
     if stated is not None and clear and best.orientation != stated:
+        implausible.check_orientation(stated, best.orientation)
         report.append(
             f"Warning: the stated orientation {stated} fits worse than {best.orientation}, which "
             f"is clear; closures of the wrong one are several times too large"
@@ -345,7 +357,7 @@ def _described(
     mismatch = measured_mismatch(upper, lower, spacing)
     early = float(np.quantile(aperture, 1e-3))
     gap = float(np.mean(found.upper - found.lower))
-    report += [f"Warning: {doubt}" for doubt in _doubts(found, upper, lower, spacing)]
+    report += [f"Warning: {doubt}" for doubt in _doubts(found)]
     filled_said = f", {found.filled_cells} of them in holes, filled" if found.filled_cells else ""
     report += [
         f"overlap: {ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm{filled_said}, "
@@ -371,9 +383,9 @@ def _described(
     )  # fmt: skip
 
 
-def _doubts(found: Overlap, upper: np.ndarray, lower: np.ndarray, spacing: float) -> list[str]:
-    """What is unusual of scans of one joint: slopes, overlap, inclination."""
-    doubts = slope_doubts({"upper": upper, "lower": lower}, spacing)
+def _doubts(found: Overlap) -> list[str]:
+    """What is unusual of the overlap and the inclinations of scans of one joint."""
+    doubts = []
     if found.share < LEAST_OVERLAP:
         doubts.append(
             f"the walls overlap in {100.0 * found.share:.0f} % of the smaller scan, less than "

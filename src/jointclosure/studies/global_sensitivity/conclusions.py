@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from jointclosure.config.properties import PARAMETERS
+from jointclosure.inputs import InputError
 from jointclosure.statistics.verdicts import frequency_of, t_interval
-from jointclosure.studies.global_sensitivity.design import Design
+from jointclosure.studies.global_sensitivity.design import Design, is_positive
 from jointclosure.studies.global_sensitivity.table import (
     GROUPS,
     Elasticities,
@@ -20,6 +20,8 @@ from jointclosure.studies.global_sensitivity.table import (
     responses_of,
 )
 
+PROPERTIES = ("poisson_ratio", "youngs_modulus", "compressive_strength", "jrc")
+"""Properties that the conclusions compare; a design may vary others, too."""
 NAMES = ("closure", "closure_net")
 """Responses that conclusions are about."""
 COLUMNS = (
@@ -109,8 +111,13 @@ def conclusion_tables(design: Design, keys: dict, closed) -> tuple[pd.DataFrame,
         Of each rock and ``input``: the ``share`` of the variance of the conclusion's margin over
         the drawn choices that goes with the input's first function, with its jackknife error.
 
-    Both empty where not all four properties vary, and without responses that are not positive
-    everywhere.
+    Both empty where the design does not vary all of `PROPERTIES` over ranges above 0, and without
+    responses that are not positive everywhere.
+
+    Raises
+    ------
+    InputError
+        The joints of a rock of the design are missing.
     """
     found = _elasticities(design, keys, closed)
     shares: list[dict] = []
@@ -130,16 +137,20 @@ def conclusion_tables(design: Design, keys: dict, closed) -> tuple[pd.DataFrame,
 
 
 def _elasticities(design: Design, keys: dict, closed) -> dict[tuple, Elasticities]:
-    """By rock, response and cycle; none where not all properties vary."""
-    if {one.property for one in design.inputs if one.property} != set(PARAMETERS):
-        return {}
+    """By rock, response and cycle; none where a rock has none to one of `PROPERTIES`."""
+    missing = sorted(set(design.rocks) - set(closed))
+    if missing:
+        raise InputError(f"the joints of {', '.join(missing)} are missing, which the design closes")
+    for rock in design.rocks:
+        varied = {one.property for one in design.inputs if is_positive(one, keys, rock)}
+        if not varied >= set(PROPERTIES):
+            return {}
     at = choices_drawn(design)
-    found = {
+    return {
         (each.rock, each.name, each.cycle): elasticities_at(design, keys, each, at)
         for each in responses_of(design, closed)
         if each.name in NAMES and has_elasticities(each)
     }
-    return {where: own for where, own in found.items() if len(own.inputs) == len(PARAMETERS)}
 
 
 def _of_rocks(design, found, conclusion: Conclusion, name, cycle) -> dict[str, _Margins]:
@@ -155,7 +166,11 @@ def _of_rocks(design, found, conclusion: Conclusion, name, cycle) -> dict[str, _
 
         def read(part, own=own, before=before) -> np.ndarray:
             pair = (
-                dict(zip((properties[one] for one in each.inputs), part(each), strict=True))
+                {
+                    properties[one]: values
+                    for one, values in zip(each.inputs, part(each), strict=True)
+                    if properties[one] in PROPERTIES
+                }
                 for each in (own, before)
             )
             return conclusion.margin(*pair)

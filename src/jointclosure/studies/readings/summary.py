@@ -84,7 +84,8 @@ CLAIMS: dict[str, tuple[str, Callable[[Response], float]]] = {
     ),
 }
 """The paper's claims on sensitivity, each as a number that is positive where it is true."""
-_ALL = {NU, E, STRENGTH, JRC}
+_CLAIMED = {NU, E, STRENGTH, JRC}
+"""Parameters that the claims are about."""
 
 
 def quantities(closures: Closures, parameters: Parameters) -> Iterator[dict]:
@@ -127,9 +128,13 @@ def claims_judged(
     `jointclosure.statistics.verdicts` by claim.
 
     A claim's number has the standard error of a jackknife over groups of surfaces. A rock of
-    which not all parameters are varied is left out.
+    which not all parameters are varied is left out; parameters besides count for none.
     """
-    closures = {rock: each for rock, each in closures.items() if set(parameters[rock]) == _ALL}
+    parameters = {
+        rock: {name: each for name, each in varied.items() if name in _CLAIMED}
+        for rock, varied in parameters.items()
+    }
+    closures = {rock: each for rock, each in closures.items() if set(parameters[rock]) == _CLAIMED}
     verdicts: dict[str, list[str]] = {number: [] for number in CLAIMS}
     for rock, of_rock in closures.items():
         numbers = of_rock.realization.values

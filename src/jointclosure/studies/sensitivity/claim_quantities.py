@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from jointclosure.parameters import PROPERTIES
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
 from jointclosure.statistics.standard_errors import Estimate
 from jointclosure.studies.sensitivity.responses import TARGET, RockSample
@@ -83,7 +84,7 @@ def more_sensitive(
     one = elasticity_of(sample, first, cycle, variable)
     other = elasticity_of(sample, second, cycle, variable)
     return Quantity(
-        f"|e({_SYMBOLS[first]})| - |e({_SYMBOLS[second]})|",
+        f"|e({PROPERTIES[first].symbol})| - |e({PROPERTIES[second].symbol})|",
         lambda means: abs(one(means)) - abs(other(means)),
     )
 
@@ -91,7 +92,7 @@ def more_sensitive(
 def falls_with_the_cycle(sample: RockSample, parameter: str) -> Quantity:
     """By how much the closure of the first cycle is more sensitive than that of the second."""
     first, second = (elasticity_of(sample, parameter, cycle) for cycle in (1, 2))
-    symbol = _SYMBOLS[parameter]
+    symbol = PROPERTIES[parameter].symbol
     return Quantity(
         f"|e({symbol})| of cycle 1 - cycle 2", lambda means: abs(first(means)) - abs(second(means))
     )
@@ -105,7 +106,7 @@ def change_of(sample: RockSample, parameter: str, cycle: int, change: float) -> 
         found = fit(means)
         return float(found.at(base + change) / found.d - 1.0)
 
-    name = f"change with {_SYMBOLS[parameter]} {change:+g}, cycle {cycle}"
+    name = f"change with {PROPERTIES[parameter].symbol} {change:+g}, cycle {cycle}"
     return Quantity(name, value, (-NEGLIGIBLE, NEGLIGIBLE))
 
 
@@ -124,7 +125,7 @@ def rises(
 
     direction = "rise" if sign > 0 else "fall"
     return [
-        Quantity(f"{direction} with {_SYMBOLS[parameter]}, step {i + 1}", step(i))
+        Quantity(f"{direction} with {PROPERTIES[parameter].symbol}, step {i + 1}", step(i))
         for i in range(levels.values.size - 1)
     ]
 
@@ -140,11 +141,3 @@ def relative(
         return float(1.0 - ratio if less else ratio)
 
     return Quantity(name, value)
-
-
-_SYMBOLS = {
-    "poisson_ratio": "nu",
-    "youngs_modulus": "E",
-    "compressive_strength": "sigma_c",
-    "jrc": "JRC",
-}

@@ -80,7 +80,8 @@ def plan(
     Raises
     ------
     InputError
-        A wish that is not one, a significance that is no probability, or paired tests of an ensemble of independent draws.
+        A wish that is not one, a significance that is no probability, or paired tests of an
+        ensemble of independent draws.
     """
     _check(wish, significance)
     rows = []
@@ -214,9 +215,7 @@ def _seconds(ensemble: xr.Dataset, response: Response) -> float:
 def _check(wish: Wish, significance: float) -> None:
     check_number("significance", significance)
     if not 0.0 < significance < 1.0:
-        raise InputError(
-            f"significance = {significance!r}: must be between 0 and 1 (5 % is 0.05)"
-        )
+        raise InputError(f"significance = {significance!r}: must be between 0 and 1 (5 % is 0.05)")
     if wish.kind not in WISHES:
         raise InputError(f"wish = {wish.kind!r}: must be one of {', '.join(WISHES)}")
     check_number(wish.kind, wish.amount)
