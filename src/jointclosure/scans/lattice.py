@@ -53,9 +53,8 @@ def lattice_of(points: np.ndarray) -> Lattice | None:
     if nx * ny > MOST_CELLS_PER_POINT * len(points):
         return None
     numbers = y.node * nx + x.node
-    occupied = np.zeros(nx * ny, bool)
-    occupied[numbers] = True
-    occupied = occupied.reshape(ny, nx)
+    occupied = np.zeros((ny, nx), bool)
+    occupied.flat[numbers] = True
     followed = (occupied[1:] & occupied[:-1]).sum(), (occupied[:, 1:] & occupied[:, :-1]).sum()
     if min(followed) < LEAST_NEIGHBOURS * occupied.sum():
         return None
