@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.given_walls import doubts
+from jointclosure.surface.plausibility import doubts
 from tests.conftest import DOLERITE, SPACING
 
 

@@ -1,22 +1,32 @@
 """The two walls that a caller gives, as arrays (y, x) that belong together."""
 
+import warnings
+
 import numpy as np
+import pandas as pd
 import xarray as xr
 
-from jointclosure.inputs import LENGTHS, InputError, real_array
+from jointclosure.inputs import LENGTHS, InputError, real_array, size_of
+from jointclosure.surface.plausibility import doubts
 
 _SAME_PLACE = 1e-6
 """By what two walls' coordinates may differ, over their spacing."""
+_SAME_STEP = 1e-3
+"""By what the steps of coordinates may differ from the spacing, over it."""
 
 
-def checked_walls(upper, lower) -> tuple[np.ndarray, np.ndarray]:
+def checked_walls(upper, lower, spacing: float | None = None) -> tuple[np.ndarray, np.ndarray]:
     """Heights (y, x) [m] of two walls of one shape, as new arrays.
 
     Parameters
     ----------
     upper, lower : array_like or xarray.DataArray
         Heights [m]. An `xarray.DataArray` is taken by the names of its dimensions: those
-        named y and x are brought into this order, others into that of the upper wall.
+        named y and x are brought into this order, others into that of the upper wall. Of a
+        `pandas.DataFrame` the index is y and the columns are x, unless they are named otherwise.
+    spacing : float, optional
+        Grid spacing [m]: where it is given, coordinates must have it. They are in m unless their
+        attribute ``units`` says otherwise; whole numbers that count the cells are none.
 
     Raises
     ------
@@ -26,6 +36,8 @@ def checked_walls(upper, lower) -> tuple[np.ndarray, np.ndarray]:
     """
     walls = []
     for name, wall in zip(("upper", "lower"), _aligned(upper, lower), strict=True):
+        if spacing is not None and isinstance(wall, xr.DataArray):
+            _check_steps(name, wall, spacing)
         heights = real_array(name, wall)
         if heights.ndim != 2 or min(heights.shape) < 1 or max(heights.shape) < 3:
             raise InputError(
@@ -50,12 +62,7 @@ def _aligned(upper, lower) -> tuple:
                 f"{name}: is an xarray.Dataset of {', '.join(map(str, wall.data_vars))}; must be "
                 "an array, such as one of these"
             )
-    upper, lower = (
-        wall.transpose("y", "x")
-        if isinstance(wall, xr.DataArray) and set(wall.dims) == {"y", "x"}
-        else wall
-        for wall in (upper, lower)
-    )
+    upper, lower = (_by_names(wall) for wall in (upper, lower))
     if not (isinstance(upper, xr.DataArray) and isinstance(lower, xr.DataArray)):
         return upper, lower
     if set(upper.dims) != set(lower.dims):
@@ -67,10 +74,68 @@ def _aligned(upper, lower) -> tuple:
     return upper, lower
 
 
+def warn_of_doubts(upper: np.ndarray, lower: np.ndarray, spacing: float) -> None:
+    """Warn (`UserWarning`) the caller's caller of what looks like a slip of units or orientation.
+
+    Parameters
+    ----------
+    upper, lower : array (y, x)
+        As from `checked_walls` [m].
+    spacing : float
+        [m].
+    """
+    for doubt in doubts(upper, lower, spacing):
+        warnings.warn(doubt, stacklevel=3)
+
+
+def _by_names(wall):
+    """A wall over (y, x) where its dimensions have these names; a DataFrame with its labels."""
+    if isinstance(wall, pd.DataFrame):
+        labels = wall.index, wall.columns
+        names = [str(label.name) for label in labels]
+        dims = names if set(names) == {"y", "x"} else ["y", "x"]
+        coordinates = {
+            name: pd.to_numeric(np.asarray(label))
+            if pd.api.types.is_numeric_dtype(label)
+            else np.asarray(label, dtype=str)
+            for name, label in zip(dims, labels, strict=True)
+        }
+        wall = xr.DataArray(wall.to_numpy(), coordinates, dims)
+    if isinstance(wall, xr.DataArray) and set(wall.dims) == {"y", "x"}:
+        return wall.transpose("y", "x")
+    return wall
+
+
+def _check_steps(name: str, wall: xr.DataArray, spacing: float) -> None:
+    """Raise `InputError` where a wall's coordinates are not a grid of the spacing [m]."""
+    for axis in wall.dims:
+        if axis not in wall.coords or wall[axis].size < 2 or wall[axis].dtype.kind not in "fiu":
+            continue
+        steps = np.diff(wall[axis].values.astype(float))
+        if wall[axis].dtype.kind in "iu" and (steps == 1.0).all():
+            continue
+        try:
+            steps = np.abs(steps) * size_of(str(wall[axis].attrs.get("units", "m")))
+        except InputError as error:
+            raise InputError(f"{name}: coordinate {axis}: {error}") from None
+        if not (np.abs(steps - spacing) <= _SAME_STEP * spacing).all():
+            between = " to ".join(
+                f"{step:.6g}" for step in dict.fromkeys((steps.min(), steps.max()))
+            )
+            raise InputError(
+                f"{name}: its coordinate {axis} has steps of {between} m, and spacing = "
+                f"{spacing:.6g} m; must be equal, or leave the coordinates out"
+            )
+
+
 def _check_coordinates(name: str, above: np.ndarray, below: np.ndarray) -> None:
     """Raise `InputError` unless the coordinates of both walls are the same places."""
     if above.shape != below.shape:
         return  # the shapes are compared later
+    if above.dtype.kind not in "fiu" or below.dtype.kind not in "fiu":
+        if not np.array_equal(above, below):
+            raise InputError(f"upper and lower: their labels {name} differ; must be equal")
+        return
     above, below = (real_array(f"coordinate {name}", each) for each in (above, below))
     spacing = float(np.abs(np.diff(above)).min()) if above.size > 1 else 0.0
     apart = float(np.abs(above - below).max())
@@ -78,72 +143,3 @@ def _check_coordinates(name: str, above: np.ndarray, below: np.ndarray) -> None:
         raise InputError(
             f"upper and lower: their coordinates {name} differ by up to {apart:.6g}; must be equal"
         )
-
-
-_STEEPEST, _FLATTEST = 2.0, 1e-3
-"""Rms slopes of rough walls beyond which their heights rather have another unit than the spacing:
-natural ones have 0.1 to 0.6."""
-_ALIKE = 0.5
-"""Correlation of slopes from which two walls count as alike."""
-_SUMMITS = 10
-"""From as many on a wall counts as rough: a lens or a lattice may be like its partner."""
-
-
-def doubts(upper: np.ndarray, lower: np.ndarray, spacing: float) -> list[str]:
-    """What looks like a slip of units or of orientation, in sentences.
-
-    Parameters
-    ----------
-    upper, lower : array (y, x)
-        Heights towards the other wall [m].
-    spacing : float
-        [m].
-    """
-    if min(upper.shape) < 3 or min(map(_summits, (upper, lower))) < _SUMMITS:
-        return []
-    said = []
-    for name, wall in (("upper", upper), ("lower", lower)):
-        slope = float(np.sqrt(np.mean([np.mean(part**2) for part in _slopes(wall)]))) / spacing
-        if not _FLATTEST <= slope <= _STEEPEST:
-            said.append(
-                f"{name}: its rms slope is {slope:.3g}, and natural walls have 0.1 to 0.6; heights "
-                "and spacing are both in m"
-            )
-    fits = {
-        "": _likeness(upper, lower),
-        "y": _likeness(upper[::-1], lower),
-        "x": _likeness(upper[:, ::-1], lower),
-    }
-    if fits[""] > _ALIKE:
-        said.append(
-            f"the walls are alike (correlation {fits['']:.2f}), where those of a joint are each "
-            "other's negative: heights count towards the other wall, so that of a scanned upper "
-            "wall in the frame of the lower one they are -z"
-        )
-    for axis in ("y", "x"):
-        if fits[axis] < -_ALIKE and fits[""] > -0.5 * _ALIKE:
-            said.append(
-                f"the walls mate where the upper one is turned round along {axis} (correlation "
-                f"{-fits[axis]:.2f}), and not as they are ({-fits['']:.2f}): is it the other "
-                f"way round?"
-            )
-    return said
-
-
-def _slopes(wall: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Differences of neighbours along y and x, on the cells that have both."""
-    return np.diff(wall, axis=0)[:, 1:], np.diff(wall, axis=1)[1:]
-
-
-def _likeness(one: np.ndarray, other: np.ndarray) -> float:
-    """Correlation of the slopes of two walls, 0 where one has none."""
-    a, b = (np.concatenate([part.ravel() for part in _slopes(wall)]) for wall in (one, other))
-    scale = float(np.sqrt(np.sum(a**2) * np.sum(b**2)))
-    return float(np.sum(a * b)) / scale if scale > 0.0 else 0.0
-
-
-def _summits(wall: np.ndarray) -> int:
-    """Inner cells that are higher than their four neighbours."""
-    inner = wall[1:-1, 1:-1]
-    beside = (wall[:-2, 1:-1], wall[2:, 1:-1], wall[1:-1, :-2], wall[1:-1, 2:])
-    return int(np.logical_and.reduce([inner > each for each in beside]).sum())

@@ -9,9 +9,29 @@ from numpy.typing import ArrayLike
 LENGTHS = (1e-15, 1e15)
 """Smallest and largest length [m] that spacings may have, and largest height."""
 
+UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
+"""Metres of the units of length that a user may state."""
+SPELT = {
+    **{name: name for name in UNITS},
+    **dict.fromkeys(("µm", "μm", "micron", "microns", "micrometer", "micrometers"), "um"),
+    **dict.fromkeys(("micrometre", "micrometres"), "um"),
+    **dict.fromkeys(("metre", "metres", "meter", "meters"), "m"),
+    **dict.fromkeys(("millimetre", "millimetres", "millimeter", "millimeters"), "mm"),
+    **dict.fromkeys(("nanometre", "nanometres", "nanometer", "nanometers"), "nm"),
+}
+"""Units as files write them."""
+
 
 class InputError(ValueError):
     """A value that the model cannot take; the message names it."""
+
+
+def size_of(units: str) -> float:
+    """Metres of a unit of length; `InputError` names those that are known."""
+    name = SPELT.get(units.strip())
+    if name is None:
+        raise InputError(f"units = {units!r}: must be one of {', '.join(UNITS)}")
+    return UNITS[name]
 
 
 def real_array(name: str, values: ArrayLike) -> np.ndarray:

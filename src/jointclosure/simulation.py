@@ -2,7 +2,6 @@
 
 import json
 import math
-import warnings
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from jointclosure.foresight import check_foreseen
-from jointclosure.given_walls import checked_walls, doubts
+from jointclosure.given_walls import checked_walls, warn_of_doubts
 from jointclosure.history import cycle_closures, unloading_excess
 from jointclosure.inputs import (
     LENGTHS,
@@ -27,6 +26,7 @@ from jointclosure.loading import (
     load_cycles,
 )
 from jointclosure.parameters import (
+    AS_IT_IS,
     USUAL,
     Choices,
     Effects,
@@ -205,9 +205,7 @@ def simulate(
     """
     if not unusual_values:
         check_length("spacing", spacing)
-        upper, lower = checked_walls(upper, lower)
-        for doubt in doubts(upper, lower, spacing):
-            warnings.warn(doubt, stacklevel=2)
+        warn_of_doubts(*checked_walls(upper, lower, spacing), spacing)
     return simulate_by(
         solver_named,
         upper,
@@ -246,7 +244,8 @@ def simulate_by(
     snapshots: Sequence[float] = (),
 ) -> xr.Dataset:
     """`simulate` with a solver of one's own: ``solver_of`` its name gives it."""
-    upper, lower = checked_walls(upper, lower)
+    check_length("spacing", spacing)
+    upper, lower = checked_walls(upper, lower, spacing)
     rock, load = checked_conditions(
         rock, spacing, max_normal_stress, cycles, seating_stress, effects, choices, numerics,
         unusual_values,
@@ -391,18 +390,19 @@ def equilibrium(
     InputError
         An argument out of its range, before any computing.
     """
-    upper, lower = checked_walls(upper, lower)
+    check_length("spacing", spacing)
+    upper, lower = checked_walls(upper, lower, spacing)
     rock = both_walls(rock)
     effects = effects._replace(breakage=False, gouge=False)
     check_scene(effects)
     check_numerics(numerics, tuple(SOLVERS))
-    check_length("spacing", spacing)
     check_choices(choices, spacing)
-    if not unusual_values:
-        check_usual(rock, spacing=spacing)
     check_number("closure", closure)
     if not abs(closure) <= LENGTHS[1]:
         raise InputError(f"closure = {closure!r} m: must be at most {LENGTHS[1]:g} m")
+    if not unusual_values:
+        check_usual(rock, spacing=spacing)
+        warn_of_doubts(upper, lower, spacing)
     spacing, closure = float(spacing), float(closure)
     choices, numerics = in_double(choices), in_double(numerics)
     upper, lower = upper - height_datum(upper), lower - height_datum(lower)
@@ -411,8 +411,7 @@ def equilibrium(
     if not unusual_values and closure > closure_limit(joint, largest_force):
         raise InputError(
             f"closure = {closure!r} m: not usual of this joint, which no usual stress closes by "
-            f"more than {closure_limit(joint, largest_force):.3g} m; is the unit right? "
-            "unusual_values=True takes it as it is"
+            f"more than {closure_limit(joint, largest_force):.3g} m; is the unit right? {AS_IT_IS}"
         )
     run = solver_named(numerics.solver).settle(joint, closure, numerics.breakage_step)
     fields = fields_of(joint, closure)

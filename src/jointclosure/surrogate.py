@@ -147,8 +147,8 @@ def estimate(
     those of walls with a roll-off of 3 mm or of walls without any, whichever the given walls are of
     by RMS height over slope.
     """
-    upper, lower = checked_walls(upper, lower)
     check_length("spacing", spacing)
+    upper, lower = checked_walls(upper, lower, spacing)
     rock = _one_rock(rock)
     stresses = real_array("max_normal_stress", max_normal_stress)
     if not stresses.size:

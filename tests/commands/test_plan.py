@@ -44,3 +44,10 @@ def test_a_pool_that_an_earlier_configuration_left_is_not_planned_from(results, 
 def test_a_folder_without_a_study_is_said(tmp_path, capsys):
     assert main(["plan", str(tmp_path), "--standard-error", "0.01"]) == 2
     assert "study.nc: there is no such file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("significance", ["5", "0", "1", "-0.05", "nan"])
+def test_a_significance_that_is_no_probability_is_refused(significance, results, capsys):
+    command = ["plan", str(results(None)), "--power", "0.9", "--significance", significance]
+    assert main(command) == 2
+    assert "must be between 0 and 1 (5 % is 0.05)" in capsys.readouterr().err

@@ -1,6 +1,8 @@
 """Each format gives back the wall that was written to it, or says what is wrong with the file."""
 
+import io
 import pickle
+import zipfile
 
 import numpy as np
 import pytest
@@ -76,7 +78,7 @@ def write_geotiff(path, wall):
         (34735, "H", len(keys), keys, True),
         (42113, "s", 0, "-9999", True),
     ]
-    tifffile.imwrite(path, np.where(np.isnan(wall), -9999.0, 1e-3 * wall), extratags=tags)
+    tifffile.imwrite(path, np.where(np.isnan(wall), -9999.0, 1e-3 * wall)[::-1], extratags=tags)
     return {}
 
 
@@ -188,7 +190,7 @@ REFUSED = [
     ("a.xyz", {}, "does not say the units"),
     ("geo.tiff", {"units": "mm"}, "the file says that its heights are in 'm'"),
     ("a.stl", {}, "does not say the units"),
-    ("a.stl", {"units": "mm", "spacing": SPACING}, "these are points"),
+    ("a.stl", {"units": "mm", "spacing": 2 * SPACING}, "spacing = 0.5 mm: the file says 0.25 mm"),
     ("a.asc", {"units": "um"}, "units = 'um': the file says that its heights are in 'mm'"),
 ]
 
@@ -286,6 +288,29 @@ def test_a_line_of_units_below_the_names_is_read(wall, tmp_path):
     np.testing.assert_allclose(read_scan(tmp_path / "a.csv").heights, 1e-3 * wall, atol=1e-12)
 
 
+@pytest.mark.parametrize("head", ["x,y,z\nmm,mm,um", "x,y,z\n[mm],[mm],[um]", "mm mm um"])
+def test_each_column_has_the_unit_of_the_line_of_units(head, wall, tmp_path):
+    lines = [f"{x:.9f},{y:.9f},{1e3 * z:.9f}" for x, y, z in points_of(wall)]
+    (tmp_path / "a.csv").write_text("\n".join([head, *lines]))
+    np.testing.assert_allclose(read_scan(tmp_path / "a.csv").heights, 1e-3 * wall, atol=1e-12)
+    with pytest.raises(jc.InputError, match="the file says that its heights are in 'um'"):
+        read_scan(tmp_path / "a.csv", units="mm")
+
+
+@pytest.mark.parametrize(
+    ("head", "said"),
+    [
+        ("x_mm,y_mm,z_mm\nmm,mm,um", "'z_mm' is in 'um' by the line of units"),
+        ("x,y,z\nmm,um,mm", "x is in mm and y in um"),
+        ("x,y,z\nmm,mm,um,um", "4 words in the line of units of 3 columns"),
+    ],
+)
+def test_units_that_contradict_each_other_are_refused(head, said, tmp_path):
+    (tmp_path / "a.csv").write_text(head + "\n1,2,3\n2,3,4\n")
+    with pytest.raises(jc.InputError, match=said):
+        read_scan(tmp_path / "a.csv")
+
+
 @pytest.mark.parametrize("head", ["", "depth,east,north,height\n"])
 @pytest.mark.parametrize("columns", ["2,3,4", "east,north,height"])
 def test_columns_are_chosen_by_number_or_name(head, columns, wall, tmp_path):
@@ -348,7 +373,7 @@ def test_a_height_of_9999_among_others_is_a_height(wall, tmp_path):
     np.save(tmp_path / "a.npy", heights)
     scan = read_scan(tmp_path / "a.npy", units="um", spacing=SPACING)
     np.testing.assert_allclose(scan.heights, 1e-6 * heights)
-    assert scan.remarks == ()
+    assert "missing" not in " ".join(scan.remarks)
 
 
 @pytest.mark.parametrize("name", ["a.xyz", "a.stl"])
@@ -448,4 +473,140 @@ def test_geotiffs_of_one_frame_stay_in_it(tmp_path):
         ]
         tifffile.imwrite(tmp_path / name, ground[rows:, columns:], extratags=tags)
         scans.append(read_scan(tmp_path / name))
-    assert np.subtract(scans[1].origin, scans[0].origin) == pytest.approx((0.5, 1.5))
+    assert np.subtract(scans[1].origin, scans[0].origin) == pytest.approx((0.0, 1.5))
+    np.testing.assert_array_equal(scans[0].heights[:6, 3:], scans[1].heights)
+
+
+def write_esri(path, wall, rows=None, **head):
+    """An ESRI grid: rows from the largest y downwards."""
+    ny, nx = wall.shape
+    words = {"ncols": nx, "nrows": ny, "xllcorner": 3.0, "yllcorner": 5.0, "cellsize": STEP_MM}
+    words |= {"NODATA_value": -9999} | head
+    with path.open("w") as file:
+        file.writelines(f"{key} {value}\n" for key, value in words.items() if value is not None)
+        np.savetxt(file, np.where(np.isnan(wall), -9999, wall)[::-1][:rows], fmt="%.9f")
+
+
+def test_an_esri_grid_has_its_spacing_its_place_and_its_missing_heights(wall, tmp_path):
+    holed = wall.copy()
+    holed[3:6, 10:14] = np.nan
+    write_esri(tmp_path / "a.asc", holed)
+    scan = read_scan(tmp_path / "a.asc", units="mm")
+    np.testing.assert_allclose(scan.heights, 1e-3 * holed, atol=1e-12)
+    assert scan.spacing == pytest.approx((SPACING, SPACING))
+    assert scan.origin == pytest.approx((5e-3 + 0.5 * SPACING, 3e-3 + 0.5 * SPACING))
+
+
+@pytest.mark.parametrize(
+    ("rows", "head", "said"),
+    [
+        (12, {}, "declares 20 rows of 26 heights, 520, and holds 312: is it cut off"),
+        (None, {"cellsize": None}, "its head lacks cellsize"),
+        (None, {"nrows": "many"}, "nrows = 'many': must be a number"),
+        (None, {"nrows": 20.5}, "nrows = 20.5: must be a whole number"),
+        (None, {"nrows": 10**9}, "at most 100,000,000 are read"),
+    ],
+)
+def test_an_esri_grid_that_is_not_what_it_declares_is_refused(rows, head, said, wall, tmp_path):
+    write_esri(tmp_path / "a.asc", wall, rows, **head)
+    with pytest.raises(jc.InputError, match=rf"a\.asc: .*{said}"):
+        read_scan(tmp_path / "a.asc", units="mm")
+
+
+def netcdf_wall(wall, dims, attributes=({}, {}), step=STEP_MM):
+    """A wall (y, x) as a dataset whose dimensions have other names or another order."""
+    places = {
+        dim: (dim, step * np.arange(size), {"units": "mm"} | about)
+        for dim, size, about in zip(dims, wall.shape, attributes, strict=True)
+    }
+    return xr.Dataset({"height": (dims, wall, {"units": "mm"})}, places)
+
+
+@pytest.mark.parametrize(
+    ("dims", "attributes"),
+    [
+        (("y", "x"), ({}, {})),
+        (("northing", "easting"), ({}, {})),
+        (("a", "b"), ({"axis": "Y"}, {"axis": "X"})),
+        (("a", "b"), ({"standard_name": "projection_y_coordinate"}, {})),
+        (("rows", "b"), ({}, {})),
+        (("first", "second"), ({}, {})),  # names that say nothing: as they are written
+    ],
+)
+def test_a_netcdf_grid_is_turned_by_the_names_of_its_dimensions(dims, attributes, wall, tmp_path):
+    dataset = netcdf_wall(wall, dims, attributes)
+    if dims[0] != "first":
+        dataset = dataset.transpose(*dims[::-1])
+    dataset.to_netcdf(tmp_path / "a.nc", engine="netcdf4")
+    np.testing.assert_allclose(read_scan(tmp_path / "a.nc").heights, 1e-3 * wall)
+
+
+def test_a_netcdf_grid_whose_y_falls_lies_as_one_whose_y_grows(wall, tmp_path):
+    netcdf_wall(wall, ("y", "x")).isel(y=slice(None, None, -1)).to_netcdf(tmp_path / "a.nc")
+    scan = read_scan(tmp_path / "a.nc")
+    np.testing.assert_allclose(scan.heights, 1e-3 * wall)
+    assert scan.origin == (0.0, 0.0)
+
+
+def test_a_netcdf_grid_of_one_axis_twice_is_refused(wall, tmp_path):
+    netcdf_wall(wall, ("lat", "northing")).to_netcdf(tmp_path / "a.nc", engine="netcdf4")
+    with pytest.raises(jc.InputError, match=r"'lat', 'northing'\): are both y, must be y and x"):
+        read_scan(tmp_path / "a.nc")
+
+
+@pytest.mark.parametrize("name", ["a.npy", "a.npz", "a.csv", "a.tif", "a.asc"])
+def test_a_patch_of_zeros_among_other_heights_is_missing(name, wall, tmp_path):
+    level = wall - wall.mean()  # heights on both sides of 0
+    coded, holed = level.copy(), level.copy()
+    coded[3:6, 10:15], holed[3:6, 10:15] = 0.0, np.nan
+    scan = read_scan(tmp_path / name, **FORMATS[name](tmp_path / name, coded))
+    np.testing.assert_allclose(scan.heights, 1e-3 * holed, atol=1e-12)
+    assert "Warning: 15 of 520 heights are exactly 0" in " ".join(scan.remarks)
+
+
+def test_zeros_that_are_heights_stay(wall, tmp_path):
+    rounded = np.round(wall - wall.mean(), 2)  # values come in dozens
+    block = np.zeros((20, 26))
+    block[4:8, 5:9] = 0.1 * np.arange(16).reshape(4, 4) + 0.1
+    lowest = wall - wall.min()
+    for heights in (rounded, block, lowest):
+        np.save(tmp_path / "a.npy", heights)
+        scan = read_scan(tmp_path / "a.npy", units="mm", spacing=SPACING)
+        np.testing.assert_allclose(scan.heights, 1e-3 * heights)
+
+
+@pytest.mark.parametrize("name", ["a.npy", "a.npz", "a.nc", "a.tif", "a.asc", "a.csv"])
+def test_a_file_without_any_height_is_refused(name, wall, tmp_path):
+    given = FORMATS[name](tmp_path / name, np.full(wall.shape, np.nan))
+    with pytest.raises(jc.InputError, match=name):
+        wall_on_grid(read_scan(tmp_path / name, **given), SPACING)
+
+
+def test_an_archive_that_declares_more_than_a_scan_is_refused_unread(wall, tmp_path):
+    """Zeros are packed a thousand times: of a bomb nothing but the head may be read."""
+    path = tmp_path / "a.npz"
+    np.savez(path, Z_mm=wall, spacing_mm=STEP_MM)
+    head = io.BytesIO()
+    declared = {"descr": "<f8", "fortran_order": False, "shape": (40_000, 25_000)}
+    np.lib.format.write_array_header_1_0(head, declared)
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.writestr("other.npy", head.getvalue())
+    assert read_scan(path, variable="Z_mm").heights.shape == wall.shape
+    for name in ("a.npz", "a.npy"):
+        if name == "a.npy":
+            (tmp_path / name).write_bytes(head.getvalue())
+        given = {"variable": "other"} if name == "a.npz" else {}
+        with pytest.raises(
+            jc.InputError, match=r"declares 40000 x 25000 values: at most 100,000,000"
+        ):
+            read_scan(tmp_path / name, units="mm", spacing=SPACING, **given)
+
+
+def test_heights_and_spacing_in_units_of_no_wall_are_doubted_whoever_states_them(wall, tmp_path):
+    np.savez(tmp_path / "a.npz", Z_um=wall, spacing_um=STEP_MM)
+    assert "Warning: unusual in um; it spans" in read_scan(tmp_path / "a.npz").remarks[0]
+    np.save(tmp_path / "a.npy", wall)
+    scan = read_scan(tmp_path / "a.npy", units="mm", spacing=1e3 * SPACING)
+    assert scan.remarks == ()  # 6 x 5 m: an outcrop
+    scan = read_scan(tmp_path / "a.npy", units="mm", spacing=1e6 * SPACING)
+    assert scan.remarks[0].startswith("Warning: unusual in m; it spans")

@@ -362,3 +362,39 @@ def test_a_cell_that_stands_out_far_is_warned_of(joint):
     found = registered(grid(-upper), grid(lower), cut_spikes=False)
     assert any(said in line for line in found.report)
     assert found.first_touch[0] in (40, 41)
+
+
+@pytest.fixture(scope="module")
+def small_joint():
+    """Heights (y, x) of both walls in one frame, z upwards."""
+    upper, lower = jc.wall_pair(9.0, (48, 52), SPACING, seed=4, correlation=0.9)
+    return 1e-3 - upper, lower
+
+
+AS_SCANNED = {"orientation": "common_frame", "shift": "scanned", "cut_spikes": False}
+
+
+def test_a_small_overlap_a_steep_plane_and_a_wedge_are_warned_of(small_joint):
+    upper, lower = small_joint
+    assert registered(grid(upper), grid(lower), **AS_SCANNED).warnings == []
+    y, x = np.indices(upper.shape) * SPACING
+    steep, wedge = np.tan(np.radians(9.0)) * x, np.tan(np.radians(2.0)) * y
+    aside = Scan(upper[:, 30:], (SPACING, SPACING), (0.0, 30 * SPACING))
+    beside = Scan(lower[:, :39], (SPACING, SPACING), (0.0, 0.0))
+    for pair, warning in (
+        ((grid(upper + steep), grid(lower + steep)), "the common plane is inclined by 9.0 degrees"),
+        ((grid(upper + wedge), grid(lower)), "the walls are inclined to each other by 2.0 degrees"),
+        ((aside, beside), "the walls overlap in 44 % of the smaller scan, less than 50 %"),
+    ):
+        found = registered(*pair, **AS_SCANNED, unusual_values=True)
+        assert any(line.startswith(f"Warning: {warning}") for line in found.warnings), warning
+
+
+@pytest.mark.parametrize("factor", [1e3, 1e-3])
+def test_heights_in_another_unit_than_x_and_y_are_refused_unless_they_are_meant(
+    factor, small_joint
+):
+    scans = [grid(factor * wall) for wall in small_joint]
+    with pytest.raises(jc.InputError, match=r"its rms slope is .*; unusual_values=True"):
+        registered(*scans, **AS_SCANNED)
+    registered(*scans, **AS_SCANNED, unusual_values=True)

@@ -19,6 +19,7 @@ def main(settings: dict, output: str, log: Logbook) -> None:
     prepared = prepared_walls(
         scans, walls, grid.spacing, settings["jrc_relation"], settings["unusual_values"]
     )
+    log(prepared.attrs.get("registration", "as they lie"))
     for side, file in files.items():
         about = prepared[side].attrs | {"file": file, "sha256": settings["digests"][side]}
         prepared[side].attrs = about

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from jointclosure.commands import COMMANDS
 from jointclosure.inputs import InputError
+from jointclosure.remarks import caution
 from jointclosure.scans import read_scan
 from jointclosure.scans.units import UNITS
 from jointclosure.storage.figures import save_figure
@@ -17,6 +18,7 @@ from jointclosure.surface.measured import (
 )
 from jointclosure.surface.measures import increments, measure_wall
 from jointclosure.surface.outliers import without_spikes
+from jointclosure.surface.plausibility import slope_doubts
 from jointclosure.tables import measure_table, measures_text
 
 
@@ -84,6 +86,7 @@ def run(arguments) -> int:
         raise InputError(f"{arguments.file}: {error}") from None
     print(measures_text(measures, str(arguments.file), wall, step))
     remarks = [*scan.remarks]
+    remarks += [caution(doubt) for doubt in slope_doubts({"wall": wall}, step)]
     if spikes:
         done = "they were cut" if arguments.spikes == "cut" else "they were kept (see --spikes)"
         remarks.append(f"{spikes}; {done}")

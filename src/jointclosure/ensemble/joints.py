@@ -20,6 +20,7 @@ from jointclosure.parameters import Choices, Effects, Numerics, Rock
 from jointclosure.progress import bar
 from jointclosure.protocol import FLAGS
 from jointclosure.simulation import checked_conditions
+from jointclosure.surface.plausibility import doubts
 
 NOT_SIMULATED = 2 * max(FLAGS)
 """Bit of the status of a joint that could not be closed at all; its ``error`` says why."""
@@ -96,6 +97,8 @@ def simulate_ensemble(
     )  # fmt: skip
     stresses = np.linspace(0.0, largest_stress(max_normal_stress), stress_points)
     labels, pairs = _pairs(walls, seeds)
+    if not unusual_values and (doubtful := _doubts(pairs, labels, spacing)):
+        warnings.warn(doubtful, stacklevel=2)
     tasks = [(upper, lower, stresses, conditions) for upper, lower in pairs]
     rows = _rows(tasks, labels, _workers(workers), progress)
     return _together(rows, labels, len(load), stresses)
@@ -147,7 +150,26 @@ def _pairs(walls, seeds: Iterable[int]) -> tuple[np.ndarray, list[Walls]]:
 
 def _closed(upper, lower, stresses: np.ndarray, conditions: Conditions) -> dict:
     """A joint closed as those of a study; walls that cannot be are its own failure."""
-    return close_pair(*checked_walls(upper, lower), stresses, conditions)
+    walls = checked_walls(upper, lower, conditions.spacing)
+    return close_pair(*walls, stresses, conditions)
+
+
+def _doubts(pairs: list[Walls], labels: np.ndarray, spacing: float) -> str:
+    """What looks like a slip in some of the pairs; those that are no walls fail by themselves."""
+    doubtful = {}
+    for label, (upper, lower) in zip(labels, pairs, strict=True):
+        try:
+            walls = checked_walls(upper, lower, spacing)
+        except InputError:
+            continue
+        if sentences := doubts(*walls, spacing):
+            doubtful[label] = sentences
+    if not doubtful:
+        return ""
+    first, sentences = next(iter(doubtful.items()))
+    return f"{len(doubtful)} of {len(pairs)} pairs of walls, the first {first}: " + "; ".join(
+        sentences
+    )
 
 
 def _workers(workers: int | None) -> int:

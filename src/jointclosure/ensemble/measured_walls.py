@@ -10,10 +10,12 @@ from jointclosure.config.typed import Walls
 from jointclosure.ensemble.settings import SurfaceSettings
 from jointclosure.ensemble.surfaces import surface_pair
 from jointclosure.inputs import InputError
+from jointclosure.parameters import AS_IT_IS
 from jointclosure.randomness import seed_of
 from jointclosure.surface.measured import Cloud, Scan, disjoint, filled, wall_on_grid
 from jointclosure.surface.measured_pairs import Cutter, MeasuredWalls
 from jointclosure.surface.measures import hurst_of
+from jointclosure.surface.plausibility import doubts, slope_doubts
 from jointclosure.surface.registration import RegisteredPair, registered
 from jointclosure.surface.roughness import jrc_of_z2, rms_slope
 
@@ -37,13 +39,19 @@ def prepared_walls(
     jrc_relation : str
         Key of `jointclosure.surface.roughness.RELATIONS`: the JRC that is reported.
     unusual_values : bool
-        As for `jointclosure.surface.registration.registered`.
+        Whether walls are taken that look like a slip: as for
+        `jointclosure.surface.registration.registered`, and for walls that lie as they are given.
 
     Returns
     -------
     Dataset
         ``upper``, ``lower`` or both over (y, x) [m], heights towards the other wall, with slope,
         Hurst exponent and JRC of each, and the shares of cells that were missing.
+
+    Raises
+    ------
+    InputError
+        Walls that cannot be brought to the grid, or look like a slip.
     """
     walls = xr.Dataset(attrs={"spacing_m": spacing, "partner": ""})
     if settings.bring_together:
@@ -53,6 +61,8 @@ def prepared_walls(
         walls.attrs["registration"] = "; ".join(pair.report)
     else:
         heights = _as_they_lie(scans, settings, spacing)
+    if not (unusual_values or settings.bring_together):
+        _check_plausible({side: wall for side, (wall, _) in heights.items()}, settings, spacing)
     for side, (wall, share) in heights.items():
         # the relations and the synthesis know no H beyond 1, where walls are smooth at the grid
         z2, hurst = _slope(wall, spacing), float(np.clip(hurst_of(wall), 0.05, 1.0))
@@ -72,6 +82,14 @@ def prepared_walls(
     if missing:
         walls.attrs["partner"] = getattr(settings, missing.pop())
     return walls
+
+
+def _check_plausible(walls: dict[str, np.ndarray], settings: Walls, spacing: float) -> None:
+    """Raise `InputError` where walls look like a slip of units or of orientation."""
+    both = len(walls) == 2
+    found = doubts(**walls, spacing=spacing) if both else slope_doubts(walls, spacing)
+    if found:
+        raise InputError(f"{settings.upper} and {settings.lower}: {'; '.join(found)}; {AS_IT_IS}")
 
 
 def brought_together(

@@ -1,5 +1,6 @@
 """The joint whose two walls were scanned: brought together, closed, and described in a line."""
 
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -125,6 +126,9 @@ def close(
         above, below, grid_spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes,
         unusual_values=unusual_values,
     )  # fmt: skip
+    if not unusual_values:
+        for doubt in pair.warnings:
+            warnings.warn(doubt, stacklevel=2)
     name = rock if isinstance(rock, str) else "rock"
     conditions = Conditions(
         pair.spacing,

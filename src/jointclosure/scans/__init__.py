@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from jointclosure.inputs import InputError
-from jointclosure.scans import grids, instruments, meshes, points
+from jointclosure.scans import esri, grids, instruments, meshes, points
 from jointclosure.scans.contents import Contents
-from jointclosure.scans.sentinels import missing_values, said
+from jointclosure.scans.sentinels import missing_heights
 from jointclosure.scans.units import doubted, settled, size_of
 from jointclosure.surface.measured import Cloud, Scan
 
@@ -26,6 +26,7 @@ READERS = {
     ".cdf": grids.read_netcdf_grid,
     ".tif": grids.read_tiff,
     ".tiff": grids.read_tiff,
+    ".asc": esri.read_asc,
     ".csv": points.read_text,
     ".xyz": points.read_text,
     ".txt": points.read_text,
@@ -91,40 +92,59 @@ def _digest(path: str, changed: int, size: int) -> str:
 
 def _in_metres(found: Contents, units: str | None, spacing: float | None) -> Scan | Cloud:
     sides = _sides(found)
-    height = size_of(settled("heights", found.height_units, units, sides))
-    found = found._replace(remarks=found.remarks + doubted(units, sides))
+    hint = sides if found.length_units is None else None
+    height = size_of(settled("heights", found.height_units, units, hint))
     if found.points is not None:
         if spacing is not None:
             raise InputError(f"spacing = {1e3 * spacing:g} mm: these are points, and no grid")
-        across = size_of(settled("x and y", found.length_units, units, sides))
-        points = found.points[np.isfinite(found.points[:, 2])]
-        empty = len(found.points) - len(points)
-        remarks = (*found.remarks, f"{empty} points without a height were left out")
-        return Cloud(
-            points * np.array([across, across, height]), remarks if empty else found.remarks
-        )
-    origin = None
-    if found.spacing is not None:
-        across = size_of(settled("distances", found.length_units, units, sides))
+        return _cloud(found, height, settled("x and y", found.length_units, units, sides), sides)
+    steps, origin, remarks = _placed(found, units, spacing, sides)
+    heights = _real(found.heights)
+    if heights.ndim != 2 or min(heights.shape) < 3:
+        raise InputError(f"heights of shape {heights.shape}: must be (y, x), at least 3 x 3")
+    missing, missing_said = missing_heights(heights)
+    heights[missing] = np.nan
+    if not np.isfinite(heights).any():
+        raise InputError(f"none of its {heights.size} heights is known: all are missing")
+    return Scan(heights * height, steps, origin, found.remarks + remarks + missing_said)
+
+
+def _cloud(
+    found: Contents, height: float, length_units: str, sides: tuple[float, float] | None
+) -> Cloud:
+    assert found.points is not None  # of points it is asked
+    points = found.points[np.isfinite(found.points[:, 2])]
+    empty = len(found.points) - len(points)
+    remarks = found.remarks + doubted(length_units, sides)
+    if empty:
+        remarks = (*remarks, f"{empty} points without a height were left out")
+    across = size_of(length_units)
+    return Cloud(points * np.array([across, across, height]), remarks)
+
+
+def _placed(
+    found: Contents, units: str | None, spacing: float | None, sides: tuple[float, float] | None
+) -> tuple[tuple[float, float], tuple[float, float] | None, tuple[str, ...]]:
+    """Spacing (dy, dx) and origin (y, x) of a grid [m], and what is odd about its size."""
+    if found.spacing is None:
+        if spacing is None:
+            raise InputError("does not say the spacing of its grid: give it (spacing_mm)")
+        length_units, steps, origin = "m", (spacing, spacing), None
+        if found.heights is not None and np.ndim(found.heights) == 2:
+            sides = _lengths(np.shape(found.heights), steps)
+    else:
+        length_units = settled("distances", found.length_units, units, sides)
+        across = size_of(length_units)
         steps = (float(found.spacing[0]) * across, float(found.spacing[1]) * across)
-        if found.origin is not None:
-            origin = (float(found.origin[0]) * across, float(found.origin[1]) * across)
+        origin = found.origin and (found.origin[0] * across, found.origin[1] * across)
         if spacing is not None and any(abs(step - spacing) > 1e-6 * spacing for step in steps):
             own = " and ".join(f"{1e3 * step:g}" for step in dict.fromkeys(steps))
             raise InputError(
                 f"spacing = {1e3 * spacing:g} mm: the file says {own} mm; leave it out"
             )
-    elif spacing is None:
-        raise InputError("does not say the spacing of its grid: give it (spacing_mm)")
-    else:
-        steps = (spacing, spacing)
     if not all(np.isfinite(step) and step > 0.0 for step in steps):
         raise InputError(f"spacing {steps}: must be positive")
-    heights = _real(found.heights)
-    if heights.ndim != 2 or min(heights.shape) < 3:
-        raise InputError(f"heights of shape {heights.shape}: must be (y, x), at least 3 x 3")
-    heights, remarks = _without_sentinels(heights)
-    return Scan(heights * height, steps, origin, found.remarks + remarks)
+    return steps, origin, doubted(length_units, sides)
 
 
 def _sides(found: Contents) -> tuple[float, float] | None:
@@ -132,19 +152,14 @@ def _sides(found: Contents) -> tuple[float, float] | None:
     if found.points is not None:
         x, y = np.ptp(found.points[:, :2], axis=0).tolist() if len(found.points) else (0.0, 0.0)
         return x, y
-    if found.spacing is None or found.length_units is not None:
+    if found.spacing is None or found.heights is None or np.ndim(found.heights) != 2:
         return None
-    if found.heights is None or np.ndim(found.heights) != 2:
-        return None
-    ny, nx = np.shape(found.heights)
-    return found.spacing[1] * (nx - 1), found.spacing[0] * (ny - 1)
+    return _lengths(np.shape(found.heights), found.spacing)
 
 
-def _without_sentinels(heights: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
-    missing, found = missing_values(heights)
-    if not missing.any():
-        return heights, ()
-    return np.where(missing, np.nan, heights), (said(int(missing.sum()), found, "heights"),)
+def _lengths(shape: tuple[int, ...], spacing: tuple[float, float]) -> tuple[float, float]:
+    """Of a grid (y, x) along x and y."""
+    return spacing[1] * (shape[1] - 1), spacing[0] * (shape[0] - 1)
 
 
 def _real(values) -> np.ndarray:

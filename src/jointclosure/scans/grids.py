@@ -9,13 +9,14 @@ import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 import xarray as xr
 
 from jointclosure.extras import needs
 from jointclosure.inputs import InputError
-from jointclosure.scans.contents import Contents
+from jointclosure.scans.contents import Contents, check_size
 from jointclosure.scans.units import split_name
 
 _SPACINGS = ("spacing", "h", "dx")
@@ -25,37 +26,84 @@ _METRE, _LINEAR, _VERTICAL = 9001, "ProjLinearUnitsGeoKey", "VerticalUnitsGeoKey
 def read_npy(path: Path, variable: str | None) -> Contents:
     """One array, without units or spacing."""
     _no_variable(variable)
-    with _loaded(path) as array:
-        if not isinstance(array, np.ndarray):
+    with _opened(path) as file:
+        if _start(file).startswith(b"PK"):
             raise InputError("is an archive of arrays and no single one; call it .npz")
-        return Contents(heights=array)
+        return Contents(heights=_array(file))
 
 
 def read_npz(path: Path, variable: str | None) -> Contents:
-    """An array of an archive; its spacing by a number ``spacing``, ``h`` or ``dx``."""
-    with _loaded(path) as archive:
-        if isinstance(archive, np.ndarray):
+    """An array of an archive; its spacing by a number ``spacing``, ``h`` or ``dx``.
+
+    Of the archive's arrays the heads are read, and no other array than these two.
+    """
+    with _opened(path) as file:
+        if _start(file) == np.lib.format.MAGIC_PREFIX:
             raise InputError("is a single array and no archive of them; call it .npy")
-        arrays = {name: archive[name] for name in archive.files}
-    name = _chosen(variable, [key for key, value in arrays.items() if value.ndim == 2], arrays)
+        with zipfile.ZipFile(file) as archive:
+            members = {name.removesuffix(".npy"): name for name in archive.namelist()}
+            shapes = {key: _shape(archive, name) for key, name in members.items()}
+            fields = [key for key, shape in shapes.items() if len(shape) == 2]
+            name = _chosen(variable, fields, members)
+            steps = [key for key, shape in shapes.items() if _is_spacing(key) and shape == ()]
+            arrays = {}
+            for key in (name, *steps[:1]):
+                with archive.open(members[key]) as member:
+                    arrays[key] = _array(member)
     height_units = split_name(name)[1]
-    for key, value in arrays.items():
-        own, units = split_name(key)
-        if own in _SPACINGS and value.ndim == 0:
-            if value.dtype.kind not in "fiu":
-                raise InputError(f"{key} = {value.item()!r}: must be a number")
-            step = float(value)
-            return Contents(arrays[name], (step, step), None, height_units, units)
+    for key in steps[:1]:
+        value = arrays[key]
+        if value.dtype.kind not in "fiu":
+            raise InputError(f"{key} = {value.item()!r}: must be a number")
+        step = float(value)
+        return Contents(arrays[name], (step, step), None, height_units, split_name(key)[1])
     return Contents(arrays[name], None, None, height_units)
 
 
+def _start(file: IO[bytes]) -> bytes:
+    """The first bytes of a file, of which its format is known."""
+    start = file.read(len(np.lib.format.MAGIC_PREFIX))
+    file.seek(0)
+    return start
+
+
+def _is_spacing(name: str) -> bool:
+    return split_name(name)[0] in _SPACINGS
+
+
+def _shape(archive: zipfile.ZipFile, name: str) -> tuple[int, ...]:
+    """Shape of an archive's array by its head."""
+    with archive.open(name) as member:
+        return _head(member)[0]
+
+
+def _head(file: IO[bytes]) -> tuple[tuple[int, ...], np.dtype]:
+    """Shape and type that the head of an array declares."""
+    version = np.lib.format.read_magic(file)
+    read = np.lib.format.read_array_header_1_0
+    shape, _, kind = (read if version == (1, 0) else np.lib.format.read_array_header_2_0)(file)
+    return shape, kind
+
+
+def _array(file: IO[bytes]) -> np.ndarray:
+    """An array that is not too large, pickles refused."""
+    shape, _ = _head(file)
+    check_size(shape)
+    file.seek(0)
+    return np.lib.format.read_array(file, allow_pickle=False)
+
+
 def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
-    """A variable over (y, x), with the units of its attribute; spacing by its coordinates."""
+    """A variable over y and x by the names of its dimensions, with the units of its attribute.
+
+    Spacing and place are those of its coordinates.
+    """
     try:
         # a file of others: it does not bear the seal of ours
         with xr.open_dataset(path, engine="netcdf4", cache=False) as dataset:
             fields = [str(name) for name, field in dataset.data_vars.items() if field.ndim == 2]
             name = _chosen(variable, fields, {str(key): None for key in dataset.variables})
+            check_size(dataset[name].shape)
             field = dataset[name].load()
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
@@ -63,18 +111,53 @@ def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
         raise InputError(f"cannot be read as netCDF ({error})") from None
     if field.ndim != 2:
         raise InputError(f"variable {name!r} has dimensions {field.dims}: must be over (y, x)")
+    field = _by_axes(field)
     coordinates = [field[dimension] for dimension in field.dims if dimension in field.coords]
     spacing = length_units = origin = None
     if len(coordinates) == 2:
         along_y, along_x = (_step(str(c.name), c.values) for c in coordinates)
         spacing = along_y, along_x
-        written = {c.attrs.get("units") for c in coordinates}
+        written = {c.attrs.get("units") or split_name(str(c.name))[1] for c in coordinates}
         if len(written) > 1:
             raise InputError(f"the coordinates are in different units: {written}")
         length_units = written.pop()
-        if all(c.values[-1] > c.values[0] for c in coordinates):
-            origin = (float(coordinates[0].values[0]), float(coordinates[1].values[0]))
-    return Contents(field.values, spacing, None, field.attrs.get("units"), length_units, origin)
+        growing = {str(c.name): slice(None, None, -1 if c[-1] < c[0] else 1) for c in coordinates}
+        field = field.isel(growing)
+        origin = (float(field[field.dims[0]][0]), float(field[field.dims[1]][0]))
+    height_units = field.attrs.get("units") or split_name(name)[1]
+    return Contents(field.values, spacing, None, height_units, length_units, origin)
+
+
+_AXES = {
+    "y": ("y", "lat", "latitude", "northing", "row", "rows", "projection_y_coordinate"),
+    "x": ("x", "lon", "longitude", "easting", "column", "columns", "projection_x_coordinate"),
+}
+"""Names of dimensions and standard names of coordinates that say which axis they are."""
+
+
+def _by_axes(field: xr.DataArray) -> xr.DataArray:
+    """A variable over (y, x) by what its dimensions are called; as written where that says nothing.
+
+    Raises
+    ------
+    InputError
+        Both dimensions are the same axis.
+    """
+    axes = [_axis_of(field, str(dimension)) for dimension in field.dims]
+    if axes[0] is not None and axes[0] == axes[1]:
+        raise InputError(f"dimensions {field.dims}: are both {axes[0]}, must be y and x")
+    return field.transpose() if axes[0] == "x" or axes[1] == "y" else field
+
+
+def _axis_of(field: xr.DataArray, dimension: str) -> str | None:
+    """The axis of a dimension by its name and its coordinate's attributes, None without either."""
+    about = field[dimension].attrs if dimension in field.coords else {}
+    words = (about.get("axis"), about.get("standard_name"), split_name(dimension)[0])
+    for word in (str(word).lower() for word in words if word):
+        for axis, names in _AXES.items():
+            if word in names:
+                return axis
+    return None
 
 
 def read_tiff(path: Path, variable: str | None) -> Contents:
@@ -85,8 +168,11 @@ def read_tiff(path: Path, variable: str | None) -> Contents:
     try:
         with tifffile.TiffFile(path) as file:
             page = file.pages.first
+            check_size(page.shape)
             heights, geo = page.asarray(), page.geotiff_tags or {}
             nothing = page.tags.valueof("GDAL_NODATA")
+    except InputError:
+        raise
     except Exception as error:  # of a damaged file the library raises what its bytes lead to
         raise InputError(f"cannot be read as TIFF ({error})") from None
     if heights.ndim != 2 or heights.dtype.kind not in "fiu":
@@ -98,7 +184,8 @@ def read_tiff(path: Path, variable: str | None) -> Contents:
     if "ModelPixelScale" in geo:
         across, down = (float(value) for value in geo["ModelPixelScale"][:2])
         spacing = (down, across)
-        origin = _first_pixel(geo.get("ModelTiepoint"), spacing)
+        origin = _last_row(geo.get("ModelTiepoint"), spacing, len(heights))
+        heights = heights[::-1]
     units = {
         key: "m" if int(geo[key]) == _METRE else f"EPSG unit {int(geo[key])}"
         for key in (_LINEAR, _VERTICAL)
@@ -107,15 +194,15 @@ def read_tiff(path: Path, variable: str | None) -> Contents:
     return Contents(heights, spacing, None, units.get(_VERTICAL), units.get(_LINEAR), origin)
 
 
-def _first_pixel(tie, spacing: tuple[float, float]) -> tuple[float, float] | None:
-    """(y, x) of the first pixel from a GeoTIFF's tie point, None where there is not just one.
+def _last_row(tie, spacing: tuple[float, float], rows: int) -> tuple[float, float] | None:
+    """(y, x) of the first pixel of a GeoTIFF's last row, where y is least, from its tie point.
 
-    y counts downwards, as the rows do: two scans of one frame stay in one.
+    None where there is not just one.
     """
     if tie is None or len(tie) != 6:
         return None
     column, row, _, x, y, _ = (float(value) for value in tie)
-    return -y - row * spacing[0], x - column * spacing[1]
+    return y - (rows - 1 - row) * spacing[0], x - column * spacing[1]
 
 
 def _no_data(written) -> float | None:
@@ -130,11 +217,11 @@ def _no_data(written) -> float | None:
 
 
 @contextmanager
-def _loaded(path: Path) -> Iterator:
-    """What numpy reads of a file, pickles refused; closed again, also where it is damaged."""
+def _opened(path: Path) -> Iterator[IO[bytes]]:
+    """A file of numpy, of which one clear error is made where it is damaged."""
     try:
         with path.open("rb") as file:
-            yield np.load(file, allow_pickle=False)
+            yield file
     except InputError:
         raise
     except (ValueError, OSError, EOFError, zipfile.BadZipFile, zlib.error) as error:

@@ -6,7 +6,7 @@ import numpy as np
 
 from jointclosure.extras import needs
 from jointclosure.inputs import InputError
-from jointclosure.scans.contents import Contents
+from jointclosure.scans.contents import Contents, check_size
 
 
 def read_any(path: Path, variable: str | None) -> Contents:
@@ -22,6 +22,7 @@ def read_any(path: Path, variable: str | None) -> Contents:
                     raise InputError(f"variable = {variable!r}: must be one of {', '.join(names)}")
                 index = names.index(variable)
             channel = reader.default_channel if index is None else reader.channels[index]
+            check_size(tuple(channel.nb_grid_pts))
             sizes = None if channel.physical_sizes is not None else tuple(channel.nb_grid_pts)
             given = {} if sizes is None else {"physical_sizes": sizes}
             surface = reader.topography(channel_index=index, **given)

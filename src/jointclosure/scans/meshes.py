@@ -3,11 +3,15 @@
 from pathlib import Path
 
 import numpy as np
+import scipy
 
 from jointclosure.extras import needs
 from jointclosure.inputs import InputError
 from jointclosure.scans.contents import Contents
-from jointclosure.scans.points import cleaned
+from jointclosure.scans.points import contents_of
+
+LARGEST_COVER = 1.05
+"""Area of the triangles in the plan over that of the points' convex hull: 2 of a solid."""
 
 
 def read_stl(path: Path, variable: str | None) -> Contents:
@@ -24,5 +28,23 @@ def read_stl(path: Path, variable: str | None) -> Contents:
         raise InputError(f"cannot be read as STL ({error})") from None
     if len(points) < 4:
         raise InputError(f"an STL file of {len(points)} vertices: too few for a wall")
-    points, remarks = cleaned(points)
-    return Contents(points=points, remarks=remarks)
+    _check_single_sheet(points, np.asarray(mesh.faces))
+    return contents_of(points)
+
+
+def _check_single_sheet(points: np.ndarray, faces: np.ndarray) -> None:
+    """Raise `InputError` where triangles (n, 3) of points lie over each other in the plan.
+
+    Their areas in the plan add up to more than that of the points' convex hull.
+    """
+    one, other = (points[faces[:, corner], :2] - points[faces[:, 0], :2] for corner in (1, 2))
+    area = 0.5 * float(np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]).sum())
+    try:
+        hull = scipy.spatial.ConvexHull(points[:, :2]).volume
+    except (scipy.spatial.QhullError, ValueError):
+        return  # they lie on one line, of which `point_distance` says so
+    if area > LARGEST_COVER * hull:
+        raise InputError(
+            f"the surface lies over itself: its triangles cover {area / hull:.3g} times the plan "
+            "of its points; a solid or both walls in one file must be cut to one wall"
+        )

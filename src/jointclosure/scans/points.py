@@ -6,9 +6,10 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.scans.contents import Contents
-from jointclosure.scans.sentinels import missing_values, said
+from jointclosure.scans.lattice import lattice_of, merged_points
+from jointclosure.scans.sentinels import missing_heights, missing_values, said
 from jointclosure.scans.text import Table, read_table
-from jointclosure.scans.units import split_name
+from jointclosure.scans.units import size_of, split_name
 from jointclosure.surface.outliers import strays
 
 NAMED = 3
@@ -31,17 +32,39 @@ def read_text(path: Path, variable: str | None) -> Contents:
         raise InputError(f"cannot be read as points ({str(error).strip()})") from None
     columns = _columns(table, variable)
     values = table.values[:, columns]
-    names = [table.names[column] if table.names else "" for column in columns]
-    x, y, z = (split_name(name)[1] or table.units for name in names)
+    x, y, z = (_unit_of(table, column) for column in columns)
     if x != y:
         raise InputError(f"x is in {x} and y in {y}: must be in the same units")
-    points, remarks = cleaned(values)
-    remarks = table.remarks + remarks
-    grid = _as_grid(points)
-    if grid is not None:
-        heights, spacing, origin = grid
-        return Contents(heights, spacing, None, z, x, origin, remarks)
-    return Contents(points=points, height_units=z, length_units=x, remarks=remarks)
+    found = contents_of(values)
+    return found._replace(height_units=z, length_units=x, remarks=table.remarks + found.remarks)
+
+
+def contents_of(points: np.ndarray) -> Contents:
+    """Points (n, 3) as the regular grid on which they lie, else as points; without units.
+
+    Raises
+    ------
+    InputError
+        A point has a height and lacks its place, or places have several heights.
+    """
+    points, remarks = cleaned(points)
+    lattice = lattice_of(points)
+    if lattice is None:
+        points, repeats = merged_points(points)
+        return Contents(points=points, remarks=remarks + repeats)
+    return Contents(
+        lattice.heights, lattice.spacing, None, None, None, lattice.origin,
+        remarks + lattice.remarks,
+    )  # fmt: skip
+
+
+def _unit_of(table: Table, column: int) -> str | None:
+    """The unit of a column by its name or by the line of units below the names."""
+    name = table.names[column] if table.names else ""
+    by_name, by_line = split_name(name)[1], table.units[column] if table.units else None
+    if by_name and by_line and size_of(by_name) != size_of(by_line):
+        raise InputError(f"the column {name!r} is in {by_line!r} by the line of units")
+    return by_name or by_line
 
 
 def cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
@@ -52,33 +75,33 @@ def cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     InputError
         A point has a height and lacks its place.
     """
-    remarks = []
     points = points.astype(float)
-    missing, found = zip(*(missing_values(column) for column in points.T), strict=True)
-    missing = np.stack(missing, axis=1)
-    if missing.any():
-        points[missing] = np.nan
-        values = np.unique(np.concatenate(found))
-        remarks.append(said(int(missing.any(axis=1).sum()), values, "points with a value"))
+    places, sentinels = zip(*(missing_values(column) for column in points[:, :2].T), strict=True)
+    without_height, remarks = missing_heights(points[:, 2])
+    missing = np.column_stack([*places, without_height])
+    if missing[:, :2].any():
+        count, values = int(missing[:, :2].any(axis=1).sum()), np.unique(np.concatenate(sentinels))
+        remarks += (said(count, values, "places"),)
+    points[missing] = np.nan
     points[~np.isfinite(points)] = np.nan
     placed = np.isfinite(points[:, :2]).all(axis=1)
     nowhere = np.flatnonzero(~placed & np.isfinite(points[:, 2]) & ~missing.any(axis=1))
     if nowhere.size:
         raise InputError(f"{nowhere.size} points lack x or y, the first is number {nowhere[0] + 1}")
     if not placed.all():
-        remarks.append(f"{int((~placed).sum())} lines without a place were passed over")
+        remarks += (f"{int((~placed).sum())} lines without a place were passed over",)
         points = points[placed]
     stray = strays(points)
     if stray.any():
-        places = [f"({x:g}, {y:g}, {z:g})" for x, y, z in points[stray][:NAMED]]
+        named = [f"({x:g}, {y:g}, {z:g})" for x, y, z in points[stray][:NAMED]]
         more = ", ..." if stray.sum() > NAMED else ""
         verb = "points were" if stray.sum() > 1 else "point was"
-        remarks.append(
-            f"{int(stray.sum())} stray {verb} cut, far from all others: {', '.join(places)}{more} "
-            "(x, y, z in the file's units)"
+        remarks += (
+            f"{int(stray.sum())} stray {verb} cut, far from all others: {', '.join(named)}{more} "
+            "(x, y, z in the file's units)",
         )
         points = points[~stray]
-    return points, tuple(remarks)
+    return points, remarks
 
 
 def _columns(table: Table, variable: str | None) -> list[int]:
@@ -118,23 +141,3 @@ def _stated_columns(names: list[str], bare: list[str], width: int, variable: str
             f"there are {allowed}"
         )
     return found
-
-
-def _as_grid(points: np.ndarray):
-    """Heights (y, x), spacing (dy, dx) and origin (y, x) of points that are all cells of a grid.
-
-    None where they are not.
-    """
-    axes = []
-    for values in points[:, :2].T:
-        levels, index = np.unique(values, return_inverse=True)
-        steps = np.diff(levels)
-        if len(levels) < 3 or np.ptp(steps) > 1e-3 * steps.mean():
-            return None
-        axes.append((index, len(levels), float(steps.mean()), float(levels[0])))
-    (x, nx, dx, x0), (y, ny, dy, y0) = axes
-    if nx * ny != len(points) or len(np.unique(y * nx + x)) != len(points):
-        return None
-    heights = np.empty((ny, nx))
-    heights[y, x] = points[:, 2]
-    return heights, (dy, dx), (y0, x0)

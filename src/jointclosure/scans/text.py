@@ -19,12 +19,13 @@ _DECIMAL_COMMA = re.compile(r"[-+]?\d+(,\d+)?([eE][-+]?\d+)?")
 class Table(NamedTuple):
     """Numbers (rows, columns), NaN where missing; names of the columns, empty where none are given.
 
-    ``units`` are those of a line of units below the names, ``remarks`` what was passed over.
+    ``units`` are those of the columns by a line of units below the names, None of a column that has
+    none, empty without such a line; ``remarks`` say what was passed over.
     """
 
     values: np.ndarray
     names: list[str]
-    units: str | None
+    units: list[str | None]
     remarks: tuple[str, ...]
 
 
@@ -71,6 +72,10 @@ def read_table(path: Path) -> Table:
         width -= 1
     if names and len(names) != width:
         raise InputError(f"{len(names)} names ({', '.join(names)}) of {width} columns")
+    if len(units) > width:
+        raise InputError(f"{len(units)} words in the line of units of {width} columns")
+    if units:
+        units += [None] * (width - len(units))
     values = frame.iloc[:, :width].to_numpy(dtype=float)
     return Table(values, names, units, tuple(remarks))
 
@@ -118,13 +123,14 @@ def _is_number(word: str) -> bool:
     return True
 
 
-def _names(head: list[str]) -> tuple[list[str], str | None, list[str]]:
-    """Names of the columns, units of a line of units, and remarks on other lines before the data.
+def _names(head: list[str]) -> tuple[list[str], list[str | None], list[str]]:
+    """Names of the columns, their units by a line of units, remarks on other lines of the head.
 
     A comment counts where it names x, y and z.
     """
     names: list[str] = []
-    units, remarks, fields = None, [], []
+    units: list[str | None] = []
+    remarks, fields = [], []
     for number, line in enumerate(head, start=1):
         bare = line.strip()
         comment = bare.startswith(COMMENTS)
@@ -135,8 +141,9 @@ def _names(head: list[str]) -> tuple[list[str], str | None, list[str]]:
             if names:
                 remarks.append(f"line {number} repeats the names of the columns")
             names = words
-        elif len(words) > 1 and len({*words}) == 1 and is_unit(words[0].strip("()[]")):
-            units = words[0].strip("()[]")
+        elif sum(is_unit(word.strip("()[]")) for word in words) > 1:
+            bare_words = [word.strip("()[]") for word in words]
+            units = [word if is_unit(word) else None for word in bare_words]
         elif not comment and len(words) > 2:
             fields = words
         elif not comment:

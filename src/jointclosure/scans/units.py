@@ -2,33 +2,14 @@
 
 import re
 
-from jointclosure.inputs import InputError
+from jointclosure.inputs import SPELT, UNITS, InputError, size_of
 from jointclosure.parameters import USUAL
 from jointclosure.remarks import caution
-
-UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
-"""Those that a user may state."""
-_SPELT = {
-    **{name: name for name in UNITS},
-    **dict.fromkeys(("µm", "μm", "micron", "microns", "micrometer", "micrometers"), "um"),
-    **dict.fromkeys(("micrometre", "micrometres"), "um"),
-    **dict.fromkeys(("metre", "metres", "meter", "meters"), "m"),
-    **dict.fromkeys(("millimetre", "millimetres", "millimeter", "millimeters"), "mm"),
-    **dict.fromkeys(("nanometre", "nanometres", "nanometer", "nanometers"), "nm"),
-}
-
-
-def size_of(units: str) -> float:
-    """Metres of a unit; `InputError` names those that are known."""
-    name = _SPELT.get(units.strip())
-    if name is None:
-        raise InputError(f"units = {units!r}: must be one of {', '.join(UNITS)}")
-    return UNITS[name]
 
 
 def is_unit(word: str) -> bool:
     """Whether a word is a unit of length that is known here."""
-    return word.strip() in _SPELT
+    return word.strip() in SPELT
 
 
 def plausible(sides: tuple[float, float] | None) -> str:
@@ -44,11 +25,11 @@ def plausible(sides: tuple[float, float] | None) -> str:
     return f"{spans}, plausible in {' or '.join(fitting)}" if fitting else spans
 
 
-def doubted(stated: str | None, sides: tuple[float, float] | None) -> tuple[str, ...]:
-    """A warning where the units that a user states make a wall no laboratory or outcrop has."""
-    if stated is None or sides is None or _is_plausible(size_of(stated), sides):
+def doubted(units: str, sides: tuple[float, float] | None) -> tuple[str, ...]:
+    """A warning where units of its sides make a wall that no laboratory or outcrop has."""
+    if sides is None or _is_plausible(size_of(units), sides):
         return ()
-    return (caution(f"unusual in {stated}{plausible(sides)}"),)
+    return (caution(f"unusual in {units}{plausible(sides)}"),)
 
 
 def _is_plausible(size: float, sides: tuple[float, float]) -> bool:
@@ -84,6 +65,6 @@ def settled(what: str, own: str | None, stated: str | None, sides=None) -> str:
 def split_name(name: str) -> tuple[str, str | None]:
     """("Z", "mm") of "Z_mm", "Z (mm)" or "Z [mm]"; ("Z", None) of a name without units."""
     found = re.fullmatch(r"\s*(.*?)(?:_|\s*[(\[])([a-zµμ]+)[)\]]?\s*", name)
-    if found and found[2] in _SPELT:
+    if found and found[2] in SPELT:
         return found[1], found[2]
     return name.strip(), None

@@ -8,6 +8,7 @@ from jointclosure.inputs import InputError
 from jointclosure.parameters import AS_IT_IS, check_usual
 from jointclosure.surface.measured import Cloud, Scan
 from jointclosure.surface.outliers import points_of
+from jointclosure.surface.plausibility import slope_doubts
 
 _COPY = 1e-6
 """By what the correlation of heights of two scans of different walls is below 1 at least. At 1e-6
@@ -55,6 +56,12 @@ class Implausible(NamedTuple):
                 "that lie wrong are several times too large; state that one or leave it out; "
                 f"{AS_IT_IS}"
             )
+
+    def check_slopes(self, upper: np.ndarray, lower: np.ndarray, spacing: float) -> None:
+        """Raise `InputError` where heights (y, x) and spacing [m] are rather of unlike units."""
+        found = slope_doubts({"upper": upper, "lower": lower}, spacing)
+        if found and not self.allowed:
+            raise InputError(f"{'; '.join(found)}; {AS_IT_IS}")
 
     def check_pair(self, gap: np.ndarray, correlation: float, common_frame: bool) -> None:
         """Raise `InputError` where walls are interchanged, or one is a copy of the other.

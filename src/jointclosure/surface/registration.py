@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.inputs import InputError
-from jointclosure.remarks import caution, prefixed
+from jointclosure.remarks import Caution, caution, cautions, prefixed
 from jointclosure.surface.implausible import Implausible
 from jointclosure.surface.mating import (
     Mating,
@@ -120,6 +120,11 @@ class RegisteredPair(NamedTuple):
     overlap: float
     report: list[str]
 
+    @property
+    def warnings(self) -> list[Caution]:
+        """The sentences of the report that warn."""
+        return cautions(self.report)
+
     def __repr__(self) -> str:
         (ny, nx), step = self.upper.shape, 1e3 * self.spacing
         return (
@@ -199,6 +204,7 @@ def registered(
     raised = turned + np.array([applied[1], applied[0], 0.0])
     found = overlap_of(raised, clouds[1], spacing, distances, largest_filled_share)
     pair = _described(found, spacing, name, fits, applied, mated, report)
+    implausible.check_slopes(pair.upper, pair.lower, spacing)
     implausible.check_pair(found.upper - found.lower, pair.correlation, name == "common_frame")
     return pair
 
@@ -354,6 +360,7 @@ def _described(
     mismatch = measured_mismatch(upper, lower, spacing)
     early = float(np.quantile(aperture, 1e-3))
     gap = float(np.mean(found.upper - found.lower))
+    report += [caution(doubt) for doubt in _doubts(found)]
     filled_said = f", {found.filled_cells} of them in holes, filled" if found.filled_cells else ""
     report += [
         f"overlap: {ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm{filled_said}, "
@@ -381,6 +388,32 @@ def _described(
     )  # fmt: skip
 
 
+def _doubts(found: Overlap) -> list[str]:
+    """What is unusual of the overlap and the inclinations of scans of one joint."""
+    doubts = []
+    if found.share < LEAST_OVERLAP:
+        doubts.append(
+            f"the walls overlap in {100.0 * found.share:.0f} % of the smaller scan, less than "
+            f"{100.0 * LEAST_OVERLAP:.0f} %: are the scans in one frame? (--shift mated brings "
+            "them together)"
+        )
+    if found.inclination > STEEP_PLANE:
+        doubts.append(
+            f"the common plane is inclined by {found.inclination:.1f} degrees, more than "
+            f"{STEEP_PLANE:g}; it was removed along z, so that heights are not normal to it: turn "
+            "the scans"
+        )
+    if found.relative > STEEP_WEDGE:
+        doubts.append(
+            f"the walls are inclined to each other by {found.relative:.1f} degrees, more than "
+            f"{STEEP_WEDGE:g}: walls of one joint are about parallel"
+        )
+    return doubts
+
+
+STEEP_PLANE, STEEP_WEDGE = 5.0, 1.0
+"""Inclinations [degrees] beyond which the plane of two scans, and the angle between them, are
+unusual: 5 degrees make heights and lengths wrong by 0.4 %, 1 degree opens 65 mm by 1.1 mm."""
 _FAR = 1.5
 """Standard deviations of the aperture by which first touch may lie before the touch of a thousandth
 of the cells. Of 144 Gaussian pairs (64 to 256 cells a side, H 0.5 and 0.8) the largest was 0.95."""

@@ -35,6 +35,7 @@ from jointclosure.ensemble.cases import BASE
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import ClosureSettings, Conditions
 from jointclosure.ensemble.surfaces import walls_of
+from jointclosure.given_walls import checked_walls, warn_of_doubts
 from jointclosure.inputs import InputError, check_length, check_number
 from jointclosure.parameters import (
     AUTO_TOLERANCE,
@@ -150,12 +151,15 @@ def choose_effects(
     check_length("spacing", spacing)
     check_number("max_normal_stress", max_normal_stress)
     rocks = both_walls(rock)
+    pairs = _checked_pairs(walls, spacing)
     if not unusual_values:
         check_usual(rocks, spacing=spacing, max_normal_stress=max_normal_stress)
+        for pair in pairs:
+            warn_of_doubts(*pair, spacing)
     conditions = Conditions(
         spacing, rock, max_normal_stress, cycles, 0.0, effects, choices, numerics
     )
-    return choose_among(walls, conditions, tolerance, report)
+    return choose_among(pairs, conditions, tolerance, report)
 
 
 def choose_among(
@@ -265,18 +269,26 @@ def choose_for_rock(
     return RockChoice(together, error, found)
 
 
+def _checked_pairs(
+    walls: Iterable[tuple[np.ndarray, np.ndarray]], spacing: float
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """As many pairs of walls as a pilot closes at most."""
+    pairs = list(itertools.islice(walls, ELASTIC_TRIALS))
+    if not pairs:
+        raise InputError("walls: 0 pairs, a pilot needs one at least")
+    for pair in pairs:
+        if len(pair) != 2 or np.ndim(pair[0]) != 2:
+            raise InputError(
+                f"walls: an array of shape {np.shape(pair[0])} where a wall (y, x) should be; "
+                "give a list of pairs, such as [(upper, lower)]"
+            )
+    return [checked_walls(*pair, spacing) for pair in pairs]
+
+
 class _Pilot:
     """Pairs of walls, closed in the scenes that are asked for and no more often than needed."""
 
     def __init__(self, pairs: list[tuple[np.ndarray, np.ndarray]], conditions: Conditions):
-        if not pairs:
-            raise InputError("walls: 0 pairs, a pilot needs one at least")
-        for pair in pairs:
-            if len(pair) != 2 or np.ndim(pair[0]) != 2:
-                raise InputError(
-                    f"walls: an array of shape {np.shape(pair[0])} where a wall (y, x) should be; "
-                    "give a list of pairs, such as [(upper, lower)]"
-                )
         self.pairs, self.conditions = pairs, conditions
         self.closed: list[Closed] = []
         self.trial_seconds = 0.0

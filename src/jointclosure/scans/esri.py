@@ -1,0 +1,76 @@
+"""ESRI ASCII grids (.asc): a head of words and numbers, then rows from the largest y downwards."""
+
+from pathlib import Path
+
+import numpy as np
+
+from jointclosure.inputs import InputError
+from jointclosure.scans.contents import Contents, check_size
+from jointclosure.scans.instruments import read_any
+
+_NEEDED = ("ncols", "nrows", "cellsize")
+_KNOWN = (*_NEEDED, "xllcorner", "yllcorner", "xllcenter", "yllcenter", "nodata_value")
+
+
+def read_asc(path: Path, variable: str | None) -> Contents:
+    """An ESRI grid, without units; other files of this suffix as `instruments.read_any` does.
+
+    Raises
+    ------
+    InputError
+        A head that lacks a word or has one that is no number, or more or fewer heights than it
+        declares.
+    """
+    with path.open("rb") as file:
+        if not file.read(64).lstrip().lower().startswith(b"ncols"):
+            return read_any(path, variable)
+    if variable is not None:
+        raise InputError(f"variable = {variable!r}: the format has one array without a name")
+    words = path.read_text(encoding="latin-1").split()
+    head: dict[str, float] = {}
+    while 2 * len(head) + 1 < len(words) and words[2 * len(head)].lower() in _KNOWN:
+        key, value = words[2 * len(head)].lower(), words[2 * len(head) + 1]
+        if key in head:
+            raise InputError(f"{key}: is twice in the head")
+        head[key] = _number(key, value)
+    if missing := [key for key in _NEEDED if key not in head]:
+        raise InputError(f"its head lacks {', '.join(missing)}")
+    shape = _count("nrows", head), _count("ncols", head)
+    check_size(shape)
+    values = words[2 * len(head) :]
+    if len(values) != shape[0] * shape[1]:
+        raise InputError(
+            f"declares {shape[0]} rows of {shape[1]} heights, {shape[0] * shape[1]}, and holds "
+            f"{len(values)}: is it cut off?"
+        )
+    try:
+        heights = np.array(values, dtype=float).reshape(shape)[::-1].copy()
+    except ValueError as error:
+        raise InputError(f"a height that is no number ({error})") from None
+    heights[heights == head.get("nodata_value", -9999.0)] = np.nan
+    step = head["cellsize"]
+    return Contents(heights, (step, step), origin=_origin(head, step))
+
+
+def _number(key: str, value: str) -> float:
+    try:
+        return float(value)
+    except ValueError:
+        raise InputError(f"{key} = {value!r}: must be a number") from None
+
+
+def _count(key: str, head: dict[str, float]) -> int:
+    if not (head[key] >= 1.0 and head[key].is_integer()):
+        raise InputError(f"{key} = {head[key]:g}: must be a whole number from 1")
+    return int(head[key])
+
+
+def _origin(head: dict[str, float], step: float) -> tuple[float, float] | None:
+    """(y, x) of the first cell's middle, None where the file does not place it."""
+    places = []
+    for axis in "yx":
+        if f"{axis}llcenter" in head:
+            places.append(head[f"{axis}llcenter"])
+        elif f"{axis}llcorner" in head:
+            places.append(head[f"{axis}llcorner"] + 0.5 * step)
+    return (places[0], places[1]) if len(places) == 2 else None

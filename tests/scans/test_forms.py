@@ -1,0 +1,242 @@
+"""All forms of a scan are one joint, and a slip of units is refused or warned of at every door."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import jointclosure as jc
+from jointclosure.config.typed import Walls
+from jointclosure.ensemble.measured_walls import prepared_walls
+from jointclosure.scans import read_scan
+from jointclosure.studies.effects.choice import choose_effects
+from jointclosure.surface.measured import Scan
+from jointclosure.surface.registration import registered
+from tests.conftest import DOLERITE, SPACING
+from tests.scans.test_formats import write_esri
+
+RANDOM = settings(
+    max_examples=20,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+
+
+class Ground:
+    """A wall (y, x) [mm] on a grid, to be written in every form."""
+
+    def __init__(self, heights: np.ndarray, step: float, corner: tuple[float, float]):
+        self.heights, self.step, self.corner = heights, step, corner
+
+    def points(self) -> np.ndarray:
+        y, x = np.indices(self.heights.shape) * self.step
+        x, y = x + self.corner[1], y + self.corner[0]
+        return np.stack([x.ravel(), y.ravel(), self.heights.ravel()], axis=1)
+
+
+def as_npy(path, ground):
+    np.save(path, ground.heights)
+    return {"units": "mm", "spacing": 1e-3 * ground.step}
+
+
+def as_npz(path, ground):
+    np.savez(path, Z_um=1e3 * ground.heights, spacing_m=1e-3 * ground.step)
+    return {}
+
+
+def as_netcdf(path, ground):
+    ny, nx = ground.heights.shape
+    places = {
+        axis: (axis, corner + ground.step * np.arange(size), {"units": "mm"})
+        for axis, size, corner in zip("yx", (ny, nx), ground.corner, strict=True)
+    }
+    dataset = xr.Dataset({"z": (("y", "x"), ground.heights, {"units": "mm"})}, places)
+    dataset.isel(y=slice(None, None, -1)).transpose("x", "y").to_netcdf(path, engine="netcdf4")
+    return {}
+
+
+def as_csv(path, ground):
+    points = ground.points() * [1.0, 1.0, 1e3]
+    np.savetxt(path, points, "%.6f", ",", header="x,y,z\nmm,mm,um", comments="")
+    return {}
+
+
+def as_shuffled_text(path, ground):
+    points = np.random.default_rng(1).permutation(ground.points())
+    np.savetxt(path, np.vstack([points, points[:3]]), "%.6f")
+    return {"units": "mm"}
+
+
+def as_stl(path, ground):
+    trimesh = pytest.importorskip("trimesh")
+    ny, nx = ground.heights.shape
+    corner = (np.arange(ny - 1)[:, None] * nx + np.arange(nx - 1)).ravel()
+    faces = np.concatenate(
+        [
+            np.stack([corner, corner + 1, corner + nx], axis=1),
+            np.stack([corner + 1, corner + nx + 1, corner + nx], axis=1),
+        ]
+    )
+    mesh = trimesh.Trimesh(ground.points(), faces, process=False)
+    path.write_bytes(mesh.export(file_type="stl"))
+    return {"units": "mm"}
+
+
+def as_esri(path, ground):
+    y, x = ground.corner
+    write_esri(path, ground.heights, cellsize=ground.step, xllcorner=x, yllcorner=y)
+    return {"units": "mm"}
+
+
+def as_tiff(path, ground):
+    tifffile = pytest.importorskip("tifffile")
+    tifffile.imwrite(path, ground.heights)
+    return {"units": "mm", "spacing": 1e-3 * ground.step}
+
+
+FORMS = {
+    "a.npy": as_npy,
+    "a.npz": as_npz,
+    "a.nc": as_netcdf,
+    "a.csv": as_csv,
+    "a.xyz": as_shuffled_text,
+    "a.stl": as_stl,
+    "a.asc": as_esri,
+    "a.tif": as_tiff,
+}
+
+
+@st.composite
+def grounds(draw):
+    """The upper and the lower wall of a joint in one frame, z upwards."""
+    shape = draw(st.integers(20, 28)), draw(st.integers(20, 28))
+    step = draw(st.sampled_from([0.25, 0.3, 0.4, 1.0 / 3.0, 1.25]))
+    corner = draw(st.tuples(*[st.sampled_from([0.0, 7.5, -30.0, 400.0])] * 2))
+    seed = draw(st.integers(0, 1000))
+    walls = jc.wall_pair(8.0, shape, 1e-3 * step, seed, correlation=0.9)
+    upper, lower = (1e3 * wall for wall in walls)
+    gap = draw(st.sampled_from([0.0, 2.0]))
+    return Ground(gap - upper, step, corner), Ground(lower, step, corner)
+
+
+def read_in(form: str, ground: Ground, folder: Path) -> Scan:
+    return read_scan(folder / form, **FORMS[form](folder / form, ground))
+
+
+@RANDOM
+@given(grounds(), st.sampled_from(sorted(FORMS)))
+def test_all_forms_of_a_scan_are_one_scan(tmp_path, walls, form):
+    for ground in walls:
+        scan = read_in(form, ground, tmp_path)
+        assert isinstance(scan, Scan)
+        assert scan.spacing == pytest.approx((1e-3 * ground.step,) * 2, rel=1e-6)
+        np.testing.assert_allclose(scan.heights, 1e-3 * ground.heights, atol=2e-9)
+        if scan.origin is not None and form != "a.asc":  # whose corner is that of its first cell
+            assert scan.origin == pytest.approx([1e-3 * part for part in ground.corner], rel=1e-6)
+
+
+@RANDOM
+@given(grounds(), st.data())
+def test_lost_and_repeated_lines_change_no_other_point(tmp_path, walls, data):
+    ground = walls[0]
+    places = st.lists(st.integers(0, ground.heights.size - 1), max_size=6, unique=True)
+    lost, repeated = data.draw(places), data.draw(places)
+    points = np.vstack([np.delete(ground.points(), lost, axis=0), ground.points()[repeated]])
+    np.savetxt(tmp_path / "a.xyz", points, "%.6f", header="x_mm y_mm z_mm")
+    scan = read_scan(tmp_path / "a.xyz")
+    expected = 1e-3 * ground.heights
+    expected.flat[list(set(lost) - set(repeated))] = np.nan
+    assert scan.spacing == pytest.approx((1e-3 * ground.step,) * 2, rel=1e-6)
+    np.testing.assert_allclose(scan.heights, expected, atol=2e-9)
+
+
+@pytest.fixture(scope="module")
+def joint():
+    upper, lower = (1e3 * wall for wall in jc.wall_pair(8.0, (24, 26), 3e-4, 3, correlation=0.9))
+    corner = (7.5, 40.0)
+    return Ground(2.0 - upper, 0.3, corner), Ground(lower, 0.3, corner)
+
+
+def brought_together(scans):
+    return registered(*scans, orientation="common_frame", cut_spikes=False)
+
+
+@pytest.fixture(scope="module")
+def expected(joint):
+    return brought_together([Scan(1e-3 * wall.heights, (3e-4, 3e-4)) for wall in joint])
+
+
+@pytest.mark.parametrize("forms", [["a.stl"] * 2, ["a.xyz", "a.csv"], ["a.nc", "a.stl"]])
+def test_all_forms_of_two_scans_are_one_joint(forms, joint, expected, tmp_path):
+    found = brought_together(
+        [read_in(form, wall, tmp_path) for form, wall in zip(forms, joint, strict=True)]
+    )
+    assert found.spacing == expected.spacing
+    for one, other in ((expected.upper, found.upper), (expected.lower, found.lower)):
+        np.testing.assert_allclose(other, one, atol=2e-9)
+
+
+def test_a_lost_line_changes_a_joint_at_its_place_only(joint, expected, tmp_path):
+    scans, places = [], ((5, 7), (20, 3))
+    for ground, (y, x) in zip(joint, places, strict=True):
+        points = np.delete(ground.points(), y * 26 + x, axis=0)
+        np.savetxt(tmp_path / "a.xyz", points, "%.6f", header="x_mm y_mm z_mm")
+        scans.append(read_scan(tmp_path / "a.xyz"))
+    found = brought_together(scans)
+    for one, other, place in zip(
+        (expected.upper, expected.lower), (found.upper, found.lower), places, strict=True
+    ):
+        difference = np.abs(other - one)
+        largest = difference[place]
+        difference[place] = 0.0
+        assert difference.max() <= 0.02 * largest  # of the plane, to which one height counts
+
+
+def walls_of_files(upper, lower, spacing, **_):
+    """A study's walls that lie as they are given."""
+    about = Walls("top", "bottom", "mm", None, None, "refuse", 0.05, ())
+    scans = {"upper": Scan(upper, (spacing, spacing)), "lower": Scan(lower, (spacing, spacing))}
+    return prepared_walls(scans, about, spacing, "yu_vayssade_linear_0.25mm")
+
+
+def close_scans(upper, lower, spacing, rock):
+    scans = [Scan(wall, (spacing, spacing)) for wall in (-upper, lower)]
+    return jc.close(*scans, rock=rock, max_normal_stress=1e6, orientation="common_frame")
+
+
+DOORS = {
+    "simulate": lambda *pair, **s: jc.simulate(*pair, max_normal_stress=1e6, **s),
+    "equilibrium": lambda *pair, **s: jc.equilibrium(*pair, closure=1e-6, **s),
+    "ensemble": lambda *pair, **s: jc.simulate_ensemble([pair], max_normal_stress=1e6, **s),
+    "effects": lambda *pair, **s: choose_effects([pair], max_normal_stress=1e6, **s),
+    "estimate": lambda *pair, **s: jc.estimate(*pair, normal_stress=1e6, **s),
+    "close": close_scans,
+    "study": walls_of_files,
+}
+
+
+@pytest.mark.parametrize("door", sorted(DOORS))
+@settings(RANDOM, max_examples=4)
+@given(
+    st.integers(0, 1000),
+    st.sampled_from(["heights", "spacing"]),
+    st.sampled_from([1e3, 1e-3]),
+)
+def test_a_unit_a_thousand_times_off_is_refused_or_warned_of_at_every_door(
+    door, seed, what, factor
+):
+    upper, lower = jc.wall_pair(8.0, (32, 32), SPACING, seed, correlation=0.9)
+    spacing = SPACING
+    if what == "heights":
+        upper, lower = factor * upper, factor * lower
+    else:
+        spacing *= factor
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", UserWarning)  # so that nothing is computed
+        with pytest.raises((jc.InputError, UserWarning)):
+            DOORS[door](upper, lower, spacing=spacing, rock=DOLERITE)

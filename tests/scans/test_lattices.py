@@ -1,0 +1,121 @@
+"""Points on a regular grid are that grid, whatever their order, gaps and repeats."""
+
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from jointclosure.scans import read_scan
+from jointclosure.surface.measured import Cloud, Scan
+from tests.conftest import SPACING
+from tests.scans.test_formats import STEP_MM, points_of, write_stl
+
+SHAPE = (20, 26)
+
+
+@pytest.fixture(scope="module")
+def wall():
+    """Heights (y, x) [mm]."""
+    return 1e3 * jc.wall_pair(9.0, SHAPE, SPACING, seed=5)[0]
+
+
+def read_points(path, points, digits=6):
+    np.savetxt(path, points, fmt=f"%.{digits}f")
+    return read_scan(path, units="mm")
+
+
+def test_the_vertices_of_an_stl_that_are_a_grid_are_that_grid(wall, tmp_path):
+    found = read_scan(tmp_path / "a.stl", **write_stl(tmp_path / "a.stl", wall))
+    plain = read_points(tmp_path / "a.xyz", points_of(wall))
+    assert isinstance(found, Scan)
+    assert found.spacing == plain.spacing == (SPACING, SPACING)
+    np.testing.assert_allclose(found.heights, plain.heights, atol=1e-9)
+
+
+@pytest.mark.parametrize("missing", [[0], [137], [3, 77, 78, 79, 300]])
+def test_a_grid_with_few_missing_points_is_that_grid(missing, wall, tmp_path):
+    scan = read_points(tmp_path / "a.xyz", np.delete(points_of(wall), missing, axis=0))
+    expected = 1e-3 * wall
+    expected.flat[missing] = np.nan
+    assert scan.spacing == (SPACING, SPACING)
+    np.testing.assert_allclose(scan.heights, expected, atol=1e-9)
+    assert f"{len(missing)} of 520 nodes of the points' grid have no point" in scan.remarks
+
+
+def test_a_round_scan_without_its_corners_is_its_grid(wall, tmp_path):
+    points = points_of(wall)
+    inside = np.hypot(*(points[:, :2] - points[:, :2].mean(axis=0)).T) < 3.0
+    scan = read_points(tmp_path / "a.xyz", points[inside])
+    assert scan.spacing == (SPACING, SPACING)
+    assert np.isfinite(scan.heights).sum() == inside.sum()
+
+
+def test_repeated_points_are_one_point(wall, tmp_path):
+    points = points_of(wall)
+    scan = read_points(tmp_path / "a.xyz", np.vstack([points, points[40:43]]))
+    np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-9)
+    assert "3 repeated points were passed over" in scan.remarks
+
+
+def test_places_that_are_written_rounded_are_those_of_a_grid(wall, tmp_path):
+    points = points_of(wall) * np.array([4.0 / 3.0, 4.0 / 3.0, 1.0])  # 0.333... mm apart
+    scan = read_points(tmp_path / "a.xyz", points, digits=2)
+    assert scan.spacing == pytest.approx((1e-3 / 3.0, 1e-3 / 3.0), rel=1e-4)
+    assert scan.heights.shape == SHAPE
+
+
+def test_scattered_and_staggered_points_are_no_grid(wall, tmp_path):
+    random = np.random.default_rng(1)
+    points = points_of(wall)
+    scattered = points + np.append(
+        0.3 * STEP_MM * random.random((len(points), 2)), 0.0 * points[:, :1], 1
+    )
+    staggered = points.copy()
+    staggered[:, 0] += 0.5 * STEP_MM * (np.round(points[:, 1] / STEP_MM) % 2)
+    rounded = np.column_stack([np.round(6.0 * random.random((500, 2)), 2), random.random(500)])
+    for cloud in (scattered, staggered, rounded):
+        assert isinstance(read_points(tmp_path / "a.xyz", cloud), Cloud)
+
+
+def test_the_distances_along_x_and_y_may_differ(wall, tmp_path):
+    scan = read_points(tmp_path / "a.xyz", points_of(wall) * [1.0, 3.0, 1.0] + [5e3, -7.0, 0.0])
+    assert scan.spacing == pytest.approx((3.0 * SPACING, SPACING), rel=1e-12)
+    assert scan.origin == pytest.approx((-7e-3, 5.0), rel=1e-12)
+
+
+@pytest.mark.parametrize("gridded", [True, False])
+def test_several_heights_at_one_place_are_refused_where_they_are_many(gridded, wall, tmp_path):
+    points = points_of(wall)
+    if not gridded:
+        points[:, :2] += 0.1 * np.random.default_rng(2).random((len(points), 2))
+    other = points + np.array([0.0, 0.0, 0.4])
+    few = read_points(tmp_path / "few.xyz", np.vstack([points, other[100:103]]))
+    assert few.remarks[0] == "3 places of several heights were taken as missing"
+    known = np.isfinite(few.heights).sum() if gridded else len(few.points)
+    assert known == len(points) - 3
+    with pytest.raises(jc.InputError, match=r"many\.xyz: 520 of 520 places have several heights"):
+        read_points(tmp_path / "many.xyz", np.vstack([points, other]))
+
+
+def solid(wall):
+    """A closed block below a wall: its bottom has other vertices than its top."""
+    trimesh = pytest.importorskip("trimesh")
+    ny, nx = wall.shape
+    top = points_of(wall)
+    block = trimesh.creation.box(
+        bounds=[[0.0, 0.0, -2.0], [(nx - 1) * STEP_MM, (ny - 1) * STEP_MM, -1.0]]
+    )
+    corner = (np.arange(ny - 1)[:, None] * nx + np.arange(nx - 1)).ravel()
+    faces = np.concatenate(
+        [
+            np.stack([corner, corner + 1, corner + nx], axis=1),
+            np.stack([corner + 1, corner + nx + 1, corner + nx], axis=1),
+        ]
+    )
+    return trimesh.util.concatenate([trimesh.Trimesh(top, faces, process=False), block])
+
+
+def test_a_solid_is_no_wall(wall, tmp_path):
+    path = tmp_path / "a.stl"
+    path.write_bytes(solid(wall).export(file_type="stl"))
+    with pytest.raises(jc.InputError, match=r"a\.stl: the surface lies over itself: .* covers? 3 "):
+        read_scan(path, units="mm")
