@@ -93,7 +93,7 @@ from jointclosure.tables import rock_table
 from jointclosure.verification.hard_case_keys import RockKeys
 from tests.studied import study_of
 
-assert jc.Rock(1e9, 0.2, 1e8) == jc.Rock(1e9, 0.2, 1e8, 1e-3)
+assert jc.Rock(1e9, 0.2, 1e8) == jc.Rock(1e9, 0.2, 1e8, grain_size=1e-3)
 assert named_rock("granite").grain_size == 1e-3
 finer = {"grain_size_mm": 0.5, "levels": {"grain_size_mm": [0.2, 2]}}
 study = study_of({"study": {"rocks": ["slate", "dolerite"]}, "rocks": {"slate": finer}})
@@ -114,7 +114,7 @@ for rock, said in (({"grain_size_mm": -1}, "above 0"), ({"grain_size_mm": 500}, 
     else:
         raise AssertionError(said)
 try:
-    check_rock(jc.Rock(1e9, 0.2, 1e8, -1.0))
+    check_rock(jc.Rock(1e9, 0.2, 1e8, grain_size=-1.0))
 except jc.InputError as error:
     assert "grain_size = -1.0 m: must be positive" in str(error)
 """
