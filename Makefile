@@ -25,7 +25,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/jointclosure-is-set-up
 RUN := @$(BIN)/python workflow/scripts/run.py
 # what make starts is not reached by a signal to make alone, unless this passes it on
-IN_GROUP = "$$PYTHON" workflow/scripts/process_group.py
+IN_GROUP = exec "$$PYTHON" workflow/scripts/process_group.py
 
 # one thread a job: the workflow runs one job on every core
 export OMP_NUM_THREADS := 1

@@ -79,15 +79,15 @@ def run_group(command: list[str], request: EndRequest, **settings) -> int:
     process = start_group(command, **settings)
     while process.poll() is None:
         if request:
-            end_group(process, request)
+            end_group(process, request, signal.SIGTERM)
             return 128 + request.signal
         time.sleep(0.1)
     return shell_status(process.returncode)
 
 
-def end_group(process: subprocess.Popen, request: EndRequest) -> None:
-    """Interrupt a process group once, and kill what is left of it after the grace period."""
-    _send(process, signal.SIGINT)
+def end_group(process: subprocess.Popen, request: EndRequest, number: int = signal.SIGINT) -> None:
+    """Signal a process group once, and kill what is left of it after the grace period."""
+    _send(process, number)
     deadline = time.monotonic() + GRACE
     while _send(process, 0) and time.monotonic() < deadline and not request.repeated:
         process.poll()  # a leader that is not waited for would stay in the group
