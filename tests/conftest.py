@@ -39,7 +39,7 @@ def rock():
 @pytest.fixture
 def small_joint():
     """Two walls of 20 x 24 cells, JRC 8."""
-    return jc.wall_pair(8.0, (20, 24), SPACING, seed=3)
+    return jc.wall_pair(8.0, (20, 24), SPACING, seed=3, roll_off=None)
 
 
 def on_softer_half_spaces(history, compliance=2e-12):

@@ -38,7 +38,7 @@ def counts(name: str) -> dict[str, int]:
     cells, stress = told.pop("cells", 24), told.pop("stress", 4.0)
     closed = [
         jc.simulate(
-            *jc.wall_pair(8.0, (cells, cells), SPACING, seed=seed),
+            *jc.wall_pair(8.0, (cells, cells), SPACING, seed=seed, roll_off=None),
             spacing=SPACING,
             rock=DOLERITE,
             max_normal_stress=stress * 1e6,

@@ -59,7 +59,7 @@ def interpreted(*arguments: str, **environment: str) -> None:
 
 def small_joints() -> dict:
     """Closures, stresses and walls of a tiny joint in every scene, by every method."""
-    walls = jc.wall_pair(8.0, (5, 5), SPACING, seed=6)
+    walls = jc.wall_pair(8.0, (5, 5), SPACING, seed=6, roll_off=None)
     answers = {}
     for effects in well_posed_scenes():
         for peaks in ("pristine", "current"):

@@ -21,7 +21,7 @@ STEP_MM = 1e3 * SPACING
 @pytest.fixture(scope="module")
 def wall():
     """A wall of 20 x 26 cells [mm] on a plane: rows cannot be taken for columns."""
-    heights = 1e3 * jc.wall_pair(9.0, (20, 26), SPACING, seed=5)[0]
+    heights = 1e3 * jc.wall_pair(9.0, (20, 26), SPACING, seed=5, roll_off=None)[0]
     return heights + 0.02 * np.arange(26) - 0.01 * np.arange(20)[:, None] + 3.0
 
 

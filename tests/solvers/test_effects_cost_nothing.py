@@ -15,7 +15,7 @@ from tests.conftest import DOLERITE, SPACING
 
 
 def closed(effects, breakage="fixed_step", cells=10):
-    walls = jc.wall_pair(8.0, (cells, cells), SPACING, seed=1)
+    walls = jc.wall_pair(8.0, (cells, cells), SPACING, seed=1, roll_off=None)
     return jc.simulate(
         *walls,
         spacing=SPACING,

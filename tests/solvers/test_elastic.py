@@ -90,7 +90,7 @@ def test_the_paper_s_steps_end_at_the_same_closure(small_joint, scene):
 
 
 def test_a_curve_of_nearly_mated_walls_converges_where_most_cells_touch():
-    upper, _ = jc.wall_pair(10.0, (64, 64), SPACING, seed=4)
+    upper, _ = jc.wall_pair(10.0, (64, 64), SPACING, seed=4, roll_off=None)
     lower = -upper + 1e-7 * np.random.default_rng(4).standard_normal(upper.shape)
     curve = closed((upper, lower), SCENES["interaction"], cycles=1)
     assert int(curve.status) == 0
@@ -192,7 +192,7 @@ def test_the_curve_is_solved_in_the_cells_that_touch_and_is_that_of_all_that_ove
         return solve(influence, contacts, *given)
 
     monkeypatch.setattr(elastic, "solve_equilibrium", counted)
-    walls = jc.wall_pair(8.0, (80, 80), SPACING, seed=4)
+    walls = jc.wall_pair(8.0, (80, 80), SPACING, seed=4, roll_off=None)
     told = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 60e6, "cycles": 1}
     told["effects"] = jc.Effects(breakage=False, gouge=False)
     touching = jc.simulate(*walls, **told)
@@ -208,7 +208,7 @@ def test_the_curve_is_solved_in_the_cells_that_touch_and_is_that_of_all_that_ove
 
 def test_a_cell_outside_of_the_working_set_that_touches_is_added_to_it(monkeypatch):
     """Started from half of the cells, the curve is the same."""
-    walls = jc.wall_pair(8.0, (60, 60), SPACING, seed=4)
+    walls = jc.wall_pair(8.0, (60, 60), SPACING, seed=4, roll_off=None)
     told = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 30e6, "cycles": 1}
     told["effects"] = jc.Effects(breakage=False, gouge=False)
     curve = jc.simulate(*walls, **told)

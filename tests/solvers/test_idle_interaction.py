@@ -42,7 +42,7 @@ def test_where_nearly_all_time_goes_into_what_breaks_nothing_is_left_out(monkeyp
 
 def closed(seed, idle_interaction, cells=40, stress=10e6, **numerics):
     return jc.simulate(
-        *jc.wall_pair(8.0, (cells, cells), SPACING, seed),
+        *jc.wall_pair(8.0, (cells, cells), SPACING, seed, roll_off=None),
         spacing=SPACING,
         rock=DOLERITE,
         max_normal_stress=stress,
@@ -68,7 +68,7 @@ def test_no_contact_of_an_idle_step_would_be_displaced_by_more_than_the_share(so
     numerics = jc.Numerics(idle_interaction=share, solver=solver)
     rock = DOLERITE, DOLERITE
     joint = Joint(
-        *jc.wall_pair(8.0, (cells, cells), SPACING, 1),
+        *jc.wall_pair(8.0, (cells, cells), SPACING, 1, roll_off=None),
         SPACING,
         rock,
         jc.Effects(),
@@ -98,7 +98,7 @@ def test_what_is_left_out_bounds_what_it_would_be():
     """On the same walls at the same closure: without interaction contacts carry more."""
     numerics, rock = jc.Numerics(), (DOLERITE, DOLERITE)
     for seed in range(4):
-        walls = jc.wall_pair(8.0, (32, 32), SPACING, seed)
+        walls = jc.wall_pair(8.0, (32, 32), SPACING, seed, roll_off=None)
         effects = jc.Effects(breakage=False, gouge=False)
         joint = Joint(*walls, SPACING, rock, effects, jc.Choices(), numerics)
         joint.interaction_acts = False
@@ -134,7 +134,7 @@ def test_it_acts_at_the_maximum_even_where_it_is_idle_up_to_there():
 
 def test_a_scene_without_interaction_has_no_idle_steps():
     joint = jc.simulate(
-        *jc.wall_pair(8.0, (16, 16), SPACING, 1),
+        *jc.wall_pair(8.0, (16, 16), SPACING, 1, roll_off=None),
         spacing=SPACING,
         rock=DOLERITE,
         max_normal_stress=2e6,
@@ -151,7 +151,7 @@ def test_a_simulation_that_ends_early_tells_its_scene_all_the_same():
 
 
 def test_the_results_of_a_study_bear_the_certificate():
-    walls = jc.wall_pair(8.0, (40, 40), SPACING, 1)
+    walls = jc.wall_pair(8.0, (40, 40), SPACING, 1, roll_off=None)
     numerics = jc.Numerics(idle_interaction=SHARE)
     told = Conditions(SPACING, DOLERITE, 10e6, 2, 0.0, jc.Effects(), jc.Choices(), numerics)
     row = close_pair(*walls, np.array([0.0, 10e6]), told)

@@ -22,7 +22,7 @@ NO_MATRIX = np.empty((0, 0))
 
 def closed(seed, cells=24, stress=4e6, **numerics):
     return jc.simulate(
-        *jc.wall_pair(8.0, (cells, cells), SPACING, seed),
+        *jc.wall_pair(8.0, (cells, cells), SPACING, seed, roll_off=None),
         spacing=SPACING,
         rock=DOLERITE,
         max_normal_stress=stress,
@@ -91,7 +91,7 @@ def test_a_stress_that_shorter_steps_reach_further_on_is_not_taken_for_a_jump(mo
 
     def jumped(seed):
         closed = jc.simulate(
-            *jc.wall_pair(8.0, (24, 24), SPACING, seed),
+            *jc.wall_pair(8.0, (24, 24), SPACING, seed, roll_off=None),
             spacing=SPACING,
             rock=DOLERITE,
             max_normal_stress=4e6,
@@ -139,7 +139,7 @@ def test_the_patches_system_has_the_mean_influence_between_their_cells():
 def test_the_elastic_curve_is_warm_started(monkeypatch):
     def curve():
         return jc.simulate(
-            *jc.wall_pair(8.0, (60, 60), SPACING, seed=2),
+            *jc.wall_pair(8.0, (60, 60), SPACING, seed=2, roll_off=None),
             spacing=SPACING,
             rock=DOLERITE,
             max_normal_stress=30e6,
@@ -212,7 +212,7 @@ def test_reloading_beyond_a_former_maximum_breaks_nothing_below_it():
     numerics, looked_at = jc.Numerics(), 0
     for seed in range(6):
         joint = Joint(
-            *jc.wall_pair(8.0, (32, 32), SPACING, seed),
+            *jc.wall_pair(8.0, (32, 32), SPACING, seed, roll_off=None),
             SPACING,
             (DOLERITE, DOLERITE),
             jc.Effects(),

@@ -48,7 +48,7 @@ def test_what_is_known_of_the_matrix_is_not_filled_in_again(monkeypatch):
 
 def closed(cells, **numerics):
     return jc.simulate(
-        *jc.wall_pair(8.0, (cells, cells), SPACING, 5),
+        *jc.wall_pair(8.0, (cells, cells), SPACING, 5, roll_off=None),
         spacing=SPACING,
         rock=DOLERITE,
         max_normal_stress=4e6,

@@ -38,7 +38,9 @@ SETTING = {"spacing": SPACING, "rock": DOLERITE, "cycles": 1}
 
 
 def joints(cells, count=4, jrc=8.0):
-    return [jc.wall_pair(jrc, (cells, cells), SPACING, seed) for seed in range(count)]
+    return [
+        jc.wall_pair(jrc, (cells, cells), SPACING, seed, roll_off=None) for seed in range(count)
+    ]
 
 
 def mean_closure(pairs, effects, stress):

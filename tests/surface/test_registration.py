@@ -113,7 +113,7 @@ def test_a_shift_of_a_part_of_a_cell_is_found_in_clouds():
 def test_independent_walls_have_no_clear_orientation_and_one_must_be_stated():
     said = []
     for seed in range(10):
-        upper, lower = jc.wall_pair(9.0, SHAPE, SPACING, seed)
+        upper, lower = jc.wall_pair(9.0, SHAPE, SPACING, seed, roll_off=None)
         try:
             registered(scanned(upper, "towards"), grid(lower), cut_spikes=False)
         except jc.InputError as error:
@@ -250,7 +250,7 @@ def test_mates_correlate_at_all_wavelengths_and_independent_walls_at_none():
     assert measured_mismatch(upper, lower, SPACING) == Mismatch(0.0, 0.0, 0.0)
     scores = []
     for seed in range(20):
-        found = mating(*jc.wall_pair(9.0, (128, 128), SPACING, seed), SPACING)
+        found = mating(*jc.wall_pair(9.0, (128, 128), SPACING, seed, roll_off=None), SPACING)
         scores.append(found.correlation * np.sqrt(found.modes))
     # standard errors are as stated: the scores have a spread of one
     assert 0.8 < np.std(scores) < 1.25

@@ -21,7 +21,7 @@ def settled():
 
 
 def at_rest(choices):
-    walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=3)
+    walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=3, roll_off=None)
     effects = jc.Effects()
     joint = Joint(*walls, SPACING, (DOLERITE, DOLERITE), effects, choices, NUMERICS)
     for closure in np.arange(1, 21) * 12.5e-6:
