@@ -31,8 +31,7 @@ include: "workflow/rules/mismatch_setting.smk"
 include: "workflow/rules/mismatch.smk"
 include: "workflow/rules/size_setting.smk"
 include: "workflow/rules/size.smk"
-include: "workflow/rules/misalignment_setting.smk"
-include: "workflow/rules/misalignment.smk"
+include: "workflow/rules/experiments.smk"
 include: "workflow/rules/numerics.smk"
 include: "workflow/rules/global_sensitivity_setting.smk"
 include: "workflow/rules/global_sensitivity.smk"
@@ -44,7 +43,8 @@ for folder, made_with in (
     (RESULTS, STUDY_WITH | CHOSEN_WITH | WALLS_WITH),
     (RESULTS, ACCURACY_WITH | SCENES_WITH | VALIDATED_WITH | READINGS_WITH),
     (RESULTS, TOGETHER_WITH),
-    (RESULTS, MISMATCH_WITH | MISALIGNMENT_WITH),
+    (RESULTS, MISMATCH_WITH),
+    *((RESULTS, closed_with) for closed_with in CLOSED_WITH.values()),
     (RESULTS, SIZE_WITH),
     (HARD_RESULTS, HARD_WITH),
 ):

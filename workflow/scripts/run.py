@@ -21,12 +21,12 @@ import yaml
 from jointclosure.config.configuration import Configured, configured, merged_study
 from jointclosure.config.files import read_plain
 from jointclosure.config.wanted import Wanted, wanted_of
+from jointclosure.experiments import experiment_named
 from jointclosure.inputs import InputError
 from jointclosure.logbook import failed_log
 from jointclosure.progress import WorkflowProgress
 from jointclosure.storage.text import read_csv, write_text
 from jointclosure.studies.global_sensitivity import design as global_sensitivity
-from jointclosure.studies.misalignment import design as misalignment
 from jointclosure.studies.sensitivity.jrc_range import check_jrc_varies
 from jointclosure.studies.sensitivity.reached import surfaces_next, told
 
@@ -71,7 +71,7 @@ TARGETS = {
         ("estimate_misalignment", "misalignment"),
         "config/misalignment.yaml",
         section="misalignment",
-        check=lambda told: misalignment.design_of(told.keys),
+        check=experiment_named("misalignment").jobs,
     ),
     "readings": Target(
         ("estimate_readings", "readings"), "config/readings.yaml", section="readings"
