@@ -4,7 +4,8 @@ from jointclosure.ensemble import points as engine
 from jointclosure.experiments import experiments_in
 
 EXPERIMENTS = experiments_in(config)
-JOBS = {name: each.jobs(CONFIGURED) for name, each in EXPERIMENTS.items()}
+DESIGNS = {name: each.design(CONFIGURED) for name, each in EXPERIMENTS.items()}
+JOBS = {name: design.jobs for name, design in DESIGNS.items()}
 
 
 def code_of_experiment(name, script):
@@ -63,30 +64,6 @@ rule compile_experiment:
         "../scripts/compile_kernels.py"
 
 
-rule estimate_experiment:
-    input:
-        f"{RESULTS}/logs/{{experiment}}_kernels.txt",
-    output:
-        f"{RESULTS}/tables/{{experiment}}_estimate.csv",
-        seal=f"{RESULTS}/seals/estimate_{{experiment}}.json",
-    log:
-        f"{RESULTS}/logs/estimate_{{experiment}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/estimate_{{experiment}}.tsv"
-    priority: 100
-    conda:
-        ENVIRONMENT
-    params:
-        jobs=lambda w: {
-            job: engine.packed(points) for job, points in JOBS[w.experiment].items()
-        },
-        code=code_of("estimate_points"),
-    message:
-        "Estimate the time of the experiment {wildcards.experiment}, by one joint of each job"
-    script:
-        "../scripts/estimate_points.py"
-
-
 rule close_points:
     input:
         f"{RESULTS}/logs/{{experiment}}_kernels.txt",
@@ -113,13 +90,36 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
 
     rule:
         name:
+            f"estimate_{NAME}"
+        input:
+            f"{RESULTS}/logs/{NAME}_kernels.txt",
+        output:
+            f"{RESULTS}/tables/{NAME}_estimate.csv",
+            seal=f"{RESULTS}/seals/estimate_{NAME}.json",
+        log:
+            f"{RESULTS}/logs/estimate_{NAME}.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/estimate_{NAME}.tsv"
+        priority: 100
+        conda:
+            ENVIRONMENT
+        params:
+            jobs={job: engine.packed(points) for job, points in JOBS[NAME].items()},
+            code=code_of("estimate_points"),
+        message:
+            f"Estimate the time of the experiment {NAME}, by one joint of each job"
+        script:
+            "../scripts/estimate_points.py"
+
+    rule:
+        name:
             f"tabulate_{NAME}"
         input:
             joints=[f"{RESULTS}/{NAME}/{job}.nc" for job in JOBS[NAME]],
             seals=list(CLOSED_WITH[NAME]),
         output:
             joints=f"{RESULTS}/{NAME}.nc",
-            tables=[f"{RESULTS}/tables/{table}.csv" for table in EXPERIMENT.tables],
+            tables=[f"{RESULTS}/tables/{table}.csv" for table in DESIGNS[NAME].tables],
             seal=f"{RESULTS}/seals/tabulate_{NAME}.json",
         log:
             f"{RESULTS}/logs/tabulate_{NAME}.log",
@@ -129,7 +129,7 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
             ENVIRONMENT
         params:
             experiment=NAME,
-            parameters=EXPERIMENT.parameters(CONFIGURED),
+            parameters=DESIGNS[NAME].parameters,
             made_with=CLOSED_WITH[NAME],
             code=code_of_experiment(NAME, "tabulate_points"),
         message:
@@ -141,12 +141,12 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
         name:
             f"draw_{NAME}"
         input:
-            tables=[f"{RESULTS}/tables/{table}.csv" for table in EXPERIMENT.tables],
+            tables=[f"{RESULTS}/tables/{table}.csv" for table in DESIGNS[NAME].tables],
             seals=seals_of(f"tabulate_{NAME}"),
         output:
             figures=[
                 f"{RESULTS}/figures/{figure}.{format}"
-                for figure in EXPERIMENT.figures
+                for figure in DESIGNS[NAME].figures
                 for format in ("png", "pdf")
             ],
             seal=f"{RESULTS}/seals/draw_{NAME}.json",
@@ -170,10 +170,10 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
         input:
             f"{RESULTS}/{NAME}.nc",
             f"{RESULTS}/tables/{NAME}_estimate.csv",
-            [f"{RESULTS}/tables/{table}.csv" for table in EXPERIMENT.tables],
+            [f"{RESULTS}/tables/{table}.csv" for table in DESIGNS[NAME].tables],
             [
                 f"{RESULTS}/figures/{figure}.{format}"
-                for figure in EXPERIMENT.figures
+                for figure in DESIGNS[NAME].figures
                 for format in ("png", "pdf")
             ],
             seals_of(f"estimate_{NAME}", f"tabulate_{NAME}", f"draw_{NAME}"),

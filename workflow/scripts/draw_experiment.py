@@ -1,5 +1,6 @@
 """Draw the figures of an experiment from its tables."""
 
+import itertools
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -15,12 +16,11 @@ def main(
 ) -> None:
     """Write each figure in the format of each of its files."""
     read = {Path(table).stem: read_csv(table) for table in tables}
-    for name, draw in experiment.figures.items():
-        figure = draw(read)
-        for output in outputs:
-            if Path(output).stem == name:
-                save_figure(figure, output)
-                log(f"drew {output}")
+    for name, files in itertools.groupby(outputs, lambda output: Path(output).stem):
+        figure = experiment.draw(name, read)
+        for output in files:
+            save_figure(figure, output)
+            log(f"drew {output}")
 
 
 if __name__ == "__main__":

@@ -62,7 +62,9 @@ TARGETS = {
     "accuracy": Target(
         ("estimate_accuracy", "accuracy"), "config/accuracy.yaml", section="accuracy"
     ),
-    "effects": Target(("estimate_effects", "effects"), "config/effects.yaml", section="ablation"),
+    "effects": Target(
+        ("estimate_effects", "effects", "effects_auto"), "config/effects.yaml", section="ablation"
+    ),
     "mismatch": Target(
         ("estimate_mismatch", "mismatch"), "config/mismatch.yaml", section="mismatch"
     ),
@@ -71,7 +73,7 @@ TARGETS = {
         ("estimate_misalignment", "misalignment"),
         "config/misalignment.yaml",
         section="misalignment",
-        check=experiment_named("misalignment").jobs,
+        check=experiment_named("misalignment").design,
     ),
     "readings": Target(
         ("estimate_readings", "readings"), "config/readings.yaml", section="readings"

@@ -1,6 +1,7 @@
 """Put the joints of an experiment together, and make its tables."""
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import pandas as pd
 
@@ -24,10 +25,11 @@ def main(
     """Write the table of all joints as netCDF, and each table of the experiment."""
     joints = pd.concat([as_table(read_netcdf(file)) for file in files], ignore_index=True)
     write_netcdf(as_dataset(joints).assign_attrs(provenance(configuration)), outputs["joints"])
-    for (name, make), output in zip(experiment.tables.items(), outputs["tables"], strict=True):
-        table = make(joints, parameters)
+    tables = experiment.tabulate(joints, parameters)
+    for output in outputs["tables"]:
+        table = tables[Path(output).stem]
         write_csv(table, output)
-        log(f"wrote {name}: {len(table)} rows")
+        log(f"wrote {output}: {len(table)} rows")
 
 
 if __name__ == "__main__":

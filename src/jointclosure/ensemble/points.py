@@ -27,7 +27,7 @@ class Point(NamedTuple):
 
     Attributes
     ----------
-    at : dict
+    coordinates : dict
         Coordinates of the point in its experiment [SI], columns of the table.
     settings : ClosureSettings
         Complete before the job starts. One joint is closed for each of its realisations.
@@ -37,7 +37,7 @@ class Point(NamedTuple):
         Further arguments of the maker.
     """
 
-    at: dict[str, Any]
+    coordinates: dict[str, Any]
     settings: ClosureSettings
     walls: str = "synthetic"
     options: Mapping[str, Any] = MappingProxyType({})
@@ -78,7 +78,7 @@ def close_points(
             ]
         )
         parts.append(part)
-        at = ", ".join(f"{name} {value}" for name, value in point.at.items())
+        at = ", ".join(f"{name} {value}" for name, value in point.coordinates.items())
         report(
             f"{at}: {part.seconds.mean():.2f} s a joint, statuses {np.unique(part.status).tolist()}"
         )
@@ -101,7 +101,7 @@ def closed_joint(
     seconds = time.process_time() - start
     status = int(joint.closed.status)
     return pd.DataFrame(
-        point.at
+        point.coordinates
         | {
             "realization": realization,
             "cycle": np.arange(1, point.settings.cycles + 1),
@@ -157,8 +157,12 @@ def packed(points: Sequence[Point]) -> dict:
     return {
         "settings": first,
         "points": [
-            to_plain(point._replace(settings=None, options=dict(point.options)))
-            | {"settings": _changes(first, to_plain(point.settings))}
+            {
+                "coordinates": dict(point.coordinates),
+                "settings": _changes(first, to_plain(point.settings)),
+                "walls": point.walls,
+                "options": dict(point.options),
+            }
             for point in points
         ],
     }
@@ -202,6 +206,29 @@ def _changed(before: dict, changes: dict) -> dict:
         else value
         for key, value in changes.items()
     }
+
+
+def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]) -> xr.Dataset:
+    """Put joints on a grid of their coordinates.
+
+    Parameters
+    ----------
+    joints : DataFrame
+        As from `close_points`, with one row for each place of the grid.
+    over : sequence of str
+        Columns, ``realization`` among them.
+    quantities : sequence of str
+
+    Returns
+    -------
+    Dataset
+        The quantities over these columns and the cycle; ``status`` and ``seconds`` over the
+        columns alone.
+    """
+    grid = joints.set_index([*over, "cycle"])[["status", "seconds", *quantities]].to_xarray()
+    for name in ("status", "seconds"):
+        grid[name] = grid[name].isel(cycle=0, drop=True)
+    return grid
 
 
 def as_dataset(table: pd.DataFrame) -> xr.Dataset:

@@ -7,8 +7,10 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from jointclosure.engineering.curves import hysteresis
 from jointclosure.ensemble.responses import responses_of
 from jointclosure.ensemble.settings import Conditions
+from jointclosure.ensemble.timing import pair_seconds
 
 
 class ClosedJoint:
@@ -59,19 +61,43 @@ def _response(name: str) -> Callable[[ClosedJoint], np.ndarray]:
     return lambda joint: joint.responses[name]
 
 
+def _of_history(name: str) -> Callable[[ClosedJoint], np.ndarray]:
+    return lambda joint: joint.closed[name].values
+
+
 QUANTITIES: dict[str, Quantity] = {
     "closure": Quantity(
-        "maximum closure, from first touch", "m", r"x_\mathrm{max}", _response("closure")
+        "maximum closure, from first touch", "m", r"x_\mathrm{max}", _of_history("max_closure")
+    ),
+    "closure_net": Quantity(
+        "maximum closure net of bulk indentation",
+        "m",
+        r"x_\mathrm{max,net}",
+        lambda joint: joint.closed.max_closure.values - joint.closed.max_bulk_indentation.values,
     ),
     "closure_seated": Quantity(
-        "maximum closure since seating", "m", r"x_\mathrm{max,s}", _response("closure_seated")
+        "maximum closure since seating", "m", r"x_\mathrm{max,s}", _of_history("max_closure_seated")
     ),
-    "residual": Quantity("residual closure", "m", r"x_\mathrm{res}", _response("residual")),
+    "residual": Quantity(
+        "residual closure", "m", r"x_\mathrm{res}", _of_history("residual_closure")
+    ),
     "closure_above_half": Quantity(
         "half of the maximum stress over the stiffness of loading there",
         "m",
         r"\Delta x_{1/2}",
         _response("closure_above_half"),
+    ),
+    "hysteresis": Quantity(
+        "share of the work of loading that unloading does not give back",
+        "1",
+        r"\eta",
+        lambda joint: hysteresis(joint.closed),
+    ),
+    "fft_pair": Quantity(
+        "processor time of an FFT pair of 200 x 200 cells, measured beside the closure",
+        "s",
+        r"t_\mathrm{FFT}",
+        lambda joint: pair_seconds(),
     ),
 }
 """All quantities by name, which is their column in tables of points."""

@@ -16,8 +16,34 @@ from jointclosure.ensemble.points import Jobs
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SECTIONS = {"misalignment": "misalignment"}
+SECTIONS = {
+    "accuracy": "accuracy",
+    "effects": "ablation",
+    "misalignment": "misalignment",
+}
 """The section of the configuration that each experiment needs, by the experiment's name."""
+
+
+class Design(NamedTuple):
+    """What a configuration asks of an experiment.
+
+    Attributes
+    ----------
+    jobs : mapping
+        The points of each job.
+    tables, figures : tuple of str
+        Names of the files that are written.
+    parameters : dict
+        What tables need besides the joints, as plain data.
+    """
+
+    jobs: Jobs
+    tables: tuple[str, ...]
+    figures: tuple[str, ...]
+    parameters: dict[str, Any]
+
+
+Tables = Mapping[str, pd.DataFrame]
 
 
 class Experiment(NamedTuple):
@@ -27,24 +53,21 @@ class Experiment(NamedTuple):
     ----------
     title : str
         What is examined, in a few words.
-    jobs : callable
-        From a checked configuration: the points of each job.
     quantities : tuple of str
-        Read of each joint.
-    tables : dict of callable
-        By name: a table from the table of all points, and `parameters`.
-    figures : dict of callable
-        By name: a figure from the tables.
-    parameters : callable
-        From a checked configuration: what tables need besides the points, as plain data.
+        Read of each joint, of `jointclosure.ensemble.quantities.QUANTITIES`.
+    design : callable
+        From a checked configuration. It raises `ConfigurationError` where that contradicts itself.
+    tabulate : callable
+        Tables by name, from the table of all joints and the parameters of the design.
+    draw : callable
+        Figure of a name, from the tables by name.
     """
 
     title: str
-    jobs: Callable[[Configured], Jobs]
     quantities: tuple[str, ...]
-    tables: Mapping[str, Callable[[pd.DataFrame, Mapping[str, Any]], pd.DataFrame]]
-    figures: Mapping[str, Callable[[Mapping[str, pd.DataFrame]], "Figure"]]
-    parameters: Callable[[Configured], dict] = lambda configured: {}
+    design: Callable[[Configured], Design]
+    tabulate: Callable[[pd.DataFrame, Mapping[str, Any]], Tables]
+    draw: Callable[[str, Tables], "Figure"]
 
 
 def experiment_named(name: str) -> Experiment:

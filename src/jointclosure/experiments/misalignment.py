@@ -18,10 +18,10 @@ from jointclosure.config.files import ConfigurationError
 from jointclosure.config.keys import MisalignmentKeys
 from jointclosure.config.units import to_si
 from jointclosure.ensemble.cases import base_case
-from jointclosure.ensemble.points import Jobs, Point
+from jointclosure.ensemble.points import Point
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.ensemble.wavelengths import labelled_wavelengths
-from jointclosure.experiments import Experiment
+from jointclosure.experiments import Design, Experiment
 from jointclosure.plotting.style import styled, subplots
 from jointclosure.statistics.ratios import ratio_of_means
 
@@ -42,8 +42,8 @@ _PANELS = (
 """Response, cycle and title of each row."""
 
 
-def jobs(configured: Configured) -> Jobs:
-    """The points of each rock and mismatch wavelength: aligned walls, all tilts, all rotations.
+def misalignment_design(configured: Configured) -> Design:
+    """A job for each rock and mismatch wavelength: aligned walls, all tilts, all rotations.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def jobs(configured: Configured) -> Jobs:
     tilts, rotations = sorted(section.tilt_degrees), sorted(section.rotation_degrees)
     angles = [(tilt, 0.0) for tilt in tilts] + [(0.0, rotation) for rotation in rotations[1:]]
     wavelengths = labelled_wavelengths(sorted(to_si(section.model_dump())["mismatch_wavelength"]))
-    found = {}
+    jobs = {}
     for rock, of_rock in configuration.rocks.items():
         case = base_case(rock, of_rock)
         for label, wavelength in wavelengths.items():
@@ -67,7 +67,7 @@ def jobs(configured: Configured) -> Jobs:
             )
             settings = closure_settings(configuration, case, surfaces)
             length = np.inf if wavelength is None else wavelength
-            found[f"{rock}.{label}"] = [
+            jobs[f"{rock}.{label}"] = [
                 Point(
                     {"rock": rock, "wavelength": length, "tilt": tilt, "rotation": rotation},
                     settings,
@@ -76,7 +76,8 @@ def jobs(configured: Configured) -> Jobs:
                 )
                 for tilt, rotation in angles
             ]
-    return found
+    stresses = {name: rock.max_normal_stress for name, rock in configuration.rocks.items()}
+    return Design(jobs, ("misalignment",), ("misalignment",), {"max_normal_stress": stresses})
 
 
 def _problems(keys: dict, section: MisalignmentKeys) -> Iterator[str]:
@@ -242,13 +243,8 @@ def _spread_rotations(axes: Axes, rotations: pd.Series) -> None:
 
 EXPERIMENT = Experiment(
     title="what a tilt and a rotation of the walls change",
-    jobs=jobs,
     quantities=tuple(name for name, _ in READ.values()),
-    tables={"misalignment": misalignment_table},
-    figures={"misalignment": lambda tables: misalignment_figure(tables["misalignment"])},
-    parameters=lambda configured: {
-        "max_normal_stress": {
-            name: rock.max_normal_stress for name, rock in configured.typed.rocks.items()
-        }
-    },
+    design=misalignment_design,
+    tabulate=lambda joints, parameters: {"misalignment": misalignment_table(joints, parameters)},
+    draw=lambda name, tables: misalignment_figure(tables[name]),
 )
