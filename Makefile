@@ -15,11 +15,17 @@ override CONFIG := $(value CONFIG)
 override CORES := $(value CORES)
 override PROFILE := $(value PROFILE)
 export PYTHON CONFIG CORES PROFILE
+UNKNOWN := $(strip $(foreach name,$(.VARIABLES),$(if $(findstring command,$(origin $(name))),$(name))))
+ifneq ($(UNKNOWN),)
+$(error $(UNKNOWN): not a variable of this Makefile, which has CONFIG, CORES, PROFILE and PYTHON)
+endif
 
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/jointclosure-is-set-up
 RUN := @$(BIN)/python workflow/scripts/run.py
+# what make starts is not reached by a signal to make alone, unless this passes it on
+IN_GROUP = "$$PYTHON" workflow/scripts/process_group.py
 
 # one thread a job: the workflow runs one job on every core
 export OMP_NUM_THREADS := 1
@@ -44,15 +50,15 @@ $(STAMP): requirements.lock requirements-uv.lock pyproject.toml
 	@"$$PYTHON" -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 11) <= v <= (3, 13) else "Python %d.%d is not supported: jointclosure needs Python 3.11, 3.12 or 3.13 (choose one by PYTHON=python3.12)" % v)'
 	@"$$PYTHON" -c 'import ensurepip, venv' 2>/dev/null || { printf '%s lacks venv: apt-get install python3-venv\n' "$$PYTHON"; exit 1; }
 	@if [ -L $(VENV) ]; then printf '$(VENV) is a link, and set-up would empty what it leads to: remove the link\n'; exit 1; fi
-	"$$PYTHON" -m venv --clear $(VENV)
-	@if $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements-uv.lock; then \
+	$(IN_GROUP) "$$PYTHON" -m venv --clear $(VENV)
+	@$(IN_GROUP) $(SHELL) -c 'if $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements-uv.lock; then \
 	    $(BIN)/uv pip sync --quiet --require-hashes --compile-bytecode --python $(BIN)/python requirements.lock \
 	    && $(BIN)/uv pip install --quiet --no-deps --no-build-isolation --python $(BIN)/python --editable . ; \
 	else \
 	    echo "uv is not to be had for this machine: pip does it, slower"; \
 	    $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements.lock \
 	    && $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable . ; \
-	fi
+	fi'
 	@touch $@
 	@echo "The environment is set up in $(VENV)."
 
@@ -62,8 +68,9 @@ setup-slurm: $(STAMP) ## Add what Slurm needs to it
 study: $(STAMP) ## Run the paper's study, or that of CONFIG
 	$(RUN) study
 
+smoke: override CONFIG := config/smoke.yaml
 smoke: $(STAMP) ## Run the paper's study made small
-	@CONFIG=config/smoke.yaml $(BIN)/python workflow/scripts/run.py study
+	$(RUN) study
 
 report: $(STAMP) ## Write the study, or that of CONFIG, as one page to read: results/<study>/report.html
 	$(RUN) report

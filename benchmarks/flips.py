@@ -21,7 +21,7 @@ import xarray as xr
 from yardstick import machine
 
 from jointclosure.config.configuration import configured, merged
-from jointclosure.config.files import DEFAULT, PAPER_CLAIMS, PAPER_TABLE_3, read_plain
+from jointclosure.config.files import DEFAULT, PAPER_TABLE_3, read_plain
 from jointclosure.config.typed import Configuration
 from jointclosure.ensemble.aggregation import join_cases
 from jointclosure.ensemble.cases import cases_of, pool_of
@@ -67,8 +67,8 @@ def closed(configuration: Configuration, move: Callable[[np.ndarray], np.ndarray
 
 def judged(pool: xr.Dataset) -> pd.Series:
     """Verdicts on the model by claim."""
-    claims, paper = read_csv(PAPER_CLAIMS), read_csv(PAPER_TABLE_3)
-    table = judge_claims(Evidence(pool, pool, Design(), 100, 1), claims, paper)
+    evidence = Evidence(pool, pool, Design(), 100, 1, resampled_pools=0)
+    table, _ = judge_claims(evidence, read_csv(PAPER_TABLE_3))
     return table.set_index("number").verdict
 
 

@@ -70,7 +70,7 @@ def abscissa(axis: str, values) -> np.ndarray:
 
 def one_joint(scene: str, seed: int, cells: int, stress_mpa: float, jrc: float):
     """A function that closes a joint."""
-    walls = jc.wall_pair(jrc, (cells, cells), SPACING, seed)
+    walls = jc.wall_pair(jrc, (cells, cells), SPACING, seed, roll_off=None)
     return lambda: close(walls, SCENES[scene], 1e6 * stress_mpa)
 
 

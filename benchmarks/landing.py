@@ -14,6 +14,7 @@ import numpy as np
 
 import jointclosure as jc
 from jointclosure.engineering.stiffness import closures_at, secant_stiffness
+from jointclosure.history import GROSS
 from jointclosure.statistics.standard_errors import mean_of, rounded
 
 ROCK = jc.Rock(youngs_modulus=78e9, poisson_ratio=0.2, compressive_strength=165e6)
@@ -40,10 +41,10 @@ def _chords(largest: float, seed: int) -> tuple[float, float, float]:
     """Normal stiffness [MPa/mm] from half of a stress [Pa]: to it, to the landing, at the end."""
     walls = jc.wall_pair(JRC, CELLS, SPACING, seed, roll_off=ROLL_OFF)
     joint = jc.simulate(*walls, spacing=SPACING, rock=ROCK, max_normal_stress=largest, cycles=1)
-    half, before, end = closures_at(joint, largest * np.array([0.5, 0.95, 1.0]))[0, 0]
+    half, before, end = closures_at(joint, largest * np.array([0.5, 0.95, 1.0]), GROSS)[0, 0]
     return (
         1e-9 * 0.5 * largest / (end - half),
-        1e-9 * secant_stiffness(joint, 1, 0.5 * largest, largest),
+        1e-9 * secant_stiffness(joint, 1, 0.5 * largest, largest, GROSS),
         1e-9 * 0.05 * largest / (end - before),
     )
 

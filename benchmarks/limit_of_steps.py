@@ -91,7 +91,7 @@ def main(arguments) -> None:
             continue
         rock, shape = case.intact, (arguments.cells, arguments.cells)
         seeds = range(arguments.surfaces)
-        walls = [jc.wall_pair(case.jrc, shape, SPACING, seed) for seed in seeds]
+        walls = [jc.wall_pair(case.jrc, shape, SPACING, seed, roll_off=None) for seed in seeds]
         for stress in arguments.stresses:
             for radius_mm in arguments.radii:
                 radius = 1e-3 * radius_mm if radius_mm > 0 else None

@@ -45,7 +45,10 @@ def main() -> None:
     for hurst in (STUDY_HURST, min(own, 1.0)):
         jrc = jrc_of_z2(z2, spacing, hurst)
         print(f"H = {hurst:.2f}: {2 * arguments.pairs} synthetic walls of JRC {jrc:.2f}")
-        pairs = (jc.wall_pair(jrc, wall.shape, spacing, s, hurst) for s in range(arguments.pairs))
+        pairs = (
+            jc.wall_pair(jrc, wall.shape, spacing, s, hurst, roll_off=None)
+            for s in range(arguments.pairs)
+        )
         sets[f"H = {hurst:.2f}"] = [one for pair in pairs for one in pair]
     table = compared(wall, sets, spacing)
     print(table.round(3).to_string(index=False))

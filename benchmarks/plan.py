@@ -20,6 +20,7 @@ import scipy.stats
 from flips import VARIANTS, closed
 from yardstick import machine
 
+from jointclosure.claims.found import TARGET
 from jointclosure.config.configuration import configured, merged
 from jointclosure.config.files import DEFAULT, read_plain
 from jointclosure.ensemble.cases import pool_of
@@ -28,7 +29,10 @@ from jointclosure.statistics.indifference import indifference_interval
 from jointclosure.statistics.standard_errors import bootstrap_error, elasticity
 from jointclosure.storage.text import read_csv
 from jointclosure.studies.sensitivity.planning import Wish, plan
-from jointclosure.studies.sensitivity.responses import TARGET, Response, responses
+from jointclosure.studies.sensitivity.responses import (
+    Response,
+    responses,
+)
 
 SIGNIFICANCE = 0.05
 WISHES = (

@@ -49,7 +49,7 @@ import jointclosure as jc
 imported = time.perf_counter() - start
 from numba.core.event import install_recorder
 from numba.core.registry import CPUDispatcher
-walls = jc.wall_pair(8.0, (24, 24), 0.25e-3, 1)
+walls = jc.wall_pair(8.0, (24, 24), 0.25e-3, 1, roll_off=None)
 times = []
 with install_recorder("numba:compile") as recorder:
     for _ in range(2):
@@ -106,7 +106,7 @@ def case_settings(
 
 def joint_walls(cells: int, seed: int, mated: bool = False) -> tuple:
     """Two independent walls, or two that nearly fit."""
-    upper, lower = jc.wall_pair(8.0, (cells, cells), SPACING, seed)
+    upper, lower = jc.wall_pair(8.0, (cells, cells), SPACING, seed, roll_off=None)
     if mated:
         lower = -upper + 1e-7 * np.random.default_rng(seed).standard_normal(upper.shape)
     return upper, lower

@@ -11,13 +11,15 @@ from tests.conftest import DOLERITE, SPACING
 
 
 def mates():
-    return jc.wall_pair(8.0, (24, 24), SPACING, seed=3, correlation=0.95)
+    return jc.wall_pair(8.0, (24, 24), SPACING, seed=3, correlation=0.95, roll_off=None)
 
 
 def test_walls_of_a_joint_raise_no_doubt():
     for correlation in (0.0, 0.5, 1.0):
         for seed in range(5):
-            walls = jc.wall_pair(8.0, (24, 24), SPACING, seed, correlation=correlation)
+            walls = jc.wall_pair(
+                8.0, (24, 24), SPACING, seed, correlation=correlation, roll_off=None
+            )
             assert doubts(*walls, SPACING) == []
 
 

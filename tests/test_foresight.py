@@ -22,6 +22,7 @@ def closed(walls=None, spacing=SPACING, stress=3e6, radius=None, **numerics):
         spacing=spacing,
         rock=DOLERITE,
         max_normal_stress=stress,
+        seating_stress=0.0,
         cycles=1,
         choices=jc.Choices(largest_radius=radius),
         numerics=jc.Numerics(**numerics),

@@ -182,6 +182,14 @@ def test_a_closure_that_is_no_length_is_refused(closure):
         equilibrium(np.zeros((4, 4)), np.zeros((4, 4)), closure=closure)
 
 
+def test_a_closure_given_in_millimetres_is_refused_unless_it_is_meant(walls):
+    with pytest.raises(jc.InputError, match=r"closure = 0\.2 m: not usual of this joint"):
+        equilibrium(*walls, closure=0.2)
+    assert int(equilibrium(*walls, closure=0.2e-3).status) == 0
+    meant = equilibrium(*walls, closure=0.2, unusual_values=True)
+    assert float(meant.normal_stress) > 1e11
+
+
 @pytest.mark.parametrize("name", ["levels", "means", "standard_deviations"])
 @pytest.mark.parametrize(
     ("values", "said"),

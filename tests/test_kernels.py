@@ -73,6 +73,7 @@ def small_joints() -> dict:
                     spacing=SPACING,
                     rock=DOLERITE,
                     max_normal_stress=5e5,
+                    seating_stress=0.0,
                     cycles=1,
                     effects=effects,
                     choices=jc.Choices(peaks=peaks),

@@ -85,7 +85,7 @@ Finished jobid: 3 (Rule: make_surfaces)
 """
 
 
-def test_what_is_left_of_a_workflow_is_told_by_the_times_of_its_rules():
+def test_what_is_left_of_a_workflow_is_estimated_by_kind_of_job():
     now = [0.0]
     run = WorkflowProgress(lambda: now[0])
     for line in LOG.splitlines(keepends=True):
@@ -99,4 +99,13 @@ def test_what_is_left_of_a_workflow_is_told_by_the_times_of_its_rules():
         run.read(f"Finished jobid: {job} (Rule: close_surfaces)\n")
     run.read("3 of 6 steps (50%) done\n")
     # two more of 20 s each, side by side
-    assert run.text() == "3 of 6 jobs done, about 20 s left"
+    assert run.text() == "3 of 6 jobs done; left: 2 close_surfaces (about 20 s)"
+
+
+def test_kinds_of_jobs_that_none_is_done_of_are_never_estimated_by_the_others():
+    run = WorkflowProgress(clock=iter(range(100)).__next__)
+    log = LOG.replace("make_surfaces         1", "make_surfaces         3")
+    for line in log.splitlines(keepends=True):
+        run.read(line)
+    assert run.text().startswith("1 of 6 jobs done; left: 2 make_surfaces (about ")
+    assert run.text().endswith("s), 4 of kinds not timed yet")

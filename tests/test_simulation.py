@@ -135,7 +135,8 @@ def test_without_breakage_unloading_never_exceeds_loading(walls, solver):
 
 
 def test_seating_changes_the_reading_and_never_the_history(walls, closed):
-    other = jc.simulate(*walls, spacing=SPACING, rock=DOLERITE, max_normal_stress=TARGET)
+    load = {"max_normal_stress": TARGET, "seating_stress": 0.0}
+    other = jc.simulate(*walls, spacing=SPACING, rock=DOLERITE, **load)
     xr.testing.assert_equal(other.closure, closed.closure)
     np.testing.assert_array_equal(other.max_closure_seated, other.max_closure)
     assert np.all(closed.max_closure_seated < closed.max_closure)
@@ -283,6 +284,7 @@ def test_every_scene_closes(effects, breakage):
         spacing=SPACING,
         rock=DOLERITE,
         max_normal_stress=2e5,
+        seating_stress=0.0,
         cycles=1,
         effects=effects,
         numerics=jc.Numerics(breakage=breakage),

@@ -22,7 +22,7 @@ OFFSET = 0.3
 
 
 def walls():
-    upper, lower = jc.wall_pair(8.0, (20, 24), SPACING, seed=3)
+    upper, lower = jc.wall_pair(8.0, (20, 24), SPACING, seed=3, roll_off=None)
     return upper + OFFSET, lower
 
 

@@ -1,5 +1,6 @@
 """Digests follow what code does, through its imports."""
 
+import ast
 import shutil
 from pathlib import Path
 
@@ -120,6 +121,41 @@ def test_an_edit_reruns_the_rules_that_need_it_and_no_simulation_without_need(co
         assert moved == set()
     if file.startswith(("plotting", "storage/figures")):
         assert moved == {"draw_figures"}
+
+
+def with_other_texts(file, call):
+    """Edit the text that is the first argument of each call; the number of calls that were."""
+    text = file.read_text(encoding="utf-8")
+    lines, count = text.splitlines(keepends=True), 0
+    for node in reversed(list(ast.walk(ast.parse(text)))):
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == call and node.args:
+            first = node.args[0]
+            if isinstance(first, ast.Constant | ast.JoinedStr):
+                line = lines[first.lineno - 1].encode()
+                edited = line[: first.col_offset] + b'"Edited. " ' + line[first.col_offset :]
+                lines[first.lineno - 1] = edited.decode()
+                count += 1
+    file.write_text("".join(lines), encoding="utf-8")
+    ast.parse("".join(lines))
+    return count
+
+
+def test_an_edited_description_or_title_closes_no_walls_again(copy):
+    """A description runs the report again, and nothing else."""
+
+    def digests():
+        forget()
+        return {script.stem: sources.code_digest(str(script)) for script in SCRIPTS.glob("*.py")}
+
+    before = digests()
+    assert with_other_texts(copy / "config/keys.py", "entry") > 100
+    assert with_other_texts(copy / "verification/hard_case_keys.py", "entry") > 10
+    after = digests()
+    assert {name for name in before if before[name] != after[name]} == {"write_report"}
+    assert with_other_texts(copy / "parameters.py", "Property") == 4
+    moved = {name for name, code in digests().items() if code != after[name]}
+    assert {"write_tables", "draw_figures", "aggregate"} <= moved
+    assert not any(name.startswith(("make_", "close_", "cut_")) for name in moved)
 
 
 def test_simulations_import_no_pictures():

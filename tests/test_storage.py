@@ -5,7 +5,11 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from jointclosure.commands.joint_options import check_can_be_made
 from jointclosure.files import atomically
+from jointclosure.inputs import InputError
+from jointclosure.storage import folders
+from jointclosure.storage.folders import RECORD, add_file, replace_files, written_files
 from jointclosure.storage.netcdf import (
     read_netcdf,
     reading_netcdf,
@@ -87,3 +91,72 @@ def test_benchmarks_are_named_by_their_rule(tmp_path):
     assert np.isnan(found.max_rss.iloc[0])
     assert found.max_rss.iloc[1] == 245.5
     assert list(read_benchmarks(tmp_path / "absent").columns) == list(found.columns)
+
+
+def some_files(*names):
+    """What writes files that hold their names and how many they are."""
+
+    def write(folder):
+        for name in names:
+            (folder / name).write_text(f"{name} of {len(names)}")
+
+    return write
+
+
+def test_files_of_an_earlier_run_go_and_all_others_stay(tmp_path):
+    folder = tmp_path / "joint"
+    assert replace_files(folder, "close", some_files("b", "a", "export")) == ["a", "b", "export"]
+    replace_files(folder, "fit", some_files("fit"))
+    add_file(folder, "close", "page")
+    (folder / "page").touch()
+    (folder / "notes").write_text("mine")
+    assert replace_files(folder, "close", some_files("a", "b")) == ["a", "b"]
+    assert sorted(os.listdir(folder)) == ["a", "b", "fit", "notes", RECORD]
+    assert (folder / "a").read_text() == "a of 2"
+    assert written_files(folder, "close") == ["a", "b"]
+
+
+def test_a_run_that_fails_while_writing_leaves_the_files_of_the_earlier_one(tmp_path):
+    replace_files(tmp_path, "close", some_files("a", "export"))
+
+    def fail(folder):
+        (folder / "a").write_text("half")
+        raise RuntimeError("disk full")
+
+    with pytest.raises(RuntimeError, match="disk full"):
+        replace_files(tmp_path, "close", fail)
+    assert sorted(os.listdir(tmp_path)) == ["a", "export", RECORD]
+    assert (tmp_path / "a").read_text() == "a of 2"
+
+
+def test_a_run_that_is_killed_while_replacing_leaves_nothing_that_the_next_one_keeps(
+    tmp_path, monkeypatch
+):
+    replace_files(tmp_path, "close", some_files("a", "old"))
+
+    def killed(folder, command, names):
+        if "old" not in names:  # after all files are in place
+            raise KeyboardInterrupt
+        record(folder, command, names)
+
+    record = folders._record
+    with monkeypatch.context() as patched:
+        patched.setattr(folders, "_record", killed)
+        with pytest.raises(KeyboardInterrupt):
+            replace_files(tmp_path, "close", some_files("a", "new"))
+    assert (tmp_path / "new").exists()
+    replace_files(tmp_path, "close", some_files("a"))
+    assert sorted(os.listdir(tmp_path)) == ["a", RECORD]
+
+
+@pytest.mark.parametrize("text", ['{"close": ["../outside"]}', "[1]", '{"close": [3]}', "no"])
+def test_a_record_that_is_none_is_refused_and_nothing_outside_is_removed(tmp_path, text):
+    (tmp_path / "outside").write_text("mine")
+    folder = tmp_path / "joint"
+    folder.mkdir()
+    (folder / RECORD).write_text(text)
+    with pytest.raises(InputError, match=f"{RECORD}: must be a JSON object"):
+        replace_files(folder, "close", some_files("a"))
+    assert (tmp_path / "outside").exists()
+    with pytest.raises(InputError, match=f"{RECORD}: must be a JSON object"):
+        check_can_be_made(folder)  # before a joint is closed

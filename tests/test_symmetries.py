@@ -50,6 +50,7 @@ def closed(walls, effects, method=METHODS[0], *, lengths=1.0, stresses=1.0, load
         spacing=lengths * SPACING,
         rock=tuple(scaled_rock(rock, stresses) for rock in rocks),
         max_normal_stress=stresses * load,
+        seating_stress=0.0,
         effects=effects,
         choices=jc.Choices(largest_radius=lengths * 20e-3),
         numerics=numerics,

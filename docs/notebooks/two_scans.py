@@ -15,7 +15,8 @@ import numpy as np
 import jointclosure as jc
 
 spacing, shape = 0.25e-3, (56, 64)
-upper, lower = jc.wall_pair(8, shape, spacing, seed=4, mismatch_wavelength=3e-3)
+walls = {"mismatch_wavelength": 3e-3, "roll_off": None}  # natural walls have waves of all lengths
+upper, lower = jc.wall_pair(8, shape, spacing, seed=4, **walls)
 folder = Path(tempfile.mkdtemp())
 y, x = np.indices(shape) * spacing
 for name, heights in (("upper", 1e-3 - upper), ("lower", lower)):  # z upwards in both

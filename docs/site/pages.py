@@ -17,10 +17,12 @@ import jupytext
 import nbformat
 from latex2mathml.converter import convert
 from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 from nbclient import NotebookClient
 from nbconvert import MarkdownExporter
+from nbformat import NotebookNode
 from traitlets.config import Config
 
 ROOT = Path(__file__).parents[2]
@@ -33,6 +35,8 @@ OUTSIDE = {
 """Documents outside of docs/, and what their pages are called."""
 SHOWN = ["image/svg+xml", "image/png", "text/markdown", "text/plain"]
 """What is shown of a cell's value: the first that it has. HTML would bring scripts and styles."""
+FIGURES = {"MPLBACKEND": "module://matplotlib_inline.backend_inline"}
+"""Environment of a kernel whose figures become outputs of their cells; with Agg there are none."""
 _LINK = re.compile(r"(\]\()([^)\s#]+)(#[^)\s]*)?(\))")
 _EQUATION = re.compile(r'<(span|div) class="arithmatex">\\([\[(])(.*?)\\[\])]</\1>', re.S)
 
@@ -108,10 +112,7 @@ def _api_page(name: str) -> str:
 
 def notebook(source: Path) -> dict[str, str | bytes]:
     """A notebook that was run, as files: a page, its pictures, and itself for Jupyter."""
-    book = jupytext.read(source)
-    local = Config({"KernelManager": {"transport": "ipc"}})  # no port is opened
-    where = {"metadata": {"path": str(ROOT)}}
-    NotebookClient(book, kernel_name="python3", resources=where, config=local).execute()
+    book = executed(jupytext.read(source), source.name)
     shown = Config({"NbConvertBase": {"display_data_priority": SHOWN}})
     page, parts = MarkdownExporter(config=shown).from_notebook_node(book)
     files: dict[str, str | bytes] = {}
@@ -123,6 +124,19 @@ def notebook(source: Path) -> dict[str, str | bytes]:
     download = f"[download it]({source.stem}.ipynb)"
     files[f"{source.stem}.md"] = f"{page}\nA notebook, run when this site was built: {download}.\n"
     return files
+
+
+def executed(book: NotebookNode, name: str) -> NotebookNode:
+    """Run a notebook in place; `PluginError` where a cell shows a figure and has no image of it."""
+    local = Config({"KernelManager": {"transport": "ipc"}})  # no port is opened
+    where = {"metadata": {"path": str(ROOT)}}
+    client = NotebookClient(book, kernel_name="python3", resources=where, config=local)
+    client.execute(env=os.environ | FIGURES)
+    for cell in book.cells:
+        images = [kind for out in cell.get("outputs", []) for kind in out.get("data", {})]
+        if "show()" in cell.source and not any(kind.startswith("image/") for kind in images):
+            raise PluginError(f"{name}: a cell shows a figure and has no image:\n{cell.source}")
+    return book
 
 
 def source_of(file: File) -> Path | None:

@@ -5,8 +5,38 @@ Seating never changes the history; it is a way of reading it.
 
 import numpy as np
 import scipy
+import xarray as xr
 
 from jointclosure.protocol import LOADING, UNLOADING
+
+NET, GROSS = "closure_net", "closure"
+"""Names of the two closures of a history: without and with the elastic indentation of the
+half-spaces. The joint's is the net one (`read_along`)."""
+
+
+def read_along(history: xr.Dataset, of: str = NET) -> np.ndarray:
+    """Read a variable at each step of a history (steps,), by default the closure of the joint.
+
+    Net closure is the gross closure less ``bulk_indentation``, by which the half-spaces of intact
+    rock give way under the loaded patch as a whole (docs/model.md, "Interaction"). It is what
+    laboratories report, who subtract the deformation of the intact rock, and what a program
+    needs that computes the deformation of the rock itself. Gross closure has both.
+
+    Parameters
+    ----------
+    history : Dataset
+        As from `jointclosure.simulate`, with ``closure`` and ``bulk_indentation`` [m].
+    of : str
+        `NET`, or any variable over the steps, such as `GROSS`.
+
+    Returns
+    -------
+    array (steps,)
+        Closure counts from first touch [m]; other variables have their own unit.
+    """
+    if of == NET:
+        return history.closure.values - history.bulk_indentation.values
+    return history[of].values
 
 
 def branch_of(cycle: np.ndarray, branch: np.ndarray, number: int, name: str) -> np.ndarray:
@@ -57,6 +87,17 @@ def _between(
     return float(closure[before] + part * (closure[after] - closure[before]))
 
 
+def at_seating(values: np.ndarray, stress: np.ndarray, branch: str, seating: float) -> float:
+    """Read values of a branch (n,) at the seating stress [Pa], in their own unit.
+
+    On loading where it is first reached, on unloading where it is had for the last time; NaN where
+    the branch does not pass it.
+    """
+    if stress.size and stress.min() > seating:
+        return float("nan")
+    return (first_crossing if branch == LOADING else last_crossing)(stress, values, seating)
+
+
 def cycle_closures(
     closure: np.ndarray,
     stress: np.ndarray,
@@ -74,15 +115,16 @@ def cycle_closures(
     minima : array (cycles,)
         Stress at or below which each cycle that was asked for is unloaded [Pa]; 0 is last contact.
     seating_stress : float
-        The ``_seated`` closures count from the first point of that cycle's
-        loading that reaches it [Pa], and are NaN where its loading starts above it.
+        [Pa]. The ``_seated`` closures count from the first point of that cycle's loading that
+        reaches it, and are NaN where its loading starts, or its unloading ends, above it.
 
     Returns
     -------
     dict
-        ``max_closure``, ``residual_closure`` and the same ``_seated``. A
-        cycle's ``max_closure`` counts from its own start (Bandis), its
-        ``residual_closure`` from first touch.
+        ``max_closure`` from the cycle's own start (Bandis), ``max_closure_seated``;
+        ``residual_closure``, at the cycle's end from first touch, and
+        ``residual_closure_seated``, which is what a laboratory calls residual: closure at the
+        seating stress on unloading less that on the loading of the same cycle.
     """
     names = ("max_closure", "residual_closure", "max_closure_seated", "residual_closure_seated")
     closures = {name: np.full(len(minima), np.nan) for name in names}
@@ -91,14 +133,15 @@ def cycle_closures(
         unloading = branch_of(cycle, branch, index + 1, UNLOADING)
         if not _is_complete(loading, unloading, stress, minimum):
             continue
-        seat = first_crossing(stress[loading], closure[loading], seating_stress)
-        if stress[loading[0]] > seating_stress:
-            seat = np.nan
+        seat, back = (
+            at_seating(closure[here], stress[here], name, seating_stress)
+            for here, name in ((loading, LOADING), (unloading, UNLOADING))
+        )
         maximum, end = closure[loading[-1]], closure[unloading[-1]]
         closures["max_closure"][index] = maximum - closure[loading[0]]
         closures["residual_closure"][index] = end
         closures["max_closure_seated"][index] = maximum - seat
-        closures["residual_closure_seated"][index] = end - seat
+        closures["residual_closure_seated"][index] = back - seat
     return closures
 
 

@@ -50,6 +50,13 @@ def check_number(name: str, value: object, whole: bool = False) -> None:
         raise InputError(f"{name} = {value!r}: must be a number that fits in double precision")
 
 
+def check_seed(name: str, value: int) -> None:
+    """Raise `InputError` unless a seed is a whole number from 0 on."""
+    check_number(name, value, whole=True)
+    if value < 0:
+        raise InputError(f"{name} = {value!r}: must be 0 or above")
+
+
 def check_length(name: str, value: float) -> None:
     """Raise `InputError` unless a length [m] is positive and within `LENGTHS`."""
     check_positive(name, value, "m")

@@ -9,6 +9,8 @@ import numpy as np
 from jointclosure.inputs import InputError, check_number
 
 USUAL_CYCLES = 2
+SEATING_STRESS = 0.5e6
+"""Default stress [Pa] from which seated closures count: laboratory curves start there."""
 
 
 class LoadCycle(NamedTuple):
@@ -102,3 +104,14 @@ def _turns(stress: float | Sequence[float]) -> list[float] | None:
 def _check_maximum(maximum: float, told: str) -> None:
     if not 0.0 < maximum < math.inf:
         raise InputError(f"max_normal_stress = {told}: must be positive and finite")
+
+
+def check_snapshots(snapshots: Sequence[float], max_normal_stress: float) -> None:
+    """Raise `InputError` unless stresses [Pa] of snapshots lie within the load."""
+    for stress in snapshots:
+        check_number("snapshots", stress)
+        if not 0.0 <= stress <= max_normal_stress:
+            raise InputError(
+                f"snapshots: {stress!r} Pa: must be from 0 to max_normal_stress = "
+                f"{max_normal_stress!r} Pa"
+            )

@@ -1,32 +1,69 @@
 """What a simulation is told: rocks, effects, choices and numerics, all in SI."""
 
-from collections.abc import Iterator, Sequence
-from typing import Literal, NamedTuple, TypeVar
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Annotated, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
 from jointclosure.inputs import InputError, check_length, check_number, check_one_of, check_positive
+from jointclosure.properties import Property, properties_of
 
 SMALLEST_TOLERANCE = 1e-14
 """Of what is to be met relatively: about fifty roundings."""
 
 
-USUAL = {
-    "youngs_modulus": (1e8, 3e11, "Pa"),
-    "compressive_strength": (2.5e5, 1e9, "Pa"),
+class Rock(NamedTuple):
+    """Intact rock of a wall [SI]: all that is known of a property stands with its field.
+
+    A property with a default may be left out of a configuration, and of ``Rock(...)``.
+    """
+
+    youngs_modulus: Annotated[float, Property("Young's modulus", "GPa", "E", usual=(1e8, 3e11))]
+    poisson_ratio: Annotated[float, Property("Poisson's ratio", "1", "nu", (0.0, 0.5))]
+    compressive_strength: Annotated[
+        float,
+        Property(
+            "compressive strength", "MPa", "sigma_c", may_be_infinite=True, usual=(2.5e5, 1e9)
+        ),
+    ]
+
+
+OF_ROCK = properties_of(Rock)
+"""What is known of the properties of a `Rock`, by name."""
+_JRC = Property("JRC", "1", "JRC", (0.0, 20.0), heading="Joint roughness coefficient (JRC)")
+_FIRST = ("poisson_ratio", "youngs_modulus", "compressive_strength", "jrc")
+"""Rows of the paper's Table 3, in its order."""
+PROPERTIES = {name: (OF_ROCK | {"jrc": _JRC})[name] for name in dict.fromkeys((*_FIRST, *OF_ROCK))}
+"""All properties that a study can vary, by name: those of the paper first, in its order."""
+
+
+def key_of(name: str) -> str:
+    """The key of a property in a configuration, with its unit."""
+    unit = PROPERTIES[name].unit
+    return name if unit == "1" else f"{name}_{unit}"
+
+
+def rock_of(values: Mapping[str, float]) -> Rock:
+    """The rock of properties by name [SI]; others are ignored, and defaults stand for missing."""
+    return Rock(**{name: values[name] for name in OF_ROCK if name in values})
+
+
+def strength_of(wall: Rock) -> float:
+    """Compressive strength that a wall has for the model [Pa]: equations take it from here."""
+    return wall.compressive_strength
+
+
+USUAL = {name: (*about.usual, about.si_unit) for name, about in OF_ROCK.items() if about.usual} | {
     "max_normal_stress": (1e3, 1e9, "Pa"),
     "spacing": (1e-6, 0.1, "m"),
+    "side_of_scan": (5e-3, 10.0, "m"),
 }
 """Least and largest values that are usual of rock and its joints, and their unit: what lies
 beyond is more often a slip of units."""
-
-
-class Rock(NamedTuple):
-    """Intact rock of a wall: Young's modulus [Pa], nu [-], sigma_c [Pa]."""
-
-    youngs_modulus: float
-    poisson_ratio: float
-    compressive_strength: float
+AS_IT_IS = (
+    "unusual_values=True (on the command line --set study.unusual_values=allow) takes it as it is"
+)
+"""How a caller goes on all the same, at the end of what refuses an unusual value."""
 
 
 class Effects(NamedTuple):
@@ -168,11 +205,8 @@ def both_walls(rock: Rock | Sequence[Rock]) -> tuple[Rock, Rock]:
 
 def check_rock(rock: Rock) -> None:
     """Raise `InputError` where a property of the rock is out of its range."""
-    check_positive("youngs_modulus", rock.youngs_modulus, "Pa")
-    check_positive("compressive_strength", rock.compressive_strength, "Pa", may_be_infinite=True)
-    check_number("poisson_ratio", rock.poisson_ratio)
-    if not 0.0 <= rock.poisson_ratio <= 0.5:
-        raise InputError(f"poisson_ratio = {rock.poisson_ratio!r}: must lie in [0, 0.5]")
+    for name, about in OF_ROCK.items():
+        about.check(name, getattr(rock, name))
 
 
 def check_usual(rocks: tuple[Rock, ...], **values: float) -> None:
@@ -190,7 +224,7 @@ def check_usual(rocks: tuple[Rock, ...], **values: float) -> None:
             if not low <= value <= high and not np.isinf(value):
                 raise InputError(
                     f"{name} = {value!r} {unit}: not usual of rock ({low:g} to {high:g} {unit}); "
-                    "is the unit right? unusual_values=True takes it as it is"
+                    f"is the unit right? {AS_IT_IS}"
                 )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.extras import needs
+from jointclosure.history import GROSS, NET
 from jointclosure.inputs import InputError, check_length, check_one_of
 from jointclosure.plotting.joint import draw_curves, draw_stiffness
 from jointclosure.plotting.scanned_joint import draw_section, map_extent
@@ -35,9 +36,12 @@ _SINCE = ("touch", "seating", "cycle")
 
 @styled
 def curves(
-    joint: "xr.Dataset | ClosedJoint", axes: Axes | None = None, since: str = "touch"
+    joint: "xr.Dataset | ClosedJoint",
+    axes: Axes | None = None,
+    since: str = "touch",
+    gross: bool = False,
 ) -> Axes:
-    """Normal stress against closure: loading full, unloading dashed, a colour a cycle.
+    """Draw normal stress against closure: loading full, unloading dashed, a colour a cycle.
 
     Parameters
     ----------
@@ -47,6 +51,8 @@ def curves(
     axes : Axes, optional
     since : {"touch", "seating", "cycle"}
         Where closure counts from; ensembles count from first touch.
+    gross : bool
+        With the elastic indentation of the half-spaces, which the net closure does not contain.
 
     Raises
     ------
@@ -58,30 +64,32 @@ def curves(
     if "realization" in history.dims:
         if since != "touch":
             raise InputError(f"since = {since!r}: must be touch for an ensemble")
-        _ensemble_curves(axes, history)
+        _ensemble_curves(axes, history, gross)
     else:
-        draw_curves(axes, history, since)
+        draw_curves(axes, history, since, GROSS if gross else NET)
     return axes
 
 
-def _ensemble_curves(axes: Axes, ensemble: xr.Dataset) -> None:
+def _ensemble_curves(axes: Axes, ensemble: xr.Dataset, gross: bool) -> None:
     stress = 1e-6 * ensemble.stress.values
+    closures = ensemble.closure if gross else ensemble.closure - ensemble.bulk_indentation
     for index, number in enumerate(ensemble.cycle.values):
         for name, style in BRANCH_LINES.items():
-            closure = 1e3 * ensemble.closure.sel(cycle=number, branch=name).values
+            closure = 1e3 * closures.sel(cycle=number, branch=name).values
             known = np.isfinite(closure).any(axis=0)
             colour = f"C{index}"
             axes.plot(closure.T, stress, style, color=colour, lw=0.5, alpha=0.35)
             mean = np.nanmean(closure[:, known], axis=0)
             label = f"cycle {number}, {name}: mean"
             axes.plot(mean, stress[known], style, color=colour, lw=2.0, label=label)
-    axes.set(xlabel="closure from first touch (mm)", ylabel="normal stress (MPa)", ylim=0.0)
+    kind = "gross" if gross else "net"
+    axes.set(xlabel=f"{kind} closure from first touch (mm)", ylabel="normal stress (MPa)", ylim=0.0)
     axes.legend(frameon=False)
 
 
 @styled
 def stiffness(joint: "xr.Dataset | ClosedJoint", axes: Axes | None = None) -> Axes:
-    """Normal stiffness kn [MPa/mm] against normal stress, by chords between even stresses.
+    """Draw net normal stiffness kn [MPa/mm] against stress, by chords between even stresses.
 
     Parameters
     ----------

@@ -99,8 +99,9 @@ def duration(seconds: float) -> str:
 class WorkflowProgress:
     """How far a run of Snakemake is, from the lines of its log as they come.
 
-    The time that is left is estimated from the mean time of each rule's jobs, by as many jobs at a
-    time as there were on average. It is not told before every rule of many jobs has finished one.
+    The remaining time is estimated by kind of job (rule): the jobs that are left by the mean time
+    of those that are done, with as many at a time as there were on average. Kinds of which no job
+    is done yet are counted and not estimated.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic):
@@ -136,22 +137,24 @@ class WorkflowProgress:
                 self._jobs[words[0]] = int(words[1])
 
     def text(self) -> str:
-        """Jobs that are done, and about how long the rest takes."""
-        said = f"{self.done} of {self.total} jobs done"
-        left = self._left()
-        return said if not left or left < 1.0 else f"{said}, about {duration(left)} left"
+        """Jobs that are done, and by kind of job about how long the rest takes."""
+        done = f"{self.done} of {self.total} jobs done"
+        left = {name: n - len(self._took.get(name, [])) for name, n in self._jobs.items()}
+        parts = [
+            f"{n} {name} (about {duration(n * self._seconds_a_job(name))})"
+            for name, n in left.items()
+            if n > 0 and name in self._took
+        ]
+        untimed = sum(n for name, n in left.items() if name not in self._took)
+        parts += [f"{untimed} of kinds not timed yet"] if parts and untimed else []
+        return f"{done}; left: {', '.join(parts)}" if parts else done
 
-    def _left(self) -> float | None:
-        if any(n > 1 and name not in self._took for name, n in self._jobs.items()):
-            return None
-        work = sum(
-            (count - len(self._took[name])) * sum(self._took[name]) / len(self._took[name])
-            for name, count in self._jobs.items()
-            if name in self._took
-        )
+    def _seconds_a_job(self, rule: str) -> float:
+        """Mean time between the ends of a rule's jobs, when as many run at a time as until now."""
         elapsed = self._clock() - self._first
         spent = sum(map(sum, self._took.values()))
-        return work / max(spent / elapsed, 1.0) if spent and elapsed else None
+        took = self._took[rule]
+        return sum(took) / len(took) / max(spent / elapsed if elapsed else 1.0, 1.0)
 
 
 _STARTED = re.compile(r"(?:Job (\d+): |\s+jobid: (\d+)$)")

@@ -115,7 +115,7 @@ class _Run:
         self.forces: list[np.ndarray] = []  # from the last maximum on, for observers
         self.status = 0
         self.effort = Effort()
-        self.closure_limit = _closure_limit(joint, max(cycle.maximum for cycle in cycles))
+        self.closure_limit = closure_limit(joint, max(cycle.maximum for cycle in cycles))
         self.most_breakage_steps = numerics.most_breakage_steps * joint.upper.size
         self.idle_steps, self.idle_displacement = 0, 0.0
         self.leaves_interaction_out = (
@@ -582,7 +582,7 @@ def _pays_without_interaction(joint: Joint, largest: float) -> bool:
     return _FEWEST_CONTACTS <= cells <= _MOST_CRUSHED * joint.upper.size
 
 
-def _closure_limit(joint: Joint, target_force: float) -> float:
+def closure_limit(joint: Joint, target_force: float) -> float:
     """A closure that no joint needs [m]: beyond it the target is out of reach.
 
     Twice the depth of all voids and the elastic approach of a full contact.

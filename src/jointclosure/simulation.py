@@ -19,8 +19,15 @@ from jointclosure.inputs import (
     check_length,
     check_number,
 )
-from jointclosure.loading import LoadCycle, largest_stress, load_cycles
+from jointclosure.loading import (
+    SEATING_STRESS,
+    LoadCycle,
+    check_snapshots,
+    largest_stress,
+    load_cycles,
+)
 from jointclosure.parameters import (
+    USUAL,
     Choices,
     Effects,
     Numerics,
@@ -38,6 +45,7 @@ from jointclosure.protocol import (
     UNLOADING,
     History,
     Report,
+    closure_limit,
     run_cycles,
 )
 from jointclosure.solvers.joint import Joint, Settled, Solver
@@ -65,7 +73,7 @@ ATTRIBUTES: dict[str, dict[str, Any]] = {
         (
             "residual_closure_seated",
             "m",
-            "closure at the cycle's end from the seating of its own loading, can be negative",
+            "closure at seating on the cycle's unloading less that on its loading",
         ),
         ("max_bulk_indentation", "m", "bulk indentation at the cycle's maximum"),
         (
@@ -111,7 +119,7 @@ def simulate(
     rock: Rock | Sequence[Rock],
     max_normal_stress: float | Sequence[float],
     cycles: int | None = None,
-    seating_stress: float = 0.0,
+    seating_stress: float = SEATING_STRESS,
     effects: Effects = Effects(),
     choices: Choices = Choices(),
     numerics: Numerics = Numerics(),
@@ -169,7 +177,8 @@ def simulate(
         ``bulk_indentation`` [m], ``mean_aperture`` [m] (the mean distance of the deformed walls,
         negative where asperities are pressed into each other), ``equilibrium_residual``, with
         coordinates ``cycle`` and ``branch``. Along ``cycle``: ``max_closure``,
-        ``residual_closure`` [m], both ``_seated`` too, ``locked_share`` and
+        ``residual_closure`` [m], both ``_seated`` too (`jointclosure.history.cycle_closures`),
+        ``locked_share`` and
         ``flat_share`` of the force at the maximum, ``unloading_excess`` [Pa], by
         which stress on unloading exceeds that on loading. The walls as they ended,
         ``status`` (bits, below 16 a success; see its attributes), and counts.
@@ -238,23 +247,12 @@ def simulate_by(
 ) -> xr.Dataset:
     """`simulate` with a solver of one's own: ``solver_of`` its name gives it."""
     upper, lower = checked_walls(upper, lower)
-    rock = both_walls(rock)
-    check_scene(effects)
-    check_numerics(numerics, tuple(SOLVERS))
-    check_length("spacing", spacing)
-    load = load_cycles(max_normal_stress, cycles)
-    _check_seating(seating_stress, load)
+    rock, load = checked_conditions(
+        rock, spacing, max_normal_stress, cycles, seating_stress, effects, choices, numerics,
+        unusual_values,
+    )  # fmt: skip
     largest = largest_stress(max_normal_stress)
-    _check_snapshots(snapshots, largest)
-    check_choices(choices, spacing)
-    if not unusual_values:
-        check_usual(rock, spacing=spacing, max_normal_stress=largest)
-    stiffness = min(wall.youngs_modulus for wall in rock)
-    if largest >= stiffness:
-        raise InputError(
-            f"max_normal_stress = {largest!r} Pa: must be below the rock's "
-            f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
-        )
+    check_snapshots(snapshots, largest)
     _check_steps(upper, lower, numerics)
     choices, numerics = in_double(choices), in_double(numerics)
     spacing, largest, seating_stress = float(spacing), float(largest), float(seating_stress)
@@ -316,6 +314,47 @@ def height_datum(wall: np.ndarray) -> float:
     return round(middle / unit) * unit
 
 
+def checked_conditions(
+    rock: Rock | Sequence[Rock],
+    spacing: float | None,
+    max_normal_stress: float | Sequence[float],
+    cycles: int | None,
+    seating_stress: float,
+    effects: Effects,
+    choices: Choices,
+    numerics: Numerics,
+    unusual_values: bool,
+) -> tuple[tuple[Rock, Rock], list[LoadCycle]]:
+    """Rocks of both walls and cycles of the load, of arguments of `simulate` that are checked.
+
+    ``spacing`` is None where it is not known before the walls are.
+
+    Raises
+    ------
+    InputError
+        An argument out of its range; the walls are not needed to know it.
+    """
+    pair = both_walls(rock)
+    check_scene(effects)
+    check_numerics(numerics, tuple(SOLVERS))
+    if spacing is not None:
+        check_length("spacing", spacing)
+    load = load_cycles(max_normal_stress, cycles)
+    _check_seating(seating_stress, load)
+    largest = largest_stress(max_normal_stress)
+    check_choices(choices, spacing or 0.0)
+    if not unusual_values:
+        known = {} if spacing is None else {"spacing": spacing}
+        check_usual(pair, max_normal_stress=largest, **known)
+    stiffness = min(wall.youngs_modulus for wall in pair)
+    if largest >= stiffness:
+        raise InputError(
+            f"max_normal_stress = {largest!r} Pa: must be below the rock's "
+            f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
+        )
+    return pair, load
+
+
 def equilibrium(
     upper: ArrayLike,
     lower: ArrayLike,
@@ -335,7 +374,8 @@ def equilibrium(
     upper, lower, spacing, rock, choices, numerics, unusual_values
         As for `simulate`.
     closure : float
-        Approach from first touch [m].
+        Approach from first touch [m]. Refused as unusual beyond what the joint would reach under
+        the largest usual stress, at twice the depth of all voids and the elastic approach.
     effects : Effects
         Breakage and gouge are left out, whatever is given.
 
@@ -367,6 +407,13 @@ def equilibrium(
     choices, numerics = in_double(choices), in_double(numerics)
     upper, lower = upper - height_datum(upper), lower - height_datum(lower)
     joint = Joint(upper, lower, spacing, rock, effects, choices, numerics)
+    largest_force = USUAL["max_normal_stress"][1] * upper.size * spacing**2
+    if not unusual_values and closure > closure_limit(joint, largest_force):
+        raise InputError(
+            f"closure = {closure!r} m: not usual of this joint, which no usual stress closes by "
+            f"more than {closure_limit(joint, largest_force):.3g} m; is the unit right? "
+            "unusual_values=True takes it as it is"
+        )
     run = solver_named(numerics.solver).settle(joint, closure, numerics.breakage_step)
     fields = fields_of(joint, closure)
     status = np.int16(FLAG_OF_OUTCOME.get(run.outcome, 0))
@@ -497,17 +544,9 @@ def _check_steps(upper: np.ndarray, lower: np.ndarray, numerics: Numerics) -> No
 
 def _check_seating(seating_stress: float, load: Sequence[LoadCycle]) -> None:
     check_number("seating_stress", seating_stress)
-    if not 0.0 <= seating_stress < min(cycle.maximum for cycle in load):
+    least = min(cycle.maximum for cycle in load)
+    if not 0.0 <= seating_stress < least:
         raise InputError(
-            f"seating_stress = {seating_stress!r} Pa: must be from 0 to below max_normal_stress"
+            f"seating_stress = {seating_stress!r} Pa: must be from 0 to below the least maximum of "
+            f"max_normal_stress, {least!r} Pa"
         )
-
-
-def _check_snapshots(snapshots: Sequence[float], max_normal_stress: float) -> None:
-    for stress in snapshots:
-        check_number("snapshots", stress)
-        if not 0.0 <= stress <= max_normal_stress:
-            raise InputError(
-                f"snapshots: {stress!r} Pa: must be from 0 to max_normal_stress = "
-                f"{max_normal_stress!r} Pa"
-            )

@@ -1,9 +1,10 @@
 """What code a result depends on: found from the imports, and told by a digest.
 
 Comments, docstrings and layout do not count: the digest is that of the syntax tree
-without them. A module that is imported inside of a function counts as any other.
-The modules that a package's ``__init__`` imports count where something is imported
-from the package itself, and not where one of its modules is.
+without them. Nor do descriptions of keys and titles, where nothing shows them (`SHOWN_BY`).
+A module that is imported inside of a function counts as any other. The modules that a
+package's ``__init__`` imports count where something is imported from the package itself, and
+not where one of its modules is.
 """
 
 import ast
@@ -13,6 +14,9 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).parent
 NAME = PACKAGE.name
+SHOWN_BY = {"entry": "report/settings.py", "Property": "config/properties.py"}
+"""Calls whose first argument is a text for readers, the description of a key and the title of a
+property, and the module by which it reaches results: the text counts where that is imported."""
 UNCOUNTED = ("jobs.py", "logbook.py", "progress.py", "storage/seals.py")
 """Modules that say how a job goes and guard what it reads: they change no result."""
 
@@ -39,9 +43,11 @@ def code_digest(*names: str) -> str:
     files: set[Path] = set()
     for name in names:
         files |= {Path(name).resolve()} if name.endswith(".py") else _files_of(name)
+    files = closure(files)
+    unseen = frozenset(call for call, shows in SHOWN_BY.items() if PACKAGE / shows not in files)
     digest = hashlib.sha256()
-    for file in sorted(closure(files)):
-        digest.update(file.name.encode() + b"\0" + _code(file).encode() + b"\0")
+    for file in sorted(files):
+        digest.update(file.name.encode() + b"\0" + _code(file, unseen).encode() + b"\0")
     return digest.hexdigest()[:16]
 
 
@@ -116,8 +122,11 @@ def _tree(file: Path) -> ast.Module:
 
 
 @lru_cache(maxsize=None)
-def _code(file: Path) -> str:
-    """The syntax of a file without comments, docstrings and places, as text."""
+def _code(file: Path, unseen: frozenset[str]) -> str:
+    """The syntax of a file without comments, docstrings, places and some texts, as text.
+
+    ``unseen`` are the calls of `SHOWN_BY` whose texts do not count.
+    """
     tree = ast.parse(file.read_text(encoding="utf-8"), filename=str(file))
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
@@ -128,4 +137,6 @@ def _code(file: Path) -> str:
                 for each in body
                 if not (isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant))
             ]
+        if isinstance(node, ast.Call) and getattr(node.func, "id", None) in unseen and node.args:
+            node.args[0] = ast.Constant("")
     return ast.dump(tree)

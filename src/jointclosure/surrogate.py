@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from jointclosure.config.files import SURROGATES
 from jointclosure.given_walls import checked_walls
 from jointclosure.inputs import InputError, check_length, real_array
-from jointclosure.parameters import Rock, both_walls
+from jointclosure.parameters import Rock, both_walls, strength_of
 from jointclosure.surface.bearing import bearing_depths
 
 ALL_ROCKS = "all"
@@ -112,7 +112,7 @@ def estimate(
     *,
     spacing: float,
     rock: Rock,
-    normal_stress: ArrayLike,
+    max_normal_stress: ArrayLike,
     extrapolate: bool = False,
 ) -> Estimate:
     """Closure of a joint at stresses of its first loading, by the bearing-area law.
@@ -125,7 +125,7 @@ def estimate(
         Grid spacing h [m].
     rock : Rock
         Of both walls.
-    normal_stress : float or array
+    max_normal_stress : float or array
         Nominal normal stress [Pa], positive.
     extrapolate : bool
         Whether to give a closure, with an error that is NaN, where the law was not tested.
@@ -150,14 +150,16 @@ def estimate(
     upper, lower = checked_walls(upper, lower)
     check_length("spacing", spacing)
     rock = _one_rock(rock)
-    stresses = real_array("normal_stress", normal_stress)
+    stresses = real_array("max_normal_stress", max_normal_stress)
     if not stresses.size:
-        raise InputError(f"normal_stress = {normal_stress!r}: must have at least one stress [Pa]")
+        raise InputError(
+            f"max_normal_stress = {max_normal_stress!r}: must have at least one stress [Pa]"
+        )
     if not np.all(stresses > 0.0):
-        raise InputError(f"normal_stress = {normal_stress!r} Pa: must be positive")
+        raise InputError(f"max_normal_stress = {max_normal_stress!r} Pa: must be positive")
     measures = wall_measures(upper, lower, spacing)
     chosen = _nearest(measures.height_over_slope)
-    ratio = stresses / rock.compressive_strength
+    ratio = stresses / strength_of(rock)
     outside = list(_outside(chosen, measures, upper.shape, spacing, rock, ratio))
     if outside and not extrapolate:
         raise InputError(f"{outside[0]}; extrapolate=True gives a closure without an error")
@@ -213,7 +215,7 @@ def _nearest(height_over_slope: float) -> _Calibration:
 
 
 _NAMES = {
-    "stress_over_strength": "normal_stress over compressive strength",
+    "stress_over_strength": "max_normal_stress over compressive strength",
     "rms_slope": "RMS slope of the walls",
     "modulus_over_strength": "Young's modulus over compressive strength",
     "spacing": "spacing [m]",
@@ -241,7 +243,7 @@ def _outside(
     """What is beyond the joints that the law was tested on, one sentence each."""
     given = {name: (value, value) for name, value in walls._asdict().items()} | {
         "stress_over_strength": (ratio.min(), ratio.max()),
-        "modulus_over_strength": (rock.youngs_modulus / rock.compressive_strength,) * 2,
+        "modulus_over_strength": (rock.youngs_modulus / strength_of(rock),) * 2,
         "spacing": (spacing, spacing),
         "length": (spacing * min(shape), spacing * max(shape)),
     }

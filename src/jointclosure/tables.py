@@ -164,19 +164,44 @@ def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd
     return pd.DataFrame.from_dict(rows, orient="index")
 
 
-def table_3_markdown(table: pd.DataFrame, titles: dict[str, str]) -> str:
+def elasticities_markdown(elasticities: pd.DataFrame, titles: dict[str, str]) -> list[str]:
+    """Lines of a table of elasticities with their standard errors, rocks and cycles as columns."""
+    frame = elasticities.assign(rock=elasticities.rock.map(titles)).set_index(
+        ["parameter", "cycle", "rock"]
+    )
+    frame = frame.elasticity_shown.unstack(["cycle", "rock"])  # noqa: PD010, texts
+    frame = frame.reindex(
+        index=[name for name in PARAMETERS if name in frame.index],
+        columns=[
+            column
+            for cycle in sorted(set(elasticities.cycle))
+            for title in titles.values()
+            if (column := (cycle, title)) in frame.columns
+        ],
+    )
+    lines = ["**Elasticities**", "", *markdown_rows(frame.fillna("")), ""]
+    lines.append("d ln(mean maximum closure)/d ln(property), with standard errors.")
+    return [*lines, ""]
+
+
+def table_3_markdown(
+    table: pd.DataFrame, titles: dict[str, str], elasticities: pd.DataFrame | None = None
+) -> str:
     """Table 3 of ours, ours net of bulk indentation, and the paper's, in Markdown.
 
-    With common draws also ours by the unpaired test, and a line on top that says why.
+    With common draws elasticities come first and say why, and ours by the unpaired test is beside.
     """
     if table.empty:
         return "No parameter is varied in this study: there is no indifference interval.\n"
-    parts = [("This study", ""), ("This study, net of bulk indentation", "_net")]
+    test = test_name(table)
+    parts = [(f"This study, {test}", ""), (f"This study, net of bulk indentation, {test}", "_net")]
     lines = []
     if is_paired(table):
+        if elasticities is not None and len(elasticities):
+            lines += elasticities_markdown(elasticities, titles)
         lines += [PAIRED_NOTE, ""]
-        parts.insert(1, ("This study, unpaired test", "unpaired_"))
-    parts.append(("The paper", "paper_"))
+        parts.insert(1, (f"This study, {UNPAIRED_TEST} formula on common surfaces", "unpaired_"))
+    parts.append((f"The paper, {UNPAIRED_TEST}", "paper_"))
     for heading, column in parts:
         shown = table
         if column == "paper_":
@@ -184,15 +209,18 @@ def table_3_markdown(table: pd.DataFrame, titles: dict[str, str]) -> str:
                 continue
             shown = table[table.in_paper]
         of = {rock: title for rock, title in titles.items() if (shown.rock == rock).any()}
-        frame = table_3(shown, of, column)
-        names = [f"{_plain_markdown(title)}, cycle {cycle}" for cycle, title in frame.columns]
-        lines += [f"**{heading}**", "", "| Parameter | " + " | ".join(names) + " |"]
-        lines.append("|---" * (len(names) + 1) + "|")
-        for parameter, row in frame.iterrows():
-            lines.append(f"| {PROPERTIES[parameter].label} | " + " | ".join(row) + " |")
-        lines.append("")
+        lines += [f"**{heading}**", "", *markdown_rows(table_3(shown, of, column)), ""]
     lines.append(_note(table, "√"))
     return "\n".join(lines) + "\n"
+
+
+def markdown_rows(frame: pd.DataFrame) -> list[str]:
+    """Rows in Markdown of a table of parameters by (cycle, rock)."""
+    names = [f"{_plain_markdown(title)}, cycle {cycle}" for cycle, title in frame.columns]
+    lines = ["| Parameter | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
+    for parameter, row in frame.iterrows():
+        lines.append(f"| {PROPERTIES[parameter].label} | " + " | ".join(row) + " |")
+    return lines
 
 
 def table_3_latex(table: pd.DataFrame, titles: dict[str, str]) -> str:
@@ -272,10 +300,21 @@ def _latex(cell: str) -> str:
 PAIRED_NOTE = (
     "The same surfaces were closed at every level (`draws: common`), so the test is the paired t "
     "test: of the differences on the same surface. What surfaces have in common at all levels "
-    "cancels in these. The unpaired test does not know it, and sees far less on such draws; its "
-    "lengths stand beside them because the paper's test is unpaired, on independent draws."
+    "cancels in these. Its lengths go to 0 as closures answer a change more smoothly, whatever the "
+    "rock: compare properties and rocks by elasticities, and no paired length with the paper's or "
+    "any other of an unpaired test. The unpaired test does not know what surfaces have in common, "
+    "and sees far less on such draws; its lengths stand beside because the paper's test is "
+    "unpaired, on independent draws."
 )
 """Why a table of common draws has the paired test."""
+
+
+UNPAIRED_TEST = "unpaired t test"
+
+
+def test_name(table: pd.DataFrame) -> str:
+    """The test by which a table's lengths are, as it is named beside them."""
+    return "paired t test on common surfaces" if is_paired(table) else UNPAIRED_TEST
 
 
 def is_paired(table: pd.DataFrame) -> bool:

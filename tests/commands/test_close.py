@@ -9,6 +9,7 @@ import pytest
 import jointclosure as jc
 from jointclosure import cli
 from jointclosure.commands.engineering_files import FIGURES
+from jointclosure.remarks import cautions
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.surface.registration import registered
 from tests.conftest import SPACING, TWO_WALLS
@@ -30,7 +31,7 @@ def write_points(path, heights):
 def scans(tmp_path_factory):
     """Both walls of a joint in one frame, z upwards, and a wall of another joint."""
     folder = tmp_path_factory.mktemp("scans")
-    upper, lower = jc.wall_pair(9.0, SHAPE, SPACING, seed=4, correlation=0.9)
+    upper, lower = jc.wall_pair(9.0, SHAPE, SPACING, seed=4, correlation=0.9, roll_off=None)
     write_points(folder / "top.xyz", 0.6e-3 - upper)
     write_points(folder / "bottom.xyz", lower)
     write_points(folder / "other.xyz", jc.wall_pair(9.0, SHAPE, SPACING, seed=5)[0])
@@ -47,7 +48,8 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, cap
     code, out, err = said(capsys, *files, *WORDS, "--rock", "granite", "--output", tmp_path / "j")
     assert (code, err) == (0, "")
     assert "orientation of the upper wall, found: common_frame" in out
-    assert "Granite, 72 x 64 cells of 0.25 mm: 2 MPa, 2 cycles" in out
+    assert "Granite (Young's modulus 73 GPa, Poisson's ratio 0.25, compressive strength" in out
+    assert "72 x 64 cells of 0.25 mm: 2 MPa, 2 cycles" in out
     pair = registered(*(jc.read_scan(file, units="mm") for file in files))
     rock = jc.Rock(73e9, 0.25, 173e6)
     alone = jc.simulate(pair.upper, pair.lower, spacing=pair.spacing, rock=rock, **LOAD)
@@ -58,11 +60,12 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, cap
         np.testing.assert_array_equal(library.history[name], alone[name])
     curves = pd.read_csv(tmp_path / "j/curves.csv")
     first = curves[(curves.cycle == 1) & (curves.branch == "loading")]
-    assert first.closure_mm.iloc[-1] == pytest.approx(1e3 * float(alone.max_closure[0]))
+    assert first.closure_gross_mm.iloc[-1] == pytest.approx(1e3 * float(alone.max_closure[0]))
     seated = float(alone.max_closure_seated[0])
-    assert first.closure_since_seating_mm.iloc[-1] == pytest.approx(1e3 * seated)
+    assert first.closure_gross_since_seating_mm.iloc[-1] == pytest.approx(1e3 * seated)
     record = json.loads((tmp_path / "j/joint.json").read_text())
     assert record["found"] == pair.report
+    assert record["warnings"] == cautions(pair.report)
     assert record["mismatch_wavelength_mm"]["wavelength"] == 1e3 * library.pair.mismatch.wavelength
     assert sum("the walls mate at " in line for line in pair.report) == 1
     assert set(record["sha256"]) == {"upper", "lower"}
@@ -71,8 +74,14 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, cap
     assert record["provenance"]["source_digest"]
     for picture in ("walls.png", "closure.png"):
         assert (tmp_path / "j" / picture).stat().st_size > 20000
-    line = repr(library)
-    assert line.startswith("<ClosedJoint: 72 x 64 cells of 0.25 mm (18 x 16 mm), closes ")
+    assert record["rock"]["upper"] == record["rock"]["lower"] == {
+        "youngs_modulus_GPa": 73.0, "poisson_ratio": 0.25, "compressive_strength_MPa": 173.0
+    }  # fmt: skip
+    line, cycles = repr(library), pd.read_csv(tmp_path / "j/cycles.csv")
+    assert line.startswith("<ClosedJoint: granite (Young's modulus 73 GPa, Poisson's ratio 0.25, ")
+    assert "72 x 64 cells of 0.25 mm (18 x 16 mm)" in line
+    net = [f"{value:.4g}" for value in cycles.closure_net_since_seating_mm]
+    assert f"closes {', '.join(net)} mm net" in line
     assert "\n" not in line
 
 
@@ -94,9 +103,14 @@ def test_flow_and_snapshots_of_scanned_walls_are_there_where_asked_for(scans, tm
 def test_walls_lie_as_is_stated_and_are_moved_if_asked_to(scans):
     files = scans / "top.xyz", scans / "bottom.xyz"
     about = {"units": "mm", "rock": "granite", **LOAD, "cycles": 1}
-    fits, wrong = (jc.close(*files, **about, orientation=name) for name in (None, "rotated"))
-    assert any("Warning: the stated orientation rotated" in line for line in wrong.pair.report)
+    with pytest.raises(jc.InputError, match="orientation = 'rotated': common_frame fits clearly"):
+        jc.close(*files, **about, orientation="rotated")
+    fits = jc.close(*files, **about)
+    wrong = jc.close(*files, **about, orientation="rotated", unusual_values=True)
+    warned = "\n".join(cautions(wrong.pair.report))
+    assert "Warning: the stated orientation rotated" in warned
     assert float(wrong.history.max_closure[0]) > 1.3 * float(fits.history.max_closure[0])
+    about["unusual_values"] = True
     moved = jc.close(*files, **about, shift="mated", orientation="rotated").pair
     assert moved.shift == moved.mating_shift != (0.0, 0.0)
 
@@ -109,6 +123,30 @@ def test_walls_lie_as_is_stated_and_are_moved_if_asked_to(scans):
             ("other.xyz", "bottom.xyz"),
             [*WORDS, "--rock", "granite"],
             "other.xyz and {}/bottom.xyz: the orientation of the upper wall is not clear",
+        ),
+        (
+            ("bottom.xyz", "top.xyz"),
+            [*WORDS, "--rock", "granite"],
+            "top.xyz: upper and lower: the upper wall lies below the lower one in",
+        ),
+        (
+            ("top.xyz", "top.xyz"),
+            [*WORDS, "--rock", "granite"],
+            "top.xyz: upper and lower: the same scan was given twice; unusual_values=True (on the "
+            "command line --set study.unusual_values=allow) takes it as it is",
+        ),
+        (
+            ("top.xyz", "bottom.xyz"),
+            [*WORDS, "--rock", "granite", "--orientation", "towards"],
+            "orientation = 'towards': common_frame fits clearly better",
+        ),
+        *(
+            (
+                ("top.xyz", "bottom.xyz"),
+                ["--units", unit, *WORDS[2:], "--rock", "granite"],
+                "not usual of rock",
+            )
+            for unit in ("um", "m")
         ),
         (
             ("top.xyz", "no.xyz"),
@@ -155,6 +193,42 @@ def test_a_wall_that_is_an_array_is_refused_with_what_closes_it(small_joint):
         jc.close("a.xyz", "b.xyz", rock="marble", max_normal_stress=1e6)
 
 
+def test_what_is_implausible_is_closed_where_it_is_meant(scans, tmp_path, capsys):
+    words = ["--units", "mm", "--stress", 1, "--rock", "granite", "--cycles", 1]
+    words += ["--set", "study.unusual_values=allow", "--output", tmp_path / "j"]
+    code, out, err = said(capsys, scans / "top.xyz", scans / "top.xyz", *words)
+    assert (code, err) == (0, "")  # with all pictures, whose error bars a correlation of 1 shrinks
+    assert "walls.png" in out
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def test_a_folder_written_twice_equals_one_written_once(scans, tmp_path, capsys):
+    """Of another joint nothing stays, and what someone else put there is left alone."""
+    twice, once = tmp_path / "twice", tmp_path / "once"
+    files = scans / "top.xyz", scans / "bottom.xyz"
+    words = [*files, *WORDS, "--cycles", 1, "--rock", "granite", "--output"]
+    first = [*words, twice, "--snapshots", "1,2"]
+    assert said(capsys, *first)[::2] == (0, "")
+    (twice / "notes.txt").write_text("mine")
+    assert cli.main(["report", str(twice)]) == 0
+    written = {"snapshots.png", "geos.xml", "geos_gap.csv", "geos_aperture.csv", "report.html"}
+    assert written <= set(contents(twice))
+    (_, out, _), _ = (
+        # from first touch on GEOS has no form
+        said(capsys, *words, folder, "--set", "seating_stress_MPa=0")
+        for folder in (twice, once)
+    )
+    listed = out.splitlines()[-1].partition(": ")[2].split(", ")
+    assert (twice / "notes.txt").read_text() == "mine"
+    (twice / "notes.txt").unlink()
+    assert contents(twice) == contents(once)
+    assert sorted([*listed, "written.json"]) == sorted(contents(once))
+    assert not written & set(contents(once))
+
+
 @pytest.mark.slow
 def test_both_walls_of_a_published_fracture_are_closed_with_defaults_for_granite(tmp_path, capsys):
     if not TWO_WALLS.is_dir():
@@ -169,10 +243,10 @@ def test_both_walls_of_a_published_fracture_are_closed_with_defaults_for_granite
     assert record["cells_y_x"] == [188, 188]
     assert "Warning: what touches first stands out far" in out
     per_cycle = record["per_cycle"]
-    first, second = per_cycle["closure_since_seating_mm"]
-    assert 0.0 < second < first < per_cycle["max_closure_mm"][0]
+    first, second = per_cycle["closure_net_since_seating_mm"]
+    assert 0.0 < second < first < per_cycle["max_closure_gross_mm"][0]
     told = pd.read_csv(tmp_path / "j/cycles.csv")  # one definition of what stays
-    for name in ("residual_at_seating_mm", "residual_share", "closure_since_seating_mm"):
+    for name in told.columns.drop("cycle"):
         assert per_cycle[name] == pytest.approx(told[name].tolist(), rel=1e-6)
     words = (tmp_path / "j/cycles.csv").read_text().splitlines()[1].split(",")
     assert max(len(word.replace(".", "").lstrip("0")) for word in words) <= FIGURES

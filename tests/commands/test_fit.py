@@ -31,6 +31,9 @@ def test_the_command_finds_what_the_library_does(curve, tmp_path, capsys):
     record = json.loads((tmp_path / "fitted/fit.json").read_text())
     assert record["found"] == found.sentences()
     assert record["p_value"] == found.p_value
+    assert record["interval_holds"] == found.interval_holds
+    assert out.startswith("assumed (")
+    assert found.assumed in out.splitlines()[0]
     assert record["compressive_strength_MPa"] is None
     told = json.loads(record["provenance"]["configuration"])
     assert told["rocks"]["granite"]["max_normal_stress_MPa"] == 5.0

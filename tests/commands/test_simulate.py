@@ -24,7 +24,7 @@ def test_a_rock_by_name_and_by_its_numbers_close_alike_as_the_library_does(tmp_p
         assert (code, err) == (0, "")
         assert "cycle 2" in out
     name, numbers = (read_netcdf(tmp_path / path) for path in ("name.nc", "numbers.nc"))
-    walls = jc.wall_pair(8.0, (14, 12), 0.25e-3, seed=3, roll_off=3e-3)  # as the default study
+    walls = jc.wall_pair(8.0, (14, 12), 0.25e-3, seed=3)
     closed = jc.simulate(
         *walls,
         spacing=0.25e-3,

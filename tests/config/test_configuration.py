@@ -1,4 +1,9 @@
+import inspect
 import json
+import os
+import shutil
+import subprocess
+import sys
 
 import pytest
 
@@ -14,6 +19,7 @@ from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import seeds_of
 from jointclosure.parameters import Effects
+from jointclosure.sources import PACKAGE
 from tests.studied import DEFAULT, ROOT, checked_study, study_of
 
 STUDIES = sorted(set((ROOT / "config").glob("*.yaml")) - {ROOT / "config/hard_cases.yaml"})
@@ -54,6 +60,80 @@ def test_the_library_and_the_configuration_have_the_same_defaults():
     assert study.numerics == jc.Numerics(curve_points=points)
     assert study.choices == jc.Choices()
     assert study.rocks["slate"].effects == jc.Effects()
+    surface = study.surface._asdict()
+    for function in (jc.wall_pair, jc.fit):
+        given = _defaults(function)
+        assert given == given | {name: surface[name] for name in given.keys() & surface.keys()}
+    assert surface.keys() <= _defaults(jc.wall_pair).keys()
+    for function in (jc.simulate, jc.close, jc.fit, jc.simulate_ensemble):
+        assert _defaults(function)["seating_stress"] == study.seating_stress
+
+
+def _defaults(function) -> dict:
+    """Default values of a function's arguments, by name; those without one are left out."""
+    arguments = inspect.signature(function).parameters.values()
+    return {each.name: each.default for each in arguments if each.default is not each.empty}
+
+
+def test_one_load_is_said_in_the_same_words_to_all_functions_that_take_one():
+    import jointclosure as jc
+
+    for function in (jc.simulate, jc.close, jc.simulate_ensemble, jc.estimate):
+        assert "max_normal_stress" in inspect.signature(function).parameters
+
+
+_WITH_GRAIN_SIZE = """
+import jointclosure as jc
+from jointclosure.commands.joint_options import NEEDED, OPTIONS
+from jointclosure.config.properties import PARAMETER_TITLES, PARAMETERS, PROPERTIES, key_of
+from jointclosure.config.rocks import named_rock
+from jointclosure.ensemble.cases import cases_of
+from jointclosure.parameters import check_rock
+from jointclosure.tables import rock_table
+from jointclosure.verification.hard_case_keys import RockKeys
+from tests.studied import study_of
+
+assert jc.Rock(1e9, 0.2, 1e8) == jc.Rock(1e9, 0.2, 1e8, 1e-3)
+assert named_rock("granite").grain_size == 1e-3
+finer = {"grain_size_mm": 0.5, "levels": {"grain_size_mm": [0.2, 2]}}
+study = study_of({"study": {"rocks": ["slate", "dolerite"]}, "rocks": {"slate": finer}})
+assert study.rocks["slate"].intact.grain_size == 0.5e-3
+assert study.rocks["slate"].levels["grain_size"] == (0.2e-3, 0.5e-3, 2e-3)
+assert study.rocks["dolerite"].intact.grain_size == 1e-3
+assert [c.value for c in cases_of(study) if c.parameter == "grain_size"] == [0.2e-3, 2e-3]
+assert PARAMETERS[-1] == "grain_size" and PARAMETER_TITLES["grain_size"] == "Grain size"
+assert PROPERTIES["grain_size"].label == "Grain size d (mm)"
+assert OPTIONS["grain_size"] == "grain_size_mm" and "grain_size" not in NEEDED
+assert "grain_size_mm" in RockKeys.model_fields
+assert "grain_size_mm" in rock_table(study.rocks)
+for rock, said in (({"grain_size_mm": -1}, "above 0"), ({"grain_size_mm": 500}, "not usual")):
+    try:
+        study_of({"rocks": {"slate": rock}})
+    except jc.InputError as error:
+        assert said in str(error), error
+    else:
+        raise AssertionError(said)
+try:
+    check_rock(jc.Rock(1e9, 0.2, 1e8, -1.0))
+except jc.InputError as error:
+    assert "grain_size = -1.0 m: must be positive" in str(error)
+"""
+
+
+def test_a_field_of_rock_with_its_metadata_is_a_property_everywhere(tmp_path):
+    """The recipe of CONTRIBUTING.md, on a copy of the package."""
+    copy = shutil.copytree(
+        PACKAGE, tmp_path / "jointclosure", ignore=shutil.ignore_patterns("__*__")
+    )
+    file = copy / "parameters.py"
+    text, end = file.read_text(encoding="utf-8"), "\n\n\nOF_ROCK = "
+    assert end in text
+    field = 'Annotated[float, Property("grain size", "mm", "d", usual=(1e-6, 0.05))] = 1e-3'
+    file.write_text(text.replace(end, f"\n    grain_size: {field}{end}"), encoding="utf-8")
+    environment = os.environ | {"PYTHONPATH": f"{tmp_path}:{ROOT}"}
+    command = [sys.executable, "-c", _WITH_GRAIN_SIZE]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize(

@@ -10,16 +10,18 @@ import pytest
 
 import jointclosure as jc
 from jointclosure import cli
+from jointclosure.engineering.curves import cycle_table
 from jointclosure.engineering.exchange import (
     OPENING_SLOPE,
     fracture_mesh,
     geos_aperture_table,
+    itasca_tables,
     porepy_parameters,
 )
 from jointclosure.engineering.laws import fitted_laws, parameter
 from jointclosure.storage.meshes import write_vtu
 from jointclosure.storage.netcdf import read_netcdf
-from tests.conftest import DOLERITE, SPACING
+from tests.conftest import DOLERITE, SPACING, on_softer_half_spaces
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +48,7 @@ def test_itasca_tables_hold_the_stiffness_in_pascal_and_metres(folder):
         pairs = re.findall(r"\(([^,]+),([^)]+)\)", found[f"kn-cycle-{cycle}-{branch}"])
         read = np.array(pairs, dtype=float)
         np.testing.assert_allclose(read[:, 0], 1e6 * own.normal_stress_MPa, rtol=1e-6)
-        np.testing.assert_allclose(read[:, 1], 1e9 * own.normal_stiffness_MPa_per_mm, rtol=1e-6)
+        np.testing.assert_allclose(read[:, 1], 1e9 * own.normal_stiffness_net_MPa_per_mm, rtol=1e-6)
         assert (np.diff(read[:, 0]) > 0.0).all()
 
 
@@ -59,10 +61,27 @@ def test_porepy_closes_as_the_joint_does(folder, history):
     )
     traction = float(history.normal_stress.max()) - 0.5e6
     closes = opening * traction / (stiffness * opening + traction)
-    assert closes == pytest.approx(float(history.max_closure_seated[1]), rel=0.1)
+    cycle = cycle_table(history).iloc[1]
+    assert closes == pytest.approx(1e-3 * cycle.closure_net_since_seating_mm, rel=0.1)
     assert solid["residual_aperture"] > 0.0
+    # its aperture is that of the joint, under load too: both are of the net closure
+    aperture = solid["residual_aperture"] + opening - closes
+    assert aperture == pytest.approx(1e-3 * cycle.mean_aperture_at_max_mm, rel=0.01)
     fits = fitted_laws(history)
     assert stiffness == 1e9 * parameter(fits, 2, "loading", "kni_MPa_per_mm")
+
+
+def test_programs_that_deform_the_rock_themselves_get_nothing_of_it(history):
+    """Softer half-spaces change no number of theirs: what they take is net."""
+    history = history.assign_attrs(numerics="{}")  # no landing, whose steps are gross
+    softer = on_softer_half_spaces(history)
+    one, other = porepy_parameters(history), porepy_parameters(softer)
+    assert other == pytest.approx(one, rel=1e-4)
+    np.testing.assert_allclose(
+        geos_aperture_table(softer), geos_aperture_table(history), rtol=1e-6, atol=1e-12
+    )
+    tables = [re.findall(r"[\d.]+e[+-]\d+", itasca_tables(each)) for each in (history, softer)]
+    np.testing.assert_allclose(*(np.array(table, float) for table in tables), rtol=1e-6)
 
 
 def test_a_last_cycle_that_begins_above_seating_leaves_the_one_before_to_be_taken():
@@ -88,7 +107,10 @@ def test_geos_takes_the_table(folder, history):
     assert (np.diff(aperture) > 0.0).all()
     assert (aperture[-1] - aperture[-2]) / (gap[-1] - gap[-2]) < 1.0
     # seating lies between two steps, by a cubic here and by a chord there
-    assert -gap[0] == pytest.approx(float(history.max_closure_seated[1]), rel=0.1)
+    cycle = cycle_table(history).iloc[1]
+    assert -gap[0] == pytest.approx(1e-3 * cycle.closure_net_since_seating_mm, rel=0.1)
+    # as each wall keeps its volume, the mean aperture falls by the net closure
+    np.testing.assert_allclose(aperture[:-2] - gap[:-2], aperture[-1], rtol=1e-6)
     at_max = float(history.mean_aperture[int(np.flatnonzero(history.cycle.values == 2)[0]) :].min())
     assert aperture[0] == pytest.approx(at_max, rel=1e-6)
 
@@ -97,7 +119,7 @@ def test_what_geos_does_not_take_is_said(small_joint):
     alone = jc.Effects(interaction=False, breakage=False, gouge=False)
     about = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 2e6, "effects": alone}
     with pytest.raises(jc.InputError, match="give a seating_stress above 0"):
-        geos_aperture_table(jc.simulate(*small_joint, **about))
+        geos_aperture_table(jc.simulate(*small_joint, **about, seating_stress=0.0))
 
 
 def test_a_table_that_is_too_steep_for_geos_ends_less_steeply_and_is_else_the_same(small_joint):
@@ -152,5 +174,5 @@ def test_files_of_engineers_are_all_there(folder):
     assert {path.name for path in (folder / "t").iterdir()} == {
         "curves.csv", "cycles.csv", "stiffness.csv", "laws.csv", "joint_stiffness.dat",
         "porepy.json", "geos.xml", "geos_gap.csv", "geos_aperture.csv", "fracture.vtu",
-        "engineering.png",
+        "engineering.png", "written.json",
     }  # fmt: skip

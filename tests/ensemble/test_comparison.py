@@ -53,6 +53,17 @@ def test_surfaces_with_the_same_seeds_are_compared_one_by_one():
     assert len(by_rock(changes)) == 2 * len(TARGETS)
 
 
+@pytest.mark.parametrize("seeds", [range(10, 16), range(5)])
+def test_compare_says_where_the_surfaces_differ(folders, capsys, seeds):
+    assert cli.main(["compare", *map(str, folders)]) == 0
+    assert "close the same surfaces" in capsys.readouterr().out
+    write_netcdf(study(seeds=seeds), folders[1] / "study.nc")
+    assert cli.main(["compare", *map(str, folders)]) == 0
+    said = capsys.readouterr().out
+    assert "The surfaces differ in 2 of 2 cases" in said
+    assert "study.surfaces_of" in said
+
+
 def test_failures_are_left_out_on_both_sides():
     broken = study(1.1)
     broken["status"][0, 2] = 16
@@ -85,6 +96,7 @@ def test_all_that_differs_is_named():
 
 def intervals(length):
     row = {"rock": "slate", "parameter": "jrc", "cycle": 1, "unit": "1", "status": "interval"}
+    row["test"] = "paired"
     return pd.DataFrame([row | {"length": length, "length_low": 1.0, "length_high": 3.0}])
 
 
@@ -109,6 +121,8 @@ def test_compare_prints_what_moved(folders, capsys):
     said = capsys.readouterr().out
     assert "10.0" in said
     assert "2 (1 to 3)" in said
+    assert "t test" in said
+    assert "paired" in said
     assert "–" in said
     assert "Verdicts that differ" in said
     assert "1a" not in said.split("Verdicts")[1]

@@ -1,5 +1,6 @@
 """Many joints closed without a workflow."""
 
+import functools
 import os
 import signal
 import subprocess
@@ -10,12 +11,14 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
+from jointclosure.ensemble import joints
 from jointclosure.ensemble.closing import close_pair
 from jointclosure.ensemble.joints import NOT_SIMULATED
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.ensemble.workers import Failed, shared
 from jointclosure.protocol import FAILURE
 from tests.conftest import DOLERITE, SPACING
+from tests.studies.test_calibration import GOOD
 
 LOAD = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 2e6, "seating_stress": 0.2e6}
 
@@ -57,7 +60,8 @@ def test_each_joint_is_closed_as_a_study_closes_it(alone):
 def test_a_joint_that_cannot_be_closed_loses_no_other(alone, workers):
     pairs = [rule(seed) for seed in (3, 5, 4)]
     pairs[1] = (pairs[1][0], np.full((12, 16), np.nan))
-    ensemble = jc.simulate_ensemble(pairs, workers=workers, **LOAD)
+    with pytest.warns(UserWarning, match=r"1 of 3 joints are not closed and NaN: seeds \[1\]"):
+        ensemble = jc.simulate_ensemble(pairs, workers=workers, **LOAD)
     assert ensemble.status.values[1] == NOT_SIMULATED >= FAILURE
     assert "lower: 192 values are not finite" in ensemble.error.values[1]
     assert np.isnan(ensemble.closure.values[1]).all()
@@ -88,6 +92,57 @@ def test_a_worker_that_is_killed_loses_its_task_alone():
     assert isinstance(found[1], Failed)
     assert "before it was done" in str(found[1].error)
     assert [found[i] for i in (0, 2, 3)] == [2, 4, 6]
+
+
+def kill_worker_once(upper, lower, stresses, conditions, marker):
+    """Close a joint, but kill the worker where the first of them comes for the first time."""
+    if upper[0, 0] == 0.0 and not marker.exists():
+        marker.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return close_pair(upper, lower, stresses, conditions)
+
+
+def test_a_joint_whose_worker_was_killed_is_named_and_closed_again(alone, monkeypatch, tmp_path):
+    pairs = [rule(seed) for seed in (3, 5, 4)]
+    pairs[1] = tuple(wall - pairs[1][0][0, 0] for wall in pairs[1])
+    marker = tmp_path / "killed"
+    monkeypatch.setattr(joints, "_closed", functools.partial(kill_worker_once, marker=marker))
+    with pytest.warns(UserWarning, match=r"closing again: seeds \[1\]") as warned:
+        ensemble = jc.simulate_ensemble(pairs, workers=2, **LOAD)
+    assert len(warned) == 1
+    assert marker.exists()
+    assert (ensemble.error == "").all()
+    np.testing.assert_array_equal(ensemble.max_closure[::2], alone.max_closure[::2])
+    assert np.isfinite(ensemble.max_closure).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"numerics": jc.Numerics(idle_interaction=2)}, "idle_interaction = 2"),
+        ({"numerics": jc.Numerics(force_tolerance=0)}, "force_tolerance = 0"),
+        ({"choices": jc.Choices(concave="round")}, "concave = 'round'"),
+        ({"effects": jc.Effects(substrate=False)}, "interaction = True needs substrate"),
+        ({"seating_stress": 9e6}, "seating_stress"),
+    ],
+)
+def test_conditions_are_refused_at_every_door_before_walls_are_made(change, message, tmp_path):
+    def walls(*_):
+        raise AssertionError("walls were made")
+
+    told = LOAD | change
+    curve = tmp_path / "lab.csv"
+    curve.write_text(GOOD)
+    load = {name: value for name, value in told.items() if name != "spacing"}
+    fitted = {name: value for name, value in told.items() if name != "max_normal_stress"}
+    for door in (
+        lambda: jc.simulate_ensemble(walls, **told),
+        lambda: jc.close("none.npy", "none.npy", **load),
+        lambda: jc.fit(curve, jrc=8.0, shape=(8, 8), **fitted),
+        lambda: jc.simulate(*rule(1), **told),
+    ):
+        with pytest.raises(jc.InputError, match=message):
+            door()
 
 
 def test_a_script_without_a_guard_is_not_run_again(tmp_path):

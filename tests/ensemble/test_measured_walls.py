@@ -179,7 +179,7 @@ def test_what_is_left_out_of_walls_has_its_usual_value_and_lengths_are_in_metres
 
 
 def test_two_files_that_lie_anyhow_are_brought_together_if_asked_to():
-    upper, lower = jc.wall_pair(9.0, (64, 72), SPACING, seed=4, correlation=0.9)
+    upper, lower = jc.wall_pair(9.0, (64, 72), SPACING, seed=4, correlation=0.9, roll_off=None)
     scans = {
         "upper": Scan(-upper[:, 6:], (SPACING, SPACING), (0.0, 6 * SPACING)),
         "lower": Scan(lower, (SPACING, SPACING)),

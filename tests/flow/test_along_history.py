@@ -23,7 +23,7 @@ LOAD = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 5e6}
 
 
 def walls():
-    return jc.wall_pair(8.0, (20, 24), SPACING, seed=3)
+    return jc.wall_pair(8.0, (20, 24), SPACING, seed=3, roll_off=None)
 
 
 @pytest.fixture(scope="module", params=SCENES)

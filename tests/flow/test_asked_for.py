@@ -176,7 +176,7 @@ def test_geos_is_given_the_hydraulic_aperture_where_there_is_one(closed):
     assert geos_aperture_table(plain)[1][0] == pytest.approx(
         float(closed.mean_aperture.values[here][-1]), rel=1e-9
     )
-    assert set(geos_aperture_table(plain)[0]) <= set(gap)
+    assert set(np.delete(geos_aperture_table(plain)[0], -2)) <= set(gap)  # but for its end slope
 
 
 def test_the_command_says_and_writes_hydraulic_apertures(tmp_path, capsys):

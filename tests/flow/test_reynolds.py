@@ -6,6 +6,7 @@ import scipy
 
 from jointclosure.flow import reynolds
 from jointclosure.flow.reynolds import (
+    AT_LEAST,
     BLOCKED,
     CLOSED,
     DIRECTIONS,
@@ -126,13 +127,40 @@ def test_voids_that_lead_nowhere_change_nothing():
 
 def test_a_gap_of_less_than_rounding_beside_a_wide_one_counts_as_closed():
     narrow = (0.2 * CLOSED) ** (1.0 / 3.0)
-    for part, status in ((0.5, BLOCKED), (3.0, FLOWS)):
+    for part, status in ((0.5, AT_LEAST), (3.0, FLOWS)):
         field = np.ones((12, 12))
         field[:, 6] = part * narrow
         assert flow_along(field, "x").status == status
     assert flow_along(field, "x").hydraulic_aperture == pytest.approx(
         12 ** (1.0 / 3.0) * 3.0 * narrow, rel=1e-6
     )
+
+
+def test_a_flow_that_narrow_faces_add_to_is_a_lower_bound_and_says_so():
+    """A cell of 30 nm is solved, those of 15 nm beside it are left out, as cells of 1 mm adjoin."""
+    field = np.full((20, 6), 1e-3)
+    field[:, 3] = 15e-9
+    field[7, 3] = 30e-9
+    flow = flow_along(field, "x")
+    assert flow.status == AT_LEAST
+    narrow = np.mean(field[:, 3] ** 3) * 6.0  # all of the pressure falls along the narrow cells
+    assert flow.hydraulic_aperture < 0.9 * np.cbrt(narrow)
+    field[:, 3] = 0.0
+    field[7, 3] = 30e-9
+    assert flow_along(field, "x").status == FLOWS
+    assert flow_along(field, "x").hydraulic_aperture == pytest.approx(flow.hydraulic_aperture)
+
+
+def test_a_dead_end_behind_a_narrow_face_leaves_the_flow_exact():
+    field = np.full((9, 12), 1e-3)
+    field[3:6, 5] = 0.0
+    field[3:6, 7] = 0.0
+    field[3, 6] = field[5, 6] = 0.0
+    field[4, 7] = 10e-9
+    flow = flow_along(field, "x")
+    field[4, 7] = 0.0
+    assert flow[:2] == flow_along(field, "x")[:2]
+    assert flow.status == FLOWS
 
 
 def test_barriers_of_many_magnitudes_keep_their_serial_average():

@@ -34,3 +34,15 @@ def test_what_it_runs_is_there():
             assert target in targets
         for path in re.findall(r"(?:bash|pytest) (\S+)", step):
             assert (ROOT / path).exists(), path
+
+
+def test_what_is_taken_from_elsewhere_is_pinned_to_what_cannot_be_moved_as_tags_can():
+    steps = [step["uses"] for job in CI["jobs"].values() for step in job["steps"] if "uses" in step]
+    assert steps
+    for action in steps:
+        assert re.fullmatch(r"[\w-]+/[\w-]+@[0-9a-f]{40}", action), action
+    container = (ROOT / "workflow/profiles/kubernetes/Dockerfile").read_text(encoding="utf-8")
+    bases = re.findall(r"^FROM (\S+)", container, re.M)
+    assert bases
+    for base in bases:
+        assert re.fullmatch(r"[\w.:/-]+@sha256:[0-9a-f]{64}", base), base

@@ -1,19 +1,25 @@
-"""The check of the documentation site finds what is dead, and what a reader offline would lack."""
+"""The documentation site: its check finds what is dead, and its notebooks have their figures."""
 
 import importlib.util
 from pathlib import Path
 
 import pytest
+from nbformat import v4
 
 ROOT = Path(__file__).parents[2]
 
 
+def module(name):
+    """A module of the site's own, which is in no package."""
+    spec = importlib.util.spec_from_file_location(name, ROOT / f"docs/site/{name}.py")
+    loaded = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(loaded)
+    return loaded
+
+
 @pytest.fixture(scope="module")
 def links():
-    spec = importlib.util.spec_from_file_location("links", ROOT / "docs/site/links.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return module("links")
 
 
 @pytest.fixture
@@ -54,3 +60,14 @@ def test_what_is_dead_or_fetched_is_named_with_its_page(links, site, bad, said):
     (problem,) = links.problems(site)
     assert problem.startswith("index.html: ")
     assert problem.endswith(said)
+
+
+def test_a_notebooks_cell_that_shows_has_an_image_whatever_the_environments_backend(monkeypatch):
+    monkeypatch.setenv("MPLBACKEND", "Agg")  # as the Makefile sets it
+    pages = module("pages")
+    drawn = v4.new_code_cell("import matplotlib.pyplot as plt\nplt.plot([1, 2])\nplt.show()")
+    book = pages.executed(v4.new_notebook(cells=[drawn]), "a.py")
+    assert any("image/png" in output.get("data", {}) for output in book.cells[0].outputs)
+    closed = v4.new_code_cell(drawn.source.replace("plt.show", "plt.close('all'); plt.show"))
+    with pytest.raises(pages.PluginError, match=r"a\.py: a cell shows a figure and has no image"):
+        pages.executed(v4.new_notebook(cells=[closed]), "a.py")

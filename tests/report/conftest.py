@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from jointclosure.config.configuration import resolved
-from jointclosure.config.files import MEASURED, PAPER_CLAIMS, PAPER_TABLE_3
+from jointclosure.config.files import MEASURED, PAPER_TABLE_3
 from jointclosure.config.keys import ConfigurationKeys
 from jointclosure.config.schema import json_schema
 from jointclosure.ensemble.aggregation import join_cases
@@ -95,6 +95,8 @@ def _closed(case, number: int) -> xr.Dataset:
             "max_closure_seated": (over, 0.8 * per_cycle),
             "max_closure_seated_net": (over, 0.7 * per_cycle),
             "residual_closure": (over, np.repeat(closure[:, 0, 1, :1], 2, axis=1)),
+            "residual_closure_seated_net": (over, 0.5 * per_cycle),
+            "stiffness_net": (over, 1e6 / per_cycle),
             "unloading_excess": (over, 0.0 * per_cycle),
             "timing_simulation": ("realization", random.uniform(1.0, 2.0, JOINTS)),
             **{name: ("realization", np.full(JOINTS, v)) for name, v in per_joint.items()},
@@ -124,14 +126,15 @@ def material(study, configuration, default, pictures):
     paper = read_csv(PAPER_TABLE_3)
     closures = max_closure_table(study)
     intervals = with_paper(indifference_table(study, resolved(configuration).statistics, 1), paper)
-    said = read_csv(PAPER_CLAIMS)
-    drawn = predictive(study, Design(), 100, 1)
+    claims, margins = judge_claims(Evidence(study, study, Design(), 100, 1, 3), paper)
+    drawn = predictive(study, Design(), 100, 1, pools=3)
     numerics = resolved(configuration).numerics
     return Material(
         study=study,
         closures=closures,
         intervals=intervals,
-        claims=judge_claims(Evidence(study, study, Design(), 100, 1), said, paper),
+        claims=claims,
+        margins=margins,
         predictive=predictive_table(drawn, paper),
         joint=joint_table(drawn, paper),
         elasticities=elasticity_table(study),

@@ -21,6 +21,7 @@ TABLES = {
     "closures": "max_closure",
     "intervals": "table_3_indifference",
     "claims": "claims",
+    "margins": "claim_margins",
     "checks": "checks",
     "predictive": "table_3_predictive",
     "joint": "table_3_joint_tests",
@@ -64,7 +65,7 @@ def test_the_files_give_the_page_that_their_content_gives(material, folder, caps
 
 def test_a_study_that_varies_nothing_has_a_page(material, pictures, tmp_path):
     bare = material._replace(
-        **dict.fromkeys(("intervals", "claims", "predictive", "joint", "elasticities"))
+        **dict.fromkeys(("intervals", "claims", "margins", "predictive", "joint", "elasticities"))
     )
     folder = finished(bare, pictures, tmp_path / "bare")
     assert cli.main(["report", str(folder)]) == 0
@@ -96,7 +97,7 @@ def test_the_page_can_be_written_elsewhere_from_a_copy(folder, tmp_path):
 
 
 def test_the_folder_of_a_single_joint_has_a_page(tmp_path, capsys):
-    upper, lower = jc.wall_pair(9.0, (40, 44), SPACING, seed=4, correlation=0.95)
+    upper, lower = jc.wall_pair(9.0, (40, 44), SPACING, seed=4, correlation=0.95, roll_off=None)
     y, x = np.indices(upper.shape) * 1e3 * SPACING
     for name, heights in (("top", 1e-3 - upper), ("bottom", lower)):
         points = np.column_stack([x.ravel(), y.ravel(), 1e3 * heights.ravel()])
@@ -107,7 +108,9 @@ def test_the_folder_of_a_single_joint_has_a_page(tmp_path, capsys):
     assert cli.main(["report", str(tmp_path / "joint")]) == 0
     page = (tmp_path / "joint/report.html").read_text(encoding="utf-8")
     cycles = pd.read_csv(tmp_path / "joint/cycles.csv")
-    assert f"closes {number_text(cycles.closure_since_seating_mm[0], 3)} mm" in page
+    assert f"closes {number_text(cycles.closure_net_since_seating_mm[0], 3)} mm" in page
+    assert f"{number_text(cycles.closure_gross_since_seating_mm[0], 3)} mm (gross)" in page
+    assert "compressive strength 173 MPa" in page
     record = json.loads((tmp_path / "joint/joint.json").read_text())
     assert all(digest in page for digest in record["sha256"].values())
     assert page.count("<figure ") == 3  # engineering, curves, walls

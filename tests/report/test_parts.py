@@ -156,8 +156,8 @@ def concluded() -> pd.DataFrame:
     tried = {"number": "2a", "claim": "it matters", "said_in": "Abstract", "verdict": "stands"}
     tried |= known | {f"jrc_{name}": value for name, value in known.items()}
     tried |= {"jrc_half_width": 2.0, "conclusion": "cannot be told"}
-    tried |= {"readings_stand": 4, "readings_fall": 0, "readings_open": 1}
-    tried |= {"partial_stand": 0, "partial_fall": 0, "partial_open": 0}
+    tried |= {"readings_stand": 4, "readings_fall": 0, "readings_equal": 2, "readings_open": 1}
+    tried |= {"partial_stand": 0, "partial_fall": 0, "partial_equal": 0, "partial_open": 0}
     tried |= {"choices_share": 0.7, "choices_share_low": 0.47, "choices_share_high": 0.93}
     tried |= {"opposed_by": "", "opened_by": "H = 0.4", "moved_by": "the ratio (18 to 72 %)"}
     bare = tried | {"number": "6a", "opened_by": np.nan, "moved_by": np.nan, "opposed_by": np.nan}
@@ -168,8 +168,9 @@ def concluded() -> pd.DataFrame:
 def test_what_was_not_tried_is_said_and_a_share_has_its_interval():
     sheet = findings.conclusion_sheet(concluded())
     tried, bare = (dict(zip(sheet.titles, row, strict=True)) for row in sheet.rows)
-    assert tried["Readings of all rocks: stands, falls, open"].text == "4, 0, 1"
-    assert tried["Readings of some rocks: true there, false, open"].text == "none"
+    whole = tried["Readings of all rocks: stands, falls, no difference, open"]
+    some = tried["Readings of some rocks: true there, false, no difference, open"]
+    assert (whole.text, some.text) == ("4, 0, 2, 1", "none")
     assert tried["True for so many open choices"].text == "70 % (47 to 93)"
     assert [cell.text for cell in list(bare.values())[5:8]] == ["not tried"] * 3
 

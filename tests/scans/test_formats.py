@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
+from jointclosure.remarks import caution, cautions, prefixed
 from jointclosure.scans import read_scan
 from jointclosure.surface.measured import Cloud, Scan, point_distance, wall_on_grid
 from jointclosure.surface.roughness import detrended
@@ -305,9 +306,15 @@ def test_stated_units_that_make_no_wall_are_doubted(tmp_path):
     np.savetxt(tmp_path / "wall.xyz", points)
     assert read_scan(tmp_path / "wall.xyz", units="mm").remarks == ()
     for units in ("um", "m"):
-        (said,) = read_scan(tmp_path / "wall.xyz", units=units).remarks
+        (said,) = cautions(read_scan(tmp_path / "wall.xyz", units=units).remarks)
         assert said.startswith(f"Warning: unusual in {units}; it spans")
         assert "plausible in mm" in said
+
+
+def test_a_word_that_a_file_has_is_no_warning_and_a_prefix_keeps_the_level():
+    quoted = "line 1 was passed over: 'Warning: low battery'"
+    remarks = [prefixed("upper wall: ", each) for each in (quoted, caution("unusual in um"))]
+    assert cautions(remarks) == ["upper wall: Warning: unusual in um"]
 
 
 def test_units_are_asked_for_with_what_would_be_plausible(tmp_path):

@@ -21,6 +21,7 @@ def closed(effects, breakage="fixed_step", cells=10):
         spacing=SPACING,
         rock=DOLERITE,
         max_normal_stress=1e5,
+        seating_stress=0.0,
         effects=effects,
         numerics=jc.Numerics(breakage=breakage),
     )

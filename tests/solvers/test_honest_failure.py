@@ -145,6 +145,7 @@ def test_a_step_far_longer_than_all_of_the_closure_still_lands(small_joint, step
         spacing=SPACING,
         rock=DOLERITE._replace(compressive_strength=1e12),
         max_normal_stress=stress,
+        seating_stress=0.0,
         numerics=jc.Numerics(
             displacement_step=step,
             breakage_step=0.4 * step,
@@ -170,6 +171,7 @@ def test_a_target_below_what_rounding_resolves_is_a_failure_that_says_so():
         spacing=SPACING,
         rock=DOLERITE,
         max_normal_stress=1e-9,
+        seating_stress=0.0,
         cycles=1,
         unusual_values=True,
     )

@@ -168,6 +168,7 @@ def test_what_was_chosen_is_written_into_the_result(small_joint, radius):
         spacing=SPACING,
         rock=DOLERITE,
         max_normal_stress=1e5,
+        seating_stress=0.0,
         cycles=1,
         choices=jc.Choices(largest_radius=radius),
         numerics=jc.Numerics(breakage="resolved"),

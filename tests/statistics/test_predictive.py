@@ -9,10 +9,10 @@ from jointclosure.statistics.drawn_studies import (
     Pool,
     Sensitivity,
     draw_studies,
-    jackknife_error,
     lengths_table,
+    pool_error,
+    resampled_pools,
     without_effect,
-    without_group,
 )
 from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.predictive import (
@@ -130,12 +130,32 @@ def test_p_values_of_a_parameter_without_effect_are_uniform_up_to_the_dash():
     assert 0.03 < np.mean(p < 0.05) < 0.07
 
 
-def test_pools_without_a_group_leave_each_surface_out_once_and_give_the_error_of_a_mean():
+def test_the_error_of_a_pool_is_that_of_pools_drawn_anew():
     random = generator(6)
     one = {"x": sensitivity(random, 0.1, 60, "x")}
-    values = one["x"].pools[0].values[0]
-    means = [without_group(one, g, 60)["x"].pools[0].values[0].mean() for g in range(60)]
-    assert jackknife_error(means) == pytest.approx(values.std(ddof=1) / np.sqrt(60), rel=1e-9)
+
+    def above(pool):  # a share that every repetition of a pool has alike
+        return float(pool["x"].pools[0].values[0].mean() > 1.0)
+
+    again = [above(each) for each in resampled_pools(one, random, 400)]
+    mean, error = one["x"].pools[0].values[0].mean(), one["x"].pools[0].values[0].std(ddof=1)
+    share = scipy.stats.norm.cdf((mean - 1.0) / (error / np.sqrt(60)))
+    assert np.mean(again) == pytest.approx(share, abs=0.08)
+    assert pool_error(again, 10**9) == pytest.approx(np.std(again, ddof=1))
+    # what is binomial of few repetitions is taken off
+    noisy = random.binomial(100, 0.3, size=2000) / 100
+    assert pool_error(noisy, 100) < 0.3 * noisy.std()
+    assert np.isnan(pool_error([np.nan, np.nan, np.nan, 0.5], 100))
+
+
+def test_pools_of_the_same_surfaces_are_resampled_together():
+    pool = Pool(generator(7).normal(size=(1, 30)), "x")
+    one = {"x": Sensitivity(np.arange(3.0), 1.0, (pool, Pool(pool.values + 1.0, "x"), pool))}
+    for each in resampled_pools(one, generator(8), 3):
+        low, middle, high = (own.values for own in each["x"].pools)
+        np.testing.assert_array_equal(low, high)
+        np.testing.assert_allclose(middle, low + 1.0)
+        assert len(np.unique(low)) < 30
 
 
 @pytest.mark.parametrize(

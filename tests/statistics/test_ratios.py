@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointclosure.statistics.ratios import ratio_of_means
+from jointclosure.statistics.ratios import harmonic_mean, ratio_of_means
 
 
 def test_what_both_rows_share_leaves_no_error():
@@ -30,3 +30,11 @@ def test_pairs_that_lack_a_value_are_left_out():
     assert ratio == 0.5
     assert np.isnan(error)
     assert np.isnan(ratio_of_means(over, np.full(3, np.nan)).value)
+
+
+def test_a_mean_stiffness_is_that_of_the_mean_curve():
+    """Compliances add: a joint that is nearly rigid counts as one that hardly closes."""
+    stiffness = np.array([1.0, 2.0, 1e9, np.nan])
+    mean, error = harmonic_mean(stiffness)
+    assert mean == pytest.approx(3.0 / 1.5)
+    assert harmonic_mean(10.0 * stiffness) == pytest.approx((10.0 * mean, 10.0 * error))

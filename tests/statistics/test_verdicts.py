@@ -9,12 +9,12 @@ from jointclosure.statistics.standard_errors import mean_of
 from jointclosure.statistics.verdicts import (
     CANNOT_BE_TOLD,
     FALLS,
+    NO_DIFFERENCE,
     STANDS,
     frequency,
     frequency_of_finding,
     t_interval,
     verdict,
-    verdict_on_all,
 )
 from tests.statistics.statistics_world import SCATTER, sensitivity
 
@@ -40,11 +40,19 @@ def test_a_claim_stands_inside_falls_outside_and_is_open_between(interval, true_
     assert verdict(interval, true_between) == expected
 
 
-def test_a_claim_on_all_rocks_falls_with_one_and_stands_with_all():
-    assert verdict_on_all([STANDS, FALLS, CANNOT_BE_TOLD]) == FALLS
-    assert verdict_on_all([STANDS, CANNOT_BE_TOLD]) == CANNOT_BE_TOLD
-    assert verdict_on_all([STANDS, STANDS]) == STANDS
-    assert verdict_on_all([]) == CANNOT_BE_TOLD
+@pytest.mark.parametrize(
+    ("interval", "expected"),
+    [
+        ((0.11, 0.2), STANDS),
+        ((0.05, 0.2), CANNOT_BE_TOLD),
+        ((-0.03, -0.01), NO_DIFFERENCE),
+        ((-0.1, 0.1), NO_DIFFERENCE),
+        ((-0.2, -0.05), CANNOT_BE_TOLD),
+        ((-0.2, -0.11), FALLS),
+    ],
+)
+def test_a_difference_within_the_tolerance_is_none(interval, expected):
+    assert verdict(interval, (0.1, INF), alike=0.1) == expected
 
 
 def test_a_wrong_verdict_is_as_rare_as_the_confidence_says():

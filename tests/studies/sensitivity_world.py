@@ -26,7 +26,7 @@ def world(
     configuration: Configuration | None = None,
     elasticities: dict | None = None,
     irregular: float = IRREGULAR,
-    loop: float = 0.02,
+    loop: float = 0.05,
 ) -> xr.Dataset:
     """The dataset of a study, or of a pool, in that world.
 
@@ -75,6 +75,7 @@ def _closed(case, configuration, elasticities, irregular, loop) -> xr.Dataset:
             "max_closure_seated": (over, 0.8 * maxima),
             "max_closure_seated_net": (over, 0.7 * maxima),
             "residual_closure": (over, residual),
+            "residual_closure_seated_net": (over, 0.9 * residual),
             "status": ("realization", np.zeros(len(seeds), dtype=np.int16)),
             "timing_simulation": ("realization", np.full(len(seeds), 1.5)),
         },

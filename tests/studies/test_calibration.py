@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.calibration import fit
+from jointclosure.calibration import Fit, assumptions, fit
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Conditions
-from jointclosure.history import branch_of
+from jointclosure.history import branch_of, read_along
+from jointclosure.plotting.calibration import fit_figure
 from jointclosure.protocol import LOADING, UNLOADING
 from jointclosure.studies.measured.calibration import (
     likelihood_of,
@@ -31,10 +32,10 @@ def walls(number, wavelength):
 
 
 def curve_of(history):
-    """A history as a laboratory would have measured it."""
+    """A history as a laboratory would have measured it, the rock's deformation subtracted."""
     cycle, branch = history.cycle.values, history.branch.values
     steps = np.concatenate([branch_of(cycle, branch, 1, name) for name in (LOADING, UNLOADING)])
-    stress, closure = history.normal_stress.values[steps], history.closure.values[steps]
+    stress, closure = history.normal_stress.values[steps], read_along(history)[steps]
     return MeasuredCurve(stress, closure + 3e-4, np.ones(steps.size, int), steps)
 
 
@@ -102,6 +103,56 @@ def test_mismatch_and_strength_are_told_apart_with_intervals_that_cover_them():
     assert odd.p_value < 1e-6
 
 
+def fitted(values, scatter=0.1, strengths=(160e6,), rock=GRANITE):
+    """A fit of made-up readings among made-up joints at three wavelengths."""
+    rng, wavelengths = np.random.default_rng(6), np.geomspace(1e-3, 8e-3, 4)
+    strengths, measured = np.array(strengths), parsed_readings(values)
+    logs = [
+        [made_up(rng, np.log(w), np.log(s / 160e6), 12) for s in strengths] for w in wavelengths
+    ]
+    mean = np.mean(logs, axis=2, keepdims=True)
+    simulated = mean + scatter / 0.1 * (np.array(logs) - mean)
+    found = likelihood_of(measured, simulated, wavelengths, strengths, 1e-3)
+    strength = found.interval(1) if strengths.size > 1 else None
+    assumed = assumptions(rock, 10.0, (64, 32), SPACING, 3e-3)
+    return Fit(found.interval(0), strength, found.p_value, measured, simulated, found, assumed)
+
+
+def test_a_reading_between_the_wavelengths_that_were_closed_is_not_called_impossible():
+    # closures as of 2.8 mm, which lies between 2 and 4 mm; all three at once no joint makes
+    between = made_up(np.random.default_rng(0), np.log(2.8e-3), 0.0, 1000).mean(axis=0)
+    odd = np.array([0.0, 1.0, 0.0])
+    found = fitted(np.exp(between + 0.1 * odd), scatter=0.004)
+    assert not found.interval_holds
+    assert "each reading is made by some joints, and all of them by none" in found.sentences()
+    beyond = fitted(np.exp(between + 9.0 * odd), scatter=0.004).sentences()
+    assert "no mismatch wavelength gives the closure of cycle 1 at 2.75 MPa" in beyond[1]
+
+
+def test_a_strength_at_the_end_of_its_range_is_said_to_be_there():
+    strengths = np.geomspace(80e6, 320e6, 4)
+
+    def said(strength):
+        mean = made_up(np.random.default_rng(0), np.log(2.8e-3), np.log(strength / 160e6), 1000)
+        found = fitted(np.exp(mean.mean(axis=0)), strengths=strengths)
+        return next(line for line in found.sentences() if "strength" in line)
+
+    assert "MPa (95 % interval 1" in said(160e6)
+    for strength, word in ((70e6, "below"), (370e6, "above")):
+        assert said(strength).startswith(f"compressive strength {word}")
+        assert "the likeliest is at the end of what was tried" in said(strength)
+
+
+def test_the_figure_has_the_interval_where_the_text_has_it_and_the_text_names_what_was_assumed():
+    likely = np.exp(made_up(np.random.default_rng(0), np.log(2.8e-3), 0.0, 1000).mean(axis=0))
+    for values, holds in ((likely, True), (np.exp([-8.0, -8.5, -9.0]), False)):
+        found = fitted(values)
+        assert found.interval_holds == holds
+        assert ("95 % interval" in repr(found)) == holds
+        assert bool(fit_figure(found, "a").axes[1].patches) == holds
+        assert "JRC 10, 8 x 16 mm at a spacing of 0.25 mm" in found.sentences()[-1]
+
+
 def parsed_readings(values):
     curve = parsed_curve(GOOD, "lab.csv", cycle=1)
     return readings_of_curve(curve, SEATING)._replace(values=values)
@@ -125,12 +176,13 @@ def test_a_fit_says_its_interval_in_words_and_doubts_a_curve_that_no_joint_makes
     again = fit(path, **about)
     assert again.mismatch_wavelength == found.mismatch_wavelength
     path.write_text(GOOD.replace("0.12", "40"))
-    warning, missed, nearest = fit(path, **about).sentences()
+    warning, missed, nearest, assumed = fit(path, **about).sentences()
     assert warning.startswith("Warning: the model hardly makes this curve: fewer than 1 in 1000")
     assert missed.startswith(
         "no mismatch wavelength gives the closure of cycle 1 at 5 MPa: measured"
     )
     assert nearest == "nearest are independent walls"
+    assert "4 x 4 mm" in assumed
     assert "excluded" not in repr(fit(path, **about))
 
 

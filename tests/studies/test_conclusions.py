@@ -4,8 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
+from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, NO_DIFFERENCE, STANDS
 from jointclosure.studies.sensitivity.conclusions import (
+    COUNTS,
     DEPENDS,
     JUDGED_ELSEWHERE,
     ONLY_CONFIGURED,
@@ -68,6 +69,10 @@ def test_what_was_not_studied_is_left_empty():
         (STANDS, [(STANDS, ALL, True), (FALLS, ONE, False)], STANDS),
         (FALLS, [(FALLS, ALL, True), (STANDS, ALL, True)], DEPENDS),
         (FALLS, [(FALLS, ALL, True), (STANDS, ONE, True)], FALLS),
+        (STANDS, [(NO_DIFFERENCE, ONE, True)], DEPENDS),
+        (NO_DIFFERENCE, [(NO_DIFFERENCE, ALL, True), (STANDS, ONE, True)], NO_DIFFERENCE),
+        (NO_DIFFERENCE, [(FALLS, ONE, True)], DEPENDS),
+        (FALLS, [(FALLS, ALL, True), (NO_DIFFERENCE, ONE, True)], FALLS),
         (CANNOT_BE_TOLD, [(STANDS, ALL, True)], CANNOT_BE_TOLD),
     ],
 )
@@ -77,11 +82,7 @@ def test_a_reading_of_the_other_verdict_turns_a_conclusion(verdict, readings, ex
     assert row.conclusion == expected
     assert (row.opposed_by != "") == (expected == DEPENDS)
     allowed = sum(each[2] for each in readings)
-    counts = [
-        getattr(row, f"{kind}_{name}")
-        for kind in ("readings", "partial")
-        for name in ("stand", "fall", "open")
-    ]
+    counts = [getattr(row, f"{kind}_{name}") for kind in ("readings", "partial") for name in COUNTS]
     assert sum(counts) == allowed
 
 
@@ -104,6 +105,7 @@ def test_readings_of_one_rock_are_counted_by_themselves():
         (FALLS, (0.0, 0.0, 0.06), FALLS),
         (FALLS, (0.0, 0.0, 0.2), CANNOT_BE_TOLD),
         (FALLS, (0.5, 0.3, 0.7), DEPENDS),
+        (NO_DIFFERENCE, (0.0, 0.0, 0.06), NO_DIFFERENCE),
     ],
 )
 def test_choices_turn_a_conclusion_where_fewer_than_nine_tenths_agree(verdict, share, expected):
@@ -119,7 +121,7 @@ def test_a_claim_net_of_bulk_indentation_is_held_against_net_closures():
 
 
 def test_a_claim_that_choices_were_not_asked_about_has_no_share():
-    assert np.isnan(told(STANDS, share=(0.3, 0.2, 0.4), number="6b").choices_share)
+    assert np.isnan(told(STANDS, share=(0.3, 0.2, 0.4), number="6a").choices_share)
 
 
 def test_what_a_sensitivity_study_has_nothing_on_is_judged_elsewhere():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.config.files import PAPER_CLAIMS, PAPER_TABLE_3
+from jointclosure.config.files import PAPER_TABLE_3
 from jointclosure.ensemble.cases import pool_of
 from jointclosure.inputs import InputError
 from jointclosure.randomness import generator
@@ -66,10 +66,8 @@ def test_without_common_surfaces_it_is_refused():
 
 def test_a_wide_range_widens_the_interval_of_jrc_on_the_first_cycle(pool):
     few = pool.isel(realization=slice(40))
-    evidence = Evidence(few, few, Design(), 200, 1)
-    entries, found = jrc_range_tables(
-        evidence, [2.0], read_csv(PAPER_CLAIMS), read_csv(PAPER_TABLE_3)
-    )
+    evidence = Evidence(few, few, Design(), 200, 1, resampled_pools=3)
+    entries, found = jrc_range_tables(evidence, [2.0], read_csv(PAPER_TABLE_3))
     rows = entries.set_index(["parameter", "cycle", "half_width"]).value
     assert rows["base", 1, 2.0] > rows["base", 1, 0.0]
     assert rows["jrc", 1, 2.0] > rows["jrc", 1, 0.0]

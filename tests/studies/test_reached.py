@@ -5,12 +5,15 @@ import pandas as pd
 import pytest
 import scipy.stats
 
+from jointclosure.claims.found import TARGET
 from jointclosure.config.wanted import BLOCK, Wanted
 from jointclosure.statistics.total_error import REACH, Bias
 from jointclosure.studies.sensitivity.closures import max_closure_table
 from jointclosure.studies.sensitivity.planning import Wish, surfaces_for
 from jointclosure.studies.sensitivity.reached import reached_table, surfaces_next, told
-from jointclosure.studies.sensitivity.responses import TARGET, responses
+from jointclosure.studies.sensitivity.responses import (
+    responses,
+)
 from tests.studies.sensitivity_world import world
 
 BIASES = {1: Bias(0.02), 2: Bias(-0.01, 0.005)}

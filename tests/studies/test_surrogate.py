@@ -131,11 +131,11 @@ def test_an_estimate_is_the_depth_of_the_fraction_that_the_table_gives(walls, la
     table = law
     assert table.at_strength.nunique() == table.exponent.nunique() == 1
     stresses = np.array([5e6, 30e6])
-    found = jc.estimate(*walls, spacing=0.25e-3, rock=DOLERITE, normal_stress=stresses)
+    found = jc.estimate(*walls, spacing=0.25e-3, rock=DOLERITE, max_normal_stress=stresses)
     fraction = table.at_strength.iloc[0] * (stresses / 165e6) ** table.exponent.iloc[0]
     np.testing.assert_allclose(found.crushed_fraction, fraction, rtol=1e-12)
     np.testing.assert_allclose(found.closure, bearing_depths(sum(walls), fraction), rtol=1e-12)
-    one = jc.estimate(*walls, spacing=0.25e-3, rock=DOLERITE, normal_stress=30e6)
+    one = jc.estimate(*walls, spacing=0.25e-3, rock=DOLERITE, max_normal_stress=30e6)
     assert one == (found.closure[1], found.crushed_fraction[1], found.rms_error[1], roll_off)
     assert isinstance(one.closure, float)
 
@@ -144,7 +144,7 @@ def test_an_estimate_bears_the_largest_error_found_of_any_rock_at_that_stress(wa
     for ratio, part in law.groupby("stress_over_strength"):
         loaded = ratio in RATIOS and ratio <= 0.15
         found = jc.estimate(
-            *walls, spacing=0.25e-3, rock=DOLERITE, normal_stress=ratio * DOLERITE[2]
+            *walls, spacing=0.25e-3, rock=DOLERITE, max_normal_stress=ratio * DOLERITE[2]
         )
         worst = 0.01 * part.rms_percent.max()
         assert (
@@ -157,7 +157,7 @@ def test_an_estimate_bears_the_largest_error_found_of_any_rock_at_that_stress(wa
 def test_an_estimate_is_within_three_of_its_errors_of_a_simulation(walls):
     """On a joint that was in no study."""
     told = {"spacing": 0.25e-3, "rock": DOLERITE}
-    found = jc.estimate(*walls, **told, normal_stress=30e6)
+    found = jc.estimate(*walls, **told, max_normal_stress=30e6)
     closed = jc.simulate(*walls, **told, max_normal_stress=30e6, cycles=1)
     assert abs(found.closure / float(closed.max_closure[0]) - 1.0) < 3.0 * found.rms_error
     assert found.rms_error < 0.15
@@ -166,8 +166,11 @@ def test_an_estimate_is_within_three_of_its_errors_of_a_simulation(walls):
 @pytest.mark.parametrize(
     ("change", "named"),
     [
-        ({"normal_stress": 0.5e6}, "normal_stress over compressive strength = 0.00303"),
-        ({"normal_stress": [5e6, 90e6]}, "normal_stress over compressive strength = 0.5455"),
+        ({"max_normal_stress": 0.5e6}, "max_normal_stress over compressive strength = 0.00303"),
+        (
+            {"max_normal_stress": [5e6, 90e6]},
+            "max_normal_stress over compressive strength = 0.5455",
+        ),
         ({"rock": DOLERITE._replace(youngs_modulus=20e9)}, "Young's modulus over"),
         ({"spacing": 0.5e-3}, "RMS slope|spacing"),
         ({"upper": np.zeros((100, 100)), "lower": np.zeros((100, 100))}, "RMS slope"),
@@ -175,7 +178,7 @@ def test_an_estimate_is_within_three_of_its_errors_of_a_simulation(walls):
 )
 def test_what_the_law_was_not_tested_on_is_refused_or_has_no_error(walls, change, named):
     given = {"upper": walls[0], "lower": walls[1], "spacing": 0.25e-3, "rock": DOLERITE}
-    given |= {"normal_stress": 10e6} | change
+    given |= {"max_normal_stress": 10e6} | change
     with pytest.raises(jc.InputError, match=named):
         jc.estimate(**given)
     found = jc.estimate(**given, extrapolate=True)
@@ -197,7 +200,7 @@ def test_walls_of_another_kind_are_refused_with_the_likely_cause(change, named):
     for seed in range(30):
         pair = jc.wall_pair(8.0, (100, 100), 0.25e-3, seed, **change)
         with pytest.raises(jc.InputError, match=f"({named}).*snakemake surrogate.*extrapolate"):
-            jc.estimate(*pair, spacing=0.25e-3, rock=DOLERITE, normal_stress=10e6)
+            jc.estimate(*pair, spacing=0.25e-3, rock=DOLERITE, max_normal_stress=10e6)
 
 
 def test_walls_of_the_documented_kinds_are_accepted(roll_off):
@@ -206,7 +209,7 @@ def test_walls_of_the_documented_kinds_are_accepted(roll_off):
     for seed in range(400):
         pair = jc.wall_pair(8.0, (100, 100), 0.25e-3, seed, roll_off=roll_off)
         try:
-            found = jc.estimate(*pair, spacing=0.25e-3, rock=DOLERITE, normal_stress=30e6)
+            found = jc.estimate(*pair, spacing=0.25e-3, rock=DOLERITE, max_normal_stress=30e6)
         except jc.InputError:
             refused += 1
         else:
@@ -262,13 +265,13 @@ def test_limits_are_four_deviations_about_the_mean_of_the_walls(configuration, s
 @pytest.mark.parametrize(
     ("change", "named"),
     [
-        ({"normal_stress": []}, r"normal_stress = \[\]: must have at least one stress"),
+        ({"max_normal_stress": []}, r"max_normal_stress = \[\]: must have at least one stress"),
         ({"rock": None}, "rock: None is neither a Rock nor a pair"),
         ({"rock": (DOLERITE, DOLERITE._replace(poisson_ratio=0.3))}, "rock: .* of one rock only"),
     ],
 )
 def test_what_is_no_stress_or_no_rock_is_named(walls, change, named):
-    given = {"spacing": 0.25e-3, "rock": DOLERITE, "normal_stress": 10e6} | change
+    given = {"spacing": 0.25e-3, "rock": DOLERITE, "max_normal_stress": 10e6} | change
     with pytest.raises(jc.InputError, match=named):
         jc.estimate(*walls, **given)
 
@@ -276,10 +279,10 @@ def test_what_is_no_stress_or_no_rock_is_named(walls, change, named):
 def test_a_smaller_joint_is_refused(walls):
     part = [wall[:50, :50] for wall in walls]
     with pytest.raises(jc.InputError, match=r"length of the walls \[m\] = 0.0125"):
-        jc.estimate(*part, spacing=0.25e-3, rock=DOLERITE, normal_stress=10e6)
+        jc.estimate(*part, spacing=0.25e-3, rock=DOLERITE, max_normal_stress=10e6)
 
 
 @pytest.mark.parametrize("stress", [0.0, -1e6, [1e7, 0.0]])
 def test_stresses_must_be_positive(walls, stress):
-    with pytest.raises(jc.InputError, match="normal_stress"):
-        jc.estimate(*walls, spacing=0.25e-3, rock=DOLERITE, normal_stress=stress)
+    with pytest.raises(jc.InputError, match="max_normal_stress"):
+        jc.estimate(*walls, spacing=0.25e-3, rock=DOLERITE, max_normal_stress=stress)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.config.files import PAPER_CLAIMS, PAPER_TABLE_3
+from jointclosure.config.files import PAPER_TABLE_3
 from jointclosure.ensemble.cases import cases_of, ensembles_of, pool_of, wall_name
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
@@ -74,9 +74,13 @@ def test_the_header_of_a_paired_table_says_why_and_no_dash_claims_that_nothing_i
         with_paper(indifference_table(world(c), statistics, 1), PAPER)
         for c in (study_of(ONE, COMMON), study_of(ONE))
     )
-    text = table_3_markdown(paired, titles)
-    assert text.startswith("The same surfaces were closed at every level")
-    assert "**This study, unpaired test**" in text
+    text = table_3_markdown(paired, titles, elasticity_table(world(study_of(ONE, COMMON))))
+    assert text.startswith("**Elasticities**")
+    lengths = text.split("The same surfaces were closed at every level")[1]
+    headings = [line for line in lengths.splitlines() if line.startswith("**")]
+    assert "paired t test on common surfaces" in headings[0]
+    assert all("paired t test" in line for line in headings)  # each length names its test
+    assert "unpaired t test" in headings[1]
     assert "the test is the paired t test" in table_3_latex(paired, titles)
     text = table_3_markdown(unpaired, titles)
     assert "same surfaces" not in text
@@ -156,6 +160,13 @@ def test_the_predictive_table_has_the_papers_entries_with_their_probabilities(po
     assert joint.number["all"] == 8
     assert joint.null_p["all"] < 0.01 < joint.p["all"]
     assert joint.number["cycle 1 without JRC"] == 3
+    # the pool's surfaces make more of an error than 400 repetitions, and hardly any where nothing
+    # has an effect
+    p = joint.p["cycle 2"]
+    assert joint.p_error["cycle 2"] > 1.5 * np.sqrt(p * (1.0 - p) / 400)
+    once = joint_table(predictive(pool, Design(), 400, 1, pools=0), PAPER).set_index("entries")
+    np.testing.assert_allclose(once.p, joint.p)
+    np.testing.assert_allclose(once.p_error, np.sqrt(once.p * (1.0 - once.p) / 400))
     drawn = lengths_dataset(found)
     assert dict(drawn.sizes) == {"entry": 8, "repetition": 400}
 
@@ -245,7 +256,6 @@ def test_a_study_that_varies_nothing_has_empty_tables(tmp_path):
     assert elasticity_table(study).empty
     assert along_curve(study, 0.5e6, Design(), 100, 1).empty
     assert plan(study, Wish("power", 0.8)).empty
-    claims = read_csv(PAPER_CLAIMS)
-    table = judge_claims(Evidence(study, study, Design(), 100, 1), claims, PAPER)
-    assert table.number.tolist() == ["6a", "6b"]
+    table, _ = judge_claims(Evidence(study, study, Design(), 100, 1), PAPER)
+    assert table.number.tolist() == ["6a"]
     assert set(table.verdict) == {"stands"}

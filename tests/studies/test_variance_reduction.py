@@ -3,13 +3,16 @@
 import numpy as np
 import pytest
 
+from jointclosure.claims.found import TARGET
 from jointclosure.ensemble.cases import pool_of
 from jointclosure.ensemble.covariates import Covariates
 from jointclosure.randomness import generator
 from jointclosure.statistics.control_variates import Known
 from jointclosure.studies.sensitivity.closures import elasticity_table, max_closure_table
 from jointclosure.studies.sensitivity.intervals import indifference_table
-from jointclosure.studies.sensitivity.responses import TARGET, responses
+from jointclosure.studies.sensitivity.responses import (
+    responses,
+)
 from jointclosure.studies.sensitivity.variance_reduction import variance_reduction
 from tests.studied import study_of
 from tests.studies.sensitivity_world import SCATTER, world

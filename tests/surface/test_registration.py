@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
+from jointclosure.remarks import cautions
 from jointclosure.scans import read_scan
 from jointclosure.surface.mating import (
     best_shift,
@@ -24,7 +25,7 @@ SHAPE = (96, 104)
 @pytest.fixture(scope="module")
 def joint():
     """Upper and lower wall, heights towards each other, correlated by 0.9."""
-    return jc.wall_pair(9.0, SHAPE, SPACING, seed=4, correlation=0.9)
+    return jc.wall_pair(9.0, SHAPE, SPACING, seed=4, correlation=0.9, roll_off=None)
 
 
 def scanned(wall, name, tilt=0.0):
@@ -64,7 +65,7 @@ def test_a_tilt_of_a_scan_is_removed_and_told(name, joint):
 
 
 def test_a_shift_is_found_and_the_same_places_meet():
-    upper, lower = jc.wall_pair(9.0, (110, 120), SPACING, seed=4, correlation=0.9)
+    upper, lower = jc.wall_pair(9.0, (110, 120), SPACING, seed=4, correlation=0.9, roll_off=None)
     first, second = upper[7:, 11:], lower[:-9, :-4]
     found = registered(scanned(first, "turned_about_y"), grid(second), cut_spikes=False)
     assert found.orientation == "turned_about_y"
@@ -76,7 +77,7 @@ def test_a_shift_is_found_and_the_same_places_meet():
 
 
 def test_scans_in_one_frame_stay_where_they_are_unless_they_are_to_mate():
-    upper, lower = jc.wall_pair(9.0, (96, 110), SPACING, seed=4, correlation=0.9)
+    upper, lower = jc.wall_pair(9.0, (96, 110), SPACING, seed=4, correlation=0.9, roll_off=None)
     first, second = upper[:, 6:], lower[:, :-6]
     stay = registered(scanned(first, "common_frame"), grid(second), cut_spikes=False)
     assert stay.shift == (0.0, 0.0)
@@ -126,23 +127,30 @@ def test_independent_walls_have_no_clear_orientation_and_one_must_be_stated():
     np.testing.assert_allclose(found.upper, upper, atol=1e-12)
 
 
-def test_the_wrong_orientation_is_warned_of_and_closes_more(joint):
+def test_the_wrong_orientation_is_refused_unless_it_is_meant_and_closes_more(joint):
     upper, lower = joint
-    right = registered(scanned(upper, "common_frame"), grid(lower))
-    wrong = registered(scanned(upper, "common_frame"), grid(lower), orientation="towards")
+    scans = scanned(upper, "common_frame"), grid(lower)
+    right = registered(*scans)
+    with pytest.raises(jc.InputError, match=r"orientation = 'towards': common_frame fits clearly"):
+        registered(*scans, orientation="towards")
+    wrong = registered(*scans, orientation="towards", unusual_values=True)
     assert wrong.aperture.mean() > 1.5 * right.aperture.mean()
-    assert any(line.startswith("Warning: the stated orientation towards") for line in wrong.report)
-    assert not any("Warning" in line for line in right.report if "below" not in line)
+    of_orientation = [line for line in cautions(wrong.report) if "orientation" in line]
+    assert of_orientation[0].startswith("Warning: the stated orientation towards")
+    assert not any("orientation" in line for line in cautions(right.report))
 
 
 @pytest.mark.parametrize(("distance", "word"), [(1e-3, "above"), (-1e-3, "below")])
-def test_walls_in_the_wrong_order_are_warned_of(distance, word, joint):
+def test_walls_in_the_wrong_order_are_refused_unless_they_are_meant(distance, word, joint):
     upper, lower = joint
     scan = scanned(upper, "common_frame")
-    found = registered(scan._replace(heights=scan.heights + distance), grid(lower))
-    said = found.report[-1]
-    assert f"lies 1 mm {word} the lower one" in said
-    assert ("Warning" in said) == (word == "below")
+    scans = scan._replace(heights=scan.heights + distance), grid(lower)
+    if word == "below":
+        with pytest.raises(jc.InputError, match=r"lies below the lower one in \S+ % of the cells"):
+            registered(*scans)
+    report = registered(*scans, unusual_values=word == "below").report
+    assert f"lies 1 mm {word} the lower one" in report[-1]
+    assert (report[-1] in cautions(report)) == (word == "below")
 
 
 def test_the_aperture_is_zero_at_first_touch_and_nowhere_less(joint):
@@ -196,6 +204,39 @@ def test_scans_that_lie_apart_are_refused(joint):
         registered(upper, grid(joint[1]))
 
 
+def copies(wall):
+    """What one file may be given as twice: as it is, in other words, and moved."""
+    scan = scanned(wall, "common_frame")
+    return {
+        "the same": (scan, scan),
+        "as points": (scan, Cloud(points_of(scan))),
+        "turned over": (scanned(wall, "turned_about_x"), scan),
+        "moved": (scan._replace(origin=(0.0, 3 * SPACING)), scan),
+        "printed": (scan, scan._replace(heights=np.round(scan.heights, 9))),
+    }
+
+
+@pytest.mark.parametrize("kind", copies(np.zeros((4, 4))))
+def test_a_scan_and_its_copy_are_refused_unless_they_are_meant(kind, joint):
+    scans = copies(joint[0])[kind]
+    with pytest.raises(jc.InputError, match=r"(given twice|a copy of the other); unusual_values"):
+        registered(*scans, shift="mated", cut_spikes=False)
+    pair = registered(*scans, shift="mated", cut_spikes=False, unusual_values=True)
+    assert abs(pair.correlation) == pytest.approx(1.0)
+    assert np.abs(pair.mating.correlation).max() <= 1.0
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_a_size_that_no_wall_has_is_refused_unless_it_is_meant(factor, joint):
+    scans = [
+        Scan(factor * scan.heights, (factor * SPACING, factor * SPACING))
+        for scan in (scanned(joint[0], "common_frame"), grid(joint[1]))
+    ]
+    with pytest.raises(jc.InputError, match=r"spacing = .* is the unit right\?"):
+        registered(*scans, cut_spikes=False)
+    assert registered(*scans, cut_spikes=False, unusual_values=True).spacing == factor * SPACING
+
+
 @pytest.mark.parametrize(("key", "value"), [("orientation", "upside down"), ("shift", "best")])
 def test_an_unknown_choice_is_named(key, value, joint):
     with pytest.raises(jc.InputError, match=f"{key} = '{value}': must be one of"):
@@ -203,7 +244,7 @@ def test_an_unknown_choice_is_named(key, value, joint):
 
 
 def test_mates_correlate_at_all_wavelengths_and_independent_walls_at_none():
-    upper, lower = jc.wall_pair(9.0, (128, 128), SPACING, seed=4, correlation=1.0)
+    upper, lower = jc.wall_pair(9.0, (128, 128), SPACING, seed=4, correlation=1.0, roll_off=None)
     mates = mating(upper, lower, SPACING)
     np.testing.assert_allclose(mates.correlation, 1.0, atol=1e-12)
     assert measured_mismatch(upper, lower, SPACING) == Mismatch(0.0, 0.0, 0.0)

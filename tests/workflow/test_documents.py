@@ -1,14 +1,18 @@
 """What the documents say, held against the project."""
 
 import importlib.util
+import itertools
 import re
 import shlex
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 import yaml
 
+import jointclosure as jc
 from jointclosure import cli
 from jointclosure.config.configuration import merged, written_out
 from jointclosure.ensemble.aggregation import join_cases
@@ -16,8 +20,8 @@ from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.closing import close_surfaces
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import surfaces_of
-from jointclosure.storage.netcdf import write_netcdf
-from jointclosure.storage.text import read_text
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf
+from jointclosure.storage.text import read_text, write_csv
 from jointclosure.studies.measured.curves import curve_settings, measured_curves
 from tests.studied import DEFAULT, file_study, study_of
 
@@ -52,20 +56,45 @@ def test_the_readme_is_read_in_three_minutes():
 def test_a_table_of_the_results_is_told_by_rock_and_cycle(monkeypatch, tmp_path):
     monkeypatch.syspath_prepend(ROOT / "workflow/scripts")
     renew = script("readme_results")
-    head = (
-        "| Parameter | A, cycle 1 | B, cycle 1 | A, cycle 2 | B, cycle 2 |\n|---|---|---|---|---|\n"
-    )
-    ours = "| nu | 0.1* (5%) | – | 3 ± 1 (4.5%) | 40† (6%) |\n"
-    papers = "| nu | 0.2 (7%) | 0.3 (8%) | – | 5 (9%) |\n"
+    both = itertools.product(("a", "b"), (1, 2))
+    intervals = pd.DataFrame(
+        [{"rock": rock, "parameter": "poisson_ratio", "cycle": cycle} for rock, cycle in both]
+    ).assign(
+        length=[0.1, 3.0, np.nan, 40.0], percent=[5.0, 4.5, np.nan, 6.0],
+        standard_error=[np.nan, 1.0, np.nan, np.nan], extrapolated=[True, False, False, False],
+        status=["extrapolated", "interval", "no real root", "fitted deviation is negative"],
+        paper_length=[0.2, np.nan, 0.3, 5.0], paper_percent=[7.0, np.nan, 8.0, 9.0],
+    )  # fmt: skip
     (tmp_path / "tables").mkdir()
-    table = f"**This study**\n\n{head}{ours}\n**The paper**\n\n{head}{papers}\n"
-    file = tmp_path / "tables/table_3_indifference.md"
-    file.write_text(table, encoding="utf-8")
+    write_csv(intervals, tmp_path / "tables/table_3_indifference.csv")
+    rocks = pd.DataFrame({"rock": ["a", "b"], "title": ["A", "B"]})
+    write_csv(rocks, tmp_path / "tables/table_1_rocks.csv")
     monkeypatch.setattr(renew, "PAPER", tmp_path)
-    assert renew.short_table().splitlines()[2:] == [
-        "| nu | 1 | 0.1* / 0.2 | – / 0.3 |",
-        "| nu | 2 | 3 ± 1 / – | 40† / 5 |",
+    assert renew.short_table().splitlines() == [
+        "| property | cycle | A | B |",
+        "|---|---|---|---|",
+        "| Poisson's ratio ν | 1 | 0.100* / 0.200 | – / 0.300 |",
+        "| Poisson's ratio ν | 2 | 3.0 ± 1.0 / – | 40.0† / 5.00 |",
     ]
+
+
+def test_what_was_not_run_again_stays_on_the_page_of_conclusions_and_says_so(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "workflow/scripts")
+    publish = script("publish_conclusions")
+    page = (
+        "<!-- conclusions -->\n| No. | Left of it | Readings of all rocks: stands, falls |\n"
+        "| --- | --- | --- |\n| 2a | stands | 4, 0 |\n| 6b | stands | 3, 0 |\n<!-- end -->\n"
+    )
+    now = pd.DataFrame(
+        {"No.": ["2a", "2c"], "Left of it": ["falls", "stands"], "Readings of all rocks": ["", ""]}
+    )
+    before = publish.page_table(page, "conclusions")
+    found = publish.with_earlier(now, before, ("Readings of all",))
+    assert found.columns[2] == "Readings of all rocks: stands, falls, earlier run"
+    assert found.iloc[:, 2].tolist() == ["4, 0", "not tried"]
+    assert found["Left of it"].tolist() == ["falls", "stands"]
+    kept = "p is <!-- n:p -->0.2<!-- /n -->, of <!-- n:claims -->15<!-- /n -->"
+    assert publish.filled(kept, {"claims": "16"}) == kept.replace("15", "16")
 
 
 def test_decisions_named_in_docstrings_exist():
@@ -121,6 +150,24 @@ def test_python_samples_run_one_after_the_other(document, smoke_study, capsys):
     for code in codes:
         exec(compile(code, document.name, "exec"), namespace)
     assert capsys.readouterr().out
+
+
+def test_the_readmes_joint_succeeds_and_is_that_of_its_estimate_and_of_its_command(
+    tmp_path, capsys
+):
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    namespace: dict = {}
+    exec(re.search(r"^```python\n(.*?)^```", text, re.S | re.M).group(1), namespace)
+    joint, walls = namespace["joint"], (namespace["upper"], namespace["lower"])
+    assert int(joint.status) == 0
+    estimate = jc.estimate(*walls, **namespace["load"])
+    off = estimate.closure / float(joint.max_closure[0]) - 1.0
+    assert abs(off) < 3.0 * estimate.rms_error
+    words = shlex.split(re.search(r"`jointclosure (simulate [^`]+)`", text).group(1))
+    assert cli.main([*words, "--output", str(tmp_path / "joint.nc")]) == 0
+    again = read_netcdf(tmp_path / "joint.nc")
+    for variable in joint.data_vars:
+        np.testing.assert_array_equal(again[variable], joint[variable])
 
 
 @pytest.mark.parametrize("code", samples("yaml"))

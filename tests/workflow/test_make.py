@@ -1,10 +1,12 @@
 """`make`: what a user tells it is data, and what it says is what matters."""
 
+import importlib
 import os
 import shutil
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -178,14 +180,12 @@ def follow(folder: Path, program: str) -> subprocess.Popen:
     (folder / "run.log").write_text("")
     (folder / "job.log").write_text("many lines\nfailed: InputError: grid.cells_x = 2\n")
     code = (
-        "import importlib.util, signal, sys; from pathlib import Path\n"
-        # a shell's background job is started with Ctrl-C ignored
-        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-        f"file = {str(ROOT / 'workflow/scripts/run.py')!r}\n"
-        "spec = importlib.util.spec_from_file_location('run', file)\n"
-        "run = importlib.util.module_from_spec(spec); spec.loader.exec_module(run)\n"
-        "with open('run.log', 'a') as stream:\n"
-        f"    sys.exit(run.follow([sys.executable, '-c', {program!r}], stream, Path('run.log')))\n"
+        "import sys; from pathlib import Path\n"
+        f"sys.path.insert(0, {str(ROOT / 'workflow/scripts')!r})\n"
+        "from following import follow; from process_group import EndRequest\n"
+        f"command, log = [sys.executable, '-c', {program!r}], Path('run.log')\n"
+        "with open(log, 'a') as stream:\n"
+        "    sys.exit(follow(command, stream, log, EndRequest()))\n"
     )
     return subprocess.Popen(
         [sys.executable, "-c", code],
@@ -225,16 +225,48 @@ def test_a_run_that_went_well_says_which_jobs_were_repeated(tmp_path):
     )
 
 
-def test_ctrl_c_ends_a_run_without_a_traceback(tmp_path):
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_run_that_is_asked_to_end_says_how_it_goes_on(tmp_path, number):
     run = follow(tmp_path, WAITS)
     for line in run.stdout:
         if "3 of 3 jobs" in line:
             break
-    os.killpg(run.pid, signal.SIGINT)
+    os.killpg(run.pid, number)
     said, wrong = run.communicate()
-    assert run.returncode == 130
+    assert run.returncode == 128 + number
     assert "the same command goes on from there" in said
     assert "Traceback" not in wrong
+
+
+def test_a_second_request_kills_what_heeds_no_interrupt(tmp_path):
+    run = follow(tmp_path, "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)\n" + WAITS)
+    for line in run.stdout:
+        if "3 of 3 jobs" in line:
+            break
+    os.kill(run.pid, signal.SIGINT)
+    time.sleep(1.5)
+    assert run.poll() is None  # within its grace period
+    os.kill(run.pid, signal.SIGINT)
+    run.communicate(timeout=5)
+    assert run.returncode == 128 + signal.SIGINT
+
+
+@pytest.mark.parametrize("name", ["config", "CORE", "OMP_NUM_THREADS"])
+def test_a_variable_that_the_makefile_has_not_is_refused(project, name):
+    answer = make(project, "study", f"{name}=config/my_rock.yaml")
+    assert answer.returncode != 0
+    assert f"{name}: not a variable of this Makefile" in answer.stderr
+    assert "CONFIG" in answer.stderr
+
+
+def test_a_report_ends_with_the_path_of_its_page(project, monkeypatch, capsys):
+    monkeypatch.chdir(project)
+    monkeypatch.syspath_prepend(ROOT / "workflow/scripts")
+    monkeypatch.setenv("CONFIG", "tiny.yaml")
+    targets = importlib.import_module("targets")
+    monkeypatch.setattr(targets, "follow", lambda *arguments: 0)
+    assert targets.run_target("report", None) == 0
+    assert capsys.readouterr().out.splitlines()[-1].endswith(" results/tiny/report.html")
 
 
 WISH = """study: {name: wish, rocks: [slate], pool: null}

@@ -87,7 +87,7 @@ def test_the_run_writes_what_the_readme_promises(study):
     assert tables == {
         "table_1_rocks.csv", "table_2_cases.csv", "table_3_indifference.csv",
         "table_3_indifference.tex", "table_3_indifference.md", "correlations.csv",
-        "max_closure.csv", "claims.csv", "checks.csv", "table_3_predictive.csv", "variance_reduction.csv",
+        "max_closure.csv", "claims.csv", "claim_margins.csv", "checks.csv", "table_3_predictive.csv", "variance_reduction.csv",
         "table_3_joint_tests.csv", "along_curve.csv", "elasticities.csv",
     }  # fmt: skip
     figures = {path.stem for path in (results / "figures").iterdir()}
@@ -102,6 +102,9 @@ def test_the_run_writes_what_the_readme_promises(study):
     assert {"rock", "parameter", "cycle", "length", "unit", "percent", "root", "extrapolated",
             "status", "paper_length", "paper_percent", "length_net"} <= set(table.columns)  # fmt: skip
     assert len(table) == 8
+    checks = pd.read_csv(results / "tables/checks.csv")
+    assert checks.passed.all()
+    assert set(checks.ensemble) == {"cases", "pool"}
 
 
 def test_the_dataset_has_coordinates_units_and_provenance(study):

@@ -6,17 +6,38 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-SCRIPT = Path(__file__).parents[2] / "workflow/scripts/require_checks.py"
-PASSED = {"check": "least force", "required": "not negative", "found": "0", "passed": True}
-FAILED = {"check": "volume", "required": "at most 1e-12", "found": "2e-9 of it", "passed": False}
+from jointclosure.config.plain import to_plain
+from jointclosure.parameters import Numerics
+
+SCRIPTS = Path(__file__).parents[2] / "workflow/scripts"
+PASSED = {
+    "ensemble": "cases",
+    "check": "least force",
+    "required": "not negative",
+    "found": "0",
+    "passed": True,
+}
+FAILED = {
+    "ensemble": "pool",
+    "check": "volume",
+    "required": "at most 1e-12",
+    "found": "2e-9 of it",
+    "passed": False,
+}
+
+
+def loaded(name):
+    """A script of the workflow as a module."""
+    spec = importlib.util.spec_from_file_location(name, SCRIPTS / f"{name}.py")
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    return script
 
 
 @pytest.fixture
 def require(tmp_path):
     """Require the checks of some rows; the note that is left, or None."""
-    spec = importlib.util.spec_from_file_location("require_checks", SCRIPT)
-    script = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
+    script = loaded("require_checks")
     table, note = tmp_path / "checks.csv", tmp_path / "checks_passed.txt"
 
     def required(*rows):
@@ -30,7 +51,7 @@ def test_a_failed_check_ends_the_run_naming_it_and_leaves_no_note(require):
     required, note = require
     with pytest.raises(SystemExit) as ended:
         required(PASSED, FAILED)
-    assert "volume: 2e-9 of it, required at most 1e-12" in str(ended.value)
+    assert "volume (pool): 2e-9 of it, required at most 1e-12" in str(ended.value)
     assert "least force" not in str(ended.value)
     assert not note.exists()
 
@@ -39,3 +60,21 @@ def test_checks_that_passed_leave_a_note(require):
     required, note = require
     required(PASSED, PASSED)
     assert note.read_text() == "2 checks passed\n"
+
+
+def test_the_pool_is_checked_as_well_as_the_cases(monkeypatch, tmp_path):
+    script = loaded("check_results")
+    monkeypatch.setattr(script, "read_netcdf", lambda file, without: file)
+    monkeypatch.setattr(
+        script,
+        "check_results",
+        lambda data, numerics, number, name: pd.DataFrame(
+            [PASSED | {"ensemble": name, "found": f"{number} in {data}"}]
+        ),
+    )
+    settings = {"numerics": to_plain(Numerics()), "realizations": {"cases": 20, "pool": 48}}
+    table = tmp_path / "checks.csv"
+    script.main(["study.nc", "pool.nc"], settings, str(table), lambda line: None)
+    rows = pd.read_csv(table)
+    assert rows.ensemble.tolist() == ["cases", "pool"]
+    assert rows.found.tolist() == ["20 in study.nc", "48 in pool.nc"]

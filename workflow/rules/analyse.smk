@@ -215,11 +215,11 @@ rule judge_claims:
     input:
         study=f"{RESULTS}/study.nc",
         pool=POOL,
-        claims=PAPER_CLAIMS,
         paper=PAPER_TABLE_3,
         seals=BOTH_SEALS,
     output:
-        f"{RESULTS}/tables/claims.csv",
+        claims=f"{RESULTS}/tables/claims.csv",
+        margins=f"{RESULTS}/tables/claim_margins.csv",
         seal=f"{RESULTS}/seals/judge_claims.json",
     log:
         f"{RESULTS}/logs/judge_claims.log",
@@ -267,8 +267,8 @@ rule follow_stress:
 
 rule check_results:
     input:
-        f"{RESULTS}/study.nc",
-        seals=seals_of("aggregate"),
+        ensembles=list(dict.fromkeys([f"{RESULTS}/study.nc", POOL])),
+        seals=BOTH_SEALS,
     output:
         f"{RESULTS}/tables/checks.csv",
         seal=f"{RESULTS}/seals/check_results.json",
@@ -280,7 +280,9 @@ rule check_results:
         ENVIRONMENT
     params:
         numerics=to_plain(CONFIGURATION.numerics),
-        realizations=CONFIGURATION.study.realizations,
+        realizations={
+            name: settled.study.realizations for name, settled in ENSEMBLES.items()
+        },
         made_with=STUDY_WITH,
         code=code_of("check_results"),
     message:

@@ -14,7 +14,6 @@ rule draw_jrc_range:
     input:
         study=f"{RESULTS}/study.nc",
         pool=POOL,
-        claims=PAPER_CLAIMS,
         paper=PAPER_TABLE_3,
         seals=BOTH_SEALS,
     output:

@@ -5,6 +5,7 @@ rule write_tables:
     input:
         intervals=f"{RESULTS}/tables/table_3_indifference.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
+        elasticities=f"{RESULTS}/tables/elasticities.csv",
         seals=seals_of("aggregate", "find_indifference_intervals", "fit_correlations"),
     output:
         rocks=f"{RESULTS}/tables/table_1_rocks.csv",

@@ -2,7 +2,7 @@
 from pathlib import Path
 
 from jointclosure.config import configuration
-from jointclosure.config.files import PAPER_CLAIMS, PAPER_TABLE_3, read_plain
+from jointclosure.config.files import PAPER_TABLE_3, read_plain
 from jointclosure.config.plain import to_plain
 from jointclosure.config.wanted import wanted_of
 from jointclosure.config.walls import check_files, wall_files
@@ -61,6 +61,7 @@ TABLES = [
     "max_closure.csv",
     "variance_reduction.csv",
     "claims.csv",
+    "claim_margins.csv",
     "checks.csv",
     *(["accuracy_reached.csv"] if WANTED else []),
     *(["measured_fit.csv"] if CURVES else []),
@@ -166,6 +167,7 @@ def preparing(rock):
         "grid": to_plain(CONFIGURATION.grid),
         "jrc_relation": CONFIGURATION.surface.jrc_relation,
         "realizations": max(each.study.realizations for each in ENSEMBLES.values()),
+        "unusual_values": CONFIGURATION.study.unusual_values == "allow",
         "code": code_of("prepare_walls"),
     }
 

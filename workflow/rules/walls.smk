@@ -30,6 +30,7 @@ rule prepare_walls:
         digests=lambda wildcards: preparing(wildcards.rock)["digests"],
         grid=to_plain(CONFIGURATION.grid),
         jrc_relation=CONFIGURATION.surface.jrc_relation,
+        unusual_values=lambda wildcards: preparing(wildcards.rock)["unusual_values"],
         realizations=lambda wildcards: preparing(wildcards.rock)["realizations"],
         code=code_of("prepare_walls"),
     message:

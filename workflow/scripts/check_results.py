@@ -1,5 +1,7 @@
 """Check the results. What fails is in the table; `require_checks` makes it an error."""
 
+import pandas as pd
+
 from jointclosure.config.plain import from_plain
 from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.ensemble.checks import check_results
@@ -10,18 +12,22 @@ from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import write_csv
 
 
-def main(study: str, settings: dict, output: str, log: Logbook) -> None:
-    """Write the table of checks, those that failed too."""
-    checks = check_results(
-        read_netcdf(study, without=CURVES),
-        from_plain(Numerics, settings["numerics"]),
-        settings["realizations"],
-    )
+def main(ensembles: list[str], settings: dict, output: str, log: Logbook) -> None:
+    """Write the table of checks of all ensembles, those that failed too."""
+    numerics = from_plain(Numerics, settings["numerics"])
+    tables = [
+        check_results(read_netcdf(file, without=CURVES), numerics, realizations, name)
+        for file, (name, realizations) in zip(
+            ensembles, settings["realizations"].items(), strict=True
+        )
+    ]
+    checks = pd.concat(tables)
     for row in checks.itertuples():
-        log(f"{'passed' if row.passed else 'FAILED'}: {row.check}: {row.found} ({row.required})")
+        verdict = "passed" if row.passed else "FAILED"
+        log(f"{verdict}: {row.ensemble}: {row.check}: {row.found} ({row.required})")
     write_csv(checks, output)
 
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:
-        main(snakemake.input[0], dict(snakemake.params), snakemake.output[0], logbook)
+        main(list(snakemake.input.ensembles), dict(snakemake.params), snakemake.output[0], logbook)

@@ -20,10 +20,7 @@ def main(inputs: dict, settings: dict, outputs: dict, log: Logbook) -> None:
         repetitions = statistics.repetitions // REPEATS
         evidence = Evidence(study, pool, design, repetitions, settings["root_seed"])
         entries, found = jrc_range_tables(
-            evidence,
-            statistics.jrc_half_widths,
-            read_csv(inputs["claims"]),
-            read_csv(inputs["paper"]),
+            evidence, statistics.jrc_half_widths, read_csv(inputs["paper"])
         )
     write_csv(entries, outputs["entries"])
     write_csv(found, outputs["found"])

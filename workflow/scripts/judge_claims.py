@@ -12,14 +12,15 @@ from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
 
 
-def main(inputs: dict, settings: dict, output: str, log: Logbook) -> None:
-    """Write each claim with the paper's figures, the model's, and both answers."""
+def main(inputs: dict, settings: dict, outputs: dict, log: Logbook) -> None:
+    """Write each claim with the paper's figures and both answers, and the margins that decide."""
     statistics = from_plain(Statistics, settings["statistics"])
     design = Design(draws=settings["realizations"], significance=statistics.significance)
     with reading_netcdf(inputs["study"]) as study, reading_netcdf(inputs["pool"]) as pool:
         evidence = Evidence(study, pool, design, statistics.repetitions, settings["root_seed"])
-        claims = judge_claims(evidence, read_csv(inputs["claims"]), read_csv(inputs["paper"]))
-    write_csv(claims, output)
+        claims, margins = judge_claims(evidence, read_csv(inputs["paper"]))
+    write_csv(claims, outputs["claims"])
+    write_csv(margins, outputs["margins"])
     for row in claims.itertuples():
         often = "" if pd.isna(row.found_share) else f"; found by {row.found_share:.0%} of studies"
         log(f"{row.number}: {row.claim}: {row.verdict}{often}")
@@ -27,4 +28,4 @@ def main(inputs: dict, settings: dict, output: str, log: Logbook) -> None:
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:
-        main(dict(snakemake.input), dict(snakemake.params), snakemake.output[0], logbook)
+        main(dict(snakemake.input), dict(snakemake.params), dict(snakemake.output), logbook)

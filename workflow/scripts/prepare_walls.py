@@ -16,7 +16,9 @@ def main(settings: dict, output: str, log: Logbook) -> None:
     files = wall_files(walls)
     given = {"units": walls.units, "spacing": walls.spacing, "variable": walls.variable}
     scans = {side: read_scan(file, **given) for side, file in files.items()}
-    prepared = prepared_walls(scans, walls, grid.spacing, settings["jrc_relation"])
+    prepared = prepared_walls(
+        scans, walls, grid.spacing, settings["jrc_relation"], settings["unusual_values"]
+    )
     for side, file in files.items():
         about = prepared[side].attrs | {"file": file, "sha256": settings["digests"][side]}
         prepared[side].attrs = about

@@ -13,13 +13,14 @@ import pandas as pd
 from markers import fill
 from publish_measured import markdown
 
+from jointclosure.claims.table import OURS
 from jointclosure.report.findings import conclusion_sheet, moved_sheet
 from jointclosure.report.sheets import Sheet
 from jointclosure.statistics.standard_errors import rounded
-from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
+from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, NO_DIFFERENCE, STANDS
 from jointclosure.storage.text import read_csv
-from jointclosure.studies.sensitivity.claims import OURS
 from jointclosure.studies.sensitivity.conclusions import (
+    COUNTS,
     DEPENDS,
     JUDGED_ELSEWHERE,
     ONLY_CONFIGURED,
@@ -32,8 +33,9 @@ TOGETHER = "results/global_sensitivity/tables"
 METHODS = "src/jointclosure/config/accuracy_methods.csv"
 MOST = "the most"
 WITH_NET = (
-    ("2a", 1, "2b"), ("2a", 2, "2a"), ("3", 2, "3"), ("1a", 1, "1a, cycle 1"),
-    ("1a", 2, "1a, cycle 2"), ("4", 2, "4"), ("5a", 1, None), ("5a", 2, "5a"), ("5b", 2, "5b"),
+    ("2a", 1, "2b"), ("2a", 2, "2a"), ("2c", 2, "2c"), ("3", 1, "3, cycle 1"),
+    ("3", 2, "3, cycle 2"), ("3b", 2, "3b"), ("1a", 1, "1a, cycle 1"), ("1a", 2, "1a, cycle 2"),
+    ("4", 2, "4"), ("5a", 1, None), ("5a", 2, "5a"), ("5b", 2, "5b"),
 )  # fmt: skip
 """Conclusions asked with and without bulk indentation: number and cycle in the study of choices,
 and as a claim."""
@@ -140,11 +142,13 @@ def _claims() -> Number:
 
 def _readings(kind: str) -> Number:
     """How many readings that the paper allows closed all rocks (readings), or some (partial)."""
-    columns = [f"{kind}_{name}" for name in ("stand", "fall", "open")]
-    return Number(
-        f"{PAPER}/conclusions.csv", {"number": "2a"}, " + ".join(columns),
-        lambda own: f"{own[columns].sum(axis=1).iloc[0]:.0f}",
-    )  # fmt: skip
+    columns = [f"{kind}_{name}" for name in COUNTS]
+
+    def text(own: pd.DataFrame) -> str:
+        counts = own[columns].iloc[0]
+        return "" if counts.isna().any() else f"{counts.sum():.0f}"
+
+    return Number(f"{PAPER}/conclusions.csv", {"number": "2a"}, " + ".join(columns), text)
 
 
 def _share_of_rows(number: str, cycle: int) -> Number:
@@ -182,8 +186,9 @@ def _tilted(cycle: int) -> Number:
 
 
 def _larger(cycle: int) -> Number:
-    """By what the net closure of the largest patch is multiplied, of the smallest one's."""
-    rows = {"spectrum": "roll_off_3mm", "reading": "closure_net", "cycle": cycle, "to_mm": MOST}
+    """Ratio of the net closure since seating of the largest patch to that of the smallest."""
+    rows = {"spectrum": "roll_off_3mm", "reading": "closure_seated_net"}
+    rows |= {"cycle": cycle, "to_mm": MOST}
     return span("results/size/tables/size_barton_bandis.csv", "ratio", "error", **rows)
 
 
@@ -205,6 +210,7 @@ NUMBERS = {
     "stand": _count(STANDS),
     "fall": _count(FALLS),
     "depend": _count(DEPENDS),
+    "alike": _count(NO_DIFFERENCE),
     "untold": _count(CANNOT_BE_TOLD),
     "configured only": _count(*ONLY_CONFIGURED.values()),
     "elsewhere": _count(JUDGED_ELSEWHERE),
@@ -256,33 +262,82 @@ NUMBERS = {
 
 
 def numbers() -> dict[str, str]:
-    """The text of each number."""
+    """The text of each number whose table was made, and has it."""
     return {
-        name: each.text(chosen(read_csv(ROOT / each.table), each.rows))
+        name: text
         for name, each in NUMBERS.items()
+        if (ROOT / each.table).is_file()
+        and (text := each.text(chosen(read_csv(ROOT / each.table), each.rows)))
     }
 
 
+def on_page(page: str) -> dict[str, str]:
+    """The text of each number that a page has."""
+    return dict(re.findall(r"<!-- n:(.+?) -->(.*?)<!-- /n -->", page))
+
+
 def filled(page: str, found: dict[str, str]) -> str:
-    """A page with its numbers; an error where it asks for one that there is not."""
+    """A page with its numbers; an error where it asks for one that is not of `NUMBERS`.
+
+    Where a number's table was not made, that of an earlier run stays.
+    """
+    for name in on_page(page).keys() - NUMBERS.keys():
+        raise SystemExit(f"{PAGE}: there is no number {name!r}")
 
     def put(match: re.Match) -> str:
-        if match[1] not in found:
-            raise SystemExit(f"{PAGE}: there is no number {match[1]!r}")
-        return f"<!-- n:{match[1]} -->{found[match[1]]}<!-- /n -->"
+        return f"<!-- n:{match[1]} -->{found.get(match[1], match[2])}<!-- /n -->"
 
-    return re.sub(r"<!-- n:(.+?) -->.*?<!-- /n -->", put, page)
+    return re.sub(r"<!-- n:(.+?) -->(.*?)<!-- /n -->", put, page)
 
 
-def table(of: Callable[[pd.DataFrame], Sheet]) -> str:
-    """A table of the report on what claims rest on."""
-    sheet = of(read_csv(ROOT / PAPER / "conclusions.csv"))
+def table(of: Callable[[pd.DataFrame], Sheet], part: str, page: str) -> str:
+    """A table of the report on what claims rest on; what was not run is kept from the page."""
+    conclusions = read_csv(ROOT / PAPER / "conclusions.csv")
+    sheet = of(conclusions)
     rows = [[cell.text for cell in row] for row in sheet.rows]
-    return markdown(pd.DataFrame(rows, columns=sheet.titles))
+    frame = pd.DataFrame(rows, columns=sheet.titles)
+    for column, heads in BESIDE:
+        if not conclusions[column].notna().any():
+            frame = with_earlier(frame, page_table(page, part), heads)
+    return markdown(frame)
 
 
-def net() -> str:
+def page_table(page: str, part: str) -> pd.DataFrame:
+    """A table between the markers of a page, as it stands."""
+    text = page.split(f"<!-- {part} -->")[1].split("<!-- end -->")[0]
+    head, _, *rows = (
+        [cell.strip() for cell in line.strip().strip("|").split(" | ")]
+        for line in text.strip().splitlines()
+    )
+    return pd.DataFrame(rows, columns=head)
+
+
+def with_earlier(frame: pd.DataFrame, before: pd.DataFrame, heads: tuple[str, ...]) -> pd.DataFrame:
+    """Columns whose titles begin so as the page has them, which says that they are of before."""
+    earlier = before.set_index(before.columns[0])
+    for head in heads:
+        own = [name for name in frame if name.startswith(head)]
+        old = [name for name in earlier if name.startswith(head)]
+        if own and old:
+            title = old[0] if old[0].endswith(EARLIER) else f"{old[0]}{EARLIER}"
+            cells = frame[frame.columns[0]].map(earlier[old[0]]).fillna("not tried")
+            frame = frame.assign(**{own[0]: cells}).rename(columns={own[0]: title})
+    return frame
+
+
+EARLIER = ", earlier run"
+BESIDE = (
+    ("readings_stand", ("Readings of all", "Readings of some", "Contradicted by", "Left open by")),
+    ("choices_share", ("True for so many", "Over the open choices")),
+)
+"""Of readings and of choices: a column that is empty where they were not run, and how titles begin
+of what they give."""
+
+
+def net(page: str) -> str:
     """Conclusions with and without bulk indentation: choices, and verdict as configured."""
+    if not (ROOT / TOGETHER / "global_conclusions.csv").is_file():
+        return markdown(page_table(page, "net"))
     shares = read_csv(ROOT / TOGETHER / "global_conclusions.csv")
     shares = shares[shares.rock == "all"]
     verdicts = read_csv(ROOT / PAPER / "conclusions.csv").set_index("number").verdict
@@ -301,12 +356,12 @@ def net() -> str:
 
 def origins(page: str, found: dict[str, str]) -> str:
     """A row for each number that the text has: where it comes from."""
-    used = list(dict.fromkeys(re.findall(r"<!-- n:(.+?) -->", page)))
     rows = []
-    for name in used:
+    for name, text in on_page(page).items():
         table, chosen_by, column, _ = NUMBERS[name]
         where = ", ".join(f"{key} = {value}" for key, value in chosen_by.items())
-        row = {"number": name, "is": found[name], "table": f"`{table}`", "column": f"`{column}`"}
+        source = f"`{table}`" if name in found else f"`{table}`{EARLIER}"
+        row = {"number": name, "is": text, "table": source, "column": f"`{column}`"}
         rows.append(row | {"rows": where or "all"})
     return markdown(pd.DataFrame(rows))
 
@@ -316,7 +371,11 @@ def main() -> None:
     found = numbers()
     page = filled(PAGE.read_text(encoding="utf-8"), found)
     PAGE.write_text(page, encoding="utf-8")
-    parts = {"conclusions": table(conclusion_sheet), "moved": table(moved_sheet), "net": net()}
+    parts = {
+        "conclusions": table(conclusion_sheet, "conclusions", page),
+        "moved": table(moved_sheet, "moved", page),
+        "net": net(page),
+    }
     fill(PAGE, parts | {"origins": origins(page, found)})
 
 

@@ -28,9 +28,9 @@ SHOWN = (
     ("closure", 1, "closure, cycle 1"),
     ("closure", 2, "closure, cycle 2"),
     ("closure_net", 2, "net closure, cycle 2"),
-    ("residual", 1, "residual closure"),
-    ("compliance", 1, "compliance, cycle 1"),
-    ("compliance", 2, "compliance, cycle 2"),
+    ("residual_seated_net", 1, "residual closure"),
+    ("compliance", 1, "net compliance, cycle 1"),
+    ("compliance", 2, "net compliance, cycle 2"),
 )
 CASES = (
     (1, "closure", "cycle 1"),

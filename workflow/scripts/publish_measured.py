@@ -315,9 +315,9 @@ def mismatched() -> str:
     table = read_csv(MISMATCH / "tables/mismatch.csv")
     table = table[table.shift_mm == 0.0]
     columns = {
-        "closure_since_seating_mm": "closure since 0.5 MPa (mm)",
-        "normal_stiffness_MPa_per_mm": "stiffness, 5 to 10 MPa (MPa/mm)",
-        "residual_closure_mm": "residual closure (mm)",
+        "closure_net_since_seating_mm": "net closure since 0.5 MPa (mm)",
+        "normal_stiffness_net_MPa_per_mm": "net stiffness above 5 MPa (MPa/mm)",
+        "residual_net_at_seating_mm": "residual at seating (mm)",
         "hysteresis": "hysteresis (share of work)",
         "aperture_at_seating_mm": "aperture at seating (mm)",
     }
@@ -357,15 +357,17 @@ def between() -> str:
     """What natural walls lie between, in a sentence."""
     table = read_csv(MISMATCH / "tables/mismatch.csv")
     first = table[(table.shift_mm == 0.0) & (table.cycle == 1)].set_index("wavelength_mm")
-    resolved = first[(first.residual_closure_mm > 0.0) & (first.index < math.inf)]
+    resolved = first[(first.residual_net_at_seating_mm > 0.0) & (first.index < math.inf)]
     free, near = first.loc[math.inf], resolved.iloc[0]
     return (
         f"From a mismatch wavelength of {near.name:g} mm to independent walls the first cycle's "
-        f"closure since seating goes from {near.closure_since_seating_mm:.2g} to "
-        f"{free.closure_since_seating_mm:.2g} mm, the stiffness from 5 to 10 MPa from "
-        f"{near.normal_stiffness_MPa_per_mm:.0f} to {free.normal_stiffness_MPa_per_mm:.0f} MPa/mm, "
-        f"and the share of it that stays after unloading from {100 * near.residual_share:.0f} to "
-        f"{100 * free.residual_share:.0f} %. The second cycle hardly depends on the mismatch.\n"
+        f"net closure since seating goes from {near.closure_net_since_seating_mm:.2g} to "
+        f"{free.closure_net_since_seating_mm:.2g} mm, the net stiffness above 5 MPa from "
+        f"{near.normal_stiffness_net_MPa_per_mm:.0f} to "
+        f"{free.normal_stiffness_net_MPa_per_mm:.0f} MPa/mm, "
+        "and the share of it that stays after unloading from "
+        f"{100 * near.residual_share_net:.0f} to {100 * free.residual_share_net:.0f} %. The second "
+        "cycle hardly depends on the mismatch.\n"
     )
 
 

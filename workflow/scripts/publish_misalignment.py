@@ -17,10 +17,10 @@ TILT, ROTATION = "tilt_degrees", "rotation_degrees"
 SHOWN = (
     ("closure", 1, "maximum closure, cycle 1"),
     ("closure", 2, "maximum closure, cycle 2"),
-    ("closure_seated", 1, "closure since seating, cycle 1"),
-    ("residual", 1, "residual closure"),
-    ("stiffness", 1, "normal stiffness, cycle 1"),
-    ("stiffness", 2, "normal stiffness, cycle 2"),
+    ("closure_seated_net", 1, "net closure since seating, cycle 1"),
+    ("residual_seated_net", 1, "residual closure"),
+    ("stiffness_net", 1, "net normal stiffness, cycle 1"),
+    ("stiffness_net", 2, "net normal stiffness, cycle 2"),
 )
 LEVEL = 1.96
 """Standard errors of a 95 % interval."""
@@ -49,7 +49,7 @@ def aligned() -> str:
     """Closure, residual closure and stiffness of aligned walls, by rock."""
     table = read_csv(RESULTS / "tables/misalignment.csv")
     table = table[(table[TILT] == 0.0) & (table[ROTATION] == 0.0)]
-    units = {"stiffness": "MPa/mm"}
+    units = {"stiffness_net": "MPa/mm"}
     rows = []
     for wavelength, part in table.groupby("wavelength_mm", sort=False):
         for response, cycle, title in SHOWN:
@@ -77,18 +77,19 @@ def finding() -> str:
     return (
         f"- **Tilt.** Of independent walls {tilt[TILT].iloc[0]:g} degrees change the closure by "
         f"{_span(free, 'closure', 1)} % on the first cycle and {_span(free, 'closure', 2)} % on "
-        f"the second, the stiffness by {_span(free, 'stiffness', 1)} and "
-        f"{_span(free, 'stiffness', 2)} %. Of walls whose long waves mate they change the closure "
-        f"by {_span(mated, 'closure', 1)} and {_span(mated, 'closure', 2)} %, the stiffness by "
-        f"{_span(mated, 'stiffness', 1)} and {_span(mated, 'stiffness', 2)} %.\n"
+        f"the second, the net stiffness by {_span(free, 'stiffness_net', 1)} and "
+        f"{_span(free, 'stiffness_net', 2)} %. Of walls whose long waves mate they change the "
+        f"closure by {_span(mated, 'closure', 1)} and {_span(mated, 'closure', 2)} %, the "
+        f"stiffness by {_span(mated, 'stiffness_net', 1)} and "
+        f"{_span(mated, 'stiffness_net', 2)} %.\n"
         f"- **Rotation of independent walls does nothing**, as it must: over all rocks and angles "
         f"{_significant(null)} of {len(_shown(null))} changes are beyond their 95 % interval, and "
         f"the first cycle's closure changes by {mean:+.1f} ± {error:.1f} % on average.\n"
         f"- **Rotation of walls whose long waves mate unmates them**: {near[ROTATION].iloc[0]:g} "
         f"degree changes the first cycle's closure by {_span(near, 'closure', 1)} %, "
         f"{far[ROTATION].iloc[0]:g} degrees by {_span(far, 'closure', 1)} % (stiffness "
-        f"{_span(far, 'stiffness', 1)} %), the second cycle's by {_span(far, 'closure', 2)} % "
-        f"(stiffness {_span(far, 'stiffness', 2)} %).\n"
+        f"{_span(far, 'stiffness_net', 1)} %), the second cycle's by {_span(far, 'closure', 2)} % "
+        f"(stiffness {_span(far, 'stiffness_net', 2)} %).\n"
         f"- First-cycle stiffness leaves out joints whose last, ever smaller steps begin below "
         f"half the maximum stress: {_left_out(free)} of {table.samples.max()} independent "
         f"ones, up to {_left_out(mated)} of those that mate. These are the stiffest.\n"
@@ -99,7 +100,7 @@ def finding() -> str:
 
 def _left_out(table: pd.DataFrame) -> int:
     """Joints without a first cycle's stiffness, of the case with the most."""
-    read = table[(table.response == "stiffness") & (table.cycle == 1)].samples
+    read = table[(table.response == "stiffness_net") & (table.cycle == 1)].samples
     return int(table.samples.max() - read.min())
 
 

@@ -3,7 +3,6 @@
 Run by hand after `make study`, so that what they show is what a study gave.
 """
 
-import re
 import shutil
 from pathlib import Path
 
@@ -11,14 +10,16 @@ import numpy as np
 import pandas as pd
 from markers import fill
 
+from jointclosure.claims.table import OURS
+from jointclosure.config.properties import PROPERTIES
 from jointclosure.protocol import FAILURE
-from jointclosure.report.findings import percent_text
-from jointclosure.statistics.standard_errors import rounded, variation_of
-from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
+from jointclosure.report.findings import percent_text, probability
+from jointclosure.statistics.standard_errors import variation_of
+from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, NO_DIFFERENCE, STANDS
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv
-from jointclosure.studies.sensitivity.claims import OURS
 from jointclosure.studies.sensitivity.conclusions import JUDGED_ELSEWHERE
+from jointclosure.tables import UNPAIRED_TEST, markdown_rows, table_3
 
 ROOT = Path(__file__).parents[2]
 PAPER = ROOT / "results/paper"
@@ -26,51 +27,49 @@ EXCLUDED = 0.05
 """Joint p below which the README says that Table 3 excludes the model (decision 0013)."""
 
 
-VERDICTS = {STANDS: "are true of the model", FALLS: "are false", CANNOT_BE_TOLD: "cannot be told"}
-SHOWN = ("This study", "The paper")
-"""Tables of table_3_indifference.md that are shown, by their titles."""
+VERDICTS = {
+    STANDS: "are true of the model",
+    FALLS: "are false",
+    NO_DIFFERENCE: "rest on no difference",
+    CANNOT_BE_TOLD: "cannot be told",
+}
+SHOWN = {"This study": "", "The paper": "paper_"}
+"""Tables that are shown, by the prefix of their columns."""
 
 
-def interval_tables() -> dict[str, list[str]]:
-    """Rows of Table 3 in Markdown, ours and the paper's, without its note."""
-    text = (PAPER / "tables/table_3_indifference.md").read_text(encoding="utf-8")
-    parts = re.split(r"\*\*(.+?)\*\*\n\n", text)[1:]
-    tables = dict(zip(parts[::2], parts[1::2], strict=True))
-    return {name: [r for r in tables[name].splitlines() if r.startswith("|")] for name in SHOWN}
+def interval_tables() -> dict[str, pd.DataFrame]:
+    """Table 3, ours and the paper's: parameters by (cycle, rock)."""
+    intervals = read_csv(PAPER / "tables/table_3_indifference.csv")
+    rocks = read_csv(PAPER / "tables/table_1_rocks.csv")
+    titles = dict(zip(rocks.rock, rocks.title, strict=True))
+    return {name: table_3(intervals, titles, column) for name, column in SHOWN.items()}
 
 
 def interval_table() -> str:
     """Table 3 of ours and the paper's, one below the other."""
     return "\n".join(
-        f"{name}:\n\n" + "\n".join(rows) + "\n" for name, rows in interval_tables().items()
+        f"{name}, {UNPAIRED_TEST}:\n\n" + "\n".join(markdown_rows(table)) + "\n"
+        for name, table in interval_tables().items()
     )
 
 
 def short_table() -> str:
     """Table 3: a row for each property and cycle, a column for each rock, ours and the paper's."""
-    tables = interval_tables()
-    head, _, *ours = (_cells(row) for row in tables[SHOWN[0]])
-    _, _, *theirs = (_cells(row) for row in tables[SHOWN[1]])
-    cases = [title.rsplit(", cycle ", 1) for title in head[1:]]
-    rocks, cycles = (list(dict.fromkeys(column)) for column in zip(*cases, strict=True))
+    ours, papers = interval_tables().values()
+    rocks = list(dict.fromkeys(title for _, title in ours.columns))
+    cycles = sorted({cycle for cycle, _ in ours.columns})
     rows = ["| property | cycle | " + " | ".join(rocks) + " |", "|---" * (2 + len(rocks)) + "|"]
-    for mine, papers in zip(ours, theirs, strict=True):
+    for name in ours.index:
         for cycle in cycles:
             shown = [
-                f"{_without_percent(mine[k])} / {_without_percent(papers[k])}"
-                for k, (_, own) in enumerate(cases, start=1)
-                if own == cycle
+                " / ".join(
+                    table.loc[name, [(cycle, title)]].iloc[0].split(" (")[0]
+                    for table in (ours, papers)
+                )
+                for title in rocks
             ]
-            rows.append(f"| {mine[0]} | {cycle} | " + " | ".join(shown) + " |")
+            rows.append(f"| {PROPERTIES[name].label} | {cycle} | " + " | ".join(shown) + " |")
     return "\n".join(rows) + "\n"
-
-
-def _cells(row: str) -> list[str]:
-    return [cell.strip() for cell in row.strip("|").split("|")]
-
-
-def _without_percent(cell: str) -> str:
-    return re.sub(r" \([^()]*%\)$", "", cell)
 
 
 def claim_table() -> str:
@@ -103,8 +102,8 @@ def joint_tests() -> str:
     """The paper's entries together, and whether they exclude the model."""
     joint = read_csv(PAPER / "tables/table_3_joint_tests.csv")
     rows = [
-        f"| {row.entries} | {row.number} | {_p(row.p, row.p_error)} | "
-        f"{_p(row.null_p, row.null_p_error)} |"
+        f"| {row.entries} | {row.number} | {probability(row.p, row.p_error).text} | "
+        f"{probability(row.null_p, row.null_p_error).text} |"
         for row in joint.itertuples()
     ]
     head = "| entries | number | p of this model | p without any effect |\n|---|---|---|---|\n"
@@ -114,17 +113,18 @@ def joint_tests() -> str:
 def outcome() -> str:
     """All entries together, and what is true of the paper's claims: the finding in short."""
     whole = read_csv(PAPER / "tables/table_3_joint_tests.csv").iloc[0]
-    said = "exclude" if whole.p < EXCLUDED else "do not exclude"
-    claims = read_csv(PAPER / "tables/conclusions.csv")
-    claims = claims[claims.said_in != OURS]
-    asked = claims[claims.conclusion != JUDGED_ELSEWHERE]
+    excluded = "exclude" if whole.p < EXCLUDED else "do not exclude"
+    nothing = "exclude" if whole.null_p < EXCLUDED else "do not exclude"
+    asked = read_csv(PAPER / "tables/conclusions.csv")
+    asked = asked[(asked.said_in != OURS) & (asked.conclusion != JUDGED_ELSEWHERE)]
     configured = asked.verdict.value_counts()
     verdicts = ", ".join(f"{configured.get(word, 0)} {words}" for word, words in VERDICTS.items())
     left = asked.conclusion.value_counts()
     return (
-        f"Together the paper's {whole.number} entries {said} this model "
-        f"(p {_sign(whole.p, whole.p_error)}; without any effect of the properties: "
-        f"p {_sign(whole.null_p, whole.null_p_error)}). Of {len(asked)} claims of the paper on "
+        f"Together the paper's {whole.number} entries {excluded} this model "
+        f"(p {_sign(whole.p, whole.p_error)}). They {nothing} that the properties have no effect "
+        f"(p {_sign(whole.null_p, whole.null_p_error)}), which supports no model. Of "
+        f"{len(asked)} claims of the paper on "
         f"sensitivity and cycles, as configured, {verdicts}. With what the paper leaves open "
         f"varied, {left.get(STANDS, 0)} still stand and {left.get(FALLS, 0)} fall "
         f"([conclusions](docs/conclusions.md)).\n"
@@ -132,12 +132,8 @@ def outcome() -> str:
 
 
 def _sign(value: float, error: float) -> str:
-    text = _p(value, error)
+    text = probability(value, error).text
     return text if text.startswith("<") else f"= {text}"
-
-
-def _p(value: float, error: float) -> str:
-    return "< 0.001" if value < 0.001 else rounded(value, error)
 
 
 def facts() -> str:

@@ -12,7 +12,10 @@ def main(checks: str, output: str, log: Logbook) -> None:
     if len(failed):
         raise SystemExit(
             f"{checks}: results fail their checks: "
-            + "; ".join(f"{r.check}: {r.found}, required {r.required}" for r in failed.itertuples())
+            + "; ".join(
+                f"{row.check} ({row.ensemble}): {row.found}, required {row.required}"
+                for row in failed.itertuples()
+            )
         )
     write_text(f"{len(table)} checks passed\n", output)
     log(f"{len(table)} checks passed")

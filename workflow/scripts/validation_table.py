@@ -16,6 +16,7 @@ from jointclosure.config.rocks import named_rock
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.engineering.laws import fitted_laws
 from jointclosure.engineering.stiffness import secant_stiffness
+from jointclosure.history import GROSS
 
 PAGE = Path(__file__).parents[2] / "docs/validation.md"
 START, END = "<!-- model -->", "<!-- end -->"
@@ -44,14 +45,14 @@ COLUMNS: dict[str, str] = {
 def numbers_of(history) -> dict[str, float]:
     """What is compared, of one joint."""
     first = cycle_table(history).iloc[0]
-    kn = [1e-9 * secant_stiffness(history, cycle, 0.5 * STRESS, STRESS) for cycle in (1, 2)]
-    fits = fitted_laws(history)
+    kn = [1e-9 * secant_stiffness(history, cycle, 0.5 * STRESS, STRESS, GROSS) for cycle in (1, 2)]
+    fits = fitted_laws(history, GROSS)
     fits = fits[(fits.cycle == 1) & (fits.branch == "loading")].drop_duplicates("law")
-    miss = 100.0 * fits.set_index("law").rms_mm / first.closure_since_seating_mm
+    miss = 100.0 * fits.set_index("law").rms_mm / first.closure_gross_since_seating_mm
     return {
-        "closure": first.max_closure_mm,
-        "seated": first.closure_since_seating_mm,
-        "stays": 100.0 * first.residual_share,
+        "closure": first.max_closure_gross_mm,
+        "seated": first.closure_gross_since_seating_mm,
+        "stays": 100.0 * first.residual_share_gross,
         "kn": kn[0],
         "stiffer": kn[1] / kn[0],
         "semilog": float(miss["semi_logarithmic"]),

@@ -10,9 +10,9 @@ import numpy as np
 
 from jointclosure.commands import COMMANDS
 from jointclosure.commands.animations import check_animation, kept_stresses, write_animation
-from jointclosure.commands.engineering_files import write_engineering
+from jointclosure.commands.engineering_files import write_exports
 from jointclosure.commands.joint_options import (
-    OF_ROCK,
+    NEEDED,
     add_load_and_model,
     add_rock,
     base_keys,
@@ -24,7 +24,7 @@ from jointclosure.commands.joint_options import (
     summary,
 )
 from jointclosure.config.configuration import Configured
-from jointclosure.config.typed import Walls
+from jointclosure.config.rocks import rock_record, rock_text
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.measured_walls import brought_together
@@ -33,8 +33,10 @@ from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.loading import load_said
 from jointclosure.progress import duration
 from jointclosure.protocol import FAILURE
+from jointclosure.remarks import cautions
 from jointclosure.scans.units import UNITS
 from jointclosure.storage.figures import save_figure
+from jointclosure.storage.folders import replace_files
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import write_text
@@ -112,39 +114,25 @@ def add_to(commands) -> None:
 
 def run(arguments) -> int:
     """Close the joint and write its folder; 1 where the simulation failed."""
-    from jointclosure.plotting.joint import closure_curve
-    from jointclosure.plotting.scanned_joint import pair_figure
-
-    if arguments.snapshots:
-        from jointclosure.plotting.snapshots import snapshot_figure
+    import jointclosure.plotting.scanned_joint  # noqa: F401  an extra that may be missing
 
     check_animation(arguments.animation)
     check_can_be_made(arguments.output)
     settings = _settings(arguments)
-    walls = next(iter(settings.typed.rocks.values())).walls
-    assert walls is not None  # they are the arguments' own
-    pair = _pair(arguments, walls)
-    arguments.output.mkdir(exist_ok=True)
+    pair = _pair(arguments, settings)
     print("\n".join(f"- {line}" for line in pair.report))
     start = time.perf_counter()
     joint = _closed(settings, pair, arguments)
     print(summary(joint.history))
     print(f"{status_text(joint.history)}; {duration(time.perf_counter() - start)}")
-    for line in pair.report:
-        if "Warning" in line:  # again, below the numbers that it is about
-            print(f"- {line}")
+    for line in cautions(pair.report):  # again, below the numbers that they are about
+        print(f"- {line}")
     title = f"{arguments.upper.name} on {arguments.lower.name}"
-    folder = arguments.output
     joint = joint._replace(history=write_animation(joint.history, arguments, title))
-    _write(joint, settings, folder, title)
-    if int(joint.history.status) < FAILURE:
-        said = write_engineering(joint.history, folder, title)
-        print("\n".join(f"- {line}" for line in said))
-    save_figure(pair_figure(pair, title), folder / "walls.png")
-    save_figure(closure_curve(joint.history, title), folder / "closure.png")
-    if arguments.snapshots and joint.history.sizes["snapshot"]:
-        save_figure(snapshot_figure(joint.history, title), folder / "snapshots.png")
-    print(f"wrote {folder}: {', '.join(sorted(path.name for path in folder.iterdir()))}")
+    names = replace_files(
+        arguments.output, "close", lambda folder: _write(joint, settings, folder, title)
+    )
+    print(f"wrote {arguments.output}: {', '.join(names)}")
     return 1 if int(joint.history.status) >= FAILURE else 0
 
 
@@ -164,23 +152,25 @@ def _settings(arguments) -> Configured:
         "spikes": arguments.spikes,
     }
     grid = {} if arguments.grid_spacing is None else {"spacing_mm": arguments.grid_spacing}
-    needed = tuple(option for option in OF_ROCK if option != "jrc")
+    needed = tuple(option for option in NEEDED if option != "jrc")
     own = {"jrc": None, "walls": walls}
     return joint_configuration(base_keys(arguments), arguments, own, {"grid": grid}, needed)
 
 
-def _pair(arguments, walls: Walls) -> RegisteredPair:
+def _pair(arguments, settings: Configured) -> RegisteredPair:
     """The scans, read and brought together as their configuration says."""
+    walls = next(iter(settings.typed.rocks.values())).walls
+    assert walls is not None  # they are the arguments' own
     spacing = None if arguments.grid_spacing is None else 1e-3 * arguments.grid_spacing
     upper, lower = (
         read_wall(path, walls.units, walls.spacing, walls.variable)
         for path in (walls.upper, walls.lower)
     )
     for name, scan in (("upper", upper), ("lower", lower)):  # before what may take minutes
-        for remark in scan.remarks:
-            if "Warning" in remark:
-                print(f"- {name} wall: {remark}")
-    return brought_together(upper, lower, walls, spacing)
+        for remark in cautions(scan.remarks):
+            print(f"- {name} wall: {remark}")
+    allowed = settings.typed.study.unusual_values == "allow"
+    return brought_together(upper, lower, walls, spacing, allowed)
 
 
 def _closed(settings: Configured, pair: RegisteredPair, arguments) -> ClosedJoint:
@@ -189,21 +179,31 @@ def _closed(settings: Configured, pair: RegisteredPair, arguments) -> ClosedJoin
     surfaces = surface_settings(configuration, case, range(1))
     conditions = loaded(closure_settings(configuration, case, surfaces).conditions(), arguments)
     ny, nx = pair.upper.shape
-    rock = configuration.rocks[case.rock].title
+    name = configuration.rocks[case.rock].title
     print(
-        f"{rock}, {nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm: "
+        f"{rock_text(conditions.rock, name)}; {nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm: "
         f"{load_said(conditions.max_normal_stress, conditions.cycles)}"
     )
     with shown_progress(conditions.cycles) as report:
-        return closed_pair(pair, conditions, report, kept_stresses(arguments, conditions))
+        stresses = kept_stresses(arguments, conditions)
+        return closed_pair(pair, conditions, report, stresses, rock_name=name)
 
 
 def _write(joint: ClosedJoint, settings: Configured, folder: Path, title: str) -> None:
-    """All numbers of a joint: its history, and what was found on the way."""
-    about = provenance(settings.keys)
-    write_netcdf(joint.history.assign_attrs(about), folder / "joint.nc")
+    """All files of a joint: its history, what was found on the way, exports and pictures."""
+    from jointclosure.plotting.joint import closure_curve
+    from jointclosure.plotting.scanned_joint import pair_figure
+    from jointclosure.plotting.snapshots import snapshot_figure
+
+    about, history = provenance(settings.keys), joint.history
+    write_netcdf(history.assign_attrs(about), folder / "joint.nc")
     record = _record(joint, settings, about, title)
     write_text(json.dumps(record, indent=1) + "\n", folder / "joint.json")
+    write_exports(history, folder, title)
+    save_figure(pair_figure(joint.pair, title), folder / "walls.png")
+    save_figure(closure_curve(history, title), folder / "closure.png")
+    if history.sizes.get("snapshot"):
+        save_figure(snapshot_figure(history, title), folder / "snapshots.png")
 
 
 def _record(joint: ClosedJoint, settings: Configured, about: dict[str, str], title: str) -> dict:
@@ -212,18 +212,18 @@ def _record(joint: ClosedJoint, settings: Configured, about: dict[str, str], tit
     case = cases_of(settings.typed)[0]
     surfaces = surface_settings(settings.typed, case, range(1))
     per_cycle = {
-        f"{name}_mm": _finite(1e3 * history[name].values)
-        for name in ("max_closure", "residual_closure", "max_bulk_indentation")
+        name: _finite(values) for name, values in cycle_table(history).items() if name != "cycle"
     } | {
-        name: _finite(values)
-        for name, values in cycle_table(history).items()
-        if name not in ("cycle", "max_closure_mm")
+        f"{name}_mm": _finite(1e3 * history[name].values)
+        for name in ("residual_closure", "max_bulk_indentation")
     }
     return {
         "title": title,
         "joint": repr(joint),
+        "rock": rock_record(joint.conditions.rock, joint.rock_name),
         "status": status_text(history),
         "found": pair.report,
+        "warnings": cautions(pair.report),
         "cells_y_x": list(pair.upper.shape),
         "spacing_mm": 1e3 * pair.spacing,
         "orientation": pair.orientation,

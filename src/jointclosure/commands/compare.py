@@ -38,7 +38,8 @@ def run(arguments) -> int:
         print("\n".join(found) or "identical but for provenance and timing")
         return 1 if found else 0
     changes = comparison.closure_changes(first, second)
-    print("Mean closures, over the cases of each rock")
+    print(comparison.surfaces_sentence(changes))
+    print("\nMean closures, over the cases of each rock")
     print(comparison.by_rock(changes).round(4).to_string(index=False))
     intervals = comparison.interval_changes(_table(arguments.first), _table(arguments.second))
     if len(intervals):

@@ -1,6 +1,5 @@
 """`jointclosure engineering`: curves and stiffness of a study, with bands over its joints."""
 
-import json
 from pathlib import Path
 
 from jointclosure.commands import COMMANDS
@@ -35,14 +34,6 @@ def add_to(commands) -> None:
     command.set_defaults(run=run)
 
 
-def _fixed_step(keys: dict) -> float | None:
-    """Displacement step [m] of a study that breaks by fixed steps and lands by smaller ones."""
-    numerics, breaks = keys["numerics"], keys["effects"]["breakage"]
-    if not breaks or numerics["breakage"] != "fixed_step" or numerics["target"] == "interpolate":
-        return None
-    return 1e-6 * numerics["displacement_step_um"]
-
-
 def run(arguments) -> int:
     """Write the tables."""
     folder = arguments.output or arguments.results / "engineering"
@@ -54,9 +45,8 @@ def run(arguments) -> int:
                 raise InputError(f"--case {name}: must be one of {', '.join(known)}")
         check_can_be_made(folder)
         folder.mkdir(exist_ok=True)
-        step = _fixed_step(json.loads(study.attrs["configuration"]))
         for name in asked:
-            table = band_table(study.sel(case=name).load(), displacement_step=step)
+            table = band_table(study.sel(case=name).load())
             write_csv(table, folder / f"{name}.csv", FIGURES)
     low, _, high = QUANTILES
     print(f"wrote {folder}: {', '.join(f'{name}.csv' for name in asked)}")

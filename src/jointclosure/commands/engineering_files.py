@@ -15,7 +15,7 @@ from jointclosure.engineering.exchange import (
 from jointclosure.engineering.laws import fitted_laws, law_said
 from jointclosure.engineering.stiffness import stiffness_table
 from jointclosure.inputs import InputError
-from jointclosure.protocol import LOADING
+from jointclosure.protocol import FAILURE, LOADING
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.meshes import write_vtu
 from jointclosure.storage.text import write_csv, write_text
@@ -33,6 +33,12 @@ _GEOS = """<!-- for <Functions>; its contact model has apertureTableName="joint_
 """
 
 
+def write_exports(history: xr.Dataset, folder: Path, title: str) -> None:
+    """Write and print as `write_engineering` does; nothing of a joint whose simulation failed."""
+    if int(history.status) < FAILURE:
+        print("\n".join(f"- {line}" for line in write_engineering(history, folder, title)))
+
+
 def write_engineering(history: xr.Dataset, folder: Path, title: str) -> list[str]:
     """Write curves, stiffness, laws and other programs' inputs.
 
@@ -48,7 +54,8 @@ def write_engineering(history: xr.Dataset, folder: Path, title: str) -> list[str
     Returns
     -------
     list of str
-        Sentences: the best law of each cycle's loading, and what could not be written.
+        Sentences: which closure the files are of, the best law of each cycle's loading, and what
+        could not be written.
     """
     from jointclosure.plotting.engineering import engineering_figure
 
@@ -58,7 +65,11 @@ def write_engineering(history: xr.Dataset, folder: Path, title: str) -> list[str
     write_csv(stiffness_table(history), folder / "stiffness.csv", FIGURES)
     write_csv(fits, folder / "laws.csv", FIGURES)
     write_text(itasca_tables(history), folder / "joint_stiffness.dat")
-    said = [law_said(fits, cycle, LOADING) for cycle in cycles.cycle]
+    said = [
+        "stiffness, laws and inputs of other programs are net, without the elastic indentation of "
+        "the half-spaces; curves.csv, cycles.csv and stiffness.csv have gross values too"
+    ]
+    said += [law_said(fits, cycle, LOADING) for cycle in cycles.cycle]
     for write in (_write_porepy, _write_geos, _write_mesh):
         try:
             write(history, folder)

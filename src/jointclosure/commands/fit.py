@@ -5,9 +5,10 @@ import json
 import math
 from pathlib import Path
 
-from jointclosure.calibration import Fit, fit
+from jointclosure.calibration import Fit, assumptions, fit
 from jointclosure.commands import COMMANDS
 from jointclosure.commands.joint_options import (
+    NEEDED,
     add_model,
     add_rock,
     add_seating,
@@ -20,6 +21,7 @@ from jointclosure.ensemble.cases import cases_of
 from jointclosure.inputs import InputError
 from jointclosure.progress import bar
 from jointclosure.storage.figures import save_figure
+from jointclosure.storage.folders import replace_files
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import read_text, write_text
 from jointclosure.studies.measured.calibration import Interval
@@ -92,17 +94,20 @@ def run(arguments) -> int:
     units = (arguments.stress_unit, arguments.closure_unit)
     curve = parsed_curve(read_text(arguments.curve), str(arguments.curve), *units, cycle=1)
     settings = _settings(arguments, float(curve.stress.max()))
-    if arguments.output:
-        arguments.output.mkdir(exist_ok=True)
     configuration, case = settings.typed, cases_of(settings.typed)[0]
     surface = configuration.surface
+    grid = configuration.grid
+    assumed = assumptions(
+        case.intact, case.jrc, grid.shape, grid.spacing, surface.roll_off, arguments.fit_strength
+    )
+    print(f"assumed (--jrc, --cells, --spacing and --set change it): {assumed}")
     with bar("closing") as show:
         found = fit(
             arguments.curve,
             rock=case.intact,
             jrc=case.jrc,
-            shape=configuration.grid.shape,
-            spacing=configuration.grid.spacing,
+            shape=grid.shape,
+            spacing=grid.spacing,
             seating_stress=configuration.seating_stress,
             fit_strength=arguments.fit_strength,
             stress_unit=arguments.stress_unit,
@@ -119,15 +124,19 @@ def run(arguments) -> int:
         )
     print("\n".join(f"- {line}" for line in found.sentences()))
     if arguments.output:
-        record = _record(found, settings)
-        write_text(json.dumps(record, indent=1) + "\n", arguments.output / "fit.json")
-        save_figure(fit_figure(found, arguments.curve.name), arguments.output / "fit.png")
-        print(f"wrote {arguments.output}: fit.json, fit.png")
+
+        def write(folder: Path) -> None:
+            record = _record(found, settings)
+            write_text(json.dumps(record, indent=1) + "\n", folder / "fit.json")
+            save_figure(fit_figure(found, arguments.curve.name), folder / "fit.png")
+
+        names = replace_files(arguments.output, "fit", write)
+        print(f"wrote {arguments.output}: {', '.join(names)}")
     return 0
 
 
 def _settings(arguments, largest: float) -> Configured:
-    """The whole configuration that the arguments describe, checked; waves of all lengths."""
+    """The whole configuration that the arguments describe, checked."""
     grid: dict = {"cells_x": arguments.cells, "cells_y": arguments.cells}
     if arguments.spacing is not None:
         grid["spacing_mm"] = arguments.spacing
@@ -135,9 +144,8 @@ def _settings(arguments, largest: float) -> Configured:
     if arguments.jrc is None and base["rocks"].get(arguments.rock, {}).get("jrc") is None:
         raise InputError("--jrc: must be given")
     own = {"max_normal_stress_MPa": 1e-6 * largest, "walls": None}
-    needed = ("youngs_modulus", "poisson_ratio", "strength", "jrc")
-    changes = {"grid": grid, "surface": {"roll_off_mm": None}}
-    return joint_configuration(base, arguments, own, changes, needed)
+    needed = tuple(option for option in NEEDED if option != "stress")
+    return joint_configuration(base, arguments, own, {"grid": grid}, needed)
 
 
 def _record(found: Fit, settings: Configured) -> dict:
@@ -148,6 +156,8 @@ def _record(found: Fit, settings: Configured) -> dict:
         "mismatch_wavelength_mm": _scaled(found.mismatch_wavelength, 1e3),
         "compressive_strength_MPa": None if strength is None else _scaled(strength, 1e-6),
         "p_value": found.p_value,
+        "interval_holds": found.interval_holds,
+        "assumed": found.assumed,
         "stress_MPa": (1e-6 * found.measured.levels).tolist(),
         "measured_mm": (1e3 * found.measured.values).tolist(),
         "likelihood": {

@@ -12,23 +12,27 @@ import xarray as xr
 from jointclosure.config.configuration import Configured, configured, merged, merged_study
 from jointclosure.config.files import value_of
 from jointclosure.config.rocks import other_rocks
-from jointclosure.engineering.curves import curve_table, has_flow
+from jointclosure.engineering.curves import curve_table, cycle_table, has_flow
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError
-from jointclosure.loading import load_cycles
-from jointclosure.parameters import Effects
+from jointclosure.loading import check_snapshots, load_cycles
+from jointclosure.parameters import OF_ROCK, Effects, Rock, key_of
 from jointclosure.progress import bar
 from jointclosure.protocol import FAILURE, LOADING, Report
+from jointclosure.storage.folders import check_record
 from jointclosure.storage.text import read_csv
 
-OF_ROCK = {
-    "youngs_modulus": "youngs_modulus_GPa",
-    "poisson_ratio": "poisson_ratio",
-    "strength": "compressive_strength_MPa",
+_SHORTER = {"compressive_strength": "strength"}
+"""Options that are shorter than the property of rock that they give."""
+_INTACT = {_SHORTER.get(name, name): name for name in OF_ROCK}
+"""Properties of intact rock by their options."""
+OPTIONS = {option: key_of(name) for option, name in _INTACT.items()} | {
     "jrc": "jrc",
     "stress": "max_normal_stress_MPa",
 }
-"""Options that say what a configuration says of a rock."""
+"""Keys of a rock in a configuration by their options."""
+NEEDED = tuple(option for option in OPTIONS if _INTACT.get(option) not in Rock._field_defaults)
+"""Options that must be given where no rock is named: those of properties without a default."""
 _UNNAMED = "rock"
 """Name of a rock that is given by its properties."""
 _FIRST_LOADING = 5.0
@@ -47,9 +51,14 @@ def add_rock(command: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="study whose rocks and other keys are used, over the paper's",
     )
-    rock.add_argument("--youngs-modulus", type=float, metavar="GPa", help="Young's modulus E")
-    rock.add_argument("--poisson-ratio", type=float, metavar="NU", help="Poisson's ratio")
-    rock.add_argument("--strength", type=float, metavar="MPa", help="compressive strength sigma_c")
+    for option, name in _INTACT.items():
+        about = OF_ROCK[name]
+        rock.add_argument(
+            "--" + option.replace("_", "-"),
+            type=float,
+            metavar=about.symbol.upper() if about.unit == "1" else about.unit,
+            help=f"{about.long_name} {about.symbol}",
+        )
 
 
 def add_load_and_model(command: argparse.ArgumentParser) -> None:
@@ -131,7 +140,7 @@ def base_keys(arguments) -> dict:
 
 
 def joint_configuration(
-    base: dict, arguments, own: dict, changes: dict, needed: tuple[str, ...] = tuple(OF_ROCK)
+    base: dict, arguments, own: dict, changes: dict, needed: tuple[str, ...] = NEEDED
 ) -> Configured:
     """The whole configuration that the arguments describe, checked.
 
@@ -146,12 +155,12 @@ def joint_configuration(
     changes : dict
         Further keys of the study.
     needed : tuple of str
-        Options that must be given where no rock is named, of `OF_ROCK`.
+        Options that must be given where no rock is named, of `NEEDED`.
     """
     given = {name: value for name, value in vars(arguments).items() if value is not None}
     if isinstance(given.get("stress"), tuple):
         given["stress"] = max(arguments.stress)
-    own = own | {key: given[option] for option, key in OF_ROCK.items() if option in given}
+    own = own | {key: given[option] for option, key in OPTIONS.items() if option in given}
     name = arguments.rock or _UNNAMED
     base["rocks"].setdefault(name, {})["levels"] = {}
     if not arguments.rock:
@@ -170,7 +179,9 @@ def joint_configuration(
         changes["flow"] = True
     if "seating" in given:
         changes["seating_stress_MPa"] = given["seating"]
-    return configured(merged(base, changes, *arguments.set), read_csv)
+    settings = configured(merged(base, changes, *arguments.set), read_csv)
+    check_snapshots(given.get("snapshots", ()), settings.typed.rocks[name].max_normal_stress)
+    return settings
 
 
 def loaded(conditions: Conditions, arguments) -> Conditions:
@@ -197,18 +208,19 @@ def shown_progress(cycles: int) -> Iterator[Report]:
 
 
 def summary(closed: xr.Dataset) -> str:
-    """The closures of each cycle, as lines of text; hydraulic apertures where these were found."""
+    """Write the closures of each cycle as lines of text, with hydraulic apertures where known."""
     seating = 1e-6 * closed.attrs["seating_stress_Pa"]
-    columns = {
-        "maximum": closed.max_closure,
-        f"since {seating:g} MPa": closed.max_closure_seated,
-        "at its end": closed.residual_closure,
+    table = cycle_table(closed)
+    names = {
+        "closure_net_since_seating_mm": f"net since {seating:g} MPa",
+        "residual_net_at_seating_mm": "of it stays",
+        "closure_gross_since_seating_mm": f"gross since {seating:g} MPa",
+        "max_closure_gross_mm": "gross from its start",
     }
-    frame = xr.Dataset({name: 1e3 * values for name, values in columns.items()}).to_dataframe()
-    frame.index = [f"cycle {number}" for number in range(1, len(frame) + 1)]
-    head = "closure (mm): maximum from the cycle's start, at its end from first touch"
+    frame = table[list(names)].rename(columns=names)
+    frame.index = [f"cycle {number}" for number in table.cycle]
     lines = [
-        head,
+        "closure (mm); gross contains the elastic indentation of the half-spaces, net does not",
         frame.to_string(float_format="{:.5f}".format),
     ]
     if has_flow(closed):
@@ -271,8 +283,9 @@ def _setting(text: str) -> dict:
 
 
 def check_can_be_made(folder: Path) -> None:
-    """Whether the folder of the results can be made, before anything is computed."""
+    """Refuse a folder of results that cannot be written into, before anything is computed."""
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder}: is a file, and must be a folder")
     if not folder.parent.is_dir():
         raise InputError(f"{folder}: there is no folder {folder.parent}")
+    check_record(folder)

@@ -49,7 +49,8 @@ def run(arguments) -> int:
     table = plan(
         read_netcdf(source, without=CURVES), wish, arguments.significance, arguments.paired
     )
-    print(f"{WISHES[wish.kind]}: {wish.amount:g}; from {source}")
+    test = "paired t test, common draws" if arguments.paired else "unpaired t test"
+    print(f"{WISHES[wish.kind]}: {wish.amount:g} ({test}); from {source}")
     if table.empty:
         print("no parameter is varied in this study")
         return 0

@@ -14,6 +14,7 @@ from jointclosure.config.schema import json_schema
 from jointclosure.extras import needs
 from jointclosure.inputs import InputError
 from jointclosure.sources import PACKAGE
+from jointclosure.storage.folders import add_file
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.seals import check_folder
 from jointclosure.storage.text import read_benchmarks, read_csv, write_text
@@ -75,6 +76,8 @@ def write_report(folder: Path, output: Path) -> int:
     if (folder / "joint.json").is_file():
         page = _joint_page(folder)
         write_text(page, output)
+        if output.parent == folder:  # the page goes with the joint that it shows
+            add_file(folder, "close", output.name)
         return len(page.encode())
     sealed = check_folder(folder)
     if folder / "study.nc" not in sealed:
@@ -86,10 +89,10 @@ def write_report(folder: Path, output: Path) -> int:
 
 
 _OF_A_JOINT = {
-    "engineering": ("Closure, stiffness and aperture", "Closure since seating with fitted laws, "
-                    "normal stiffness and mean aperture, each against normal stress, by cycle."),
-    "closure": ("Closure from first touch, and since seating", "Normal stress against closure: "
-                "loading in full lines, unloading dashed, a colour for each cycle."),
+    "engineering": ("Net closure, net stiffness and aperture", "Net closure since seating with "
+                    "fitted laws, net normal stiffness and mean aperture against normal stress."),
+    "closure": ("Gross closure from first touch, and net closure since seating", "Normal stress "
+                "against closure: loading in full lines, unloading dashed, a colour a cycle."),
     "walls": ("The walls as they were closed", "Maps of both walls and of the aperture at first "
               "touch, a section there, correlation by wavelength and by orientation."),
     "snapshots": ("The joint under stress", "Maps of aperture, stress of contacts and change of "
@@ -124,6 +127,7 @@ def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material"
         closures=_needed(folder / "tables/max_closure.csv", sealed),
         intervals=_table(folder / "tables/table_3_indifference.csv", sealed),
         claims=_table(folder / "tables/claims.csv", sealed),
+        margins=_table(folder / "tables/claim_margins.csv", sealed),
         predictive=_table(folder / "tables/table_3_predictive.csv", sealed),
         joint=_table(folder / "tables/table_3_joint_tests.csv", sealed),
         elasticities=_table(folder / "tables/elasticities.csv", sealed),

@@ -8,7 +8,7 @@ import xarray as xr
 
 from jointclosure.commands import COMMANDS
 from jointclosure.commands.animations import check_animation, kept_stresses, write_animation
-from jointclosure.commands.engineering_files import write_engineering
+from jointclosure.commands.engineering_files import write_exports
 from jointclosure.commands.joint_options import (
     add_load_and_model,
     add_rock,
@@ -26,11 +26,12 @@ from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Case, Conditions
 from jointclosure.ensemble.slices import closure_settings, surface_settings
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, check_seed
 from jointclosure.loading import load_said
 from jointclosure.progress import duration
 from jointclosure.protocol import FAILURE
 from jointclosure.storage.figures import save_figure
+from jointclosure.storage.folders import replace_files
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.provenance import provenance
 from jointclosure.surface.synthesis import wall_pair
@@ -106,8 +107,6 @@ def run(arguments) -> int:
     )
     surfaces = surface_settings(configuration, case, range(1))
     conditions = loaded(closure_settings(configuration, case, surfaces).conditions(), arguments)
-    if arguments.tables:
-        arguments.tables.mkdir(exist_ok=True)
     print(f"{about}: {load_said(conditions.max_normal_stress, conditions.cycles)}")
     start = time.perf_counter()
     closed = _close(configuration, case, conditions, arguments)
@@ -126,17 +125,18 @@ def run(arguments) -> int:
     if arguments.picture:
         save_figure(closure_curve(closed, about), arguments.picture)
         print(f"wrote {arguments.picture}")
-    if arguments.tables and status < FAILURE:
-        said = write_engineering(closed, arguments.tables, about)
-        print("\n".join([*(f"- {line}" for line in said), f"wrote {arguments.tables}"]))
+    if arguments.tables:
+        names = replace_files(
+            arguments.tables, "simulate", lambda folder: write_exports(closed, folder, about)
+        )
+        print(f"wrote {arguments.tables}: {', '.join(names) or 'no file'}")
     return 1 if status >= FAILURE else 0
 
 
 def _settings(arguments) -> Configured:
     """The whole configuration that the arguments describe, checked."""
     base = base_keys(arguments)
-    if arguments.seed < 0:
-        raise InputError(f"--seed {arguments.seed}: must be 0 or above")
+    check_seed("--seed", arguments.seed)
     if base["rocks"].get(arguments.rock, {}).get("walls"):
         raise InputError(f"--rock {arguments.rock}: has scanned walls; this closes random ones")
     grid = dict(zip(("cells_x", "cells_y"), arguments.cells or (), strict=False))

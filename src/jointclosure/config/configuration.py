@@ -11,7 +11,6 @@ from jointclosure.config.contradictions import contradictions
 from jointclosure.config.files import DEFAULT, MEASURED, METHODS, ConfigurationError, read_plain
 from jointclosure.config.keys import ConfigurationKeys
 from jointclosure.config.presets import anything_breaks, chosen_numerics, numerics_in_full
-from jointclosure.config.properties import PROPERTIES, key_of
 from jointclosure.config.schema import problems
 from jointclosure.config.typed import (
     Ablation,
@@ -34,10 +33,12 @@ from jointclosure.config.wanted import check_left_out, grant, said, wanted_of, w
 from jointclosure.inputs import InputError
 from jointclosure.parameters import (
     AUTO_TOLERANCE,
+    PROPERTIES,
     Choices,
     Effects,
     Numerics,
-    Rock,
+    key_of,
+    rock_of,
 )
 
 
@@ -196,7 +197,7 @@ def _rock(keys: dict, effects: dict) -> StudyRock:
     walls, measured = si["walls"], si["measured"]
     return StudyRock(
         title=keys["title"],
-        intact=Rock(**{name: si[name] for name in Rock._fields}),
+        intact=rock_of(si),
         jrc=si["jrc"],
         max_normal_stress=si["max_normal_stress"],
         max_normal_stress_is_assumed=keys["max_normal_stress_is_assumed"],

@@ -22,8 +22,6 @@ SURROGATES = tuple(
 walls with waves of all lengths: `snakemake surrogate` makes such a table."""
 PAPER_TABLE_3 = Path(__file__).with_name("paper_table_3.csv")
 """The paper's Table 3."""
-PAPER_CLAIMS = Path(__file__).with_name("paper_claims.csv")
-"""The paper's claims, with its figures."""
 
 _MOST_VALUES, _DEEPEST = 100_000, 40
 _DECIMAL = re.compile(r"[-+]?(0|[1-9][0-9]*)$|[-+]?([0-9]*\.[0-9]*([eE][-+]?[0-9]+)?|\.(inf|nan))$")

@@ -17,7 +17,8 @@ from pydantic import (
     create_model,
 )
 
-from jointclosure.parameters import Effects, Rock
+from jointclosure.config.units import in_unit
+from jointclosure.parameters import OF_ROCK, PROPERTIES, Effects, Rock, key_of
 from jointclosure.solvers.registry import SOLVERS
 from jointclosure.surface.registration import ORIENTATIONS, SHIFTS
 from jointclosure.surface.roughness import RELATIONS
@@ -30,8 +31,8 @@ Text = Annotated[str, StringConstraints(min_length=1)]
 SectionKey = Annotated[str, StringConstraints(pattern=r"^[a-z]+[.][A-Za-z_]+$")]
 Positive = Annotated[float, Field(gt=0)]
 Share = Annotated[float, Field(gt=0, lt=1)]
-Jrc = Annotated[float, Field(ge=0, le=20)]
-Poisson = Annotated[float, Field(ge=0, le=0.5)]
+Jrc = Annotated[float, Field(**PROPERTIES["jrc"].bounds)]
+Poisson = Annotated[float, Field(**PROPERTIES["poisson_ratio"].bounds)]
 
 
 def entry(description: str, default: Any = ..., **bounds):
@@ -82,17 +83,23 @@ class StudyKeys(Keys):
     )
 
 
-class LevelKeys(Keys):
-    """For each parameter to be varied, its values besides the rock's own, ascending."""
-
-    _about = (
-        "At least two values, strictly ascending; with the rock's own they make three levels or "
-        "more; null for none."
-    )
-    poisson_ratio: list[Poisson] | None = entry(_about, None, min_length=2)
-    youngs_modulus_GPa: list[Positive] | None = entry(_about, None, min_length=2)
-    compressive_strength_MPa: list[Positive] | None = entry(_about, None, min_length=2)
-    jrc: list[Jrc] | None = entry(_about, None, min_length=2)
+LevelKeys = create_model(
+    "LevelKeys",
+    __base__=Keys,
+    __doc__="For each parameter to be varied, its values besides the rock's own, ascending.",
+    **{
+        key_of(name): (
+            list[Annotated[float, Field(**about.bounds)]] | None,
+            entry(
+                "At least two values, strictly ascending; with the rock's own they make three "
+                "levels or more; null for none.",
+                None,
+                min_length=2,
+            ),
+        )
+        for name, about in PROPERTIES.items()
+    },
+)
 
 
 RockEffectKeys = create_model(
@@ -103,7 +110,7 @@ RockEffectKeys = create_model(
 )
 
 
-_WALL = (
+_WALL = entry(
     "A file, relative to where the study is run (or absolute); or, where the other wall is a file: "
     "rotated (that wall, turned by 180 degrees), mirrored, or synthetic (a wall of its slope "
     "and Hurst exponent, independent of it)."
@@ -113,8 +120,8 @@ _WALL = (
 class WallKeys(Keys):
     """Scanned walls instead of a JRC, docs/measured_walls.md."""
 
-    upper: Text = entry(_WALL)
-    lower: Text = entry(_WALL)
+    upper: Text = _WALL
+    lower: Text = _WALL
     units: Literal["m", "mm", "um", "nm"] | None = entry(
         "Of heights and distances, where the file does not say them.", None
     )
@@ -175,18 +182,37 @@ class MeasuredKeys(Keys):
     )
 
 
-class RockKeys(Keys):
+def intact_keys(base: type[BaseModel]) -> type[BaseModel]:
+    """Keys of the properties of an intact rock; one with a default may be left out."""
+    keys: dict[str, Any] = {}
+    for name, about in OF_ROCK.items():
+        unit = "" if about.unit == "1" else f" [{about.unit}]"
+        default = Rock._field_defaults.get(name, ...)
+        if default is not ...:
+            default = float(in_unit(default, about.unit))
+        keys[key_of(name)] = (
+            float,
+            entry(
+                f"{about.title} {about.symbol} of the intact rock{unit}"
+                + ("." if default is ... else f"; {default:g} unless given."),
+                default,
+                **about.bounds,
+            ),
+        )
+    return create_model("IntactKeys", __base__=base, **keys)
+
+
+class _TitledKeys(Keys):
+    title: Text = entry("Name in tables and figures.")
+
+
+class RockKeys(intact_keys(_TitledKeys)):
     """A rock; a study's own file may add some."""
 
-    title: Text = entry("Name in tables and figures.")
-    youngs_modulus_GPa: float = entry("Young's modulus E of the intact rock [GPa].", gt=0)
-    poisson_ratio: float = entry("Poisson's ratio of the intact rock.", ge=0, le=0.5)
-    compressive_strength_MPa: float = entry("Compressive strength sigma_c [MPa].", gt=0)
     jrc: float | None = entry(
         "Joint roughness coefficient; left out (or null) where `walls` are given.",
         None,
-        ge=0,
-        le=20,
+        **PROPERTIES["jrc"].bounds,
     )
     max_normal_stress_MPa: float = entry(
         "Maximum nominal normal stress of every cycle [MPa].", gt=0
@@ -529,10 +555,6 @@ class AccuracyKeys(Keys):
     total: TotalErrorKeys | None = entry(TotalErrorKeys.__doc__, None)
 
 
-def _range(kind: Any, description: str):
-    return Annotated[list[kind], Field(min_length=2, max_length=2, description=description)]
-
-
 class ValidationKeys(Keys):
     """Random conditions at which the effects that a pilot selects (effects.auto) are held against
     the full model."""
@@ -542,18 +564,23 @@ class ValidationKeys(Keys):
     )
     realizations: int = entry("Surfaces of each.", ge=2, le=100_000)
     tolerances: list[Share] = entry("Tolerances of the selection.", min_length=1)
-    cells: _range(Annotated[float, Field(ge=3, le=512)], "Range of the cells along a square joint.")
-    youngs_modulus_GPa: _range(
-        Positive, "Range of Young's modulus [GPa], uniform in its logarithm."
+    cells: list[Annotated[float, Field(ge=3, le=512)]] = entry(
+        "Range of the cells along a square joint.", min_length=2, max_length=2
     )
-    poisson_ratio: _range(Poisson, "Range of Poisson's ratio.")
-    compressive_strength_MPa: _range(
-        Positive, "Range of the compressive strength [MPa], uniform in its logarithm."
+    youngs_modulus_GPa: list[Positive] = entry(
+        "Range of Young's modulus [GPa], uniform in its logarithm.", min_length=2, max_length=2
     )
-    jrc: _range(Jrc, "Range of the joint roughness coefficient.")
-    stress_MPa: _range(
-        Positive,
+    poisson_ratio: list[Poisson] = entry("Range of Poisson's ratio.", min_length=2, max_length=2)
+    compressive_strength_MPa: list[Positive] = entry(
+        "Range of the compressive strength [MPa], uniform in its logarithm.",
+        min_length=2,
+        max_length=2,
+    )
+    jrc: list[Jrc] = entry("Range of the joint roughness coefficient.", min_length=2, max_length=2)
+    stress_MPa: list[Positive] = entry(
         "Range of the maximum normal stress [MPa], uniform in its logarithm; at most the strength.",
+        min_length=2,
+        max_length=2,
     )
 
 

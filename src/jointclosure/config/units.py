@@ -3,7 +3,7 @@
 import math
 from decimal import Decimal
 
-SI_FACTORS = {"GPa": 1e9, "MPa": 1e6, "mm": 1e-3, "um": 1e-6, "m": 1.0, "Pa": 1.0}
+from jointclosure.properties import SI_FACTORS
 
 
 def name_and_unit(key: str) -> tuple[str, str]:

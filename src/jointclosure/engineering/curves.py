@@ -4,7 +4,15 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.history import branch_of, first_crossing, last_crossing
+from jointclosure.engineering.stiffness import landing_stress, secant_stiffness
+from jointclosure.history import (
+    GROSS,
+    NET,
+    at_seating,
+    branch_of,
+    cycle_closures,
+    read_along,
+)
 from jointclosure.protocol import LOADING, UNLOADING
 
 
@@ -19,8 +27,12 @@ def area_of(history: xr.Dataset) -> float:
     return spacing_of(history) ** 2 * history.sizes["y"] * history.sizes["x"]
 
 
+KINDS = {"net": NET, "gross": GROSS}
+"""Part of a column's name, and the closure that it is of (`jointclosure.history.read_along`)."""
+
+
 def curve_table(history: xr.Dataset) -> pd.DataFrame:
-    """Closure against stress by cycle and branch, as laboratories tell it.
+    """Tabulate closure against stress by cycle and branch, a row a step.
 
     Parameters
     ----------
@@ -30,42 +42,54 @@ def curve_table(history: xr.Dataset) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        ``cycle``, ``branch``, ``normal_stress_MPa``, ``closure_mm`` from first touch,
-        ``closure_since_seating_mm`` from the point of the cycle's loading at the seating stress
-        (negative before it, NaN where it was not reached), ``normal_stiffness_MPa_per_mm``
-        (kn = d sigma/d closure, by the chord of a step's neighbours, NaN where closure does not
-        change), ``mean_aperture_mm``, ``void_volume_mm3`` (mean aperture times nominal area),
-        ``contact_area_mm2`` (of the cells that carry force: an upper bound) and
-        ``contact_fraction``; of a history with flow also ``hydraulic_aperture_x_mm``,
-        ``hydraulic_aperture_y_mm`` and their ratios to the mean aperture. A branch begins with the
-        last step of the one before.
+        ``cycle``, ``branch``, ``normal_stress_MPa``; of the net and the gross closure (`KINDS`)
+        ``closure_<kind>_since_seating_mm`` from the point of the cycle's loading at the seating
+        stress (negative before it, NaN where it was not reached), ``closure_<kind>_mm`` from first
+        touch and ``normal_stiffness_<kind>_MPa_per_mm`` (kn = d sigma/d closure, by the chord of
+        a step's neighbours, NaN where closure does not change); ``landing``: whether that chord
+        reaches beyond `landing_stress`, so that it is stiffer than the joint; ``mean_aperture_mm``,
+        ``void_volume_mm3`` (mean aperture times nominal area), ``contact_area_mm2`` (of the cells
+        that carry force: an upper bound) and ``contact_fraction``; of a history with flow also
+        ``hydraulic_aperture_x_mm``, ``hydraulic_aperture_y_mm`` and their ratios to the mean
+        aperture. A branch begins with the last step of the one before.
     """
     rows = []
-    area = area_of(history)
     for number in np.unique(history.cycle.values):
-        seat = seat_of(history, number, LOADING)
         for name in (LOADING, UNLOADING):
             here = branch_of(history.cycle.values, history.branch.values, number, name)
-            if here.size < 2:
-                continue
-            stress, closure, aperture, contact = (
-                history[each].values[here]
-                for each in ("normal_stress", "closure", "mean_aperture", "contact_fraction")
-            )
-            columns = {
-                "cycle": number,
-                "branch": name,
-                "normal_stress_MPa": 1e-6 * stress,
-                "closure_mm": 1e3 * closure,
-                "closure_since_seating_mm": 1e3 * (closure - seat),
-                "normal_stiffness_MPa_per_mm": 1e-9 * _chords(closure, stress),
-                "mean_aperture_mm": 1e3 * aperture,
-                "void_volume_mm3": 1e9 * area * aperture,
-                "contact_area_mm2": 1e6 * area * contact,
-                "contact_fraction": contact,
-            }
-            rows.append(pd.DataFrame(columns | _flow_columns(history, here)))
+            if here.size > 1:
+                rows.append(_branch_table(history, int(number), name, here))
     return pd.concat(rows, ignore_index=True)
+
+
+def _branch_table(history: xr.Dataset, cycle: int, branch: str, here: np.ndarray) -> pd.DataFrame:
+    """Rows of `curve_table` of one branch, whose steps are given."""
+    area = area_of(history)
+    stress, aperture, contact = (
+        history[each].values[here]
+        for each in ("normal_stress", "mean_aperture", "contact_fraction")
+    )
+    closures = {kind: read_along(history, of)[here] for kind, of in KINDS.items()}
+    seats = {kind: seat_of(history, cycle, LOADING, of) for kind, of in KINDS.items()}
+    columns = {"cycle": cycle, "branch": branch, "normal_stress_MPa": 1e-6 * stress}
+    columns |= {
+        f"closure_{kind}_since_seating_mm": 1e3 * (closure - seats[kind])
+        for kind, closure in closures.items()
+    }
+    columns |= {f"closure_{kind}_mm": 1e3 * closure for kind, closure in closures.items()}
+    columns |= {
+        f"normal_stiffness_{kind}_MPa_per_mm": 1e-9 * _chords(closure, stress)
+        for kind, closure in closures.items()
+    }
+    beyond = np.append(stress[1:], stress[-1]) > landing_stress(history, cycle)
+    columns |= {
+        "landing": (branch == LOADING) & beyond,
+        "mean_aperture_mm": 1e3 * aperture,
+        "void_volume_mm3": 1e9 * area * aperture,
+        "contact_area_mm2": 1e6 * area * contact,
+        "contact_fraction": contact,
+    }
+    return pd.DataFrame(columns | _flow_columns(history, here))
 
 
 def has_flow(history: xr.Dataset) -> bool:
@@ -89,32 +113,72 @@ def _flow_columns(history: xr.Dataset, here: np.ndarray) -> dict[str, np.ndarray
     return columns
 
 
-def _flow_at_max(history: xr.Dataset, step: int) -> dict[str, float]:
-    """Hydraulic apertures at a step, by the names of their columns; none without flow."""
-    at = _flow_columns(history, np.array([step]))
+def seat_of(history: xr.Dataset, cycle: int, branch: str, of: str = NET) -> float:
+    """Read the net closure [m], or what ``of`` names, at the seating stress of a branch.
+
+    As `jointclosure.history.at_seating` and `jointclosure.history.read_along`.
+    """
+    here = branch_of(history.cycle.values, history.branch.values, cycle, branch)
+    seating = float(history.attrs["seating_stress_Pa"])
+    return at_seating(
+        read_along(history, of)[here], history.normal_stress.values[here], branch, seating
+    )
+
+
+def closures_of_cycles(history: xr.Dataset, of: str = NET) -> dict[str, np.ndarray]:
+    """Read `jointclosure.history.cycle_closures` (cycles,) [m] of the net closure, or of another.
+
+    NaN for cycles that were not loaded and unloaded.
+    """
+    stress, cycle, branch = (history[name].values for name in ("normal_stress", "cycle", "branch"))
+    anywhere = np.full(int(cycle.max()), np.inf)  # however far it was unloaded
+    seating = float(history.attrs["seating_stress_Pa"])
+    return cycle_closures(read_along(history, of), stress, cycle, branch, anywhere, seating)
+
+
+def net_responses(history: xr.Dataset, largest: float) -> dict[str, np.ndarray]:
+    """Read each cycle of a joint as a laboratory does: net of the half-spaces' indentation.
+
+    Parameters
+    ----------
+    history : Dataset
+        As from `jointclosure.simulate`.
+    largest : float
+        The maximum stress that was asked for [Pa].
+
+    Returns
+    -------
+    dict of array (cycles,)
+        ``max_closure_net`` from the cycle's start, ``max_closure_seated_net``, both at its maximum,
+        and ``residual_closure_seated_net``, what stays at seating, as in
+        `jointclosure.history.cycle_closures` [m]; ``stiffness_net`` [Pa/m], the
+        `secant_stiffness` of loading from half of the maximum stress to where it begins to land on
+        all of it (NaN where that is below half); and that `landing_stress` [Pa]. NaN for cycles
+        that were not completed.
+    """
+    completed = np.isfinite(history.max_closure.values)
+    begun = int(history.cycle.max())
+    net = closures_of_cycles(history)
+    responses = {
+        f"{name}_net": net[name]
+        for name in ("max_closure", "max_closure_seated", "residual_closure_seated")
+    }
+    responses |= {
+        "stiffness_net": np.array(
+            [secant_stiffness(history, each + 1, 0.5 * largest, largest) for each in range(begun)]
+        ),
+        "landing_stress": np.array([landing_stress(history, each + 1) for each in range(begun)]),
+    }
     return {
-        f"{name.removesuffix('_mm')}_at_max_mm": float(values[0])
-        for name, values in at.items()
-        if name.endswith("_mm")
+        name: np.where(
+            completed, np.pad(values, (0, completed.size - begun), constant_values=np.nan), np.nan
+        )
+        for name, values in responses.items()
     }
 
 
-def seat_of(history: xr.Dataset, cycle: int, branch: str) -> float:
-    """Closure [m] at the seating stress: first reached on loading, last had on unloading.
-
-    NaN where the branch starts or ends above it.
-    """
-    here = branch_of(history.cycle.values, history.branch.values, cycle, branch)
-    crossing = first_crossing if branch == LOADING else last_crossing
-    level = float(history.attrs["seating_stress_Pa"])
-    stress = history.normal_stress.values[here]
-    if here.size and stress.min() > level:
-        return float("nan")
-    return crossing(stress, history.closure.values[here], level)
-
-
 def cycle_table(history: xr.Dataset) -> pd.DataFrame:
-    """Closures of each cycle as laboratories tell them: since seating, and what stays.
+    """Tabulate the closures of each cycle, since seating as laboratories report them.
 
     Parameters
     ----------
@@ -124,34 +188,49 @@ def cycle_table(history: xr.Dataset) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        One row a cycle: ``max_closure_mm`` from the cycle's start, ``closure_since_seating_mm`` at
-        its maximum, ``residual_at_seating_mm``: closure at the seating stress on unloading less
-        that on loading, ``residual_share`` of the closure since seating,
-        ``mean_aperture_at_seating_mm``, ``mean_aperture_at_max_mm`` and ``contact_at_max``; of a
-        history with flow also ``hydraulic_aperture_x_at_max_mm`` and the same along y.
+        One row a cycle; of the net and the gross closure (`KINDS`)
+        ``closure_<kind>_since_seating_mm`` at its maximum, ``residual_<kind>_at_seating_mm``:
+        closure at the seating stress on unloading less that on loading,
+        ``residual_share_<kind>`` of the closure since seating, and ``max_closure_<kind>_mm`` from
+        the cycle's start; ``mean_aperture_at_seating_mm``, ``mean_aperture_at_max_mm`` and
+        ``contact_at_max``; of a history with flow also ``hydraulic_aperture_x_at_max_mm`` and the
+        same along y. All but the aperture at seating is NaN in a cycle whose loading failed.
     """
-    rows = []
-    cycle, branch = history.cycle.values, history.branch.values
-    for number in np.unique(cycle):
-        here = branch_of(cycle, branch, number, LOADING)
-        seat, back = (seat_of(history, number, name) for name in (LOADING, UNLOADING))
-        closure, aperture = history.closure.values[here], history.mean_aperture.values[here]
-        order = np.argsort(closure)
-        rows.append(
-            {
-                "cycle": number,
-                "max_closure_mm": 1e3 * (closure[-1] - closure[0]),
-                "closure_since_seating_mm": 1e3 * (closure[-1] - seat),
-                "residual_at_seating_mm": 1e3 * (back - seat),
-                "residual_share": (back - seat) / (closure[-1] - seat),
-                "mean_aperture_at_seating_mm": 1e3
-                * np.interp(seat, closure[order], aperture[order]),
-                "mean_aperture_at_max_mm": 1e3 * aperture[-1],
-                **_flow_at_max(history, here[-1]),
-                "contact_at_max": history.contact_fraction.values[here[-1]],
-            }
-        )
-    return pd.DataFrame(rows)
+    numbers = np.unique(history.cycle.values)
+    columns = {"cycle": numbers}
+    for kind, of in KINDS.items():
+        closures = {
+            name: 1e3 * values[numbers - 1]
+            for name, values in closures_of_cycles(history, of).items()
+        }
+        since, residual = closures["max_closure_seated"], closures["residual_closure_seated"]
+        columns[f"closure_{kind}_since_seating_mm"] = since
+        columns[f"residual_{kind}_at_seating_mm"] = residual
+        columns[f"residual_share_{kind}"] = residual / since
+        columns[f"max_closure_{kind}_mm"] = closures["max_closure"]
+    return pd.DataFrame(columns).join(
+        pd.DataFrame([_state_of(history, number) for number in numbers])
+    )
+
+
+def _state_of(history: xr.Dataset, cycle: int) -> dict[str, float]:
+    """Apertures and contact of a row of `cycle_table`, by the names of their columns."""
+    cycles, branches = history.cycle.values, history.branch.values
+    at_max = branch_of(cycles, branches, cycle, UNLOADING)[:1]
+
+    def read(values: np.ndarray) -> float:
+        return float(values[0]) if at_max.size else float("nan")
+
+    return {
+        "mean_aperture_at_seating_mm": 1e3 * seat_of(history, cycle, LOADING, "mean_aperture"),
+        "mean_aperture_at_max_mm": 1e3 * read(history.mean_aperture.values[at_max]),
+        **{
+            f"{name.removesuffix('_mm')}_at_max_mm": read(values)
+            for name, values in _flow_columns(history, at_max).items()
+            if name.endswith("_mm")
+        },
+        "contact_at_max": read(history.contact_fraction.values[at_max]),
+    }
 
 
 def hysteresis(closed: xr.Dataset) -> np.ndarray:

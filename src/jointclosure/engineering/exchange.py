@@ -14,7 +14,7 @@ from jointclosure.engineering.curves import (
 )
 from jointclosure.engineering.laws import fitted_laws, parameter
 from jointclosure.engineering.stiffness import closures_at, stiffness_table, stress_levels
-from jointclosure.history import branch_of
+from jointclosure.history import branch_of, read_along
 from jointclosure.inputs import InputError
 from jointclosure.protocol import LOADING
 
@@ -36,7 +36,9 @@ def _last_from_seating(history: xr.Dataset, program: str) -> int:
 
 
 def porepy_parameters(history: xr.Dataset) -> dict[str, float]:
-    """Solid constants of PorePy's Barton-Bandis fracture, of the last loading from seating on.
+    """Find the solid constants of PorePy's Barton-Bandis fracture for the last loading.
+
+    All are of the net closure, as PorePy deforms the rock itself, and so is the mean aperture.
 
     Parameters
     ----------
@@ -75,20 +77,20 @@ def porepy_parameters(history: xr.Dataset) -> dict[str, float]:
 
 
 OPENING_SLOPE = 0.95
-"""Slope of a GEOS table at its end where the joint's own is too steep: GEOS takes it on to open
-walls, up to where the aperture is the gap, and so needs it below 1."""
+"""Largest slope of a GEOS table at its end: GEOS takes it on to open walls, up to where the
+aperture is the gap, and so needs it below 1. The mean aperture of a joint has slope 1, as each
+wall keeps its volume."""
 _END = 0.01
 """Share of the last interval in which that slope stands."""
 
 
 def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates and values [m] of the aperture table of GEOS' contact models.
+    """Find coordinates and values [m] of the aperture table of GEOS' contact models.
 
-    Of the last loading from seating on: the normal gap, negative where walls are pressed together
-    beyond seating, ascending to 0, and there the hydraulic aperture (the geometric mean of both
+    Of the last loading from seating on: the normal gap, which is less than 0 by the net closure
+    since seating, ascending to 0, and there the hydraulic aperture (the geometric mean of both
     directions), which is what its flow takes; the mean aperture of a history without flow.
-    Where the last slope is 1 or more, as of hydraulic apertures that open faster than the gap and
-    of mean apertures without interaction, a point just before the end makes it `OPENING_SLOPE`.
+    Where the last slope is larger, a point just before the end makes it `OPENING_SLOPE`.
 
     Raises
     ------
@@ -105,16 +107,17 @@ def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
             f"GEOS: the loading of cycle {cycle} must close steadily from seating to its maximum"
         )
     of_cycle = (history.cycle.values == cycle) & (history.branch.values == LOADING)
-    order = np.argsort(history.closure.values[of_cycle])
+    net = read_along(history)[of_cycle]
+    order = np.argsort(net)
     known = mean_hydraulic(history) if has_flow(history) else history.mean_aperture.values
-    aperture = np.interp(closure, history.closure.values[of_cycle][order], known[of_cycle][order])
+    aperture = np.interp(closure, net[order], known[of_cycle][order])
     if not (aperture > 0.0).all():
         kind = "hydraulic" if has_flow(history) else "mean"
         raise InputError(f"GEOS: the {kind} aperture must be positive, and is 0 at some stresses")
     gap = -(closure - closure[0])[::-1]
     gap[-1] = 0.0  # and not -0
     values = aperture[::-1]
-    if (values[-1] - values[-2]) / (gap[-1] - gap[-2]) >= 1.0:
+    if (values[-1] - values[-2]) / (gap[-1] - gap[-2]) > OPENING_SLOPE:
         before = _END * gap[-2]
         gap = np.insert(gap, -1, before)
         values = np.insert(values, -1, values[-1] + OPENING_SLOPE * before)
@@ -122,7 +125,7 @@ def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
 
 
 def itasca_tables(history: xr.Dataset) -> str:
-    """Commands that define tables of normal stiffness [Pa/m] against normal stress [Pa].
+    """Write commands that define tables of net normal stiffness [Pa/m] against normal stress [Pa].
 
     One table for each cycle's loading and unloading, in the form of 3DEC 7 and later,
     ``table 'name' add (x,y) ...``, without the chords of landings (`stiffness_table`).
@@ -132,7 +135,7 @@ def itasca_tables(history: xr.Dataset) -> str:
     lines = ["; normal stiffness (Pa/m) against normal stress (Pa) by cycle and branch"]
     table = stiffness_table(history)
     for (cycle, branch), own in table[~table.landing].groupby(["cycle", "branch"], sort=False):
-        stress, stiffness = own.normal_stress_MPa, 1e9 * own.normal_stiffness_MPa_per_mm
+        stress, stiffness = own.normal_stress_MPa, 1e9 * own.normal_stiffness_net_MPa_per_mm
         lines.append(_itasca_table(f"kn-cycle-{cycle}-{branch}", stress, stiffness))
     if has_flow(history):
         lines.append("; hydraulic aperture (m) against normal stress (Pa) by cycle and branch")

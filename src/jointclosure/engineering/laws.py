@@ -1,6 +1,6 @@
 """Empirical laws of closure fitted to a joint's curves: what fits, how well, and where it fails.
 
-Closure D counts from the seating stress s, as laboratories count it:
+Closure D is net and counts from the seating stress s, as laboratories count it:
 
 - hyperbolic (Bandis, Lumsden & Barton 1983): sigma - s = kni D/(1 - D/Vm);
 - semi-logarithmic (Bandis et al. 1983, mismatched joints): log10(sigma) = p + q D;
@@ -16,6 +16,7 @@ import scipy
 import xarray as xr
 
 from jointclosure.engineering.stiffness import closures_at, stress_levels
+from jointclosure.history import NET, read_along
 from jointclosure.protocol import LOADING, UNLOADING
 
 POINTS = 60
@@ -81,9 +82,9 @@ LAWS = {
 
 
 def law_curves(
-    history: xr.Dataset, of: str = "closure"
+    history: xr.Dataset, of: str = NET
 ) -> dict[tuple[int, str], tuple[np.ndarray, np.ndarray]]:
-    """Stress [MPa] and closure since seating on that branch [mm], by cycle and branch.
+    """Read stress [MPa] and closure since seating on that branch [mm], by cycle and branch.
 
     Branches that do not reach from seating to their cycle's maximum are left out. ``of`` as in
     `jointclosure.engineering.stiffness.closures_at`.
@@ -105,18 +106,18 @@ def _start(history: xr.Dataset, cycle: int, branch: str, of: str) -> float:
     """Closure at which a branch without seating begins, or ends [m]."""
     here = np.flatnonzero((history.cycle.values == cycle) & (history.branch.values == branch))
     first = here[0] - 1 if here[0] > 0 else here[0]
-    return float(history[of].values[first if branch == LOADING else here[-1]])
+    return float(read_along(history, of)[first if branch == LOADING else here[-1]])
 
 
-def fitted_laws(history: xr.Dataset, of: str = "closure") -> pd.DataFrame:
-    """The laws fitted by least squares of closure, for each cycle and branch.
+def fitted_laws(history: xr.Dataset, of: str = NET) -> pd.DataFrame:
+    """Fit the laws by least squares of closure, for each cycle and branch.
 
     Parameters
     ----------
     history : Dataset
         As from `jointclosure.simulate`.
     of : str
-        The variable [m] over the steps that is fitted.
+        The closure that is fitted: `jointclosure.history.NET`, or `GROSS`.
 
     Returns
     -------

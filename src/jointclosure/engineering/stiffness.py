@@ -7,7 +7,7 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.history import branch_of
+from jointclosure.history import GROSS, NET, branch_of, read_along
 from jointclosure.protocol import LOADING, UNLOADING
 
 LEVELS = 20
@@ -28,16 +28,17 @@ def stress_levels(history: xr.Dataset, count: int = LEVELS, cycle: int | None = 
     return np.linspace(seating, largest, count + (seating == 0.0))[(seating == 0.0) :]
 
 
-def closures_at(history: xr.Dataset, levels: np.ndarray, of: str = "closure") -> np.ndarray:
-    """Closure (cycles, 2, levels) [m] on loading and unloading at stresses [Pa].
+def closures_at(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> np.ndarray:
+    """Read the closure (cycles, 2, levels) [m] on loading and unloading at stresses [Pa].
 
-    ``of`` names what is read over the steps, where it is another than the closure.
+    ``of`` names what is read (`jointclosure.history.read_along`), by default the net closure.
 
     Between the steps by a monotone cubic: chords between few steps would make stairs of the
     stiffness. Steps of a landing (`landing_stress`) have a cubic of their own, as they are stiffer.
     First crossings on loading, last ones on unloading; NaN where a level was not reached.
     """
     cycles = int(history.cycle.max())
+    values = read_along(history, of)
     closures = np.full((cycles, 2, levels.size), np.nan)
     for number in range(1, cycles + 1):
         for side, name in enumerate((LOADING, UNLOADING)):
@@ -45,7 +46,7 @@ def closures_at(history: xr.Dataset, levels: np.ndarray, of: str = "closure") ->
             if here.size < 2:
                 continue
             here = here if name == LOADING else here[::-1]
-            stress, closure = history.normal_stress.values[here], history[of].values[here]
+            stress, closure = history.normal_stress.values[here], values[here]
             rises = np.concatenate([[True], stress[1:] > np.maximum.accumulate(stress)[:-1]])
             # a maximum within a percent below a level counts as having reached it
             largest = float(stress.max())
@@ -99,20 +100,25 @@ def landing_stress(history: xr.Dataset, cycle: int) -> float:
 
 
 def secant_stiffness(
-    history: xr.Dataset, cycle: int, low: float, high: float, of: str = "closure"
+    history: xr.Dataset, cycle: int, low: float, high: float, of: str = NET
 ) -> float:
-    """Normal stiffness [Pa/m] of a cycle's loading by the chord between two stresses [Pa].
+    """Compute the normal stiffness [Pa/m] of a cycle's loading by the chord between two stresses.
 
-    It ends where the loading begins to land on its maximum (`landing_stress`), if that is below
-    the higher stress; NaN where the loading does not get there. ``of`` as in `closures_at`.
+    It ends below the higher one [Pa] where the loading begins to land on its maximum
+    (`landing_stress`), or reached no more; NaN where that is not above the lower one. ``of`` as in
+    `closures_at`.
     """
-    levels = np.array([low, min(high, landing_stress(history, cycle))])
+    here = branch_of(history.cycle.values, history.branch.values, cycle, LOADING)
+    if here.size < 2:
+        return np.nan
+    reached = float(history.normal_stress.values[here].max())
+    levels = np.array([low, min(high, reached, landing_stress(history, cycle))])
     rise = float(np.diff(closures_at(history, levels, of)[cycle - 1, 0])[0])
     return float(np.diff(levels)[0]) / rise if levels[1] > low and rise > 0.0 else np.nan
 
 
 def stiffness_table(history: xr.Dataset, count: int = LEVELS) -> pd.DataFrame:
-    """Normal stiffness by the chord between evenly spaced stresses, for each cycle and branch.
+    """Compute normal stiffness by chords between evenly spaced stresses, by cycle and branch.
 
     Parameters
     ----------
@@ -125,29 +131,38 @@ def stiffness_table(history: xr.Dataset, count: int = LEVELS) -> pd.DataFrame:
     -------
     DataFrame
         ``cycle``, ``branch``, ``from_MPa`` and ``to_MPa`` of the chord, ``normal_stress_MPa`` in
-        its middle, ``normal_stiffness_MPa_per_mm`` (NaN where closure does not change), and
-        ``landing``: whether the chord reaches beyond `landing_stress`, so that its stiffness is
-        not the joint's.
+        its middle, ``normal_stiffness_net_MPa_per_mm`` of the joint,
+        ``normal_stiffness_gross_MPa_per_mm`` of the joint and the half-spaces (both NaN where
+        closure does not change), and ``landing``: whether the chord reaches beyond
+        `landing_stress`, so that its stiffness is not the joint's.
     """
     levels = stress_levels(history, count)
-    closures = closures_at(history, levels)
+    chords = {
+        name: _chords_between(levels, closures_at(history, levels, of))
+        for name, of in (
+            ("normal_stiffness_net_MPa_per_mm", NET),
+            ("normal_stiffness_gross_MPa_per_mm", GROSS),
+        )
+    }
     rows = []
-    for index, branches in enumerate(closures):
-        landing = landing_stress(history, index + 1)
-        for name, closure in zip((LOADING, UNLOADING), branches, strict=True):
-            rise, run = np.diff(levels), np.diff(closure)
-            stiffness = np.divide(rise, run, out=np.full(run.shape, np.nan), where=run > 0.0)
-            rows.append(
-                pd.DataFrame(
-                    {
-                        "cycle": index + 1,
-                        "branch": name,
-                        "from_MPa": 1e-6 * levels[:-1],
-                        "to_MPa": 1e-6 * levels[1:],
-                        "normal_stress_MPa": 0.5e-6 * (levels[:-1] + levels[1:]),
-                        "normal_stiffness_MPa_per_mm": 1e-9 * stiffness,
-                        "landing": (name == LOADING) & (levels[1:] > landing),
-                    }
-                )
-            )
+    for cycle in range(1, int(history.cycle.max()) + 1):
+        landing = landing_stress(history, cycle)
+        for side, branch in enumerate((LOADING, UNLOADING)):
+            columns = {
+                "cycle": cycle,
+                "branch": branch,
+                "from_MPa": 1e-6 * levels[:-1],
+                "to_MPa": 1e-6 * levels[1:],
+                "normal_stress_MPa": 0.5e-6 * (levels[:-1] + levels[1:]),
+            }
+            columns |= {name: 1e-9 * values[cycle - 1, side] for name, values in chords.items()}
+            columns["landing"] = (branch == LOADING) & (levels[1:] > landing)
+            rows.append(pd.DataFrame(columns))
     return pd.concat(rows, ignore_index=True)
+
+
+def _chords_between(levels: np.ndarray, closures: np.ndarray) -> np.ndarray:
+    """Stiffness (..., levels - 1) [Pa/m] of closures (..., levels) [m] at stresses [Pa]."""
+    run = np.diff(closures)
+    rise = np.broadcast_to(np.diff(levels), run.shape)
+    return np.divide(rise, run, out=np.full(run.shape, np.nan), where=run > 0.0)

@@ -58,7 +58,11 @@ def succeeded(study: xr.Dataset) -> xr.DataArray:
     return study.status < FAILURE
 
 
-def seats(study: xr.Dataset) -> xr.DataArray:
-    """Closures (..., cycle) from first touch at which cycles' loadings seat [m]."""
+def seats(study: xr.Dataset, net: bool = False) -> xr.DataArray:
+    """Find the gross or net closures (..., cycle) at which cycles' loadings seat [m].
+
+    They count from first touch; cycles start from no stress, where both are the same.
+    """
     start = study.residual_closure.shift(cycle=1, fill_value=0.0)
-    return start + study.max_closure - study.max_closure_seated
+    kind = "_net" if net else ""
+    return start + study[f"max_closure{kind}"] - study[f"max_closure_seated{kind}"]

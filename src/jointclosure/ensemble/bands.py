@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.engineering.curves import KINDS
 from jointclosure.ensemble.aggregation import seats, succeeded
 from jointclosure.protocol import LOADING
 
@@ -13,9 +14,8 @@ QUANTILES = (0.05, 0.5, 0.95)
 def band_table(
     case: xr.Dataset,
     quantiles: tuple[float, ...] = QUANTILES,
-    displacement_step: float | None = None,
 ) -> pd.DataFrame:
-    """Closure, normal stiffness and apertures against stress over the joints that succeeded.
+    """Tabulate closure, normal stiffness and apertures against stress over joints that succeeded.
 
     Parameters
     ----------
@@ -24,34 +24,36 @@ def band_table(
         `jointclosure.simulate_ensemble`.
     quantiles : tuple of float
         In (0, 1), which become columns ``q05`` and so on.
-    displacement_step : float, optional
-        [m] of joints that break by fixed steps: over the last one of the first loading, in which
-        they land on the maximum, stiffness is left out (`engineering.stiffness.landing_stress`).
 
     Returns
     -------
     DataFrame
-        For each cycle, branch and stress: ``stress_MPa``, and for ``closure_mm`` (from first
-        touch), ``closure_since_seating_mm``, ``normal_stiffness_MPa_per_mm`` (of each joint by the
-        chord to the next stress, in the row of the lower one), and of joints with flow
-        ``mean_aperture_mm`` and ``hydraulic_aperture_x_mm``, ``..._y_mm``: ``mean`` and quantiles
-        as ``<name>_<statistic>``, and ``samples``, the joints that reach the stress. Statistics
-        are NaN where none does; stiffness of single joints is NaN where closure does not change.
+        For each cycle, branch and stress: ``stress_MPa``, and of the net and the gross closure
+        (`jointclosure.engineering.curves.KINDS`) ``closure_<kind>_since_seating_mm``,
+        ``closure_<kind>_mm`` (from first touch) and ``normal_stiffness_<kind>_MPa_per_mm`` (of each
+        joint by the chord to the next stress, in the row of the lower one); of joints with flow
+        also ``mean_aperture_mm`` and ``hydraulic_aperture_x_mm``, ``..._y_mm``. Each has its
+        ``mean`` and quantiles as ``<name>_<statistic>``; ``samples`` are the joints that reach the
+        stress. Statistics are NaN where none does; stiffness of single joints is NaN where closure
+        does not change, and beyond their landing (`engineering.stiffness.landing_stress`).
     """
     good = case.where(succeeded(case))
-    closure = good.closure
-    fields = {
-        "closure_mm": 1e3 * closure,
-        "closure_since_seating_mm": 1e3 * (closure - seats(good)),
-        "normal_stiffness_MPa_per_mm": _stiffness(closure, displacement_step or 0.0),
-    }
+    upper = good.stress.shift(stress=-1)
+    landing = (good.branch == LOADING) & (upper > good.landing_stress)
+    fields = {}
+    for kind in KINDS:
+        net = kind == "net"
+        closure = good.closure - good.bulk_indentation if net else good.closure
+        fields[f"closure_{kind}_since_seating_mm"] = 1e3 * (closure - seats(good, net))
+        fields[f"closure_{kind}_mm"] = 1e3 * closure
+        fields[f"normal_stiffness_{kind}_MPa_per_mm"] = _stiffness(closure).where(~landing)
     if "hydraulic_aperture" in good:
         fields["mean_aperture_mm"] = 1e3 * good.mean_aperture
         for direction in good.direction.values:
             along = 1e3 * good.hydraulic_aperture.sel(direction=direction, drop=True)
             fields[f"hydraulic_aperture_{direction}_mm"] = along
     keys = ["cycle", "branch", "stress_MPa"]
-    columns = {"samples": np.isfinite(closure).sum("realization")}
+    columns = {"samples": np.isfinite(good.closure).sum("realization")}
     for name, values in fields.items():
         axis = values.get_axis_num("realization")
         known = np.isfinite(values).any("realization")
@@ -66,13 +68,9 @@ def band_table(
     return table.to_dataframe(dim_order=keys).reset_index()[[*keys, *columns]]
 
 
-def _stiffness(closure: xr.DataArray, landing: float) -> xr.DataArray:
-    """Chords between neighbouring stresses [MPa/mm], NaN at the last one and while landing."""
+def _stiffness(closure: xr.DataArray) -> xr.DataArray:
+    """Chords between neighbouring stresses [MPa/mm], NaN at the last one."""
     rise = closure.stress.diff("stress", label="lower")
     run = closure.diff("stress", label="lower")
     chords = 1e-9 * rise / run.where(run > 0.0)
-    if landing > 0.0:
-        upper = closure.shift(stress=-1).sel(stress=chords.stress)
-        first = (closure.cycle == 1) & (closure.branch == LOADING)
-        chords = chords.where(~first | (upper <= closure.max("stress") - landing))
     return chords.reindex(stress=closure.stress).transpose(*closure.dims)

@@ -4,9 +4,9 @@ A case's label names files only. It is never taken apart: rock, parameter,
 level and value are fields of `Case`, and coordinates of every dataset.
 """
 
-from jointclosure.config.properties import PROPERTIES
 from jointclosure.config.typed import Configuration, Study, StudyRock
 from jointclosure.ensemble.settings import Case
+from jointclosure.parameters import PROPERTIES
 
 BASE = "base"
 """Parameter and level of a case in which none is changed."""

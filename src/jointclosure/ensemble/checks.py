@@ -14,19 +14,32 @@ FEWEST = 2
 """Realisations of a case without which it has no standard deviation."""
 
 
-def check_results(study: xr.Dataset, numerics: Numerics, realizations: int) -> pd.DataFrame:
+def check_results(
+    study: xr.Dataset, numerics: Numerics, realizations: int, ensemble: str = "cases"
+) -> pd.DataFrame:
     """What must hold for every successful simulation, and what was found.
+
+    Parameters
+    ----------
+    study : Dataset
+        Closures of an ensemble of the study: its cases, or its pool.
+    numerics : Numerics
+    realizations : int
+        Of each case.
+    ensemble : str
+        Its name in the table.
 
     Returns
     -------
     DataFrame
-        Columns check, required, found, passed.
+        Columns ensemble, check, required, found, passed.
     """
     good = succeeded(study)
     rows = []
 
     def add(check: str, required: str, found, passed: bool) -> None:
-        rows.append({"check": check, "required": required, "found": found, "passed": bool(passed)})
+        row = {"check": check, "required": required, "found": found, "passed": bool(passed)}
+        rows.append({"ensemble": ensemble} | row)
 
     total = good.size
     successes = int(good.sum())

@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 import numpy as np
 import xarray as xr
 
+from jointclosure.engineering.curves import net_responses
 from jointclosure.ensemble.settings import ClosureSettings, Conditions
-from jointclosure.history import branch_of, closure_at_stresses, first_crossing
+from jointclosure.history import closure_at_stresses
 from jointclosure.protocol import FAILURE, LOADING, UNLOADING, Report
 from jointclosure.simulation import ATTRIBUTES, simulate
 
@@ -202,9 +203,8 @@ def labelled(rows: list[dict], realizations, seeds, cycles: int, stresses) -> xr
 
 
 def _row(closed: xr.Dataset, stresses: np.ndarray, conditions: Conditions) -> dict:
-    cycles, seating_stress = conditions.cycles, conditions.seating_stress
+    cycles = conditions.cycles
     history = (closed.normal_stress.values, closed.cycle.values, closed.branch.values)
-    stress, cycle, branch = history
     row: dict = {name: (("cycle",), closed[name].values) for name in PER_CYCLE}
     row |= {name: ((), closed[name].values) for name in PER_REALIZATION}
     for name in ("closure", "bulk_indentation"):
@@ -212,18 +212,8 @@ def _row(closed: xr.Dataset, stresses: np.ndarray, conditions: Conditions) -> di
             closed[name].values, *history, cycles, stresses, conditions.numerics.stress_tolerance
         )
         row[name] = (("cycle", "branch", "stress"), curves)
-    at_seat = []
-    for number in range(1, cycles + 1):
-        here = branch_of(cycle, branch, number, LOADING)
-        at_seat.append(
-            first_crossing(stress[here], closed.bulk_indentation.values[here], seating_stress)
-        )
-    bulk = closed.max_bulk_indentation.values
-    row["max_closure_net"] = (("cycle",), closed.max_closure.values - bulk)
-    row["max_closure_seated_net"] = (
-        ("cycle",),
-        closed.max_closure_seated.values - (bulk - np.array(at_seat)),
-    )
+    largest = float(np.max(conditions.max_normal_stress))
+    row |= {name: (("cycle",), each) for name, each in net_responses(closed, largest).items()}
     row["largest_residual"] = ((), float(closed.equilibrium_residual.max()))
     return row | _flow_row(closed, stresses, conditions) if conditions.flow else row
 
@@ -258,6 +248,15 @@ def _volume_error(upper: np.ndarray, lower: np.ndarray, closed: xr.Dataset) -> f
 _EXTRA_ATTRIBUTES = {
     "max_closure_net": ("closure at the cycle's maximum less bulk indentation", "m"),
     "max_closure_seated_net": ("the same, counted from seating", "m"),
+    "residual_closure_seated_net": ("residual closure at seating less bulk indentation", "m"),
+    "stiffness_net": (
+        "net normal stiffness of loading from half of the maximum stress to the landing on it",
+        "Pa/m",
+    ),
+    "landing_stress": (
+        "stress from which loading lands on its maximum by smaller steps, infinite without",
+        "Pa",
+    ),
     "largest_residual": ("largest equilibrium residual of all steps", "1"),
     "largest_flow_imbalance": (
         "largest sum of the cells' mass balances over the inflow, of all steps",

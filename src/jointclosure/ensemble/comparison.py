@@ -81,7 +81,7 @@ def interval_changes(first: pd.DataFrame, second: pd.DataFrame) -> pd.DataFrame:
         As from `jointclosure.studies.sensitivity.responses.indifference_table`.
     """
     keys = ["rock", "parameter", "cycle"]
-    columns = [*keys, "unit", "length", "length_low", "length_high", "status"]
+    columns = [*keys, "unit", "length", "length_low", "length_high", "status", "test"]
     both = first[columns].merge(second[columns], on=keys, suffixes=("_first", "_second"))
     both = both.drop(columns="unit_second").rename(columns={"unit_first": "unit"})
     return both.assign(ratio=both.length_second / both.length_first)
@@ -121,6 +121,18 @@ def _where(one: xr.Variable, two: xr.Variable) -> str:
     return f" in {int(unequal.sum())} of {unequal.size} values, by at most {largest:.3g}"
 
 
+def surfaces_sentence(changes: pd.DataFrame) -> str:
+    """What `closure_changes` compares: the same surfaces one by one, or means of different ones."""
+    if changes.same_surfaces.all():
+        return "Both studies close the same surfaces, which are compared one by one."
+    cases = changes.loc[~changes.same_surfaces, "case"].unique()
+    return (
+        f"The surfaces differ in {len(cases)} of {changes.case.nunique()} cases (seeds or numbers "
+        "of surfaces): changes there contain the scatter of surfaces. Surfaces are drawn by the "
+        "name of the study; study.surfaces_of draws those of another one."
+    )
+
+
 def by_rock(changes: pd.DataFrame) -> pd.DataFrame:
     """`closure_changes` by rock, cycle and target: means, and the spread over the cases."""
     groups = changes.groupby(["rock", "cycle", "target"], sort=False)
@@ -146,5 +158,6 @@ def shown_intervals(changes: pd.DataFrame) -> pd.DataFrame:
     shown["unit"] = [PROPERTIES[name].unit for name in changes.parameter]
     for which in ("first", "second"):
         shown[which] = [text(row, which) for _, row in changes.iterrows()]
+        shown[f"t test, {which}"] = changes[f"test_{which}"]
     shown["ratio"] = changes.ratio
     return shown

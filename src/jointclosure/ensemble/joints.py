@@ -1,6 +1,7 @@
 """Many joints closed under the same conditions, without a workflow."""
 
 import os
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -11,13 +12,14 @@ import xarray as xr
 from jointclosure.config.rocks import named_rock
 from jointclosure.ensemble.closing import close_pair, labelled
 from jointclosure.ensemble.settings import Conditions
-from jointclosure.ensemble.workers import Failed, shared
+from jointclosure.ensemble.workers import Failed, ProcessLostError, shared
 from jointclosure.given_walls import checked_walls
 from jointclosure.inputs import InputError, check_number
-from jointclosure.loading import largest_stress, load_cycles
-from jointclosure.parameters import Choices, Effects, Numerics, Rock, both_walls, check_usual
+from jointclosure.loading import SEATING_STRESS, largest_stress
+from jointclosure.parameters import Choices, Effects, Numerics, Rock
 from jointclosure.progress import bar
 from jointclosure.protocol import FLAGS
+from jointclosure.simulation import checked_conditions
 
 NOT_SIMULATED = 2 * max(FLAGS)
 """Bit of the status of a joint that could not be closed at all; its ``error`` says why."""
@@ -33,7 +35,7 @@ def simulate_ensemble(
     max_normal_stress: float | Sequence[float],
     seeds: Iterable[int] = range(20),
     cycles: int | None = None,
-    seating_stress: float = 0.5e6,
+    seating_stress: float = SEATING_STRESS,
     stress_points: int = 31,
     effects: Effects = Effects(),
     choices: Choices = Choices(),
@@ -73,7 +75,8 @@ def simulate_ensemble(
         a study's case: ``closure`` [m] from first touch, ``bulk_indentation`` [m], by cycle
         ``max_closure``, ``residual_closure`` [m] and others, ``status``. Coordinate ``seed`` (of
         walls that were given, their place), and ``error``: why a joint could not be closed, else
-        empty. Such a joint has status `NOT_SIMULATED` and NaN, and spoils no other.
+        empty. Such a joint has status `NOT_SIMULATED` and NaN, spoils no other, and is named in a
+        warning. One whose process was killed is closed once more first.
 
     Raises
     ------
@@ -83,24 +86,50 @@ def simulate_ensemble(
     check_number("stress_points", stress_points, whole=True)
     if stress_points < 2:
         raise InputError(f"stress_points = {stress_points!r}: must be at least 2")
-    intact = both_walls(named_rock(rock) if isinstance(rock, str) else rock)
-    load = load_cycles(max_normal_stress, cycles)
-    largest = largest_stress(max_normal_stress)
-    if not unusual_values:
-        check_usual(intact, spacing=spacing, max_normal_stress=largest)
+    intact, load = checked_conditions(
+        named_rock(rock) if isinstance(rock, str) else rock, spacing, max_normal_stress, cycles,
+        seating_stress, effects, choices, numerics, unusual_values,
+    )  # fmt: skip
     conditions = Conditions(
         spacing, intact, max_normal_stress, len(load), seating_stress, effects, choices, numerics,
         flow,
     )  # fmt: skip
-    stresses = np.linspace(0.0, largest, stress_points)
+    stresses = np.linspace(0.0, largest_stress(max_normal_stress), stress_points)
     labels, pairs = _pairs(walls, seeds)
     tasks = [(upper, lower, stresses, conditions) for upper, lower in pairs]
+    rows = _rows(tasks, labels, _workers(workers), progress)
+    return _together(rows, labels, len(load), stresses)
+
+
+def _rows(tasks: list[tuple], labels: np.ndarray, workers: int, progress: bool) -> list:
+    """Rows of all joints; those whose process ended before it was done are closed once more."""
     rows: list[Any] = [None] * len(tasks)
     with _shown(progress, len(tasks)) as show:
-        for place, row in shared(_closed, tasks, _workers(workers)):
+        for place, row in shared(_closed, tasks, workers):
             rows[place] = row
             show()
-    return _together(rows, labels, len(load), stresses)
+    lost = [i for i, row in enumerate(rows) if _lost(row)]
+    if lost:
+        _warn(f"closing again: seeds {labels[lost].tolist()}: {rows[lost[0]].error}")
+        # fewer at a time, as it is most often memory that was short; never in this process
+        for place, row in shared(_closed, [tasks[i] for i in lost], min(workers, 2)):
+            rows[lost[place]] = row
+    failed = [i for i, row in enumerate(rows) if isinstance(row, Failed)]
+    if failed and len(failed) < len(rows):
+        _warn(
+            f"{len(failed)} of {len(rows)} joints are not closed and NaN: seeds "
+            f"{labels[failed].tolist()}; `error` has the reasons, the first is "
+            f"{rows[failed[0]].error}"
+        )
+    return rows
+
+
+def _lost(row: Any) -> bool:
+    return isinstance(row, Failed) and isinstance(row.error, ProcessLostError)
+
+
+def _warn(message: str) -> None:
+    warnings.warn(message, stacklevel=4)
 
 
 def _pairs(walls, seeds: Iterable[int]) -> tuple[np.ndarray, list[Walls]]:

@@ -19,7 +19,11 @@ from jointclosure.surface.roughness import jrc_of_z2, rms_slope
 
 
 def prepared_walls(
-    scans: dict[str, Scan | Cloud], settings: Walls, spacing: float, jrc_relation: str
+    scans: dict[str, Scan | Cloud],
+    settings: Walls,
+    spacing: float,
+    jrc_relation: str,
+    unusual_values: bool = False,
 ) -> xr.Dataset:
     """Scanned walls on the grid of the joint, as large as they were scanned.
 
@@ -32,6 +36,8 @@ def prepared_walls(
         Grid spacing of the joint [m].
     jrc_relation : str
         Key of `jointclosure.surface.roughness.RELATIONS`: the JRC that is reported.
+    unusual_values : bool
+        As for `jointclosure.surface.registration.registered`.
 
     Returns
     -------
@@ -41,7 +47,8 @@ def prepared_walls(
     """
     walls = xr.Dataset(attrs={"spacing_m": spacing, "partner": ""})
     if settings.bring_together:
-        pair = brought_together(scans["upper"], scans["lower"], settings, spacing)
+        both = scans["upper"], scans["lower"]
+        pair = brought_together(*both, settings, spacing, unusual_values)
         heights = {"upper": (pair.upper, 0.0), "lower": (pair.lower, 0.0)}
         walls.attrs["registration"] = "; ".join(pair.report)
     else:
@@ -68,7 +75,11 @@ def prepared_walls(
 
 
 def brought_together(
-    upper: Scan | Cloud, lower: Scan | Cloud, settings: Walls, spacing: float | None
+    upper: Scan | Cloud,
+    lower: Scan | Cloud,
+    settings: Walls,
+    spacing: float | None,
+    unusual_values: bool,
 ) -> RegisteredPair:
     """Two scans registered as a configuration says; errors name their files."""
     try:
@@ -80,6 +91,7 @@ def brought_together(
             shift=settings.shift,
             cut_spikes=settings.spikes == "cut",
             largest_filled_share=settings.largest_filled_share,
+            unusual_values=unusual_values,
         )
     except InputError as error:
         raise InputError(f"{settings.upper} and {settings.lower}: {error}") from None

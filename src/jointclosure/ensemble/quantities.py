@@ -67,25 +67,34 @@ def _of_history(name: str) -> Callable[[ClosedJoint], np.ndarray]:
 
 QUANTITIES: dict[str, Quantity] = {
     "closure": Quantity(
-        "maximum closure, from first touch", "m", r"x_\mathrm{max}", _of_history("max_closure")
+        "maximum closure, from the cycle's start",
+        "m",
+        r"x_\mathrm{max}",
+        _of_history("max_closure"),
     ),
     "closure_net": Quantity(
-        "maximum closure net of bulk indentation",
-        "m",
-        r"x_\mathrm{max,net}",
-        lambda joint: joint.closed.max_closure.values - joint.closed.max_bulk_indentation.values,
+        "net closure, from the cycle's start", "m", r"x_\mathrm{net}", _response("closure_net")
     ),
-    "closure_seated": Quantity(
-        "maximum closure since seating", "m", r"x_\mathrm{max,s}", _of_history("max_closure_seated")
+    "closure_seated_net": Quantity(
+        "net closure since seating", "m", r"x_\mathrm{net,s}", _response("closure_seated_net")
     ),
     "residual": Quantity(
-        "residual closure", "m", r"x_\mathrm{res}", _of_history("residual_closure")
-    ),
-    "closure_above_half": Quantity(
-        "half of the maximum stress over the stiffness of loading there",
+        "residual closure, from first touch",
         "m",
-        r"\Delta x_{1/2}",
-        _response("closure_above_half"),
+        r"x_\mathrm{res}",
+        _of_history("residual_closure"),
+    ),
+    "residual_seated_net": Quantity(
+        "net residual closure at seating",
+        "m",
+        r"x_\mathrm{res,s}",
+        _response("residual_seated_net"),
+    ),
+    "stiffness_net": Quantity(
+        "net normal stiffness of loading, from half of the maximum stress to the landing on it",
+        "Pa/m",
+        r"k_\mathrm{n}",
+        _response("stiffness_net"),
     ),
     "hysteresis": Quantity(
         "share of the work of loading that unloading does not give back",

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from jointclosure.engineering.stiffness import secant_stiffness
+from jointclosure.engineering.curves import net_responses
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.protocol import FAILURE
@@ -24,40 +24,21 @@ def cycle_responses(
 
 
 def responses_of(closed: xr.Dataset, conditions: Conditions) -> dict[str, np.ndarray]:
-    """What is read of each cycle of a joint that was closed to one maximum stress.
+    """Read each cycle of a joint that was closed to one maximum stress.
 
     Returns
     -------
     dict of array (cycles,)
-        ``closure``, ``closure_net`` of bulk indentation, ``closure_seated``, ``residual`` closure
-        and ``closure_above_half``, all in m; ``stiffness`` of loading from half of the maximum
-        stress to where it begins to land on all of it (`secant_stiffness`), and ``stiffness_net``
-        of bulk indentation [Pa/m]. ``closure_above_half`` is the closure over all of that half at
-        the former. Stiffness is NaN where landing begins below half. Where breakage jumps over the
+        ``closure`` [m], the gross one from the cycle's start, as in the paper; and as read by
+        `jointclosure.engineering.curves.net_responses` ``closure_net``, ``closure_seated_net``,
+        ``residual_seated_net`` [m] and ``stiffness_net`` [Pa/m]. Where breakage jumps over the
         maximum stress, the last state below it stands for it.
     """
-    half = 0.5 * float(np.max(conditions.max_normal_stress))
-    closure = closed.max_closure.values
-    reached = closed.normal_stress.groupby(closed.cycle).max().values
-    history = net_of_bulk(closed)
-
-    def chords(of: str) -> np.ndarray:
-        return np.array(
-            [secant_stiffness(history, i, half, top, of) for i, top in enumerate(reached, start=1)]
-        )
-
-    stiffness = chords("closure")
+    net = net_responses(closed, float(np.max(conditions.max_normal_stress)))
     return {
-        "closure": closure,
-        "closure_net": closure - closed.max_bulk_indentation.values,
-        "closure_seated": closed.max_closure_seated.values,
-        "residual": closed.residual_closure.values,
-        "closure_above_half": (reached - half) / stiffness,
-        "stiffness": stiffness,
-        "stiffness_net": chords("closure_net"),
+        "closure": closed.max_closure.values,
+        "closure_net": net["max_closure_net"],
+        "closure_seated_net": net["max_closure_seated_net"],
+        "residual_seated_net": net["residual_closure_seated_net"],
+        "stiffness_net": net["stiffness_net"],
     }
-
-
-def net_of_bulk(history: xr.Dataset) -> xr.Dataset:
-    """A history that has ``closure_net`` too: closure less bulk indentation [m] at each step."""
-    return history.assign(closure_net=history.closure - history.bulk_indentation)

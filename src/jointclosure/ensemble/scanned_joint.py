@@ -6,14 +6,16 @@ from typing import NamedTuple
 
 import xarray as xr
 
-from jointclosure.config.rocks import named_rock
+from jointclosure.config.rocks import named_rock, rock_text
+from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError
-from jointclosure.loading import largest_stress, load_cycles, load_said
-from jointclosure.parameters import Choices, Effects, Numerics, Rock, both_walls, check_usual
+from jointclosure.loading import SEATING_STRESS, load_said
+from jointclosure.parameters import Choices, Effects, Numerics, Rock
 from jointclosure.protocol import FAILURE, Report
 from jointclosure.scans import read_scan
+from jointclosure.simulation import checked_conditions
 from jointclosure.surface.measured import Cloud, Scan
 from jointclosure.surface.registration import RegisteredPair, registered
 
@@ -28,21 +30,30 @@ class ClosedJoint(NamedTuple):
     history : Dataset
         As from `jointclosure.simulate`.
     conditions : Conditions
-        What the joint was told besides its walls.
+        Rock, load and model.
+    rock_name : str
+        Of `rock_text`; "rock" where it is given by its properties alone.
     """
 
     pair: RegisteredPair
     history: xr.Dataset
     conditions: Conditions
+    rock_name: str = "rock"
 
     def __repr__(self) -> str:
         ny, nx = self.pair.upper.shape
         step = 1e3 * self.pair.spacing
-        closures = ", ".join(f"{1e3 * value:.4g}" for value in self.history.max_closure.values)
+        seating = 1e-6 * self.conditions.seating_stress
+        table = cycle_table(self.history)
+        net, gross = (
+            ", ".join(f"{value:.4g}" for value in table[f"closure_{kind}_since_seating_mm"])
+            for kind in ("net", "gross")
+        )
         failed = ", failed" if int(self.history.status) >= FAILURE else ""
         return (
-            f"<ClosedJoint: {nx} x {ny} cells of {step:.4g} mm ({nx * step:.3g} x {ny * step:.3g} "
-            f"mm), closes {closures} mm "
+            f"<ClosedJoint: {rock_text(self.conditions.rock, self.rock_name)}, {nx} x {ny} cells "
+            f"of {step:.4g} mm ({nx * step:.3g} x {ny * step:.3g} mm), closes {net} mm net "
+            f"({gross} mm gross) since {seating:g} MPa "
             f"({load_said(self.conditions.max_normal_stress, self.conditions.cycles)}){failed}>"
         )
 
@@ -54,7 +65,7 @@ def close(
     rock: str | Rock | tuple[Rock, Rock],
     max_normal_stress: float | Sequence[float],
     cycles: int | None = None,
-    seating_stress: float = 0.5e6,
+    seating_stress: float = SEATING_STRESS,
     units: str | None = None,
     grid_spacing: float | None = None,
     orientation: str | None = None,
@@ -81,7 +92,7 @@ def close(
     max_normal_stress, cycles
         As for `jointclosure.simulate`: a maximum [Pa] and how often, or a load history.
     seating_stress : float
-        Where the ``_seated`` closures start to count [Pa]: laboratory curves start there.
+        Where the ``_seated`` closures start to count [Pa].
     units : {"m", "mm", "um", "nm"}, optional
         Of both files, where these do not say them.
     grid_spacing : float, optional
@@ -89,7 +100,9 @@ def close(
         parameter of the model: a cell is an asperity.
     orientation, shift, cut_spikes
         As for `jointclosure.surface.registration.registered`.
-    effects, choices, numerics, unusual_values, report, flow, snapshots
+    unusual_values : bool
+        As for `jointclosure.simulate`, and for `jointclosure.surface.registration.registered`.
+    effects, choices, numerics, report, flow, snapshots
         As for `jointclosure.simulate`.
 
     Returns
@@ -100,16 +113,19 @@ def close(
     ------
     InputError
         A file that cannot be read, units that nobody says, walls of which no orientation is
-        clear or that do not overlap, a number out of its range.
+        clear or that do not overlap, a pair that is refused as `registered` does, a number out of
+        its range.
     """
-    intact = both_walls(named_rock(rock) if isinstance(rock, str) else rock)
-    load = load_cycles(max_normal_stress, cycles)
-    if not unusual_values:
-        check_usual(intact, max_normal_stress=largest_stress(max_normal_stress))
+    intact, load = checked_conditions(
+        named_rock(rock) if isinstance(rock, str) else rock, None, max_normal_stress, cycles,
+        seating_stress, effects, choices, numerics, unusual_values,
+    )  # fmt: skip
     above, below = read_wall(upper, units), read_wall(lower, units)
     pair = registered(
-        above, below, grid_spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes
-    )
+        above, below, grid_spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes,
+        unusual_values=unusual_values,
+    )  # fmt: skip
+    name = rock if isinstance(rock, str) else "rock"
     conditions = Conditions(
         pair.spacing,
         intact,
@@ -121,7 +137,7 @@ def close(
         numerics,
         flow,
     )
-    return closed_pair(pair, conditions, report, snapshots)
+    return closed_pair(pair, conditions, report, snapshots, rock_name=name)
 
 
 def closed_pair(
@@ -129,11 +145,12 @@ def closed_pair(
     conditions: Conditions,
     report: Report | None = None,
     snapshots: Sequence[float] = (),
+    rock_name: str = "rock",
 ) -> ClosedJoint:
     """Close walls that were brought together, on their own grid, as any other walls."""
     conditions = conditions._replace(spacing=pair.spacing)
     history = close_walls(pair.upper, pair.lower, conditions, report, snapshots)
-    return ClosedJoint(pair, history, conditions)
+    return ClosedJoint(pair, history, conditions, rock_name)
 
 
 def read_wall(

@@ -46,7 +46,7 @@ class Case(NamedTuple):
     surface: str
 
     def property(self, name: str) -> float:
-        """A property of `jointclosure.config.properties.PROPERTIES` [SI]."""
+        """A property of `jointclosure.parameters.PROPERTIES` [SI]."""
         return self.jrc if name == "jrc" else getattr(self.intact, name)
 
     def changed(self, name: str, value: float) -> "Case":

@@ -16,6 +16,10 @@ from typing import Any, NamedTuple
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
+class ProcessLostError(RuntimeError):
+    """The process of a worker ended before its task was done."""
+
+
 class Failed(NamedTuple):
     """What a task raised, or what became of its worker."""
 
@@ -82,7 +86,8 @@ class _Workers:
             self._of_thread.worker = None
             worker.kill()
             code = worker.wait()
-            return Failed(RuntimeError(f"its process ended with code {code} before it was done"))
+            message = f"its process ended with code {code} before it was done"
+            return Failed(ProcessLostError(message))
 
     def _start(self) -> subprocess.Popen:
         environment = os.environ | dict.fromkeys(_ONE_THREAD, "1")

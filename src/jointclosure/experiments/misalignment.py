@@ -4,7 +4,7 @@ Independent walls, and walls whose longer waves mate, are closed at every tilt a
 rotation, on the same surfaces.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
@@ -23,21 +23,21 @@ from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.ensemble.wavelengths import labelled_wavelengths
 from jointclosure.experiments import Design, Experiment
 from jointclosure.plotting.style import styled, subplots
-from jointclosure.statistics.ratios import ratio_of_means
+from jointclosure.statistics.ratios import harmonic_mean, ratio_of_means
 
 READ = {
-    "closure": ("closure", "maximum closure (mm)"),
-    "closure_seated": ("closure_seated", "closure since seating (mm)"),
-    "residual": ("residual", "residual closure (mm)"),
-    "stiffness": ("closure_above_half", "normal stiffness (MPa/mm)"),
+    "closure": "maximum closure (mm)",
+    "closure_seated_net": "net closure since seating (mm)",
+    "residual_seated_net": "net residual closure at seating (mm)",
+    "stiffness_net": "net normal stiffness (MPa/mm)",
 }
-"""Column ``response`` of the table: the quantity that it is made of, and its name with its unit."""
+"""Quantities of the column ``response``, with their names and units there."""
 _PANELS = (
     ("closure", 1, "maximum closure,\ncycle 1"),
     ("closure", 2, "maximum closure,\ncycle 2"),
-    ("residual", 1, "residual closure"),
-    ("stiffness", 1, "normal stiffness,\ncycle 1"),
-    ("stiffness", 2, "normal stiffness,\ncycle 2"),
+    ("residual_seated_net", 1, "residual closure"),
+    ("stiffness_net", 1, "net normal stiffness,\ncycle 1"),
+    ("stiffness_net", 2, "net normal stiffness,\ncycle 2"),
 )
 """Response, cycle and title of each row."""
 
@@ -76,8 +76,7 @@ def misalignment_design(configured: Configured) -> Design:
                 )
                 for tilt, rotation in angles
             ]
-    stresses = {name: rock.max_normal_stress for name, rock in configuration.rocks.items()}
-    return Design(jobs, ("misalignment",), ("misalignment",), {"max_normal_stress": stresses})
+    return Design(jobs, ("misalignment",), ("misalignment",), {})
 
 
 def _problems(keys: dict, section: MisalignmentKeys) -> Iterator[str]:
@@ -101,17 +100,13 @@ def _problems(keys: dict, section: MisalignmentKeys) -> Iterator[str]:
             yield f"misalignment.{name}: must have 0 among them"
 
 
-def misalignment_table(
-    joints: pd.DataFrame, parameters: Mapping[str, dict[str, float]]
-) -> pd.DataFrame:
+def misalignment_table(joints: pd.DataFrame) -> pd.DataFrame:
     """Means over surfaces, and their changes from aligned walls, at every tilt and rotation.
 
     Parameters
     ----------
     joints : DataFrame
         As from `jointclosure.ensemble.points.close_points`.
-    parameters : mapping
-        ``max_normal_stress`` [Pa] by rock.
 
     Returns
     -------
@@ -123,8 +118,7 @@ def misalignment_table(
 
     Notes
     -----
-    The stiffness is half of the maximum stress over the mean closure that it takes at the stiffness
-    of each joint (`jointclosure.ensemble.responses.responses_of`).
+    The mean stiffness is the harmonic one, that of the mean curve.
     """
     rows = []
     of_walls = ["rock", "wavelength", "cycle"]
@@ -138,28 +132,24 @@ def misalignment_table(
             "rotation_degrees": rotation,
             "cycle": cycle,
         }
-        for response, (name, _) in READ.items():
-            if response == "residual" and cycle > 1:
+        before = aligned[rock, wavelength, cycle]
+        for response in READ:
+            if response == "residual_seated_net" and cycle > 1:
                 continue
-            before = aligned[rock, wavelength, cycle][name].to_numpy()
-            half_MPa = 0.5e-6 * parameters["max_normal_stress"][rock]
-            rows.append(
-                about
-                | {"response": response}
-                | _row(response, part[name].to_numpy(), before, half_MPa)
-            )
+            pair = (each[response].to_numpy() for each in (part, before))
+            rows.append(about | {"response": response} | _row(response, *pair))
     return pd.DataFrame(rows)
 
 
-def _row(response: str, values: np.ndarray, aligned: np.ndarray, half_MPa: float) -> dict:
+def _row(response: str, values: np.ndarray, aligned: np.ndarray) -> dict:
     """Mean of a response, and its change from aligned walls on the same surfaces."""
     both = np.isfinite(values) & np.isfinite(aligned)
-    values, aligned = 1e3 * values[both], 1e3 * aligned[both]
-    if response == "stiffness":
-        mean = ratio_of_means(np.full(values.size, half_MPa), values)
-        ratio = ratio_of_means(aligned, values)
+    values, aligned = values[both], aligned[both]
+    if response == "stiffness_net":
+        mean = harmonic_mean(1e-9 * values)
+        ratio = ratio_of_means(1.0 / aligned, 1.0 / values)
     else:
-        mean = ratio_of_means(values, np.ones(values.size))
+        mean = ratio_of_means(1e3 * values, np.ones(values.size))
         ratio = ratio_of_means(values, aligned)
     return {
         "value": mean.value,
@@ -243,8 +233,8 @@ def _spread_rotations(axes: Axes, rotations: pd.Series) -> None:
 
 EXPERIMENT = Experiment(
     title="what a tilt and a rotation of the walls change",
-    quantities=tuple(name for name, _ in READ.values()),
+    quantities=tuple(READ),
     design=misalignment_design,
-    tabulate=lambda joints, parameters: {"misalignment": misalignment_table(joints, parameters)},
+    tabulate=lambda joints, parameters: {"misalignment": misalignment_table(joints)},
     draw=lambda name, tables: misalignment_figure(tables[name]),
 )

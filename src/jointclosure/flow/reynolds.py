@@ -10,14 +10,20 @@ import numpy as np
 import scipy
 
 DIRECTIONS = ("x", "y")
-FLOWS, BLOCKED, NOT_SOLVED = range(3)
-STATUSES = {FLOWS: "flows", BLOCKED: "blocked", NOT_SOLVED: "not_solved"}
-"""Of a flow: it is found; no open cells join inlet and outlet; it was not found."""
+FLOWS, BLOCKED, NOT_SOLVED, AT_LEAST = range(4)
+STATUSES = {
+    FLOWS: "flows",
+    BLOCKED: "blocked",
+    NOT_SOLVED: "not_solved",
+    AT_LEAST: "at_least",
+}
+"""Of a flow: it is found; no open cells join inlet and outlet; it was not found; faces that are
+`CLOSED` may pass a part of it that counts, so that what is found is a lower bound."""
 
 CLOSED = 1e-14
 """A face passes nothing whose conductance is less than this part of all those of one of its cells:
 beyond it a cell's balance cannot be told from rounding. That is an aperture below some 2e-5 of its
-neighbours', as nanometres beside tenths of a millimetre."""
+neighbours', as nanometres beside tenths of a millimetre. `AT_LEAST` says where that may count."""
 LARGEST_IMBALANCE = 1e-6
 """Of the cells' mass balances over the inflow, beyond which a flow counts as not solved."""
 
@@ -26,9 +32,9 @@ class Flow(NamedTuple):
     """Flow along one direction.
 
     ``hydraulic_aperture`` [as the apertures]: that of parallel plates which pass as much; 0 where
-    blocked, NaN where not solved. ``status``: of `STATUSES`. ``imbalance``: sum of what cells gain
-    or lose, over the inflow. ``pressure`` (y, x): 1 at the inlet's side, 0 at the outlet's, NaN in
-    cells that no flow reaches.
+    blocked, NaN where not solved, a lower bound where `AT_LEAST`. ``status``: of `STATUSES`.
+    ``imbalance``: sum of what cells gain or lose, over the inflow. ``pressure`` (y, x): 1 at the
+    inlet's side, 0 at the outlet's, NaN in cells that no flow reaches.
     """
 
     hydraulic_aperture: float
@@ -40,13 +46,15 @@ class Flow(NamedTuple):
 class _Network(NamedTuple):
     """Conductances between nodes: the cells in C order, the inlet, and the outlet last.
 
-    ``first`` and ``second`` (n,) are the nodes of each face.
+    ``first`` and ``second`` (n,) are the nodes of each face. ``left_out`` has those that count as
+    closed and are not quite.
     """
 
     first: np.ndarray
     second: np.ndarray
     conductance: np.ndarray
     nodes: int
+    left_out: "_Network | None" = None
 
 
 def flow_along(aperture: np.ndarray, direction: str) -> Flow:
@@ -73,8 +81,11 @@ def flow_along(aperture: np.ndarray, direction: str) -> Flow:
     nowhere = np.full(aperture.shape, np.nan)
     network = _network((field / largest) ** 3) if largest > 0.0 else None
     joined = _joined(network) if network is not None else None
-    if network is None or joined is None:
+    if network is None:
         return Flow(0.0, BLOCKED, 0.0, nowhere)
+    if joined is None:
+        status = BLOCKED if _joined(_whole(network)) is None else AT_LEAST
+        return Flow(0.0, status, 0.0, nowhere)
     try:
         pressures = _pressures(network, joined)
     except RuntimeError:  # of SuperLU, where rounding leaves a pivot of 0
@@ -85,7 +96,9 @@ def flow_along(aperture: np.ndarray, direction: str) -> Flow:
     rows, columns = field.shape
     shown = np.where(joined, pressures[0], np.nan)[:-2].reshape(field.shape)
     hydraulic = largest * float(np.cbrt(outflow * columns / rows))
-    return Flow(hydraulic, FLOWS, imbalance, shown if direction == "x" else shown.T)
+    counts = _left_out_flow(network, joined, pressures[0]) > LARGEST_IMBALANCE * outflow
+    status = AT_LEAST if counts else FLOWS
+    return Flow(hydraulic, status, imbalance, shown if direction == "x" else shown.T)
 
 
 def _network(transmissivity: np.ndarray) -> _Network:
@@ -107,15 +120,50 @@ def _network(transmissivity: np.ndarray) -> _Network:
     total = np.bincount(first, conductance, nodes) + np.bincount(second, conductance, nodes)
     total[-2:] = 0.0
     is_open = conductance > CLOSED * np.maximum(total[first], total[second])
-    return _Network(first[is_open], second[is_open], conductance[is_open], nodes)
+    nearly = ~is_open & (conductance > 0.0)
+    left_out = _Network(first[nearly], second[nearly], conductance[nearly], nodes)
+    return _Network(first[is_open], second[is_open], conductance[is_open], nodes, left_out)
+
+
+def _whole(network: _Network) -> _Network:
+    """A network with the faces that were left out of it."""
+    parts = zip(network[:3], network.left_out[:3], strict=True)
+    return _Network(*(np.concatenate(pair) for pair in parts), network.nodes)
+
+
+def _left_out_flow(network: _Network, joined: np.ndarray, pressure: np.ndarray) -> float:
+    """Upper bound of the flow that faces left out would add, at a pressure fall of 1.
+
+    By Dirichlet's principle: the flow is at most what any field of pressures dissipates. The field
+    is the solved one, and one value in each group of cells that open faces join to neither side.
+    """
+    first, second, conductance, nodes, _ = network.left_out
+    if not first.size:
+        return 0.0
+    group = _groups(network)
+    # of each such group the mean of the pressures next to it, so that a dead end adds nothing
+    weight, total = np.zeros(nodes), np.zeros(nodes)
+    for inside, outside in ((first, second), (second, first)):
+        at = joined[outside] & ~joined[inside]
+        beside, through = group[inside[at]], conductance[at]
+        weight += np.bincount(beside, through, nodes)
+        total += np.bincount(beside, through * pressure[outside[at]], nodes)
+    level = np.divide(total, weight, out=np.full(nodes, 0.5), where=weight > 0.0)
+    field = np.where(joined, pressure, level[group])
+    return float(np.sum(conductance * (field[first] - field[second]) ** 2))
 
 
 def _joined(network: _Network) -> np.ndarray | None:
     """Nodes (n,) that are joined to inlet and outlet; None where these are not."""
+    label = _groups(network)
+    return label == label[-1] if label[-1] == label[-2] else None
+
+
+def _groups(network: _Network) -> np.ndarray:
+    """Number (n,) of the group of nodes that each node is joined to."""
     links = (network.conductance, (network.first, network.second))
     graph = scipy.sparse.coo_array(links, shape=(network.nodes, network.nodes))
-    _, label = scipy.sparse.csgraph.connected_components(graph, directed=False)
-    return label == label[-1] if label[-1] == label[-2] else None
+    return scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
 
 
 def _pressures(network: _Network, joined: np.ndarray) -> np.ndarray:
@@ -126,7 +174,7 @@ def _pressures(network: _Network, joined: np.ndarray) -> np.ndarray:
     unknown = joined.copy()
     unknown[-2:] = False
     number = np.cumsum(unknown) - 1
-    first, second, conductance, nodes = network
+    first, second, conductance, nodes, _ = network
     diagonal = np.bincount(first, conductance, nodes) + np.bincount(second, conductance, nodes)
     inner = unknown[first] & unknown[second]
     row, column = number[first[inner]], number[second[inner]]
@@ -153,7 +201,7 @@ def _pressures(network: _Network, joined: np.ndarray) -> np.ndarray:
 
 def _balance(network: _Network, pressures: np.ndarray) -> tuple[float, float]:
     """Outflow, and the sum of all cells' imbalances over it; by faces, whatever was solved."""
-    first, second, conductance, nodes = network
+    first, second, conductance, nodes, _ = network
     fall, rise = pressures[:, second] - pressures[:, first]
     near_outlet = pressures[0][first] < 0.5
     flux = conductance * np.where(near_outlet, fall, -rise)

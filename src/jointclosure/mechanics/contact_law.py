@@ -10,7 +10,7 @@ from jointclosure.mechanics.contact import (
     substrate_compliance,
 )
 from jointclosure.mechanics.strength import critical_indentation, strength_factor
-from jointclosure.parameters import Choices, Effects, Rock
+from jointclosure.parameters import Choices, Effects, Rock, strength_of
 
 
 class ContactLaw(NamedTuple):
@@ -41,7 +41,7 @@ def contact_law(
     asperity_modulus = np.array(
         [equivalent_modulus(moduli[0] * upper, moduli[1] * lower) for upper, lower in softness]
     )
-    limit = min(wall.compressive_strength / strength_factor(wall.poisson_ratio) for wall in rock)
+    limit = min(strength_of(wall) / strength_factor(wall.poisson_ratio) for wall in rock)
     critical = np.array([critical_indentation(limit, modulus) for modulus in asperity_modulus])
     substrate_modulus = equivalent_modulus(*moduli)
     base_radius = choices.base_radius_in_cells * spacing

@@ -7,6 +7,7 @@ from matplotlib.animation import FuncAnimation
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from jointclosure.engineering.curves import spacing_of
+from jointclosure.history import GROSS
 from jointclosure.inputs import InputError
 from jointclosure.plotting.joint import draw_curves
 from jointclosure.plotting.scanned_joint import map_extent
@@ -72,7 +73,7 @@ def crushing_animation(closed: xr.Dataset, title: str) -> FuncAnimation:
 
 def _curve(axes, closed: xr.Dataset):
     closure, stress = 1e3 * closed.closure.values, 1e-6 * closed.normal_stress.values
-    draw_curves(axes, closed)
+    draw_curves(axes, closed, of=GROSS)
     (place,) = axes.plot([], [], "o", color="black", ms=7, zorder=5)
 
     def draw(frame: int) -> None:

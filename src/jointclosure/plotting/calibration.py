@@ -10,7 +10,7 @@ from jointclosure.plotting.style import styled, subplots
 
 @styled
 def fit_figure(found: Fit, title: str) -> Figure:
-    """What was measured among the joints that were closed, and how likely each wavelength is.
+    """Draw the measured readings among those of the joints, and how likely each wavelength is.
 
     Parameters
     ----------
@@ -36,8 +36,11 @@ def fit_figure(found: Fit, title: str) -> Figure:
     )  # fmt: skip
     profile = found.likelihood.log.max(axis=1)
     below.plot(1e3 * found.likelihood.wavelengths, profile - profile.max(), color="C0")
-    low, high = np.clip(1e3 * np.array(found.mismatch_wavelength[1:]), nodes[0], nodes[-1])
-    below.axvspan(low, high, color="0.9", lw=0.0, label="95 % interval")
+    if found.interval_holds:
+        low, high = np.clip(1e3 * np.array(found.mismatch_wavelength[1:]), nodes[0], nodes[-1])
+        below.axvspan(low, high, color="0.9", lw=0.0, label="95 % interval")
+    else:
+        below.plot([], [], " ", label="the model hardly makes this curve: no interval holds")
     below.set(xscale="log", ylim=(-12.0, 1.0), ylabel="log likelihood")
     below.set_xlabel("mismatch wavelength (mm)")
     below.legend(frameon=False, loc="lower right")

@@ -14,7 +14,7 @@ from jointclosure.protocol import LOADING
 
 @styled
 def engineering_figure(history: xr.Dataset, title: str) -> Figure:
-    """Closure since seating with the fitted laws, normal stiffness and apertures over stress.
+    """Draw net closure since seating with the fitted laws, net stiffness and apertures.
 
     The last panel, of hydraulic apertures, is there for a history with flow.
 
@@ -56,7 +56,7 @@ def _draw_closure(axes, history: xr.Dataset) -> None:
         axes.plot([], [], style, color="0.25", lw=1.0, label=name.replace("_", "-"))
     axes.set(
         title="loading, and laws fitted to it", ylim=0.0,
-        xlabel=f"closure since {seating:g} MPa (mm)", ylabel="normal stress (MPa)",
+        xlabel=f"net closure since {seating:g} MPa (mm)", ylabel="normal stress (MPa)",
     )  # fmt: skip
     axes.legend(frameon=False, fontsize=9)
 
@@ -75,7 +75,7 @@ def _draw_aperture(axes, history: xr.Dataset) -> None:
         loaded = own[own.normal_stress_MPa >= 0.5 * seating].mean_aperture_mm
         top = max(top, float(np.nanmax(loaded)) if len(loaded) else 0.0)
     axes.set(
-        title="mean aperture", xlim=0.0, ylim=(0.0, 1.15 * top),
+        title="mean aperture", xlim=0.0, ylim=(0.0, 1.15 * top or None),
         xlabel="normal stress (MPa)", ylabel="mean aperture (mm)",
     )  # fmt: skip
     axes.legend(frameon=False, fontsize=9)

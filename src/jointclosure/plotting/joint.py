@@ -9,14 +9,14 @@ from matplotlib.figure import Figure
 
 from jointclosure.engineering.curves import seat_of
 from jointclosure.engineering.stiffness import stiffness_table
-from jointclosure.history import branch_of
+from jointclosure.history import GROSS, NET, branch_of, read_along
 from jointclosure.plotting.style import BRANCH_LINES, above, styled, subplots
 from jointclosure.protocol import LOADING
 
 
 @styled
 def closure_curve(closed: xr.Dataset, title: str) -> Figure:
-    """Stress against closure from first touch and since seating, each cycle in its colour.
+    """Draw stress against gross closure from first touch, and net closure since seating.
 
     Parameters
     ----------
@@ -25,8 +25,8 @@ def closure_curve(closed: xr.Dataset, title: str) -> Figure:
     title : str
     """
     figure, panels = subplots(1, 2, figsize=(10.4, 4.4), layout="constrained", sharey=True)
-    for axes, since in zip(panels, ("touch", "seating"), strict=True):
-        draw_curves(axes, closed, since)
+    for axes, since, of in zip(panels, ("touch", "seating"), (GROSS, NET), strict=True):
+        draw_curves(axes, closed, since, of)
     panels[1].set(ylabel="")
     if panels[1].get_legend():
         panels[1].get_legend().remove()
@@ -35,8 +35,8 @@ def closure_curve(closed: xr.Dataset, title: str) -> Figure:
     return figure
 
 
-def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch") -> None:
-    """Stress against closure on axes, each cycle in its colour, unloading dashed.
+def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = NET) -> None:
+    """Draw stress against closure on axes, each cycle in its colour, unloading dashed.
 
     Parameters
     ----------
@@ -46,16 +46,19 @@ def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch") -> None:
     since : {"touch", "seating", "cycle"}
         Where closure counts from: first touch, the seating stress on each cycle's loading, or
         each cycle's start.
+    of : {"closure_net", "closure"}
+        Net closure, or gross, as for `jointclosure.history.read_along`.
     """
     cycle, branch = closed.cycle.values, closed.branch.values
-    numbers = sorted(set(cycle.tolist()))
+    values, numbers = read_along(closed, of), sorted(set(cycle.tolist()))
     for number in numbers:
-        zero = _zero_of(closed, number, since)
+        zero = _zero_of(closed, number, since, of)
         for name, style in BRANCH_LINES.items():
             here = branch_of(cycle, branch, number, name)
-            closure, stress = closed.closure.values[here], closed.normal_stress.values[here]
+            closure, stress = values[here], closed.normal_stress.values[here]
             if since == "seating":
-                closure, stress = _from_seating(closed, number, name, closure, stress)
+                seat = seat_of(closed, number, name, of)
+                closure, stress = _from_seating(closed, name, seat, closure, stress)
             axes.plot(
                 1e3 * (closure - zero),
                 1e-6 * stress,
@@ -66,46 +69,48 @@ def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch") -> None:
             )
     seating = 1e-6 * float(closed.attrs["seating_stress_Pa"])
     words = {"touch": "first touch", "seating": f"{seating:g} MPa", "cycle": "the cycle's start"}
-    axes.set(xlabel=f"closure from {words[since]} (mm)", ylabel="normal stress (MPa)", ylim=0.0)
+    kind = "net" if of == NET else "gross"
+    axes.set(xlabel=f"{kind} closure from {words[since]} (mm)")
+    axes.set(ylabel="normal stress (MPa)", ylim=0.0)
     if len(numbers) <= 5:
         axes.legend(frameon=False)
 
 
 def draw_stiffness(axes: Axes, closed: xr.Dataset) -> None:
-    """Normal stiffness by chords against stress; chords of the landing as open circles."""
+    """Draw net normal stiffness by chords against stress; chords of the landing as open circles."""
     table = stiffness_table(closed)
     for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
         colour, order = f"C{cycle - 1}", above(cycle, branch)
         for landing, part in own.groupby("landing"):
             label = "landing on the maximum" if landing else f"cycle {cycle}, {branch}"
             axes.plot(
-                part.normal_stress_MPa, part.normal_stiffness_MPa_per_mm,
+                part.normal_stress_MPa, part.normal_stiffness_net_MPa_per_mm,
                 "" if landing else BRANCH_LINES[branch], label=label, color=colour, zorder=order,
                 marker="o", ms=3, mfc="none" if landing else colour,
             )  # fmt: skip
-    axes.set(xlabel="normal stress (MPa)", ylabel="kn (MPa/mm)", yscale="log", xlim=0.0)
+    axes.set(xlabel="normal stress (MPa)", ylabel="net kn (MPa/mm)", yscale="log", xlim=0.0)
     axes.yaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
     axes.yaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
     axes.legend(frameon=False, fontsize=9)
 
 
-def _zero_of(closed: xr.Dataset, cycle: int, since: str) -> float:
+def _zero_of(closed: xr.Dataset, cycle: int, since: str, of: str) -> float:
     """Closure [m] that counts as none in a cycle."""
     if since == "seating":
-        return seat_of(closed, cycle, LOADING)
+        return seat_of(closed, cycle, LOADING, of)
     if since == "cycle":
         here = branch_of(closed.cycle.values, closed.branch.values, cycle, LOADING)
-        return float(closed.closure.values[here[0]])
+        return float(read_along(closed, of)[here[0]])
     return 0.0
 
 
 def _from_seating(
-    closed: xr.Dataset, cycle: int, branch: str, closure: np.ndarray, stress: np.ndarray
+    closed: xr.Dataset, branch: str, seat: float, closure: np.ndarray, stress: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """The part of a branch above the seating stress, its point at that stress included."""
     seating = float(closed.attrs["seating_stress_Pa"])
-    above_it, seat = stress > seating, seat_of(closed, cycle, branch)
+    above_it = stress > seating
     end = 0 if branch == LOADING else int(above_it.sum())
     return (
         np.insert(closure[above_it], end, seat),

@@ -10,9 +10,9 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from jointclosure.plotting.style import styled, subplots
 
 _PANELS = {
-    "closure_since_seating_mm": "closure since seating (mm)",
-    "normal_stiffness_MPa_per_mm": "normal stiffness from half\nof the stress (MPa/mm)",
-    "residual_closure_mm": "residual closure (mm)",
+    "closure_net_since_seating_mm": "net closure since seating (mm)",
+    "normal_stiffness_net_MPa_per_mm": "net stiffness from half\nof the stress (MPa/mm)",
+    "residual_net_at_seating_mm": "residual at seating (mm)",
     "hysteresis": "hysteresis (share of work)",
 }
 _CYCLES = ("C0", "C1", "C2", "C4")
@@ -40,7 +40,7 @@ def mismatch_figure(table: pd.DataFrame) -> Figure:
         _against_mismatch(row[0], table[table.shift_mm == 0.0], column)
         _against_shift(row[1], table[table.cycle == table.cycle.min()], column)
         row[0].set_ylabel(title)
-        if column == "normal_stiffness_MPa_per_mm":
+        if column == "normal_stiffness_net_MPa_per_mm":
             row[0].set_yscale("log")
         elif column == "hysteresis":  # that of mates is unresolved, and may be far below
             row[0].set_ylim(-0.1, 1.05)

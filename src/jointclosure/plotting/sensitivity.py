@@ -139,7 +139,13 @@ def _scale(axes) -> None:
 def _handles(draws: int, compared: bool) -> list:
     handles = [
         plt.Rectangle(
-            (0, 0), 1, 1, fc="none", ec=_OURS, lw=1.1, label=f"studies of {draws} draws each, ours"
+            (0, 0),
+            1,
+            1,
+            fc="none",
+            ec=_OURS,
+            lw=1.1,
+            label=f"studies of {draws} draws, unpaired t test",
         ),
         plt.Line2D([], [], color=_OURS, lw=3.2, label="their 5 to 95 %; upright: the median"),
         plt.Rectangle((0, 0), 1, 1, fc=_NULL, lw=0, label="if the property had no effect"),
@@ -189,7 +195,7 @@ def along_curve_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], what: s
             else:
                 axes.axhline(0.0, color="0.6", lw=0.7)
             axes.spines[["top", "right"]].set_visible(False)
-        row[0].set_ylabel("elasticity" if what == "elasticities" else "length (%)")
+        row[0].set_ylabel("elasticity" if what == "elasticities" else "length, unpaired test (%)")
     for axes in panels[-1]:
         axes.set_xlabel("normal stress (MPa)")
     handles, labels = panels[0][0].get_legend_handles_labels()

@@ -9,9 +9,10 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from jointclosure.plotting.style import styled, subplots
 
 _ROWS = (
-    ("closure_net_mm", 1, "net closure, cycle 1"),
+    ("closure_seated_net_mm", 1, "net closure since seating,\ncycle 1"),
+    ("closure_net_mm", 1, "net closure from first touch,\ncycle 1"),
     ("residual_closure_mm", 1, "residual closure, cycle 1"),
-    ("closure_net_mm", 2, "net closure, cycle 2"),
+    ("closure_seated_net_mm", 2, "net closure since seating,\ncycle 2"),
     ("net_stiffness_MPa_per_mm", 2, "net stiffness from half\nof the stress, cycle 2"),
 )
 _MARKERS = "osD^vP*X"
@@ -34,7 +35,7 @@ def size_figure(table: pd.DataFrame) -> Figure:
     table = table[table.rock == table.rock.iloc[0]]
     base = table[(table.closure_mm_ratio == 1.0) & (table.closure_mm_error == 0.0)].iloc[0]
     figure, panels = subplots(
-        len(_ROWS), 2, figsize=(9.0, 11.5), layout="constrained", sharey="row", sharex="col"
+        len(_ROWS), 2, figsize=(9.0, 14.0), layout="constrained", sharey="row", sharex="col"
     )
     for row, (column, cycle, title) in zip(panels, _ROWS, strict=True):
         own = table[table.cycle == cycle]

@@ -19,7 +19,7 @@ from jointclosure.ensemble.aggregation import seats, succeeded
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.plotting.measured import Measurements, draw_measured, measured_handles
 from jointclosure.plotting.style import styled, subplots
-from jointclosure.tables import roughness_title
+from jointclosure.tables import UNPAIRED_TEST, roughness_title, test_name
 
 _CYCLE_COLOURS = dict(enumerate(sns.color_palette("colorblind", 8), start=1))
 MOST_DRAWN = 500
@@ -251,7 +251,14 @@ def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
             axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=9)
             axes.set_ylabel(f"length{PROPERTIES[parameter].in_brackets if len(part) else ''}")
     handles: list[Artist] = [
-        Line2D([], [], marker="o", ls="", color="C0", label="this study, with 95 % bootstrap"),
+        Line2D(
+            [],
+            [],
+            marker="o",
+            ls="",
+            color="C0",
+            label=f"this study, {test_name(table)}, with 95 % bootstrap",
+        ),
         Line2D(
             [], [], marker="o", ls="", mfc="none", color="C0", label="the same, extrapolated root"
         ),
@@ -260,7 +267,8 @@ def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
         Line2D([], [], marker="^", ls="-", color="C0", label="the bar goes on beyond the panel"),
     ]
     if "paper_length" in table:
-        handles.insert(3, Line2D([], [], marker="D", ls="", color="C1", label="the paper"))
+        label = f"the paper, {UNPAIRED_TEST}"
+        handles.insert(3, Line2D([], [], marker="D", ls="", color="C1", label=label))
     columns = min(len(handles), max(1, int(1.4 * len(parameters))))
     figure.legend(handles=handles, loc="outside lower center", ncols=columns, frameon=False)
     sns.despine(figure)

@@ -6,21 +6,22 @@ from typing import NamedTuple
 import pandas as pd
 import xarray as xr
 
+from jointclosure.claims.statements import TOLERANCE
+from jointclosure.claims.table import OURS
 from jointclosure.config.configuration import resolved
 from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.progress import duration
 from jointclosure.report import findings, running, settings, summary
 from jointclosure.report.curves import MOST_JOINTS, explorer_data
 from jointclosure.report.page import Picture
-from jointclosure.studies.sensitivity.claims import OURS
 
 
 class Material(NamedTuple):
     """All that a page is made from.
 
     ``study``: the dataset, of which curves are read case by case; ``closures``, ``checks``,
-    ``intervals``, ``claims``, ``predictive``, ``joint``, ``elasticities``: the study's tables, all
-    but the first two None where a study has none;
+    ``intervals``, ``claims`` with their ``margins``, ``predictive``, ``joint``,
+    ``elasticities``: the study's tables, all but the first two None where a study has none;
     ``paper``: the paper's Table 3; ``default`` and ``schema``: the paper's configuration, and what
     keys mean; ``pictures``; ``benchmarks``: of the workflow's jobs; ``measured``: fits of measured
     curves, None where there are none; ``accuracy``: the table of `make accuracy`, None where
@@ -34,6 +35,7 @@ class Material(NamedTuple):
     checks: pd.DataFrame
     intervals: pd.DataFrame | None
     claims: pd.DataFrame | None
+    margins: pd.DataFrame | None
     predictive: pd.DataFrame | None
     joint: pd.DataFrame | None
     elasticities: pd.DataFrame | None
@@ -61,7 +63,7 @@ def content(material: Material) -> dict:
     numbers = summary.summary_sheet(study, material.closures, titles)
     found = outcome(study)
     return {
-        "finding": summary.finding(numbers, material.intervals, configuration),
+        "finding": summary.finding(numbers, material.elasticities, configuration),
         "validity": summary.validity(configuration, found),
         "first_pictures": [
             picture for picture in material.pictures if picture.name in summary.FIRST_PICTURES
@@ -71,6 +73,7 @@ def content(material: Material) -> dict:
         "cases": study.sizes["case"],
         "outcome": found,
         "verdicts": {} if material.claims is None else _counts(_of_paper(material.claims).verdict),
+        "tolerance": TOLERANCE,
         "compared": [titles[name] for name in titles if name in of_paper],
         "not_compared": [titles[name] for name in titles if name not in of_paper],
         "departures": settings.departures(rows),
@@ -129,7 +132,10 @@ def _sheets(material: Material, titles: dict, of_paper: set, rows: pd.DataFrame)
     ]
     if material.claims is not None:
         sheets.append(findings.claim_sheet(material.claims, bool(of_paper)))
-        sheets.append(findings.evidence_sheet(material.claims, bool(of_paper)))
+    if material.claims is not None and material.margins is not None:
+        sheets.append(
+            findings.evidence_sheet(material.claims, material.margins, titles, bool(of_paper))
+        )
     if material.conclusions is not None:
         sheets.append(findings.conclusion_sheet(material.conclusions))
         sheets.append(findings.moved_sheet(material.conclusions))
@@ -139,7 +145,6 @@ def _sheets(material: Material, titles: dict, of_paper: set, rows: pd.DataFrame)
         sheets.append(findings.measured_sheet(material.measured, titles))
     if intervals is not None and len(intervals) and "percent" in intervals:
         sheets += [
-            findings.ranking_sheet(intervals, titles),
             findings.layout_sheet(intervals, titles, of_paper),
             findings.interval_sheet(intervals, titles, of_paper),
         ]
@@ -148,6 +153,7 @@ def _sheets(material: Material, titles: dict, of_paper: set, rows: pd.DataFrame)
     if material.joint is not None and len(material.joint):
         sheets.append(findings.joint_sheet(material.joint))
     if material.elasticities is not None and len(material.elasticities):
+        sheets.append(findings.ranking_sheet(material.elasticities, titles))
         sheets.append(findings.elasticity_sheet(material.elasticities, titles))
     if material.accuracy is not None:
         sheets.append(running.accuracy_sheet(material.accuracy))

@@ -1,14 +1,13 @@
 """What a study found: closures, intervals and claims, as tables of the page."""
 
-import re
-
 import numpy as np
 import pandas as pd
 
 from jointclosure.config.properties import PARAMETER_TITLES, PROPERTIES
-from jointclosure.report.sheets import Cell, Sheet, cell, given, number_text, sheet
+from jointclosure.report.sheets import Cell, Sheet, cell, given, sheet
 from jointclosure.statistics.standard_errors import rounded
-from jointclosure.tables import is_paired, table_3
+from jointclosure.studies.sensitivity.conclusions import COUNTS, FOUND
+from jointclosure.tables import is_paired, table_3, test_name
 
 _WITH_UNITS = {name: about.title + about.in_brackets for name, about in PROPERTIES.items()}
 
@@ -65,31 +64,23 @@ def flow_sheet(flow: pd.DataFrame, titles: dict[str, str]) -> Sheet:
     )
 
 
-def ranking_sheet(intervals: pd.DataFrame, titles: dict[str, str]) -> Sheet:
-    """Parameters of each rock and cycle, the most sensitive first."""
+def ranking_sheet(elasticities: pd.DataFrame, titles: dict[str, str]) -> Sheet:
+    """Elasticities of each rock and cycle, the largest first."""
     rows = []
-    for (rock, cycle), part in intervals.groupby(["rock", "cycle"], sort=False):
-        known = part.dropna(subset="percent").sort_values("percent")
+    for (rock, cycle), part in elasticities.groupby(["rock", "cycle"], sort=False):
+        order = part.elasticity.abs().sort_values(ascending=False).index
         ranked = [
-            f"{PARAMETER_TITLES[row.parameter]} ({number_text(row.percent, 2)} %)"
-            for row in known.itertuples()
+            f"{PARAMETER_TITLES[row.parameter]} {rounded(row.elasticity, row.standard_error)}"
+            for row in part.loc[order]
+            .rename(columns={"elasticity_standard_error": "standard_error"})
+            .itertuples()
         ]
-        none = [PARAMETER_TITLES[p] for p in part[part.percent.isna()].parameter]
-        rows.append(
-            {
-                "rock": titles[rock],
-                "cycle": cycle,
-                "first": ranked[0] if ranked else "",
-                "then": ", ".join(ranked[1:]),
-                "none": ", ".join(none),
-            }
-        )
-    columns = {"rock": "Rock", "cycle": "Cycle", "first": "Most sensitive", "then": "Then"}
-    columns["none"] = "No real root"
+        rows.append({"rock": titles[rock], "cycle": cycle, "ranked": ", ".join(ranked)})
+    columns = {"rock": "Rock", "cycle": "Cycle", "ranked": "Elasticities, the largest first"}
     return sheet(
         "ranking",
-        "Parameters by the length of their indifference interval, in percent of the rock's own "
-        "value, the shortest first",
+        "Elasticities of the mean maximum closure, with standard errors: what 1 % more of the "
+        "property does, in %. The claims say which differences count",
         pd.DataFrame(rows, columns=list(columns)),
         columns,
     )
@@ -111,9 +102,9 @@ def layout_sheet(intervals: pd.DataFrame, titles: dict[str, str], of_paper: set[
                     text += f"\npaper {theirs.loc[parameter, [(cycle, title)]].iloc[0]}"
                 cells.append(Cell(text, _percent(intervals, titles, parameter, cycle, title)))
             rows.append(cells)
-    test = ", paired test on common surfaces" if is_paired(intervals) else ""
-    beside = ", the paper's below" if of_paper else ""
-    return Sheet("table-3", f"Table 3: length of indifference intervals{test}{beside}", heads, rows)
+    beside = ", the paper's (unpaired) below" if of_paper else ""
+    caption = f"Table 3: length of indifference intervals, {test_name(intervals)}{beside}"
+    return Sheet("table-3", caption, heads, rows)
 
 
 def _percent(intervals, titles, parameter, cycle, title) -> float | str:
@@ -145,7 +136,7 @@ def interval_sheet(intervals: pd.DataFrame, titles: dict[str, str], of_paper: se
         "length_net": "Net of bulk indentation",
     }
     if is_paired(intervals):
-        columns["unpaired_length"] = "By the unpaired test"
+        columns["unpaired_length"] = "By the unpaired t test"
     if of_paper:
         table["paper"] = [
             Cell("no real root", "") if row.rock in of_paper and pd.isna(row.paper_length)
@@ -154,11 +145,14 @@ def interval_sheet(intervals: pd.DataFrame, titles: dict[str, str], of_paper: se
             for row in intervals.itertuples()
         ]  # fmt: skip
         table["ratio"] = intervals.length / intervals.paper_length
-        columns |= {"paper": "The paper's length", "ratio": "Ours over the paper's"}
+        columns |= {"paper": "The paper's length (unpaired)", "ratio": "Ours over the paper's"}
+        if is_paired(intervals):
+            del columns["ratio"]  # of two tests
     columns["status"] = "Remark"
     return sheet(
         "intervals",
-        "Indifference intervals with their bootstrap confidence intervals (from, to)",
+        f"Indifference intervals, {test_name(intervals)}, with their bootstrap confidence "
+        "intervals (from, to)",
         table,
         columns,
     )
@@ -201,18 +195,27 @@ def claim_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
     return sheet("claims", "The paper's claims: true of the model, and found?", shown, columns)
 
 
-def evidence_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
+def evidence_sheet(
+    claims: pd.DataFrame, margins: pd.DataFrame, titles: dict[str, str], compared: bool
+) -> Sheet:
     """A row for each number that decides a claim: of the model by rock, and of the paper."""
     rows = []
     for claim in claims.itertuples():
         about = {"number": claim.number, "verdict": claim.verdict}
-        rows += [about | {"by": "the model"} | part for part in _parts(claim.model)]
+        own = margins[(margins.number == claim.number) & margins.decides]
+        rows += [
+            about
+            | {"by": "the model", "where": titles[row.rock], "cycle": row.cycle}
+            | {"quantity": row.quantity}
+            | {"value": Cell(rounded(row.value, row.standard_error), row.value)}
+            for row in own.itertuples()
+        ]
         if compared and isinstance(getattr(claim, "paper", None), str):
             rows.append(about | {"by": "the paper", "where": "", "value": claim.paper})
-    columns = {"number": "No.", "by": "By", "where": "Of", "quantity": "What", "value": "Number"}
-    columns["verdict"] = "The claim"
-    caption = "The numbers that decide each claim"
-    return sheet("evidence", caption, pd.DataFrame(rows, columns=list(columns)), columns)
+    columns = {"number": "No.", "by": "By", "where": "Of", "cycle": "Cycle", "quantity": "What"}
+    columns |= {"value": "Number", "verdict": "The claim"}
+    frame = pd.DataFrame(rows, columns=list(columns))
+    return sheet("evidence", "The numbers that decide each claim", frame, columns)
 
 
 def conclusion_sheet(conclusions: pd.DataFrame) -> Sheet:
@@ -223,23 +226,23 @@ def conclusion_sheet(conclusions: pd.DataFrame) -> Sheet:
         "said_in": "Said in",
         "verdict": "As configured",
         "found": "Studies that find it",
-        "readings": "Readings of all rocks: stands, falls, open",
-        "partial": "Readings of some rocks: true there, false, open",
+        "readings": "Readings of all rocks: stands, falls, no difference, open",
+        "partial": "Readings of some rocks: true there, false, no difference, open",
         "choices": "True for so many open choices",
         "conclusion": "Left of it",
     }
     shown = [
-        row._asdict()
+        row
         | {
-            "found": percent_text(row.found_share, row.found_error, row.found_low, row.found_high),
-            "readings": _tried(row.readings_stand, row.readings_fall, row.readings_open),
-            "partial": _tried(row.partial_stand, row.partial_fall, row.partial_open),
+            "found": percent_text(*(row[name] for name in FOUND)),
+            "readings": _tried([row[f"readings_{name}"] for name in COUNTS]),
+            "partial": _tried([row[f"partial_{name}"] for name in COUNTS]),
             "choices": NOT_TRIED
-            if pd.isna(row.choices_share)
-            else f"{_percents(row.choices_share)} % ({_percents(row.choices_share_low)} to "
-            f"{_percents(row.choices_share_high)})",
+            if pd.isna(row["choices_share"])
+            else f"{_percents(row['choices_share'])} % ({_percents(row['choices_share_low'])} to "
+            f"{_percents(row['choices_share_high'])})",
         }
-        for row in conclusions.itertuples()
+        for row in conclusions.to_dict("records")
     ]
     caption = "What is left of each claim under readings and choices that the paper leaves open"
     return sheet("conclusions", caption, pd.DataFrame(shown), columns)
@@ -277,7 +280,7 @@ NOT_TRIED = "not tried"
 """Of a claim that readings or choices were not asked about."""
 
 
-def _tried(*counts: float) -> str:
+def _tried(counts: list[float]) -> str:
     if pd.isna(counts[0]):
         return NOT_TRIED
     return ", ".join(f"{each:.0f}" for each in counts) if sum(counts) else "none"
@@ -287,20 +290,16 @@ def _percents(share: float) -> str:
     return f"{100.0 * share:.0f}"
 
 
-_DECIDES = re.compile(r"(?:([\w ]+): )?(.*?)\s*([-−]?[\d.]+(?: ± [\d.]+)?)?$")
-"""What decides a claim, as in "slate: |e(E)| - |e(nu)| 0.02 ± 0.01": where, what, how much."""
+def probability(value: float, error: float) -> Cell:
+    """A probability with its standard error; "< 0.001" where it is less with its error."""
+    if pd.isna(value):
+        return cell(None)
+    small = value < LEAST_SHOWN and not error >= LEAST_SHOWN
+    return Cell(f"< {LEAST_SHOWN:g}" if small else rounded(value, error), value)
 
 
-def _parts(model: object) -> list[dict[str, str]]:
-    """The numbers of a claim's text on the model, which stand between semicolons."""
-    if not isinstance(model, str):
-        return []
-    found = (_DECIDES.fullmatch(part.strip()) for part in model.split(";"))
-    return [
-        {"where": part[1] or "", "quantity": part[2], "value": part[3] or ""}
-        for part in found
-        if part
-    ]
+LEAST_SHOWN = 0.001
+"""Probability below which none is told from another."""
 
 
 def percent_text(share: float, error: float, low: float = np.nan, high: float = np.nan) -> str:
@@ -321,7 +320,10 @@ def predictive_sheet(predictive: pd.DataFrame, titles: dict[str, str], compared:
     table = predictive.assign(
         rock=predictive.rock.map(titles),
         parameter=predictive.parameter.map(_WITH_UNITS),
-        none=100.0 * predictive.share_without_root,
+        none=[
+            Cell(percent_text(row.share_without_root, row.share_error), row.share_without_root)
+            for row in predictive.itertuples()
+        ],
     )
     columns = {
         "rock": "Rock",
@@ -332,13 +334,23 @@ def predictive_sheet(predictive: pd.DataFrame, titles: dict[str, str], compared:
         "low_90": "5 %",
         "high_90": "95 %",
         "high_95": "97.5 %",
-        "none": "No real root (%)",
+        "none": "No real root",
     }
     if compared and "p" in table:
         columns |= {"paper_length": "The paper", "p": "Its p", "null_p": "p without effect"}
+        table = table.assign(
+            **{
+                name: [
+                    probability(*each)
+                    for each in zip(table[name], table[f"{name}_error"], strict=True)
+                ]
+                for name in ("p", "null_p")
+            }
+        )
     return sheet(
         "predictive",
-        "What repetitions of this study would publish; p: of the paper's entry, two-sided; without "
+        "What repetitions of this study would publish, lengths by the unpaired t test on "
+        "independent draws; p: of the paper's entry, two-sided; without "
         "effect: probability that noise alone gives a length as short",
         table,
         columns,
@@ -356,7 +368,22 @@ def joint_sheet(joint: pd.DataFrame) -> Sheet:
         "log_likelihood": "Log-likelihood, this model",
         "null_log_likelihood": "Without any effect",
     }
-    return sheet("joint", "Joint tests of the paper's Table 3, dashes included", joint, columns)
+    table = joint.assign(
+        **{
+            name: [shown(*each) for each in zip(joint[name], joint[f"{name}_error"], strict=True)]
+            for prefix in ("", "null_")
+            for name, shown in (
+                (f"{prefix}p", probability),
+                (f"{prefix}log_likelihood", lambda *each: Cell(rounded(*each), each[0])),
+            )
+        }
+    )
+    caption = (
+        "Joint tests of the paper's Table 3, dashes included; errors are of repetitions and, of p, "
+        "of the pool's surfaces. The p without any effect hardly depends on the model: where it is "
+        "small, the table excludes that these properties have none, and supports no model"
+    )
+    return sheet("joint", caption, table, columns)
 
 
 def elasticity_sheet(elasticities: pd.DataFrame, titles: dict[str, str]) -> Sheet:

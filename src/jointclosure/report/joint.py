@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engineering.curves import cycle_table
+from jointclosure.engineering.curves import KINDS, cycle_table
 from jointclosure.engineering.laws import fitted_laws
 from jointclosure.engineering.stiffness import stiffness_table
 from jointclosure.report.sheets import Sheet, number_text, sheet
@@ -27,7 +27,7 @@ def joint_content(material: JointMaterial) -> dict:
         "title": record.get("title", "a rough joint"),
         "joint": record["joint"].strip("<>").removeprefix("ClosedJoint: "),
         "finding": joint_finding(cycles, stiffness, history),
-        "warnings": [line for line in record["found"] if "Warning" in line],
+        "warnings": record.get("warnings", []),
         "found": record["found"],
         "status": record["status"],
         "sheets": {each.name: each for each in _sheets(cycles, stiffness, history)},
@@ -41,48 +41,63 @@ def joint_content(material: JointMaterial) -> dict:
 
 
 def joint_finding(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dataset) -> str:
-    """How far the joint closed, what stayed, and how stiff it is, in a sentence."""
+    """Write how far the joint closed, what stayed and how stiff it is, net and gross."""
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
     first = cycles.iloc[0]
-    closes = number_text(first.closure_since_seating_mm, 3)
+    closes = number_text(first.closure_net_since_seating_mm, 3)
     text = f"From {seating:g} MPa on the joint closes {closes} mm in its first cycle"
-    if np.isfinite(first.residual_share):
-        text += f", of which {100.0 * first.residual_share:.0f} % stay"
+    if np.isfinite(first.residual_share_net):
+        text += f", of which {100.0 * first.residual_share_net:.0f} % stay"
     known = stiffness[
         (stiffness.branch == "loading")
-        & stiffness.normal_stiffness_MPa_per_mm.notna()
+        & stiffness.normal_stiffness_net_MPa_per_mm.notna()
         & ~stiffness.landing
     ]
     if len(known):
         middle = known.normal_stress_MPa.unique()[known.normal_stress_MPa.nunique() // 2]
         here = known[known.normal_stress_MPa == middle].drop_duplicates("cycle")
         told = " and ".join(
-            f"{number_text(row.normal_stiffness_MPa_per_mm, 3)} MPa/mm in cycle {row.cycle}"
+            f"{number_text(row.normal_stiffness_net_MPa_per_mm, 3)} MPa/mm in cycle {row.cycle}"
             for row in here.iloc[[0, -1] if len(here) > 1 else [0]].itertuples()
         )
         text += f"; its normal stiffness at {middle:.3g} MPa is {told}"
-    return f"{text}."
+    gross = number_text(first.closure_gross_since_seating_mm, 3)
+    return (
+        f"{text}. These are net; with the elastic indentation of the half-spaces, which is no "
+        f"property of the joint, the first cycle closes {gross} mm (gross)."
+    )
 
 
-def _by_stress(stiffness: pd.DataFrame) -> pd.DataFrame:
-    """Stiffness of `stiffness_table` with a row a stress and a column a branch."""
+def _by_stress(stiffness: pd.DataFrame, kind: str) -> pd.DataFrame:
+    """Stiffness of `stiffness_table`, net or gross, with a row a stress and a column a branch."""
     branch = "Cycle " + stiffness.cycle.astype(str) + ", " + stiffness.branch
-    known = stiffness.normal_stiffness_MPa_per_mm.where(~stiffness.landing)
+    known = stiffness[f"normal_stiffness_{kind}_MPa_per_mm"].where(~stiffness.landing)
     columns = {name: known[branch == name].to_numpy() for name in branch.unique()}
     return pd.DataFrame({"Normal stress (MPa)": stiffness.normal_stress_MPa.unique()} | columns)
+
+
+def _stiffness_sheet(stiffness: pd.DataFrame, kind: str) -> Sheet:
+    by_stress = _by_stress(stiffness, kind)
+    return sheet(
+        f"stiffness-{kind}",
+        f"{kind.capitalize()} normal stiffness kn (MPa/mm) by chords between stresses; a dash "
+        "where loading lands on its maximum by small steps, which break less",
+        by_stress,
+        {name: name for name in by_stress},
+    )
 
 
 def _sheets(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dataset) -> list[Sheet]:
     per_cycle = {
         "cycle": "Cycle",
-        "max_closure_mm": "Closure from its start (mm)",
-        "closure_since_seating_mm": "Closure since seating (mm)",
-        "residual_at_seating_mm": "Residual at seating (mm)",
-        "residual_share": "Its share",
+        "closure_net_since_seating_mm": "Net closure since seating (mm)",
+        "residual_net_at_seating_mm": "Net residual at seating (mm)",
+        "residual_share_net": "Its share",
+        "closure_gross_since_seating_mm": "Gross closure since seating (mm)",
+        "max_closure_gross_mm": "Gross closure from its start (mm)",
         "mean_aperture_at_max_mm": "Mean aperture at the maximum (mm)",
         "contact_at_max": "Cells in contact there",
     }
-    by_stress = _by_stress(stiffness)
     of_law = {
         "cycle": "Cycle",
         "branch": "Branch",
@@ -96,12 +111,8 @@ def _sheets(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dataset) 
     }
     return [
         sheet("cycles", "Closure by cycle", cycles, per_cycle),
+        *(_stiffness_sheet(stiffness, kind) for kind in KINDS),
         sheet(
-            "stiffness",
-            "Normal stiffness kn (MPa/mm) by chords between stresses; a dash where loading lands "
-            "on its maximum by small steps, which break less",
-            by_stress,
-            {name: name for name in by_stress},
+            "laws", "Laws fitted to the net closure of each branch", fitted_laws(history), of_law
         ),
-        sheet("laws", "Laws fitted to each branch", fitted_laws(history), of_law),
     ]

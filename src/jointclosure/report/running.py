@@ -27,7 +27,8 @@ def check_sheet(checks: pd.DataFrame) -> Sheet:
     """What must hold of the results, and what was found."""
     verdict = np.where(checks.passed, "passed", "FAILED")
     verdict = np.where(checks.required == "reported only", "reported only", verdict)
-    columns = {"check": "Check", "required": "Required", "found": "Found", "verdict": "Verdict"}
+    columns = {name: name.capitalize() for name in ("ensemble", "check", "required", "found")}
+    columns["verdict"] = "Verdict"
     return sheet("checks", "Checks of the results", checks.assign(verdict=verdict), columns)
 
 

@@ -3,11 +3,11 @@
 import re
 
 from jointclosure.inputs import InputError
+from jointclosure.parameters import USUAL
+from jointclosure.remarks import caution
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
 """Those that a user may state."""
-SMALLEST_SIDE, LARGEST_SIDE = 5e-3, 10.0
-"""Of a plausible wall [m]."""
 _SPELT = {
     **{name: name for name in UNITS},
     **dict.fromkeys(("µm", "μm", "micron", "microns", "micrometer", "micrometers"), "um"),
@@ -48,11 +48,12 @@ def doubted(stated: str | None, sides: tuple[float, float] | None) -> tuple[str,
     """A warning where the units that a user states make a wall no laboratory or outcrop has."""
     if stated is None or sides is None or _is_plausible(size_of(stated), sides):
         return ()
-    return (f"Warning: unusual in {stated}{plausible(sides)}",)
+    return (caution(f"unusual in {stated}{plausible(sides)}"),)
 
 
 def _is_plausible(size: float, sides: tuple[float, float]) -> bool:
-    return size * min(sides) >= SMALLEST_SIDE and size * max(sides) <= LARGEST_SIDE
+    smallest, largest, _ = USUAL["side_of_scan"]
+    return size * min(sides) >= smallest and size * max(sides) <= largest
 
 
 def settled(what: str, own: str | None, stated: str | None, sides=None) -> str:

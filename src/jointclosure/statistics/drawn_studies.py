@@ -11,7 +11,7 @@ study's mean about it, with the pool's own error included (s: the pool's standar
 deviation, ddof 1), and the variance within a repetition is s^2.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -19,6 +19,9 @@ import numpy as np
 from jointclosure.inputs import InputError, check_number, real_array
 from jointclosure.statistics.indifference import indifference_lengths
 
+RESAMPLED_POOLS = 40
+"""Resampled pools, of which the error of a probability is known to a ninth of itself."""
+_FEWEST_REPETITIONS = 100
 Key = TypeVar("Key", bound=tuple[str, ...] | str)
 
 
@@ -127,21 +130,44 @@ def without_effect(sensitivities: Mapping[Key, Sensitivity]) -> dict[Key, Sensit
     return changed
 
 
-def without_group(
-    sensitivities: Mapping[Key, Sensitivity], group: int, groups: int
-) -> dict[Key, Sensitivity]:
-    """The pools without every surface whose number is ``group`` modulo ``groups``.
+def resampled_pools(
+    sensitivities: Mapping[Key, Sensitivity], random: np.random.Generator, pools: int
+) -> Iterator[dict[Key, Sensitivity]]:
+    """Pools of other surfaces: those of the same surfaces are resampled together (bootstrap)."""
+    for _ in range(pools):
+        chosen: dict[str, np.ndarray] = {}
+        changed = {}
+        for key, (levels, base, own) in sensitivities.items():
+            for pool in own:
+                size = pool.values.shape[1]
+                if pool.surfaces not in chosen:
+                    chosen[pool.surfaces] = random.integers(size, size=size)
+            resampled = (Pool(p.values[:, chosen[p.surfaces]], p.surfaces) for p in own)
+            changed[key] = Sensitivity(levels, base, tuple(resampled))
+        yield changed
 
-    Whatever is computed from them for every group gives `jackknife_error`.
+
+def repetitions_of_pool(repetitions: int) -> int:
+    """Repetitions drawn from each resampled pool."""
+    return max(repetitions // 8, _FEWEST_REPETITIONS)
+
+
+def pool_error(shares, repetitions: int) -> np.ndarray:
+    """Standard errors (...) that the pool's surfaces make of shares of repetitions.
+
+    Parameters
+    ----------
+    shares : array (pools, ...)
+        Of so many repetitions, from each of `resampled_pools`; pools with NaN are left out.
+    repetitions : int
+        Their binomial variance is taken off.
     """
-    changed = {}
-    for key, (levels, base, pools) in sensitivities.items():
-        kept = tuple(
-            Pool(p.values[:, np.arange(p.values.shape[1]) % groups != group], p.surfaces)
-            for p in pools
-        )
-        changed[key] = Sensitivity(levels, base, kept)
-    return changed
+    shares = np.asarray(shares, dtype=float)
+    known = np.isfinite(shares).sum(axis=0)
+    shares = np.where(known > len(shares) // 2, shares, 0.0)
+    noise = np.nanmean(shares * (1.0 - shares), axis=0) / repetitions
+    variance = np.maximum(np.nanvar(shares, axis=0, ddof=1) - noise, 0.0)
+    return np.where(known > len(shares) // 2, np.sqrt(variance), np.nan)
 
 
 def jackknife_error(values) -> float:

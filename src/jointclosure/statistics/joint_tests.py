@@ -63,18 +63,24 @@ def joint_test(lengths, observed) -> JointTest:
     standard error is that of a jackknife over `GROUPS` groups of repetitions.
     """
     lengths, observed = _checked(lengths, observed)
-    halves = lengths[::2], lengths[1::2]
-    as_unlikely = 0
-    for own, other in (halves, halves[::-1]):
-        likelihoods = log_likelihoods(other, np.vstack([observed, own]))
-        as_unlikely += int(np.count_nonzero(likelihoods[1:] <= likelihoods[0]))
     group = np.arange(lengths.shape[0]) % GROUPS
     parts = [log_likelihoods(lengths[group != i], observed[None])[0] for i in range(GROUPS)]
     return JointTest(
         log_likelihood=float(log_likelihoods(lengths, observed[None])[0]),
         standard_error=float(np.sqrt((GROUPS - 1) * np.var(parts))),
-        p=float((1 + as_unlikely) / (lengths.shape[0] + 1)),
+        p=p_of_table(lengths, observed),
     )
+
+
+def p_of_table(lengths, observed) -> float:
+    """The p of `joint_test` alone."""
+    lengths, observed = _checked(lengths, observed)
+    halves = lengths[::2], lengths[1::2]
+    as_unlikely = 0
+    for own, other in (halves, halves[::-1]):
+        likelihoods = log_likelihoods(other, np.vstack([observed, own]))
+        as_unlikely += int(np.count_nonzero(likelihoods[1:] <= likelihoods[0]))
+    return float((1 + as_unlikely) / (lengths.shape[0] + 1))
 
 
 def log_likelihoods(lengths: np.ndarray, tables: np.ndarray) -> np.ndarray:

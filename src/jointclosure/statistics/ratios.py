@@ -23,3 +23,12 @@ def ratio_of_means(over: np.ndarray, under: np.ndarray) -> Estimate:
         return Estimate(ratio, np.nan)
     error = mean_of(over - ratio * under).standard_error
     return Estimate(ratio, error / abs(float(under.mean())))
+
+
+def harmonic_mean(values: np.ndarray) -> Estimate:
+    """Harmonic mean of values (n,), and its standard error; NaN values are left out.
+
+    Of stiffnesses it is that of the mean curve: one over the mean compliance. An arithmetic mean
+    would be that of the few that are near infinite.
+    """
+    return ratio_of_means(np.ones(values.size), 1.0 / values)

@@ -1,6 +1,6 @@
 """Verdicts on claims: whether they are true, and how often a study would find them."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +12,8 @@ from jointclosure.statistics.drawn_studies import DrawnResponse, Key
 STANDS = "stands"
 FALLS = "falls"
 CANNOT_BE_TOLD = "cannot be told"
+NO_DIFFERENCE = "no difference"
+VERDICTS = (STANDS, FALLS, NO_DIFFERENCE, CANNOT_BE_TOLD)
 
 
 class Interval(NamedTuple):
@@ -22,7 +24,7 @@ class Interval(NamedTuple):
 
 
 class Frequency(NamedTuple):
-    """Share of repetitions, its binomial standard error, and Wilson's 95 % interval."""
+    """Share of repetitions, its standard error, and its 95 % interval."""
 
     share: float
     standard_error: float
@@ -30,7 +32,11 @@ class Frequency(NamedTuple):
     high: float
 
 
-def verdict(interval: tuple[float, float], true_between: tuple[float, float]) -> str:
+def verdict(
+    interval: tuple[float, float],
+    true_between: tuple[float, float],
+    alike: float | None = None,
+) -> str:
     """Whether a claim about a number is true, from the number's confidence interval.
 
     Parameters
@@ -40,11 +46,15 @@ def verdict(interval: tuple[float, float], true_between: tuple[float, float]) ->
     true_between : (low, high)
         The open range of numbers for which the claim is true, declared beforehand: (0, inf)
         for "rises", (-0.1, 0.1) for "has no effect beyond 0.1".
+    alike : float, optional
+        The largest difference that counts as none, of a claim that one number is larger than
+        another, whose difference has the interval.
 
     Returns
     -------
     str
-        "stands": the whole interval is inside; "falls": all of it is outside; else
+        "stands": the whole interval is inside; "falls": all of it is outside, and of a
+        difference below ``-alike``; "no difference": all of it is within ``alike`` of 0; else
         "cannot be told", and so for an interval with an end that is NaN.
 
     Raises
@@ -60,17 +70,11 @@ def verdict(interval: tuple[float, float], true_between: tuple[float, float]) ->
         return CANNOT_BE_TOLD
     if (low > least or least == -np.inf) and (high < most or most == np.inf):
         return STANDS
-    if high <= least or low >= most:
+    if alike is not None and -alike <= low and high <= alike:
+        return NO_DIFFERENCE
+    if high < -alike if alike is not None else high <= least or low >= most:
         return FALLS
     return CANNOT_BE_TOLD
-
-
-def verdict_on_all(verdicts: Iterable[str]) -> str:
-    """Of a claim about several rocks: falls with one, stands only with all."""
-    verdicts = list(verdicts)
-    if FALLS in verdicts:
-        return FALLS
-    return STANDS if verdicts and set(verdicts) == {STANDS} else CANNOT_BE_TOLD
 
 
 def t_interval(estimate: tuple[float, float], samples: int, confidence: float = 0.95) -> Interval:
@@ -84,22 +88,28 @@ def t_interval(estimate: tuple[float, float], samples: int, confidence: float = 
     return Interval(value - reach, value + reach)
 
 
-def frequency(found) -> Frequency:
-    """How often, from one boolean (R,) per repetition."""
+def frequency(found, pool_error: float = 0.0) -> Frequency:
+    """How often, from one boolean (R,) per repetition; see `frequency_of`."""
     found = np.asarray(found)
     if found.dtype != bool or found.ndim != 1 or found.size == 0:
         raise InputError(
             f"found: {found.dtype} {found.shape}, must be one row of booleans, one a repetition"
         )
-    return frequency_of(int(found.sum()), found.size)
+    return frequency_of(int(found.sum()), found.size, pool_error)
 
 
-def frequency_of(count: int, n: int) -> Frequency:
-    """How often, from a count of n repetitions."""
+def frequency_of(count: int, n: int, pool_error: float = 0.0) -> Frequency:
+    """How often, from a count of n repetitions.
+
+    ``pool_error``: standard error of the share from the pool that they were drawn from, which is
+    added to the binomial one. The interval is Wilson's, with a pool's error at least two errors.
+    """
     share = count / n
     low, high = scipy.stats.binomtest(count, n).proportion_ci(method="wilson")
-    error = float(np.sqrt(share * (1.0 - share) / n))
-    return Frequency(share, error, float(low), float(high))
+    error = float(np.hypot(np.sqrt(share * (1.0 - share) / n), pool_error))
+    if pool_error:
+        low, high = min(low, share - 2.0 * error), max(high, share + 2.0 * error)
+    return Frequency(share, error, max(0.0, float(low)), min(1.0, float(high)))
 
 
 def frequency_of_finding(

@@ -55,7 +55,7 @@ def mating(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mating:
     power = over_bands(np.abs(one) ** 2) * over_bands(np.abs(other) ** 2)
     modes = over_bands(np.ones(wave.shape)) / WAVES_FOR_ONE
     with np.errstate(invalid="ignore", divide="ignore"):
-        correlation = cross / np.sqrt(power)
+        correlation = np.clip(cross / np.sqrt(power), -1.0, 1.0)  # beyond by rounding
     enough = modes >= 4.0
     middles = longest * 2.0 ** (-0.5 * np.arange(count))
     return Mating(middles[enough], correlation[enough], modes[enough])

@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.inputs import InputError
+from jointclosure.remarks import caution, prefixed
+from jointclosure.surface.implausible import Implausible
 from jointclosure.surface.mating import (
     Mating,
     best_shift,
@@ -135,6 +137,7 @@ def registered(
     shift: str | None = None,
     cut_spikes: bool = True,
     largest_filled_share: float = LARGEST_FILLED_SHARE,
+    unusual_values: bool = False,
 ) -> RegisteredPair:
     """Bring two scans of the walls of one joint together.
 
@@ -154,6 +157,8 @@ def registered(
         Leave out spikes (`jointclosure.surface.outliers.without_spikes`).
     largest_filled_share : float
         Of the cells: holes inside the walls are filled linearly up to that.
+    unusual_values : bool
+        Whether to go on with what is more often a slip than meant: see Raises.
 
     Returns
     -------
@@ -162,22 +167,26 @@ def registered(
     Raises
     ------
     InputError
-        No orientation is clear and none is stated, the walls are inclined too much, do not
-        overlap, or lie in the wrong order.
+        No orientation is clear and none is stated, the walls are inclined too much or do not
+        overlap. Unless ``unusual_values``: both scans are one or a copy of each other, the walls
+        are interchanged, the stated orientation is not the one that is clear, or spacing or size
+        are those of no wall.
     """
     _check_choices(orientation, shift)
+    implausible = Implausible(unusual_values)
+    distances = point_distance(upper), point_distance(lower)
+    spacing = max(distances) if spacing is None else float(spacing)
+    implausible.check_scans(upper, lower, spacing)
     report: list[str] = []
-    clouds, distances = [], []
+    clouds = []
     for side, scan in (("upper", upper), ("lower", lower)):
-        report += [f"{side} wall: {remark}" for remark in scan.remarks]
+        report += [prefixed(f"{side} wall: ", remark) for remark in scan.remarks]
         kept, said = without_spikes(scan) if cut_spikes else (scan, "")
         report += [f"{side} wall: {said}; they were cut"] if said else []
         clouds.append(points_of(kept))
-        distances.append(point_distance(scan))
-    spacing = max(distances) if spacing is None else float(spacing)
     placed = [_Placed.of(cloud, spacing) for cloud in clouds]
     fits = _compared(placed[0], placed[1], spacing)
-    name = _chosen(fits, orientation, report)
+    name = _chosen(fits, orientation, implausible, report)
     whole_cells = all(isinstance(scan, Scan) for scan in (upper, lower))
     best = _refined(
         placed[0], placed[1], spacing, next(fit for fit in fits if fit.orientation == name)
@@ -188,9 +197,10 @@ def registered(
     report.append(_shift_said(mated, moved))
     turned = _oriented(clouds[0], placed[0], spacing, ORIENTATIONS[name])
     raised = turned + np.array([applied[1], applied[0], 0.0])
-    both = (distances[0], distances[1])
-    found = overlap_of(raised, clouds[1], spacing, both, largest_filled_share)
-    return _described(found, spacing, name, fits, applied, mated, report)
+    found = overlap_of(raised, clouds[1], spacing, distances, largest_filled_share)
+    pair = _described(found, spacing, name, fits, applied, mated, report)
+    implausible.check_pair(found.upper - found.lower, pair.correlation, name == "common_frame")
+    return pair
 
 
 class _Placed(NamedTuple):
@@ -261,7 +271,9 @@ def _block_means(wall: np.ndarray, cells: int) -> np.ndarray:
     return np.where(known > 0, np.nansum(blocks, axis=(1, 3)) / np.maximum(known, 1), np.nan)
 
 
-def _chosen(fits: list[Fit], stated: str | None, report: list[str]) -> str:
+def _chosen(
+    fits: list[Fit], stated: str | None, implausible: Implausible, report: list[str]
+) -> str:
     """The orientation that was stated, or that is clear; `InputError` where none is."""
     best, second = fits[:2]
     clear = best.correlation >= CLEAR * max(second.correlation, 0.0)
@@ -279,9 +291,12 @@ def _chosen(fits: list[Fit], stated: str | None, report: list[str]) -> str:
         f"correlate by {listed}"
     )
     if stated is not None and clear and best.orientation != stated:
+        implausible.check_orientation(stated, best.orientation)
         report.append(
-            f"Warning: the stated orientation {stated} fits worse than {best.orientation}, which "
-            f"is clear; closures of the wrong one are several times too large"
+            caution(
+                f"the stated orientation {stated} fits worse than {best.orientation}, which "
+                f"is clear; closures of the wrong one are several times too large"
+            )
         )
     return name
 
@@ -349,15 +364,17 @@ def _described(
         f"heights correlate by {correlation:.3f}; {_mating_said(mismatch)}",
         f"at first touch, at cell (y, x) = ({y}, {x}), the mean aperture is "
         f"{1e3 * aperture.mean():.3g} mm",
-        f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
-        + (_STANDS_OUT if early > _FAR * aperture.std() else ""),
     ]
+    touches = f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
+    stands_out = early > _FAR * aperture.std()
+    report.append(caution(_STANDS_OUT, f"{touches}: ") if stands_out else touches)
     if name == "common_frame" and applied == (0.0, 0.0):
         side = "above" if gap > 0.0 else "below"
-        report.append(
+        lies = (
             f"as scanned the upper wall lies {1e3 * abs(gap):.3g} mm {side} the lower one in the "
-            "mean" + ("" if gap > 0.0 else _BELOW)
+            "mean"
         )
+        report.append(lies if gap > 0.0 else caution(_BELOW, f"{lies}: "))
     return RegisteredPair(
         upper, lower, spacing, aperture, (y, x), name, fits, applied, mated, correlation,
         mating(upper, lower, spacing), mismatch, found.share, report,
@@ -368,12 +385,11 @@ _FAR = 1.5
 """Standard deviations of the aperture by which first touch may lie before the touch of a thousandth
 of the cells. Of 144 Gaussian pairs (64 to 256 cells a side, H 0.5 and 0.8) the largest was 0.95."""
 _STANDS_OUT = (
-    ": Warning: what touches first stands out far, perhaps a spike that was left; trust closures "
+    "what touches first stands out far, perhaps a spike that was left; trust closures "
     "since seating, not those from first touch"
 )
 _BELOW = (
-    ": Warning: if both scans have one zero of heights, the walls are interchanged or heights "
-    "count downwards"
+    "if both scans have one zero of heights, the walls are interchanged or heights count downwards"
 )
 
 

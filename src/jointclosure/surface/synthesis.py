@@ -12,12 +12,15 @@ from typing import NamedTuple
 import numpy as np
 import scipy.fft
 
-from jointclosure.inputs import InputError, check_length, check_number, check_one_of
+from jointclosure.inputs import InputError, check_length, check_number, check_one_of, check_seed
 from jointclosure.randomness import generator, seed_of
 from jointclosure.surface.roughness import DEFAULT_RELATION, detrended, rms_slope, z2_of_jrc
 
 RULES = ("self_affine", "walk")
 """How the long waves of a wall go with the short ones."""
+ROLL_OFF = 3e-3
+"""Wavelength [m] beyond which the power spectrum of a wall is flat, of the default study too
+(docs/decisions/0013-readings.md)."""
 
 
 class Spectrum(NamedTuple):
@@ -184,7 +187,7 @@ def wall_pair(
     shift_in_cells: int = 0,
     mismatch_wavelength: float | None = None,
     rule: str = "self_affine",
-    roll_off: float | None = None,
+    roll_off: float | None = ROLL_OFF,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Upper and lower wall of a joint, heights towards the other wall.
 
@@ -220,7 +223,8 @@ def wall_pair(
         along y, projected on the nearest heights (`Spectrum`). Then ``hurst`` only carries Z2 from
         the interval of the relation to the spacing.
     roll_off : float, optional
-        Wavelength [m] beyond which the power spectrum is flat; None for none.
+        Wavelength [m] beyond which the power spectrum is flat; None: walls with waves of all
+        lengths.
 
     Returns
     -------
@@ -239,7 +243,7 @@ def wall_pair(
         ("correlation", correlation),
     ):
         check_number(name, value)
-    check_number("seed", seed, whole=True)
+    check_seed("seed", seed)
     check_number("shift_in_cells", shift_in_cells, whole=True)
     _check(shape, spacing, hurst, correlation, shift_in_cells)
     _check_normalise(normalise)

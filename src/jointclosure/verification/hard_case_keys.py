@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 import pydantic
 from pydantic import ConfigDict, Field, StringConstraints
 
-from jointclosure.config.keys import entry
+from jointclosure.config.keys import entry, intact_keys
 from jointclosure.protocol import FLAGS
 from jointclosure.solvers.registry import SOLVERS
 from jointclosure.verification.hard_walls import SHAPES
@@ -13,7 +13,7 @@ from jointclosure.verification.hard_walls import SHAPES
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$")]
 Sentence = Annotated[str, StringConstraints(min_length=5)]
 Within = Annotated[float, Field(ge=0)]
-_AS = "As in the keys of a configuration."
+_AS = entry("As in the keys of a configuration.")
 
 
 class Keys(pydantic.BaseModel):
@@ -34,51 +34,47 @@ class WallKeys(Keys):
     offset_m: list[float] = entry("Added to upper and lower wall.", min_length=2, max_length=2)
 
 
-class RockKeys(Keys):
+class RockKeys(intact_keys(Keys)):
     """Intact rock."""
-
-    youngs_modulus_GPa: float = entry(_AS)
-    poisson_ratio: float = entry(_AS)
-    compressive_strength_MPa: float = entry(_AS)
 
 
 class EffectKeys(Keys):
     """Effects that act."""
 
-    substrate: bool = entry(_AS)
-    interaction: bool = entry(_AS)
-    breakage: bool = entry(_AS)
-    gouge: bool = entry(_AS)
-    soft_peaks: bool = entry(_AS)
+    substrate: bool = _AS
+    interaction: bool = _AS
+    breakage: bool = _AS
+    gouge: bool = _AS
+    soft_peaks: bool = _AS
 
 
 class ChoiceKeys(Keys):
     """What the paper leaves open."""
 
-    base_radius_in_cells: float = entry(_AS)
-    peak_modulus_ratio: float = entry(_AS)
-    peaks: Literal["pristine", "current"] = entry(_AS)
-    largest_radius_mm: float | None = entry(_AS)
-    tie_tolerance: float = entry(_AS)
+    base_radius_in_cells: float = _AS
+    peak_modulus_ratio: float = _AS
+    peaks: Literal["pristine", "current"] = _AS
+    largest_radius_mm: float | None = _AS
+    tie_tolerance: float = _AS
 
 
 class NumericsKeys(Keys):
     """Solver, steps and tolerances."""
 
-    solver: Literal[tuple(SOLVERS)] = entry(_AS)
-    displacement_step_um: float = entry(_AS)
-    breakage_step_um: float = entry(_AS)
-    later_displacement_step_um: float = entry(_AS)
-    later_breakage_step_um: float = entry(_AS)
-    stress_tolerance: float = entry(_AS)
-    force_tolerance: float = entry(_AS)
-    sweep_tolerance: float = entry(_AS)
-    tolerance: float = entry(_AS)
-    curve_points: int = entry(_AS)
-    most_steps: float = entry(_AS)
-    most_breakage_steps: float = entry(_AS)
-    replay: bool = entry(_AS)
-    idle_interaction: float = entry(_AS)
+    solver: Literal[tuple(SOLVERS)] = _AS
+    displacement_step_um: float = _AS
+    breakage_step_um: float = _AS
+    later_displacement_step_um: float = _AS
+    later_breakage_step_um: float = _AS
+    stress_tolerance: float = _AS
+    force_tolerance: float = _AS
+    sweep_tolerance: float = _AS
+    tolerance: float = _AS
+    curve_points: int = _AS
+    most_steps: float = _AS
+    most_breakage_steps: float = _AS
+    replay: bool = _AS
+    idle_interaction: float = _AS
 
 
 class SameAsKeys(Keys):

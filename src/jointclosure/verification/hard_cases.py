@@ -23,10 +23,11 @@ from jointclosure.config.schema import problems
 from jointclosure.config.units import to_si
 from jointclosure.inputs import InputError
 from jointclosure.parameters import (
+    OF_ROCK,
     Choices,
     Effects,
     Numerics,
-    Rock,
+    rock_of,
 )
 from jointclosure.protocol import FAILURE, FLAGS
 from jointclosure.simulation import equilibrium, height_datum, simulate_by
@@ -368,10 +369,11 @@ def _setting(case: dict) -> dict:
         for wall, offset in zip(made, walls["offset"], strict=True)
     ]
     rocks = [
-        Rock(
-            rock["youngs_modulus"] * stresses,
-            rock["poisson_ratio"],
-            rock["compressive_strength"] * stresses,
+        rock_of(
+            {
+                name: value * stresses if OF_ROCK[name].si_unit == "Pa" else value
+                for name, value in rock.items()
+            }
         )
         for rock in (case["rock"], case["lower_rock"] or case["rock"])
     ]

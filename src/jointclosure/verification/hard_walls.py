@@ -100,9 +100,9 @@ def hard_walls(
     rows, columns = cells
     shape = (rows, columns)
     if kind == "self_affine":
-        return wall_pair(jrc, shape, spacing, seed=seed)
+        return wall_pair(jrc, shape, spacing, seed=seed, roll_off=None)
     if kind == "mated":
-        upper, _ = wall_pair(jrc, shape, spacing, seed=seed)
+        upper, _ = wall_pair(jrc, shape, spacing, seed=seed, roll_off=None)
         return upper, -upper
     if kind not in SHAPES:
         raise InputError(f"walls.kind = {kind!r}: must be one of {', '.join(SHAPES)}")

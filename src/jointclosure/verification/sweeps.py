@@ -58,8 +58,8 @@ class History(NamedTuple):
 
 
 def paper_walls() -> tuple[np.ndarray, np.ndarray]:
-    """Two walls of the paper's grid, 100 x 100 cells of 0.25 mm, JRC 8 [m]."""
-    return wall_pair(8.0, (100, 100), SPACING, seed=1)
+    """Two walls of the paper's grid, 100 x 100 cells of 0.25 mm, JRC 8, without roll-off [m]."""
+    return wall_pair(8.0, (100, 100), SPACING, seed=1, roll_off=None)
 
 
 def polished_walls() -> tuple[np.ndarray, np.ndarray]:

@@ -15,13 +15,13 @@ from jointclosure.studies.global_sensitivity.design import SURFACES, Design, set
 RESPONSES = {
     "closure": "maximum closure",
     "closure_net": "maximum closure net of bulk indentation",
-    "residual": "residual closure",
-    "stiffness": "normal stiffness of loading, from half of the maximum to the landing",
+    "residual_seated_net": "net residual closure at seating",
+    "stiffness_net": "net normal stiffness of loading, from half of the maximum to the landing",
 }
-"""What is read of each cycle. A later cycle's residual closure is that of the first and more."""
+"""What is read of each cycle. Of later cycles next to nothing stays."""
 TRIED = 8
 """Joints of each rock by which the time is estimated."""
-UNITS = dict.fromkeys(RESPONSES, "m") | {"stiffness": "Pa/m"}
+UNITS = dict.fromkeys(RESPONSES, "m") | {"stiffness_net": "Pa/m"}
 
 
 def close_rows(

@@ -1,17 +1,19 @@
 """Which of the paper's conclusions hold, whatever is chosen of what the paper leaves open."""
 
-from collections.abc import Callable, Iterator, Mapping
+import functools
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from jointclosure.config.properties import PARAMETERS
+from jointclosure.claims.statements import Elasticities, Statement
+from jointclosure.claims.table import statements_of_elasticities
+from jointclosure.inputs import InputError
 from jointclosure.statistics.verdicts import frequency_of, t_interval
-from jointclosure.studies.global_sensitivity.design import Design
+from jointclosure.studies.global_sensitivity.design import Design, is_positive
 from jointclosure.studies.global_sensitivity.table import (
     GROUPS,
-    Elasticities,
     choices_drawn,
     elasticities_at,
     first_functions,
@@ -19,7 +21,10 @@ from jointclosure.studies.global_sensitivity.table import (
     jackknife_error,
     responses_of,
 )
+from jointclosure.studies.global_sensitivity.table import Elasticities as FittedElasticities
 
+PROPERTIES = ("poisson_ratio", "youngs_modulus", "compressive_strength", "jrc")
+"""Properties that the conclusions compare; a design may vary others, too."""
 NAMES = ("closure", "closure_net")
 """Responses that conclusions are about."""
 COLUMNS = (
@@ -29,20 +34,6 @@ COLUMNS = (
 MARGIN_COLUMNS = (
     "number", "conclusion", "response", "cycle", "rock", "input", "title", "share", "share_error",
 )  # fmt: skip
-ByProperty = Mapping[str, np.ndarray]
-"""Elasticities (...) by property, of one cycle."""
-
-
-class Conclusion(NamedTuple):
-    """A conclusion, and its margin: a number that is above 0 where the conclusion is true.
-
-    ``margin`` of the elasticities of a cycle and of those of the cycle before it, which only one
-    that is ``across`` cycles needs.
-    """
-
-    said: str
-    margin: Callable[[ByProperty, ByProperty], np.ndarray]
-    across: bool = False
 
 
 class _Margins(NamedTuple):
@@ -54,74 +45,41 @@ class _Margins(NamedTuple):
     rows: np.ndarray
 
 
-def _others(elasticities: ByProperty, *without: str) -> list[np.ndarray]:
-    return [np.abs(values) for name, values in elasticities.items() if name not in without]
-
-
-def _least(name: str):
-    return lambda e, _: np.min(_others(e, name), axis=0) - np.abs(e[name])
-
-
-def _most(name: str):
-    return lambda e, _: np.abs(e[name]) - np.max(_others(e, name), axis=0)
-
-
-def _next(name: str, before: str):
-    def margin(e: ByProperty, _: ByProperty) -> np.ndarray:
-        own = np.abs(e[name])
-        return np.minimum(np.abs(e[before]) - own, own - np.max(_others(e, name, before), axis=0))
-
-    return margin
-
-
-CONCLUSIONS: dict[str, Conclusion] = {
-    "1a": Conclusion("Poisson's ratio matters least", _least("poisson_ratio")),
-    "2a": Conclusion("Young's modulus matters most", _most("youngs_modulus")),
-    "3": Conclusion(
-        "Compressive strength matters next after Young's modulus",
-        _next("compressive_strength", "youngs_modulus"),
-    ),
-    "4": Conclusion(
-        "JRC matters less than on the cycle before",
-        lambda e, before: np.abs(before["jrc"]) - np.abs(e["jrc"]),
-        across=True,
-    ),
-    "5a": Conclusion("Closure rises when E falls", lambda e, _: -e["youngs_modulus"]),
-    "5b": Conclusion("Closure rises when sigma_c rises", lambda e, _: e["compressive_strength"]),
-    "5c": Conclusion("Closure falls when JRC falls", lambda e, _: e["jrc"]),
-}
-"""Conclusions of the paper on a cycle, from elasticities of the closure by property."""
-
-
 def conclusion_tables(design: Design, keys: dict, closed) -> tuple[pd.DataFrame, pd.DataFrame]:
     """For what share of the open choices each conclusion holds, and what its margin goes with.
 
     Returns
     -------
     conclusions : DataFrame
-        ``number``, ``conclusion``, ``response`` (closure, with and without bulk indentation),
-        ``cycle``, ``rock`` ("all": in every rock at once), ``share`` of the drawn choices at
-        which the fitted elasticities have it, ``share_error`` (jackknife over rows, the same
-        rows left out in all rocks), ``share_low`` and ``share_high`` (95 %: by that error, and
-        never closer than as many single rows could tell), ``rows`` and at how many of them it
-        is true of the row's own changes, noise and all (``rows_true``).
+        ``number`` and ``conclusion`` of a statement of `jointclosure.claims.statements`,
+        ``response`` (closure, with and without bulk indentation), ``cycle``, ``rock`` ("all": in
+        every rock at once), ``share`` of the drawn choices at which the fitted elasticities have
+        it by more than the tolerance, ``share_error`` (jackknife over rows, the same rows left
+        out in all rocks), ``share_low`` and ``share_high`` (95 %: by that error, and never closer
+        than as many single rows could tell), ``rows`` and at how many of them it is true of the
+        row's own changes, noise and all (``rows_true``).
     margins : DataFrame
         Of each rock and ``input``: the ``share`` of the variance of the conclusion's margin over
         the drawn choices that goes with the input's first function, with its jackknife error.
 
-    Both empty where not all four properties vary, and without responses that are not positive
-    everywhere.
+    Without statements on properties that do not vary, and without responses that are not
+    positive everywhere.
+
+    Raises
+    ------
+    InputError
+        The joints of a rock of the design are missing.
     """
     found = _elasticities(design, keys, closed)
     shares: list[dict] = []
     margins: list[dict] = []
     for name in NAMES:
         for cycle in (1, 2):
-            for number, conclusion in CONCLUSIONS.items():
-                of_rocks = _of_rocks(design, found, conclusion, name, cycle)
-                about: dict = {"number": number, "conclusion": conclusion.said}
+            for statement in statements_of_elasticities():
+                of_rocks = _of_rocks(design, found, statement, name, cycle)
+                about: dict = {"number": statement.number, "conclusion": statement.text}
                 about |= {"response": name, "cycle": cycle}
-                shares += [about | row for row in _shares(of_rocks)]
+                shares += [about | row for row in _shares(of_rocks, statement.above)]
                 margins += [about | row for row in _variances(design, of_rocks)]
     return (
         pd.DataFrame(shares, columns=list(COLUMNS)),
@@ -129,58 +87,67 @@ def conclusion_tables(design: Design, keys: dict, closed) -> tuple[pd.DataFrame,
     )
 
 
-def _elasticities(design: Design, keys: dict, closed) -> dict[tuple, Elasticities]:
-    """By rock, response and cycle; none where not all properties vary."""
-    if {one.property for one in design.inputs if one.property} != set(PARAMETERS):
-        return {}
+def _elasticities(design: Design, keys: dict, closed) -> dict[tuple, FittedElasticities]:
+    """By rock, response and cycle; none where a rock has none to any property."""
+    missing = sorted(set(design.rocks) - set(closed))
+    if missing:
+        raise InputError(f"the joints of {', '.join(missing)} are missing, which the design closes")
+    for rock in design.rocks:
+        if not any(one.property and is_positive(one, keys, rock) for one in design.inputs):
+            return {}
     at = choices_drawn(design)
-    found = {
+    return {
         (each.rock, each.name, each.cycle): elasticities_at(design, keys, each, at)
         for each in responses_of(design, closed)
         if each.name in NAMES and has_elasticities(each)
     }
-    return {where: own for where, own in found.items() if len(own.inputs) == len(PARAMETERS)}
 
 
-def _of_rocks(design, found, conclusion: Conclusion, name, cycle) -> dict[str, _Margins]:
-    """Margins of each rock; none where a rock has no elasticities."""
+def _of_rocks(
+    design: Design, found: dict[tuple, FittedElasticities], statement: Statement, name: str,
+    cycle: int,
+) -> dict[str, _Margins]:  # fmt: skip
+    """Margins of each rock; none where a rock lacks an elasticity that the statement is about."""
     properties = {one.name: one.property for one in design.inputs}
     margins = {}
     for rock in design.rocks:
-        own = found.get((rock, name, cycle))
-        before = found.get((rock, name, cycle - 1)) if conclusion.across else own
-        if own is None or before is None:
+        of_cycles = {c: found.get((rock, name, c)) for c in statement.cycles(cycle)}
+        if any(
+            own is None or not set(statement.parameters) <= {properties[one] for one in own.inputs}
+            for own in of_cycles.values()
+        ):
             return {}
-        rows = np.intersect1d(own.rows, before.rows)
+        rows = functools.reduce(np.intersect1d, [own.rows for own in of_cycles.values()])
 
-        def read(part, own=own, before=before) -> np.ndarray:
-            pair = (
-                dict(zip((properties[one] for one in each.inputs), part(each), strict=True))
-                for each in (own, before)
-            )
-            return conclusion.margin(*pair)
+        def least(part, of_cycles=of_cycles) -> np.ndarray:
+            by_cycle = {
+                (properties[one], c): values
+                for c, own in of_cycles.items()
+                for one, values in zip(own.inputs, part(own), strict=True)
+            }
+            return statement.least(Elasticities(by_cycle), cycle)
 
         margins[rock] = _Margins(
-            read(lambda each: each.drawn),
-            read(lambda each: each.left_out),
-            read(lambda each, rows=rows: each.single[:, np.isin(each.rows, rows)]),
+            least(lambda own: own.drawn),
+            least(lambda own: own.left_out),
+            least(lambda own, rows=rows: own.single[:, np.isin(own.rows, rows)]),
             rows,
         )
     return margins
 
 
-def _shares(of_rocks: dict[str, _Margins]) -> Iterator[dict]:
-    """Of each rock, and of all at once."""
+def _shares(of_rocks: dict[str, _Margins], above: float) -> Iterator[dict]:
+    """Of each rock, and of all at once; true where margins are above a bound."""
     if not of_rocks:
         return
     for rock, own in of_rocks.items():
-        yield {"rock": rock} | _share(own.drawn > 0.0, own.left_out > 0.0, own.single > 0.0)
+        yield {"rock": rock} | _share(own.drawn > above, own.left_out > above, own.single > above)
     together = of_rocks.values()
     rows = set.intersection(*(set(own.rows.tolist()) for own in together))
-    single = [own.single[np.isin(own.rows, list(rows))] > 0.0 for own in together]
+    single = [own.single[np.isin(own.rows, list(rows))] > above for own in together]
     yield {"rock": "all"} | _share(
-        np.all([own.drawn > 0.0 for own in together], axis=0),
-        np.all([own.left_out > 0.0 for own in together], axis=0),
+        np.all([own.drawn > above for own in together], axis=0),
+        np.all([own.left_out > above for own in together], axis=0),
         np.all(single, axis=0),
     )
 

@@ -10,11 +10,11 @@ from jointclosure.config.configuration import configured, merged
 from jointclosure.config.files import ConfigurationError
 from jointclosure.config.keys import GlobalSensitivityKeys
 from jointclosure.config.presets import numerics_in_full
-from jointclosure.config.properties import PARAMETERS, key_of
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.inputs import InputError
+from jointclosure.parameters import PROPERTIES, key_of
 from jointclosure.randomness import seed_of
 from jointclosure.statistics.orthonormal import part_of
 from jointclosure.statistics.variance_indices import sampled_rows
@@ -47,7 +47,7 @@ class Input(NamedTuple):
     @property
     def property(self) -> str | None:
         """The property of a rock that it is, if any."""
-        keys = {f"rocks.{ROCK}.{key_of(name)}": name for name in PARAMETERS}
+        keys = {f"rocks.{ROCK}.{key_of(name)}": name for name in PROPERTIES}
         return keys.get(".".join(self.key))
 
 
@@ -155,7 +155,7 @@ def settings_at(design: Design, keys: dict, rock: str, row: int, point) -> Closu
     plain = keys | {"numerics": numerics_in_full(keys)}
     alone = {
         "study": {"draws": "common"},
-        "rocks": {rock: {"levels": dict.fromkeys(map(key_of, PARAMETERS))}},
+        "rocks": {rock: {"levels": dict.fromkeys(map(key_of, PROPERTIES))}},
     }
     typed = configured(merged(plain, keys_at(design, keys, rock, point), alone), _no_table).typed
     case = base_case(rock, typed.rocks[rock])

@@ -67,16 +67,16 @@ class Elasticities(NamedTuple):
 def responses_of(design: Design, closed: Mapping[str, xr.Dataset]) -> Iterator[Responses]:
     """Every response of every rock and cycle; rows with a failed simulation are left out.
 
-    In place of the stiffness its inverse, the compliance: a mean over stiffnesses is that of the
-    few that are near infinite.
+    In place of the net stiffness its inverse, the compliance: a mean over stiffnesses is that of
+    the few that are near infinite.
     """
     points = design.points()
     for rock, each in closed.items():
         whole = each.sortby("row")
-        whole = whole.assign(compliance=1.0 / whole.stiffness)
-        for name in (*(name for name in RESPONSES if name != "stiffness"), "compliance"):
+        whole = whole.assign(compliance=1.0 / whole.stiffness_net)
+        for name in (*(name for name in RESPONSES if name != "stiffness_net"), "compliance"):
             for cycle in whole.cycle.values.tolist():
-                if name == "residual" and cycle > 1:
+                if name == "residual_seated_net" and cycle > 1:
                     continue
                 values = whole[name].sel(cycle=cycle).values
                 good = np.isfinite(values).all(axis=(1, 2))

@@ -62,19 +62,31 @@ class Interval(NamedTuple):
 
 
 class Likelihood(NamedTuple):
-    """Of a curve, over mismatch wavelengths [m] and strengths [Pa].
+    """Likelihood of a curve over mismatch wavelengths [m] and strengths [Pa].
 
-    ``log`` (wavelengths, strengths) is the log likelihood; ``p_value`` tells how often a joint
-    of the likeliest wavelength and strength is as far from their mean as the measured one.
+    ``log`` (wavelengths, strengths) is the log likelihood; ``means`` (wavelengths, strengths,
+    readings) and ``scatter`` (wavelengths, readings) are the mean and the standard deviation of
+    the logarithms of the readings; ``p_value`` is how often a joint of the likeliest wavelength
+    and strength is as far from their mean as the measured one.
     """
 
     wavelengths: np.ndarray
     strengths: np.ndarray
     log: np.ndarray
+    means: np.ndarray
+    scatter: np.ndarray
     p_value: float
 
+    def least_distances(self, measured: Readings) -> np.ndarray:
+        """Compute each reading's least distance (readings,) from a mean, in standard deviations."""
+        distances = np.abs(np.log(measured.values) - self.means) / self.scatter[:, None, :]
+        return distances.min(axis=(0, 1))
+
     def interval(self, axis: int) -> Interval:
-        """Of the wavelength (axis 0) or strength (1), by the profile of the likelihood."""
+        """Find that of the wavelength (axis 0) or strength (1), by the profile of the likelihood.
+
+        The ends of the wavelengths stand for mates and independent walls, 0 and infinite.
+        """
         values = (self.wavelengths, self.strengths)[axis]
         profile = self.log.max(axis=1 - axis)
         best = int(profile.argmax())
@@ -125,7 +137,10 @@ def readings_of_curve(curve: MeasuredCurve, seating_stress: float) -> Readings:
 
 
 def _as_history(curve: MeasuredCurve) -> xr.Dataset:
-    """A measured curve as steps, so that it is read as a joint that was closed."""
+    """A measured curve as steps, so that it is read as a joint that was closed.
+
+    It has no bulk indentation: the deformation of the intact rock was subtracted from it.
+    """
     branches = [
         (cycle, branch, *points)
         for cycle in curve.cycles
@@ -136,6 +151,7 @@ def _as_history(curve: MeasuredCurve) -> xr.Dataset:
     columns = {
         "normal_stress": np.concatenate([stress for *_, stress, _ in branches]),
         "closure": np.concatenate([closure for *_, closure in branches]),
+        "bulk_indentation": np.zeros(cycles.size),
         "cycle": cycles,
         "branch": names,
     }
@@ -143,7 +159,7 @@ def _as_history(curve: MeasuredCurve) -> xr.Dataset:
 
 
 def readings_of_history(history: xr.Dataset, asked: Readings) -> np.ndarray:
-    """The same of a joint that was closed; NaN where it was not read."""
+    """Read the same of a joint that was closed, net of bulk indentation; NaN where not read."""
     stresses = np.append(asked.seating, asked.levels)
     values = []
     for cycle, (loading, unloading) in enumerate(closures_at(history, stresses), start=1):
@@ -246,15 +262,17 @@ def likelihood_of(
     fine_x, fine_y = (np.linspace(0.0, 1.0, _STEPS if part.size > 1 else 1) for part in (x, y))
     width = 1.0 / max(x.size - 1, 1)
     log = np.empty((fine_x.size, fine_y.size))
-    distances = np.empty_like(log)
+    distances, spread = np.empty_like(log), np.empty((fine_x.size, size))
+    means = np.empty((*log.shape, size))
     for i, place in enumerate(fine_x):
         near = np.exp(-0.5 * ((rows[:, 0] - place) / width) ** 2)
         near /= near.sum()
         freedom = 1.0 / float(np.sum(near**2)) - 1.0
         scatter = (residuals * near[:, None]).T @ residuals * (1.0 + 1.0 / freedom)
         scatter += error**2 * np.eye(size)
-        means = _terms(np.column_stack([np.full(fine_y.size, place), fine_y])) @ weights
-        apart = np.log(measured.values) - means
+        means[i] = _terms(np.column_stack([np.full(fine_y.size, place), fine_y])) @ weights
+        spread[i] = np.sqrt(np.diag(scatter))
+        apart = np.log(measured.values) - means[i]
         squares = np.einsum("ij,ij->i", apart @ np.linalg.inv(scatter), apart)
         own = 0.5 * (freedom + size)
         log[i] = -0.5 * np.linalg.slogdet(scatter)[1] - own * np.log1p(squares / freedom)
@@ -264,6 +282,8 @@ def likelihood_of(
         _unscaled(fine_x, wavelengths),
         _unscaled(fine_y, strengths),
         log,
+        means,
+        spread,
         float(distances[best]),
     )
 

@@ -12,31 +12,29 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.config.typed import Configuration
-from jointclosure.engineering.curves import cycle_table, hysteresis
-from jointclosure.engineering.stiffness import secant_stiffness
+from jointclosure.engineering.curves import hysteresis, seat_of
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.closing import close_walls
-from jointclosure.ensemble.settings import ClosureSettings
+from jointclosure.ensemble.responses import responses_of
+from jointclosure.ensemble.settings import ClosureSettings, Conditions
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.ensemble.surfaces import walls_of
 from jointclosure.ensemble.wavelengths import labelled_wavelengths, wavelength_coordinate
 from jointclosure.inputs import InputError
-from jointclosure.protocol import FAILURE
+from jointclosure.protocol import FAILURE, LOADING
 
 READ = {
-    "max_closure": ("max_closure_mm", "m", "largest closure of the cycle, from its start"),
-    "closure_since_seating": ("closure_since_seating_mm", "m", "the same since seating"),
-    "residual_closure": ("residual_at_seating_mm", "m", "what stays at the seating stress"),
-    "aperture_at_seating": ("mean_aperture_at_seating_mm", "m", "mean aperture at seating"),
-}
-"""What is read of `cycle_table`: its column, unit and name."""
-READ_ALONG = {
-    "hysteresis": ("1", "share of the work of loading that unloading does not give back"),
-    "closure_above_half": (
-        "m",
-        "half of the maximum stress over the normal stiffness of loading there",
+    "closure": ("m", "largest closure of the cycle, from its start"),
+    "closure_seated_net": ("m", "net closure since seating"),
+    "residual_seated_net": ("m", "net residual closure at seating"),
+    "stiffness_net": (
+        "Pa/m",
+        "net normal stiffness of loading from half of the maximum stress to the landing on it",
     ),
+    "aperture_at_seating": ("m", "mean aperture at seating"),
+    "hysteresis": ("1", "share of the work of loading that unloading does not give back"),
 }
+"""Unit and name of what is read of each cycle (`jointclosure.ensemble.responses`)."""
 
 
 def labels_of(configuration: Configuration) -> dict[str, float | None]:
@@ -90,13 +88,13 @@ def close_mismatched(
     Returns
     -------
     Dataset
-        Over (wavelength, shift, realization, cycle): what `READ` and `READ_ALONG` say;
+        Over (wavelength, shift, realization, cycle): what `READ` says;
         ``initial_aperture`` (mean aperture at first touch) and ``status`` without the cycle, and
         the processor's ``seconds``. NaN where a simulation failed.
     """
     first = settings[0]
     shape = (len(settings), first.surfaces.realizations)
-    values = {name: np.full((*shape, first.cycles), np.nan) for name in (*READ, *READ_ALONG)}
+    values = {name: np.full((*shape, first.cycles), np.nan) for name in READ}
     alone = {name: np.full(shape, np.nan) for name in ("initial_aperture", "seconds")}
     status = np.zeros(shape, np.int16)
     for row, told in enumerate(settings):
@@ -109,8 +107,9 @@ def close_mismatched(
             alone["seconds"][at] = time.process_time() - start
             status[at] = closed.status
             if closed.status < FAILURE:
-                for name, reading in _read(closed).items():
-                    values[name][at] = reading
+                found = _read(closed, told.conditions())
+                for name in READ:
+                    values[name][at] = found[name]
         report(
             f"shift {told.surfaces.surface.shift_in_cells} cells: "
             f"{alone['seconds'][row].mean():.2f} s a simulation, "
@@ -119,14 +118,12 @@ def close_mismatched(
     return _labelled(values, alone, status, settings)
 
 
-def _read(closed: xr.Dataset) -> dict[str, np.ndarray]:
-    """What is read of a history, over its cycles [SI]."""
-    table = cycle_table(closed)
-    found = {name: 1e-3 * table[column].to_numpy() for name, (column, *_) in READ.items()}
-    largest = float(closed.normal_stress.max())
-    stiffness = [secant_stiffness(closed, cycle, 0.5 * largest, largest) for cycle in table.cycle]
-    above = 0.5 * largest / np.array(stiffness)
-    return found | {"hysteresis": hysteresis(closed), "closure_above_half": above}
+def _read(closed: xr.Dataset, conditions: Conditions) -> dict[str, np.ndarray]:
+    """Read `READ` of a history, over its cycles [SI]."""
+    cycles = range(1, conditions.cycles + 1)
+    aperture = np.array([seat_of(closed, each, LOADING, "mean_aperture") for each in cycles])
+    more = {"aperture_at_seating": aperture, "hysteresis": hysteresis(closed)}
+    return responses_of(closed, conditions) | more
 
 
 def _labelled(
@@ -136,14 +133,13 @@ def _labelled(
     told = settings[0]
     shifts = [each.surfaces.surface.shift_in_cells for each in settings]
     over = ("wavelength", "shift", "realization")
-    about = {name: (unit, text) for name, (_, unit, text) in READ.items()} | READ_ALONG
     found: dict = {
         name: (
             (*over, "cycle"),
             values[name][np.newaxis],
             {"units": unit, "long_name": text},
         )
-        for name, (unit, text) in about.items()
+        for name, (unit, text) in READ.items()
     }
     for name, unit in (("initial_aperture", "m"), ("seconds", "s")):
         found[name] = (over, alone[name][np.newaxis], {"units": unit})

@@ -11,18 +11,18 @@ import xarray as xr
 
 from jointclosure.protocol import FAILURE
 from jointclosure.randomness import generator, seed_of
-from jointclosure.statistics.ratios import ratio_of_means
+from jointclosure.statistics.ratios import harmonic_mean, ratio_of_means
 from jointclosure.statistics.standard_errors import mean_of
 
 MEANS = {
-    "max_closure": ("max_closure_mm", 1e3),
-    "closure_since_seating": ("closure_since_seating_mm", 1e3),
-    "residual_closure": ("residual_closure_mm", 1e3),
+    "closure": ("max_closure_gross_mm", 1e3),
+    "closure_seated_net": ("closure_net_since_seating_mm", 1e3),
+    "residual_seated_net": ("residual_net_at_seating_mm", 1e3),
     "hysteresis": ("hysteresis", 1.0),
     "aperture_at_seating": ("aperture_at_seating_mm", 1e3),
 }
 """Columns of the table that are means over surfaces, and their scale."""
-CLOSURE = "closure_since_seating"
+CLOSURE = "closure_seated_net"
 """Of the first cycle: what walls are compared by."""
 CONFIDENCE = 0.95
 RESAMPLES = 2000
@@ -41,13 +41,12 @@ def mismatch_table(runs: dict[str, xr.Dataset]) -> pd.DataFrame:
     -------
     DataFrame
         ``rock``, ``wavelength_mm`` (infinite: independent walls), ``shift_mm``, ``cycle``,
-        ``samples`` that were closed, ``MEANS``; ``normal_stiffness_MPa_per_mm`` from half of the
-        maximum stress to all of it, and ``residual_share`` of the closure since seating, both of
-        the mean curve; and each with its ``..._error``.
+        ``samples`` that were closed, ``MEANS``; ``normal_stiffness_net_MPa_per_mm`` from half of
+        the maximum stress to the landing on all of it, and ``residual_share_net`` of the closure
+        since seating, both of the mean curve; and each with its ``..._error``.
     """
     rows = []
     for rock, run in runs.items():
-        half = 0.5e-6 * run.attrs["max_normal_stress_Pa"]
         for wavelength, shift in _conditions(run):
             part = run.sel(wavelength=wavelength, shift=shift)
             part = part.isel(realization=np.flatnonzero(part.status < FAILURE))
@@ -60,7 +59,7 @@ def mismatch_table(runs: dict[str, xr.Dataset]) -> pd.DataFrame:
                         "cycle": cycle,
                         "samples": part.sizes["realization"],
                     }
-                    | _row(part.sel(cycle=cycle), half)
+                    | _row(part.sel(cycle=cycle))
                 )
     return pd.DataFrame(rows)
 
@@ -76,7 +75,7 @@ def _conditions(run: xr.Dataset) -> list[tuple[float, float]]:
     ]
 
 
-def _row(part: xr.Dataset, half_MPa: float) -> dict[str, float]:
+def _row(part: xr.Dataset) -> dict[str, float]:
     """Means of one condition and cycle, and what is made of them.
 
     A joint that is too stiff for its steps may lack a reading, and is left out of its mean.
@@ -87,15 +86,12 @@ def _row(part: xr.Dataset, half_MPa: float) -> dict[str, float]:
         known = values[np.isfinite(values)]
         row[column] = scale * (float(known.mean()) if known.size else np.nan)
         row[f"{column}_error"] = scale * _error(known)
-    above = part.closure_above_half.values
-    row |= _ratio("normal_stiffness_MPa_per_mm", np.full(above.size, 1e-3 * half_MPa), above)
-    return row | _ratio("residual_share", part.residual_closure.values, part[CLOSURE].values)
-
-
-def _ratio(name: str, over: np.ndarray, under: np.ndarray) -> dict[str, float]:
-    """A ratio of two means over surfaces, and its standard error."""
-    ratio, error = ratio_of_means(over, under)
-    return {name: ratio, f"{name}_error": error}
+    for name, (value, error) in {
+        "normal_stiffness_net_MPa_per_mm": harmonic_mean(1e-9 * part.stiffness_net.values),
+        "residual_share_net": ratio_of_means(part.residual_seated_net.values, part[CLOSURE].values),
+    }.items():
+        row |= {name: value, f"{name}_error": error}
+    return row
 
 
 def _error(values: np.ndarray) -> float:

@@ -1,90 +1,20 @@
 """What a reading gives besides the likelihood: scatter, elasticities, and claims that stand."""
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import pandas as pd
 
+from jointclosure.claims.found import TARGET
+from jointclosure.claims.statements import PROPERTIES, Elasticities
+from jointclosure.claims.table import CLAIMS
 from jointclosure.statistics.drawn_studies import jackknife_error
 from jointclosure.statistics.standard_errors import Estimate, elasticity, variation_of
-from jointclosure.statistics.verdicts import t_interval, verdict, verdict_on_all
+from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, Interval, t_interval, verdict
 from jointclosure.studies.readings.pools import Closures, Parameters, levels_closed
 
 SCATTER = "scatter"
 """Quantity of a row: S/mean at the base level; the others are a parameter's elasticity."""
-
-
-class Response(NamedTuple):
-    """What claims are judged by, of one rock: elasticities by parameter (cycle,), S/mean and
-    mean closure (cycle,)."""
-
-    elasticities: Mapping[str, np.ndarray]
-    scatter: np.ndarray
-    means: np.ndarray
-
-    def sensitivity(self, parameter: str, cycle: int) -> float:
-        """|elasticity|, which ranks the parameters as their percent intervals do.
-
-        These are near 100 t sqrt(2/n) S/mean over it, and S/mean is that of the rock and cycle.
-        """
-        return float(abs(self.elasticities[parameter][cycle - 1]))
-
-    def others(self, parameters: tuple[str, ...], cycle: int) -> float:
-        """The largest sensitivity to a parameter that is not among those."""
-        return max(self.sensitivity(p, cycle) for p in self.elasticities if p not in parameters)
-
-
-def _over_scatter(response: Response, parameter: str, cycle: int) -> float:
-    return response.sensitivity(parameter, cycle) / float(response.scatter[cycle - 1])
-
-
-NU, E, STRENGTH, JRC = "poisson_ratio", "youngs_modulus", "compressive_strength", "jrc"
-CLAIMS: dict[str, tuple[str, Callable[[Response], float]]] = {
-    "1a, cycle 1": (
-        "Poisson's ratio matters least on cycle 1",
-        lambda r: (
-            min(r.sensitivity(p, 1) for p in r.elasticities if p != NU) - r.sensitivity(NU, 1)
-        ),
-    ),
-    "1a, cycle 2": (
-        "Poisson's ratio matters least on cycle 2",
-        lambda r: (
-            min(r.sensitivity(p, 2) for p in r.elasticities if p != NU) - r.sensitivity(NU, 2)
-        ),
-    ),
-    "2a": (
-        "Young's modulus matters most on cycle 2",
-        lambda r: r.sensitivity(E, 2) - r.others((E,), 2),
-    ),
-    "2b": (
-        "Young's modulus matters most on cycle 1",
-        lambda r: r.sensitivity(E, 1) - r.others((E,), 1),
-    ),
-    "3": (
-        "Compressive strength is next on cycle 2",
-        lambda r: min(
-            r.sensitivity(E, 2) - r.sensitivity(STRENGTH, 2),
-            r.sensitivity(STRENGTH, 2) - r.others((E, STRENGTH), 2),
-        ),
-    ),
-    "4": (
-        "Sensitivity to JRC falls from cycle 1 to cycle 2",
-        lambda r: _over_scatter(r, JRC, 1) - _over_scatter(r, JRC, 2),
-    ),
-    "5a": ("Cycle-2 closure rises when E falls", lambda r: -float(r.elasticities[E][1])),
-    "5b": (
-        "Cycle-2 closure rises when sigma_c rises",
-        lambda r: float(r.elasticities[STRENGTH][1]),
-    ),
-    "5c": ("Cycle-1 closure falls when JRC falls", lambda r: float(r.elasticities[JRC][0])),
-    "6b": (
-        "The second cycle is stiffer than the first",
-        lambda r: 1.0 - float(r.means[1] / r.means[0]),
-    ),
-}
-"""The paper's claims on sensitivity, each as a number that is positive where it is true."""
-_ALL = {NU, E, STRENGTH, JRC}
 
 
 def quantities(closures: Closures, parameters: Parameters) -> Iterator[dict]:
@@ -123,35 +53,53 @@ def over_rocks(rows: pd.DataFrame) -> pd.DataFrame:
 def claims_judged(
     closures: Closures, parameters: Parameters, groups: int, confidence: float
 ) -> dict[str, str]:
-    """Which claims stand in a reading, of all rocks closed: a word of
-    `jointclosure.statistics.verdicts` by claim.
+    """Verdicts on the claims that elasticities decide, of all rocks closed in a reading.
 
-    A claim's number has the standard error of a jackknife over groups of surfaces. A rock of
-    which not all parameters are varied is left out.
+    A word of `jointclosure.statistics.verdicts` by claim. The least margin of a claim in a rock
+    has the standard error of a jackknife over groups of surfaces. A rock of which not all
+    parameters are varied is left out.
     """
-    closures = {rock: each for rock, each in closures.items() if set(parameters[rock]) == _ALL}
-    verdicts: dict[str, list[str]] = {number: [] for number in CLAIMS}
+    asked = [
+        claim
+        for claim in CLAIMS
+        if claim.statement and claim.statement.of_elasticities
+        if claim.variable == TARGET and not claim.negated
+    ]
+    intervals: dict[str, list[Interval]] = {claim.number: [] for claim in asked}
     for rock, of_rock in closures.items():
+        if not set(PROPERTIES) <= set(parameters[rock]):
+            continue
         numbers = of_rock.realization.values
         count = min(groups, numbers.size)
-        whole = _response(of_rock, parameters[rock])
-        parts = [
-            _response(
-                of_rock.isel(realization=np.flatnonzero(numbers % count != g)), parameters[rock]
+        whole, *parts = (
+            _elasticities(of_rock.isel(realization=np.flatnonzero(kept)), parameters[rock])
+            for kept in (numbers >= 0, *(numbers % count != group for group in range(count)))
+        )
+        for claim in asked:
+            (cycle,) = claim.cycles
+            value, *left_out = (
+                float(claim.statement.least(each, cycle)) for each in (whole, *parts)
             )
-            for g in range(count)
-        ]
-        for number, (_, judge) in CLAIMS.items():
-            error = jackknife_error([judge(part) for part in parts])
-            interval = t_interval((judge(whole), error), count, confidence)
-            verdicts[number].append(verdict(interval, (0.0, np.inf)))
-    return {number: verdict_on_all(each) for number, each in verdicts.items()}
+            estimate = (value, jackknife_error(left_out))
+            intervals[claim.number].append(t_interval(estimate, count, confidence))
+    return {
+        claim.number: verdict(
+            claim.statement.least_interval(intervals[claim.number]),
+            (claim.statement.true_above(), np.inf),
+            claim.statement.alike,
+        )
+        if intervals[claim.number]
+        else CANNOT_BE_TOLD
+        for claim in asked
+    }
 
 
-def _response(of_rock, varied: Mapping) -> Response:
-    per_cycle = [dict(_estimates(of_rock, varied, i)) for i in range(of_rock.sizes["cycle"])]
-    return Response(
-        {name: np.array([each[name].value for each in per_cycle]) for name in varied},
-        np.array([each[SCATTER].value for each in per_cycle]),
-        of_rock.isel(case=np.flatnonzero(np.isnan(of_rock.value.values))).values.mean(axis=(0, 1)),
+def _elasticities(of_rock, varied: Mapping) -> Elasticities:
+    return Elasticities(
+        {
+            (name, cycle): np.asarray(estimate.value)
+            for i, cycle in enumerate(of_rock.cycle.values.tolist())
+            for name, estimate in _estimates(of_rock, varied, i)
+            if name != SCATTER
+        }
     )

@@ -1,11 +1,9 @@
 """The table of a study of readings: likelihood, scatter, elasticities and claims of each."""
 
-from collections.abc import Mapping
-
 import numpy as np
 import pandas as pd
 
-from jointclosure.config.properties import PARAMETERS
+from jointclosure.config.properties import PARAMETERS, PROPERTIES
 from jointclosure.statistics.standard_errors import rounded
 from jointclosure.studies.readings.design import AS_CONFIGURED, Design
 from jointclosure.studies.readings.likelihood import (
@@ -110,13 +108,7 @@ def implied_table(
     return pd.DataFrame(rows)
 
 
-_SHORT: Mapping[str, str] = {
-    SCATTER: "S/mean",
-    "poisson_ratio": "ν",
-    "youngs_modulus": "E",
-    "compressive_strength": "σc",
-    "jrc": "JRC",
-}
+_SHORT = {SCATTER: "S/mean"} | {name: about.shown_symbol for name, about in PROPERTIES.items()}
 
 
 def readings_markdown(table: pd.DataFrame, implied: pd.DataFrame) -> str:

@@ -9,12 +9,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.claims.found import TARGET
 from jointclosure.randomness import generator, seed_of
 from jointclosure.statistics.drawn_studies import Design, DrawnResponse, draw_studies
 from jointclosure.statistics.predictive import length_distribution
 from jointclosure.statistics.standard_errors import elasticity, rounded, variation_of
 from jointclosure.studies.sensitivity.responses import (
-    TARGET,
     RockSample,
     rock_sample,
     rocks_of,

@@ -1,9 +1,10 @@
 """The paper's claims, each with two answers: is it true of the model, and would a study find it?
 
-True of the model: numbers of the model with confidence intervals, from surfaces on which all
-cases are closed (the pool; without one, the study's own). A claim *stands* where the
-intervals lie where it is true in all rocks, *falls* where one lies outside, and *cannot be told*
-otherwise. The intervals of one claim hold together with a confidence of 95 % (Bonferroni).
+True of the model: margins (`jointclosure.claims.statements`) with confidence intervals, from
+surfaces on which all cases are closed (the pool; without one, the study's own). A claim *stands*
+where all margins lie where it is true in all rocks, and *falls* where one lies elsewhere; of a
+comparison there is *no difference* where the smallest margin is within the tolerance; else it
+*cannot be told*. The intervals of one claim hold together with a confidence of 95 % (Bonferroni).
 
 Found: the share of repetitions of the study, n independent draws at every level, in which the
 claim holds for all rocks when judged as the paper judges, by point estimates.
@@ -13,27 +14,36 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+import scipy
 import xarray as xr
 
+from jointclosure.claims.found import LOOP, NET, TARGET, Findings
+from jointclosure.claims.table import CLAIMS, OURS, TABLE_3, Claim
 from jointclosure.config.properties import PROPERTIES
 from jointclosure.randomness import generator, seed_of
-from jointclosure.statistics.drawn_studies import Design, DrawnResponse, draw_studies
-from jointclosure.statistics.standard_errors import rounded
+from jointclosure.statistics.drawn_studies import (
+    RESAMPLED_POOLS,
+    Design,
+    DrawnResponse,
+    draw_studies,
+    pool_error,
+    repetitions_of_pool,
+    resampled_pools,
+)
+from jointclosure.statistics.indifference import indifference_lengths
+from jointclosure.statistics.standard_errors import Estimate
 from jointclosure.statistics.verdicts import (
     CANNOT_BE_TOLD,
     FALLS,
     STANDS,
+    Frequency,
+    Interval,
     frequency,
     t_interval,
     verdict,
-    verdict_on_all,
 )
-from jointclosure.studies.sensitivity.claim_findings import Findings, as_found
-from jointclosure.studies.sensitivity.claim_quantities import LOOP, Quantity, estimated
-from jointclosure.studies.sensitivity.claim_rules import RULES, Rule
+from jointclosure.studies.sensitivity.closed_model import SQUARE, ClosedModel, estimated
 from jointclosure.studies.sensitivity.responses import (
-    NET,
-    TARGET,
     RockSample,
     rock_sample,
     rocks_of,
@@ -42,23 +52,25 @@ from jointclosure.studies.sensitivity.responses import (
 
 CONFIDENCE = 0.95
 YES, NO = "yes", "no"
-_TABLE_3 = "table 3"
-OURS = "ours"
-"""Where a claim is said that is a variant of ours, and not the paper's."""
-ELSEWHERE = {
-    "7": "a study has one setting of the steps; docs/accuracy.md has what they are worth",
-    "8": "the measured curves are not available",
-}
-"""What no sensitivity study can say, and where it is said."""
 _ROUNDING = 1e-12
 """Of a closure: a loop below is none."""
+COLUMNS = (
+    "number", "claim", "said_in", "paper", "paper_finds", "verdict", "remark",
+    "found_here", "found_share", "found_error", "found_low", "found_high",
+)  # fmt: skip
+OF_PAPER = ("said_in", "paper", "paper_finds")
+"""Columns that are left out in a study of other rocks."""
+MARGIN_COLUMNS = (
+    "number", "rock", "cycle", "quantity", "value", "standard_error", "low", "high", "decides",
+)  # fmt: skip
 
 
 class Evidence(NamedTuple):
     """What claims are judged by.
 
     ``study``: as made, which finds or does not find; ``pool``: of which it is asked what is
-    true, the study itself where there is none; ``design``: of a study's repetitions.
+    true, the study itself where there is none; ``design``: of a study's repetitions;
+    ``resampled_pools``: for the error of the pool, of shares that studies find.
     """
 
     study: xr.Dataset
@@ -66,79 +78,96 @@ class Evidence(NamedTuple):
     design: Design
     repetitions: int
     root_seed: int
+    resampled_pools: int = RESAMPLED_POOLS
 
 
 class _Judged(NamedTuple):
-    """The pool's rocks, repetitions drawn from them, the study, and the paper's own table."""
+    """The pool's rocks and their margins by claim, how often repetitions find a claim, the study,
+    the paper's own table."""
 
     samples: list[RockSample]
-    drawn: Findings
+    margins: dict[str, dict[str, dict[tuple[str, int], Estimate]]]
+    found: dict[str, Frequency]
     study: Findings
     paper: Findings
 
 
-def judge_claims(evidence: Evidence, claims: pd.DataFrame, paper: pd.DataFrame) -> pd.DataFrame:
-    """All claims with the paper's figures, the model's numbers, and both answers.
+def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """All claims with the paper's figures and both answers, and the margins that decide them.
 
     Parameters
     ----------
     evidence : Evidence
-    claims : DataFrame
-        What the paper says: number, claim, said_in, parameter, cycle, figure, shown.
     paper : DataFrame
-        Its Table 3.
+        The paper's Table 3.
 
     Returns
     -------
-    DataFrame
+    claims : DataFrame
         ``said_in``: where the paper has it, or `OURS`. ``verdict``: whether it is true of the
-        model, by the number in ``model`` that decides it, of each rock. ``found_share``: of the
-        repetitions, with its binomial error and 95 % interval; ``found_here``: whether the study
-        as made finds it; ``paper_finds``: whether the paper's own Table 3 does. In a study of
-        other rocks only, the columns of the paper
-        are left out, and claims that cannot be judged.
+        model. ``found_share``: of the repetitions, with a standard error that contains the
+        pool's, and its 95 % interval; ``found_here``: whether the study as made finds it;
+        ``paper_finds``: whether the paper's own Table 3 does. In a study of other rocks only,
+        `OF_PAPER` is left out, and so are claims that cannot be judged.
+    margins : DataFrame
+        A row for each number of the model by which a claim is judged: ``number`` of the claim,
+        ``rock``, ``cycle``, ``quantity``, ``value``, ``standard_error``, the ends of its interval
+        (those of a claim hold together with `CONFIDENCE`), and whether of its claim and rock it
+        is the one that ``decides``.
     """
     judged = _judged(evidence, paper)
-    rows = []
-    for claim in claims.itertuples():
-        figure = None if pd.isna(claim.figure) else float(claim.figure)
-        row = {"number": claim.number, "claim": _said(claim.claim, figure)}
-        row["said_in"] = claim.said_in
-        row["paper"] = _papers_figures(claim, paper, judged.samples)
-        rule = RULES.get(claim.number)
-        if rule is None:
-            row |= {"model": ELSEWHERE.get(claim.number, ""), "verdict": CANNOT_BE_TOLD}
-        else:
-            row |= _true(rule, judged.samples, figure) | _found(rule, judged, figure)
-            if claim.shown == _TABLE_3 and claim.said_in != OURS:
-                found = _finds(rule, judged.paper, figure)
-                row["paper_finds"] = None if found is None else YES if found[0] else NO
+    rows, margins = [], []
+    for claim in CLAIMS:
+        row = {"number": claim.number, "claim": claim.text, "said_in": claim.said_in}
+        row |= {"paper": _papers_figures(claim, paper, judged.samples), "remark": claim.remark}
+        word, own = _true(claim, judged)
+        row |= {"verdict": word} | _found(claim, judged)
+        if claim.shown == TABLE_3 and claim.said_in != OURS:
+            row["paper_finds"] = _yes(claim.found_in(judged.paper))
         rows.append(row)
-    columns = ["number", "claim", "said_in", "paper", "paper_finds", "model", "verdict"]
-    columns += ["found_here", "found_share", "found_error", "found_low", "found_high"]
-    table = pd.DataFrame(rows, columns=columns)
+        margins += own
+    table = pd.DataFrame(rows, columns=list(COLUMNS))
+    of_model = pd.DataFrame(margins, columns=list(MARGIN_COLUMNS))
     if not judged.paper.drawn:
-        judgeable = table.number.isin(list(RULES)) & table.model.ne("")
-        table = (
-            table[judgeable]
-            .drop(columns=["said_in", "paper", "paper_finds"])
-            .reset_index(drop=True)
-        )
-    return table
+        table = table[table.number.isin(of_model.number)].reset_index(drop=True)
+        table = table.drop(columns=list(OF_PAPER))
+    return table, of_model
 
 
 def _judged(evidence: Evidence, paper: pd.DataFrame) -> _Judged:
-    samples = _samples(evidence.pool)
-    random = generator(seed_of(evidence.root_seed, "claims"))
-    varied = [sample for sample in samples if sample.levels]
-    drawn = draw_studies(sensitivities(varied), evidence.design, evidence.repetitions, random)
-    names = samples[0].names if samples else ()
+    samples, design = _samples(evidence.pool), evidence.design
+    t = scipy.stats.t.ppf(1.0 - 0.5 * design.significance, 2 * design.draws - 2)
+    critical = float(t * np.sqrt(2.0 / design.draws))
     return _Judged(
         samples,
-        Findings(drawn, names),
-        as_found(_samples(evidence.study), evidence.design.significance),
+        {sample.rock: _margins(sample, critical) for sample in samples},
+        _frequencies(evidence, samples),
+        as_found(_samples(evidence.study), design.significance),
         _papers_own(paper, samples),
     )
+
+
+def _frequencies(evidence: Evidence, samples: list[RockSample]) -> dict[str, Frequency]:
+    """How often repetitions find each claim that can be judged, the pool's error included."""
+    pools = sensitivities([sample for sample in samples if sample.levels])
+    names = samples[0].names if samples else ()
+
+    def found(drawn) -> dict[str, np.ndarray]:
+        by_claim = {claim.number: claim.found_in(Findings(drawn, names)) for claim in CLAIMS}
+        return {number: each for number, each in by_claim.items() if each is not None}
+
+    random = generator(seed_of(evidence.root_seed, "claims"))
+    once = found(draw_studies(pools, evidence.design, evidence.repetitions, random))
+    errors = dict.fromkeys(once, 0.0)
+    if evidence.resampled_pools and once:
+        random = generator(seed_of(evidence.root_seed, "claims", "pools"))
+        times = repetitions_of_pool(evidence.repetitions)
+        shares = []
+        for own in resampled_pools(pools, random, evidence.resampled_pools):
+            again = found(draw_studies(own, evidence.design, times, random))
+            shares.append([each.mean() for each in again.values()])
+        errors = dict(zip(once, pool_error(shares, times).tolist(), strict=True))
+    return {number: frequency(each, errors[number]) for number, each in once.items()}
 
 
 def _samples(dataset: xr.Dataset) -> list[RockSample]:
@@ -160,61 +189,121 @@ def _loops(dataset: xr.Dataset) -> xr.DataArray:
     return xr.concat(parts, "case", coords="minimal", compat="override")
 
 
-def _true(rule: Rule, samples: list[RockSample], figure: float | None) -> dict:
-    """Verdict on the model, and the numbers that decide it."""
-    asked: dict[str, list[Quantity]] = {}
-    for sample in samples:
-        quantities = rule.quantities(sample, figure)
-        if quantities:
-            asked[sample.rock] = quantities
-    total = sum(len(quantities) for quantities in asked.values())
-    if total == 0:
-        return {"model": "", "verdict": CANNOT_BE_TOLD}
-    confidence = 1.0 - (1.0 - CONFIDENCE) / total
-    verdicts, shown = [], []
-    for sample in (each for each in samples if each.rock in asked):
-        least, deciding = np.inf, ""
-        for quantity in asked[sample.rock]:
-            found = estimated(quantity, sample)
-            interval = t_interval(found, sample.values.shape[-1], confidence)
-            verdicts.append(verdict(interval, quantity.true_between))
-            low, high = quantity.true_between
-            inside = min(found.value - low, high - found.value)
-            margin = (
-                inside / found.standard_error
-                if found.standard_error
-                else (np.inf if inside > 0.0 else -np.inf)
-            )
-            if not deciding or margin < least:
-                least, deciding = margin, f"{quantity.name} {rounded(*found)}"
-        shown.append(f"{sample.rock}: {deciding}")
-    answer = verdict_on_all(verdicts)
-    if rule.negated:
+def _with_squares(sample: RockSample) -> RockSample:
+    """A sample with the squared deviations of its closures, whose means are their variances."""
+    n = sample.values.shape[-1]
+    cycles = [cycle for variable, cycle in sample.names if variable == TARGET]
+    own = sample.values[[sample.target(TARGET, cycle) for cycle in cycles]]
+    squares = (own - own.mean(axis=2, keepdims=True)) ** 2 * n / (n - 1)
+    return sample._replace(
+        names=(*sample.names, *((SQUARE, cycle) for cycle in cycles)),
+        values=np.concatenate([sample.values, squares]),
+    )
+
+
+def _margins(sample: RockSample, critical: float) -> dict[str, dict[tuple[str, int], Estimate]]:
+    """Margins of a rock by claim, and by name and cycle; of claims on what varies there."""
+    asked = {
+        claim: cycles
+        for claim in CLAIMS
+        if (cycles := claim.cycles_among(sample.names))
+        and set(claim.statement.parameters) <= set(sample.levels)
+    }
+    whole = _with_squares(sample)
+
+    def numbers(means: np.ndarray) -> dict[tuple, float]:
+        model = ClosedModel(whole, means, critical)
+        return {
+            (claim.number, *name): value
+            for claim, cycles in asked.items()
+            for name, value in claim.margins(model, cycles).items()
+        }
+
+    found: dict[str, dict] = {}
+    for (number, *name), estimate in estimated(numbers, whole).items():
+        found.setdefault(number, {})[tuple(name)] = estimate
+    return found
+
+
+def _true(claim: Claim, judged: _Judged) -> tuple[str, list[dict]]:
+    """Verdict on the model, and the margins of all rocks."""
+    asked = {rock: own[claim.number] for rock, own in judged.margins.items() if claim.number in own}
+    if not asked:
+        return CANNOT_BE_TOLD, []
+    confidence = 1.0 - (1.0 - CONFIDENCE) / sum(len(each) for each in asked.values())
+    sizes = {sample.rock: sample.values.shape[-1] for sample in judged.samples}
+    rows, intervals = [], []
+    for rock, estimates in asked.items():
+        own = [t_interval(each, sizes[rock], confidence) for each in estimates.values()]
+        intervals += own
+        rows += _margin_rows(claim, rock, estimates, own)
+    least = claim.statement.least_interval(intervals)
+    answer = verdict(least, (claim.statement.true_above(), np.inf), claim.statement.alike)
+    if claim.negated:
         answer = {STANDS: FALLS, FALLS: STANDS}.get(answer, answer)
-    return {"model": "; ".join(shown), "verdict": answer}
+    return answer, rows
 
 
-def _found(rule: Rule, judged: _Judged, figure: float | None) -> dict:
+def _margin_rows(
+    claim: Claim, rock: str, estimates: dict[tuple[str, int], Estimate], own: list[Interval]
+) -> list[dict]:
+    """Margins of a rock; the one decides that is least, in standard errors, where it is true."""
+    inside = [
+        (claim.statement.least_interval([Interval(each.value, each.value)]).low
+         - claim.statement.true_above())
+        for each in estimates.values()
+    ]  # fmt: skip
+    errors = [each.standard_error for each in estimates.values()]
+    least = np.argmin(
+        [
+            far / error if error else np.copysign(np.inf, far)
+            for far, error in zip(inside, errors, strict=True)
+        ]
+    )
+    return [
+        {
+            "number": claim.number, "rock": rock, "cycle": cycle, "quantity": quantity,
+            "value": found.value, "standard_error": found.standard_error,
+            "low": interval.low, "high": interval.high, "decides": i == least,
+        }
+        for i, (((quantity, cycle), found), interval) in enumerate(
+            zip(estimates.items(), own, strict=True)
+        )
+    ]  # fmt: skip
+
+
+def _found(claim: Claim, judged: _Judged) -> dict:
     """How often repetitions of the study find the claim, and whether the study does."""
-    here = _finds(rule, judged.study, figure)
-    row: dict = {"found_here": None if here is None else YES if here[0] else NO}
-    found = _finds(rule, judged.drawn, figure)
-    if found is not None:
-        often = frequency(found)
+    row: dict = {"found_here": _yes(claim.found_in(judged.study))}
+    often = judged.found.get(claim.number)
+    if often is not None:
         row |= {"found_share": often.share, "found_error": often.standard_error}
         row |= {"found_low": often.low, "found_high": often.high}
     return row
 
 
-def _finds(rule: Rule, findings: Findings, figure: float | None) -> np.ndarray | None:
-    """Whether studies (R,) find a claim for all rocks; None where no rock can be judged."""
-    rocks = list(dict.fromkeys(rock for rock, _ in findings.drawn))
-    found = [rule.found(findings, rock, figure) for rock in rocks]
-    judged = [each for each in found if each is not None]
-    if not judged:
-        return None
-    every = np.logical_and.reduce(judged)
-    return ~every if rule.negated else every
+def _yes(found: np.ndarray | None) -> str | None:
+    return None if found is None else YES if found[0] else NO
+
+
+def as_found(samples: list[RockSample], significance: float) -> Findings:
+    """A study that was made, as one of many: its own means, and lengths as published."""
+    drawn = {}
+    for sample in samples:
+        for parameter, levels in sample.levels.items():
+            values = sample.values[:, levels.cases]
+            means, deviations = values.mean(axis=2), values.std(axis=2, ddof=1)
+            lengths = indifference_lengths(
+                levels.values, means, deviations, values.shape[2], significance, levels.base
+            )
+            drawn[sample.rock, parameter] = DrawnResponse(
+                levels.values,
+                levels.base,
+                means[None],
+                deviations[None],
+                np.where(np.isnan(lengths), np.inf, lengths)[None],
+            )
+    return Findings(drawn, samples[0].names if samples else ())
 
 
 def _papers_own(paper: pd.DataFrame, samples: list[RockSample]) -> Findings:
@@ -235,14 +324,13 @@ def _papers_own(paper: pd.DataFrame, samples: list[RockSample]) -> Findings:
     return Findings(drawn, tuple((TARGET, cycle) for cycle in cycles))
 
 
-def _papers_figures(claim, paper: pd.DataFrame, samples: list[RockSample]) -> str:
+def _papers_figures(claim: Claim, paper: pd.DataFrame, samples: list[RockSample]) -> str:
     """The entries of the paper's Table 3 that a claim is about, or where else it is shown."""
-    if claim.shown != _TABLE_3:
+    if claim.shown != TABLE_3:
         return claim.shown
     rocks = {sample.rock for sample in samples}
     part = paper[(paper.parameter == claim.parameter) & paper.rock.isin(rocks)]
-    if not pd.isna(claim.cycle):
-        part = part[part.cycle == int(claim.cycle)]
+    part = part[part.cycle.isin({c for each in claim.cycles for c in claim.statement.cycles(each)})]
     return "; ".join(
         f"cycle {cycle}: " + ", ".join(_entry(row) for row in rows.itertuples())
         for cycle, rows in part.groupby("cycle")
@@ -253,7 +341,3 @@ def _entry(row) -> str:
     if pd.isna(row.paper_length):
         return f"{row.rock} –"
     return f"{row.rock} {row.paper_length:g} ({row.paper_percent:g} %)"
-
-
-def _said(claim: str, figure: float | None) -> str:
-    return claim if figure is None else f"{claim}: ±{figure:g}"

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.claims.found import NET, TARGET
 from jointclosure.config.properties import PROPERTIES
 from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.ensemble.covariates import Covariates
@@ -25,8 +26,6 @@ from jointclosure.statistics.standard_errors import (
     variation_of,
 )
 from jointclosure.studies.sensitivity.responses import (
-    NET,
-    TARGET,
     Response,
     adjustment,
     responses,
@@ -38,6 +37,7 @@ CLOSURES = (
     "max_closure_seated",
     "max_closure_seated_net",
     "residual_closure",
+    "residual_closure_seated_net",
 )
 _MM = 1e3
 _OF_MEAN, _OF_DEVIATION = ("b", "c", "d"), ("b_s", "c_s", "d_s")

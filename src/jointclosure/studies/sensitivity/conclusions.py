@@ -3,39 +3,29 @@
 import numpy as np
 import pandas as pd
 
-from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
-from jointclosure.studies.sensitivity.claims import ELSEWHERE
+from jointclosure.claims.found import NET, TARGET
+from jointclosure.claims.table import CLAIMS
+from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, NO_DIFFERENCE, STANDS
 
 DEPENDS = "depends on what is unstated"
 """Said of a conclusion that is true under some readings or choices, and false under others."""
-ONLY_CONFIGURED = {each: f"{each} as configured" for each in (STANDS, FALLS)}
+ONLY_CONFIGURED = {each: f"{each} as configured" for each in (STANDS, FALLS, NO_DIFFERENCE)}
 """Said of one that no reading of all rocks and no choice tried: not trying is no agreement."""
 JUDGED_ELSEWHERE = "judged elsewhere"
 """Said of one that a sensitivity study has nothing on."""
+UNJUDGED = frozenset(claim.number for claim in CLAIMS if claim.statement is None)
+"""Numbers of such claims."""
 
 NEARLY_ALL = 0.9
 """Share of the open choices for which a verdict must hold to be said without them."""
-
-OF_CHOICES = {
-    "1a, cycle 1": ("1a", "closure", 1),
-    "1a, cycle 2": ("1a", "closure", 2),
-    "2a": ("2a", "closure", 2),
-    "2a, net": ("2a", "closure_net", 2),
-    "2b": ("2a", "closure", 1),
-    "3": ("3", "closure", 2),
-    "4": ("4", "closure", 2),
-    "5a": ("5a", "closure", 2),
-    "5a, net": ("5a", "closure_net", 2),
-    "5b": ("5b", "closure", 2),
-    "5c": ("5c", "closure", 1),
-}
-"""Number, response and cycle under which the study of global sensitivity has a claim."""
 
 FOUND = ("found_share", "found_error", "found_low", "found_high")
 """Columns on how often studies find a claim: share, standard error, 95 % interval."""
 SHARES = ("share", "share_error", "share_low", "share_high")
 """Columns of the share of choices; ``choices_share`` and so on here."""
-COUNTS = {"stand": STANDS, "fall": FALLS, "open": CANNOT_BE_TOLD}
+COUNTS = {"stand": STANDS, "fall": FALLS, "equal": NO_DIFFERENCE, "open": CANNOT_BE_TOLD}
+_RANKS = {FALLS: 0, NO_DIFFERENCE: 1, STANDS: 2}
+"""Of two verdicts on a claim, that on more rocks is never the higher one."""
 
 _MOST_NAMED = 3
 
@@ -66,12 +56,11 @@ def conclusion_table(
     DataFrame
         A row a claim: ``number``, ``claim``, ``said_in``, ``verdict`` as configured, `FOUND` of
         studies by the paper's protocol, ``jrc_half_width`` and the same at the largest one;
-        verdicts of readings (numbers) that closed all rocks (``readings_stand``,
-        ``readings_fall``, ``readings_open``) and of those that closed some (``partial_stand``
-        and so on: true there, false there, open there); ``opposed_by`` and ``opened_by`` (titles
-        of readings that contradict the verdict, and that leave it open); ``choices_share`` with
-        its error and interval (in all rocks at once); ``moved_by``, the input with which the
-        margin varies most, and its share of the margin's variance in the rocks; and the
+        numbers of readings by verdict (`COUNTS`) that closed all rocks (``readings_stand`` and so
+        on) and that closed some (``partial_stand`` and so on, of these rocks); ``opposed_by`` and
+        ``opened_by`` (titles of readings that contradict the verdict, and that leave it open);
+        ``choices_share`` with its error and interval (in all rocks at once); ``moved_by``, the
+        input with which the margin varies most, and its share of the margin's variance; and the
         ``conclusion``: the verdict, where no reading is opposed and at least `NEARLY_ALL` of the
         choices agree by the whole of their interval; `DEPENDS`, where one is opposed or fewer
         agree by all of it; "cannot be told" where the verdict is that, or the interval has
@@ -104,8 +93,8 @@ def _of_readings(claim, readings: pd.DataFrame | None) -> dict:
     allowed = readings[readings.allowed]
     verdicts = allowed[column]
     whole = allowed.rocks.str.len() == readings.rocks.str.len().max()
-    opposed = verdicts == {STANDS: FALLS, FALLS: STANDS}.get(claim.verdict)
-    opposed &= whole | (verdicts == FALLS)
+    here, there = _RANKS.get(claim.verdict, np.nan), verdicts.map(_RANKS)
+    opposed = (there < here) | (whole & (there > here))
     opened = (verdicts == CANNOT_BE_TOLD) & (claim.verdict != CANNOT_BE_TOLD)
     return {
         f"{kind}_{name}": int((verdicts[own] == verdict).sum())
@@ -125,7 +114,7 @@ def _named(titles: list[str]) -> str:
 
 def _of_choices(number: str, choices: pd.DataFrame | None, margins: pd.DataFrame | None) -> dict:
     """Share of the choices for which a claim is true in all rocks at once."""
-    where = OF_CHOICES.get(number)
+    where = _in_choices(number)
     own = _rows_of(choices, where)
     (row,) = own[own.rock == "all"].to_dict("records") or [dict.fromkeys(SHARES, np.nan)]
     moved = _rows_of(margins, where).dropna(subset="share")
@@ -135,6 +124,15 @@ def _of_choices(number: str, choices: pd.DataFrame | None, margins: pd.DataFrame
         shares = 100.0 * moved.share[moved.title == most]
         answer["moved_by"] = f"{most} ({shares.min():.0f} to {shares.max():.0f} %)"
     return answer
+
+
+def _in_choices(number: str) -> tuple[str, str, int] | None:
+    """Number, response and cycle under which the study of global sensitivity has a claim."""
+    claim = next(each for each in CLAIMS if each.number == number)
+    if claim.statement is None or not claim.statement.of_elasticities or claim.negated:
+        return None
+    (cycle,) = claim.cycles
+    return claim.statement.number, {TARGET: "closure", NET: "closure_net"}[claim.variable], cycle
 
 
 def _rows_of(table: pd.DataFrame | None, where: tuple[str, str, int] | None) -> pd.DataFrame:
@@ -147,7 +145,7 @@ def _rows_of(table: pd.DataFrame | None, where: tuple[str, str, int] | None) -> 
 
 def _conclusion(row: dict) -> str:
     verdict = row["verdict"]
-    if row["number"] in ELSEWHERE:
+    if row["number"] in UNJUDGED:
         return JUDGED_ELSEWHERE
     if verdict == CANNOT_BE_TOLD:
         return CANNOT_BE_TOLD
@@ -155,9 +153,9 @@ def _conclusion(row: dict) -> str:
         return DEPENDS
     low, high = row["choices_share_low"], row["choices_share_high"]
     if np.isnan(low):
-        tried = row["readings_stand"] + row["readings_fall"] + row["readings_open"] > 0
+        tried = sum(row[f"readings_{name}"] for name in COUNTS) > 0
         return verdict if tried else ONLY_CONFIGURED[verdict]
-    if verdict == FALLS:
+    if verdict != STANDS:
         low, high = 1.0 - high, 1.0 - low
     if high < NEARLY_ALL:
         return DEPENDS

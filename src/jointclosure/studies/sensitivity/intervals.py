@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.claims.found import NET, TARGET
 from jointclosure.config.properties import PROPERTIES
 from jointclosure.config.typed import Statistics
 from jointclosure.ensemble.covariates import Covariates
@@ -21,7 +22,10 @@ from jointclosure.statistics.correlations import fit_quadratic
 from jointclosure.statistics.indifference import IndifferenceInterval, indifference_interval
 from jointclosure.statistics.monotone import monotone_interval
 from jointclosure.statistics.paired import p_of_difference, paired_indifference_interval
-from jointclosure.studies.sensitivity.responses import NET, TARGET, Response, responses
+from jointclosure.studies.sensitivity.responses import (
+    Response,
+    responses,
+)
 
 PAIRED, UNPAIRED = "paired", "unpaired"
 

@@ -12,15 +12,18 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.claims.found import NET, TARGET
 from jointclosure.config.typed import Configuration
 from jointclosure.inputs import InputError
 from jointclosure.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import mean_of, variation_of
 from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
-from jointclosure.studies.sensitivity.predictive import joint_table, predictive
+from jointclosure.studies.sensitivity.predictive import (
+    joint_table,
+    median_pool_error,
+    predictive,
+)
 from jointclosure.studies.sensitivity.responses import (
-    NET,
-    TARGET,
     levels_of,
     rocks_of,
     same_surfaces,
@@ -92,7 +95,7 @@ def with_jrc_range(pool: xr.Dataset, half_width: float, random: np.random.Genera
 
 
 def jrc_range_tables(
-    evidence: Evidence, half_widths: Iterable[float], claims: pd.DataFrame, paper: pd.DataFrame
+    evidence: Evidence, half_widths: Iterable[float], paper: pd.DataFrame
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """What a JRC that is known to a range does to scatter, intervals, and what studies find.
 
@@ -102,8 +105,8 @@ def jrc_range_tables(
         Of a study as made.
     half_widths : iterable of float
         Of the JRC; 0 (a JRC that is known) comes first by itself.
-    claims, paper : DataFrame
-        The paper's claims and its Table 3.
+    paper : DataFrame
+        The paper's Table 3.
 
     Returns
     -------
@@ -123,8 +126,10 @@ def jrc_range_tables(
             pool = evidence.pool
             drawn = with_jrc_range(pool, half_width, random) if half_width else pool
             own = evidence._replace(pool=drawn)
+            if repeat:  # the pool's error is that of the first one
+                own = own._replace(resampled_pools=0)
             parts.append(_entries(own, paper))
-            judged.append(judge_claims(own, claims, paper))
+            judged.append(judge_claims(own, paper)[0])
         entries.append(_together(pd.concat(parts)).assign(half_width=half_width))
         parts_of = pd.concat(judged).groupby(["number", "claim"], sort=False)
         shares = parts_of.found_share
@@ -150,12 +155,14 @@ def _entries(evidence: Evidence, paper: pd.DataFrame) -> pd.DataFrame:
             rows.append({"rock": rock, "parameter": "base", "cycle": cycle,
                          "value": 100.0 * scatter.value,
                          "error": 100.0 * scatter.standard_error})  # fmt: skip
-    found = predictive(pool, evidence.design, evidence.repetitions, evidence.root_seed)
+    found = predictive(
+        pool, evidence.design, evidence.repetitions, evidence.root_seed, evidence.resampled_pools
+    )
     for (rock, parameter, cycle), lengths in found.lengths.items():
         size = 100.0 / abs(found.bases[rock, parameter, cycle])
         rows.append({"rock": rock, "parameter": parameter, "cycle": cycle,
                      "value": size * float(np.median(lengths)),
-                     "error": size * found.median_errors.get((rock, parameter, cycle), np.nan),
+                     "error": size * median_pool_error(found, (rock, parameter, cycle)),
                      "share_without_root": float(np.isinf(lengths).mean())})  # fmt: skip
     joint = joint_table(found, paper)
     if not joint.empty:
@@ -171,5 +178,5 @@ def _together(parts: pd.DataFrame) -> pd.DataFrame:
     means = group[["value", "share_without_root"]].mean()
     scatter = (group.value.std() / np.sqrt(group.value.count())).fillna(0.0)
     return means.assign(
-        standard_error=np.maximum(group.error.mean().fillna(0.0), scatter)
+        standard_error=np.maximum(group.error.max().fillna(0.0), scatter)
     ).reset_index()

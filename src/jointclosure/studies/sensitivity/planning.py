@@ -8,6 +8,7 @@ import pandas as pd
 import scipy.stats
 import xarray as xr
 
+from jointclosure.claims.found import TARGET
 from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.inputs import InputError, check_number
 from jointclosure.randomness import generator, seed_of
@@ -15,7 +16,10 @@ from jointclosure.statistics.correlations import fit_quadratic
 from jointclosure.statistics.indifference import indifference_interval
 from jointclosure.statistics.paired import paired_indifference_interval
 from jointclosure.statistics.standard_errors import elasticity, mean_covariance, quadratic_errors
-from jointclosure.studies.sensitivity.responses import TARGET, Response, responses
+from jointclosure.studies.sensitivity.responses import (
+    Response,
+    responses,
+)
 
 MOST = 1_000_000
 """Surfaces beyond which a wish counts as out of reach."""
@@ -35,6 +39,10 @@ _COLUMNS = (
     "simulations",
     "core_minutes",
 )
+
+
+_LARGEST = {"length": 1e3, "width": 10.0, "standard-error": 1.0, "elasticity-error": 10.0}
+"""Largest amount of each kind of wish that any study could miss; powers are below 1."""
 
 
 class Wish(NamedTuple):
@@ -80,9 +88,13 @@ def plan(
     Raises
     ------
     InputError
-        A wish that is not one, or paired tests of an ensemble of independent draws.
+        A wish or significance out of its range, or paired tests of an ensemble of independent
+        draws.
     """
     _check(wish)
+    check_number("significance", significance)
+    if not 0.0 < significance < 1.0:
+        raise InputError(f"significance = {significance!r}: must be between 0 and 1 (0.05 is 5 %)")
     rows = []
     for response in responses(ensemble, TARGET):
         if paired and not response.paired:
@@ -215,6 +227,7 @@ def _check(wish: Wish) -> None:
     if wish.kind not in WISHES:
         raise InputError(f"wish = {wish.kind!r}: must be one of {', '.join(WISHES)}")
     check_number(wish.kind, wish.amount)
-    if not wish.amount > 0.0 or (wish.kind == "power" and wish.amount >= 1.0):
-        allowed = "between 0 and 1" if wish.kind == "power" else "positive"
+    largest = _LARGEST.get(wish.kind)
+    if not wish.amount > 0.0 or not (wish.amount <= largest if largest else wish.amount < 1.0):
+        allowed = f"above 0 and at most {largest:g}" if largest else "between 0 and 1"
         raise InputError(f"{wish.kind} = {wish.amount!r}: must be {allowed}")

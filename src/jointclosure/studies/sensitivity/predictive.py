@@ -11,20 +11,22 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.claims.found import TARGET
 from jointclosure.config.properties import PARAMETERS, PROPERTIES
 from jointclosure.randomness import generator, seed_of
 from jointclosure.statistics.drawn_studies import (
+    RESAMPLED_POOLS,
     Design,
     DrawnResponse,
     draw_studies,
-    jackknife_error,
+    pool_error,
+    repetitions_of_pool,
+    resampled_pools,
     without_effect,
-    without_group,
 )
-from jointclosure.statistics.joint_tests import joint_test
+from jointclosure.statistics.joint_tests import joint_test, p_of_table
 from jointclosure.statistics.predictive import length_distribution, share_as_short, two_sided_p
 from jointclosure.studies.sensitivity.responses import (
-    TARGET,
     RockSample,
     rock_sample,
     rocks_of,
@@ -34,29 +36,38 @@ from jointclosure.studies.sensitivity.responses import (
 Entry = tuple[str, str, int]
 """Rock, parameter, cycle."""
 
-_GROUPS = 10
-"""Groups of surfaces that are left out in turn, for the error that the pool's size makes."""
 _NOISY = ("poisson_ratio", "youngs_modulus", "compressive_strength")
 """Parameters whose first-cycle entries are tested together: is anything seen but noise?"""
+
+
+class Resampled(NamedTuple):
+    """Lengths [SI] (R,) by entry from one resampled pool, as of `Predictive`."""
+
+    lengths: dict[Entry, np.ndarray]
+    null: dict[Entry, np.ndarray]
 
 
 class Predictive(NamedTuple):
     """Lengths [SI] (R,) of repetitions by entry; of the model, and of one without any effect.
 
     ``bases``: the rock's own value [SI] of each entry. ``pool``: surfaces of each rock that they
-    were drawn from. ``median_errors``: standard error of each median from the finite number
-    of these.
+    were drawn from. ``resampled``: fewer repetitions from pools of other surfaces, by which
+    probabilities and medians bear the error of the pool.
     """
 
     lengths: dict[Entry, np.ndarray]
     null: dict[Entry, np.ndarray]
     bases: dict[Entry, float]
     pool: dict[str, int]
-    median_errors: dict[Entry, float]
+    resampled: list[Resampled]
 
 
 def predictive(
-    ensemble: xr.Dataset, design: Design, repetitions: int, root_seed: int
+    ensemble: xr.Dataset,
+    design: Design,
+    repetitions: int,
+    root_seed: int,
+    pools: int = RESAMPLED_POOLS,
 ) -> Predictive:
     """Draw repetitions of the study from a pool.
 
@@ -69,29 +80,43 @@ def predictive(
     repetitions : int
     root_seed : int
         Of the study; the draws have streams of their own.
+    pools : int
+        Pools of other surfaces, resampled from this one.
     """
     samples = maximum_closures(ensemble)
-    pools = sensitivities(samples)
+    pool = sensitivities(samples)
     cycles = [int(cycle) for cycle in ensemble.cycle.values]
 
-    def drawn(which, name: str, times: int) -> dict[Entry, np.ndarray]:
-        random = generator(seed_of(root_seed, "predictive", name))
+    def drawn(which, times: int, random: np.random.Generator) -> dict[Entry, np.ndarray]:
         return entries(draw_studies(which, design, times, random), cycles)
 
-    medians: dict[Entry, list[float]] = {}
-    if pools and min(sample.values.shape[-1] for sample in samples) >= 2 * _GROUPS:
-        for group in range(_GROUPS):
-            parts = drawn(without_group(pools, group, _GROUPS), "parts", repetitions // 4)
-            for entry, lengths in parts.items():
-                medians.setdefault(entry, []).append(length_distribution(lengths).median)
-    bases = {(*key, cycle): each.base for key, each in pools.items() for cycle in cycles}
+    def stream(name: str) -> np.random.Generator:
+        return generator(seed_of(root_seed, "predictive", name))
+
+    random, times = stream("pools"), repetitions_of_pool(repetitions)
+    resampled = [
+        Resampled(drawn(own, times, random), drawn(without_effect(own), times, random))
+        for own in resampled_pools(pool, random, pools)
+    ]
     return Predictive(
-        drawn(pools, "model", repetitions),
-        drawn(without_effect(pools), "null", repetitions),
-        bases,
+        drawn(pool, repetitions, stream("model")),
+        drawn(without_effect(pool), repetitions, stream("null")),
+        {(*key, cycle): each.base for key, each in pool.items() for cycle in cycles},
         {sample.rock: sample.values.shape[-1] for sample in samples},
-        {entry: jackknife_error(values) for entry, values in medians.items()},
+        resampled,
     )
+
+
+def median_pool_error(found: Predictive, entry: Entry) -> float:
+    """Standard error of a median length [SI] from the pool's surfaces; NaN where it is infinite."""
+    medians = [length_distribution(each.lengths[entry]).median for each in found.resampled]
+    return float(np.std(medians, ddof=1)) if medians and np.isfinite(medians).all() else np.nan
+
+
+def _with_pool(error: float, shares: list[float], repetitions: int) -> float:
+    """Standard error of a probability: of the repetitions, and of the pool."""
+    of_pool = float(pool_error(shares, repetitions)) if len(shares) > 1 else 0.0
+    return float(np.hypot(error, of_pool))
 
 
 def maximum_closures(ensemble: xr.Dataset) -> list[RockSample]:
@@ -151,7 +176,8 @@ def predictive_table(found: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
         root. ``median_error`` is from the number of repetitions, ``median_pool_error`` from
         that of the pool's surfaces, which the ranges contain. ``p``: two-sided, of the paper's
         entry; ``null_p``: probability of a length as short as the paper's where the parameter
-        has no effect; both with their Monte Carlo error. Without these for other rocks.
+        has no effect. Errors of probabilities are of repetitions and of the pool's surfaces
+        together. Without these for other rocks.
     """
     published = _published(paper)
     rows = []
@@ -165,32 +191,39 @@ def predictive_table(found: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
         row |= {name: value / unit.size for name, value in summary.items()}
         row["median_percent"] = 100.0 * summary["median"] / own if own else np.nan
         row["median_error"] = _median_error(lengths) / unit.size
-        row["median_pool_error"] = found.median_errors.get(entry, np.nan) / unit.size
-        row |= {"share_without_root": share, "share_error": _error(share, lengths.size)}
+        row["median_pool_error"] = median_pool_error(found, entry) / unit.size
+        shares = [float(np.isinf(each.lengths[entry]).mean()) for each in found.resampled]
+        times = found.resampled[0].lengths[entry].size if shares else 0
+        error = _with_pool(_error(share, lengths.size), shares, times)
+        row |= {"share_without_root": share, "share_error": error}
         row["null_share_without_root"] = float(np.mean(np.isinf(found.null[entry])))
         if entry in published:
-            row |= _of_paper(published[entry], lengths, found.null[entry], unit.size)
+            row |= _of_paper(published[entry], entry, found, unit.size)
         rows.append(row)
     return pd.DataFrame(rows, columns=None if rows else ["rock", "parameter", "cycle"])
 
 
-def _of_paper(length: float, lengths: np.ndarray, null: np.ndarray, size: float) -> dict:
-    p, short = two_sided_p(lengths, length * size), share_as_short(null, length * size)
-    inside = 0.5 * p
-    return {
-        "paper_length": length,
-        "p": p,
-        "p_error": 2.0 * _error(inside, lengths.size),
-        "null_p": short,
-        "null_p_error": _error(short, null.size),
-    }
+def _of_paper(length: float, entry: Entry, found: Predictive, size: float) -> dict:
+    row = {"paper_length": length}
+    for prefix, probability in (("", two_sided_p), ("null_", share_as_short)):
+        of_model, *resampled = (
+            (each.null if prefix else each.lengths)[entry] for each in (found, *found.resampled)
+        )
+        p = probability(of_model, length * size)
+        again = [probability(each, length * size) for each in resampled]
+        sides = 1.0 if prefix else 2.0
+        error = sides * _error(p / sides, of_model.size)
+        row[f"{prefix}p"] = p
+        row[f"{prefix}p_error"] = _with_pool(error, again, resampled[0].size if again else 0)
+    return row
 
 
 def joint_table(found: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
     """Joint tests of the paper's entries: each row, each cycle, and the whole table.
 
     ``p`` is the share of repetitions that are as unlikely or more, ``null_p`` the same where no
-    parameter has an effect; dashes count with their probability. Empty without the paper's rocks.
+    parameter has an effect; dashes count with their probability. Errors of both are of repetitions
+    and of the pool's surfaces together. Empty without the paper's rocks.
     """
     published = {
         entry: length for entry, length in _published(paper).items() if entry in found.lengths
@@ -199,16 +232,23 @@ def joint_table(found: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
     for group, chosen in _groups(list(published)).items():
         observed = np.array([published[e] * PROPERTIES[e[1]].size for e in chosen])
         row = {"entries": group, "number": len(chosen), "dashes": int(np.isnan(observed).sum())}
-        for prefix, drawn in (("", found.lengths), ("null_", found.null)):
-            lengths = np.stack([drawn[entry] for entry in chosen], axis=1)
+        for prefix in ("", "null_"):
+            lengths, *resampled = (
+                np.stack([(each.null if prefix else each.lengths)[e] for e in chosen], axis=1)
+                for each in (found, *found.resampled)
+            )
             if np.any(lengths == 0.0):  # a closure without any scatter: nothing is drawn
                 continue
             test = joint_test(lengths, observed)
+            again = [
+                np.nan if np.any(each == 0.0) else p_of_table(each, observed) for each in resampled
+            ]
+            times = len(resampled[0]) if resampled else 0
             row |= {
                 f"{prefix}log_likelihood": test.log_likelihood,
                 f"{prefix}log_likelihood_error": test.standard_error,
                 f"{prefix}p": test.p,
-                f"{prefix}p_error": _error(test.p, len(lengths)),
+                f"{prefix}p_error": _with_pool(_error(test.p, len(lengths)), again, times),
             }
         rows.append(row)
     columns = ["entries", "number", "dashes"]

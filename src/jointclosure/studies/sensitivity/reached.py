@@ -7,12 +7,15 @@ import pandas as pd
 import scipy.stats
 import xarray as xr
 
+from jointclosure.claims.found import TARGET
 from jointclosure.config.wanted import BLOCK, Wanted
 from jointclosure.ensemble.covariates import Covariates
 from jointclosure.statistics.total_error import REACH, Bias, Method
 from jointclosure.studies.sensitivity.closures import max_closure_table
 from jointclosure.studies.sensitivity.planning import Wish, length_error, surfaces_for
-from jointclosure.studies.sensitivity.responses import TARGET, responses
+from jointclosure.studies.sensitivity.responses import (
+    responses,
+)
 
 COLUMNS = ["rock", "parameter", "level", "cycle", "surfaces", "bias_percent", "bias_error_percent"]
 COLUMNS += ["sampling_percent", "total_percent", "within_percent", "met", "surfaces_needed"]

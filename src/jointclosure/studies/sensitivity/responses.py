@@ -13,9 +13,6 @@ from jointclosure.ensemble.covariates import Covariates
 from jointclosure.statistics.control_variates import fewest_surfaces
 from jointclosure.statistics.drawn_studies import Pool, Sensitivity
 
-TARGET, NET = "max_closure", "max_closure_net"
-"""Maximum closure, and the same net of bulk indentation."""
-
 
 class Response(NamedTuple):
     """A target (level, realization) [m] against one parameter of one rock, in SI.

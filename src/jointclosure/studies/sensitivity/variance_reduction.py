@@ -14,6 +14,7 @@ import pandas as pd
 import scipy
 import xarray as xr
 
+from jointclosure.claims.found import TARGET
 from jointclosure.ensemble.covariates import Covariates
 from jointclosure.randomness import generator, seed_of
 from jointclosure.statistics.control_variates import (
@@ -25,7 +26,10 @@ from jointclosure.statistics.control_variates import (
 )
 from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.standard_errors import deviations_of, fit_matrix
-from jointclosure.studies.sensitivity.responses import TARGET, Response, responses
+from jointclosure.studies.sensitivity.responses import (
+    Response,
+    responses,
+)
 
 REPETITIONS = 1000
 """Studies drawn for each response: an error is known to 2 %, a coverage to 1 %."""

@@ -17,7 +17,7 @@ from jointclosure.config.typed import Configuration, Grid, SizeDesign
 from jointclosure.engineering.laws import fitted_laws, parameter
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.closing import close_walls
-from jointclosure.ensemble.responses import net_of_bulk, responses_of
+from jointclosure.ensemble.responses import responses_of
 from jointclosure.ensemble.settings import ClosureSettings, Conditions
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.ensemble.surfaces import walls_of
@@ -29,7 +29,8 @@ from jointclosure.surface.roughness import detrended, rms_slope, z2_of_jrc
 READ = {
     "closure": ("m", "largest closure of the cycle, from its start"),
     "closure_net": ("m", "the same net of bulk indentation"),
-    "residual": ("m", "residual closure"),
+    "closure_seated_net": ("m", "the same since seating"),
+    "residual_seated_net": ("m", "net residual closure at seating"),
     "stiffness_net": (
         "Pa/m",
         "net stiffness of loading, from half of the maximum stress to the landing on it",
@@ -183,7 +184,7 @@ def _closed(
 
 def _read(closed: xr.Dataset, conditions: Conditions) -> dict[str, np.ndarray]:
     """`READ` over the cycles (cycles,)."""
-    laws = fitted_laws(net_of_bulk(closed), "closure_net")
+    laws = fitted_laws(closed)
 
     def of_law(name: str) -> np.ndarray:
         cycles = range(1, closed.max_closure.size + 1)

@@ -31,7 +31,7 @@ SCALINGS: dict[str, tuple[str, ...]] = {
     "depth of 5 %, spacing": ("depth_5", "spacing"),
 }
 """Candidates, and what they are powers of."""
-JUDGED = ("closure", "closure_net", "residual", "stiffness_net")
+JUDGED = ("closure", "closure_net", "closure_seated_net", "residual_seated_net", "stiffness_net")
 BETWEEN = ("sizes", "sizes and spectra")
 """What a scaling has to make one: the sizes of each spectrum, or those of all."""
 

@@ -20,7 +20,8 @@ from jointclosure.studies.size.closing import GEOMETRY, READ
 COLUMNS = {
     "closure": ("closure_mm", 1e3),
     "closure_net": ("closure_net_mm", 1e3),
-    "residual": ("residual_closure_mm", 1e3),
+    "closure_seated_net": ("closure_seated_net_mm", 1e3),
+    "residual_seated_net": ("residual_closure_mm", 1e3),
     "stiffness_net": ("net_stiffness_MPa_per_mm", 1e-9),
     "kni_net": ("net_kni_MPa_per_mm", 1e-9),
     "vm_net": ("net_vm_mm", 1e3),
@@ -243,7 +244,8 @@ def law_of_size(
     -------
     dict
         Initial stiffness and stiffness from half of the stress on [Pa/m], largest closure and that
-        at the stress [m], by the names of the model's readings.
+        at the stress [m], by the names of the model's readings. The law's closures are of the
+        joint without the rock, and count from seating.
     """
     jrc, strength, stress = rock
     jrc, wall_strength = scaled_to(times, jrc, strength / strength_ratio, 1.0)
@@ -253,5 +255,5 @@ def law_of_size(
         "kni_net": law.initial_stiffness,
         "vm_net": law.largest_closure,
         "stiffness_net": 0.5 * stress / float(whole - half),
-        "closure_net": float(whole),
+        "closure_seated_net": float(whole),
     }

@@ -1,4 +1,4 @@
-"""What a study finds, judged as the paper judges: by point estimates, in many studies at once.
+"""What studies find, judged as the paper judges: by point estimates, in many studies at once.
 
 A study is what `jointclosure.statistics.drawn_studies.draw_studies` gives: lengths and means of
 R repetitions. One that was made is a study with R = 1, judged by the same rules.
@@ -9,8 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.statistics.drawn_studies import DrawnResponse
-from jointclosure.statistics.indifference import indifference_lengths
-from jointclosure.studies.sensitivity.responses import TARGET, RockSample
+
+TARGET, NET = "max_closure", "max_closure_net"
+"""Maximum closure, and the same net of bulk indentation."""
+LOOP = "loop"
+"""Closure of unloading less that of loading, at half the maximum stress."""
 
 
 class Findings(NamedTuple):
@@ -19,8 +22,12 @@ class Findings(NamedTuple):
     drawn: dict[tuple[str, str], DrawnResponse]
     names: tuple[tuple[str, int], ...]
 
+    def rocks(self) -> list[str]:
+        """Names of the rocks, in order."""
+        return list(dict.fromkeys(rock for rock, _ in self.drawn))
+
     def parameters(self, rock: str) -> list[str]:
-        """Those of a rock that are varied."""
+        """Parameters of a rock that are varied."""
         return [parameter for name, parameter in self.drawn if name == rock]
 
     def percents(self, rock: str, cycle: int, variable: str = TARGET) -> dict[str, np.ndarray]:
@@ -32,9 +39,9 @@ class Findings(NamedTuple):
             if (response := self.drawn[rock, parameter]).base != 0.0
         }
 
-    def lengths(self, rock: str, parameter: str, cycle: int) -> np.ndarray:
+    def lengths(self, rock: str, parameter: str, cycle: int, variable: str = TARGET) -> np.ndarray:
         """Lengths (R,) [SI]."""
-        return self.drawn[rock, parameter].lengths[:, self.names.index((TARGET, cycle))]
+        return self.drawn[rock, parameter].lengths[:, self.names.index((variable, cycle))]
 
     def means(self, rock: str, parameter: str, variable: str, cycle: int) -> np.ndarray:
         """Means (R, levels)."""
@@ -48,42 +55,17 @@ class Findings(NamedTuple):
         return self.means(rock, parameter, variable, cycle)[:, at_base]
 
 
-def as_found(samples: list[RockSample], significance: float) -> Findings:
-    """A study that was made, as one of many: its own means, and lengths as published."""
-    drawn = {}
-    for sample in samples:
-        for parameter, levels in sample.levels.items():
-            values = sample.values[:, levels.cases]
-            means, deviations = values.mean(axis=2), values.std(axis=2, ddof=1)
-            lengths = indifference_lengths(
-                levels.values, means, deviations, values.shape[2], significance, levels.base
-            )
-            drawn[sample.rock, parameter] = DrawnResponse(
-                levels.values,
-                levels.base,
-                means[None],
-                deviations[None],
-                np.where(np.isnan(lengths), np.inf, lengths)[None],
-            )
-    return Findings(drawn, samples[0].names if samples else ())
-
-
 def widest(percents: dict[str, np.ndarray], parameter: str) -> np.ndarray:
     """Whether no other interval is longer, and some are finite."""
     every = np.array(list(percents.values()))
     return (percents[parameter] >= every.max(axis=0)) & np.isfinite(every).any(axis=0)
 
 
-def shortest(percents: dict[str, np.ndarray], parameter: str) -> np.ndarray:
-    """Whether no other interval is shorter, and it is finite."""
+def in_place(percents: dict[str, np.ndarray], parameter: str, place: int) -> np.ndarray:
+    """Whether so many other intervals are shorter, and it is finite."""
     every = np.array(list(percents.values()))
-    return (percents[parameter] <= every.min(axis=0)) & np.isfinite(percents[parameter])
-
-
-def second(percents: dict[str, np.ndarray], parameter: str) -> np.ndarray:
-    """Whether exactly one other interval is shorter, and it is finite."""
-    every = np.array(list(percents.values()))
-    return ((every < percents[parameter]).sum(axis=0) == 1) & np.isfinite(percents[parameter])
+    shorter = (every < percents[parameter]).sum(axis=0)
+    return (shorter == place) & np.isfinite(percents[parameter])
 
 
 def monotone(means: np.ndarray, sign: int) -> np.ndarray:

@@ -1,0 +1,130 @@
+"""The claims of Rezaei Niya & Selvadurai, "Modeling the Approach of Non-mated Rock Fracture
+Surfaces Under Quasi-static Normal Load Cycles", in one table that all studies use."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from jointclosure.claims import statements
+from jointclosure.claims.found import NET, TARGET, Findings
+from jointclosure.claims.statements import Closed, Statement
+
+OURS = "ours"
+"""Source of a claim that is a variant of ours, and not the paper's."""
+TABLE_3 = "table 3"
+
+
+class Claim(NamedTuple):
+    """A claim: a statement on some cycles, of closures or of net closures.
+
+    ``said_in``: sections of the paper, or `OURS`. ``statement``: None of a claim that no
+    sensitivity study can judge, for the reason in ``remark``. ``shown``: where the paper has
+    numbers for it, `TABLE_3` for its entries of ``parameter``. ``negated``: the claim is that
+    the statement is *not* true in every rock.
+    """
+
+    number: str
+    text: str
+    said_in: str
+    statement: Statement | None
+    cycles: tuple[int, ...]
+    shown: str = TABLE_3
+    parameter: str = ""
+    variable: str = TARGET
+    negated: bool = False
+    remark: str = ""
+
+    def cycles_among(self, names: tuple[tuple[str, int], ...]) -> list[int]:
+        """Cycles for which all that the statement needs is among targets (variable, cycle)."""
+        if self.statement is None:
+            return []
+        cycles = {cycle for variable, cycle in names if variable == self.variable}
+        return [cycle for cycle in self.cycles if cycles.issuperset(self.statement.cycles(cycle))]
+
+    def margins(self, model: Closed, cycles: list[int]) -> dict[tuple[str, int], np.ndarray]:
+        """Margins of the statement by name and cycle."""
+        assert self.statement is not None
+        return {
+            (name, cycle): value
+            for cycle in cycles
+            for name, value in self.statement.margins(model, cycle, self.variable).items()
+        }
+
+    def found_in(self, studies: Findings) -> np.ndarray | None:
+        """Whether studies (R,) find it for all rocks; None where no rock can be judged."""
+        cycles = self.cycles_among(studies.names)
+        if self.statement is None or not cycles:
+            return None
+        rocks = [
+            rock
+            for rock in studies.rocks()
+            if set(self.statement.parameters) <= set(studies.parameters(rock))
+        ]
+        if not rocks:
+            return None
+        found = [
+            self.statement.finds(studies, rock, cycle, self.variable)
+            for rock in rocks
+            for cycle in cycles
+        ]
+        every = np.logical_and.reduce(found)
+        return ~every if self.negated else every
+
+
+_BOTH = "Sections 6, 7"
+_MOST = "Abstract, Sections 1, 6, 7"
+_NEXT = "Abstract, Section 6"
+_NOT_SHOWN = "described, not shown"
+_FIG_5 = "Fig. 5"
+
+CLAIMS = (
+    Claim("1a, cycle 1", "Poisson's ratio matters least on the first cycle", _BOTH,
+          statements.NU_LEAST, (1,), parameter="poisson_ratio"),
+    Claim("1a, cycle 2", "Poisson's ratio matters least on the second cycle", _BOTH,
+          statements.NU_LEAST, (2,), parameter="poisson_ratio"),
+    Claim("1b", "No effect of a change of Poisson's ratio by ±0.1", _NEXT,
+          statements.NU_NO_EFFECT, (1, 2), parameter="poisson_ratio"),
+    Claim("2a", "Young's modulus is the most sensitive parameter on the second cycle", _MOST,
+          statements.E_MOST, (2,), parameter="youngs_modulus"),
+    Claim("2a, net", "Young's modulus is the most sensitive parameter on the second cycle, net of "
+          "bulk indentation", OURS, statements.E_MOST, (2,), parameter="youngs_modulus",
+          variable=NET),
+    Claim("2b", "Young's modulus is the most sensitive parameter on the first cycle", _MOST,
+          statements.E_MOST, (1,), parameter="youngs_modulus"),
+    Claim("2c", "Sensitivity to Young's modulus rises from the first cycle to the second",
+          "Section 6", statements.E_RISES, (2,), parameter="youngs_modulus"),
+    Claim("3, cycle 1", "Compressive strength is the next sensitive parameter on the first cycle",
+          _NEXT, statements.STRENGTH_NEXT, (1,), parameter="compressive_strength"),
+    Claim("3, cycle 2", "Compressive strength is the next sensitive parameter on the second cycle",
+          _NEXT, statements.STRENGTH_NEXT, (2,), parameter="compressive_strength"),
+    Claim("3b", "Sensitivity to compressive strength rises from the first cycle to the second",
+          "Section 6", statements.STRENGTH_RISES, (2,), parameter="compressive_strength"),
+    Claim("3c", "A change of compressive strength by 5 % is significant on the second cycle",
+          "Section 6", statements.STRENGTH_SIGNIFICANT, (2,), parameter="compressive_strength"),
+    Claim("4", "Sensitivity to JRC falls from the first cycle to the second", _NEXT,
+          statements.JRC_FALLS, (2,), parameter="jrc"),
+    Claim("5a", "Cycle-2 closure rises when E falls", _BOTH, statements.FALLS_WITH_E, (2,),
+          _NOT_SHOWN),
+    Claim("5a, net", "Cycle-2 closure rises when E falls, net of bulk indentation", OURS,
+          statements.FALLS_WITH_E, (2,), _NOT_SHOWN, variable=NET),
+    Claim("5b", "Cycle-2 closure rises when sigma_c rises", _BOTH,
+          statements.RISES_WITH_STRENGTH, (2,), _NOT_SHOWN),
+    Claim("5c", "Cycle-1 closure falls when JRC falls", "Section 6", statements.RISES_WITH_JRC,
+          (1,), _NOT_SHOWN),
+    Claim("5d", "Cycle-2 closure has no such trend with JRC in every rock", "Section 6",
+          statements.RISES_WITH_JRC, (2,), _NOT_SHOWN, negated=True),
+    Claim("6a", "Unloading shows hysteresis on both cycles", "Abstract, Section 5",
+          statements.HYSTERESIS, (1, 2), _FIG_5),
+    Claim("8", "The model fits Bandis' curves, dolerite worst, second cycles worse", "Section 5",
+          None, (), _FIG_5, remark="the measured curves are not available"),
+)  # fmt: skip
+"""All claims, in the order in which they are shown."""
+
+Finder = Callable[[Findings], np.ndarray | None]
+
+
+def statements_of_elasticities() -> list[Statement]:
+    """Statements that elasticities alone decide, each once."""
+    found = {claim.statement.number: claim.statement for claim in CLAIMS if claim.statement}
+    return [each for each in found.values() if each.of_elasticities]

@@ -1,0 +1,130 @@
+"""A run that is asked to end: it ends soon, says how to go on, leaves no process, and goes on.
+
+`JOINTCLOSURE_ENDINGS=40 pytest -m slow tests/workflow/test_endings.py` ends a run forty times.
+"""
+
+import contextlib
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+
+from tests.workflow.test_nothing_lost import STAMP, project
+
+ENDINGS = int(os.environ.get("JOINTCLOSURE_ENDINGS", "12"))
+SECONDS = 30.0
+"""Within which all must have ended."""
+GOES_ON = "the same command goes on from there"
+ONE_CASE = """study: {name: ended, rocks: [slate], realizations: 3, pool: null}
+grid: {cells_x: 24, cells_y: 24}
+rocks:
+  slate:
+    max_normal_stress_MPa: 1
+    levels: {poisson_ratio: null, youngs_modulus_GPa: null, jrc: null}
+statistics: {bootstrap_resamples: 10, repetitions: 100, control_variates: 100}
+output: {stress_points: 5}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A checkout with a study of one case."""
+    made = project(tmp_path)
+    (made / "one.yaml").write_text(ONE_CASE)
+    return made
+
+
+def started(folder: Path) -> subprocess.Popen:
+    """`make study` in a session of its own, with interrupts heeded as from a terminal."""
+    command = ["make", "-o", STAMP, "study", "CONFIG=one.yaml", "CORES=2"]
+    heeded = (
+        "import os, signal, sys; signal.signal(2, signal.SIG_DFL); os.execvp('make', sys.argv[1:])"
+    )
+    with open(folder / "output.txt", "w") as output:
+        return subprocess.Popen(
+            [sys.executable, "-c", heeded, *command],
+            cwd=folder,
+            stdout=output,
+            stderr=output,
+            start_new_session=True,
+        )
+
+
+def at_work(folder: Path) -> list[psutil.Process]:
+    """Processes that work in a folder."""
+    found = []
+    for process in psutil.process_iter():
+        try:
+            if Path(process.cwd()) == folder and process.status() != psutil.STATUS_ZOMBIE:
+                found.append(process)
+        except psutil.Error:
+            continue
+    return found
+
+
+def ask(run: subprocess.Popen, number: int, whom: str) -> None:
+    """Signal make alone, or its whole group as a terminal and `timeout` do."""
+    with contextlib.suppress(ProcessLookupError):
+        (os.killpg if whom == "group" else os.kill)(run.pid, number)
+
+
+def ended(folder: Path, run: subprocess.Popen) -> float:
+    """Wait until nothing works in a folder; the seconds that it took."""
+    start = time.monotonic()
+    while run.poll() is None or at_work(folder):
+        seconds = time.monotonic() - start
+        assert seconds < SECONDS, [process.cmdline() for process in at_work(folder)]
+        time.sleep(0.1)
+    return time.monotonic() - start
+
+
+def wait_for(folder: Path, text: str, run: subprocess.Popen) -> None:
+    log = folder / "results/ended/logs/make_study.log"
+    while not log.is_file() or text not in log.read_text():
+        assert run.poll() is None, (folder / "output.txt").read_text()
+        time.sleep(0.05)
+
+
+def test_a_run_under_timeout_ends_while_it_is_planned(folder):
+    """`timeout` sends TERM to make, make to the run, and `timeout` to the whole group again."""
+    run = started(folder)
+    wait_for(folder, "Snakemake version", run)
+    ask(run, signal.SIGTERM, "process")
+    ask(run, signal.SIGTERM, "group")
+    ended(folder, run)
+    assert run.returncode != 0
+    assert GOES_ON in (folder / "output.txt").read_text()
+
+
+@pytest.mark.slow
+def test_a_run_ends_at_every_moment_and_the_next_goes_on(folder):
+    """Moments are drawn over the start, the plan and the jobs; each run goes on from the last."""
+    chance = random.Random(1)
+    kinds = [
+        (number, times, whom)
+        for number in (signal.SIGTERM, signal.SIGINT)
+        for times in (1, 2)
+        for whom in ("process", "group")
+    ]
+    for count in range(ENDINGS):
+        number, times, whom = kinds[count % len(kinds)]
+        run = started(folder)
+        time.sleep(chance.uniform(0.0, 25.0))
+        finished = run.poll() is not None
+        for _ in range(times):
+            ask(run, number, whom)
+            time.sleep(chance.choice([0.0, 0.01, 0.5, 2.0]))
+        seconds = ended(folder, run)
+        output = (folder / "output.txt").read_text()
+        print(signal.Signals(number).name, times, whom, f"{seconds:.1f} s", run.returncode, output)
+        assert "Traceback" not in output
+        assert finished or run.returncode == 0 or GOES_ON in output
+    run = started(folder)
+    assert run.wait() == 0, (folder / "output.txt").read_text()
+    assert (folder / "results/ended/study.nc").is_file()

@@ -1,0 +1,123 @@
+"""Commands in process groups of their own, which end within seconds when this process should.
+
+As a program it stands for the command: `python process_group.py COMMAND ARGUMENT ...`. It needs the
+standard library only, as `make setup` runs it before there is an environment.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+GRACE = 15.0
+"""Seconds between the interruption of a process group and its kill."""
+SAME_REQUEST = 1.0
+"""Seconds within which signals are one request: `timeout` and `make` both send theirs."""
+GO_ON = "what is finished stays; the same command goes on from there"
+
+
+class EndRequest:
+    """Whether this process was asked to end; true from the first request on.
+
+    Requests are the signals INT, TERM and HUP, and the interruption or death of the `make` that
+    started this process: an INT that reaches make alone is not passed on by it.
+
+    Attributes
+    ----------
+    signal : int
+        Of the first request; 0 before it.
+    repeated : bool
+        Whether another request came later, so that nothing should be waited for.
+    """
+
+    def __init__(self) -> None:
+        self.signal, self.repeated = 0, False
+        self._time = 0.0
+        self._make = os.getppid() if "MAKELEVEL" in os.environ else 0
+        self._make_catches_interrupts = bool(self._make) and _catches_interrupts(self._make)
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, self._receive)
+
+    def __bool__(self) -> bool:
+        if self._make and not self.signal:
+            interrupted = self._make_catches_interrupts and not _catches_interrupts(self._make)
+            if interrupted or os.getppid() != self._make:
+                self._receive(signal.SIGINT)
+        return bool(self.signal)
+
+    def __str__(self) -> str:
+        return f"ended by {signal.Signals(self.signal).name}: {GO_ON}"
+
+    def _receive(self, number: int, _frame: object = None) -> None:
+        if not self.signal:
+            self.signal, self._time = number, time.monotonic()
+        elif time.monotonic() - self._time > SAME_REQUEST:
+            self.repeated = True
+
+
+def _catches_interrupts(process: int) -> bool:
+    """Whether a process has a handler for INT, which make drops once it was interrupted (Linux)."""
+    try:
+        status = Path(f"/proc/{process}/status").read_text(encoding="utf-8")
+    except OSError:
+        return False
+    caught = [line.split()[1] for line in status.splitlines() if line.startswith("SigCgt:")]
+    return bool(caught) and bool(int(caught[0], 16) >> (signal.SIGINT - 1) & 1)
+
+
+def start_group(command: list[str], **settings) -> subprocess.Popen:
+    """Start a command in a process group of its own, out of reach of the terminal's signals."""
+    return subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True, **settings)
+
+
+def run_group(command: list[str], request: EndRequest, **settings) -> int:
+    """Run a command to its end, or until this process is asked to end; its exit status."""
+    if request:
+        return 128 + request.signal
+    process = start_group(command, **settings)
+    while process.poll() is None:
+        if request:
+            end_group(process, request)
+            return 128 + request.signal
+        time.sleep(0.1)
+    return shell_status(process.returncode)
+
+
+def end_group(process: subprocess.Popen, request: EndRequest) -> None:
+    """Interrupt a process group once, and kill what is left of it after the grace period."""
+    _send(process, signal.SIGINT)
+    deadline = time.monotonic() + GRACE
+    while _send(process, 0) and time.monotonic() < deadline and not request.repeated:
+        process.poll()  # a leader that is not waited for would stay in the group
+        time.sleep(0.1)
+    kill_group(process)
+
+
+def kill_group(process: subprocess.Popen) -> None:
+    """Kill what is left of the group of a process, and wait for the process."""
+    _send(process, signal.SIGKILL)
+    process.wait()
+
+
+def shell_status(returncode: int) -> int:
+    """The exit status of a process as a shell has it: 128 and the signal that ended it."""
+    return 128 - returncode if returncode < 0 else returncode
+
+
+def _send(process: subprocess.Popen, number: int) -> bool:
+    """Send a signal to the group of a process; False where none of the group is left."""
+    try:
+        os.killpg(process.pid, number)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+if __name__ == "__main__":
+    asked = EndRequest()
+    result = run_group(sys.argv[1:], asked)
+    if asked:
+        print(asked, file=sys.stderr)
+    sys.exit(result)
