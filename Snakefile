@@ -23,6 +23,7 @@ include: "workflow/rules/conclusions_setting.smk"
 include: "workflow/rules/conclusions.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/hard_cases.smk"
+include: "workflow/rules/experiments.smk"
 include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/effects.smk"
 include: "workflow/rules/readings_setting.smk"
@@ -31,8 +32,6 @@ include: "workflow/rules/mismatch_setting.smk"
 include: "workflow/rules/mismatch.smk"
 include: "workflow/rules/size_setting.smk"
 include: "workflow/rules/size.smk"
-include: "workflow/rules/misalignment_setting.smk"
-include: "workflow/rules/misalignment.smk"
 include: "workflow/rules/numerics.smk"
 include: "workflow/rules/global_sensitivity_setting.smk"
 include: "workflow/rules/global_sensitivity.smk"
@@ -42,9 +41,10 @@ DRY_RUN = bool({"-n", "--dry-run", "--dryrun"} & set(sys.argv))
 # a file that is not the one that its seal, or this configuration, says is made again
 for folder, made_with in (
     (RESULTS, STUDY_WITH | CHOSEN_WITH | WALLS_WITH),
-    (RESULTS, ACCURACY_WITH | SCENES_WITH | VALIDATED_WITH | READINGS_WITH),
+    (RESULTS, VALIDATED_WITH | READINGS_WITH),
     (RESULTS, TOGETHER_WITH),
-    (RESULTS, MISMATCH_WITH | MISALIGNMENT_WITH),
+    (RESULTS, MISMATCH_WITH),
+    *((RESULTS, closed_with) for closed_with in CLOSED_WITH.values()),
     (RESULTS, SIZE_WITH),
     (HARD_RESULTS, HARD_WITH),
 ):

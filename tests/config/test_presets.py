@@ -8,11 +8,11 @@ import pytest
 from jointclosure.config.configuration import configured
 from jointclosure.config.files import MEASURED, ConfigurationError, read_plain
 from jointclosure.config.presets import SCENES, chosen_numerics, numerics_in_full
+from jointclosure.experiments.accuracy.design import design_of
+from jointclosure.experiments.accuracy.presets_table import setting_table
 from jointclosure.inputs import InputError
 from jointclosure.parameters import Numerics
 from jointclosure.storage.text import read_csv
-from jointclosure.studies.accuracy.design import design_of
-from jointclosure.studies.accuracy.presets_table import setting_table
 from tests.studied import DEFAULT, ROOT, checked_study, keys_of, study_of
 
 SCENE = SCENES[20.0]

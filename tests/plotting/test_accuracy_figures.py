@@ -6,8 +6,8 @@ import pandas as pd
 import pytest
 from matplotlib.transforms import Bbox
 
+from jointclosure.ensemble.cases import BASE
 from jointclosure.plotting.accuracy import KNOB_TITLES, error_sources, work_precision
-from jointclosure.studies.accuracy.design import BASE
 
 PAPER = "the paper's steps"
 FRONT = "none is faster and more exact; hollow marks count as alike"

@@ -3,7 +3,7 @@ from jointclosure.config.files import MEASURED as MEASURED_SETTINGS
 from jointclosure.report.page import template_digest
 
 ACCURACY_TABLE = "results/accuracy/tables/accuracy_cost.csv"
-ACCURACY_SEALS = seals_of("weigh_accuracy", study="results/accuracy")
+ACCURACY_SEALS = seals_of("tabulate_accuracy", study="results/accuracy")
 ACCURACY_MEASURED = all(
     Path(path).exists() for path in [ACCURACY_TABLE, *ACCURACY_SEALS]
 )

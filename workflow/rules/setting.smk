@@ -11,7 +11,6 @@ from jointclosure.ensemble import slices
 from jointclosure.sources import PACKAGE, code_digest
 from jointclosure.storage.seals import settings_digest
 from jointclosure.storage.text import read_csv, read_text
-from jointclosure.studies.effects import design
 from jointclosure.studies.measured import curves as measured
 from jointclosure.warmup import kernels_of
 
@@ -171,11 +170,6 @@ def preparing(rock):
         "unusual_values": CONFIGURATION.study.unusual_values == "allow",
         "code": code_of("prepare_walls"),
     }
-
-
-def conditions_of(rock):
-    """Settings of a rock's closures at every condition, as plain data."""
-    return to_plain(design.conditions_of(CONFIGURATION, rock))
 
 
 def surfaces_of(ensemble, case, first):

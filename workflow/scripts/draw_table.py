@@ -7,8 +7,6 @@ from matplotlib.figure import Figure
 
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
-from jointclosure.plotting.effects import effect_figure
-from jointclosure.plotting.misalignment import misalignment_figure
 from jointclosure.plotting.mismatch import mismatch_figure
 from jointclosure.plotting.numerics import numerics_figure
 from jointclosure.plotting.size import size_figure
@@ -16,8 +14,6 @@ from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv
 
 FIGURES: dict[str, Callable[[pd.DataFrame], Figure]] = {
-    "effects": effect_figure,
-    "misalignment": misalignment_figure,
     "mismatch": mismatch_figure,
     "numerics": numerics_figure,
     "size": size_figure,

@@ -20,10 +20,10 @@ from process_group import EndRequest, run_group
 from jointclosure.config.configuration import Configured, configured, merged_study
 from jointclosure.config.files import read_plain
 from jointclosure.config.wanted import Wanted, wanted_of
+from jointclosure.experiments import SECTIONS, experiment_named
 from jointclosure.inputs import InputError
 from jointclosure.storage.text import read_csv, write_text
 from jointclosure.studies.global_sensitivity import design as global_sensitivity
-from jointclosure.studies.misalignment import design as misalignment
 from jointclosure.studies.sensitivity.jrc_range import check_jrc_varies
 from jointclosure.studies.sensitivity.reached import surfaces_next, told
 
@@ -54,20 +54,10 @@ TARGETS = {
     "study": Target(),
     "report": Target(("report",), page="report.html"),
     "hard-cases": Target(("hard_cases",), study="hard_cases"),
-    "accuracy": Target(
-        ("estimate_accuracy", "accuracy"), "config/accuracy.yaml", section="accuracy"
-    ),
-    "effects": Target(("estimate_effects", "effects"), "config/effects.yaml", section="ablation"),
     "mismatch": Target(
         ("estimate_mismatch", "mismatch"), "config/mismatch.yaml", section="mismatch"
     ),
     "size": Target(("estimate_size", "size"), "config/size.yaml", section="size"),
-    "misalignment": Target(
-        ("estimate_misalignment", "misalignment"),
-        "config/misalignment.yaml",
-        section="misalignment",
-        check=lambda told: misalignment.design_of(told.keys),
-    ),
     "readings": Target(
         ("estimate_readings", "readings"), "config/readings.yaml", section="readings"
     ),
@@ -80,6 +70,18 @@ TARGETS = {
         check=lambda told: global_sensitivity.design_of(told.keys),
     ),
 }
+TARGETS |= {
+    name: Target(
+        (f"estimate_{name}", name),
+        f"config/{name}.yaml",
+        section=section,
+        check=experiment_named(name).design,
+    )
+    for name, section in SECTIONS.items()
+}
+TARGETS["effects"] = TARGETS["effects"]._replace(
+    goals=("estimate_effects", "effects", "effects_auto")
+)
 TARGETS["global-sensitivity-estimate"] = TARGETS["global-sensitivity"]._replace(
     goals=("estimate_together",)
 )

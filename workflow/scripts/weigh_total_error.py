@@ -1,19 +1,19 @@
 """Weigh the total error of every way to a result against its core-minutes, and draw it."""
 
 from jointclosure.config.plain import from_plain
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
-from jointclosure.plotting.total_error import total_error_figure
-from jointclosure.storage.figures import save_figure
-from jointclosure.storage.text import read_csv, write_csv
-from jointclosure.studies.accuracy.design import Joint
-from jointclosure.studies.accuracy.total import (
+from jointclosure.experiments.accuracy.design import Joint
+from jointclosure.experiments.accuracy.total import (
     Told,
     method_table,
     point_table,
     split_table,
     time_cheap,
 )
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.plotting.total_error import total_error_figure
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import read_csv, write_csv
 
 
 def main(inputs: dict, settings: dict, outputs, log: Logbook) -> None:

@@ -176,7 +176,7 @@ class Configuration(NamedTuple):
 
     ``effects_chosen_to`` is the tolerance by which a pilot chooses effects, None where
     they are as configured; ``flow`` whether hydraulic apertures are found. The design of an
-    accuracy study is many configurations: `jointclosure.studies.accuracy.design`.
+    accuracy study is many configurations: `jointclosure.experiments.accuracy.design`.
     """
 
     study: Study

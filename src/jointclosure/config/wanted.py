@@ -87,7 +87,7 @@ def grant(wanted: Wanted, methods: pd.DataFrame, presets: Iterable[str], cycles:
     ----------
     wanted : Wanted
     methods : DataFrame
-        As from `jointclosure.studies.accuracy.total.method_table`.
+        As from `jointclosure.experiments.accuracy.total.method_table`.
     presets : iterable of str
     cycles : int
         Of the study; each counts of which the error is known.

@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
+from jointclosure.ensemble.cases import BASE
 from jointclosure.plotting.labels import Label, label_marks
 from jointclosure.plotting.style import styled, subplots
 from jointclosure.statistics.total_error import front
-from jointclosure.studies.accuracy.design import BASE
 
 KNOB_TITLES = {
     "steps": "both steps",
@@ -46,7 +46,7 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
     Parameters
     ----------
     costs : DataFrame
-        Rows of one variant from `jointclosure.studies.accuracy.cost.cost_table`.
+        Rows of one variant from `jointclosure.experiments.accuracy.cost.cost_table`.
     title : str
     paper : str
         Name of the setting that is marked with a star.
@@ -157,7 +157,7 @@ def error_sources(sources: pd.DataFrame, title: str) -> Figure:
     Parameters
     ----------
     sources : DataFrame
-        As from `jointclosure.studies.accuracy.cost.source_table`.
+        As from `jointclosure.experiments.accuracy.cost.source_table`.
     title : str
     """
     sources = sources.assign(kind=sources.source.str.split(" (", regex=False).str[0])

@@ -24,7 +24,7 @@ def effect_figure(table: pd.DataFrame) -> Figure:
     Parameters
     ----------
     table : DataFrame
-        As from `jointclosure.studies.effects.ablation.effect_table`.
+        As from `jointclosure.experiments.effects.effect_table`.
 
     Notes
     -----

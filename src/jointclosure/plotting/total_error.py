@@ -24,7 +24,7 @@ def total_error_figure(points: pd.DataFrame) -> Figure:
     Parameters
     ----------
     points : DataFrame
-        As from `jointclosure.studies.accuracy.total.point_table`.
+        As from `jointclosure.experiments.accuracy.total.point_table`.
 
     Notes
     -----

@@ -54,7 +54,7 @@ def preset_sheet(measured: pd.DataFrame, configuration: dict, default: dict) -> 
     Parameters
     ----------
     measured : DataFrame
-        As from `jointclosure.studies.accuracy.presets_table.setting_table`.
+        As from `jointclosure.experiments.accuracy.presets_table.setting_table`.
     configuration, default : dict
         Of the study, and the paper's.
     """

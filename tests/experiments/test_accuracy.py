@@ -6,19 +6,21 @@ import pytest
 import xarray as xr
 
 from jointclosure.config.files import ConfigurationError, read_plain
-from jointclosure.studies.accuracy.cost import (
+from jointclosure.ensemble.points import close_points, one_joint
+from jointclosure.experiments.accuracy import EXPERIMENT
+from jointclosure.experiments.accuracy.cost import (
     Resampling,
     _sampling,
     cost_table,
     order_table,
+    runs_of,
     source_table,
 )
-from jointclosure.studies.accuracy.design import (
+from jointclosure.experiments.accuracy.design import (
     Setting,
     design_of,
     label_of,
 )
-from jointclosure.studies.accuracy.runs import close_run, one_joint
 from tests.studied import ROOT, checked_study
 
 TINY = read_plain(ROOT / "tests/workflow/tiny_accuracy.yaml")
@@ -59,12 +61,13 @@ def test_a_rocks_own_effects_are_those_that_the_accuracy_study_closes():
     own = {"rocks": {"slate": {"effects": {"interaction": False}}}}
     closed = []
     for changes in ((TINY,), (TINY, own)):
-        found, runs = design(*changes)
-        closed.append(close_run(one_joint(runs[found["elastic", "base", ""].run])))
+        name = design(*changes)[0]["elastic", "base", ""].run
+        points = EXPERIMENT.design(checked_study(*changes)).jobs[name]
+        closed.append(close_points(map(one_joint, points), EXPERIMENT.quantities))
     together, alone = closed
     # contacts that do not push each other down have no bulk indentation
-    assert np.all(together.max_closure_net < together.max_closure)
-    assert np.all(alone.max_closure_net == alone.max_closure)
+    assert np.all(together.closure_net < together.closure)
+    assert np.all(alone.closure_net == alone.closure)
 
 
 def test_every_setting_of_the_accuracy_study_can_be_run():
@@ -100,14 +103,16 @@ def test_a_design_that_cannot_be_run_is_refused_by_name(change, message):
 
 
 def test_a_run_closes_the_same_surfaces_at_all_levels():
-    found = close_run(next(iter(design(TINY)[1].values())))
-    assert dict(found.sizes) == {"level": 3, "realization": 3, "cycle": 2}
-    assert found.level.values.tolist() == LEVELS
-    assert found.attrs["base"] == 66e9
+    jobs, _, _, parameters = EXPERIMENT.design(checked_study(TINY))
+    name, points = next(iter(jobs.items()))
+    run = runs_of(close_points(points, EXPERIMENT.quantities), parameters["bases"])[name]
+    assert dict(run.sizes) == {"level": 3, "realization": 3, "cycle": 2}
+    assert run.level.values.tolist() == LEVELS
+    assert run.attrs["base"] == 66e9
     # elastic: a stiffer rock closes less, on every surface
-    assert np.all(np.diff(found.max_closure.values, axis=0) < 0.0)
-    assert np.all(found.timing_simulation > 0.0)
-    assert np.all(found.max_closure_net < found.max_closure)  # contacts push each other down
+    assert np.all(np.diff(run.closure.values, axis=0) < 0.0)
+    assert np.all(run.seconds > 0.0)
+    assert np.all(run.closure_net < run.closure)  # contacts push each other down
 
 
 def fake_setting(knob, value, scene="full"):
@@ -127,11 +132,11 @@ def fake_run(error, seconds, n=12, noise=0.0):
     shape = (3, n)
     return xr.Dataset(
         {
-            "max_closure": (("level", "realization", "cycle"), closures[..., None]),
-            "max_closure_net": (("level", "realization", "cycle"), net[..., None]),
+            "closure": (("level", "realization", "cycle"), closures[..., None]),
+            "closure_net": (("level", "realization", "cycle"), net[..., None]),
             "status": (("level", "realization"), np.zeros(shape, np.int16)),
-            "timing_simulation": (("level", "realization"), np.full(shape, seconds)),
-            "timing_pair": (("level", "realization"), np.full(shape, 2e-4)),
+            "seconds": (("level", "realization"), np.full(shape, seconds)),
+            "fft_pair": (("level", "realization", "cycle"), np.full((*shape, 1), 2e-4)),
         },
         coords={"level": LEVELS, "cycle": [1]},
         attrs={"base": 66e9},
@@ -202,8 +207,8 @@ def test_failed_realisations_are_left_out_and_counted():
     settings = [fake_setting("base", ""), fake_setting("resolved", 0.005)]
     runs = {s.run: fake_run(0.1 * (s.knob == "base"), 1.0) for s in settings}
     runs[settings[0].run].status[1, 4] = 16
-    runs[settings[0].run].max_closure[:, 4] = np.nan
-    runs[settings[0].run].max_closure_net[:, 4] = np.nan
+    runs[settings[0].run].closure[:, 4] = np.nan
+    runs[settings[0].run].closure_net[:, 4] = np.nan
     finest = {"full": {"knob": "resolved", "value": 0.005}}
     costs = cost_table(settings, runs, finest, np.random.default_rng(3), 50, 0.95, 0.05)
     base = costs[costs.knob == "base"].iloc[0]

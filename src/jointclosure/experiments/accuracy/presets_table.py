@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from jointclosure.studies.accuracy.design import Setting
+from jointclosure.experiments.accuracy.design import Setting
 
 
 def setting_table(
@@ -16,7 +16,7 @@ def setting_table(
     Parameters
     ----------
     costs : DataFrame
-        As from `jointclosure.studies.accuracy.cost.cost_table`.
+        As from `jointclosure.experiments.accuracy.cost.cost_table`.
     settings : list of Setting
         Those of the costs.
     scenes : dict

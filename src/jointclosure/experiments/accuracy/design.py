@@ -17,10 +17,10 @@ from jointclosure.config.files import ConfigurationError
 from jointclosure.config.presets import numerics_in_full
 from jointclosure.config.typed import Configuration, Grid, Surface
 from jointclosure.ensemble.cases import BASE, cases_of
+from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.inputs import InputError
 from jointclosure.parameters import Rock
-from jointclosure.studies.accuracy.runs import Run
 
 _OWN = ("study", "effects", "choices", "numerics", "grid", "surface", "rocks")
 """Sections of a configuration that a run depends on."""
@@ -47,6 +47,18 @@ class Setting(NamedTuple):
     run: str
     other_joints: bool
     numerics: dict | None
+
+
+class Run(NamedTuple):
+    """Closures of the same surfaces at all levels of a rock property.
+
+    ``levels`` are their settings, the property's values ascending; ``values`` these values and
+    ``base`` the rock's own [SI].
+    """
+
+    levels: tuple[ClosureSettings, ...]
+    values: tuple[float, ...]
+    base: float
 
 
 class Joint(NamedTuple):

@@ -4,18 +4,18 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.inputs import InputError
-from jointclosure.plotting.total_error import total_error_figure
-from jointclosure.studies.accuracy.design import design_of, joint_of
-from jointclosure.studies.accuracy.total import (
+from jointclosure.experiments.accuracy.design import design_of, joint_of
+from jointclosure.experiments.accuracy.total import (
     Cheap,
     Told,
     method_table,
     point_table,
     split_table,
 )
+from jointclosure.inputs import InputError
+from jointclosure.plotting.total_error import total_error_figure
+from tests.experiments.test_accuracy import DESIGN
 from tests.studied import checked_study
-from tests.studies.test_accuracy import DESIGN
 
 POINTS = {"coarse": {"knob": "base", "value": ""}, "fine": {"knob": "resolved", "value": 0.02}}
 TOTAL = {"scene": "own", "methods": POINTS, "interval_scene": "own"}

@@ -1,20 +1,20 @@
 """What each effect adds: scenes on the same joints, and contributions from known data."""
 
 import numpy as np
+import pandas as pd
 import pytest
-import xarray as xr
 
-from jointclosure.parameters import Effects, scene_name
-from jointclosure.plotting.effects import effect_figure
-from jointclosure.studies.effects.ablation import (
+from jointclosure.ensemble.points import close_points, gridded
+from jointclosure.experiments.effects import (
     CONTRIBUTIONS,
+    EXPERIMENT,
     FULL,
     SCENES,
-    close_scene,
     effect_table,
 )
-from jointclosure.studies.effects.design import conditions_of
-from tests.studied import study_of
+from jointclosure.parameters import Effects, scene_name
+from jointclosure.plotting.effects import effect_figure
+from tests.studied import checked_study
 
 TINY = {
     "study": {"name": "tiny_effects", "rocks": ["slate"], "realizations": 2},
@@ -31,43 +31,52 @@ def test_there_are_eighteen_scenes_and_every_contribution_is_between_two_of_them
 
 
 def test_a_scene_closes_the_same_surfaces_at_every_condition():
-    study = study_of(TINY)
-    conditions, design = conditions_of(study, "slate"), study.ablation
-    elastic = close_scene(conditions, design, FULL._replace(breakage=False, gouge=False))
+    jobs = EXPERIMENT.design(checked_study(TINY)).jobs
+
+    def closed(effects):
+        joints = close_points(jobs[f"slate.{scene_name(effects)}"], EXPERIMENT.quantities)
+        return gridded(joints, ("jrc", "stress", "realization"), EXPERIMENT.quantities)
+
+    elastic = closed(FULL._replace(breakage=False, gouge=False))
     assert dict(elastic.sizes) == {"jrc": 2, "stress": 2, "realization": 2, "cycle": 2}
-    assert np.all(elastic.max_closure.diff("stress") > 0.0)
+    assert np.all(elastic.closure.diff("stress") > 0.0)
     # without breakage loading and unloading are one curve
     np.testing.assert_allclose(elastic.hysteresis, 0.0, atol=1e-12)
-    full = close_scene(conditions, design, FULL)
+    full = closed(FULL)
     # what breaks is not given back; single tiny joints have a handful of points only
     first = full.hysteresis.sel(cycle=1)
     assert float(first.mean()) > 0.2
     assert np.all(first < 1.0)
 
 
-def fake(factor, seconds, failed=False):
-    rng = np.random.default_rng(4)
-    closures = factor * (1.0 + 0.1 * rng.standard_normal((1, 1, 6, 2)))
-    shape = ("jrc", "stress", "realization")
-    status = np.zeros((1, 1, 6), np.int16)
-    status[0, 0, 2] = 128 if failed else 0
-    return xr.Dataset(
-        dict.fromkeys(("max_closure", "residual_closure"), ((*shape, "cycle"), closures))
-        | {
-            "hysteresis": ((*shape, "cycle"), np.full((1, 1, 6, 2), 0.5 * factor)),
-            "status": (shape, status),
-            "timing_simulation": (shape, np.full((1, 1, 6), seconds)),
-            "timing_pair": (shape, np.full((1, 1, 6), 1e-4)),
-        },
-        coords={"jrc": [8.0], "stress": [1e7], "cycle": [1, 2]},
+def fake(scene, factor, seconds, failed=False):
+    """Joints of a scene whose closures are a factor of the same surfaces'."""
+    closures = factor * (1.0 + 0.1 * np.random.default_rng(4).standard_normal((6, 2)))
+    rows = (
+        {
+            "rock": "slate",
+            "scene": scene,
+            "jrc": 8.0,
+            "stress": 1e7,
+            "realization": realization,
+            "cycle": [1, 2],
+            "status": 128 if failed and realization == 2 else 0,
+            "seconds": seconds,
+            "closure": closures[realization],
+            "residual": closures[realization],
+            "hysteresis": 0.5 * factor,
+            "fft_pair": 1e-4,
+        }
+        for realization in range(6)
     )
+    return pd.concat(map(pd.DataFrame, rows))
 
 
 @pytest.fixture
 def table():
-    runs = {("slate", name): fake(1.0, 1.0) for name in SCENES}
-    runs["slate", scene_name(FULL._replace(gouge=False))] = fake(1.25, 0.5, failed=True)
-    return effect_table(runs)
+    changed = scene_name(FULL._replace(gouge=False))
+    joints = [fake(name, 1.0, 1.0) for name in SCENES if name != changed]
+    return effect_table(pd.concat([*joints, fake(changed, 1.25, 0.5, failed=True)]))
 
 
 def test_contributions_and_costs_are_those_put_in(table):

@@ -15,9 +15,10 @@ import scipy
 import xarray as xr
 
 from jointclosure.ensemble.cases import BASE
+from jointclosure.ensemble.points import gridded
+from jointclosure.experiments.accuracy.design import Setting
 from jointclosure.protocol import FAILURE
 from jointclosure.statistics.indifference import indifference_interval
-from jointclosure.studies.accuracy.design import Setting
 
 MEASURES = ("mean", "deviation", "interval", "net")
 
@@ -53,13 +54,26 @@ class _Sample(NamedTuple):
 
 def _sample(run: xr.Dataset, cycle: int, significance: float) -> _Sample:
     return _Sample(
-        run.max_closure.sel(cycle=cycle).values,
-        run.max_closure_net.sel(cycle=cycle).values,
+        run.closure.sel(cycle=cycle).values,
+        run.closure_net.sel(cycle=cycle).values,
         run.level.values,
         float(run.attrs["base"]),
         (run.status.values < FAILURE).all(axis=0),
         significance,
     )
+
+
+def runs_of(joints: pd.DataFrame, bases: Mapping[str, float]) -> dict[str, xr.Dataset]:
+    """Runs by name, each over (level, realization, cycle), from the table of all their joints.
+
+    ``bases`` are the rocks' own values of the property that is varied [SI], by run.
+    """
+    return {
+        str(name): gridded(
+            part, ("level", "realization"), ("closure", "closure_net", "fft_pair")
+        ).assign_attrs(base=bases[str(name)])
+        for name, part in joints.groupby("run", sort=False)
+    }
 
 
 def cost_table(
@@ -77,8 +91,8 @@ def cost_table(
     ----------
     settings : list of Setting
     runs : mapping
-        Datasets as from `jointclosure.studies.accuracy.runs.close_run` by the name of
-        their run.
+        By the name of a run, datasets over (level, realization, cycle) with the attribute ``base``,
+        as from `runs_of`.
     finest : mapping
         Knob and value that the settings of each variant are held against.
     random : Generator
@@ -156,10 +170,12 @@ def _errors(own: _Sample, truth: _Sample, random, resamples, confidence, other) 
 
 
 def _times(run: xr.Dataset, base: xr.Dataset) -> dict:
-    seconds, pairs = run.timing_simulation.values, run.timing_pair.values
+    seconds = run.seconds.values
     middle, low, high = np.quantile(seconds, (0.5, 0.25, 0.75))
-    own = float(np.median(seconds / pairs))
-    of_base = float(np.median(base.timing_simulation.values / base.timing_pair.values))
+    own, of_base = (
+        float(np.median(each.seconds.values / each.fft_pair.isel(cycle=0).values))
+        for each in (run, base)
+    )
     return {
         "seconds": middle,
         "seconds_low": low,

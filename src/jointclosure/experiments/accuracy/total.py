@@ -22,11 +22,11 @@ from jointclosure.ensemble.covariates import (
 )
 from jointclosure.ensemble.surfaces import walls_of_seed
 from jointclosure.ensemble.timing import pair_seconds
+from jointclosure.experiments.accuracy.design import Joint
 from jointclosure.inputs import InputError
 from jointclosure.randomness import seed_of
 from jointclosure.statistics.control_variates import fewest_surfaces
 from jointclosure.statistics.total_error import REACH, front, method_of, shares
-from jointclosure.studies.accuracy.design import Joint
 from jointclosure.surface.roughness import z2_of_jrc
 from jointclosure.surrogate import ALL_ROCKS, estimate
 
@@ -57,7 +57,7 @@ def time_cheap(joint: Joint) -> Cheap:
         estimate,
         spacing=grid.spacing,
         rock=joint.rock,
-        normal_stress=joint.stress,
+        max_normal_stress=joint.stress,
         extrapolate=True,
     )
     found = []
@@ -99,7 +99,7 @@ def method_table(
     ----------
     told : Told
     costs : DataFrame
-        As from `jointclosure.studies.accuracy.cost.cost_table`.
+        As from `jointclosure.experiments.accuracy.cost.cost_table`.
     variance : DataFrame
         ``variance_reduction.csv`` of the study.
     surrogate : DataFrame

@@ -1,1 +1,0 @@
-"""What accuracy costs: designs, errors, times, and the table of presets."""

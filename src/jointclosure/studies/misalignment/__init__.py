@@ -1,1 +1,0 @@
-"""Walls that are tilted against each other, or rotated about the normal."""

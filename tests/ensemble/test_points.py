@@ -1,0 +1,131 @@
+"""The engine of experiments: points closed and read, and points as plain data."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from jointclosure.config.files import read_plain
+from jointclosure.ensemble import points as engine
+from jointclosure.ensemble.closing import close_walls
+from jointclosure.ensemble.points import (
+    Point,
+    as_dataset,
+    as_table,
+    close_points,
+    estimated_time,
+    gridded,
+    packed,
+    unpacked,
+)
+from jointclosure.ensemble.quantities import QUANTITIES
+from jointclosure.experiments import SECTIONS, experiment_named, experiments_in
+from tests.studied import ROOT, checked_study
+
+TINY = {
+    "study": {"name": "points", "rocks": ["slate", "dolerite"], "realizations": 2},
+    "grid": {"cells_x": 10, "cells_y": 10},
+    "ablation": {"jrc": [4, 10], "stress_MPa": [0.5, 2]},
+}
+
+
+@pytest.fixture(scope="module")
+def points():
+    jobs = experiment_named("effects").design(checked_study(TINY)).jobs
+    return [*jobs["slate.hertz_only"], *jobs["dolerite.substrate-breakage"]]
+
+
+@pytest.fixture(scope="module")
+def joints(points):
+    return close_points(points, ("closure", "hysteresis"))
+
+
+def test_every_joint_has_a_row_a_cycle_at_the_coordinates_of_its_point(points, joints):
+    assert len(joints) == len(points) * 2 * 2
+    assert joints.columns.tolist() == [
+        "rock", "scene", "jrc", "stress", "realization", "cycle", "status", "seconds",
+        "closure", "hysteresis",
+    ]  # fmt: skip
+    assert joints.groupby("rock", sort=False).size().to_dict() == {"slate": 16, "dolerite": 16}
+    assert (joints.seconds > 0.0).all()
+
+
+def test_a_quantity_is_that_of_the_joint_closed_alone(points, joints):
+    point = points[5]
+    upper, lower = list(engine.MAKERS[point.walls](point.settings.surfaces))[1]
+    closed = close_walls(upper, lower, point.settings.conditions())
+    here = (joints.realization == 1) & (joints.rock == "dolerite")
+    here &= (joints.jrc == point.coordinates["jrc"]) & (
+        joints.stress == point.coordinates["stress"]
+    )
+    assert joints.closure[here].tolist() == closed.max_closure.values.tolist()
+
+
+def test_a_joint_that_failed_is_kept_with_its_status_and_without_readings(points, monkeypatch):
+    def failing(upper, lower, conditions):
+        closed = close_walls(upper, lower, conditions)
+        closed["status"] = closed.status + 128
+        return closed
+
+    monkeypatch.setattr(engine, "close_walls", failing)
+    rows = close_points(points[:1], ("closure",))
+    assert len(rows) == 4
+    assert (rows.status >= 128).all()
+    assert rows.closure.isna().all()
+
+
+@pytest.mark.parametrize("name", SECTIONS)
+def test_points_are_the_same_after_they_were_plain_data(name):
+    """Every job of every experiment as it is shipped, through JSON as a workflow has it."""
+    keys = read_plain(ROOT / f"config/{name}.yaml")
+    configured = checked_study(keys)
+    assert list(experiments_in(configured.keys)) == [name]
+    jobs = experiment_named(name).design(configured).jobs
+    for points in jobs.values():
+        plain = json.loads(json.dumps(packed(points)))
+        for one, other in zip(points, unpacked(plain), strict=True):
+            assert repr(one._replace(options={})) == repr(other._replace(options={}))
+            assert dict(one.options) == dict(other.options)
+
+
+def test_a_job_of_many_points_states_the_settings_that_they_share_once(points):
+    alone, together = (len(json.dumps(packed(part))) for part in (points[:1], points))
+    assert together < 0.4 * len(points) * alone
+
+
+def test_a_table_is_the_same_after_it_was_a_dataset(joints):
+    dataset = as_dataset(joints)
+    assert dataset.closure.attrs == {
+        "long_name": QUANTITIES["closure"].title,
+        "units": QUANTITIES["closure"].unit,
+    }
+    pd.testing.assert_frame_equal(as_table(dataset), joints, check_dtype=False)
+
+
+def test_a_grid_has_each_joint_at_its_coordinates(joints):
+    of_rock = joints[joints.rock == "slate"]
+    grid = gridded(of_rock.iloc[::-1], ("jrc", "stress", "realization"), ("closure",))
+    assert dict(grid.sizes) == {"jrc": 2, "stress": 2, "realization": 2, "cycle": 2}
+    for row in of_rock.itertuples():
+        at = {name: getattr(row, name) for name in ("jrc", "stress", "realization")}
+        assert float(grid.closure.sel(at | {"cycle": row.cycle})) == row.closure
+        assert float(grid.seconds.sel(at)) == row.seconds
+
+
+def test_the_time_is_estimated_by_a_joint_of_every_grid(points):
+    table = estimated_time({"a": points[:2], "b": points[4:]})
+    assert table.job.tolist() == ["a", "b"]
+    assert table.joints.tolist() == [4, 8]
+    assert (table.seconds > 0.0).all()
+
+
+def test_a_point_may_have_a_maker_of_walls_with_arguments(points):
+    aligned, tilted = (
+        Point({"tilt": tilt}, points[0].settings, "misaligned", {"tilt": tilt, "rotation": 0.0})
+        for tilt in (0.0, 2.0)
+    )
+    rows = close_points([aligned, tilted], ("closure",))
+    first = rows[rows.cycle == 1].groupby("tilt").closure.mean()
+    assert first[2.0] != first[0.0]
+    assert np.isfinite(first).all()

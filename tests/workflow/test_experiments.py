@@ -1,0 +1,66 @@
+"""Every experiment as a study of seconds: its files are there, and nothing is done twice."""
+
+import re
+import shutil
+
+import pytest
+
+from jointclosure.config.files import read_plain
+from jointclosure.ensemble.points import as_table, joints_of
+from jointclosure.experiments import experiments_in
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.text import read_csv
+from tests.studied import checked_study
+from tests.workflow.test_pipeline import ROOT, checkout, snakemake
+
+pytestmark = pytest.mark.slow
+
+EXPERIMENTS = ("accuracy", "effects", "misalignment")
+
+
+@pytest.fixture(scope="module", params=EXPERIMENTS)
+def experiment(request, tmp_path_factory):
+    """Name, design and folder of an experiment that was run."""
+    name, config = request.param, f"tiny_{request.param}.yaml"
+    folder = checkout(tmp_path_factory.mktemp(name))
+    shutil.copy(ROOT / "tests/workflow" / config, folder)
+    configured = checked_study(read_plain(folder / config))
+    design = experiments_in(configured.keys)[name].design(configured)
+    estimated = snakemake(folder, f"estimate_{name}", config=config)
+    assert estimated.returncode == 0, estimated.stdout + estimated.stderr
+    joints = sum(joints_of(points) for points in design.jobs.values())
+    assert f"{joints} joints will take about" in estimated.stderr
+    answer = snakemake(folder, name, config=config)
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    return name, design, folder
+
+
+def test_every_joint_table_and_figure_is_there(experiment):
+    name, design, folder = experiment
+    results = folder / f"results/tiny_{name}"
+    dataset = read_netcdf(results / f"{name}.nc")
+    assert "configuration" in dataset.attrs
+    joints = as_table(dataset)
+    of_points = sum(joints_of(points) for points in design.jobs.values())
+    assert len(joints) == of_points * joints.cycle.nunique()
+    for table in design.tables:
+        assert len(read_csv(results / f"tables/{table}.csv")) > 0
+    for figure in design.figures:
+        assert (results / f"figures/{figure}.png").stat().st_size > 10000
+
+
+def test_nothing_is_done_twice_and_what_is_lost_alone_is_made_again(experiment):
+    name, design, folder = experiment
+    assert "Nothing to be done" in dry_run(name, folder)
+    results = folder / f"results/tiny_{name}"
+    lost = next(iter(design.jobs))
+    (results / f"{name}/{lost}.nc").unlink()
+    (results / f"tables/{design.tables[0]}.csv").unlink()
+    counts = dict(re.findall(r"^(close_points|tabulate_\w+) +(\d+)$", dry_run(name, folder), re.M))
+    assert counts == {"close_points": "1", f"tabulate_{name}": "1"}
+
+
+def dry_run(name: str, folder) -> str:
+    """What Snakemake would do."""
+    answer = snakemake(folder, name, "--dry-run", config=f"tiny_{name}.yaml")
+    return answer.stdout + answer.stderr

@@ -1,0 +1,34 @@
+"""Draw the figures of an experiment from its tables."""
+
+import itertools
+from collections.abc import Sequence
+from pathlib import Path
+
+from jointclosure.experiments import Experiment, experiment_named
+from jointclosure.jobs import job
+from jointclosure.logbook import Logbook
+from jointclosure.storage.figures import save_figure
+from jointclosure.storage.text import read_csv
+
+
+def main(
+    experiment: Experiment, tables: Sequence[str], outputs: Sequence[str], log: Logbook
+) -> None:
+    """Write each figure in the format of each of its files."""
+    read = {Path(table).stem: read_csv(table) for table in tables}
+    for name, files in itertools.groupby(outputs, lambda output: Path(output).stem):
+        figure = experiment.draw(name, read)
+        for output in files:
+            save_figure(figure, output)
+            log(f"drew {output}")
+
+
+if __name__ == "__main__":
+    with job(snakemake) as logbook:
+        given = snakemake.input.tables
+        main(
+            experiment_named(snakemake.params.experiment),
+            [given] if isinstance(given, str) else list(given),
+            list(snakemake.output.figures),
+            logbook,
+        )
