@@ -57,7 +57,7 @@ def time_cheap(joint: Joint) -> Cheap:
         estimate,
         spacing=grid.spacing,
         rock=joint.rock,
-        normal_stress=joint.stress,
+        max_normal_stress=joint.stress,
         extrapolate=True,
     )
     found = []
