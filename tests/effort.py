@@ -42,6 +42,7 @@ def counts(name: str) -> dict[str, int]:
             spacing=SPACING,
             rock=DOLERITE,
             max_normal_stress=stress * 1e6,
+            seating_stress=0.0,
             **told,
         )
         for seed in (1, 2)
