@@ -357,7 +357,6 @@ def _described(
     mismatch = measured_mismatch(upper, lower, spacing)
     early = float(np.quantile(aperture, 1e-3))
     gap = float(np.mean(found.upper - found.lower))
-    report += [f"Warning: {doubt}" for doubt in _doubts(found)]
     filled_said = f", {found.filled_cells} of them in holes, filled" if found.filled_cells else ""
     report += [
         f"overlap: {ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm{filled_said}, "
@@ -371,6 +370,7 @@ def _described(
         f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
         + (_STANDS_OUT if early > _FAR * aperture.std() else ""),
     ]
+    report += [f"Warning: {doubt}" for doubt in _doubts(found)]
     if name == "common_frame" and applied == (0.0, 0.0):
         side = "above" if gap > 0.0 else "below"
         report.append(
