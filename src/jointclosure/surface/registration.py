@@ -360,7 +360,6 @@ def _described(
     mismatch = measured_mismatch(upper, lower, spacing)
     early = float(np.quantile(aperture, 1e-3))
     gap = float(np.mean(found.upper - found.lower))
-    report += [caution(doubt) for doubt in _doubts(found)]
     filled_said = f", {found.filled_cells} of them in holes, filled" if found.filled_cells else ""
     report += [
         f"overlap: {ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm{filled_said}, "
@@ -375,6 +374,7 @@ def _described(
     touches = f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
     stands_out = early > _FAR * aperture.std()
     report.append(caution(_STANDS_OUT, f"{touches}: ") if stands_out else touches)
+    report += [caution(doubt) for doubt in _doubts(found)]
     if name == "common_frame" and applied == (0.0, 0.0):
         side = "above" if gap > 0.0 else "below"
         lies = (
