@@ -43,6 +43,7 @@ def reach_of(walls, spacing, rocks, stress):
         max_normal_stress=stress,
         effects=jc.Effects(True, False, False, False, False),
         numerics=jc.Numerics(curve_points=1),
+        seating_stress=0.0,
         unusual_values=True,
     )
     return float(elastic.max_closure[0]) + 0.3 * float(np.ptp(sum(walls)))
@@ -72,6 +73,7 @@ def problems(draw, scenes=SCENES):
         "spacing": length,
         "rock": rocks,
         "max_normal_stress": stress,
+        "seating_stress": 0.0,
         "effects": draw(st.sampled_from(scenes)),
         "choices": jc.Choices(
             base_radius_in_cells=draw(st.sampled_from([0.1, 0.5, 1.0])),

@@ -127,7 +127,7 @@ def test_the_papers_part_shows_the_papers_rocks_alone():
     both = with_paper(table, PAPER)
     assert both.in_paper.tolist() == [False, True]
     ours, paper = table_3_markdown(both, {"granite": "Granite", "slate": "Slate"}).split(
-        "**The paper**"
+        "**The paper, unpaired t test**"
     )
     assert "| Granite, cycle 1 | Slate, cycle 1 |" in ours
     assert "| Parameter | Slate, cycle 1 |" in paper

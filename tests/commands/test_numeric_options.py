@@ -9,7 +9,7 @@ import pytest
 import jointclosure as jc
 from jointclosure import cli
 from jointclosure.commands import COMMANDS
-from jointclosure.commands.joint_options import OF_ROCK
+from jointclosure.commands.joint_options import OPTIONS as ROCK_OPTIONS
 from jointclosure.storage.netcdf import write_netcdf
 from tests.conftest import SPACING
 from tests.studied import study_of
@@ -27,7 +27,11 @@ WORDS = {
 }
 """Words of each command that has numeric options, with which it would work."""
 _NOT_NUMBERS = (None, "Path", "_setting")
-_KEYS = OF_ROCK | {"cells": "grid", "seating": "seating_stress", "grid_spacing": "grid.spacing_mm"}
+_KEYS = ROCK_OPTIONS | {
+    "cells": "grid",
+    "seating": "seating_stress",
+    "grid_spacing": "grid.spacing_mm",
+}
 
 
 def numeric_options() -> list[tuple[str, argparse.Action]]:

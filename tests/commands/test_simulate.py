@@ -89,7 +89,7 @@ def test_a_failed_simulation_is_said_and_fails(capsys, monkeypatch):
             ["--youngs-modulus", "55e9", *BY_NUMBERS[2:], "--stress", "2"],
             "rocks.rock.youngs_modulus_GPa = 55000000000.0: not usual of rock (0.1 to 300 GPa)",
         ),
-        (["--rock", "slate", "--seed", "-1"], "--seed -1: must be 0 or above"),
+        (["--rock", "slate", "--seed", "-1"], "--seed = -1: must be 0 or above"),
         (["--rock", "slate", "--without", "breakage"], "gouge = True needs breakage = True"),
         (["--rock", "slate", "--set", "numerics.solver=refrence"], "did you mean reference?"),
         (["--rock", "slate", "--set", "grid.cell_x=3"], "grid.cell_x = 3: unknown key; did you"),

@@ -111,7 +111,7 @@ def test_rocks_that_are_not_studied_may_be_what_they_are():
 def test_the_library_refuses_a_slip_of_units_too(change, said):
     walls = [jc.wall_pair(8.0, (6, 6), 0.25e-3, seed) for seed in range(2)]
     for close in (
-        lambda **told: jc.simulate(*walls[0], **told),
+        lambda **told: jc.simulate(*walls[0], seating_stress=0.0, **told),
         lambda **told: jc.choose_effects(walls, **told),
     ):
         with pytest.raises(jc.InputError, match="unusual_values=True") as error:
@@ -122,6 +122,7 @@ def test_the_library_refuses_a_slip_of_units_too(change, said):
 def test_the_library_takes_unusual_values_where_it_is_told_to():
     elastic = jc.Effects(breakage=False, gouge=False)
     soft = USUAL | {"rock": jc.Rock(1e6, 0.2, 1e3), "max_normal_stress": 10.0}
+    soft["seating_stress"] = 0.0
     walls = jc.wall_pair(8.0, (6, 6), 0.25e-3, 1)
     closed = jc.simulate(*walls, **soft, effects=elastic, unusual_values=True)
     assert int(closed.status) < 16

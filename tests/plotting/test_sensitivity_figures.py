@@ -54,7 +54,7 @@ def test_the_papers_entries_are_marked_and_its_dashes_stand_in_the_column_of_das
     assert [text.get_text() for text in first.get_yticklabels()] == ["Dolerite", "Slate"]
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert "the paper" in labels
-    assert "studies of 20 draws each, ours" in labels
+    assert "studies of 20 draws, unpaired t test" in labels
 
 
 def test_without_the_papers_rocks_it_is_not_in_the_legend(drawn):

@@ -25,7 +25,7 @@ def closed(walls, effects, stress=30e6, **options):
         rock=DOLERITE,
         max_normal_stress=stress,
         effects=effects,
-        **options,
+        **{"seating_stress": 0.0} | options,
     )
 
 

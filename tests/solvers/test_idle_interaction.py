@@ -47,6 +47,7 @@ def closed(seed, idle_interaction, cells=40, stress=10e6, **numerics):
         rock=DOLERITE,
         max_normal_stress=stress,
         numerics=jc.Numerics(idle_interaction=idle_interaction, **numerics),
+        seating_stress=0.0,
     )
 
 

@@ -69,10 +69,11 @@ def claims_judged(
     for rock, of_rock in closures.items():
         if not set(PROPERTIES) <= set(parameters[rock]):
             continue
+        varied = {name: parameters[rock][name] for name in PROPERTIES}
         numbers = of_rock.realization.values
         count = min(groups, numbers.size)
         whole, *parts = (
-            _elasticities(of_rock.isel(realization=np.flatnonzero(kept)), parameters[rock])
+            _elasticities(of_rock.isel(realization=np.flatnonzero(kept)), varied)
             for kept in (numbers >= 0, *(numbers % count != group for group in range(count)))
         )
         for claim in asked:
