@@ -28,8 +28,6 @@ include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/effects.smk"
 include: "workflow/rules/readings_setting.smk"
 include: "workflow/rules/readings.smk"
-include: "workflow/rules/mismatch_setting.smk"
-include: "workflow/rules/mismatch.smk"
 include: "workflow/rules/size_setting.smk"
 include: "workflow/rules/size.smk"
 include: "workflow/rules/numerics.smk"
@@ -43,7 +41,6 @@ for folder, made_with in (
     (RESULTS, STUDY_WITH | CHOSEN_WITH | WALLS_WITH),
     (RESULTS, VALIDATED_WITH | READINGS_WITH),
     (RESULTS, TOGETHER_WITH),
-    (RESULTS, MISMATCH_WITH),
     *((RESULTS, closed_with) for closed_with in CLOSED_WITH.values()),
     (RESULTS, SIZE_WITH),
     (HARD_RESULTS, HARD_WITH),

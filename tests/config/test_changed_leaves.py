@@ -12,14 +12,14 @@ import random
 
 import pytest
 import yaml
+from jointclosure.studies.accuracy import design as accuracy
+from jointclosure.studies.misalignment import design as misalignment
 
 from jointclosure.config.configuration import configured, merged_study
 from jointclosure.config.files import read_plain
 from jointclosure.inputs import InputError
 from jointclosure.storage.text import read_csv
-from jointclosure.studies.accuracy import design as accuracy
 from jointclosure.studies.global_sensitivity import design as global_sensitivity
-from jointclosure.studies.misalignment import design as misalignment
 from jointclosure.studies.readings import design as readings
 from tests.config.test_configuration import STUDIES
 

@@ -15,7 +15,7 @@ from tests.workflow.test_pipeline import ROOT, checkout, snakemake
 
 pytestmark = pytest.mark.slow
 
-EXPERIMENTS = ("accuracy", "effects", "misalignment")
+EXPERIMENTS = ("accuracy", "effects", "misalignment", "mismatch")
 
 
 @pytest.fixture(scope="module", params=EXPERIMENTS)

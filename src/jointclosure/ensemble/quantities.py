@@ -7,10 +7,11 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from jointclosure.engineering.curves import hysteresis
+from jointclosure.engineering.curves import hysteresis, seat_of
 from jointclosure.ensemble.responses import responses_of
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.ensemble.timing import pair_seconds
+from jointclosure.protocol import LOADING
 
 
 class ClosedJoint:
@@ -34,6 +35,13 @@ class ClosedJoint:
     def responses(self) -> dict[str, np.ndarray]:
         """Closures and stiffness of each cycle (`responses_of`)."""
         return responses_of(self.closed, self.conditions)
+
+    @property
+    def initial_aperture(self) -> float:
+        """Mean distance of the pristine walls at first touch [m]."""
+        upper, lower = self.walls
+        together = upper + lower
+        return float((together.max() - together).mean())
 
 
 class Quantity(NamedTuple):
@@ -63,6 +71,11 @@ def _response(name: str) -> Callable[[ClosedJoint], np.ndarray]:
 
 def _of_history(name: str) -> Callable[[ClosedJoint], np.ndarray]:
     return lambda joint: joint.closed[name].values
+
+
+def _aperture_at_seating(joint: ClosedJoint) -> np.ndarray:
+    cycles = range(1, joint.conditions.cycles + 1)
+    return np.array([seat_of(joint.closed, each, LOADING, "mean_aperture") for each in cycles])
 
 
 QUANTITIES: dict[str, Quantity] = {
@@ -95,6 +108,12 @@ QUANTITIES: dict[str, Quantity] = {
         "Pa/m",
         r"k_\mathrm{n}",
         _response("stiffness_net"),
+    ),
+    "initial_aperture": Quantity(
+        "mean aperture at first touch", "m", r"a_0", lambda joint: joint.initial_aperture
+    ),
+    "aperture_at_seating": Quantity(
+        "mean aperture at seating", "m", r"a_\mathrm{s}", _aperture_at_seating
     ),
     "hysteresis": Quantity(
         "share of the work of loading that unloading does not give back",

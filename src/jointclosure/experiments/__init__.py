@@ -20,6 +20,7 @@ SECTIONS = {
     "accuracy": "accuracy",
     "effects": "ablation",
     "misalignment": "misalignment",
+    "mismatch": "mismatch",
 }
 """The section of the configuration that each experiment needs, by the experiment's name."""
 

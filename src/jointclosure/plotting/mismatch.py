@@ -25,7 +25,7 @@ def mismatch_figure(table: pd.DataFrame) -> Figure:
     Parameters
     ----------
     table : DataFrame
-        As from `jointclosure.studies.mismatch.table.mismatch_table`; its first rock is drawn.
+        As from `jointclosure.experiments.mismatch.mismatch_table`; its first rock is drawn.
 
     Notes
     -----

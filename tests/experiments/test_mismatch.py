@@ -2,15 +2,14 @@
 
 import matplotlib
 import numpy as np
+import pandas as pd
 import pytest
-import xarray as xr
 
 from jointclosure.config.files import ConfigurationError
-from jointclosure.inputs import InputError
-from jointclosure.plotting.mismatch import mismatch_figure
-from jointclosure.studies.mismatch.closing import close_mismatched, labels_of, settings_of
-from jointclosure.studies.mismatch.table import independence_table, mismatch_table
-from tests.studied import study_of
+from jointclosure.ensemble.points import close_points, gridded
+from jointclosure.experiments import experiments_in
+from jointclosure.experiments.mismatch import EXPERIMENT, independence_table
+from tests.studied import DEFAULT, checked_study, study_of
 
 TINY = {
     "study": {"name": "tiny_mismatch", "rocks": ["slate"], "realizations": 3, "draws": "common"},
@@ -22,21 +21,28 @@ TINY = {
 
 
 @pytest.fixture(scope="module")
-def run():
-    study = study_of(TINY)
-    closed = [
-        close_mismatched(settings_of(study, "slate", wavelength))
-        for wavelength in labels_of(study).values()
-    ]
-    return xr.concat(closed, "wavelength", join="outer")
+def design():
+    return EXPERIMENT.design(checked_study(TINY))
 
 
-def test_wavelengths_are_closed_in_order_with_independent_walls_last(run):
-    assert list(labels_of(study_of(TINY))) == ["1000um", "3000um", "independent"]
-    assert run.wavelength.values.tolist() == [1e-3, 3e-3, np.inf]
-    assert run["shift"].values.tolist() == [0.0, 2e-3]
-    # independent walls have no shift of their own
-    assert run.status.isel(wavelength=-1, shift=1).isnull().all()
+@pytest.fixture(scope="module")
+def joints(design):
+    points = [point for job in design.jobs.values() for point in job]
+    return close_points(points, EXPERIMENT.quantities)
+
+
+@pytest.fixture(scope="module")
+def run(joints):
+    """Over (wavelength, shift, realization, cycle)."""
+    return gridded(joints, ("wavelength", "shift", "realization"), EXPERIMENT.quantities)
+
+
+def test_wavelengths_are_closed_in_order_with_independent_walls_last(design, joints):
+    assert list(design.jobs) == ["slate.1000um", "slate.3000um", "slate.independent"]
+    assert joints.wavelength.unique().tolist() == [1e-3, 3e-3, np.inf]
+    # independent walls are not shifted
+    shifts = joints.groupby("wavelength")["shift"].unique()
+    assert [each.tolist() for each in shifts] == [[0.0, 2e-3], [0.0, 2e-3], [0.0]]
 
 
 def test_walls_close_more_the_longer_the_mismatch_and_shifted_ones_more_than_unshifted(run):
@@ -48,8 +54,8 @@ def test_walls_close_more_the_longer_the_mismatch_and_shifted_ones_more_than_uns
     assert moved[1] > 1.2 * moved[0]
 
 
-def test_what_is_read_is_what_engineers_are_told(run):
-    table = mismatch_table({"slate": run})
+def test_what_is_read_is_what_engineers_are_told(design, joints, run):
+    table = EXPERIMENT.tabulate(joints, design.parameters)["mismatch"]
     own = run.sel(wavelength=1e-3, shift=0.0, cycle=2)
     row = table[(table.wavelength_mm == 1.0) & (table.shift_mm == 0.0) & (table.cycle == 2)]
     assert row.samples.item() == 3
@@ -63,46 +69,51 @@ def test_what_is_read_is_what_engineers_are_told(run):
     stays = float(own.residual_seated_net.mean() / own.closure_seated_net.mean())
     assert row.residual_share_net.item() == pytest.approx(stays)
     assert len(table) == 2 * (2 * 2 + 1)
-    figure = mismatch_figure(table)
+    figure = EXPERIMENT.draw("mismatch", {"mismatch": table})
     assert isinstance(figure, matplotlib.figure.Figure)
     assert len(figure.axes) == 8
 
 
 def made_up(closures, scatter, surfaces=40):
-    """A run whose mean closures over shifts are given, [0] of independent walls [m]."""
+    """Joints whose mean closures over shifts are given, [0] of independent walls [m]."""
     rng = np.random.default_rng(2)
+    drawn = 1e-4 * (1.0 + scatter * rng.standard_normal((2, len(closures) - 1, surfaces)))
     free, *shifted = closures
-    drawn = 1e-4 * (1.0 + scatter * rng.standard_normal((2, len(shifted), surfaces, 1)))
-    drawn[0] *= np.array(shifted)[:, None, None]
-    drawn[1, 0] *= free
-    drawn[1, 1:] = np.nan
-    over = ("wavelength", "shift", "realization", "cycle")
-    return xr.Dataset(
-        {"closure_seated_net": (over, drawn), "aperture_at_seating": (over, 0.0 * drawn + 5e-4)},
-        coords={
-            "wavelength": [1e-3, np.inf],
-            "shift": 1e-3 * np.arange(len(shifted)),
-            "cycle": [1],
-        },
+    conditions = [(np.inf, 0.0, free * drawn[1, 0])]
+    conditions += [
+        (1e-3, 1e-3 * place, factor * drawn[0, place]) for place, factor in enumerate(shifted)
+    ]
+    return pd.concat(
+        pd.DataFrame(
+            {
+                "rock": "slate",
+                "wavelength": wavelength,
+                "shift": shift,
+                "cycle": 1,
+                "closure_seated_net": values,
+                "aperture_at_seating": 5e-4,
+            }
+        )
+        for wavelength, shift, values in conditions
     )
 
 
 def test_the_shift_that_unmates_is_between_those_about_the_criterion():
     run = made_up([1.0, 0.5, 0.8, 1.0], 1e-9)
-    (row,) = independence_table({"slate": run}, 0.1, 1).itertuples()
+    (row,) = independence_table(run, 0.1, 1).itertuples()
     assert row.shift_mm == pytest.approx(1.5)
     assert row.low == pytest.approx(row.high)
     # in mean apertures of independent walls, 0.5 mm
     assert row.apertures == pytest.approx(3.0)
     never = made_up([1.0, 0.5, 0.6, 0.7], 1e-9)
-    assert independence_table({"slate": never}, 0.1, 1).shift_mm.item() == np.inf
+    assert independence_table(never, 0.1, 1).shift_mm.item() == np.inf
 
 
 def test_the_interval_of_that_shift_covers_it():
     held = []
     for factor in np.linspace(0.97, 1.03, 9):
         run = made_up([1.0, 0.5, 0.8 * factor, 1.1], 0.15)
-        (row,) = independence_table({"slate": run}, 0.1, 1).itertuples()
+        (row,) = independence_table(run, 0.1, 1).itertuples()
         true = 1.0 + (0.9 - 0.8 * factor) / (1.1 - 0.8 * factor)
         held.append(row.low <= true <= row.high)
         assert row.low < row.shift_mm < row.high
@@ -124,6 +135,5 @@ def test_a_design_that_cannot_be_is_refused(change, said):
     assert said in str(error.value)
 
 
-def test_a_study_without_a_design_has_no_wavelengths():
-    with pytest.raises(InputError, match="mismatch = null"):
-        labels_of(study_of())
+def test_a_study_without_a_design_is_no_such_experiment():
+    assert "mismatch" not in experiments_in(DEFAULT)

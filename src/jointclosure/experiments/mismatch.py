@@ -1,14 +1,25 @@
-"""What mismatch and shift do to a joint: means over surfaces, and the shift that makes it another.
+"""Mated, natural and non-mated walls: what mismatch and shift do to a joint.
 
-Walls that are shifted behave as independent ones from the shift on at which the mean closure
-since seating of the first cycle is no more than a declared share below theirs.
+Without a shift all mismatch wavelengths have the same upper walls but for their scale; a shift
+makes others, as a longer field is drawn for it. Walls that are shifted behave as independent ones
+from the shift on at which the mean closure since seating of the first cycle is no more than a
+declared share below theirs.
 """
+
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import scipy
-import xarray as xr
 
+from jointclosure.config.configuration import Configured
+from jointclosure.ensemble.cases import base_case
+from jointclosure.ensemble.points import Point
+from jointclosure.ensemble.slices import closure_settings, surface_settings
+from jointclosure.ensemble.wavelengths import labelled_wavelengths
+from jointclosure.experiments import Design, Experiment, Tables
+from jointclosure.plotting.mismatch import mismatch_figure
 from jointclosure.protocol import FAILURE
 from jointclosure.randomness import generator, seed_of
 from jointclosure.statistics.ratios import harmonic_mean, ratio_of_means
@@ -28,14 +39,42 @@ CONFIDENCE = 0.95
 RESAMPLES = 2000
 
 
-def mismatch_table(runs: dict[str, xr.Dataset]) -> pd.DataFrame:
+def mismatch_design(configured: Configured) -> Design:
+    """A job for each rock and mismatch wavelength: all shifts, of independent walls none."""
+    configuration = configured.typed
+    design, study = configuration.mismatch, configuration.study
+    assert design is not None  # the section is there
+    jobs = {}
+    for rock, of_rock in configuration.rocks.items():
+        case = base_case(rock, of_rock)
+        for label, wavelength in labelled_wavelengths(design.wavelength).items():
+            points = []
+            for shift in (0,) if wavelength is None else design.shift_in_cells:
+                surface = configuration.surface._replace(
+                    mismatch_wavelength=wavelength, shift_in_cells=shift
+                )
+                surfaces = surface_settings(
+                    configuration._replace(surface=surface), case, range(study.realizations)
+                )
+                at = {
+                    "rock": rock,
+                    "wavelength": np.inf if wavelength is None else wavelength,
+                    "shift": configuration.grid.spacing * shift,
+                }
+                points.append(Point(at, closure_settings(configuration, case, surfaces)))
+            jobs[f"{rock}.{label}"] = points
+    parameters = {"tolerance": design.tolerance, "root_seed": study.root_seed}
+    return Design(jobs, ("mismatch", "mismatch_shifts"), ("mismatch",), parameters)
+
+
+def mismatch_table(joints: pd.DataFrame) -> pd.DataFrame:
     """Means and standard errors over surfaces, for each mismatch wavelength, shift and cycle.
 
     Parameters
     ----------
-    runs : dict
-        By rock, datasets over (wavelength, shift, realization, cycle) as of
-        `jointclosure.studies.mismatch.closing.close_mismatched`.
+    joints : DataFrame
+        As from `jointclosure.ensemble.points.close_points`, with the columns ``rock``,
+        ``wavelength`` and ``shift`` [m].
 
     Returns
     -------
@@ -45,37 +84,22 @@ def mismatch_table(runs: dict[str, xr.Dataset]) -> pd.DataFrame:
         the maximum stress to the landing on all of it, and ``residual_share_net`` of the closure
         since seating, both of the mean curve; and each with its ``..._error``.
     """
-    rows = []
-    for rock, run in runs.items():
-        for wavelength, shift in _conditions(run):
-            part = run.sel(wavelength=wavelength, shift=shift)
-            part = part.isel(realization=np.flatnonzero(part.status < FAILURE))
-            for cycle in part.cycle.values.tolist():
-                rows.append(
-                    {
-                        "rock": rock,
-                        "wavelength_mm": 1e3 * wavelength,
-                        "shift_mm": 1e3 * shift,
-                        "cycle": cycle,
-                        "samples": part.sizes["realization"],
-                    }
-                    | _row(part.sel(cycle=cycle))
-                )
-    return pd.DataFrame(rows)
+    return pd.DataFrame(
+        {
+            "rock": rock,
+            "wavelength_mm": 1e3 * wavelength,
+            "shift_mm": 1e3 * shift,
+            "cycle": cycle,
+            "samples": int((part.status < FAILURE).sum()),
+        }
+        | _row(part[part.status < FAILURE])
+        for (rock, wavelength, shift, cycle), part in joints.groupby(
+            ["rock", "wavelength", "shift", "cycle"], sort=False
+        )
+    )
 
 
-def _conditions(run: xr.Dataset) -> list[tuple[float, float]]:
-    """Wavelengths and shifts [m] that were closed: independent walls at one shift only."""
-    closed = np.isfinite(run.initial_aperture).any("realization")
-    return [
-        (float(wavelength), float(shift))
-        for wavelength in run.wavelength.values
-        for shift in run["shift"].values
-        if bool(closed.sel(wavelength=wavelength, shift=shift))
-    ]
-
-
-def _row(part: xr.Dataset) -> dict[str, float]:
+def _row(part: pd.DataFrame) -> dict[str, float]:
     """Means of one condition and cycle, and what is made of them.
 
     A joint that is too stiff for its steps may lack a reading, and is left out of its mean.
@@ -99,14 +123,12 @@ def _error(values: np.ndarray) -> float:
     return mean_of(values).standard_error if values.size > 1 else np.nan
 
 
-def independence_table(
-    runs: dict[str, xr.Dataset], tolerance: float, root_seed: int
-) -> pd.DataFrame:
+def independence_table(joints: pd.DataFrame, tolerance: float, root_seed: int) -> pd.DataFrame:
     """The shift from which on walls behave as independent ones, for each mismatch wavelength.
 
     Parameters
     ----------
-    runs : dict
+    joints : DataFrame
         As for `mismatch_table`.
     tolerance : float
         Share by which the mean closure may be below that of independent walls.
@@ -126,23 +148,24 @@ def independence_table(
     straight lines between.
     """
     rows = []
-    for rock, run in runs.items():
-        first = run[CLOSURE].sel(cycle=run.cycle[0])
-        aperture = float(run.aperture_at_seating.isel(cycle=0).sel(wavelength=np.inf).mean())
-        _, (free, *_) = _closures(first.sel(wavelength=np.inf))
-        for wavelength in run.wavelength.values[np.isfinite(run.wavelength.values)]:
-            shifts, samples = _closures(first.sel(wavelength=wavelength))
+    first = joints[joints.cycle == joints.cycle.min()]
+    for rock, run in first.groupby("rock", sort=False):
+        independent = np.isinf(run.wavelength)
+        aperture = float(run.aperture_at_seating[independent].mean())
+        _, (free, *_) = _closures(run[independent])
+        for wavelength, part in run[~independent].groupby("wavelength"):
+            shifts, samples = _closures(part)
             random = generator(seed_of(root_seed, "mismatch", rock, f"{wavelength:.9g}"))
             drawn = [
                 _reached(
                     shifts,
-                    *(_resampled(part, random).mean() for part in (free, *samples)),
+                    *(_resampled(each, random).mean() for each in (free, *samples)),
                     tolerance=tolerance,
                 )
                 for _ in range(RESAMPLES)
             ]
             found = _reached(
-                shifts, free.mean(), *(part.mean() for part in samples), tolerance=tolerance
+                shifts, free.mean(), *(each.mean() for each in samples), tolerance=tolerance
             )
             tail = 0.5 - 0.5 * CONFIDENCE
             low, high = np.quantile(drawn, [tail, 1.0 - tail], method="nearest")
@@ -159,11 +182,10 @@ def independence_table(
     return pd.DataFrame(rows)
 
 
-def _closures(closure: xr.DataArray) -> tuple[np.ndarray, list[np.ndarray]]:
+def _closures(joints: pd.DataFrame) -> tuple[np.ndarray, list[np.ndarray]]:
     """Shifts of which there are closures, and those of the surfaces for each."""
-    columns = [column[np.isfinite(column)] for column in closure.transpose("shift", ...).values]
-    there = np.array([column.size > 0 for column in columns])
-    return closure["shift"].values[there], [column for column in columns if column.size]
+    known = joints[np.isfinite(joints[CLOSURE])].groupby("shift")[CLOSURE]
+    return np.array(list(known.groups)), [values.to_numpy() for _, values in known]
 
 
 def _resampled(values: np.ndarray, random: np.random.Generator) -> np.ndarray:
@@ -182,3 +204,20 @@ def _reached(shifts: np.ndarray, free: float, *means: float, tolerance: float) -
         return float(shifts[0])
     part = (level - fitted[after - 1]) / (fitted[after] - fitted[after - 1])
     return float(shifts[after - 1] + part * (shifts[after] - shifts[after - 1]))
+
+
+def mismatch_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
+    """Tables by name."""
+    return {
+        "mismatch": mismatch_table(joints),
+        "mismatch_shifts": independence_table(joints, **parameters),
+    }
+
+
+EXPERIMENT = Experiment(
+    title="what mismatch and a shift of the walls do",
+    quantities=(*MEANS, "stiffness_net", "initial_aperture"),
+    design=mismatch_design,
+    tabulate=mismatch_tables,
+    draw=lambda name, tables: mismatch_figure(tables[name]),
+)

@@ -1,1 +1,0 @@
-"""Mated, natural and non-mated walls: closure against mismatch wavelength and shift."""
