@@ -28,8 +28,6 @@ include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/effects.smk"
 include: "workflow/rules/readings_setting.smk"
 include: "workflow/rules/readings.smk"
-include: "workflow/rules/size_setting.smk"
-include: "workflow/rules/size.smk"
 include: "workflow/rules/numerics.smk"
 include: "workflow/rules/global_sensitivity_setting.smk"
 include: "workflow/rules/global_sensitivity.smk"
@@ -42,7 +40,6 @@ for folder, made_with in (
     (RESULTS, VALIDATED_WITH | READINGS_WITH),
     (RESULTS, TOGETHER_WITH),
     *((RESULTS, closed_with) for closed_with in CLOSED_WITH.values()),
-    (RESULTS, SIZE_WITH),
     (HARD_RESULTS, HARD_WITH),
 ):
     for seal, reason in list(unmet_seals(folder, made_with)):

@@ -15,7 +15,7 @@ from tests.workflow.test_pipeline import ROOT, checkout, snakemake
 
 pytestmark = pytest.mark.slow
 
-EXPERIMENTS = ("accuracy", "effects", "misalignment", "mismatch")
+EXPERIMENTS = ("accuracy", "effects", "misalignment", "mismatch", "size")
 
 
 @pytest.fixture(scope="module", params=EXPERIMENTS)

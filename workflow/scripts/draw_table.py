@@ -8,13 +8,11 @@ from matplotlib.figure import Figure
 from jointclosure.jobs import job
 from jointclosure.logbook import Logbook
 from jointclosure.plotting.numerics import numerics_figure
-from jointclosure.plotting.size import size_figure
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv
 
 FIGURES: dict[str, Callable[[pd.DataFrame], Figure]] = {
     "numerics": numerics_figure,
-    "size": size_figure,
 }
 
 

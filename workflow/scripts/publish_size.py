@@ -9,9 +9,9 @@ from markers import fill
 from publish_measured import markdown
 
 from jointclosure.config.configuration import configured, merged_study
+from jointclosure.experiments.size.table import law_of_size
 from jointclosure.statistics.standard_errors import rounded
 from jointclosure.storage.text import read_csv
-from jointclosure.studies.size.table import law_of_size
 
 ROOT = Path(__file__).parents[2]
 RESULTS = ROOT / "results/size"

@@ -54,7 +54,6 @@ TARGETS = {
     "study": Target(),
     "report": Target(("report",), page="report.html"),
     "hard-cases": Target(("hard_cases",), study="hard_cases"),
-    "size": Target(("estimate_size", "size"), "config/size.yaml", section="size"),
     "readings": Target(
         ("estimate_readings", "readings"), "config/readings.yaml", section="readings"
     ),

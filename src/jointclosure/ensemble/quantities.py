@@ -5,13 +5,17 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from jointclosure.engineering.curves import hysteresis, seat_of
+from jointclosure.engineering.laws import fitted_laws, parameter
 from jointclosure.ensemble.responses import responses_of
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.ensemble.timing import pair_seconds
 from jointclosure.protocol import LOADING
+from jointclosure.surface.bearing import bearing_depths
+from jointclosure.surface.roughness import rms_slope
 
 
 class ClosedJoint:
@@ -37,11 +41,24 @@ class ClosedJoint:
         return responses_of(self.closed, self.conditions)
 
     @property
+    def summed(self) -> np.ndarray:
+        """Summed heights (y, x) of the pristine walls [m]."""
+        upper, lower = self.walls
+        return upper + lower
+
+    @property
     def initial_aperture(self) -> float:
         """Mean distance of the pristine walls at first touch [m]."""
-        upper, lower = self.walls
-        together = upper + lower
-        return float((together.max() - together).mean())
+        return float((self.summed.max() - self.summed).mean())
+
+    def hyperbola(self, name: str) -> np.ndarray:
+        """A parameter (cycles,) of the hyperbolic law fitted to each loading (`fitted_laws`)."""
+        cycles = range(1, self.closed.max_closure.size + 1)
+        return np.array([parameter(self._laws, cycle, LOADING, name) for cycle in cycles])
+
+    @cached_property
+    def _laws(self) -> pd.DataFrame:
+        return fitted_laws(self.closed)
 
 
 class Quantity(NamedTuple):
@@ -108,6 +125,33 @@ QUANTITIES: dict[str, Quantity] = {
         "Pa/m",
         r"k_\mathrm{n}",
         _response("stiffness_net"),
+    ),
+    "kni_net": Quantity(
+        "initial stiffness of the hyperbolic law of net loading since seating",
+        "Pa/m",
+        r"k_\mathrm{ni}",
+        lambda joint: 1e9 * joint.hyperbola("kni_MPa_per_mm"),
+    ),
+    "vm_net": Quantity(
+        "largest closure of the hyperbolic law of net loading since seating",
+        "m",
+        r"V_\mathrm{m}",
+        lambda joint: 1e-3 * joint.hyperbola("vm_mm"),
+    ),
+    "rms_height": Quantity(
+        "rms of the summed heights", "m", r"R_q", lambda joint: float(np.std(joint.summed))
+    ),
+    "rms_slope": Quantity(
+        "rms slope of the summed heights at their spacing",
+        "1",
+        r"Z_2",
+        lambda joint: rms_slope(joint.summed, joint.conditions.spacing),
+    ),
+    "depth_5": Quantity(
+        "depth of the highest 5 % of the summed heights below their top",
+        "m",
+        r"d_{5}",
+        lambda joint: float(bearing_depths(joint.summed, 0.05)),
     ),
     "initial_aperture": Quantity(
         "mean aperture at first touch", "m", r"a_0", lambda joint: joint.initial_aperture

@@ -4,10 +4,11 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from jointclosure.config.typed import Grid
 from jointclosure.ensemble.settings import SurfaceSettings
 from jointclosure.ensemble.surfaces import seeds_of, walls_of
 from jointclosure.surface.misalignment import rotated_pair, tilted
-from jointclosure.surface.roughness import z2_of_jrc
+from jointclosure.surface.roughness import detrended, rms_slope, z2_of_jrc
 from jointclosure.surface.synthesis import spectrum_of
 
 Walls = tuple[np.ndarray, np.ndarray]
@@ -31,8 +32,30 @@ def misaligned(settings: SurfaceSettings, tilt: float, rotation: float) -> Itera
         yield tilted(upper, grid.spacing, tilt), lower
 
 
+def nested(
+    settings: SurfaceSettings, whole: tuple[int, float], base: float, position: int
+) -> Iterator[Walls]:
+    """Patches of larger walls: the patch on the diagonal at a position, less its plane.
+
+    The walls of a realisation are the same for all patches and spacings: ``whole`` is the number of
+    their cells along a side and their spacing [m], and they have the Z2 of their JRC at the spacing
+    ``base`` [m]. A coarser grid has every second (or fourth) cell.
+    """
+    cells, finest = whole
+    large = settings._replace(grid=Grid(cells, cells, finest))
+    z2 = z2_of_jrc(settings.jrc, base, settings.surface.hurst, settings.surface.jrc_relation)
+    coarse, step = round(base / finest), round(settings.grid.spacing / finest)
+    side = settings.grid.cells_x * step
+    part = slice(position * side, (position + 1) * side, step)
+    for pair in walls_of(large):
+        scaled = (wall * (z2 / rms_slope(wall[::coarse, ::coarse], base)) for wall in pair)
+        upper, lower = (np.ascontiguousarray(detrended(wall[part, part])) for wall in scaled)
+        yield upper, lower
+
+
 MAKERS: dict[str, Callable[..., Iterator[Walls]]] = {
     "synthetic": walls_of,
     "misaligned": misaligned,
+    "nested": nested,
 }
 """By name: from the settings of a block of surfaces, the walls of each of its realisations."""

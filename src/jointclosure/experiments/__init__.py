@@ -21,6 +21,7 @@ SECTIONS = {
     "effects": "ablation",
     "misalignment": "misalignment",
     "mismatch": "mismatch",
+    "size": "size",
 }
 """The section of the configuration that each experiment needs, by the experiment's name."""
 

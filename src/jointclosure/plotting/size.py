@@ -25,7 +25,7 @@ def size_figure(table: pd.DataFrame) -> Figure:
     Parameters
     ----------
     table : DataFrame
-        As from `jointclosure.studies.size.table.size_table`; its first rock is drawn.
+        As from `jointclosure.experiments.size.table.size_table`; its first rock is drawn.
 
     Notes
     -----

@@ -9,81 +9,96 @@ from jointclosure.config.files import ConfigurationError, read_plain
 from jointclosure.empirical import barton_bandis, scaled_to
 from jointclosure.engineering.stiffness import closures_at, landing_stress
 from jointclosure.ensemble.closing import close_walls
-from jointclosure.inputs import InputError
-from jointclosure.plotting.size import size_figure
-from jointclosure.studies.size.closing import (
+from jointclosure.ensemble.points import close_points
+from jointclosure.ensemble.walls import nested
+from jointclosure.experiments import experiments_in
+from jointclosure.experiments.size import EXPERIMENT, sizes_of
+from jointclosure.experiments.size.scaling import collapse_table, stacked
+from jointclosure.experiments.size.table import (
     GEOMETRY,
     READ,
-    close_nested,
-    costs,
-    joints_of,
-    nested_walls,
-    patch_of,
-    settings_of,
+    barton_bandis_table,
+    exponent_table,
+    runs_of,
+    size_table,
 )
-from jointclosure.studies.size.scaling import collapse_table, stacked
-from jointclosure.studies.size.table import barton_bandis_table, exponent_table, size_table
 from jointclosure.surface.roughness import rms_slope, z2_of_jrc
-from tests.studied import ROOT, study_of
+from tests.studied import DEFAULT, ROOT, checked_study, study_of
 
 TINY = read_plain(ROOT / "tests/workflow/tiny_size.yaml")
 BASE = (3e-3, 0.25e-3)
 ROLL_OFFS = {"flat": 1.5e-3, "free": None}
 
 
+def points_of(spectrum, patch, spacing, **study):
+    """Points of patches of a size, by their position."""
+    jobs = EXPERIMENT.design(checked_study(TINY, {"study": study})).jobs
+    return [
+        point
+        for point in jobs[f"slate.{spectrum}"]
+        if (point.coordinates["patch"], point.coordinates["spacing"]) == (patch, spacing)
+    ]
+
+
+def walls_of(point):
+    """Walls of the first realisation of a point."""
+    return next(nested(point.settings.surfaces, **point.options))
+
+
 @pytest.fixture(scope="module")
-def run():
-    study = study_of(TINY, {"study": {"realizations": 4}})
-    closed = [close_nested(settings_of(study, "slate", name)) for name in study.size.spectra]
-    return xr.concat(closed, "spectrum").assign_coords(spectrum=list(study.size.spectra))
+def joints():
+    jobs = EXPERIMENT.design(checked_study(TINY, {"study": {"realizations": 4}})).jobs
+    return close_points([point for job in jobs.values() for point in job], EXPERIMENT.quantities)
+
+
+@pytest.fixture(scope="module")
+def run(joints):
+    return runs_of(joints, list(ROLL_OFFS))["slate"]
 
 
 def test_patches_and_coarser_grids_are_parts_of_the_same_walls():
-    settings = settings_of(study_of(TINY), "slate", "free")
-    upper, lower = next(nested_walls(settings))
-    assert upper.shape == (48, 48)
-    for wall in (upper, lower):
-        # at the spacing of the study they have the slope of their JRC, whatever the finest is
-        assert rms_slope(wall[::2, ::2], 0.25e-3) == pytest.approx(z2_of_jrc(6.5, 0.25e-3, 0.6))
-    fine = patch_of(upper, 0.125e-3, 3e-3, 0.125e-3, 1)
-    coarse = patch_of(upper, 0.125e-3, 3e-3, 0.25e-3, 1)
-    assert (fine.shape, coarse.shape) == ((24, 24), (12, 12))
+    (whole,) = points_of("free", 6e-3, 0.25e-3)
+    for wall in walls_of(whole):
+        assert wall.shape == (24, 24)
+        # at the spacing of the study they have the slope of their JRC, but for their plane
+        assert rms_slope(wall, 0.25e-3) == pytest.approx(z2_of_jrc(6.5, 0.25e-3, 0.6), rel=0.01)
+    fine, coarse = (walls_of(points_of("free", 1.5e-3, h)[1])[0] for h in (0.125e-3, 0.25e-3))
+    assert (fine.shape, coarse.shape) == ((12, 12), (6, 6))
+    of_whole = walls_of(whole)[0][6:12, 6:12]
     # but for their planes they are the same heights
-    plane = fine[::2, ::2] - coarse
-    assert np.ptp(np.diff(plane, axis=0)) < 1e-12
-    assert np.ptp(np.diff(plane, axis=1)) < 1e-12
-    assert np.ptp(fine - (upper[24:, 24:] - upper[24:, 24:].mean())) > 0.0
+    for other in (fine[::2, ::2], of_whole):
+        plane = other - coarse
+        assert np.ptp(np.diff(plane, axis=0)) < 1e-12
+        assert np.ptp(np.diff(plane, axis=1)) < 1e-12
+    assert np.ptp(coarse - (of_whole - of_whole.mean())) > 0.0
 
 
 def test_net_stiffness_is_read_from_half_of_the_stress_to_where_a_first_loading_lands(run):
     """Later loadings do not land, and are read to the maximum."""
-    settings = settings_of(study_of(TINY, {"study": {"realizations": 4}}), "slate", "free")
-    conditions = settings.walls.conditions()
+    (point,) = points_of("free", 6e-3, 0.25e-3, realizations=4)
+    conditions = point.settings.conditions()
     largest = float(conditions.max_normal_stress)
-    upper, lower = next(nested_walls(settings))
-    walls = (patch_of(wall, 0.125e-3, 6e-3, 0.25e-3, 0) for wall in (upper, lower))
-    closed = close_walls(*walls, conditions._replace(spacing=0.25e-3))
+    closed = close_walls(*walls_of(point), conditions)
     ends = landing_stress(closed, 1), float(closed.normal_stress.max())
     assert 0.5 * largest < ends[0] < 0.95 * largest
     for cycle, end in enumerate(ends, start=1):
         levels = np.array([0.5 * largest, end])
         chord = np.diff(levels) / np.diff(closures_at(closed, levels)[cycle - 1, 0])
-        own = run.stiffness_net.sel(
+        read = run.stiffness_net.sel(
             spectrum="free", patch=6e-3, spacing=0.25e-3, position=0, realization=0, cycle=cycle
         )
-        assert float(own) == pytest.approx(chord[0])
+        assert float(read) == pytest.approx(chord[0])
 
 
 def test_what_is_too_many_cells_is_not_closed(run):
-    settings = settings_of(study_of(TINY), "slate", "free")
-    assert list(joints_of(settings)) == [(0, 0), (0, 1), (1, 1), (2, 1)]
+    sizes = [(1.5e-3, 0.125e-3), (1.5e-3, 0.25e-3), (3e-3, 0.25e-3), (6e-3, 0.25e-3)]
+    assert list(sizes_of(study_of(TINY).size, 0.25e-3)) == sizes
     closed = np.isfinite(run.status).sum("position").isel(spectrum=0, realization=0)
     assert closed.values.tolist() == [[4, 4], [0, 2], [0, 1]]
 
 
 def test_spectra_are_closed_on_the_same_noise():
-    study = study_of(TINY)
-    flat, free = (next(nested_walls(settings_of(study, "slate", name)))[0] for name in ROLL_OFFS)
+    flat, free = (walls_of(points_of(name, 6e-3, 0.25e-3)[0])[0] for name in ROLL_OFFS)
     assert np.corrcoef(flat.ravel(), free.ravel())[0, 1] > 0.3
     assert np.corrcoef(np.diff(flat).ravel(), np.diff(free).ravel())[0, 1] > 0.8
 
@@ -110,7 +125,7 @@ def test_ratios_are_of_pairs_of_the_same_walls(run):
     base = table[(table.patch_mm == 3) & (table.spacing_mm == 0.25)]
     assert (base.closure_mm_ratio == 1.0).all()
     assert (base.closure_mm_error == 0.0).all()
-    figure = size_figure(table)
+    figure = EXPERIMENT.draw("size", {"size": table})
     assert isinstance(figure, matplotlib.figure.Figure)
     assert len(figure.axes) == 10
     assert len(figure.axes[0].containers) == 2
@@ -185,13 +200,6 @@ def test_barton_and_bandis_say_softer_and_smoother_for_longer_joints(run):
     assert set(table.reading) == {"kni_net", "vm_net", "stiffness_net", "closure_seated_net"}
 
 
-def test_the_time_is_told_for_all_joints():
-    study = study_of(TINY)
-    table = costs({name: settings_of(study, "slate", name) for name in study.size.spectra})
-    assert table.joints.tolist() == [66, 66]  # 6 realisations of 4 + 4 + 2 + 1
-    assert (table.seconds > 0.0).all()
-
-
 @pytest.mark.parametrize(
     ("change", "said"),
     [
@@ -209,8 +217,7 @@ def test_a_design_that_cannot_be_is_refused(change, said):
     assert said in str(error.value)
 
 
-def test_a_study_without_a_design_has_no_settings():
-    with pytest.raises(InputError, match="size = null"):
-        settings_of(study_of(), "slate", "free")
+def test_a_study_without_a_design_is_no_such_experiment():
+    assert "size" not in experiments_in(DEFAULT)
     with pytest.raises(ConfigurationError, match="belongs to another target"):
         study_of(TINY, {"study": {"name": "size"}, "size": None})

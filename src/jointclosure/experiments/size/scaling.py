@@ -12,11 +12,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.experiments.size.table import GEOMETRY, logs_of
 from jointclosure.statistics.collapse import centred, collapse_of, exponents_of
 from jointclosure.statistics.drawn_studies import jackknife_error
 from jointclosure.statistics.standard_errors import rounded
-from jointclosure.studies.size.closing import GEOMETRY
-from jointclosure.studies.size.table import logs_of
 
 SCALINGS: dict[str, tuple[str, ...]] = {
     "none": (),
@@ -93,7 +92,7 @@ def collapse_table(
     Parameters
     ----------
     runs : mapping
-        As for `jointclosure.studies.size.table.size_table`.
+        As for `jointclosure.experiments.size.table.size_table`.
     roll_offs : mapping
         Roll-off wavelength [m] of each spectrum, None for none.
 

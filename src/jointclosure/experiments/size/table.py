@@ -13,10 +13,22 @@ import scipy
 import xarray as xr
 
 from jointclosure.empirical import barton_bandis, scaled_to
+from jointclosure.ensemble.points import gridded
 from jointclosure.protocol import FAILURE
 from jointclosure.statistics.standard_errors import Estimate, mean_of
-from jointclosure.studies.size.closing import GEOMETRY, READ
 
+READ = (
+    "closure",
+    "closure_net",
+    "closure_seated_net",
+    "residual_seated_net",
+    "stiffness_net",
+    "kni_net",
+    "vm_net",
+)
+"""Quantities of each cycle. Only first loadings land (`ensemble.responses.responses_of`)."""
+GEOMETRY = ("rms_height", "rms_slope", "depth_5")
+"""Quantities of the pristine walls."""
 COLUMNS = {
     "closure": ("closure_mm", 1e3),
     "closure_net": ("closure_net_mm", 1e3),
@@ -30,6 +42,20 @@ COLUMNS = {
     "depth_5": ("depth_5_mm", 1e3),
 }
 """Columns of the table of sizes, and their scale."""
+
+
+def runs_of(joints: pd.DataFrame, spectra: list[str]) -> dict[str, xr.Dataset]:
+    """Joints of each rock over (spectrum, patch, spacing, position, realization, cycle).
+
+    `GEOMETRY` and the status do not depend on the cycle; NaN where nothing was closed.
+    """
+    over = ("spectrum", "patch", "spacing", "position", "realization")
+    runs = {}
+    for rock, part in joints.groupby("rock", sort=False):
+        run = gridded(part, over, (*READ, *GEOMETRY)).sel(spectrum=spectra)
+        geometry = {name: run[name].isel(cycle=0, drop=True) for name in GEOMETRY}
+        runs[str(rock)] = run.assign(geometry)
+    return runs
 
 
 def logs_of(run: xr.Dataset, name: str, cycle: int | None = None) -> xr.DataArray:
@@ -48,8 +74,8 @@ def size_table(runs: Mapping[str, xr.Dataset], base: tuple[float, float]) -> pd.
     Parameters
     ----------
     runs : mapping
-        By rock, datasets over (spectrum, patch, spacing, position, realization, cycle) of
-        `jointclosure.studies.size.closing.close_nested`.
+        By rock, datasets over (spectrum, patch, spacing, position, realization, cycle), as from
+        `runs_of`.
     base : (float, float)
         Side [m] and spacing [m] of the joints that others are held against.
 

@@ -1,1 +1,0 @@
-"""The scale effect: patch length, grid spacing, and scalings by which results carry over."""
