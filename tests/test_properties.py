@@ -73,7 +73,6 @@ def problems(draw, scenes=SCENES):
         "spacing": length,
         "rock": rocks,
         "max_normal_stress": stress,
-        "seating_stress": 0.0,
         "effects": draw(st.sampled_from(scenes)),
         "choices": jc.Choices(
             base_radius_in_cells=draw(st.sampled_from([0.1, 0.5, 1.0])),

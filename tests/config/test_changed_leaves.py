@@ -12,11 +12,10 @@ import random
 
 import pytest
 import yaml
-from jointclosure.studies.accuracy import design as accuracy
-from jointclosure.studies.misalignment import design as misalignment
 
 from jointclosure.config.configuration import configured, merged_study
 from jointclosure.config.files import read_plain
+from jointclosure.experiments import experiments_in
 from jointclosure.inputs import InputError
 from jointclosure.storage.text import read_csv
 from jointclosure.studies.global_sensitivity import design as global_sensitivity
@@ -30,10 +29,8 @@ BAD = [
     datetime.date(2020, 1, 1),
 ]  # fmt: skip
 DESIGNS = {
-    "accuracy": accuracy.design_of,
     "readings": readings.design_of,
     "global_sensitivity": global_sensitivity.design_of,
-    "misalignment": misalignment.design_of,
 }
 
 
@@ -59,10 +56,12 @@ def read(keys, file):
     """All that is asked of a configuration before a job starts; True where it is refused."""
     file.write_text(yaml.safe_dump(keys), encoding="utf-8")
     try:
-        found = configured(merged_study(file), read_csv).keys
+        found = configured(merged_study(file), read_csv)
         for section, design_of in DESIGNS.items():
-            if found.get(section):
-                design_of(found)
+            if found.keys.get(section):
+                design_of(found.keys)
+        for experiment in experiments_in(found.keys).values():
+            experiment.design(found)
     except InputError:
         return True
     return False
