@@ -178,6 +178,15 @@ def test_the_right_scaling_removes_the_spread_and_carries_over_to_the_largest_pa
         assert own.loc["rms height", "exponents"].startswith("rms_height 1.4")
 
 
+def test_no_scaling_is_judged_by_few_realisations():
+    few = power_law(0.7, surfaces=8)
+    few["closure"][..., 5:, :] = np.nan
+    table = collapse_table({"rock": few}, ROLL_OFFS).set_index("reading")
+    assert (table.realizations[["closure"]] == 5).all()
+    assert table.removed_percent[["closure"]].isna().all()
+    assert table.removed_percent[["closure_net"]].notna().all()
+
+
 def test_the_longest_wave_ends_at_the_roll_off():
     joints = stacked(power_law(0.7), ROLL_OFFS, "closure", 1)
     longest = {name: set() for name in ROLL_OFFS}

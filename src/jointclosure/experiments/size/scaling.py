@@ -31,6 +31,8 @@ SCALINGS: dict[str, tuple[str, ...]] = {
 }
 """Candidates, and what they are powers of."""
 JUDGED = ("closure", "closure_net", "closure_seated_net", "residual_seated_net", "stiffness_net")
+FEWEST = 6
+"""Realisations that have a reading at every size, below which no scaling is judged."""
 BETWEEN = ("sizes", "sizes and spectra")
 """What a scaling has to make one: the sizes of each spectrum, or those of all."""
 
@@ -104,7 +106,8 @@ def collapse_table(
         ``removed_percent`` of the mean square spread with its ``removed_error``, and the
         ``left_percent`` (rms of ratios to the mean); ``largest_off_percent``: rms over spectra
         and spacings of how far the largest patch is off, where no such patch was fitted, with
-        its ``largest_off_error``.
+        its ``largest_off_error``. These are NaN where fewer than `FEWEST` realisations have the
+        reading at every size.
     """
     rows = []
     for rock, run in runs.items():
@@ -121,24 +124,31 @@ def collapse_table(
     return pd.DataFrame(rows)
 
 
+_NUMBERS = (
+    "removed_percent",
+    "removed_error",
+    "left_percent",
+    "largest_off_percent",
+    "largest_off_error",
+)
+
+
 def _row(joints: Stacked, groups: np.ndarray, names: tuple[str, ...]) -> dict:
     """What a scaling does between the conditions of each group."""
     surfaces = joints.response.shape[1]
+    if surfaces < FEWEST:
+        return {"realizations": surfaces, "exponents": ""} | dict.fromkeys(_NUMBERS, np.nan)
     predictors, response = centred(joints.of(names), groups), centred(joints.response, groups)
     found = collapse_of(predictors, response)
     powers = zip(names, found.exponents, found.errors, strict=True)
     off, left_out = _off(joints, groups, names, np.arange(surfaces)), []
     for surface in range(surfaces):
         left_out.append(_off(joints, groups, names, np.delete(np.arange(surfaces), surface)))
+    numbers = (found.removed, found.removed_error, found.left, off, jackknife_error(left_out))
     return {
         "realizations": surfaces,
         "exponents": "; ".join(f"{name} {rounded(value, error)}" for name, value, error in powers),
-        "removed_percent": 100.0 * found.removed,
-        "removed_error": 100.0 * found.removed_error,
-        "left_percent": 100.0 * found.left,
-        "largest_off_percent": 100.0 * off,
-        "largest_off_error": 100.0 * jackknife_error(left_out),
-    }
+    } | dict(zip(_NUMBERS, (100.0 * number for number in numbers), strict=True))
 
 
 def _off(
