@@ -36,14 +36,19 @@ def test_no_measured_number_of_the_text_was_typed():
     text = re.sub(
         r"<!-- n:.+? -->.*?<!-- /n -->|<!-- (\w+) -->.*?<!-- end -->", "", PAGE, flags=re.S
     )
-    assert set(re.findall(r"\d+\.\d+|± ?\d+", text)) == {"0.8", "±2"}  # Hurst exponent, half-width
+    assert set(re.findall(r"\d+\.\d+|± ?\d+", text)) == {
+        "0.8",  # Hurst exponent
+        "±2",  # half-width
+        "0.1",  # elasticities alike
+    }
 
 
 def test_a_number_that_there_is_not_is_no_blank(publish):
-    page = "a <!-- n:mean --><!-- /n --> b"
-    assert publish.filled(page, {"mean": "3 ± 1"}) == "a <!-- n:mean -->3 ± 1<!-- /n --> b"
+    page = "a <!-- n:steps 1 -->2 ± 1<!-- /n --> b"
+    assert publish.filled(page, {"steps 1": "3 ± 1"}) == page.replace("2 ± 1", "3 ± 1")
+    assert publish.filled(page, {}) == page  # of an earlier run
     with pytest.raises(SystemExit, match="no number 'mean'"):
-        publish.filled(page, {})
+        publish.filled(page.replace("steps 1", "mean"), {})
 
 
 def test_a_number_is_the_span_of_the_rows_that_are_named(publish):
