@@ -85,10 +85,10 @@ accuracy: $(STAMP) ## Measure what accuracy costs in time (40 minutes on two cor
 effects: $(STAMP) ## Measure what each effect adds, and what it costs (up to an hour on two cores)
 	$(RUN) effects
 
-mismatch: $(STAMP) ## Close walls from mates to independent ones, and shifted (ten minutes on two cores)
+mismatch: $(STAMP) ## Close walls from mates to independent ones, and shifted (two minutes on two cores)
 	$(RUN) mismatch
 
-size: $(STAMP) ## Ask what patch length and grid spacing do, and what carries over (ten minutes on two cores)
+size: $(STAMP) ## Ask what patch length and grid spacing do, and what carries over (two minutes on two cores)
 	$(RUN) size
 
 misalignment: $(STAMP) ## Close walls that are tilted, or rotated about the normal (three to ten core-minutes)
