@@ -111,12 +111,12 @@ conclusions: $(STAMP) ## Put together what each conclusion of the paper rests on
 
 test: $(STAMP) ## Pass the tests
 	@echo "Compiling the kernels of all scenes (two minutes when they are new) ..."
-	@$(BIN)/python -m jointclosure.warmup
+	@$(BIN)/python -m jointclosure.joint.warmup
 	$(BIN)/python -m pytest -n auto -m "not slow"
 	@echo "A study's own checks are in results/<study>/tables/checks.csv"
 
 test-all: $(STAMP) ## Pass the tests, the slow ones too
-	@$(BIN)/python -m jointclosure.warmup
+	@$(BIN)/python -m jointclosure.joint.warmup
 	$(BIN)/python -m pytest -n auto
 
 lint: $(STAMP) ## Check style, types, layers and workflow

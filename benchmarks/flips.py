@@ -28,11 +28,11 @@ from jointclosure.ensemble.cases import cases_of, pool_of
 from jointclosure.ensemble.closing import close_surfaces
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import surfaces_of
-from jointclosure.randomness import generator
+from jointclosure.sensitivity.claims import Evidence, judge_claims
 from jointclosure.statistics.drawn_studies import Design
+from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.verdicts import CANNOT_BE_TOLD
 from jointclosure.storage.text import read_csv
-from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
 
 AS_MADE = "as made"
 

@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 from yardstick import base_case, machine, paired_change, paper_study, ratio_of_sums, show
 
-from jointclosure.history import closure_at_stresses
+from jointclosure.joint.history import closure_at_stresses
 
 
 def closed(configuration, case, realization: int, stresses: np.ndarray) -> dict:

@@ -14,7 +14,7 @@ import numpy as np
 
 import jointclosure as jc
 from jointclosure.engineering.stiffness import closures_at, secant_stiffness
-from jointclosure.history import GROSS
+from jointclosure.joint.history import GROSS
 from jointclosure.statistics.standard_errors import mean_of, rounded
 
 ROCK = jc.Rock(youngs_modulus=78e9, poisson_ratio=0.2, compressive_strength=165e6)

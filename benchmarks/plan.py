@@ -24,15 +24,15 @@ from jointclosure.claims.found import TARGET
 from jointclosure.config.configuration import configured, merged
 from jointclosure.config.files import DEFAULT, read_plain
 from jointclosure.ensemble.cases import pool_of
-from jointclosure.randomness import generator
-from jointclosure.statistics.indifference import indifference_interval
-from jointclosure.statistics.standard_errors import bootstrap_error, elasticity
-from jointclosure.storage.text import read_csv
-from jointclosure.studies.sensitivity.planning import Wish, plan
-from jointclosure.studies.sensitivity.responses import (
+from jointclosure.sensitivity.planning import Wish, plan
+from jointclosure.sensitivity.responses import (
     Response,
     responses,
 )
+from jointclosure.statistics.indifference import indifference_interval
+from jointclosure.statistics.randomness import generator
+from jointclosure.statistics.standard_errors import bootstrap_error, elasticity
+from jointclosure.storage.text import read_csv
 
 SIGNIFICANCE = 0.05
 WISHES = (

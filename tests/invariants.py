@@ -9,8 +9,8 @@ interval of curvatures that rounding leaves.
 import numpy as np
 
 import jointclosure as jc
-from jointclosure.protocol import FAILURE, FLAGS
-from jointclosure.simulation import height_datum, simulate_by
+from jointclosure.joint.protocol import FAILURE, FLAGS
+from jointclosure.joint.simulation import height_datum, simulate_by
 from jointclosure.solvers.registry import solver_named
 from jointclosure.verification import oracle
 from jointclosure.verification.hard_cases import JudgedSolver

@@ -11,24 +11,19 @@ not loaded, and ``import jointclosure`` takes next to no time.
 import importlib
 from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:  # type checkers and `jointclosure.sources` read these imports, Python does not
-    from jointclosure import plot
-    from jointclosure.calibration import fit
+if TYPE_CHECKING:  # type checkers and `compilation.sources` read these imports, Python does not
+    from jointclosure.effects.choice import choose_effects
     from jointclosure.ensemble.joints import simulate_ensemble
     from jointclosure.ensemble.scanned_joint import close
     from jointclosure.inputs import InputError
-    from jointclosure.parameters import (
-        Choices,
-        Effects,
-        Numerics,
-        Rock,
-    )
+    from jointclosure.joint.simulation import equilibrium, simulate
+    from jointclosure.measured.fit import fit
+    from jointclosure.parameters import Choices, Effects, Numerics, Rock
+    from jointclosure.plotting import plot
     from jointclosure.scans import read_scan
-    from jointclosure.simulation import equilibrium, simulate
     from jointclosure.statistics.indifference import indifference_interval
-    from jointclosure.studies.effects.choice import choose_effects
     from jointclosure.surface.synthesis import wall_pair
-    from jointclosure.surrogate import estimate
+    from jointclosure.surrogate.estimate import estimate
 
     __version__: str
 
@@ -38,19 +33,19 @@ _MODULES = {
     "InputError": "inputs",
     "Numerics": "parameters",
     "Rock": "parameters",
-    "choose_effects": "studies.effects.choice",
+    "choose_effects": "effects.choice",
     "close": "ensemble.scanned_joint",
-    "equilibrium": "simulation",
-    "estimate": "surrogate",
-    "fit": "calibration",
+    "equilibrium": "joint.simulation",
+    "estimate": "surrogate.estimate",
+    "fit": "measured.fit",
     "indifference_interval": "statistics.indifference",
-    "plot": "",
+    "plot": "plotting",
     "read_scan": "scans",
-    "simulate": "simulation",
+    "simulate": "joint.simulation",
     "simulate_ensemble": "ensemble.joints",
     "wall_pair": "surface.synthesis",
 }
-"""Where each public name is defined; empty for one that is a module itself."""
+"""Where each public name is defined."""
 
 __all__ = [
     "Choices",
@@ -80,11 +75,11 @@ if not TYPE_CHECKING:  # a type checker would take it to answer for any name
             from importlib.metadata import version
 
             value = version("jointclosure")
-        elif _MODULES.get(name) == "":
-            value = importlib.import_module(f"{__name__}.{name}")
         elif name in _MODULES:
             module = importlib.import_module(f"{__name__}.{_MODULES[name]}")
-            value = getattr(module, name)
+            value = getattr(module, name, None) or importlib.import_module(
+                f"{module.__name__}.{name}"
+            )
         else:
             raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
         globals()[name] = value

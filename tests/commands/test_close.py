@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure import cli
+from jointclosure.commands import cli
 from jointclosure.commands.engineering_files import FIGURES
-from jointclosure.remarks import cautions
+from jointclosure.inputs.remarks import cautions
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.surface.registration import registered
 from tests.conftest import SPACING, TWO_WALLS

@@ -2,8 +2,7 @@
 
 import pytest
 
-from jointclosure import cli
-from jointclosure.commands import doctor
+from jointclosure.commands import cli, doctor
 
 
 @pytest.fixture

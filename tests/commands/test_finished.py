@@ -3,7 +3,7 @@
 import pytest
 import xarray as xr
 
-from jointclosure.cli import main
+from jointclosure.commands.cli import main
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.seals import write_seal
 

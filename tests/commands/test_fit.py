@@ -5,8 +5,8 @@ import json
 import pytest
 
 import jointclosure as jc
-from jointclosure import cli
-from tests.studies.test_calibration import GOOD
+from jointclosure.commands import cli
+from tests.measured.test_calibration import GOOD
 
 SMALL = ["--rock", "granite", "--jrc", "10", "--cells", "16", "--surfaces", "6"]
 

@@ -7,14 +7,13 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure import cli
-from jointclosure.commands import COMMANDS
+from jointclosure.commands import COMMANDS, cli
 from jointclosure.commands.joint_options import OPTIONS as ROCK_OPTIONS
 from jointclosure.storage.netcdf import write_netcdf
 from tests.conftest import SPACING
+from tests.measured.test_calibration import GOOD
+from tests.sensitivity.world import world
 from tests.studied import study_of
-from tests.studies.sensitivity_world import world
-from tests.studies.test_calibration import GOOD
 
 SCANS = ["--units", "mm", "--spacing", "0.25"]
 LOAD = ["--rock", "granite", "--stress", "1"]

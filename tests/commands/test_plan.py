@@ -4,11 +4,11 @@ import json
 
 import pytest
 
-from jointclosure.cli import main
+from jointclosure.commands.cli import main
 from jointclosure.ensemble.cases import pool_of
 from jointclosure.storage.netcdf import write_netcdf
+from tests.sensitivity.world import world
 from tests.studied import study_of
-from tests.studies.sensitivity_world import world
 
 SMALL = {"study": {"name": "small", "rocks": ["slate"], "realizations": 4, "pool": 6}}
 

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure.cli import main
+from jointclosure.commands.cli import main
 from tests.conftest import SPACING
 
 

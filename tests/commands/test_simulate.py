@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure import cli
+from jointclosure.commands import cli
 from jointclosure.storage.netcdf import read_netcdf
 
 SMALL = ["--cells", "12x14", "--stress", "2", "--seating", "0.2"]

@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from jointclosure.compilation.sources import PACKAGE
 from jointclosure.config.configuration import resolved, written_out
 from jointclosure.config.files import ConfigurationError, read_plain
 from jointclosure.config.keys import ConfigurationKeys
@@ -19,7 +20,6 @@ from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import seeds_of
 from jointclosure.parameters import Effects
-from jointclosure.sources import PACKAGE
 from tests.studied import DEFAULT, ROOT, checked_study, study_of
 
 STUDIES = sorted(set((ROOT / "config").glob("*.yaml")) - {ROOT / "config/hard_cases.yaml"})
@@ -89,7 +89,7 @@ from jointclosure.config.properties import PARAMETER_TITLES, PARAMETERS, PROPERT
 from jointclosure.config.rocks import named_rock
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.parameters import check_rock
-from jointclosure.tables import rock_table
+from jointclosure.sensitivity.tables import rock_table
 from jointclosure.verification.hard_case_keys import RockKeys
 from tests.studied import study_of
 
@@ -125,7 +125,7 @@ def test_a_field_of_rock_with_its_metadata_is_a_property_everywhere(tmp_path):
     copy = shutil.copytree(
         PACKAGE, tmp_path / "jointclosure", ignore=shutil.ignore_patterns("__*__")
     )
-    file = copy / "parameters.py"
+    file = copy / "parameters/__init__.py"
     text, end = file.read_text(encoding="utf-8"), "\n\n\nOF_ROCK = "
     assert end in text
     field = 'Annotated[float, Property("grain size", "mm", "d", usual=(1e-6, 0.05))] = 1e-3'

@@ -15,7 +15,7 @@ from jointclosure.engineering.stiffness import (
     secant_stiffness,
     stiffness_table,
 )
-from jointclosure.history import GROSS, NET
+from jointclosure.joint.history import GROSS, NET
 from tests.conftest import DOLERITE, SPACING, on_softer_half_spaces
 
 SEATING, LARGEST = 0.5, 10.0

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure import cli
+from jointclosure.commands import cli
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.engineering.exchange import (
     OPENING_SLOPE,

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure import cli
+from jointclosure.commands import cli
 from jointclosure.engineering.curves import KINDS
 from jointclosure.ensemble.bands import band_table
 from jointclosure.storage.netcdf import write_netcdf

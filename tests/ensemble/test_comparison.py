@@ -3,7 +3,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from jointclosure import cli
+from jointclosure.commands import cli
 from jointclosure.ensemble.comparison import (
     TARGETS,
     by_rock,

@@ -16,8 +16,8 @@ from jointclosure.ensemble.slices import surface_settings
 from jointclosure.ensemble.surfaces import walls_of
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.surface.roughness import z2_of_jrc
+from tests.sensitivity.world import world
 from tests.studied import study_of
-from tests.studies.sensitivity_world import world
 
 SMALL = {
     "study": {"rocks": ["slate", "dolerite"], "realizations": 4, "pool": None},

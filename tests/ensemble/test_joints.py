@@ -16,9 +16,9 @@ from jointclosure.ensemble.closing import close_pair
 from jointclosure.ensemble.joints import NOT_SIMULATED
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.ensemble.workers import Failed, shared
-from jointclosure.protocol import FAILURE
+from jointclosure.joint.protocol import FAILURE
 from tests.conftest import DOLERITE, SPACING
-from tests.studies.test_calibration import GOOD
+from tests.measured.test_calibration import GOOD
 
 LOAD = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 2e6, "seating_stress": 0.2e6}
 

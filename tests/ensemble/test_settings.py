@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from jointclosure.config.plain import from_plain, to_plain
 from jointclosure.config.typed import Configuration
+from jointclosure.effects.choice import choose_for_case
 from jointclosure.ensemble.aggregation import join_cases
 from jointclosure.ensemble.cases import blocks_of, cases_of
 from jointclosure.ensemble.closing import close_surfaces
@@ -26,9 +27,8 @@ from jointclosure.ensemble.settings import (
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.parameters import Effects
+from jointclosure.sensitivity.closures import max_closure_table
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf_regions
-from jointclosure.studies.effects.choice import choose_for_case
-from jointclosure.studies.sensitivity.closures import max_closure_table
 from tests.studied import study_of
 
 ELASTIC = {"substrate": True, "interaction": True, "breakage": False, "gouge": False}

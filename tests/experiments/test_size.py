@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 from jointclosure.config.files import ConfigurationError, read_plain
-from jointclosure.empirical import barton_bandis, scaled_to
+from jointclosure.engineering.empirical import barton_bandis, scaled_to
 from jointclosure.engineering.stiffness import closures_at, landing_stress
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.points import close_points

@@ -10,11 +10,11 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.flow.reynolds import DIRECTIONS, FLOWS, flow_along
-from jointclosure.loading import LoadCycle
-from jointclosure.protocol import run_cycles
+from jointclosure.joint.loading import LoadCycle
+from jointclosure.joint.protocol import run_cycles
+from jointclosure.joint.states import fields_of
 from jointclosure.solvers.joint import Effort, Joint
 from jointclosure.solvers.registry import solver_named
-from jointclosure.states import fields_of
 from tests.conftest import DOLERITE, SPACING
 
 ADDED = ["hydraulic_aperture", "flow_status", "flow_imbalance"]
@@ -135,7 +135,7 @@ def test_a_replayed_cycle_costs_no_flow(monkeypatch):
         solved.append(direction)
         return flow_along(aperture, direction)
 
-    monkeypatch.setattr("jointclosure.flow.along_history.flow_along", counted)
+    monkeypatch.setattr("jointclosure.joint.flow.flow_along", counted)
     closed = jc.simulate(*walls(), flow=True, cycles=3, **LOAD)
     second, third = (
         closed.isel(step=np.flatnonzero((closed.cycle == cycle).values)) for cycle in (2, 3)

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure import cli
+from jointclosure.commands import cli
 from jointclosure.engineering.curves import curve_table, cycle_table
 from jointclosure.engineering.exchange import geos_aperture_table
 from jointclosure.ensemble.aggregation import CURVES, FLOW_CURVES, join_cases
@@ -18,7 +18,7 @@ from jointclosure.ensemble.closing import close_surfaces
 from jointclosure.ensemble.flow_table import flow_table
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import surfaces_of
-from jointclosure.history import first_crossing
+from jointclosure.joint.history import first_crossing
 from jointclosure.plotting.engineering import engineering_figure
 from jointclosure.plotting.flow import flow_figure
 from jointclosure.report.findings import flow_sheet

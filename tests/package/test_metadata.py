@@ -11,8 +11,8 @@ from packaging.requirements import Requirement
 from packaging.version import Version
 
 import jointclosure as jc
-from jointclosure.extras import EXTRAS, needs
 from jointclosure.inputs import InputError
+from jointclosure.inputs.extras import EXTRAS, needs
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]

@@ -12,7 +12,7 @@ import pytest
 from packaging.requirements import Requirement
 
 from jointclosure.commands.doctor import THREADS
-from jointclosure.extras import EXTRAS
+from jointclosure.inputs.extras import EXTRAS
 
 ROOT = Path(__file__).parents[2]
 

@@ -8,7 +8,7 @@ import xarray as xr
 from PIL import Image
 
 import jointclosure as jc
-from jointclosure import cli
+from jointclosure.commands import cli
 from jointclosure.plotting.animation import STRESSES, animated_stresses, crushing_animation
 from jointclosure.storage.figures import save_animation
 from jointclosure.storage.netcdf import read_netcdf

@@ -1,4 +1,4 @@
-"""`jointclosure.plot`: axes in and out."""
+"""`jointclosure.plotting.plot`: axes in and out."""
 
 import matplotlib.pyplot as plt
 import numpy as np

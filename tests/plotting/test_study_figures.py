@@ -6,9 +6,9 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from jointclosure.measured.curves import fit_table, parsed_curve
 from jointclosure.plotting import study as plotting
 from jointclosure.plotting.measured import Measurements
-from jointclosure.studies.measured.curves import fit_table, parsed_curve
 from tests.studied import study_of
 
 ROCK = study_of().rocks["slate"]._replace(max_normal_stress=2e6)

@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
+from jointclosure.compilation.sources import PACKAGE
 from jointclosure.config.configuration import resolved
 from jointclosure.config.files import MEASURED, PAPER_TABLE_3
 from jointclosure.config.keys import ConfigurationKeys
@@ -16,20 +17,19 @@ from jointclosure.config.schema import json_schema
 from jointclosure.ensemble.aggregation import join_cases
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.checks import check_results
+from jointclosure.joint.simulation import ATTRIBUTES
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.report.captions import read_caption
 from jointclosure.report.content import Material, content
 from jointclosure.report.page import Picture, render
-from jointclosure.simulation import ATTRIBUTES
-from jointclosure.sources import PACKAGE
+from jointclosure.sensitivity.claims import Evidence, judge_claims
+from jointclosure.sensitivity.closures import elasticity_table, max_closure_table
+from jointclosure.sensitivity.intervals import indifference_table
+from jointclosure.sensitivity.predictive import joint_table, predictive, predictive_table
+from jointclosure.sensitivity.tables import with_paper
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import read_csv
-from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
-from jointclosure.studies.sensitivity.closures import elasticity_table, max_closure_table
-from jointclosure.studies.sensitivity.intervals import indifference_table
-from jointclosure.studies.sensitivity.predictive import joint_table, predictive, predictive_table
-from jointclosure.tables import with_paper
 from tests.studied import DEFAULT
 
 ROOT = Path(__file__).parents[2]

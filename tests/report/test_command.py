@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 import jointclosure as jc
-from jointclosure import cli
+from jointclosure.commands import cli
 from jointclosure.report.content import content
 from jointclosure.report.page import render
 from jointclosure.report.sheets import number_text

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.remarks import caution, cautions, prefixed
+from jointclosure.inputs.remarks import caution, cautions, prefixed
 from jointclosure.scans import read_scan
 from jointclosure.surface.measured import Cloud, Scan, point_distance, wall_on_grid
 from jointclosure.surface.roughness import detrended

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 import jointclosure as jc
 from jointclosure.config.typed import Walls
+from jointclosure.effects.choice import choose_effects
 from jointclosure.ensemble.measured_walls import prepared_walls
 from jointclosure.scans import read_scan
-from jointclosure.studies.effects.choice import choose_effects
 from jointclosure.surface.measured import Scan
 from jointclosure.surface.registration import registered
 from tests.conftest import DOLERITE, SPACING

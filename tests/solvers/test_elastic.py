@@ -5,7 +5,7 @@ import pytest
 import scipy.optimize
 
 import jointclosure as jc
-from jointclosure.protocol import FLAGS
+from jointclosure.joint.protocol import FLAGS
 from jointclosure.solvers import elastic
 from jointclosure.verification import oracle
 from tests.conftest import DOLERITE, SPACING, bump

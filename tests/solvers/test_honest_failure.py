@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.protocol import FAILURE, FLAGS
+from jointclosure.joint.protocol import FAILURE, FLAGS
 from jointclosure.solvers.equilibrium import ROUNDING, solve_equilibrium
 from jointclosure.solvers.interaction_operator import influence_of
 from tests.conftest import DOLERITE, SPACING

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure import protocol
 from jointclosure.config.configuration import configured, merged, merged_study
 from jointclosure.ensemble.closing import close_pair
 from jointclosure.ensemble.settings import Conditions
-from jointclosure.loading import LoadCycle
-from jointclosure.protocol import LOADING, run_cycles
+from jointclosure.joint import protocol
+from jointclosure.joint.loading import LoadCycle
+from jointclosure.joint.protocol import LOADING, run_cycles
 from jointclosure.solvers.interaction_operator import interaction_field
 from jointclosure.solvers.joint import Joint
 from jointclosure.solvers.registry import solver_named

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure import protocol, step_control
-from jointclosure.loading import LoadCycle
+from jointclosure.joint import protocol, step_control
+from jointclosure.joint.loading import LoadCycle
 from jointclosure.solvers import elastic, fast
 from jointclosure.solvers.coarse_space import CoarseSpace, coarse_space
 from jointclosure.solvers.conjugate_gradients import newton_direction

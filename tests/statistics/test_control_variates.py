@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.randomness import generator
 from jointclosure.statistics.control_variates import (
     Known,
     adjusted_deviation,
@@ -15,6 +14,7 @@ from jointclosure.statistics.control_variates import (
     worth,
 )
 from jointclosure.statistics.indifference import indifference_interval
+from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.standard_errors import mean_of
 from jointclosure.statistics.verdicts import t_interval
 

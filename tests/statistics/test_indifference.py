@@ -6,9 +6,9 @@ import scipy.stats
 from hypothesis import assume, given
 
 import jointclosure as jc
-from jointclosure.randomness import generator
 from jointclosure.statistics.bootstrap import bootstrap_length
 from jointclosure.statistics.correlations import fit_quadratic, lack_of_fit
+from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.roots import real_roots
 from jointclosure.verification.printed import exact_length
 

@@ -3,7 +3,6 @@ import pytest
 import scipy.stats
 
 import jointclosure as jc
-from jointclosure.randomness import generator
 from jointclosure.statistics.drawn_studies import (
     Design,
     draw_studies,
@@ -12,6 +11,7 @@ from jointclosure.statistics.drawn_studies import (
 )
 from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.joint_tests import joint_test, log_likelihoods
+from jointclosure.statistics.randomness import generator
 from tests.statistics.statistics_world import LEVELS, published, sensitivity
 
 EFFECTS = {"nu": 0.0, "sigma_c": 0.1, "E": 0.3}

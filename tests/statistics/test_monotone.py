@@ -3,9 +3,9 @@ import pytest
 import scipy.stats
 
 import jointclosure as jc
-from jointclosure.randomness import generator
 from jointclosure.statistics.monotone import monotone_interval
 from jointclosure.statistics.paired import difference_scatter
+from jointclosure.statistics.randomness import generator
 
 LEVELS = np.linspace(-1.0, 1.0, 9)
 

@@ -3,7 +3,6 @@ import pytest
 import scipy.stats
 
 import jointclosure as jc
-from jointclosure.randomness import generator
 from jointclosure.statistics.bootstrap import bootstrap_paired_length
 from jointclosure.statistics.correlations import fit_quadratic, paired_lack_of_fit
 from jointclosure.statistics.paired import (
@@ -11,6 +10,7 @@ from jointclosure.statistics.paired import (
     p_of_difference,
     paired_indifference_interval,
 )
+from jointclosure.statistics.randomness import generator
 
 LEVELS = np.array([70.0, 78.0, 86.0])
 

@@ -3,7 +3,6 @@ import pytest
 import scipy.stats
 
 import jointclosure as jc
-from jointclosure.randomness import generator
 from jointclosure.statistics.drawn_studies import (
     Design,
     Pool,
@@ -20,6 +19,7 @@ from jointclosure.statistics.predictive import (
     share_as_short,
     two_sided_p,
 )
+from jointclosure.statistics.randomness import generator
 from tests.statistics.statistics_world import LEVELS, closures, published, sensitivity
 
 

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from jointclosure.randomness import generator
 from jointclosure.statistics.correlations import fit_quadratic
+from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.standard_errors import (
     bootstrap_error,
     correlation_of,

@@ -3,8 +3,8 @@ import pytest
 import scipy.stats
 
 import jointclosure as jc
-from jointclosure.randomness import generator
 from jointclosure.statistics.drawn_studies import Design, draw_studies
+from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.standard_errors import mean_of
 from jointclosure.statistics.verdicts import (
     CANNOT_BE_TOLD,

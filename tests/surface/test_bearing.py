@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.randomness import generator
+from jointclosure.statistics.randomness import generator
 from jointclosure.surface.bearing import bearing_depths, bearing_excess
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.randomness import generator
 from jointclosure.scans import read_scan
+from jointclosure.statistics.randomness import generator
 from jointclosure.surface.differences import mean_curvature, peak_cells, slope_correlation
 from jointclosure.surface.measured import wall_on_grid
 from jointclosure.surface.measures import hurst_of, measure_wall

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.remarks import cautions
+from jointclosure.inputs.remarks import cautions
 from jointclosure.scans import read_scan
 from jointclosure.surface.mating import (
     best_shift,

@@ -13,16 +13,16 @@ import xarray as xr
 import yaml
 
 import jointclosure as jc
-from jointclosure import cli
+from jointclosure.commands import cli
 from jointclosure.config.configuration import merged, written_out
 from jointclosure.ensemble.aggregation import join_cases
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.closing import close_surfaces
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import surfaces_of
+from jointclosure.measured.curves import curve_settings, measured_curves
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.storage.text import read_text, write_csv
-from jointclosure.studies.measured.curves import curve_settings, measured_curves
 from tests.studied import DEFAULT, file_study, study_of
 
 ROOT = Path(__file__).parents[2]

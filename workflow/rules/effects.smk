@@ -1,6 +1,6 @@
 # How well effects are chosen at random conditions: `snakemake effects_auto --configfile config/effects.yaml`.
 # Without a section `ablation.validation` no rule here has work.
-from jointclosure.studies.effects import design
+from jointclosure.effects import design
 
 VALIDATION = CONFIGURATION.ablation.validation if CONFIGURATION.ablation else None
 CHOICE_TABLES = ["effects_auto.csv", "effects_auto_summary.csv"]

@@ -8,11 +8,11 @@ from jointclosure.config.wanted import wanted_of
 from jointclosure.config.walls import check_files, wall_files
 from jointclosure.ensemble import cases
 from jointclosure.ensemble import slices
-from jointclosure.sources import PACKAGE, code_digest
+from jointclosure.compilation.sources import PACKAGE, code_digest
 from jointclosure.storage.seals import settings_digest
 from jointclosure.storage.text import read_csv, read_text
-from jointclosure.studies.measured import curves as measured
-from jointclosure.warmup import kernels_of
+from jointclosure.measured import curves as measured
+from jointclosure.joint.warmup import kernels_of
 
 ROOT = Path(workflow.basedir)
 for file in workflow.configfiles:

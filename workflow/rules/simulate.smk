@@ -1,6 +1,6 @@
 # Surfaces of each case, and their closure: in blocks of realisations, named by their first.
 # The study's own are in the folder cases, those of its pool in pool.
-from jointclosure.studies.effects.choice import possible_scenes
+from jointclosure.effects.choice import possible_scenes
 
 # what jobs are told whose seals are held against it
 AGGREGATED = {

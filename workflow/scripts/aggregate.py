@@ -14,8 +14,8 @@ from jointclosure.ensemble.cases import blocks_of, cases_of, ensembles_of
 from jointclosure.ensemble.measured_walls import described
 from jointclosure.ensemble.settings import check_settings
 from jointclosure.ensemble.slices import block_settings
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf_regions
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import read_text

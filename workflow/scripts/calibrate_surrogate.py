@@ -2,11 +2,11 @@
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Grid, Surface
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import write_csv
-from jointclosure.studies.surrogate.calibration import calibrate
+from jointclosure.surrogate.calibration import calibrate
 
 
 def main(ensemble: str, settings: dict, output: str, log: Logbook) -> None:

@@ -5,8 +5,8 @@ import pandas as pd
 from jointclosure.config.plain import from_plain
 from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.ensemble.checks import check_results
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.parameters import Numerics
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import write_csv

@@ -5,14 +5,14 @@ import json
 import xarray as xr
 
 from jointclosure.config.plain import from_plain, to_plain
+from jointclosure.effects.choice import RockChoice, choose_for_rock
 from jointclosure.ensemble.closing import closed_before
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.surfaces import surfaces_of
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.text import write_text
-from jointclosure.studies.effects.choice import RockChoice, choose_for_rock
 
 
 def main(settings: dict[str, ClosureSettings], outputs: dict[str, str], log: Logbook) -> None:

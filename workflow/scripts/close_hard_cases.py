@@ -5,8 +5,8 @@ import sys
 
 import pandas as pd
 
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.text import write_csv
 from jointclosure.verification.hard_cases import (
     curve_of,

@@ -2,8 +2,8 @@
 
 from jointclosure.config.plain import from_plain
 from jointclosure.ensemble.settings import ClosureSettings
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.studies.readings.closing import close_block
 

@@ -8,10 +8,10 @@ import xarray as xr
 from jointclosure.config.plain import from_plain
 from jointclosure.ensemble.closing import close_surfaces
 from jointclosure.ensemble.settings import ClosureSettings, as_text, check_settings
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
+from jointclosure.jobs.progress import Countdown
 from jointclosure.parameters import Effects, scene_name
-from jointclosure.progress import Countdown
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf, write_netcdf_blocks
 from jointclosure.storage.text import read_text
 

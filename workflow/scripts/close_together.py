@@ -1,8 +1,8 @@
 """Close the joints of some rows of a design in which all inputs vary."""
 
 from jointclosure.config.plain import from_plain
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.studies.global_sensitivity.closing import close_rows
 from jointclosure.studies.global_sensitivity.design import Design

@@ -1,11 +1,11 @@
 """Compile every kernel that is needed, before the jobs fan out."""
 
-from jointclosure.compilation import cache_folder
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.compilation.kernels import cache_folder
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
+from jointclosure.joint.warmup import compile_kernels
 from jointclosure.parameters import Choices, scene_of
 from jointclosure.storage.text import write_text
-from jointclosure.warmup import compile_kernels
 
 
 def main(kernels: list[list[str]], output: str, log: Logbook) -> None:

@@ -1,9 +1,9 @@
 """Put together what each conclusion of the paper rests on."""
 
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
+from jointclosure.sensitivity.conclusions import conclusion_table
 from jointclosure.storage.text import read_csv, write_csv
-from jointclosure.studies.sensitivity.conclusions import conclusion_table
 
 BESIDE = ("readings", "choices", "margins")
 """Tables of other studies."""

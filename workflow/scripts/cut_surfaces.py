@@ -4,8 +4,8 @@ from jointclosure.config.plain import from_plain
 from jointclosure.ensemble.measured_walls import cut_surfaces, cutter_for
 from jointclosure.ensemble.settings import SurfaceSettings, as_text
 from jointclosure.ensemble.surfaces import seeds_of
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf_blocks
 
 

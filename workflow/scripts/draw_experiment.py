@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from jointclosure.experiments import Experiment, experiment_named
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv
 

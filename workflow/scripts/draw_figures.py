@@ -7,17 +7,17 @@ import numpy as np
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import StudyRock
 from jointclosure.ensemble.settings import SurfaceSettings, check_settings
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
+from jointclosure.measured.curves import CurveSettings, measured_curves
 from jointclosure.plotting import sensitivity
 from jointclosure.plotting import study as plotting
 from jointclosure.plotting.flow import flow_figure
 from jointclosure.plotting.measured import Measurements
+from jointclosure.sensitivity.tables import roughness_title
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
 from jointclosure.storage.text import read_csv, read_text
-from jointclosure.studies.measured.curves import CurveSettings, measured_curves
-from jointclosure.tables import roughness_title
 
 
 def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None:

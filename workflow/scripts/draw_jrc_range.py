@@ -2,13 +2,13 @@
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Statistics
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
+from jointclosure.sensitivity.claims import Evidence
+from jointclosure.sensitivity.jrc_range import REPEATS, jrc_range_tables
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_csv, write_csv
-from jointclosure.studies.sensitivity.claims import Evidence
-from jointclosure.studies.sensitivity.jrc_range import REPEATS, jrc_range_tables
 
 
 def main(inputs: dict, settings: dict, outputs: dict, log: Logbook) -> None:

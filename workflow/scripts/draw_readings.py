@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.plotting.readings import likelihoods, sensitivities
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv

@@ -3,8 +3,8 @@
 import sys
 
 from jointclosure.ensemble.points import Jobs, estimated_time, unpacked
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.text import write_csv
 
 

@@ -4,8 +4,8 @@ import sys
 
 from jointclosure.config.plain import from_plain
 from jointclosure.ensemble.settings import ClosureSettings
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.text import write_csv
 from jointclosure.studies.readings.closing import close_block, one_simulation
 from jointclosure.studies.readings.cost import costs

@@ -3,8 +3,8 @@
 import sys
 
 from jointclosure.config.plain import from_plain
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.text import write_csv
 from jointclosure.studies.global_sensitivity.closing import costs
 from jointclosure.studies.global_sensitivity.design import Design

@@ -4,12 +4,12 @@ from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Statistics
 from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.ensemble.covariates import from_dataset
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
+from jointclosure.sensitivity.intervals import indifference_table
+from jointclosure.sensitivity.tables import with_paper
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv, write_csv
-from jointclosure.studies.sensitivity.intervals import indifference_table
-from jointclosure.tables import with_paper
 
 
 def main(

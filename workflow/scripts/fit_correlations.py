@@ -2,15 +2,15 @@
 
 from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.ensemble.covariates import from_dataset
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
-from jointclosure.storage.netcdf import read_netcdf
-from jointclosure.storage.text import write_csv
-from jointclosure.studies.sensitivity.closures import (
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
+from jointclosure.sensitivity.closures import (
     correlation_table,
     elasticity_table,
     max_closure_table,
 )
+from jointclosure.storage.netcdf import read_netcdf
+from jointclosure.storage.text import write_csv
 
 
 def main(study: str, pool: str, covariates: dict[str, str], outputs: dict, log: Logbook) -> None:

@@ -1,11 +1,11 @@
 """Find the realisations that fit the measured curves best."""
 
 from jointclosure.config.plain import from_plain
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
+from jointclosure.measured.curves import CurveSettings, fit_table, measured_curves
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_text, write_csv
-from jointclosure.studies.measured.curves import CurveSettings, fit_table, measured_curves
 
 
 def main(study: str, settings: dict, output: str, log: Logbook) -> None:

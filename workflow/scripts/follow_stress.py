@@ -2,12 +2,12 @@
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Statistics
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
+from jointclosure.sensitivity.along_curve import along_curve
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import write_csv
-from jointclosure.studies.sensitivity.along_curve import along_curve
 
 
 def main(pool: str, settings: dict, output: str, log: Logbook) -> None:

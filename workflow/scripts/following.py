@@ -10,8 +10,8 @@ from typing import TextIO
 
 from process_group import EndRequest, end_group, kill_group, shell_status, start_group
 
-from jointclosure.logbook import failed_log
-from jointclosure.progress import WorkflowProgress
+from jointclosure.jobs.logbook import failed_log
+from jointclosure.jobs.progress import WorkflowProgress
 
 SHOWN = "jointclosure: "
 """Lines of the log that start so are for the user."""

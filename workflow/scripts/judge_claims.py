@@ -4,12 +4,12 @@ import pandas as pd
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Statistics
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
+from jointclosure.sensitivity.claims import Evidence, judge_claims
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_csv, write_csv
-from jointclosure.studies.sensitivity.claims import Evidence, judge_claims
 
 
 def main(inputs: dict, settings: dict, outputs: dict, log: Logbook) -> None:

@@ -3,8 +3,8 @@
 from jointclosure.config.plain import from_plain
 from jointclosure.ensemble.settings import SurfaceSettings, as_text
 from jointclosure.ensemble.surfaces import surfaces_of
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import write_netcdf_blocks
 
 

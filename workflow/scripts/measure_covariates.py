@@ -9,8 +9,8 @@ from jointclosure.ensemble.covariates import (
     known_covariates,
     measure_covariates,
 )
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 
 

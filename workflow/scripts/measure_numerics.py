@@ -3,8 +3,8 @@
 import numpy as np
 import pandas as pd
 
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.text import write_csv
 from jointclosure.verification import printed, sweeps
 

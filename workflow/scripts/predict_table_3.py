@@ -3,17 +3,17 @@
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Statistics
 from jointclosure.ensemble.aggregation import CURVES
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
-from jointclosure.statistics.drawn_studies import Design
-from jointclosure.storage.netcdf import read_netcdf, write_netcdf
-from jointclosure.storage.text import read_csv, write_csv
-from jointclosure.studies.sensitivity.predictive import (
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
+from jointclosure.sensitivity.predictive import (
     joint_table,
     lengths_dataset,
     predictive,
     predictive_table,
 )
+from jointclosure.statistics.drawn_studies import Design
+from jointclosure.storage.netcdf import read_netcdf, write_netcdf
+from jointclosure.storage.text import read_csv, write_csv
 
 
 def main(pool: str, paper: str, settings: dict, outputs: dict, log: Logbook) -> None:

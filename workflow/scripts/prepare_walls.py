@@ -4,8 +4,8 @@ from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Grid, Walls
 from jointclosure.config.walls import wall_files
 from jointclosure.ensemble.measured_walls import cutter_of, prepared_walls, room
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.scans import read_scan
 from jointclosure.storage.netcdf import write_netcdf
 

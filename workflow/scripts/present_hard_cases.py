@@ -2,8 +2,8 @@
 
 import pandas as pd
 
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.plotting.hard_cases import hard_case_page
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv, write_csv

@@ -16,15 +16,15 @@ from publish_measured import markdown
 from jointclosure.claims.table import OURS
 from jointclosure.report.findings import conclusion_sheet, moved_sheet
 from jointclosure.report.sheets import Sheet
-from jointclosure.statistics.standard_errors import rounded
-from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, NO_DIFFERENCE, STANDS
-from jointclosure.storage.text import read_csv
-from jointclosure.studies.sensitivity.conclusions import (
+from jointclosure.sensitivity.conclusions import (
     COUNTS,
     DEPENDS,
     JUDGED_ELSEWHERE,
     ONLY_CONFIGURED,
 )
+from jointclosure.statistics.standard_errors import rounded
+from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, NO_DIFFERENCE, STANDS
+from jointclosure.storage.text import read_csv
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs/conclusions.md"

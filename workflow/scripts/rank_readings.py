@@ -1,8 +1,8 @@
 """Rank the readings that entered a round by the likelihood of Table 3, and say which are kept."""
 
 from jointclosure.config.plain import from_plain
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.studies.readings.design import Design, entering, files_of

@@ -5,11 +5,11 @@ from jointclosure.config.plain import from_plain
 from jointclosure.config.wanted import KNOWN_AT, Wanted, biases
 from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.ensemble.covariates import from_dataset
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
+from jointclosure.sensitivity.reached import reached_table, told
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv, write_csv
-from jointclosure.studies.sensitivity.reached import reached_table, told
 
 
 def main(study: str, covariates: str | None, settings: dict, output: str, log: Logbook) -> None:

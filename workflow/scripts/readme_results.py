@@ -12,14 +12,14 @@ from markers import fill
 
 from jointclosure.claims.table import OURS
 from jointclosure.config.properties import PROPERTIES
-from jointclosure.protocol import FAILURE
+from jointclosure.joint.protocol import FAILURE
 from jointclosure.report.findings import percent_text, probability
+from jointclosure.sensitivity.conclusions import JUDGED_ELSEWHERE
+from jointclosure.sensitivity.tables import UNPAIRED_TEST, markdown_rows, table_3
 from jointclosure.statistics.standard_errors import variation_of
 from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, NO_DIFFERENCE, STANDS
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv
-from jointclosure.studies.sensitivity.conclusions import JUDGED_ELSEWHERE
-from jointclosure.tables import UNPAIRED_TEST, markdown_rows, table_3
 
 ROOT = Path(__file__).parents[2]
 PAPER = ROOT / "results/paper"

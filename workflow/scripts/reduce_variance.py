@@ -2,11 +2,11 @@
 
 from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.ensemble.covariates import from_dataset
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
+from jointclosure.sensitivity.variance_reduction import variance_reduction
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import write_csv
-from jointclosure.studies.sensitivity.variance_reduction import variance_reduction
 
 
 def main(ensemble: str, covariates: str | None, settings: dict, output: str, log: Logbook) -> None:

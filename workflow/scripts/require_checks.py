@@ -1,7 +1,7 @@
 """Fail where a check of the results has failed: the table of checks is written before."""
 
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.text import read_csv, write_text
 
 

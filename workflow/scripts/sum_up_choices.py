@@ -2,12 +2,12 @@
 
 import pandas as pd
 
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.effects.validation import validation_summary
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.plotting.effects import choice_figure
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv, write_csv
-from jointclosure.studies.effects.validation import validation_summary
 
 
 def main(inputs: list[str], outputs, log: Logbook) -> None:

@@ -1,8 +1,8 @@
 """Hydraulic apertures of a study's cases as a table."""
 
 from jointclosure.ensemble.flow_table import flow_table
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import write_csv
 

@@ -7,8 +7,8 @@ import pandas as pd
 
 from jointclosure.ensemble.points import as_dataset, as_table
 from jointclosure.experiments import Experiment, experiment_named
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import write_csv

@@ -22,10 +22,10 @@ from jointclosure.config.files import read_plain
 from jointclosure.config.wanted import Wanted, wanted_of
 from jointclosure.experiments import SECTIONS, experiment_named
 from jointclosure.inputs import InputError
+from jointclosure.sensitivity.jrc_range import check_jrc_varies
+from jointclosure.sensitivity.reached import surfaces_next, told
 from jointclosure.storage.text import read_csv, write_text
 from jointclosure.studies.global_sensitivity import design as global_sensitivity
-from jointclosure.studies.sensitivity.jrc_range import check_jrc_varies
-from jointclosure.studies.sensitivity.reached import surfaces_next, told
 
 _PROFILE = "workflow/profiles/default"
 _ADVICE = {

@@ -1,10 +1,10 @@
 """Hold the selected effects at random conditions against all of them."""
 
 from jointclosure.config.plain import from_plain
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.effects.validation import ValidationSettings, validate
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.text import write_csv
-from jointclosure.studies.effects.validation import ValidationSettings, validate
 
 
 def main(settings: ValidationSettings, number: int, output: str, log: Logbook) -> None:

@@ -17,7 +17,7 @@ from jointclosure.config.rocks import named_rock
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.engineering.laws import fitted_laws
 from jointclosure.engineering.stiffness import secant_stiffness
-from jointclosure.history import GROSS, NET
+from jointclosure.joint.history import GROSS, NET
 from jointclosure.statistics.standard_errors import rounded
 
 PAGE = Path(__file__).parents[2] / "docs/validation.md"

@@ -1,8 +1,8 @@
 """Put all rounds of a study of readings together: one row for each reading."""
 
 from jointclosure.config.plain import from_plain
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv, write_csv, write_text
 from jointclosure.studies.readings.design import Design, files_of

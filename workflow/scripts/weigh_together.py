@@ -5,8 +5,8 @@ from pathlib import Path
 import xarray as xr
 
 from jointclosure.config.plain import from_plain
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import write_csv
 from jointclosure.studies.global_sensitivity.conclusions import conclusion_tables

@@ -9,8 +9,8 @@ from jointclosure.experiments.accuracy.total import (
     split_table,
     time_cheap,
 )
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
 from jointclosure.plotting.total_error import total_error_figure
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv, write_csv

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from jointclosure.commands.report import write_report
-from jointclosure.jobs import job
+from jointclosure.jobs.job import job
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:

@@ -2,10 +2,10 @@
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import StudyRock
-from jointclosure.jobs import job
-from jointclosure.logbook import Logbook
+from jointclosure.jobs.job import job
+from jointclosure.jobs.logbook import Logbook
+from jointclosure.sensitivity.tables import case_table, rock_table, table_3_latex, table_3_markdown
 from jointclosure.storage.text import read_csv, write_csv, write_text
-from jointclosure.tables import case_table, rock_table, table_3_latex, table_3_markdown
 
 
 def main(inputs: dict, rocks: dict[str, StudyRock], outputs: dict, log: Logbook) -> None:

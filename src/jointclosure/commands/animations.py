@@ -7,7 +7,7 @@ import xarray as xr
 
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError
-from jointclosure.loading import largest_stress
+from jointclosure.joint.loading import largest_stress
 from jointclosure.storage.figures import save_animation
 
 

@@ -30,10 +30,10 @@ from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.measured_walls import brought_together
 from jointclosure.ensemble.scanned_joint import ClosedJoint, closed_pair, read_wall
 from jointclosure.ensemble.slices import closure_settings, surface_settings
-from jointclosure.loading import load_said
-from jointclosure.progress import duration
-from jointclosure.protocol import FAILURE
-from jointclosure.remarks import cautions
+from jointclosure.inputs.remarks import cautions
+from jointclosure.jobs.progress import duration
+from jointclosure.joint.loading import load_said
+from jointclosure.joint.protocol import FAILURE
 from jointclosure.scans.units import UNITS
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.folders import replace_files

@@ -15,15 +15,15 @@ from typing import NamedTuple
 import psutil
 
 from jointclosure.commands import COMMANDS
-from jointclosure.compilation import cache_folder, compiles
+from jointclosure.compilation.kernels import cache_folder, compiles
 from jointclosure.config.configuration import DEFAULT, configured, merged_study
-from jointclosure.extras import EXTRAS, installed
 from jointclosure.inputs import InputError
+from jointclosure.inputs.extras import EXTRAS, installed
+from jointclosure.jobs.progress import duration
+from jointclosure.joint.warmup import compile_kernels
 from jointclosure.parameters import Choices, Effects
-from jointclosure.progress import duration
 from jointclosure.storage.provenance import versions_of
 from jointclosure.storage.text import read_csv
-from jointclosure.warmup import compile_kernels
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 _PACKAGES = ("numpy", "numba", "scipy", "xarray", "netCDF4", "pandas", "matplotlib", "snakemake")

@@ -15,7 +15,7 @@ from jointclosure.engineering.exchange import (
 from jointclosure.engineering.laws import fitted_laws, law_said
 from jointclosure.engineering.stiffness import stiffness_table
 from jointclosure.inputs import InputError
-from jointclosure.protocol import FAILURE, LOADING
+from jointclosure.joint.protocol import FAILURE, LOADING
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.meshes import write_vtu
 from jointclosure.storage.text import write_csv, write_text

@@ -5,7 +5,6 @@ import json
 import math
 from pathlib import Path
 
-from jointclosure.calibration import Fit, assumptions, fit
 from jointclosure.commands import COMMANDS
 from jointclosure.commands.joint_options import (
     NEEDED,
@@ -19,13 +18,14 @@ from jointclosure.commands.joint_options import (
 from jointclosure.config.configuration import Configured
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.inputs import InputError
-from jointclosure.progress import bar
+from jointclosure.jobs.progress import bar
+from jointclosure.measured.calibration import Interval
+from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS, parsed_curve
+from jointclosure.measured.fit import Fit, assumptions, fit
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.folders import replace_files
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import read_text, write_text
-from jointclosure.studies.measured.calibration import Interval
-from jointclosure.studies.measured.curves import CLOSURE_UNITS, STRESS_UNITS, parsed_curve
 
 _EXAMPLES = """examples:
   jointclosure fit curve.csv --rock granite --jrc 10

@@ -15,10 +15,10 @@ from jointclosure.config.rocks import other_rocks
 from jointclosure.engineering.curves import curve_table, cycle_table, has_flow
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError
-from jointclosure.loading import check_snapshots, load_cycles
+from jointclosure.jobs.progress import bar
+from jointclosure.joint.loading import check_snapshots, load_cycles
+from jointclosure.joint.protocol import FAILURE, LOADING, Report
 from jointclosure.parameters import OF_ROCK, Effects, Rock, key_of
-from jointclosure.progress import bar
-from jointclosure.protocol import FAILURE, LOADING, Report
 from jointclosure.storage.folders import check_record
 from jointclosure.storage.text import read_csv
 

@@ -6,8 +6,8 @@ from pathlib import Path
 from jointclosure.commands import COMMANDS
 from jointclosure.commands.finished import study_of
 from jointclosure.ensemble.aggregation import CURVES
+from jointclosure.sensitivity.planning import WISHES, Wish, plan
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
-from jointclosure.studies.sensitivity.planning import WISHES, Wish, plan
 
 
 def add_to(commands) -> None:

@@ -8,12 +8,12 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.commands import COMMANDS
+from jointclosure.compilation.sources import PACKAGE
 from jointclosure.config.files import DEFAULT, MEASURED, PAPER_TABLE_3, read_plain
 from jointclosure.config.keys import ConfigurationKeys
 from jointclosure.config.schema import json_schema
-from jointclosure.extras import needs
 from jointclosure.inputs import InputError
-from jointclosure.sources import PACKAGE
+from jointclosure.inputs.extras import needs
 from jointclosure.storage.folders import add_file
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.seals import check_folder

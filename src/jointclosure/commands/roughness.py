@@ -4,9 +4,10 @@ from pathlib import Path
 
 from jointclosure.commands import COMMANDS
 from jointclosure.inputs import InputError
-from jointclosure.remarks import caution
+from jointclosure.inputs.remarks import caution
 from jointclosure.scans import read_scan
 from jointclosure.scans.units import UNITS
+from jointclosure.sensitivity.tables import measure_table, measures_text
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import write_csv
 from jointclosure.surface.measured import (
@@ -19,7 +20,6 @@ from jointclosure.surface.measured import (
 from jointclosure.surface.measures import increments, measure_wall
 from jointclosure.surface.outliers import without_spikes
 from jointclosure.surface.plausibility import slope_doubts
-from jointclosure.tables import measure_table, measures_text
 
 
 def add_to(commands) -> None:

@@ -27,9 +27,9 @@ from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Case, Conditions
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.inputs import InputError, check_seed
-from jointclosure.loading import load_said
-from jointclosure.progress import duration
-from jointclosure.protocol import FAILURE
+from jointclosure.jobs.progress import duration
+from jointclosure.joint.loading import load_said
+from jointclosure.joint.protocol import FAILURE
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.folders import replace_files
 from jointclosure.storage.netcdf import write_netcdf

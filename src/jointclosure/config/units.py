@@ -4,7 +4,7 @@ import math
 from decimal import Decimal
 
 from jointclosure.inputs import InputError, check_number
-from jointclosure.properties import SI_FACTORS
+from jointclosure.parameters.properties import SI_FACTORS
 
 
 def name_and_unit(key: str) -> tuple[str, str]:

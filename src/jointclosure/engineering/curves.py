@@ -5,7 +5,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engineering.stiffness import landing_stress, secant_stiffness
-from jointclosure.history import (
+from jointclosure.joint.history import (
     GROSS,
     NET,
     at_seating,
@@ -13,7 +13,7 @@ from jointclosure.history import (
     cycle_closures,
     read_along,
 )
-from jointclosure.protocol import LOADING, UNLOADING
+from jointclosure.joint.protocol import LOADING, UNLOADING
 
 
 def spacing_of(history: xr.Dataset) -> float:
@@ -28,7 +28,7 @@ def area_of(history: xr.Dataset) -> float:
 
 
 KINDS = {"net": NET, "gross": GROSS}
-"""Part of a column's name, and the closure that it is of (`jointclosure.history.read_along`)."""
+"""Part of a column's name, and its closure as `jointclosure.joint.history.read_along` names it."""
 
 
 def curve_table(history: xr.Dataset) -> pd.DataFrame:
@@ -116,7 +116,7 @@ def _flow_columns(history: xr.Dataset, here: np.ndarray) -> dict[str, np.ndarray
 def seat_of(history: xr.Dataset, cycle: int, branch: str, of: str = NET) -> float:
     """Read the net closure [m], or what ``of`` names, at the seating stress of a branch.
 
-    As `jointclosure.history.at_seating` and `jointclosure.history.read_along`.
+    As `jointclosure.joint.history.at_seating` and `jointclosure.joint.history.read_along`.
     """
     here = branch_of(history.cycle.values, history.branch.values, cycle, branch)
     seating = float(history.attrs["seating_stress_Pa"])
@@ -126,7 +126,7 @@ def seat_of(history: xr.Dataset, cycle: int, branch: str, of: str = NET) -> floa
 
 
 def closures_of_cycles(history: xr.Dataset, of: str = NET) -> dict[str, np.ndarray]:
-    """Read `jointclosure.history.cycle_closures` (cycles,) [m] of the net closure, or of another.
+    """Closures of cycles (cycles,) [m] by `jointclosure.joint.history.cycle_closures`, net or not.
 
     NaN for cycles that were not loaded and unloaded.
     """
@@ -151,7 +151,7 @@ def net_responses(history: xr.Dataset, largest: float) -> dict[str, np.ndarray]:
     dict of array (cycles,)
         ``max_closure_net`` from the cycle's start, ``max_closure_seated_net``, both at its maximum,
         and ``residual_closure_seated_net``, what stays at seating, as in
-        `jointclosure.history.cycle_closures` [m]; ``stiffness_net`` [Pa/m], the
+        `jointclosure.joint.history.cycle_closures` [m]; ``stiffness_net`` [Pa/m], the
         `secant_stiffness` of loading from half of the maximum stress to where it begins to land on
         all of it (NaN where that is below half); and that `landing_stress` [Pa]. NaN for cycles
         that were not completed.

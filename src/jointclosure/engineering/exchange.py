@@ -14,9 +14,9 @@ from jointclosure.engineering.curves import (
 )
 from jointclosure.engineering.laws import fitted_laws, parameter
 from jointclosure.engineering.stiffness import closures_at, stiffness_table, stress_levels
-from jointclosure.history import branch_of, read_along
 from jointclosure.inputs import InputError
-from jointclosure.protocol import LOADING
+from jointclosure.joint.history import branch_of, read_along
+from jointclosure.joint.protocol import LOADING
 
 
 def _last_from_seating(history: xr.Dataset, program: str) -> int:

@@ -16,8 +16,8 @@ import scipy
 import xarray as xr
 
 from jointclosure.engineering.stiffness import closures_at, stress_levels
-from jointclosure.history import NET, read_along
-from jointclosure.protocol import LOADING, UNLOADING
+from jointclosure.joint.history import NET, read_along
+from jointclosure.joint.protocol import LOADING, UNLOADING
 
 POINTS = 60
 """Evenly spaced stresses at which a law is fitted: each counts alike."""
@@ -117,7 +117,7 @@ def fitted_laws(history: xr.Dataset, of: str = NET) -> pd.DataFrame:
     history : Dataset
         As from `jointclosure.simulate`.
     of : str
-        The closure that is fitted: `jointclosure.history.NET`, or `GROSS`.
+        The closure that is fitted: `jointclosure.joint.history.NET`, or `GROSS`.
 
     Returns
     -------

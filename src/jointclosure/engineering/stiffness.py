@@ -7,8 +7,8 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.history import GROSS, NET, branch_of, read_along
-from jointclosure.protocol import LOADING, UNLOADING
+from jointclosure.joint.history import GROSS, NET, branch_of, read_along
+from jointclosure.joint.protocol import LOADING, UNLOADING
 
 LEVELS = 20
 """Stresses of a table, evenly spaced from seating to the maximum."""
@@ -31,7 +31,7 @@ def stress_levels(history: xr.Dataset, count: int = LEVELS, cycle: int | None = 
 def closures_at(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> np.ndarray:
     """Read the closure (cycles, 2, levels) [m] on loading and unloading at stresses [Pa].
 
-    ``of`` names what is read (`jointclosure.history.read_along`), by default the net closure.
+    ``of`` names what is read (`jointclosure.joint.history.read_along`), by default the net closure.
 
     Between the steps by a monotone cubic: chords between few steps would make stairs of the
     stiffness. Steps of a landing (`landing_stress`) have a cubic of their own, as they are stiffer.

@@ -5,8 +5,8 @@ import xarray as xr
 
 from jointclosure.config.properties import PROPERTIES
 from jointclosure.ensemble.settings import Case
+from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import Rock
-from jointclosure.protocol import FAILURE
 
 FLOW_CURVES = ("mean_aperture", "hydraulic_aperture")
 """Variables over stress that only a study with flow has."""

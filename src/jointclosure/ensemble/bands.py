@@ -6,7 +6,7 @@ import xarray as xr
 
 from jointclosure.engineering.curves import KINDS
 from jointclosure.ensemble.aggregation import seats, succeeded
-from jointclosure.protocol import LOADING
+from jointclosure.joint.protocol import LOADING
 
 QUANTILES = (0.05, 0.5, 0.95)
 

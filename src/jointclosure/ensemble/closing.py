@@ -8,9 +8,9 @@ import xarray as xr
 
 from jointclosure.engineering.curves import net_responses
 from jointclosure.ensemble.settings import ClosureSettings, Conditions
-from jointclosure.history import closure_at_stresses
-from jointclosure.protocol import FAILURE, LOADING, UNLOADING, Report
-from jointclosure.simulation import ATTRIBUTES, simulate
+from jointclosure.joint.history import closure_at_stresses
+from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING, Report
+from jointclosure.joint.simulation import ATTRIBUTES, simulate
 
 PER_CYCLE = (
     "max_closure",
@@ -196,7 +196,7 @@ def labelled(rows: list[dict], realizations, seeds, cycles: int, stresses) -> xr
         },
     )
     if "direction" in labelled.dims:
-        from jointclosure.flow.along_history import COORDINATE
+        from jointclosure.joint.flow import COORDINATE
 
         labelled = labelled.assign_coords(COORDINATE)
     return labelled
@@ -273,6 +273,6 @@ def _attributes(name: str) -> dict:
         return {"long_name": text, "units": unit}
     if name in ATTRIBUTES:
         return dict(ATTRIBUTES[name])
-    from jointclosure.flow.along_history import ATTRIBUTES as OF_FLOW
+    from jointclosure.joint.flow import ATTRIBUTES as OF_FLOW
 
     return dict(OF_FLOW[name])

@@ -78,7 +78,7 @@ def interval_changes(first: pd.DataFrame, second: pd.DataFrame) -> pd.DataFrame:
     Parameters
     ----------
     first, second : DataFrame
-        As from `jointclosure.studies.sensitivity.responses.indifference_table`.
+        As from `jointclosure.sensitivity.responses.indifference_table`.
     """
     keys = ["rock", "parameter", "cycle"]
     columns = [*keys, "unit", "length", "length_low", "length_high", "status", "test"]

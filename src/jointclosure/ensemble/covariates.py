@@ -12,8 +12,8 @@ import xarray as xr
 
 from jointclosure.config.typed import Grid, Surface
 from jointclosure.ensemble.surfaces import walls_of_seed
-from jointclosure.randomness import seed_of
 from jointclosure.statistics.control_variates import Known
+from jointclosure.statistics.randomness import seed_of
 from jointclosure.surface.bearing import bearing_depths, bearing_excess
 from jointclosure.surface.roughness import z2_of_jrc
 

@@ -13,13 +13,13 @@ from jointclosure.config.rocks import named_rock
 from jointclosure.ensemble.closing import close_pair, labelled
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.ensemble.workers import Failed, ProcessLostError, shared
-from jointclosure.given_walls import checked_walls
 from jointclosure.inputs import InputError, check_number
-from jointclosure.loading import SEATING_STRESS, largest_stress
+from jointclosure.jobs.progress import bar
+from jointclosure.joint.given_walls import checked_walls
+from jointclosure.joint.loading import SEATING_STRESS, largest_stress
+from jointclosure.joint.protocol import FLAGS
+from jointclosure.joint.simulation import checked_conditions
 from jointclosure.parameters import Choices, Effects, Numerics, Rock
-from jointclosure.progress import bar
-from jointclosure.protocol import FLAGS
-from jointclosure.simulation import checked_conditions
 from jointclosure.surface.plausibility import doubts
 
 NOT_SIMULATED = 2 * max(FLAGS)

@@ -11,7 +11,7 @@ from jointclosure.ensemble.settings import SurfaceSettings
 from jointclosure.ensemble.surfaces import surface_pair
 from jointclosure.inputs import InputError
 from jointclosure.parameters import AS_IT_IS
-from jointclosure.randomness import seed_of
+from jointclosure.statistics.randomness import seed_of
 from jointclosure.surface.measured import Cloud, Scan, disjoint, filled, wall_on_grid
 from jointclosure.surface.measured_pairs import Cutter, MeasuredWalls
 from jointclosure.surface.measures import hurst_of

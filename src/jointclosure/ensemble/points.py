@@ -19,7 +19,7 @@ from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.quantities import QUANTITIES, ClosedJoint
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.walls import MAKERS, Walls
-from jointclosure.protocol import FAILURE
+from jointclosure.joint.protocol import FAILURE
 
 
 class Point(NamedTuple):

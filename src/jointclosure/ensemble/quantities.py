@@ -13,7 +13,7 @@ from jointclosure.engineering.laws import fitted_laws, parameter
 from jointclosure.ensemble.responses import responses_of
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.ensemble.timing import pair_seconds
-from jointclosure.protocol import LOADING
+from jointclosure.joint.protocol import LOADING
 from jointclosure.surface.bearing import bearing_depths
 from jointclosure.surface.roughness import rms_slope
 

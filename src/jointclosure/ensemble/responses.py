@@ -6,7 +6,7 @@ import xarray as xr
 from jointclosure.engineering.curves import net_responses
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Conditions
-from jointclosure.protocol import FAILURE
+from jointclosure.joint.protocol import FAILURE
 
 
 def cycle_responses(

@@ -12,11 +12,11 @@ from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError
-from jointclosure.loading import SEATING_STRESS, load_said
+from jointclosure.joint.loading import SEATING_STRESS, load_said
+from jointclosure.joint.protocol import FAILURE, Report
+from jointclosure.joint.simulation import checked_conditions
 from jointclosure.parameters import Choices, Effects, Numerics, Rock
-from jointclosure.protocol import FAILURE, Report
 from jointclosure.scans import read_scan
-from jointclosure.simulation import checked_conditions
 from jointclosure.surface.measured import Cloud, Scan
 from jointclosure.surface.registration import RegisteredPair, registered
 

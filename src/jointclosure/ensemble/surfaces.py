@@ -8,7 +8,7 @@ import xarray as xr
 from jointclosure.config.typed import Grid, Surface
 from jointclosure.ensemble.settings import SurfaceSettings
 from jointclosure.inputs import InputError
-from jointclosure.randomness import seed_of
+from jointclosure.statistics.randomness import seed_of
 from jointclosure.surface.synthesis import wall_pair
 
 

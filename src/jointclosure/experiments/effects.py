@@ -17,9 +17,9 @@ from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.points import Point, gridded
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.experiments import Design, Experiment
+from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import Effects, scene_name, well_posed_scenes
 from jointclosure.plotting.effects import effect_figure
-from jointclosure.protocol import FAILURE
 
 TARGETS = {"max_closure": "closure", "residual_closure": "residual", "hysteresis": "hysteresis"}
 """Quantities that an effect may change, by their names in columns of the table."""

@@ -19,9 +19,9 @@ from jointclosure.ensemble.points import Point
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.ensemble.wavelengths import labelled_wavelengths
 from jointclosure.experiments import Design, Experiment, Tables
+from jointclosure.joint.protocol import FAILURE
 from jointclosure.plotting.mismatch import mismatch_figure
-from jointclosure.protocol import FAILURE
-from jointclosure.randomness import generator, seed_of
+from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.ratios import harmonic_mean, ratio_of_means
 from jointclosure.statistics.standard_errors import mean_of
 

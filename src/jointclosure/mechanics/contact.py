@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from jointclosure.compilation import kernel
+from jointclosure.compilation.kernels import kernel
 
 
 @kernel

@@ -2,7 +2,7 @@
 
 import math
 
-from jointclosure.compilation import kernel
+from jointclosure.compilation.kernels import kernel
 
 
 @kernel

@@ -7,7 +7,7 @@ neighbour outside the grid has infinite height, so that nothing flows there.
 
 import math
 
-from jointclosure.compilation import kernel
+from jointclosure.compilation.kernels import kernel
 
 
 @kernel

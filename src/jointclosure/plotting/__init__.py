@@ -1,6 +1,6 @@
 """Figures: datasets and tables in, figures out; no files, no computing of what a study means."""
 
-from jointclosure.extras import needs
+from jointclosure.inputs.extras import needs
 
 with needs("figures", "a figure"):
     import matplotlib as _  # noqa: F401

@@ -7,8 +7,8 @@ from matplotlib.animation import FuncAnimation
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from jointclosure.engineering.curves import spacing_of
-from jointclosure.history import GROSS
 from jointclosure.inputs import InputError
+from jointclosure.joint.history import GROSS
 from jointclosure.plotting.joint import draw_curves
 from jointclosure.plotting.scanned_joint import map_extent
 from jointclosure.plotting.snapshots import change_of_height, reach_of

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from jointclosure.calibration import Fit
+from jointclosure.measured.fit import Fit
 from jointclosure.plotting.style import styled, subplots
 
 

@@ -120,7 +120,7 @@ def choice_figure(table: pd.DataFrame) -> Figure:
     Parameters
     ----------
     table : DataFrame
-        Rows as from `jointclosure.studies.effects.validation.validate`.
+        Rows as from `jointclosure.effects.validation.validate`.
 
     Notes
     -----

@@ -7,9 +7,9 @@ from matplotlib.figure import Figure
 
 from jointclosure.engineering.curves import curve_table, has_flow
 from jointclosure.engineering.laws import LAWS, fitted_laws, law_curves
+from jointclosure.joint.protocol import LOADING
 from jointclosure.plotting.joint import draw_stiffness
 from jointclosure.plotting.style import BRANCH_LINES, above, styled, subplots
-from jointclosure.protocol import LOADING
 
 
 @styled

@@ -9,8 +9,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from jointclosure.config.typed import StudyRock
+from jointclosure.joint.protocol import UNLOADING
 from jointclosure.plotting.style import BRANCH_LINES, above, styled, subplots
-from jointclosure.protocol import UNLOADING
 
 _QUANTITIES = {
     "hydraulic_aperture": ("_mm", "hydraulic aperture (mm)"),

@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 
 from jointclosure.engineering.curves import seat_of
 from jointclosure.engineering.stiffness import stiffness_table
-from jointclosure.history import GROSS, NET, branch_of, read_along
+from jointclosure.joint.history import GROSS, NET, branch_of, read_along
+from jointclosure.joint.protocol import LOADING
 from jointclosure.plotting.style import BRANCH_LINES, above, styled, subplots
-from jointclosure.protocol import LOADING
 
 
 @styled
@@ -47,7 +47,7 @@ def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = 
         Where closure counts from: first touch, the seating stress on each cycle's loading, or
         each cycle's start.
     of : {"closure_net", "closure"}
-        Net closure, or gross, as for `jointclosure.history.read_along`.
+        Net closure, or gross, as for `jointclosure.joint.history.read_along`.
     """
     cycle, branch = closed.cycle.values, closed.branch.values
     values, numbers = read_along(closed, of), sorted(set(cycle.tolist()))

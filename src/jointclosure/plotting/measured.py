@@ -10,14 +10,14 @@ import xarray as xr
 from matplotlib.lines import Line2D
 
 from jointclosure.ensemble.aggregation import seats
-from jointclosure.studies.measured.curves import FIT_COLUMNS, MeasuredCurve, best_fits
+from jointclosure.measured.curves import FIT_COLUMNS, MeasuredCurve, best_fits
 
 _MARKERS = "osD^v"
 _DARK = dict(enumerate(sns.color_palette("dark", 8), start=1))
 
 
 class Measurements(NamedTuple):
-    """Measured curves by rock, and the fits of `jointclosure.studies.measured.curves.fit_table`."""
+    """Measured curves by rock, and the fits of `jointclosure.measured.curves.fit_table`."""
 
     curves: Mapping[str, MeasuredCurve] = MappingProxyType({})
     fits: pd.DataFrame = pd.DataFrame(columns=FIT_COLUMNS)

@@ -28,7 +28,7 @@ def predictive_figure(
     Parameters
     ----------
     drawn : Dataset
-        As of `jointclosure.studies.sensitivity.predictive.lengths_dataset`.
+        As of `jointclosure.sensitivity.predictive.lengths_dataset`.
     paper : DataFrame
         The paper's Table 3.
     rocks : dict
@@ -165,7 +165,7 @@ def along_curve_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], what: s
     Parameters
     ----------
     table : DataFrame
-        As of `jointclosure.studies.sensitivity.along_curve.along_curve`.
+        As of `jointclosure.sensitivity.along_curve.along_curve`.
     rocks : dict
         Of the study, by name, in order.
     what : {"elasticities", "intervals"}

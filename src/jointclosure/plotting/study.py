@@ -14,12 +14,12 @@ from matplotlib.patheffects import withStroke
 
 from jointclosure.config.properties import PARAMETER_TITLES, PROPERTIES
 from jointclosure.config.typed import StudyRock
-from jointclosure.empirical import barton_bandis, law_holds
+from jointclosure.engineering.empirical import barton_bandis, law_holds
 from jointclosure.ensemble.aggregation import seats, succeeded
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.plotting.measured import Measurements, draw_measured, measured_handles
 from jointclosure.plotting.style import styled, subplots
-from jointclosure.tables import UNPAIRED_TEST, roughness_title, test_name
+from jointclosure.sensitivity.tables import UNPAIRED_TEST, roughness_title, test_name
 
 _CYCLE_COLOURS = dict(enumerate(sns.color_palette("colorblind", 8), start=1))
 MOST_DRAWN = 500
@@ -307,7 +307,7 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
     Parameters
     ----------
     closures : DataFrame
-        As from `jointclosure.studies.sensitivity.responses.max_closure_table`.
+        As from `jointclosure.sensitivity.responses.max_closure_table`.
     study : Dataset
         Gives the parameters of the cases.
     rocks : dict

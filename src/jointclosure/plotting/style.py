@@ -13,7 +13,7 @@ import seaborn as sns
 from cycler import cycler
 from matplotlib.figure import Figure
 
-from jointclosure.protocol import LOADING, UNLOADING
+from jointclosure.joint.protocol import LOADING, UNLOADING
 
 BRANCH_LINES = {LOADING: "-", UNLOADING: "--"}
 """Line style of a branch in every figure."""

@@ -10,7 +10,7 @@ from jointclosure.claims.statements import TOLERANCE
 from jointclosure.claims.table import OURS
 from jointclosure.config.configuration import resolved
 from jointclosure.ensemble.aggregation import succeeded
-from jointclosure.progress import duration
+from jointclosure.jobs.progress import duration
 from jointclosure.report import findings, running, settings, summary
 from jointclosure.report.curves import MOST_JOINTS, explorer_data
 from jointclosure.report.page import Picture

@@ -5,9 +5,9 @@ import pandas as pd
 
 from jointclosure.config.properties import PARAMETER_TITLES, PROPERTIES
 from jointclosure.report.sheets import Cell, Sheet, cell, given, sheet
+from jointclosure.sensitivity.conclusions import COUNTS, FOUND
+from jointclosure.sensitivity.tables import is_paired, table_3, test_name
 from jointclosure.statistics.standard_errors import rounded
-from jointclosure.studies.sensitivity.conclusions import COUNTS, FOUND
-from jointclosure.tables import is_paired, table_3, test_name
 
 _WITH_UNITS = {name: about.title + about.in_brackets for name, about in PROPERTIES.items()}
 

@@ -16,7 +16,7 @@ from jointclosure.config.presets import (
 )
 from jointclosure.config.properties import PARAMETER_TITLES
 from jointclosure.ensemble.aggregation import succeeded
-from jointclosure.protocol import FAILURE
+from jointclosure.joint.protocol import FAILURE
 from jointclosure.report.sheets import Sheet, given, sheet
 
 MOST_FAILURES = 500

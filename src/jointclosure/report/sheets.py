@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from jointclosure.tables import significant
+from jointclosure.sensitivity.tables import significant
 
 ABSENT = "–"
 

@@ -14,8 +14,8 @@ from typing import IO
 import numpy as np
 import xarray as xr
 
-from jointclosure.extras import needs
 from jointclosure.inputs import InputError
+from jointclosure.inputs.extras import needs
 from jointclosure.scans.contents import Contents, check_size
 from jointclosure.scans.units import split_name
 

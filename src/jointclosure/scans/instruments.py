@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from jointclosure.extras import needs
 from jointclosure.inputs import InputError
+from jointclosure.inputs.extras import needs
 from jointclosure.scans.contents import Contents, check_size
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import scipy
 
-from jointclosure.extras import needs
 from jointclosure.inputs import InputError
+from jointclosure.inputs.extras import needs
 from jointclosure.scans.contents import Contents
 from jointclosure.scans.points import contents_of
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from jointclosure.remarks import caution
+from jointclosure.inputs.remarks import caution
 
 SENTINELS = (-999.0, -9999.0, 9999.0, -99999.0, 99999.0, -999999.0, 999999.0, -32767.0, -32768.0)
 """Counted as missing only beyond all other values: a scan in micrometres may be 9.999 mm high."""

@@ -3,8 +3,8 @@
 import re
 
 from jointclosure.inputs import SPELT, UNITS, InputError, size_of
+from jointclosure.inputs.remarks import caution
 from jointclosure.parameters import USUAL
-from jointclosure.remarks import caution
 
 
 def is_unit(word: str) -> bool:

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.compilation import kernel
+from jointclosure.compilation.kernels import kernel
 from jointclosure.mechanics.contact import force_of_overlap
 from jointclosure.mechanics.gouge import drops
 from jointclosure.solvers.cells import is_peak, neighbourhood

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from jointclosure.compilation import kernel
+from jointclosure.compilation.kernels import kernel
 from jointclosure.mechanics.contact import asperity_compliance
 from jointclosure.mechanics.curvature import gaussian_curvature
 

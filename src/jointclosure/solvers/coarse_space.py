@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.compilation import kernel
+from jointclosure.compilation.kernels import kernel
 from jointclosure.solvers.interaction_operator import Influence
 from jointclosure.solvers.products import symmetric_inverse, symmetric_times
 

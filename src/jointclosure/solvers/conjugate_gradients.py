@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from jointclosure.compilation import kernel
+from jointclosure.compilation.kernels import kernel
 from jointclosure.solvers.coarse_space import patch_weights, precondition
 from jointclosure.solvers.interaction_operator import interaction_product
 from jointclosure.solvers.products import inner

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.compilation import kernel
+from jointclosure.compilation.kernels import kernel
 from jointclosure.mechanics.contact import (
     cube_root,
     force_near,

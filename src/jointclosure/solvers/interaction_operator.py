@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.fft
 
-from jointclosure.compilation import kernel
+from jointclosure.compilation.kernels import kernel
 from jointclosure.mechanics.interaction import interaction_displacement
 from jointclosure.solvers.products import symmetric_times
 

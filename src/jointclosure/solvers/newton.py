@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.compilation import kernel
+from jointclosure.compilation.kernels import kernel
 from jointclosure.solvers.coarse_space import coarse_space, no_coarse_space
 from jointclosure.solvers.conjugate_gradients import newton_direction
 from jointclosure.solvers.contacts import Contacts, contact_response, coordinate_sweep, energy

@@ -23,7 +23,7 @@ import math
 
 import numpy as np
 
-from jointclosure.compilation import kernel
+from jointclosure.compilation.kernels import kernel
 from jointclosure.mechanics.curvature import gaussian_curvature
 from jointclosure.mechanics.gouge import fall, passed_share, upper_share
 

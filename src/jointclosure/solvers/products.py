@@ -7,7 +7,7 @@ order: eight partial sums, which vector units take side by side, whatever their 
 
 import numpy as np
 
-from jointclosure.compilation import kernel
+from jointclosure.compilation.kernels import kernel
 
 
 @kernel

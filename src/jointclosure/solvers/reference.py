@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from jointclosure.compilation import kernel
+from jointclosure.compilation.kernels import kernel
 from jointclosure.mechanics.contact import asperity_compliance, force_of_overlap
 from jointclosure.mechanics.gouge import drops, passed_share, shed, upper_share
 from jointclosure.mechanics.strength import is_overstressed

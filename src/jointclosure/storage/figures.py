@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from jointclosure.files import atomically
+from jointclosure.storage.files import atomically
 
 if TYPE_CHECKING:  # a job that draws nothing does not load it
     from matplotlib.animation import FuncAnimation

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from jointclosure.extras import needs
-from jointclosure.files import atomically
+from jointclosure.inputs.extras import needs
+from jointclosure.storage.files import atomically
 
 
 def write_vtu(

@@ -1,7 +1,7 @@
 """NetCDF files: whole or absent, whatever happens meanwhile.
 
 A file ends with a digest of all before it (other readers skip it), see
-`jointclosure.files`.
+`jointclosure.storage.files`.
 """
 
 import contextlib
@@ -13,7 +13,7 @@ from typing import Any
 import netCDF4
 import xarray as xr
 
-from jointclosure.files import atomically, check_seal, seal
+from jointclosure.storage.files import atomically, check_seal, seal
 
 _CHUNK_CACHE = 1_000_000
 """Bytes of a variable that netCDF keeps in memory while blocks are written, instead of 64 MB."""

@@ -10,7 +10,7 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
-from jointclosure.sources import PACKAGE, package_digest
+from jointclosure.compilation.sources import PACKAGE, package_digest
 
 
 def provenance(configuration: dict[str, Any]) -> dict[str, str]:

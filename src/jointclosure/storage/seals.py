@@ -15,8 +15,8 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
-from jointclosure.files import END_DIGEST, atomically
 from jointclosure.inputs import InputError
+from jointclosure.storage.files import END_DIGEST, atomically
 
 _AGAIN = "delete it and start again, what is missing is made anew"
 _NEED_NO_SEAL = (".nc", ".txt")

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from jointclosure.files import atomically
 from jointclosure.inputs import InputError
+from jointclosure.storage.files import atomically
 
 
 def write_csv(frame: pd.DataFrame, path: str | Path, figures: int | None = None) -> None:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.inputs import InputError
-from jointclosure.randomness import generator, seed_of
+from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.surface.measured import windows
 from jointclosure.surface.roughness import detrended
 from jointclosure.surface.synthesis import synthetic_wall

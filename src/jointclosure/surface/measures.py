@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jointclosure.inputs import InputError
-from jointclosure.randomness import generator, seed_of
+from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.surface.differences import (
     difference,
     mean_curvature,

@@ -8,7 +8,7 @@ import numpy as np
 import scipy.fft
 
 from jointclosure.inputs import InputError
-from jointclosure.randomness import generator, seed_of
+from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.surface.roughness import detrended, rms_slope
 from jointclosure.surface.synthesis import Spectrum, gaussian_field
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.inputs import InputError
-from jointclosure.remarks import Caution, caution, cautions, prefixed
+from jointclosure.inputs.remarks import Caution, caution, cautions, prefixed
 from jointclosure.surface.implausible import Implausible
 from jointclosure.surface.mating import (
     Mating,

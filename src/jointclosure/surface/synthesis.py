@@ -13,7 +13,7 @@ import numpy as np
 import scipy.fft
 
 from jointclosure.inputs import InputError, check_length, check_number, check_one_of, check_seed
-from jointclosure.randomness import generator, seed_of
+from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.surface.roughness import DEFAULT_RELATION, detrended, rms_slope, z2_of_jrc
 
 RULES = ("self_affine", "walk")

@@ -6,7 +6,7 @@ import pydantic
 from pydantic import ConfigDict, Field, StringConstraints
 
 from jointclosure.config.keys import entry, intact_keys
-from jointclosure.protocol import FLAGS
+from jointclosure.joint.protocol import FLAGS
 from jointclosure.solvers.registry import SOLVERS
 from jointclosure.verification.hard_walls import SHAPES
 

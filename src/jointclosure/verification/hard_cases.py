@@ -22,6 +22,9 @@ import xarray as xr
 from jointclosure.config.schema import problems
 from jointclosure.config.units import to_si
 from jointclosure.inputs import InputError
+from jointclosure.joint.protocol import FAILURE, FLAGS
+from jointclosure.joint.simulation import equilibrium, height_datum, simulate_by
+from jointclosure.joint.warmup import compile_kernels, kernels_of
 from jointclosure.parameters import (
     OF_ROCK,
     Choices,
@@ -29,8 +32,6 @@ from jointclosure.parameters import (
     Numerics,
     rock_of,
 )
-from jointclosure.protocol import FAILURE, FLAGS
-from jointclosure.simulation import equilibrium, height_datum, simulate_by
 from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import CONVERGED, Joint, Settled
@@ -39,7 +40,6 @@ from jointclosure.verification import oracle
 from jointclosure.verification.hard_case_keys import CaseKeys, HardCasesKeys
 from jointclosure.verification.hard_walls import hard_walls
 from jointclosure.verification.requirements import EXTRA, broken_requirements, limits_of
-from jointclosure.warmup import compile_kernels, kernels_of
 
 _LARGEST_JUDGED = 2500
 """Contacts beyond which only every tenth state is judged: the oracle is dense."""
@@ -277,7 +277,7 @@ def curve_of(outcome: Outcome) -> pd.DataFrame:
 
 
 def kernels_of_cases(cases: Iterable[dict]) -> list[list[str]]:
-    """Kernels as `jointclosure.warmup.kernels_of` of the cases that are closed."""
+    """Kernels as `jointclosure.joint.warmup.kernels_of` of the cases that are closed."""
     return kernels_of(
         (Effects(**case["effects"]), Choices(**case["choices"]), Numerics(**case["numerics"]))
         for case in cases

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from jointclosure.protocol import FAILURE, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
+from jointclosure.joint.protocol import FAILURE, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
 
 LARGEST_UNBREAKABLE_SHARE = 0.1
 """Of the force on cells that cannot break, beyond which a remark is due; not the protocol's own."""

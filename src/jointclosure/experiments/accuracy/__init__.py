@@ -20,7 +20,7 @@ from jointclosure.experiments.accuracy.cost import (
 from jointclosure.experiments.accuracy.design import Setting, design_of, joint_of
 from jointclosure.experiments.accuracy.presets_table import setting_table
 from jointclosure.plotting.accuracy import SCENE_TITLES, error_sources, work_precision
-from jointclosure.randomness import generator, seed_of
+from jointclosure.statistics.randomness import generator, seed_of
 
 PREFIX = "accuracy_"
 

@@ -17,7 +17,7 @@ import xarray as xr
 from jointclosure.ensemble.cases import BASE
 from jointclosure.ensemble.points import gridded
 from jointclosure.experiments.accuracy.design import Setting
-from jointclosure.protocol import FAILURE
+from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.indifference import indifference_interval
 
 MEASURES = ("mean", "deviation", "interval", "net")

@@ -24,11 +24,11 @@ from jointclosure.ensemble.surfaces import walls_of_seed
 from jointclosure.ensemble.timing import pair_seconds
 from jointclosure.experiments.accuracy.design import Joint
 from jointclosure.inputs import InputError
-from jointclosure.randomness import seed_of
 from jointclosure.statistics.control_variates import fewest_surfaces
+from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.total_error import REACH, front, method_of, shares
 from jointclosure.surface.roughness import z2_of_jrc
-from jointclosure.surrogate import ALL_ROCKS, estimate
+from jointclosure.surrogate.estimate import ALL_ROCKS, estimate
 
 SURROGATE = "surrogate"
 RESPONSES = ("mean", "interval")

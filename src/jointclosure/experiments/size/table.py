@@ -12,9 +12,9 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.empirical import barton_bandis, scaled_to
+from jointclosure.engineering.empirical import barton_bandis, scaled_to
 from jointclosure.ensemble.points import gridded
-from jointclosure.protocol import FAILURE
+from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.standard_errors import Estimate, mean_of
 
 READ = (

@@ -15,8 +15,8 @@ from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.inputs import InputError
 from jointclosure.parameters import PROPERTIES, key_of
-from jointclosure.randomness import seed_of
 from jointclosure.statistics.orthonormal import part_of
+from jointclosure.statistics.randomness import seed_of
 from jointclosure.statistics.variance_indices import sampled_rows
 
 ROCK = "ROCK"

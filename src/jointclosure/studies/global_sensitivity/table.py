@@ -7,8 +7,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.randomness import generator, seed_of
 from jointclosure.statistics.orthonormal import Fit, Term, design_matrix, fitted
+from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.variance_indices import (
     Indices,
     shapley_effects,

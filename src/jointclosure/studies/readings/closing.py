@@ -9,7 +9,7 @@ import xarray as xr
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.surfaces import walls_of
-from jointclosure.protocol import FAILURE
+from jointclosure.joint.protocol import FAILURE
 
 CLOSURES = ("max_closure", "max_closure_seated", "max_bulk_indentation")
 

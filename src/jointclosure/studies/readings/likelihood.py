@@ -8,7 +8,6 @@ import pandas as pd
 
 from jointclosure.config.properties import PROPERTIES
 from jointclosure.inputs import InputError
-from jointclosure.randomness import generator, seed_of
 from jointclosure.statistics.drawn_studies import (
     Design,
     draw_studies,
@@ -16,6 +15,7 @@ from jointclosure.statistics.drawn_studies import (
     lengths_table,
 )
 from jointclosure.statistics.joint_tests import JointTest, joint_test, log_likelihoods
+from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import Estimate
 from jointclosure.studies.readings.pools import (
     Closures,

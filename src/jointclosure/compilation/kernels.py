@@ -1,0 +1,142 @@
+"""How kernels are compiled, and where their machine code is kept.
+
+Numba's own check of its disk cache looks at the file of a function only: an
+edit in another module that the function calls goes unnoticed and yields
+silently wrong numbers. The cache folder is therefore named by a digest of
+the code that kernels are made of. It lies beside the sources, or in the user's
+cache folder where that is read-only; ``JOINTCLOSURE_CACHE`` overrides both.
+The first compilation of a process is announced by the logger ``jointclosure``.
+Numba's own settings, which hold for all of a process, are not touched.
+"""
+
+import contextlib
+import hashlib
+import logging
+import os
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
+
+from jointclosure.compilation.sources import PACKAGE, code_digest, raw_digest
+
+KERNEL_PARTS = ("mechanics", "solvers", "compilation")
+"""Where kernels are; what these import counts too."""
+
+
+@lru_cache(maxsize=None)
+def cache_folder() -> Path:
+    """Folder of the compiled kernels for their code as it is now."""
+    root = _cache_root()
+    # the digest of the code takes longer than all else at the start of a job: it is kept
+    known = root / f"kernels-of-{raw_digest()}"
+    if known.is_file() and (code := known.read_text(encoding="utf-8")):
+        return root / f"numba-{code}"
+    code = code_digest(*KERNEL_PARTS)
+    with contextlib.suppress(OSError):  # without it the next start takes longer, and no more
+        root.mkdir(parents=True, exist_ok=True)
+        temporary = known.with_suffix(f".{os.getpid()}")
+        temporary.write_text(code, encoding="utf-8")
+        temporary.replace(known)
+    return root / f"numba-{code}"
+
+
+def _cache_root() -> Path:
+    if chosen := os.environ.get("JOINTCLOSURE_CACHE"):
+        return Path(chosen)
+    beside = PACKAGE / "__pycache__"
+    if os.access(beside if beside.exists() else PACKAGE, os.W_OK):
+        return beside
+    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(home) / "jointclosure"
+
+
+class _Folder(_CacheLocator):
+    """A function's place in `cache_folder`, whose name says which code it is of."""
+
+    def __init__(self, function: Callable[..., Any], file: str):
+        self._path = cache_folder() / self.get_suitable_cache_subpath(file)  # type: ignore[no-untyped-call]
+        inside = Path(file).resolve().is_relative_to(PACKAGE)
+        # the digest in the folder's name covers the package only
+        self._stamp = "" if inside else hashlib.sha256(Path(file).read_bytes()).hexdigest()
+
+    def get_cache_path(self) -> str:
+        return str(self._path)
+
+    def get_source_stamp(self) -> str:
+        return self._stamp
+
+    def get_disambiguator(self) -> str:
+        return ""
+
+    @classmethod
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> "_Folder":
+        return cls(py_func, py_file)
+
+
+class _InFolder(CompileResultCacheImpl):
+    """Files named by the function alone: a comment above it moves its line, and not its code."""
+
+    _locator_classes = (_Folder,)  # type: ignore[assignment]
+
+    def get_filename_base(self, fullname: str, abiflags: str) -> str:
+        return super().get_filename_base(fullname, abiflags).replace(f"-{self._lineno}.", ".", 1)  # type: ignore[no-untyped-call]
+
+
+class _KernelCache(FunctionCache):
+    """Machine code of one kernel on the disk; says once that something is compiled, and counts."""
+
+    _impl_class = _InFolder
+    misses = 0
+
+    def __init__(self, function: Callable[..., Any]):
+        super().__init__(function)  # type: ignore[no-untyped-call]
+        try:
+            self._impl.locator.ensure_cache_path()
+        except OSError:  # where nothing can be written, a process compiles what it needs
+            self.disable()  # type: ignore[no-untyped-call]
+
+    def load_overload(self, sig, target_context):  # type: ignore[no-untyped-def]
+        """As `Cache.load_overload`: None where it is to be compiled."""
+        found = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        if found is None:
+            _KernelCache.misses += 1
+            if _KernelCache.misses == 1:  # as nothing else happens meanwhile
+                logging.getLogger("jointclosure").warning(
+                    "jointclosure: compiling kernels, once for this version (up to a minute)"
+                )
+        return found
+
+
+def compiles() -> int:
+    """How often this process has compiled, rather than found machine code in the cache."""
+    return _KernelCache.misses
+
+
+def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a numerical kernel: cached on disk, serial, IEEE arithmetic.
+
+    Divisions follow numpy (no exception on 0/0), so a kernel guards its own
+    singular cases. With ``NUMBA_DISABLE_JIT=1`` the function stays Python, and
+    numpy's numbers are then as silent about 0/0 as compiled ones.
+
+    A closure is named after the plain values that it closes over. Its machine
+    code bears its name and a number counted from the start of the process, so
+    that two closures of one factory, compiled in two processes, could bear the
+    same, and fail in a third process that loads both from the cache.
+    """
+    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+    flags = [(name, cell.cell_contents) for name, cell in cells]
+    function.__qualname__ += "".join(
+        f"_{name}_{value}" for name, value in flags if isinstance(value, bool)
+    )
+    compiled = numba.njit(function, error_model="numpy", nogil=True, forceinline=True)
+    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return np.errstate(divide="ignore", invalid="ignore", over="ignore")(compiled)
+    # as `enable_caching` does, which would take the folder that is set for the whole process
+    compiled._cache = _KernelCache(function)  # type: ignore[attr-defined]
+    return compiled

@@ -1,0 +1,1 @@
+"""One joint through its load cycles: protocol, steps, history, fields and flow."""

@@ -1,0 +1,98 @@
+"""What a simulation will take at least, foreseen before it starts.
+
+Two kinds of joints run practically for ever: those whose closure is very many
+displacement steps long, and those whose rock is crushed to powder by resolved
+breakage. Both show before anything breaks.
+"""
+
+import math
+
+import numpy as np
+
+from jointclosure.inputs import InputError
+from jointclosure.joint.step_control import LARGEST_STEP
+from jointclosure.parameters import Numerics
+from jointclosure.solvers.contacts import separate_shift
+from jointclosure.solvers.fast import BAND
+from jointclosure.solvers.joint import Joint
+
+_CRUSHING = 3e6
+"""Breakage steps for each cell that crushing to powder took with resolved breakage: 1.3e9 on
+20 x 20 cells of dolerite at 3 MPa with a largest radius of 1 mm, in 93 s; 6e3 with 1.5 mm."""
+
+
+def check_foreseen(joint: Joint, numerics: Numerics, max_normal_stress: float, cycles: int) -> None:
+    """Refuse a simulation that would take more steps than `Numerics` allows.
+
+    Parameters
+    ----------
+    joint : Joint
+        Unloaded, its walls pristine.
+    numerics : Numerics
+    max_normal_stress : float
+        [Pa].
+    cycles : int
+        Load cycles.
+
+    Raises
+    ------
+    InputError
+        Naming what asks for the steps, and the bound.
+    """
+    steps, closure = displacement_steps(joint, numerics, max_normal_stress, cycles)
+    if steps > numerics.most_steps:
+        least = numerics.displacement_step * steps / numerics.most_steps
+        raise InputError(
+            f"displacement_step = {numerics.displacement_step!r} m: the elastic closure alone, "
+            f"{closure:.3g} m, takes {steps:.3g} steps, most_steps = {numerics.most_steps:g}; must "
+            f"be at least {least:.3g} m, and later_displacement_step as much, or most_steps larger"
+        )
+    strength = largest_strength(joint, numerics)
+    radius = joint.choices.largest_radius
+    if radius and strength < max_normal_stress and numerics.most_breakage_steps < _CRUSHING:
+        least = radius * math.sqrt(max_normal_stress / strength)
+        raise InputError(
+            f"largest_radius = {radius!r} m: all cells together bear "
+            f"{strength:.3g} Pa at such radii, less than max_normal_stress = "
+            f"{max_normal_stress:g} Pa, and resolved breakage takes practically for ever to crush "
+            f"them; must be at least {least:.2g} m (or None, or breakage = 'fixed_step', or "
+            f"most_breakage_steps from {_CRUSHING:g} on)"
+        )
+
+
+def displacement_steps(
+    joint: Joint, numerics: Numerics, max_normal_stress: float, cycles: int
+) -> tuple[float, float]:
+    """Displacement steps that an elastic history takes at least, and the closure [m] behind it.
+
+    That of contacts that neither break nor feel each other, which is less than the closure of
+    the joint's first loading. Later branches are shorter where asperities broke: of four
+    dolerite joints of the default study, which take 63 to 72, it foresees 93 to 121; of joints
+    without roll-off, which took 118, 98.
+    """
+    reach = float(np.ptp(joint.upper + joint.lower))
+    cells, overlap, _, compliance = joint.overlapping(math.nextafter(reach, math.inf))
+    contacts = joint.contacts(cells, overlap, compliance)
+    target = max_normal_stress * joint.upper.size * joint.law.spacing**2
+    closure = float(separate_shift(contacts, target)) + reach
+    first = numerics.displacement_step
+    if numerics.breakage == "resolved":
+        first *= LARGEST_STEP
+    later = (2 * cycles - 1) * closure / numerics.later_displacement_step
+    return closure / first + later, closure
+
+
+def largest_strength(joint: Joint, numerics: Numerics) -> float:
+    """Stress [Pa] that all cells together bear without being locked, at the largest radii.
+
+    Infinite where radii have no bound, or breakage is not resolved, or makes no gouge
+    that could lock a pair.
+    """
+    law = joint.law
+    resolved = numerics.breakage == "resolved" and joint.effects.gouge
+    if not resolved or law.least_curvature == 0.0:
+        return math.inf
+    force = law.breaking_force[joint.peaks] / (2.0 * law.least_curvature) ** 2
+    # a pair may exceed its strength by half the band, its force by as much to the power of 3/2
+    beyond = (1.0 + 0.5 * BAND * numerics.tolerance) ** 1.5
+    return beyond * float(force.sum()) / (joint.upper.size * law.spacing**2)

@@ -1,0 +1,598 @@
+"""The history of a joint: load cycles under displacement control.
+
+Works with any solver of the registry. See docs/decisions/0005-protocol.md.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from jointclosure.joint.loading import LoadCycle
+from jointclosure.joint.step_control import StepControl
+from jointclosure.parameters import Numerics
+from jointclosure.solvers.joint import (
+    CONVERGED,
+    NOT_AT_REST,
+    NOT_CONVERGED,
+    RIGID_CONTACT,
+    Effort,
+    Joint,
+    Settled,
+    Solver,
+)
+
+TARGET_JUMPED = 1
+OUTSIDE_MODEL_RANGE = 2
+FAILURE = 16
+TOO_MANY_STEPS = 16 * FAILURE
+FLAGS = {
+    TARGET_JUMPED: "target_jumped",
+    OUTSIDE_MODEL_RANGE: "outside_model_range",
+    FAILURE: "not_converged",
+    2 * FAILURE: "breakage_not_at_rest",
+    4 * FAILURE: "rigid_contact",
+    8 * FAILURE: "stress_not_reached",
+    TOO_MANY_STEPS: "too_many_steps",
+}
+"""Bits of a simulation's status: below `FAILURE` remarks on a success, above it failures."""
+
+FLAG_OF_OUTCOME = {
+    NOT_CONVERGED: FAILURE,
+    NOT_AT_REST: 2 * FAILURE,
+    RIGID_CONTACT: 4 * FAILURE,
+}
+LARGEST_UNBREAKABLE_SHARE = 0.1
+"""Beyond this share of force on contacts that cannot break the model is out of its range."""
+
+LOADING, UNLOADING = "loading", "unloading"
+Observer = Callable[[Joint, "Step"], None]
+"""Is shown the joint as it is at every step of the history, in order; must not change it."""
+Report = Callable[[int, str, float], None]
+"""Is told of every accepted step: its cycle, its branch, and its force over the cycle's maximum."""
+
+_SMALLEST_STEP = 1e-6
+"""Fraction of a displacement step below which a jump of the stress is accepted as one, and of
+the closure reached, where that is less: a step may be far longer than all that is needed."""
+
+_FEWEST_CONTACTS = 300
+"""Cells in contact, at a pressure of the compressive strength, that a maximum must call for if the
+interaction is to be left out before it: of fewer each decides what the second cycle is."""
+_MOST_CRUSHED = 0.4
+"""Share of the compressive strength that a maximum stress may have for it: beyond, nearly all of
+the time goes into what breaks, and a joint that began without interaction breaks no less."""
+_MOST_SECANTS = 2
+_MISLED = 0.1
+"""Part of the step that passed a target in which it is no longer sought, where all shorter steps
+fell short of it."""
+
+
+class Step(NamedTuple):
+    """One accepted point of the history: what was settled, and where in it.
+
+    ``mean_height`` is that of both walls together [m]: it falls where what breaks vanishes.
+    """
+
+    cycle: int
+    branch: str
+    settled: Settled
+    mean_height: float
+
+
+class History(NamedTuple):
+    """All accepted steps in order, the status bits, the total effort, and cycles replayed.
+
+    ``idle_steps`` of the first loading are without interaction, which would displace no contact by
+    more than ``idle_displacement`` of the closure there.
+    """
+
+    steps: list[Step]
+    status: int
+    effort: Effort
+    replayed: int = 0
+    idle_steps: int = 0
+    idle_displacement: float = 0.0
+
+
+class _Run:
+    """Mutable bookkeeping of `run_cycles`."""
+
+    def __init__(
+        self,
+        joint: Joint,
+        solver: Solver,
+        numerics: Numerics,
+        cycles: Sequence[LoadCycle],
+        report: Report | None,
+        observers: Sequence[Observer],
+    ):
+        self.joint, self.solver, self.numerics = joint, solver, numerics
+        self.report, self.observers = report, observers
+        self.target_force = cycles[0].maximum  # of the cycle that runs
+        self.closure, self.total_force = 0.0, 0.0
+        self.cycle_start = 0.0
+        self.steps: list[Step] = []
+        self.forces: list[np.ndarray] = []  # from the last maximum on, for observers
+        self.status = 0
+        self.effort = Effort()
+        self.closure_limit = closure_limit(joint, max(cycle.maximum for cycle in cycles))
+        self.most_breakage_steps = numerics.most_breakage_steps * joint.upper.size
+        self.idle_steps, self.idle_displacement = 0, 0.0
+        self.leaves_interaction_out = (
+            joint.interaction_acts
+            and numerics.idle_interaction > 0.0
+            and _pays_without_interaction(joint, max(cycle.maximum for cycle in cycles))
+        )
+        if self.leaves_interaction_out:
+            joint.interaction_acts = False
+
+    @property
+    def failed(self) -> bool:
+        return self.status >= FAILURE
+
+    def settle(self, closure: float, breakage_step: float) -> Settled:
+        """Bring the joint to rest at a closure [m]; a failure is noted in the status."""
+        settled = self.solver.settle(self.joint, closure, breakage_step)
+        self.effort = self.effort.plus(settled.effort)
+        if settled.outcome != CONVERGED:
+            self.status |= FLAG_OF_OUTCOME[settled.outcome]
+        elif self.effort.breakage_steps > self.most_breakage_steps:
+            self.status |= FLAG_OF_OUTCOME[NOT_AT_REST]
+        elif self.effort.settled > self.numerics.most_steps:
+            self.status |= TOO_MANY_STEPS
+        return settled
+
+    def predict(self, step: float, residual: float) -> float:
+        """Force [N] after a displacement step [m] before anything breaks; see `Solver.predict`."""
+        assert self.solver.predict is not None
+        force, effort = self.solver.predict(self.joint, self.closure + step, residual)
+        self.effort = self.effort.plus(effort)
+        return force
+
+    def is_idle(self, settled: Settled) -> bool:
+        """Whether a state of the first loading that was settled without interaction may stand.
+
+        The certificate is `Joint.interaction_left_out`: with the interaction this state's force
+        would be reached at a closure further by that displacement at most. At the maximum the
+        interaction acts in any case, as later cycles are shorter than the first.
+        """
+        displaced = self.joint.interaction_left_out() / settled.closure
+        if settled.total_force >= self.target_force or displaced > self.numerics.idle_interaction:
+            return False
+        self.idle_steps += 1
+        self.idle_displacement = max(displaced, self.idle_displacement)
+        return True
+
+    def resume_interaction(self) -> None:
+        """Leave the interaction out no longer."""
+        self.joint.resume_interaction()
+        self.leaves_interaction_out = False
+
+    def accept(self, cycle: int, branch: str, settled: Settled) -> None:
+        self.closure, self.total_force = settled.closure, settled.total_force
+        self.steps.append(Step(cycle, branch, settled, _mean_height(self.joint)))
+        if self.observers:
+            if branch == LOADING:
+                self.forces.clear()
+            self.forces.append(self.joint.force.copy())
+        for observe in self.observers:
+            observe(self.joint, self.steps[-1])
+        if self.report:
+            self.report(cycle, branch, settled.total_force / self.target_force)
+
+
+def run_cycles(
+    joint: Joint,
+    solver: Solver,
+    numerics: Numerics,
+    cycles: Sequence[LoadCycle],
+    extra_force: float = 0.0,
+    report: Report | None = None,
+    observers: Sequence[Observer] = (),
+) -> History:
+    """Load to a force and unload to a lower one or to last contact, repeatedly.
+
+    Parameters
+    ----------
+    joint : Joint
+        Unloaded at first touch; left as the history leaves it.
+    solver : Solver
+    numerics : Numerics
+        Steps of the first loading and of the branches after it.
+    cycles : sequence of LoadCycle
+        In forces [N]: nominal stress times nominal area.
+    extra_force : float
+        A force [N] below the maxima to stop at on an elastic curve, besides
+        its evenly spaced ones, such as that of seating; 0 for none.
+    report : Report, optional
+        Told of every step but those of an elastic curve, which is solved at once.
+    observers : sequence of Observer
+
+    Returns
+    -------
+    History
+        Starts with first touch at closure 0. Ends early with a failure's bit
+        in the status.
+    """
+    if not joint.effects.breakage and solver.elastic_curve is not None:
+        history = _elastic_cycles(joint, solver, numerics, cycles, extra_force)
+        if observers:
+            _show_elastic(joint, solver, history, observers)
+        return history
+    run = _Run(joint, solver, numerics, cycles, report, observers)
+    run.accept(1, LOADING, _untouched(joint))
+    elastic: _Loop | None = None
+    replayed = 0
+    for cycle, load in enumerate(cycles, start=1):
+        run.target_force = load.maximum
+        if elastic and numerics.replay and load == cycles[cycle - 2]:
+            _repeat_elastic(run, cycle, elastic)
+            replayed += 1
+            continue
+        first = cycle == 1
+        _load(
+            run,
+            cycle,
+            numerics.displacement_step if first else numerics.later_displacement_step,
+            numerics.breakage_step if first else numerics.later_breakage_step,
+        )
+        if run.failed:
+            break
+        _judge_range(run)
+        broken, maximum = run.effort.breakage_steps, run.closure
+        _unload(run, cycle, load.minimum)
+        if run.failed:
+            break
+        elastic = _loop_of(run, cycle) if _is_elastic_from_here(run, broken) else None
+        _note_held(run, cycle, maximum if elastic else -np.inf)
+    idle = run.idle_steps, run.idle_displacement
+    return History(run.steps, run.status, run.effort, replayed, *idle)
+
+
+def _elastic_cycles(joint, solver, numerics, cycles, extra_force) -> History:
+    """Up and down one curve, as nothing breaks: solved once, at given forces."""
+    start = _untouched(joint)
+    forces = _elastic_forces(numerics, cycles, extra_force)
+    curve = solver.elastic_curve(joint, forces[1:])
+    failed = curve[-1].outcome != CONVERGED
+    status = FLAG_OF_OUTCOME[curve[-1].outcome] if failed else 0
+    known = [start, *(curve[:-1] if failed else curve)]
+    height = _mean_height(joint)
+    steps, at = [Step(1, LOADING, start, height)], 0
+    turns = [
+        (cycle, branch, force)
+        for cycle, load in enumerate(cycles, start=1)
+        for branch, force in zip((LOADING, UNLOADING), load, strict=True)
+    ]
+    for cycle, branch, force in turns:
+        to = int(np.abs(forces - force).argmin())
+        way = range(at + 1, to + 1) if branch == LOADING else range(at - 1, to - 1, -1)
+        steps += [Step(cycle, branch, known[i], height) for i in way if i < len(known)]
+        if to >= len(known):  # the curve failed before
+            break
+        at = to
+    if not failed and at == 0:
+        joint.force[:] = 0.0
+    elif not failed:
+        solver.elastic_curve(joint, forces[at : at + 1])
+    effort = Effort()
+    for settled in curve:
+        effort = effort.plus(settled.effort)
+    return History(steps, status, effort)
+
+
+def _elastic_forces(numerics, cycles, extra_force) -> np.ndarray:
+    """Forces of an elastic curve from 0 on [N]: evenly spaced, at seating and at each turn."""
+    largest = max(cycle.maximum for cycle in cycles)
+    forces = largest * np.arange(numerics.curve_points + 1) / numerics.curve_points
+    # a turn, or seating, that is one of them but for rounding would be a step of no length
+    turns = {force for cycle in cycles for force in cycle}
+    if 0.0 < extra_force < largest:
+        turns.add(extra_force)
+    apart = [turn for turn in turns if np.abs(forces - turn).min() > 1e-12 * largest]
+    return np.union1d(forces, apart) if apart else forces
+
+
+def _show_elastic(
+    joint: Joint, solver: Solver, history: History, observers: Sequence[Observer]
+) -> None:
+    """Show every step: its forces are solved again, as a curve keeps those of its end only."""
+    assert solver.elastic_curve is not None
+    ended, forces = joint.force.copy(), {0.0: np.zeros(joint.force.shape)}
+    for step in history.steps:
+        total = step.settled.total_force
+        if total not in forces:
+            solver.elastic_curve(joint, np.array([total]))
+            forces[total] = joint.force.copy()
+        joint.force[:] = forces[total]
+        for observe in observers:
+            observe(joint, step)
+    joint.force[:] = ended
+
+
+def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float) -> None:
+    """Close by steps until the force passes the target, then land on it.
+
+    No step jumps over a former maximum that is known to hold: beyond it breakage can let the force
+    fall, so that a maximum that was reached before would be missed.
+    """
+    held = run.joint.held_to
+    near = run.numerics.stress_tolerance * run.target_force
+    control = None
+    if run.numerics.breakage == "resolved":
+        control = StepControl(
+            run.numerics, displacement_step, run.target_force, may_lengthen=cycle == 1
+        )
+    run.cycle_start = run.closure
+    step = displacement_step
+    while True:
+        if run.closure > run.closure_limit:
+            run.status |= 8 * FAILURE
+            return
+        before = run.joint.snapshot()
+        if control:
+            step = control.fitting(step, run.total_force, run.predict)
+        taken, closure = step, run.closure + step
+        if run.closure < held <= closure:  # this step alone is shorter
+            taken, closure = held - run.closure, held
+        settled = run.settle(closure, breakage_step)
+        if run.failed:
+            return
+        if run.leaves_interaction_out and not run.is_idle(settled):
+            run.joint.restore(before)
+            run.resume_interaction()
+            continue
+        landed = abs(settled.total_force - run.target_force) <= near
+        if landed and (control or closure == held):
+            run.accept(cycle, LOADING, settled)
+            return
+        if control:
+            step = control.following(taken, run.total_force, settled)
+            if control.must_repeat(taken, step):
+                run.joint.restore(before, rates=False)
+                continue
+        if settled.total_force < run.target_force:
+            run.accept(cycle, LOADING, settled)
+        elif run.numerics.target == "interpolate":
+            _interpolate(run, cycle, LOADING, run.target_force, before, settled)
+            return
+        elif _land(run, cycle, before, settled, displacement_step, breakage_step):
+            return
+
+
+def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
+    """Repeat the step that passed the target, smaller, until the force is within tolerance.
+
+    Where the force jumps over the target, the last state below it. Whether the loading is at its
+    end: with resolved breakage it may turn out that in shorter steps the force reaches the target
+    further on only.
+    """
+    near = run.numerics.stress_tolerance * run.target_force
+    above, passed_again, short_again = passed, 0, 0
+    further = passed  # the one before of those above the target
+    misled = 0.0
+    if run.numerics.breakage == "resolved":
+        misled = _MISLED * (passed.closure - run.closure)
+    while True:
+        if above.total_force - run.target_force <= near:
+            run.accept(cycle, LOADING, above)
+            return True
+        if run.target_force - run.total_force <= near:
+            run.joint.restore(before)
+            return True
+        room = above.closure - run.closure
+        reached = above.closure - run.cycle_start
+        resolved = float(np.spacing(abs(run.joint.first_touch) + above.closure))
+        if room < _SMALLEST_STEP * min(displacement_step, reached) or room <= resolved:
+            break
+        # between two states the forces lie, where they follow the closure
+        run.joint.restore(before, rates=run.numerics.breakage == "fixed_step")
+        if above is passed and room < misled:
+            return False
+        part = _part_to_target(run, above, further, passed_again, short_again)
+        trial = run.settle(run.closure + part * room, breakage_step)
+        if run.failed:
+            return True
+        if trial.total_force > run.target_force:
+            further, above, passed_again, short_again = above, trial, passed_again + 1, 0
+        else:
+            passed_again, short_again = 0, short_again + 1
+            run.accept(cycle, LOADING, trial)
+            before = run.joint.snapshot()
+    run.joint.restore(before)
+    # where even the first force is beyond the target no state below it carries any
+    run.status |= TARGET_JUMPED if run.total_force > 0.0 else 8 * FAILURE
+    return True
+
+
+def _part_to_target(
+    run: _Run, above: Settled, further: Settled, passed_again: int, short_again: int
+) -> float:
+    """How much of the way from the last state below the target to the last one above to go.
+
+    ``further`` is the state above before the last one. With fixed steps of breakage half of the
+    secant step, less for each in a row that passed the target again and more for each that fell
+    short: the force rises at once and then hardly depends on the step, and what a large step breaks
+    costs time. With resolved breakage the force follows the closure: the secant of the states
+    above, or false position (Illinois) where there is one only or they do not come nearer.
+    """
+    missing, beyond = run.target_force - run.total_force, above.total_force - run.target_force
+    room = above.closure - run.closure
+    if run.numerics.breakage == "resolved":
+        if 0 < passed_again <= _MOST_SECANTS and further.total_force > above.total_force:
+            slope = (further.total_force - above.total_force) / (further.closure - above.closure)
+            part = 1.0 - beyond / (slope * room)
+            if part > 0.02:
+                return part
+        missing *= 0.5 ** max(passed_again - 1, 0)
+        beyond *= 0.5 ** max(short_again - 1, 0)
+        return min(max(missing / (missing + beyond), 0.02), 0.98)
+    slope = (above.total_force - run.total_force) / room
+    part = (run.target_force - run.total_force) / (slope * room)
+    part = 0.5 * min(max(part, 0.02), 0.98) * 0.4**passed_again
+    return 1.0 - (1.0 - part) * 0.5**short_again
+
+
+def _interpolate(
+    run: _Run, cycle: int, branch: str, force: float, before: tuple, passed: Settled
+) -> None:
+    """The paper's last step: walls, closure and forces between the last two states.
+
+    Between two equilibria this is none; the residual told is that of the later one.
+    """
+    part = (force - run.total_force) / (passed.total_force - run.total_force)
+    joint = run.joint
+    upper, lower, _, forces, interaction, *_ = before
+    for field, earlier in (
+        (joint.upper, upper),
+        (joint.lower, lower),
+        (joint.force, forces),
+        (joint.interaction, interaction),
+    ):
+        field[:] = earlier + part * (field - earlier)
+    last = run.steps[-1].settled
+    values = {
+        name: getattr(last, name) + part * (getattr(passed, name) - getattr(last, name))
+        for name in ("closure", "mean_interaction", "locked_share", "flat_share")
+    }
+    joint.closure[...] = values["closure"]  # from which the next step counts
+    run.accept(cycle, branch, passed._replace(total_force=force, **values))
+
+
+def _unload(run: _Run, cycle: int, minimum: float) -> None:
+    """Open by steps; the last one is shortened to land on the minimum, or on last contact."""
+    step = run.numerics.later_displacement_step
+    while True:
+        before = run.joint.snapshot() if minimum else ()
+        end = run.joint.last_touch
+        settled = run.settle(max(run.closure - step, end), run.numerics.later_breakage_step)
+        if run.failed:
+            return
+        if settled.total_force < minimum:
+            break
+        run.accept(cycle, UNLOADING, settled)
+        if settled.total_force == minimum or settled.closure <= run.joint.last_touch:
+            return
+    if run.numerics.target == "interpolate":
+        _interpolate(run, cycle, UNLOADING, minimum, before, settled)
+    else:
+        _land_below(run, cycle, minimum, before, settled)
+
+
+def _land_below(run: _Run, cycle: int, minimum: float, before: tuple, passed: Settled) -> None:
+    """Repeat the step that fell below the minimum, shorter, until the force is within tolerance.
+
+    By the secant between the states about the minimum, kept off both. Where breakage lets the
+    force jump over it, the state below.
+    """
+    near = run.numerics.stress_tolerance * minimum
+    high, high_force, low = run.closure, run.total_force, passed
+    while abs(low.total_force - minimum) > near:
+        room = high - low.closure
+        if room < _SMALLEST_STEP * run.numerics.later_displacement_step:
+            run.status |= TARGET_JUMPED
+            run.joint.restore(before)
+            low = run.settle(low.closure, run.numerics.later_breakage_step)
+            break
+        part = (high_force - minimum) / (high_force - low.total_force)
+        run.joint.restore(before)
+        closure = high - min(max(part, 0.1), 0.9) * room
+        trial = run.settle(closure, run.numerics.later_breakage_step)
+        if run.failed:
+            return
+        if abs(trial.total_force - minimum) <= near or trial.total_force < minimum:
+            low = trial
+        else:
+            high, high_force = trial.closure, trial.total_force
+    run.accept(cycle, UNLOADING, low)
+
+
+def _is_elastic_from_here(run: _Run, broken: int) -> bool:
+    """Whether nothing broke since ``broken`` breakage steps, from a maximum at rest.
+
+    The certificate that below this maximum the joint is elastic, and breakage idle: the walls are
+    those at rest at the maximum, equilibrium at each closure is unique, and at every state of the
+    unloading it was solved for and all contacts were found to hold. Coming back through these
+    states nothing can break. Steps to other closures would prove the same of these only.
+    """
+    at_rest = run.numerics.target == "equilibrate" and not run.status & TARGET_JUMPED
+    return at_rest and run.effort.breakage_steps == broken
+
+
+def _note_held(run: _Run, cycle: int, maximum: float) -> None:
+    """Remember the closure [m] up to which the joint is elastic, -inf for none.
+
+    That of an earlier and larger maximum stays where nothing broke in this cycle.
+    """
+    intact = not any(s.settled.effort.breakage_steps for s in run.steps if s.cycle == cycle)
+    earlier = run.joint.held_to if intact else -np.inf
+    run.joint.held_to = max(maximum, earlier) if maximum > -np.inf else -np.inf
+
+
+class _Loop(NamedTuple):
+    """States of an unloading from the maximum on, and their forces where observers want them."""
+
+    settled: list[Settled]
+    forces: tuple[np.ndarray, ...]
+
+
+def _loop_of(run: _Run, cycle: int) -> _Loop:
+    opened = sum(step[:2] == (cycle, UNLOADING) for step in run.steps)
+    return _Loop([step.settled for step in run.steps[-opened - 1 :]], tuple(run.forces))
+
+
+def _repeat_elastic(run: _Run, cycle: int, loop: _Loop) -> None:
+    """A cycle like the one before, whose unloading broke nothing: up and down the same curve.
+
+    Its states are those of the unloading, by the certificate of `_is_elastic_from_here`.
+    """
+    opened = len(loop.settled) - 1
+    up, down = range(opened - 1, -1, -1), range(1, opened + 1)
+    for branch, order in ((LOADING, up), (UNLOADING, down)):
+        for i in order:
+            if loop.forces:
+                run.joint.force[:] = loop.forces[i]
+            run.accept(cycle, branch, loop.settled[i]._replace(effort=Effort()))
+
+
+def _judge_range(run: _Run) -> None:
+    at_maximum = run.steps[-1].settled
+    if not run.joint.effects.breakage:
+        return
+    if at_maximum.locked_share + at_maximum.flat_share > LARGEST_UNBREAKABLE_SHARE:
+        run.status |= OUTSIDE_MODEL_RANGE
+
+
+def _untouched(joint: Joint) -> Settled:
+    nowhere = np.zeros(joint.upper.shape, dtype=bool)
+    return joint.describe(0.0, CONVERGED, nowhere, Effort())
+
+
+def _mean_height(joint: Joint) -> float:
+    return float(joint.upper.mean() + joint.lower.mean())
+
+
+def _pays_without_interaction(joint: Joint, largest: float) -> bool:
+    """Whether a history to a largest force [N] may begin without the interaction.
+
+    By the cells that carry it at a pressure of the compressive strength: neither a few nor a large
+    share of all (docs/effects.md).
+    """
+    cells = largest / (joint.compressive_strength * joint.law.spacing**2)
+    return _FEWEST_CONTACTS <= cells <= _MOST_CRUSHED * joint.upper.size
+
+
+def closure_limit(joint: Joint, target_force: float) -> float:
+    """A closure that no joint needs [m]: beyond it the target is out of reach.
+
+    Twice the depth of all voids and the elastic approach of a full contact.
+    """
+    summed = joint.upper + joint.lower
+    per_cell = target_force / summed.size
+    cells, _, _, compliance = joint.overlapping(float(np.ptp(summed)) + joint.first_touch)
+    elastic = joint.law.substrate * per_cell
+    if cells.size:
+        elastic += float(compliance.max()) * float(np.cbrt(per_cell)) ** 2
+    if joint.effects.interaction:
+        elastic += 4.0 * per_cell * float(joint.influence_table.sum())
+    return 2.0 * (float(np.ptp(summed)) + elastic)

@@ -1,0 +1,551 @@
+"""Close one joint: the public functions `simulate` and `equilibrium`."""
+
+import json
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from jointclosure.inputs import (
+    LENGTHS,
+    InputError,
+    check_length,
+    check_number,
+)
+from jointclosure.joint.foresight import check_foreseen
+from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
+from jointclosure.joint.history import cycle_closures, unloading_excess
+from jointclosure.joint.loading import (
+    SEATING_STRESS,
+    LoadCycle,
+    check_snapshots,
+    largest_stress,
+    load_cycles,
+)
+from jointclosure.joint.protocol import (
+    FLAG_OF_OUTCOME,
+    FLAGS,
+    UNLOADING,
+    History,
+    Report,
+    closure_limit,
+    run_cycles,
+)
+from jointclosure.joint.states import fields_of
+from jointclosure.parameters import (
+    AS_IT_IS,
+    USUAL,
+    Choices,
+    Effects,
+    Numerics,
+    Rock,
+    both_walls,
+    check_choices,
+    check_numerics,
+    check_scene,
+    check_usual,
+    in_double,
+)
+from jointclosure.solvers.joint import Joint, Settled, Solver
+from jointclosure.solvers.registry import SOLVERS, solver_named
+
+if TYPE_CHECKING:
+    from jointclosure.joint.flow import FlowAlongHistory
+    from jointclosure.joint.snapshots import Snapshots
+
+    Reader = FlowAlongHistory | Snapshots
+
+ATTRIBUTES: dict[str, dict[str, Any]] = {
+    name: {"long_name": text, "units": unit}
+    for name, unit, text in (
+        ("closure", "m", "closure from first touch"),
+        ("normal_stress", "Pa", "nominal normal stress"),
+        ("contact_fraction", "1", "fraction of the cells in contact"),
+        ("bulk_indentation", "m", "mean displacement by the interaction"),
+        ("mean_aperture", "m", "mean distance of the deformed walls"),
+        ("equilibrium_residual", "1", "recomputed residual of the forces over their sum"),
+        ("max_closure", "m", "closure at the cycle's maximum from the cycle's start"),
+        ("residual_closure", "m", "closure at the cycle's end from first touch"),
+        ("max_closure_seated", "m", "closure at the cycle's maximum from seating"),
+        (
+            "residual_closure_seated",
+            "m",
+            "closure at seating on the cycle's unloading less that on its loading",
+        ),
+        ("max_bulk_indentation", "m", "bulk indentation at the cycle's maximum"),
+        (
+            "unloading_excess",
+            "Pa",
+            "largest stress by which unloading exceeds loading at equal closure",
+        ),
+        ("least_force", "N", "least force on any cell at any step"),
+        ("locked_share", "1", "share of the force on locked contacts at the maximum"),
+        ("flat_share", "1", "share of the force on flat contacts at the maximum"),
+        ("upper_final", "m", "upper wall at the end, towards the lower"),
+        ("lower_final", "m", "lower wall at the end, towards the upper"),
+        ("settled_states", "1", "states brought to rest, those thrown away included"),
+        ("equilibria", "1", "equilibria solved on the way (reference: sweeps)"),
+        ("newton_steps", "1", "steps of Newton's method"),
+        ("breakage_steps", "1", "breakage steps taken"),
+        ("replayed_cycles", "1", "cycles that are the unloading curve of the one before"),
+        ("idle_steps", "1", "steps of the first loading without interaction, as it was idle"),
+        (
+            "idle_displacement",
+            "1",
+            "largest displacement of a contact that was left out so, over the closure",
+        ),
+        ("locked_contacts", "1", "largest number of locked contacts at a step"),
+        ("solver_iterations", "1", "products with the interaction, or sweeps (reference)"),
+        ("force", "N", "normal force of each contact"),
+        ("overlap", "m", "overlap delta_S, negative where the walls are apart"),
+        ("interaction_displacement", "m", "displacement by all other contacts"),
+    )
+}
+ATTRIBUTES["status"] = {
+    "long_name": "status of the simulation: 0 success, below 16 success with a remark",
+    "flag_masks": np.array(list(FLAGS), dtype=np.int16),
+    "flag_meanings": " ".join(FLAGS.values()),
+}
+
+
+def simulate(
+    upper: ArrayLike,
+    lower: ArrayLike,
+    *,
+    spacing: float,
+    rock: Rock | Sequence[Rock],
+    max_normal_stress: float | Sequence[float],
+    cycles: int | None = None,
+    seating_stress: float = SEATING_STRESS,
+    effects: Effects = Effects(),
+    choices: Choices = Choices(),
+    numerics: Numerics = Numerics(),
+    unusual_values: bool = False,
+    report: Report | None = None,
+    flow: bool = False,
+    snapshots: Sequence[float] = (),
+) -> xr.Dataset:
+    """Press two walls together to a normal stress and release them, repeatedly.
+
+    Parameters
+    ----------
+    upper, lower : array (ny, nx)
+        Heights towards the other wall [m], real and finite; not changed. Any
+        float or integer type is promoted to float64, which does not bring
+        back digits: single precision resolves heights of 1e-3 m to 6e-11 m,
+        a thousandth of the overlap at which a flank breaks. Complex, object,
+        boolean and masked heights are refused. Of an `xarray.DataArray` the
+        dimensions count by name, and both walls' coordinates have to agree.
+    spacing : float
+        Grid spacing h [m].
+    rock : Rock or (Rock, Rock)
+        Of both walls, or of the upper and the lower one.
+    max_normal_stress : float or sequence of float
+        Maximum of every cycle [Pa]. Or the load history: the stresses at which the load turns, a
+        maximum first, then a minimum, a maximum and so on, as in ``[10e6, 2e6, 20e6]``; 0 is
+        last contact, and after a maximum that comes last the joint is unloaded to it.
+    cycles : int, optional
+        Load cycles, at least 1: by default 2, or those of the load history.
+    seating_stress : float
+        Where the ``_seated`` closures start to count [Pa], from 0 to below
+        the least maximum; they are NaN in a cycle whose loading starts above it. It
+        changes what is read, never what happens.
+    effects : Effects
+    choices : Choices
+    numerics : Numerics
+    unusual_values : bool
+        Whether numbers may be far from what is usual of rock: a modulus of 78 Pa is
+        refused otherwise, as it is more often one of 78 GPa. Nor are then `UserWarning` s given
+        of rough walls that look upside down, turned round, or in another unit than the spacing.
+    report : callable, optional
+        Told of every step, with its cycle, its branch ("loading" or "unloading") and
+        its stress over the cycle's maximum.
+    flow : bool
+        Whether hydraulic apertures are found too (docs/flow.md). It changes nothing else.
+    snapshots : sequence of float
+        Stresses from 0 to the largest [Pa] at which the joint's state is kept, on each branch:
+        where it first passes them, that of the nearer step. It changes nothing else.
+
+    Returns
+    -------
+    xarray.Dataset
+        Along ``step``, starting with (0, 0): ``closure`` [m] from first
+        touch, ``normal_stress`` [Pa], ``contact_fraction``,
+        ``bulk_indentation`` [m], ``mean_aperture`` [m] (the mean distance of the deformed walls,
+        negative where asperities are pressed into each other), ``equilibrium_residual``, with
+        coordinates ``cycle`` and ``branch``. Along ``cycle``: ``max_closure``,
+        ``residual_closure`` [m], both ``_seated`` too
+        (`jointclosure.joint.history.cycle_closures`), ``locked_share`` and
+        ``flat_share`` of the force at the maximum, ``unloading_excess`` [Pa], by
+        which stress on unloading exceeds that on loading. The walls as they ended,
+        ``status`` (bits, below 16 a success; see its attributes), and counts.
+        Effects, choices and numerics are attributes, as JSON. With ``flow`` also, along
+        ``step`` and ``direction``: ``hydraulic_aperture`` [m], ``flow_status`` and
+        ``flow_imbalance``. With ``snapshots``, along ``snapshot``: ``snapshot_upper``,
+        ``snapshot_lower`` [m], ``snapshot_force`` [N], ``snapshot_gap`` [m] (negative where walls
+        are pressed together) and ``snapshot_broken_volume`` [m3], with the stress that was
+        asked for, cycle, branch and step as coordinates; and the walls at first touch.
+
+    Raises
+    ------
+    InputError
+        An argument out of its range, or more steps to be foreseen than ``numerics``
+        allows, before any computing.
+
+    Notes
+    -----
+    The model is that of Rezaei Niya & Selvadurai as read in docs/model.md;
+    a cycle's ``max_closure`` is the closure at its maximum less that at its
+    start, and its ``residual_closure`` the closure at its end. Without
+    breakage there is no history: the steps are then ``Numerics.curve_points``
+    stresses (and the seating stress) up and down one curve.
+    """
+    if not unusual_values:
+        check_length("spacing", spacing)
+        warn_of_doubts(*checked_walls(upper, lower, spacing), spacing)
+    return simulate_by(
+        solver_named,
+        upper,
+        lower,
+        spacing=spacing,
+        rock=rock,
+        max_normal_stress=max_normal_stress,
+        cycles=cycles,
+        seating_stress=seating_stress,
+        effects=effects,
+        choices=choices,
+        numerics=numerics,
+        unusual_values=unusual_values,
+        report=report,
+        flow=flow,
+        snapshots=snapshots,
+    )
+
+
+def simulate_by(
+    solver_of: Callable[[str], Solver],
+    upper: ArrayLike,
+    lower: ArrayLike,
+    *,
+    spacing: float,
+    rock: Rock | Sequence[Rock],
+    max_normal_stress: float | Sequence[float],
+    cycles: int | None,
+    seating_stress: float,
+    effects: Effects,
+    choices: Choices,
+    numerics: Numerics,
+    unusual_values: bool = True,
+    report: Report | None = None,
+    flow: bool = False,
+    snapshots: Sequence[float] = (),
+) -> xr.Dataset:
+    """`simulate` with a solver of one's own: ``solver_of`` its name gives it."""
+    check_length("spacing", spacing)
+    upper, lower = checked_walls(upper, lower, spacing)
+    rock, load = checked_conditions(
+        rock, spacing, max_normal_stress, cycles, seating_stress, effects, choices, numerics,
+        unusual_values,
+    )  # fmt: skip
+    largest = largest_stress(max_normal_stress)
+    check_snapshots(snapshots, largest)
+    _check_steps(upper, lower, numerics)
+    choices, numerics = in_double(choices), in_double(numerics)
+    spacing, largest, seating_stress = float(spacing), float(largest), float(seating_stress)
+    datums = height_datum(upper), height_datum(lower)
+    upper, lower = upper - datums[0], lower - datums[1]
+    joint = Joint(upper, lower, spacing, rock, effects, choices, numerics)
+    solver = solver_of(numerics.solver)
+    if effects.breakage or solver.elastic_curve is None:
+        check_foreseen(joint, numerics, largest, len(load))
+    area = upper.size * spacing**2
+    observers = _observers(flow, snapshots, numerics.stress_tolerance, datums)
+    history = run_cycles(
+        joint,
+        solver,
+        numerics,
+        [LoadCycle(*(stress * area for stress in cycle)) for cycle in load],
+        seating_stress * area,
+        report,
+        observers,
+    )
+    joint.upper += datums[0]
+    joint.lower += datums[1]
+    closed = _history_dataset(joint, history, area, load, seating_stress)
+    for observer in observers:
+        closed = observer.added_to(closed)
+    return closed
+
+
+def _observers(
+    flow: bool, snapshots: Sequence[float], tolerance: float, datums: tuple[float, float]
+) -> "list[Reader]":
+    """What is shown every step: nothing unless asked for, and then it is imported."""
+    observers: list[Reader] = []
+    if flow:
+        from jointclosure.joint.flow import FlowAlongHistory
+
+        observers.append(FlowAlongHistory())
+    if len(snapshots):
+        from jointclosure.joint.snapshots import Snapshots
+
+        observers.append(Snapshots(snapshots, tolerance, datums))
+    return observers
+
+
+def height_datum(wall: np.ndarray) -> float:
+    """Height [m] that a wall (y, x) is counted from, so that its offset costs no digits.
+
+    0 where the middle of its range is within four times the range. Beyond, the middle as a
+    whole multiple of the next power of two above the range: every height then lies within
+    a factor of two of it, and the difference is exact (Sterbenz).
+    """
+    low, high = float(wall.min()), float(wall.max())
+    middle, reach = 0.5 * low + 0.5 * high, high - low
+    if reach == 0.0:
+        return middle
+    if abs(middle) < 4.0 * reach:
+        return 0.0
+    unit = 2.0 ** math.ceil(math.log2(reach))
+    return round(middle / unit) * unit
+
+
+def checked_conditions(
+    rock: Rock | Sequence[Rock],
+    spacing: float | None,
+    max_normal_stress: float | Sequence[float],
+    cycles: int | None,
+    seating_stress: float,
+    effects: Effects,
+    choices: Choices,
+    numerics: Numerics,
+    unusual_values: bool,
+) -> tuple[tuple[Rock, Rock], tuple[LoadCycle, ...]]:
+    """Rocks of both walls and cycles of the load, of arguments of `simulate` that are checked.
+
+    ``spacing`` is None where it is not known before the walls are.
+
+    Raises
+    ------
+    InputError
+        An argument out of its range; the walls are not needed to know it.
+    """
+    pair = both_walls(rock)
+    check_scene(effects)
+    check_numerics(numerics, tuple(SOLVERS))
+    if spacing is not None:
+        check_length("spacing", spacing)
+    load = load_cycles(max_normal_stress, cycles)
+    _check_seating(seating_stress, load)
+    largest = largest_stress(max_normal_stress)
+    check_choices(choices, spacing or 0.0)
+    if not unusual_values:
+        known = {} if spacing is None else {"spacing": spacing}
+        check_usual(pair, max_normal_stress=largest, **known)
+    stiffness = min(wall.youngs_modulus for wall in pair)
+    if largest >= stiffness:
+        raise InputError(
+            f"max_normal_stress = {largest!r} Pa: must be below the rock's "
+            f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
+        )
+    return pair, load
+
+
+def equilibrium(
+    upper: ArrayLike,
+    lower: ArrayLike,
+    *,
+    spacing: float,
+    rock: Rock | Sequence[Rock],
+    closure: float,
+    effects: Effects = Effects(breakage=False, gouge=False),
+    choices: Choices = Choices(),
+    numerics: Numerics = Numerics(),
+    unusual_values: bool = False,
+) -> xr.Dataset:
+    """Forces between two walls at a closure, without breakage.
+
+    Parameters
+    ----------
+    upper, lower, spacing, rock, choices, numerics, unusual_values
+        As for `simulate`.
+    closure : float
+        Approach from first touch [m]. Refused as unusual beyond what the joint would reach under
+        the largest usual stress, at twice the depth of all voids and the elastic approach.
+    effects : Effects
+        Breakage and gouge are left out, whatever is given.
+
+    Returns
+    -------
+    xarray.Dataset
+        On (y, x): ``force`` [N], ``overlap`` [m] (delta_S, negative where
+        the walls are apart), ``interaction_displacement`` [m]. And
+        ``normal_stress`` [Pa], ``equilibrium_residual``, ``status``.
+
+    Raises
+    ------
+    InputError
+        An argument out of its range, before any computing.
+    """
+    check_length("spacing", spacing)
+    upper, lower = checked_walls(upper, lower, spacing)
+    rock = both_walls(rock)
+    effects = effects._replace(breakage=False, gouge=False)
+    check_scene(effects)
+    check_numerics(numerics, tuple(SOLVERS))
+    check_choices(choices, spacing)
+    check_number("closure", closure)
+    if not abs(closure) <= LENGTHS[1]:
+        raise InputError(f"closure = {closure!r} m: must be at most {LENGTHS[1]:g} m")
+    if not unusual_values:
+        check_usual(rock, spacing=spacing)
+        warn_of_doubts(upper, lower, spacing)
+    spacing, closure = float(spacing), float(closure)
+    choices, numerics = in_double(choices), in_double(numerics)
+    upper, lower = upper - height_datum(upper), lower - height_datum(lower)
+    joint = Joint(upper, lower, spacing, rock, effects, choices, numerics)
+    largest_force = USUAL["max_normal_stress"][1] * upper.size * spacing**2
+    if not unusual_values and closure > closure_limit(joint, largest_force):
+        raise InputError(
+            f"closure = {closure!r} m: not usual of this joint, which no usual stress closes by "
+            f"more than {closure_limit(joint, largest_force):.3g} m; is the unit right? {AS_IT_IS}"
+        )
+    run = solver_named(numerics.solver).settle(joint, closure, numerics.breakage_step)
+    fields = fields_of(joint, closure)
+    status = np.int16(FLAG_OF_OUTCOME.get(run.outcome, 0))
+    stress = run.total_force / (upper.size * spacing**2)
+    variables = {
+        "force": (("y", "x"), joint.force),
+        "overlap": (("y", "x"), fields.overlap),
+        "interaction_displacement": (("y", "x"), fields.displacement),
+        "normal_stress": ((), stress),
+        "equilibrium_residual": ((), run.residual),
+        "status": ((), status),
+    }
+    return xr.Dataset(
+        {name: (*content, ATTRIBUTES[name]) for name, content in variables.items()},
+        coords=_grid(upper.shape, spacing),
+    )
+
+
+def _history_dataset(
+    joint: Joint,
+    history: History,
+    area: float,
+    load: Sequence[LoadCycle],
+    seating_stress: float,
+) -> xr.Dataset:
+    cycles = len(load)
+    settled = [step.settled for step in history.steps]
+    closure = np.array([point.closure for point in settled])
+    stress = np.array([point.total_force for point in settled]) / area
+    cycle = np.array([step.cycle for step in history.steps], dtype=np.int32)
+    branch = np.array([step.branch for step in history.steps])
+    along_step = {
+        "closure": closure,
+        "normal_stress": stress,
+        "contact_fraction": np.array([p.contacts for p in settled]) / joint.upper.size,
+        "bulk_indentation": np.array([p.mean_interaction for p in settled]),
+        "equilibrium_residual": np.array([p.residual for p in settled]),
+    }
+    heights = np.array([step.mean_height for step in history.steps])
+    along_step["mean_aperture"] = (
+        joint.first_touch - heights - closure + along_step["bulk_indentation"]
+    )
+    reached = (1.0 + 1.01 * joint.numerics.stress_tolerance) * np.array(load)[:, 1]
+    along_cycle = cycle_closures(closure, stress, cycle, branch, reached, seating_stress)
+    along_cycle["unloading_excess"] = unloading_excess(closure, stress, cycle, branch, reached)
+    at_maximum = _at_maxima(settled, cycle, branch, cycles)
+    along_cycle |= {
+        "max_bulk_indentation": at_maximum("mean_interaction"),
+        "locked_share": at_maximum("locked_share"),
+        "flat_share": at_maximum("flat_share"),
+    }
+    once = {
+        "status": np.int16(history.status),
+        "least_force": min(point.least_force for point in settled),
+        "settled_states": history.effort.settled,
+        "equilibria": history.effort.rounds,
+        "newton_steps": history.effort.newton_steps,
+        "breakage_steps": history.effort.breakage_steps,
+        "replayed_cycles": history.replayed,
+        "idle_steps": history.idle_steps,
+        "idle_displacement": history.idle_displacement,
+        "locked_contacts": max(point.locked_contacts for point in settled),
+        "solver_iterations": history.effort.products,
+    }
+    walls = {"upper_final": joint.upper, "lower_final": joint.lower}
+    variables = {
+        name: (dimensions, value, ATTRIBUTES[name])
+        for dimensions, values in (
+            (("step",), along_step),
+            (("cycle",), along_cycle),
+            (("y", "x"), walls),
+            ((), once),
+        )
+        for name, value in values.items()
+    }
+    coordinates = {
+        "cycle": ("step", cycle, {"long_name": "load cycle of the step"}),
+        "branch": ("step", branch, {"long_name": "branch of the load cycle"}),
+    }
+    turns = [stress for each in load for stress in each]
+    told = {} if load == (LoadCycle(load[0].maximum),) * cycles else {"load_history_Pa": turns}
+    return xr.Dataset(
+        variables,
+        coords=coordinates | _grid(joint.upper.shape, joint.law.spacing),
+        attrs=told
+        | {
+            "title": "closure of a rough joint",
+            "seating_stress_Pa": seating_stress,
+            "effects": json.dumps({key: bool(on) for key, on in joint.effects._asdict().items()}),
+            "choices": json.dumps(joint.choices._asdict()),
+            "numerics": json.dumps(joint.numerics._asdict()),
+        },
+    )
+
+
+def _at_maxima(
+    settled: list[Settled], cycle: np.ndarray, branch: np.ndarray, cycles: int
+) -> Callable[[str], np.ndarray]:
+    """Reader of a field of `Settled` at the maxima (cycles,), NaN where not reached."""
+    where = []
+    for number in range(1, cycles + 1):
+        unloading = np.flatnonzero((cycle == number) & (branch == UNLOADING))
+        where.append(unloading[0] - 1 if unloading.size else None)
+
+    def read(name: str) -> np.ndarray:
+        return np.array([np.nan if i is None else getattr(settled[i], name) for i in where])
+
+    return read
+
+
+def _grid(shape: tuple[int, int], spacing: float) -> dict[str, Any]:
+    return {
+        name: (name, np.arange(size) * spacing, {"long_name": f"{name} of the cell", "units": "m"})
+        for name, size in zip(("y", "x"), shape, strict=True)
+    }
+
+
+def _check_steps(upper: np.ndarray, lower: np.ndarray, numerics: Numerics) -> None:
+    """Refuse displacement steps that rounding of the heights would swallow."""
+    resolution = float(np.spacing(np.abs(upper).max() + np.abs(lower).max()))
+    for name in ("displacement_step", "later_displacement_step"):
+        if getattr(numerics, name) < 4.0 * resolution:
+            raise InputError(
+                f"{name} = {getattr(numerics, name)!r} m: must be at least four times the "
+                f"resolution {resolution:.3g} m of the walls' heights in double precision"
+            )
+
+
+def _check_seating(seating_stress: float, load: Sequence[LoadCycle]) -> None:
+    check_number("seating_stress", seating_stress)
+    least = min(cycle.maximum for cycle in load)
+    if not 0.0 <= seating_stress < least:
+        raise InputError(
+            f"seating_stress = {seating_stress!r} Pa: must be from 0 to below the least maximum of "
+            f"max_normal_stress, {least!r} Pa"
+        )

@@ -1,0 +1,308 @@
+"""The mismatch wavelength, and strength, of the joint whose closure was measured.
+
+Joints of a rock and roughness are closed at mismatch wavelengths from mates to independent
+walls, and at strengths where these are asked for. A measured curve is one draw of them: its
+readings are held against the mean and the scatter of theirs.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+import xarray as xr
+
+from jointclosure.engineering.stiffness import closures_at
+from jointclosure.ensemble.closing import close_walls
+from jointclosure.ensemble.settings import Conditions
+from jointclosure.inputs import InputError
+from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
+from jointclosure.measured.curves import MeasuredCurve
+from jointclosure.parameters import both_walls
+
+PARTS = (0.25, 0.5, 1.0)
+"""Of the stress range above seating at which closures of a loading are read."""
+CONFIDENCE = 0.95
+_STEPS = 161
+"""Wavelengths, and strengths, at which the likelihood is found."""
+_SAME_LOAD = 0.02
+"""By what the largest stresses of cycles may differ, relatively."""
+
+
+class Readings(NamedTuple):
+    """What is read of a curve: closures since seating on loading, recovered on unloading.
+
+    ``cycles`` were measured from the first on, ``unloaded`` of them back to seating;
+    ``levels`` [Pa] are the stresses of the loadings; ``seating`` [Pa]; ``values`` (n,) [m].
+    """
+
+    cycles: int
+    unloaded: tuple[int, ...]
+    levels: np.ndarray
+    seating: float
+    values: np.ndarray
+
+    def names(self) -> list[str]:
+        """What each value is, in words."""
+        found = []
+        for cycle in range(1, self.cycles + 1):
+            found += [
+                f"closure of cycle {cycle} at {1e-6 * level:.3g} MPa" for level in self.levels
+            ]
+            found += [f"closure recovered in cycle {cycle}"] * (cycle in self.unloaded)
+        return found
+
+
+class Interval(NamedTuple):
+    """An estimate, and the ends of its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+class Likelihood(NamedTuple):
+    """Likelihood of a curve over mismatch wavelengths [m] and strengths [Pa].
+
+    ``log`` (wavelengths, strengths) is the log likelihood; ``means`` (wavelengths, strengths,
+    readings) and ``scatter`` (wavelengths, readings) are the mean and the standard deviation of
+    the logarithms of the readings; ``p_value`` is how often a joint of the likeliest wavelength
+    and strength is as far from their mean as the measured one.
+    """
+
+    wavelengths: np.ndarray
+    strengths: np.ndarray
+    log: np.ndarray
+    means: np.ndarray
+    scatter: np.ndarray
+    p_value: float
+
+    def least_distances(self, measured: Readings) -> np.ndarray:
+        """Compute each reading's least distance (readings,) from a mean, in standard deviations."""
+        distances = np.abs(np.log(measured.values) - self.means) / self.scatter[:, None, :]
+        return distances.min(axis=(0, 1))
+
+    def interval(self, axis: int) -> Interval:
+        """Find that of the wavelength (axis 0) or strength (1), by the profile of the likelihood.
+
+        The ends of the wavelengths stand for mates and independent walls, 0 and infinite.
+        """
+        values = (self.wavelengths, self.strengths)[axis]
+        profile = self.log.max(axis=1 - axis)
+        best = int(profile.argmax())
+        threshold = profile[best] - 0.5 * scipy.stats.chi2.ppf(CONFIDENCE, 1)
+        within = np.flatnonzero(profile >= threshold)
+        found = [float(values[i]) for i in (best, within[0], within[-1])]
+        if axis == 0:  # the ends of what was closed stand for all beyond them
+            ends = {0: 0.0, values.size - 1: np.inf}
+            found = [
+                ends.get(int(i), value)
+                for i, value in zip((best, within[0], within[-1]), found, strict=True)
+            ]
+        return Interval(*found)
+
+
+def readings_of_curve(curve: MeasuredCurve, seating_stress: float) -> Readings:
+    """What is read of a measured curve, whose cycles must be 1, 2, ... to one largest stress.
+
+    Raises
+    ------
+    InputError
+        Cycles that are missing, that are loaded to other stresses, or that do not close.
+    """
+    cycles = curve.cycles
+    if cycles != list(range(1, len(cycles) + 1)):
+        raise InputError(f"cycles {cycles}: must be 1, 2 and so on, none left out")
+    largest = [float(curve.branches(cycle)[LOADING][0].max()) for cycle in cycles]
+    for cycle, stress in zip(cycles, largest, strict=True):
+        if abs(stress - largest[0]) > _SAME_LOAD * largest[0]:
+            raise InputError(
+                f"cycle {cycle} is loaded to {1e-6 * stress:g} MPa and cycle 1 to "
+                f"{1e-6 * largest[0]:g} MPa: they must be the same"
+            )
+    levels = seating_stress + np.array(PARTS) * (min(largest) - seating_stress)
+    unloaded = tuple(
+        cycle
+        for cycle in cycles
+        if curve.branches(cycle)[UNLOADING][0].min(initial=np.inf) <= seating_stress
+    )
+    asked = Readings(len(cycles), unloaded, levels, seating_stress, np.empty(0))
+    values = readings_of_history(_as_history(curve), asked)
+    if not np.all(values > 0.0):
+        raise InputError(
+            "the curve does not close: closure must grow with stress on loading, and shrink on "
+            "unloading"
+        )
+    return asked._replace(values=values)
+
+
+def _as_history(curve: MeasuredCurve) -> xr.Dataset:
+    """A measured curve as steps, so that it is read as a joint that was closed.
+
+    It has no bulk indentation: the deformation of the intact rock was subtracted from it.
+    """
+    branches = [
+        (cycle, branch, *points)
+        for cycle in curve.cycles
+        for branch, points in curve.branches(cycle).items()
+    ]
+    names = np.concatenate([[branch] * stress.size for _, branch, stress, _ in branches])
+    cycles = np.concatenate([np.full(stress.size, cycle) for cycle, _, stress, _ in branches])
+    columns = {
+        "normal_stress": np.concatenate([stress for *_, stress, _ in branches]),
+        "closure": np.concatenate([closure for *_, closure in branches]),
+        "bulk_indentation": np.zeros(cycles.size),
+        "cycle": cycles,
+        "branch": names,
+    }
+    return xr.Dataset({name: ("step", values) for name, values in columns.items()})
+
+
+def readings_of_history(history: xr.Dataset, asked: Readings) -> np.ndarray:
+    """Read the same of a joint that was closed, net of bulk indentation; NaN where not read."""
+    stresses = np.append(asked.seating, asked.levels)
+    values = []
+    for cycle, (loading, unloading) in enumerate(closures_at(history, stresses), start=1):
+        values += (loading[1:] - loading[0]).tolist()
+        if cycle in asked.unloaded:
+            values.append(loading[-1] - unloading[0])
+    return np.array(values)
+
+
+def simulated_readings(
+    walls: Callable[[int, float], tuple[np.ndarray, np.ndarray]],
+    conditions: Conditions,
+    asked: Readings,
+    wavelengths: np.ndarray,
+    strengths: np.ndarray,
+    surfaces: int,
+    report: Callable[[float], None] = lambda share: None,
+) -> np.ndarray:
+    """Logarithms of the readings of joints (wavelengths, strengths, surfaces, readings).
+
+    Parameters
+    ----------
+    walls : callable
+        Upper and lower wall (y, x) [m] of a number and a mismatch wavelength [m]; every joint
+        has a number of its own, so that all scatter independently.
+    conditions : Conditions
+        Whose rock is that of both walls, and whose strength is replaced.
+    asked : Readings
+    wavelengths, strengths : array
+        [m] and [Pa].
+    surfaces : int
+        Joints at each pair of these.
+    report : callable
+        Told the share that is done.
+
+    Returns
+    -------
+    array
+        NaN for all readings of a joint of which one is missing.
+    """
+    shape = (len(wavelengths), len(strengths), surfaces)
+    intact = both_walls(conditions.rock)[0]
+    found = np.full((*shape, asked.values.size), np.nan)
+    for count, (i, j, k) in enumerate(np.ndindex(shape), start=1):
+        rock = intact._replace(compressive_strength=float(strengths[j]))
+        closed = close_walls(*walls(count, float(wavelengths[i])), conditions._replace(rock=rock))
+        values = readings_of_history(closed, asked)
+        if closed.status < FAILURE and np.all(values > 0.0):
+            found[i, j, k] = np.log(values)
+        report(count / np.prod(shape))
+    return found
+
+
+def likelihood_of(
+    measured: Readings,
+    simulated: np.ndarray,
+    wavelengths: np.ndarray,
+    strengths: np.ndarray,
+    error: float,
+) -> Likelihood:
+    """Likelihood of a measured curve, from joints that were closed.
+
+    Parameters
+    ----------
+    measured : Readings
+    simulated : array (wavelengths, strengths, surfaces, readings)
+        As from `simulated_readings`.
+    wavelengths, strengths : array
+        At which these were closed.
+    error : float
+        Relative error of measured closures, one standard deviation.
+
+    Raises
+    ------
+    InputError
+        Too few joints could be read.
+
+    Notes
+    -----
+    The mean of the log readings is a polynomial of the logarithms of wavelength (cubic) and
+    strength (quadratic), fitted to all joints. The scatter about it, of surfaces, is the
+    covariance of the residuals, pooled over neighbouring wavelengths by a Gaussian weight as
+    wide as their distance; the measured curve is one more draw, so that its distance has a
+    multivariate t distribution (synthetic likelihood with a covariance that was estimated).
+    """
+    x, y = _scaled(wavelengths), _scaled(strengths)
+    at = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+    rows = np.broadcast_to(at[:, :, None, :], (*simulated.shape[:3], 2)).reshape(-1, 2)
+    logs = simulated.reshape(-1, simulated.shape[-1])
+    known = np.isfinite(logs).all(axis=1)
+    rows, logs = rows[known], logs[known]
+    size = logs.shape[1]
+    if len(logs) < 3 * (_terms(rows).shape[1] + size):
+        raise InputError(
+            f"{len(logs)} of {known.size} joints could be read: too few to fit; a longer range of "
+            "stresses or more surfaces are needed"
+        )
+    weights, *_ = np.linalg.lstsq(_terms(rows), logs, rcond=None)
+    residuals = logs - _terms(rows) @ weights
+    fine_x, fine_y = (np.linspace(0.0, 1.0, _STEPS if part.size > 1 else 1) for part in (x, y))
+    width = 1.0 / max(x.size - 1, 1)
+    log = np.empty((fine_x.size, fine_y.size))
+    distances, spread = np.empty_like(log), np.empty((fine_x.size, size))
+    means = np.empty((*log.shape, size))
+    for i, place in enumerate(fine_x):
+        near = np.exp(-0.5 * ((rows[:, 0] - place) / width) ** 2)
+        near /= near.sum()
+        freedom = 1.0 / float(np.sum(near**2)) - 1.0
+        scatter = (residuals * near[:, None]).T @ residuals * (1.0 + 1.0 / freedom)
+        scatter += error**2 * np.eye(size)
+        means[i] = _terms(np.column_stack([np.full(fine_y.size, place), fine_y])) @ weights
+        spread[i] = np.sqrt(np.diag(scatter))
+        apart = np.log(measured.values) - means[i]
+        squares = np.einsum("ij,ij->i", apart @ np.linalg.inv(scatter), apart)
+        own = 0.5 * (freedom + size)
+        log[i] = -0.5 * np.linalg.slogdet(scatter)[1] - own * np.log1p(squares / freedom)
+        distances[i] = scipy.stats.f.sf(squares / size, size, freedom)
+    best = np.unravel_index(int(log.argmax()), log.shape)
+    return Likelihood(
+        _unscaled(fine_x, wavelengths),
+        _unscaled(fine_y, strengths),
+        log,
+        means,
+        spread,
+        float(distances[best]),
+    )
+
+
+def _scaled(values: np.ndarray) -> np.ndarray:
+    """Logarithms of rising values, from 0 to 1."""
+    logs = np.log(np.asarray(values, dtype=float))
+    return (logs - logs[0]) / max(logs[-1] - logs[0], np.finfo(float).tiny)
+
+
+def _unscaled(part: np.ndarray, values: np.ndarray) -> np.ndarray:
+    first, last = np.log(values[0]), np.log(values[-1])
+    return np.exp(first + part * (last - first))
+
+
+def _terms(rows: np.ndarray) -> np.ndarray:
+    """Terms of the mean: cubic in the first column, and of the second where it varies."""
+    x, y = rows.T
+    terms = [np.ones_like(x), x, x**2, x**3]
+    if y.any():
+        terms += [y, y**2, x * y, x**2 * y]
+    return np.stack(terms, axis=1)

@@ -1,0 +1,367 @@
+"""Measured closure curves: read from text, and the realisations that fit them best.
+
+A curve is a CSV of stress, closure and cycle, in the order in which it was
+measured; docs/own_rock.md shows one. Every cycle counts from where its
+loading reaches the seating stress, measured and modelled alike, so that
+the zero of the measured closures does not matter.
+"""
+
+import csv
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import scipy
+import xarray as xr
+
+from jointclosure.config.typed import Configuration, MeasuredFile
+from jointclosure.config.units import SI_FACTORS
+from jointclosure.ensemble.aggregation import seats, succeeded
+from jointclosure.inputs import InputError
+from jointclosure.joint.history import first_crossing
+from jointclosure.joint.protocol import LOADING, UNLOADING
+
+STRESS_UNITS, CLOSURE_UNITS = ("Pa", "MPa", "GPa"), ("m", "mm", "um")
+_READ = ("closure", "status", "max_closure", "max_closure_seated", "residual_closure")
+FIT_COLUMNS = (
+    "rock",
+    "cycle",
+    "points",
+    "largest_closure_mm",
+    "samples",
+    "best_realization",
+    "misfit_mm",
+    "misfit_percent",
+    "median_misfit_mm",
+)
+
+
+class MeasuredCurve(NamedTuple):
+    """Points (n,) of a measured curve: stress [Pa], closure [m], cycle, and line in the file."""
+
+    stress: np.ndarray
+    closure: np.ndarray
+    cycle: np.ndarray
+    line: np.ndarray
+
+    @property
+    def cycles(self) -> list[int]:
+        """Cycles that were measured, ascending."""
+        return np.unique(self.cycle).tolist()
+
+    def branches(self, cycle: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        """Stress and closure of a cycle, up to its largest stress and from there on."""
+        here = self.cycle == cycle
+        stress, closure = self.stress[here], self.closure[here]
+        top = int(np.argmax(stress))
+        return {
+            LOADING: (stress[: top + 1], closure[: top + 1]),
+            UNLOADING: (stress[top + 1 :], closure[top + 1 :]),
+        }
+
+    def since_seating(self, cycle: int, seating_stress: float):
+        """(branch, stress [Pa], closure [m]) of a cycle: what counts, from its own seating."""
+        branches = self.branches(cycle)
+        zero = first_crossing(*branches[LOADING], seating_stress)
+        for branch, (stress, closure) in branches.items():
+            counts = stress > seating_stress if branch == LOADING else stress >= 0.0
+            yield branch, stress[counts], closure[counts] - zero
+
+
+class CurveSettings(NamedTuple):
+    """What the measured curve of a rock is checked against: [SI], and its file."""
+
+    measured: MeasuredFile
+    max_normal_stress: float
+    cycles: int
+    seating_stress: float
+
+
+def curve_settings(configuration: Configuration) -> dict[str, CurveSettings]:
+    """Settings of the measured curves of those of the study's rocks that have one, by rock."""
+    return {
+        name: CurveSettings(
+            rock.measured,
+            rock.max_normal_stress,
+            configuration.study.cycles,
+            configuration.seating_stress,
+        )
+        for name, rock in configuration.rocks.items()
+        if rock.measured
+    }
+
+
+def measured_curves(
+    settings: dict[str, CurveSettings], read: Callable[[str], str]
+) -> dict[str, MeasuredCurve]:
+    """Measured curves by rock, checked; ``read`` gives a file's text.
+
+    Raises
+    ------
+    InputError
+        Naming file, line and value, or the key of a file that is not there.
+    """
+    curves = {}
+    for name, told in settings.items():
+        file, *units = told.measured
+        if not Path(file).is_file():
+            raise InputError(f"rocks.{name}.measured.file = {file!r}: there is no such file")
+        curves[name] = parsed_curve(read(file), file, *units)
+        _check_curve(curves[name], name, told)
+    return curves
+
+
+def parsed_curve(
+    text: str,
+    name: str,
+    stress_unit: str | None = None,
+    closure_unit: str | None = None,
+    *,
+    cycle: int | None = None,
+) -> MeasuredCurve:
+    """A curve from the text of a CSV file.
+
+    Parameters
+    ----------
+    text : str
+        Lines of `#` comments, a header and rows. The header's columns, in any
+        order, are ``stress`` and ``closure`` with their units (``stress_MPa``,
+        ``closure_mm``) and ``cycle``.
+    name : str
+        Of the file, for messages.
+    stress_unit, closure_unit : str, optional
+        Units of columns whose header has none.
+    cycle : int, optional
+        Of all rows, where there is no such column; by default there must be one.
+
+    Raises
+    ------
+    InputError
+        Naming file, line, value and what is allowed.
+    """
+    lines = [
+        (number, line)
+        for number, line in enumerate(text.removeprefix("\ufeff").splitlines(), start=1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    if not lines:
+        raise InputError(f"{name}: has no header and no rows")
+    header = [cell.strip() for cell in next(csv.reader([lines[0][1]]))]
+    where = f"{name}, line {lines[0][0]}"
+    if len(header) == 1:
+        raise InputError(f"{where}: {header[0]!r}: columns must be separated by commas")
+    units = {"stress": stress_unit, "closure": closure_unit}
+    columns = _columns(header, where, units, needs_cycle=cycle is None)
+    rows = []
+    for number, line in lines[1:]:
+        cells = next(csv.reader([line]))
+        if len(cells) != len(header):
+            raise InputError(
+                f"{name}, line {number}: {line.strip()!r} has {len(cells)} values, the header has "
+                f"{len(header)} (values are separated by commas, decimals by points)"
+            )
+        at = f"{name}, line {number}"
+        values = [_number(cells[i], at, quantity) for quantity, (i, _) in columns.items()]
+        rows.append((*values, number))
+    if not rows:
+        raise InputError(f"{name}: has a header and no rows")
+    stress, closure, *cycles, numbers = (np.array(column) for column in zip(*rows, strict=True))
+    of_cycle = cycles[0].astype(int) if cycles else np.full(len(rows), cycle)
+    factors = [SI_FACTORS.get(unit, 1.0) for _, unit in columns.values()]
+    return MeasuredCurve(stress * factors[0], closure * factors[1], of_cycle, numbers)
+
+
+def _columns(
+    header: list[str], where: str, units: dict, needs_cycle: bool
+) -> dict[str, tuple[int, str]]:
+    """Position and unit of stress, closure and cycle, in that order."""
+    found: dict[str, tuple[int, str]] = {}
+    for position, cell in enumerate(header):
+        quantity, _, unit = cell.partition("_")
+        allowed = {"stress": STRESS_UNITS, "closure": CLOSURE_UNITS, "cycle": ("",)}.get(quantity)
+        if allowed is None:
+            raise InputError(
+                f"{where}: column {cell!r}: must be stress, closure or cycle, separated by commas, "
+                "as in stress_MPa,closure_mm,cycle"
+            )
+        if quantity in found:
+            raise InputError(f"{where}: column {cell!r}: there are two of {quantity}")
+        unit = unit or units.get(quantity) or ""
+        if unit not in allowed:
+            raise InputError(
+                f"{where}: column {cell!r}: "
+                + (f"unit {unit!r} must be" if unit else "has no unit; write or configure")
+                + f" one of {', '.join(filter(None, allowed)) or 'none'}"
+            )
+        found[quantity] = position, unit
+    needed = ("stress", "closure", *(["cycle"] if needs_cycle else []))
+    missing = [name for name in needed if name not in found]
+    if missing:
+        raise InputError(
+            f"{where}: lacks {', '.join(missing)} (columns are stress_MPa,closure_mm,cycle)"
+        )
+    return {name: found[name] for name in ("stress", "closure", "cycle") if name in found}
+
+
+def _number(cell: str, where: str, quantity: str) -> float:
+    try:
+        value = float(cell)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(f"{where}: {quantity} = {cell.strip()!r}: must be a finite number")
+    if quantity == "stress" and value < 0.0:
+        raise InputError(f"{where}: stress = {cell.strip()}: must be 0 or above (compression)")
+    if quantity == "cycle" and not (value >= 1.0 and value.is_integer()):
+        raise InputError(f"{where}: cycle = {cell.strip()}: must be a whole number from 1 on")
+    return value
+
+
+def _check_curve(curve: MeasuredCurve, rock: str, told: CurveSettings) -> None:
+    """Refuse a curve that the study cannot be held against."""
+    name, cycles, largest = told.measured.file, told.cycles, told.max_normal_stress
+    for i in range(curve.stress.size):
+        where = f"{name}, line {curve.line[i]}"
+        if curve.cycle[i] > cycles:
+            raise InputError(
+                f"{where}: cycle = {curve.cycle[i]}: the study has study.cycles = {cycles}"
+            )
+        if curve.stress[i] > largest * (1.0 + 1e-12):
+            raise InputError(
+                f"{where}: stress = {1e-6 * curve.stress[i]:g} MPa: must be at most "
+                f"rocks.{rock}.max_normal_stress_MPa = {1e-6 * largest:g}"
+            )
+    check_loadings(curve, name, told.seating_stress)
+
+
+def check_loadings(curve: MeasuredCurve, name: str, seating: float) -> None:
+    """Raise `InputError` unless cycles rise, each loaded from below the seating stress [Pa] on.
+
+    ``name`` is that of the file, for messages.
+    """
+    seating_MPa = 1e-6 * seating
+    for i in np.flatnonzero(np.diff(curve.cycle) < 0) + 1:
+        raise InputError(
+            f"{name}, line {curve.line[i]}: cycle = {curve.cycle[i]} after cycle "
+            f"{curve.cycle[i - 1]}: points must be in the order in which they were measured"
+        )
+    for cycle in curve.cycles:
+        loading, _ = curve.branches(cycle)[LOADING]
+        where = f"{name}, line {curve.line[curve.cycle == cycle][0]}"
+        if loading[0] > seating:
+            raise InputError(
+                f"{where}: stress = {1e-6 * loading[0]:g} MPa: the loading of cycle {cycle} must "
+                f"start at or below seating_stress_MPa = {seating_MPa:g}, from which closures count"
+            )
+        if not (loading > seating).any():
+            raise InputError(
+                f"{where}: stress = {1e-6 * loading[0]:g} MPa: no stress of cycle {cycle} is "
+                f"above seating_stress_MPa = {seating_MPa:g}, from which closures count"
+            )
+
+
+def misfits(base: xr.Dataset, curve: MeasuredCurve, seating_stress: float) -> dict[int, np.ndarray]:
+    """Squared differences (realization, points) [m2] of every measured cycle.
+
+    Parameters
+    ----------
+    base : Dataset
+        Base case of the rock, over (realization, cycle, branch, stress).
+    curve : MeasuredCurve
+    seating_stress : float
+        From which each cycle's loading counts [Pa].
+
+    Returns
+    -------
+    dict
+        By cycle; NaN where a realisation failed, or did not reach a stress.
+    """
+    good = succeeded(base).values
+    from_touch = seats(base)
+    found = {}
+    for cycle in curve.cycles:
+        columns = []
+        for branch, stress, closure in curve.since_seating(cycle, seating_stress):
+            model = base.closure.sel(cycle=cycle, branch=branch) - from_touch.sel(cycle=cycle)
+            modelled = np.array([_at(model.stress.values, row, stress) for row in model.values])
+            columns.append(np.square(modelled - closure).reshape(good.size, stress.size))
+        found[cycle] = np.where(good[:, np.newaxis], np.concatenate(columns, axis=1), np.nan)
+    return found
+
+
+def _at(axis: np.ndarray, closure: np.ndarray, stress: np.ndarray) -> np.ndarray:
+    """Closure at stresses, by a monotone cubic through the points that were reached."""
+    reached = np.isfinite(closure)
+    if reached.sum() < 2:
+        return np.full(stress.shape, np.nan)
+    through = scipy.interpolate.PchipInterpolator(
+        axis[reached], closure[reached], extrapolate=False
+    )
+    return through(stress)
+
+
+def fit_table(
+    study: xr.Dataset, curves: dict[str, MeasuredCurve], seating_stress: float
+) -> pd.DataFrame:
+    """Best-fitting realisation of each rock, for each measured cycle and for all together.
+
+    Of the study, which may be a file, only what is needed of one rock is read at a time.
+
+    Returns
+    -------
+    DataFrame
+        One row per rock and cycle ("all" too). ``misfit`` is the root mean square
+        difference of closures at the measured stresses, loading and unloading
+        alike, in mm and in percent of the cycle's ``largest_closure_mm``;
+        ``samples`` those realisations that reach all these stresses, and
+        ``median_misfit_mm`` what is usual among them.
+    """
+    rows = []
+    for rock, curve in curves.items():
+        base = study[list(_READ)].isel(case=_base_index(study, rock)).load()
+        squares = misfits(base, curve, seating_stress)
+        largest = {
+            cycle: max(c.max() for _, _, c in curve.since_seating(cycle, seating_stress) if c.size)
+            for cycle in curve.cycles
+        }
+        rows += [_fit(rock, cycle, squares[cycle], largest[cycle], base) for cycle in squares]
+        if len(squares) > 1:
+            together = np.concatenate(list(squares.values()), axis=1)
+            rows.append(_fit(rock, "all", together, max(largest.values()), base))
+    return pd.DataFrame(rows, columns=FIT_COLUMNS)
+
+
+def _base_index(study: xr.Dataset, rock: str) -> int:
+    here = (study.rock == rock).values & (study.parameter == "base").values
+    return int(np.flatnonzero(here)[0])
+
+
+def _fit(rock: str, cycle, squares: np.ndarray, largest: float, base: xr.Dataset) -> dict:
+    rms = 1e3 * np.sqrt(squares.mean(axis=1))
+    usable = np.isfinite(rms)
+    row = {
+        "rock": rock,
+        "cycle": str(cycle),
+        "points": squares.shape[1],
+        "largest_closure_mm": 1e3 * largest,
+        "samples": int(usable.sum()),
+    }
+    if not usable.any():
+        return row
+    best = int(np.nanargmin(rms))
+    return row | {
+        "best_realization": int(base.realization.values[best]),
+        "misfit_mm": rms[best],
+        "misfit_percent": 100.0 * rms[best] / (1e3 * largest) if largest > 0.0 else np.nan,
+        "median_misfit_mm": float(np.median(rms[usable])),
+    }
+
+
+def best_fits(table: pd.DataFrame, rock: str) -> Iterator[tuple[int, int, float, float]]:
+    """(cycle, realisation, misfit [mm], misfit [%]) of each cycle of a rock that has a fit."""
+    part = table[(table.rock == rock) & (table.cycle.astype(str) != "all")]
+    for row in part[part.best_realization.notna()].itertuples():
+        yield int(row.cycle), int(row.best_realization), row.misfit_mm, row.misfit_percent

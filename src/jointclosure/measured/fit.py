@@ -1,0 +1,301 @@
+"""A joint fitted to its measured closure: mismatch wavelength, and strength if asked for."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from jointclosure.config.rocks import named_rock
+from jointclosure.ensemble.settings import Conditions
+from jointclosure.inputs import InputError, check_number, check_positive, check_seed
+from jointclosure.inputs.remarks import caution
+from jointclosure.joint.loading import SEATING_STRESS
+from jointclosure.joint.simulation import checked_conditions
+from jointclosure.measured.calibration import (
+    Interval,
+    Likelihood,
+    Readings,
+    likelihood_of,
+    readings_of_curve,
+    simulated_readings,
+)
+from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_curve
+from jointclosure.parameters import Choices, Effects, Numerics, Rock, check_rock
+from jointclosure.statistics.randomness import seed_of
+from jointclosure.storage.text import read_text
+from jointclosure.surface.synthesis import ROLL_OFF, wall_pair
+
+WAVELENGTHS, STRENGTHS = 8, 4
+"""How many of each joints are closed at."""
+STRENGTH_RANGE = (0.5, 2.0)
+"""Of the strength that was given: where another is looked for."""
+DOUBTFUL = 0.01
+"""Below this p-value no mismatch wavelength makes the curve likely."""
+_FAR = 3.0
+"""Standard deviations of joints from which a reading is missed."""
+
+
+class Fit(NamedTuple):
+    """A joint fitted to a measured curve.
+
+    Attributes
+    ----------
+    mismatch_wavelength : Interval
+        [m], with the ends of its 95 % interval; 0 where mates are not excluded, infinite where
+        independent walls are not.
+    compressive_strength : Interval or None
+        [Pa]; None where it was not asked for.
+    p_value : float
+        How often a joint of these is as far from their mean as the measured one.
+    measured : Readings
+        What was read of the curve.
+    simulated : array (wavelengths, strengths, joints, readings)
+        The logarithm of the same of the joints that were closed.
+    likelihood : Likelihood
+    assumed : str
+        The joints that were closed, from `assumptions`: intervals hold for these alone.
+    """
+
+    mismatch_wavelength: Interval
+    compressive_strength: Interval | None
+    p_value: float
+    measured: Readings
+    simulated: np.ndarray
+    likelihood: Likelihood
+    assumed: str
+
+    @property
+    def interval_holds(self) -> bool:
+        """Whether the model makes such curves, so that intervals mean something."""
+        return self.p_value >= DOUBTFUL
+
+    def sentences(self) -> list[str]:
+        """Describe the estimates, or that the model misses the curve, and what was assumed."""
+        if not self.interval_holds:
+            nearest = f"nearest are {_near(self.mismatch_wavelength.value)}"
+            return [*self._missed(), nearest, f"assumed: {self.assumed}"]
+        lines = [f"mismatch wavelength {_stated(self.mismatch_wavelength, 1e3, 'mm')}"]
+        if self.compressive_strength is not None:
+            tried = self.likelihood.strengths[[0, -1]]
+            strength = _stated(self.compressive_strength, 1e-6, "MPa", *tried)
+            lines.append(f"compressive strength {strength}")
+        if math.isinf(self.mismatch_wavelength.high):
+            lines.append("independent walls are not excluded")
+        if self.mismatch_wavelength.low == 0.0:
+            lines.append("mates are not excluded")
+        lines.append(f"{100.0 * self.p_value:.2g} % of such joints are as far from their mean")
+        return [*lines, f"this holds for the assumed joint alone: {self.assumed}"]
+
+    def _missed(self) -> list[str]:
+        """Warn that the model hardly makes the curve, and name the reading that no joint gives."""
+        often = self.p_value > 1e-3
+        seldom = f"about 1 in {1.0 / self.p_value:.0f}" if often else "fewer than 1 in 1000"
+        warning = caution(
+            f"the model hardly makes this curve: {seldom} of its joints are as far "
+            "from their mean, and no interval holds; check rock, roughness, roll-off, size and "
+            "units"
+        )
+        least = self.likelihood.least_distances(self.measured)
+        worst = int(least.argmax())
+        if least[worst] < _FAR:
+            return [warning, "each reading is made by some joints, and all of them by none"]
+        means = self.likelihood.means[..., worst]
+        low, high = (1e3 * np.exp(end(means)) for end in (np.min, np.max))
+        return [
+            warning,
+            f"no mismatch wavelength gives the {self.measured.names()[worst]}: measured "
+            f"{1e3 * self.measured.values[worst]:.3g} mm, joints of the model {low:.3g} to "
+            f"{high:.3g} mm in the mean",
+        ]
+
+    def __repr__(self) -> str:
+        return f"<Fit: {'; '.join(self.sentences())}>"
+
+
+def fit(
+    curve: str | Path | MeasuredCurve,
+    *,
+    rock: str | Rock,
+    jrc: float,
+    shape: tuple[int, int] = (64, 64),
+    spacing: float = 0.25e-3,
+    seating_stress: float = SEATING_STRESS,
+    fit_strength: bool = False,
+    stress_unit: str | None = None,
+    closure_unit: str | None = None,
+    surfaces: int = 12,
+    closure_error: float = 0.02,
+    seed: int = 1,
+    hurst: float = 0.8,
+    roll_off: float | None = ROLL_OFF,
+    effects: Effects = Effects(),
+    choices: Choices = Choices(),
+    numerics: Numerics = Numerics(),
+    report: Callable[[float], None] = lambda share: None,
+) -> Fit:
+    """Find the mismatch wavelength of the joint whose closure was measured.
+
+    Parameters
+    ----------
+    curve : path or MeasuredCurve
+        CSV with columns stress and closure, in units that their names have (stress_MPa,
+        closure_mm) or that are given here, in the order of measurement; and cycle, where there
+        are several, all to one largest stress. Closures are those of the joint, from which the
+        deformation of the intact rock is subtracted.
+    rock : str or Rock
+        Of both walls, by its name (`jointclosure.config.rocks.named_rock`) or properties.
+    jrc : float
+        Joint roughness coefficient of both walls.
+    shape : (ny, nx)
+        Cells of the joints that are closed, as long as the measured joint if that can be
+        afforded: closure depends on the size.
+    spacing : float
+        Grid spacing [m].
+    seating_stress : float
+        From which closures count [Pa]; the curve must start at or below it.
+    fit_strength : bool
+        Whether the compressive strength is found too, from half to twice the rock's.
+    stress_unit, closure_unit : str, optional
+        Where the columns' names have none: Pa, MPa or GPa; m, mm or um.
+    surfaces : int
+        Joints that are closed at each of 8 mismatch wavelengths, from two spacings to the shorter
+        side, and 4 strengths if asked for.
+    closure_error : float
+        Relative error of measured closures, one standard deviation; at most 1.
+    seed : int
+        Of the joints.
+    hurst, roll_off
+        As for `jointclosure.wall_pair`.
+    effects, choices, numerics
+        As for `jointclosure.simulate`.
+    report : callable
+        Told the share of joints that are closed.
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    InputError
+        A file that cannot be read as a curve, or a number out of its range.
+
+    Notes
+    -----
+    See `jointclosure.measured.calibration`: the scatter of joints is the likelihood, as
+    if the model were right and rock, roughness and size were known. Closures of the model are net
+    of the indentation of the half-spaces (`jointclosure.joint.history.read_along`).
+    """
+    intact = named_rock(rock) if isinstance(rock, str) else rock
+    check_rock(intact)
+    _check(surfaces, closure_error, seed, seating_stress, shape)
+    measured = _measured(curve, seating_stress, stress_unit, closure_unit)
+    stress = float(measured.levels[-1])
+    checked_conditions(
+        intact, spacing, stress, measured.cycles, seating_stress, effects, choices, numerics, False
+    )
+    conditions = Conditions(
+        spacing, intact, stress, measured.cycles, seating_stress, effects, choices, numerics
+    )
+
+    def walls(number: int, wavelength: float) -> tuple[np.ndarray, np.ndarray]:
+        return wall_pair(
+            jrc, shape, spacing, seed_of(seed, "fit", number), hurst,
+            mismatch_wavelength=wavelength, roll_off=roll_off,
+        )  # fmt: skip
+
+    wavelengths = np.geomspace(2.0 * spacing, min(shape) * spacing, WAVELENGTHS)
+    factors = np.geomspace(*STRENGTH_RANGE, STRENGTHS) if fit_strength else np.ones(1)
+    strengths = intact.compressive_strength * factors
+    simulated = simulated_readings(
+        walls, conditions, measured, wavelengths, strengths, surfaces, report
+    )
+    found = likelihood_of(measured, simulated, wavelengths, strengths, closure_error)
+    strength = found.interval(1) if fit_strength else None
+    assumed = assumptions(intact, jrc, shape, spacing, roll_off, fit_strength)
+    return Fit(found.interval(0), strength, found.p_value, measured, simulated, found, assumed)
+
+
+def assumptions(
+    rock: Rock,
+    jrc: float,
+    shape: tuple[int, int],
+    spacing: float,
+    roll_off: float | None,
+    fit_strength: bool = False,
+) -> str:
+    """Describe the joints that are closed; arguments as for `fit`."""
+    ny, nx = (1e3 * spacing * cells for cells in shape)
+    waves = (
+        "of all lengths" if roll_off is None else f"weaker beyond {1e3 * roll_off:g} mm (roll-off)"
+    )
+    factors = STRENGTH_RANGE if fit_strength else (1.0,)
+    strength = " to ".join(f"{1e-6 * factor * rock.compressive_strength:g}" for factor in factors)
+    return (
+        f"JRC {jrc:g}, {nx:g} x {ny:g} mm at a spacing of {1e3 * spacing:g} mm, waves {waves}, "
+        f"E {1e-9 * rock.youngs_modulus:g} GPa, Poisson's ratio {rock.poisson_ratio:g},"
+        f" strength {strength} MPa; measured closures net of the intact "
+        "rock's deformation"
+    )
+
+
+def _measured(
+    curve: str | Path | MeasuredCurve,
+    seating_stress: float,
+    stress_unit: str | None,
+    closure_unit: str | None,
+) -> Readings:
+    """What is read of a curve, checked."""
+    if isinstance(curve, MeasuredCurve):
+        name = "curve"
+    else:
+        name = str(curve)
+        if not Path(curve).is_file():
+            raise InputError(f"{name}: there is no such file")
+        curve = parsed_curve(read_text(curve), name, stress_unit, closure_unit, cycle=1)
+    check_loadings(curve, name, seating_stress)
+    try:
+        return readings_of_curve(curve, seating_stress)
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from None
+
+
+def _check(
+    surfaces: int, closure_error: float, seed: int, seating_stress: float, shape: tuple[int, int]
+) -> None:
+    check_number("surfaces", surfaces, whole=True)
+    if surfaces < 4:
+        raise InputError(f"surfaces = {surfaces}: must be at least 4, whose scatter is needed")
+    check_number("closure_error", closure_error)
+    if not 0.0 < closure_error <= 1.0:
+        raise InputError(f"closure_error = {closure_error!r}: must be above 0 and at most 1")
+    check_seed("seed", seed)
+    check_positive("seating_stress", seating_stress, "Pa")
+    if not isinstance(shape, tuple | list) or len(shape) != 2 or min(shape) < 8:
+        raise InputError(f"shape = {shape!r}: must be (cells along y, along x), at least 8 each")
+
+
+def _near(value: float) -> str:
+    """Walls of a mismatch wavelength [m], which may be at an end of what was closed."""
+    ends = {0.0: "mates", math.inf: "independent walls"}
+    return ends.get(value, f"walls of a mismatch wavelength of {1e3 * value:.3g} mm")
+
+
+def _stated(
+    found: Interval, scale: float, unit: str, least: float = 0.0, most: float = math.inf
+) -> str:
+    """An estimate with its interval in a unit, and whether it is at an end of what was tried."""
+    value, low, high = (scale * part for part in found)
+    if found.low <= least and found.high >= most:
+        return "is not bounded: nothing that was tried is excluded"
+    at_end = "95 % interval; the likeliest is at the end of what was tried"
+    if found.value <= least:
+        return f"below {high:.3g} {unit} ({at_end})"
+    if found.value >= most:
+        return f"above {low:.3g} {unit} ({at_end})"
+    lower = f"{low:.3g} or less" if 0.0 < found.low <= least else f"{low:.3g}"
+    upper = f"{high:.3g} or more" if found.high >= most else f"{high:.3g}"
+    upper = upper if math.isfinite(high) else "no end"
+    return f"{value:.3g} {unit} (95 % interval {lower} to {upper})"

@@ -1,0 +1,230 @@
+"""Pictures for notebooks: each function draws on matplotlib axes, and gives them back.
+
+``import jointclosure as jc`` and ``jc.plot.curves(joint)``. Without ``axes`` a new figure of pyplot
+is made, as notebooks show it. Lengths are drawn in mm and stresses in MPa.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from jointclosure.inputs import InputError, check_length, check_one_of
+from jointclosure.inputs.extras import needs
+from jointclosure.joint.history import GROSS, NET
+from jointclosure.plotting.joint import draw_curves, draw_stiffness
+from jointclosure.plotting.scanned_joint import draw_section, map_extent
+from jointclosure.plotting.snapshots import MAPS, draw_contacts, draw_map, state_said
+from jointclosure.plotting.style import BRANCH_LINES, styled
+
+with needs("figures", "jointclosure.plotting.plot"):
+    import matplotlib.pyplot as plt
+    from matplotlib.axes import Axes
+
+if TYPE_CHECKING:
+    from jointclosure.ensemble.scanned_joint import ClosedJoint
+
+__all__ = ["aperture", "contacts", "curves", "damage", "stiffness", "wall", "walls"]
+
+
+def __dir__() -> list[str]:
+    return __all__
+
+
+_SINCE = ("touch", "seating", "cycle")
+
+
+@styled
+def curves(
+    joint: "xr.Dataset | ClosedJoint",
+    axes: Axes | None = None,
+    since: str = "touch",
+    gross: bool = False,
+) -> Axes:
+    """Draw normal stress against closure: loading full, unloading dashed, a colour a cycle.
+
+    Parameters
+    ----------
+    joint : Dataset or ClosedJoint
+        As from `jointclosure.simulate` or `jointclosure.close`; or from
+        `jointclosure.simulate_ensemble`: then each joint is a thin line and their mean a thick one.
+    axes : Axes, optional
+    since : {"touch", "seating", "cycle"}
+        Where closure counts from; ensembles count from first touch.
+    gross : bool
+        With the elastic indentation of the half-spaces, which the net closure does not contain.
+
+    Raises
+    ------
+    InputError
+        Another ``since``.
+    """
+    check_one_of("since", since, _SINCE)
+    history, axes = _history(joint), _axes(axes)
+    if "realization" in history.dims:
+        if since != "touch":
+            raise InputError(f"since = {since!r}: must be touch for an ensemble")
+        _ensemble_curves(axes, history, gross)
+    else:
+        draw_curves(axes, history, since, GROSS if gross else NET)
+    return axes
+
+
+def _ensemble_curves(axes: Axes, ensemble: xr.Dataset, gross: bool) -> None:
+    stress = 1e-6 * ensemble.stress.values
+    closures = ensemble.closure if gross else ensemble.closure - ensemble.bulk_indentation
+    for index, number in enumerate(ensemble.cycle.values):
+        for name, style in BRANCH_LINES.items():
+            closure = 1e3 * closures.sel(cycle=number, branch=name).values
+            known = np.isfinite(closure).any(axis=0)
+            colour = f"C{index}"
+            axes.plot(closure.T, stress, style, color=colour, lw=0.5, alpha=0.35)
+            mean = np.nanmean(closure[:, known], axis=0)
+            label = f"cycle {number}, {name}: mean"
+            axes.plot(mean, stress[known], style, color=colour, lw=2.0, label=label)
+    kind = "gross" if gross else "net"
+    axes.set(xlabel=f"{kind} closure from first touch (mm)", ylabel="normal stress (MPa)", ylim=0.0)
+    axes.legend(frameon=False)
+
+
+@styled
+def stiffness(joint: "xr.Dataset | ClosedJoint", axes: Axes | None = None) -> Axes:
+    """Draw net normal stiffness kn [MPa/mm] against stress, by chords between even stresses.
+
+    Parameters
+    ----------
+    joint : Dataset or ClosedJoint
+    axes : Axes, optional
+    """
+    axes = _axes(axes)
+    draw_stiffness(axes, _history(joint))
+    return axes
+
+
+@styled
+def wall(heights: np.ndarray, spacing: float, axes: Axes | None = None) -> Axes:
+    """A map of heights.
+
+    Parameters
+    ----------
+    heights : array (y, x)
+        [m].
+    spacing : float
+        Grid spacing [m].
+    axes : Axes, optional
+    """
+    check_length("spacing", spacing)
+    axes, heights = _axes(axes), np.asarray(heights)
+    reach = 1e3 * float(np.nanmax(np.abs(heights)))
+    image = axes.imshow(
+        1e3 * heights, origin="lower", interpolation="nearest", cmap="vlag", vmin=-reach,
+        vmax=reach, extent=map_extent(heights.shape, spacing),
+    )  # fmt: skip
+    _finish_map(axes, image, "height (mm)")
+    return axes
+
+
+@styled
+def walls(
+    upper: Any, lower: np.ndarray | None = None, *, spacing: float | None = None,
+    axes: Axes | None = None,
+) -> Axes:  # fmt: skip
+    """Both walls at first touch, in a section along x through it.
+
+    Parameters
+    ----------
+    upper, lower : array (y, x)
+        Heights towards the other wall [m]; or a `ClosedJoint` or `RegisteredPair` in the place of
+        ``upper``, whose walls and spacing are taken.
+    spacing : float
+        Grid spacing [m], with arrays.
+    axes : Axes, optional
+
+    Raises
+    ------
+    InputError
+        Arrays without the other wall or the spacing.
+    """
+    pair = getattr(upper, "pair", upper)
+    if lower is None and hasattr(pair, "spacing") and hasattr(pair, "lower"):
+        upper, lower, spacing = pair.upper, pair.lower, pair.spacing
+    if lower is None or spacing is None:
+        raise InputError("walls: give upper, lower and spacing=, or a joint that has them")
+    check_length("spacing", spacing)
+    axes = _axes(axes)
+    draw_section(axes, np.asarray(upper), np.asarray(lower), spacing)
+    axes.legend(frameon=False, loc="best")
+    return axes
+
+
+@styled
+def aperture(
+    joint: "xr.Dataset | ClosedJoint", snapshot: int = -1, axes: Axes | None = None
+) -> Axes:
+    """The distance of the deformed walls in a snapshot, with contacts red.
+
+    Parameters
+    ----------
+    joint : Dataset or ClosedJoint
+        Closed with ``snapshots``.
+    snapshot : int
+        Which of them, by its place; by default the last.
+    axes : Axes, optional
+
+    Raises
+    ------
+    InputError
+        The joint has no such snapshot.
+    """
+    axes = _axes(axes)
+    _state_map(axes, joint, snapshot, "aperture")
+    history = _history(joint)
+    draw_contacts(axes, history, snapshot)
+    return axes
+
+
+@styled
+def contacts(
+    joint: "xr.Dataset | ClosedJoint", snapshot: int = -1, axes: Axes | None = None
+) -> Axes:
+    """The stress of the cells in contact in a snapshot; arguments as for `aperture`."""
+    axes = _axes(axes)
+    _state_map(axes, joint, snapshot, "stress")
+    return axes
+
+
+@styled
+def damage(joint: "xr.Dataset | ClosedJoint", snapshot: int = -1, axes: Axes | None = None) -> Axes:
+    """By what both walls' heights changed since first touch; arguments as for `aperture`."""
+    axes = _axes(axes)
+    _state_map(axes, joint, snapshot, "change")
+    return axes
+
+
+def _state_map(axes: Axes, joint: "xr.Dataset | ClosedJoint", snapshot: int, name: str) -> None:
+    history = _history(joint)
+    count = history.sizes.get("snapshot", 0)
+    if not -count <= snapshot < count:
+        raise InputError(
+            f"snapshot = {snapshot!r}: the joint has {count}; simulate(..., snapshots=[...]) and "
+            "close(..., snapshots=[...]) keep them"
+        )
+    drawn = MAPS[name](history)
+    image = draw_map(axes, history, drawn, snapshot)
+    said = dict(zip(MAPS, state_said(history.isel(snapshot=snapshot)), strict=True))
+    title = said["aperture"] if name == "aperture" else f"{said['aperture']}, {said[name]}"
+    axes.set_title(title)
+    _finish_map(axes, image, drawn.label, drawn.beyond)
+
+
+def _finish_map(axes: Axes, image, label: str, beyond: str = "neither") -> None:
+    axes.figure.colorbar(image, ax=axes, label=label, extend=beyond)
+    axes.set(xlabel="x (mm)", ylabel="y (mm)")
+
+
+def _history(joint: "xr.Dataset | ClosedJoint") -> xr.Dataset:
+    return joint if isinstance(joint, xr.Dataset) else joint.history
+
+
+def _axes(axes: Axes | None) -> Axes:
+    return plt.subplots(layout="constrained")[1] if axes is None else axes

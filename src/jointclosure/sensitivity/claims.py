@@ -1,0 +1,343 @@
+"""The paper's claims, each with two answers: is it true of the model, and would a study find it?
+
+True of the model: margins (`jointclosure.claims.statements`) with confidence intervals, from
+surfaces on which all cases are closed (the pool; without one, the study's own). A claim *stands*
+where all margins lie where it is true in all rocks, and *falls* where one lies elsewhere; of a
+comparison there is *no difference* where the smallest margin is within the tolerance; else it
+*cannot be told*. The intervals of one claim hold together with a confidence of 95 % (Bonferroni).
+
+Found: the share of repetitions of the study, n independent draws at every level, in which the
+claim holds for all rocks when judged as the paper judges, by point estimates.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import scipy
+import xarray as xr
+
+from jointclosure.claims.found import LOOP, NET, TARGET, Findings
+from jointclosure.claims.table import CLAIMS, OURS, TABLE_3, Claim
+from jointclosure.config.properties import PROPERTIES
+from jointclosure.sensitivity.closed_model import SQUARE, ClosedModel, estimated
+from jointclosure.sensitivity.responses import (
+    RockSample,
+    rock_sample,
+    rocks_of,
+    sensitivities,
+)
+from jointclosure.statistics.drawn_studies import (
+    RESAMPLED_POOLS,
+    Design,
+    DrawnResponse,
+    draw_studies,
+    pool_error,
+    repetitions_of_pool,
+    resampled_pools,
+)
+from jointclosure.statistics.indifference import indifference_lengths
+from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.statistics.standard_errors import Estimate
+from jointclosure.statistics.verdicts import (
+    CANNOT_BE_TOLD,
+    FALLS,
+    STANDS,
+    Frequency,
+    Interval,
+    frequency,
+    t_interval,
+    verdict,
+)
+
+CONFIDENCE = 0.95
+YES, NO = "yes", "no"
+_ROUNDING = 1e-12
+"""Of a closure: a loop below is none."""
+COLUMNS = (
+    "number", "claim", "said_in", "paper", "paper_finds", "verdict", "remark",
+    "found_here", "found_share", "found_error", "found_low", "found_high",
+)  # fmt: skip
+OF_PAPER = ("said_in", "paper", "paper_finds")
+"""Columns that are left out in a study of other rocks."""
+MARGIN_COLUMNS = (
+    "number", "rock", "cycle", "quantity", "value", "standard_error", "low", "high", "decides",
+)  # fmt: skip
+
+
+class Evidence(NamedTuple):
+    """What claims are judged by.
+
+    ``study``: as made, which finds or does not find; ``pool``: of which it is asked what is
+    true, the study itself where there is none; ``design``: of a study's repetitions;
+    ``resampled_pools``: for the error of the pool, of shares that studies find.
+    """
+
+    study: xr.Dataset
+    pool: xr.Dataset
+    design: Design
+    repetitions: int
+    root_seed: int
+    resampled_pools: int = RESAMPLED_POOLS
+
+
+class _Judged(NamedTuple):
+    """The pool's rocks and their margins by claim, how often repetitions find a claim, the study,
+    the paper's own table."""
+
+    samples: list[RockSample]
+    margins: dict[str, dict[str, dict[tuple[str, int], Estimate]]]
+    found: dict[str, Frequency]
+    study: Findings
+    paper: Findings
+
+
+def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """All claims with the paper's figures and both answers, and the margins that decide them.
+
+    Parameters
+    ----------
+    evidence : Evidence
+    paper : DataFrame
+        The paper's Table 3.
+
+    Returns
+    -------
+    claims : DataFrame
+        ``said_in``: where the paper has it, or `OURS`. ``verdict``: whether it is true of the
+        model. ``found_share``: of the repetitions, with a standard error that contains the
+        pool's, and its 95 % interval; ``found_here``: whether the study as made finds it;
+        ``paper_finds``: whether the paper's own Table 3 does. In a study of other rocks only,
+        `OF_PAPER` is left out, and so are claims that cannot be judged.
+    margins : DataFrame
+        A row for each number of the model by which a claim is judged: ``number`` of the claim,
+        ``rock``, ``cycle``, ``quantity``, ``value``, ``standard_error``, the ends of its interval
+        (those of a claim hold together with `CONFIDENCE`), and whether of its claim and rock it
+        is the one that ``decides``.
+    """
+    judged = _judged(evidence, paper)
+    rows, margins = [], []
+    for claim in CLAIMS:
+        row: dict = {"number": claim.number, "claim": claim.text, "said_in": claim.said_in}
+        row |= {"paper": _papers_figures(claim, paper, judged.samples), "remark": claim.remark}
+        word, own = _true(claim, judged)
+        row |= {"verdict": word} | _found(claim, judged)
+        if claim.shown == TABLE_3 and claim.said_in != OURS:
+            row["paper_finds"] = _yes(claim.found_in(judged.paper))
+        rows.append(row)
+        margins += own
+    table = pd.DataFrame(rows, columns=list(COLUMNS))
+    of_model = pd.DataFrame(margins, columns=list(MARGIN_COLUMNS))
+    if not judged.paper.drawn:
+        table = table[table.number.isin(of_model.number)].reset_index(drop=True)
+        table = table.drop(columns=list(OF_PAPER))
+    return table, of_model
+
+
+def _judged(evidence: Evidence, paper: pd.DataFrame) -> _Judged:
+    samples, design = _samples(evidence.pool), evidence.design
+    t = scipy.stats.t.ppf(1.0 - 0.5 * design.significance, 2 * design.draws - 2)
+    critical = float(t * np.sqrt(2.0 / design.draws))
+    return _Judged(
+        samples,
+        {sample.rock: _margins(sample, critical) for sample in samples},
+        _frequencies(evidence, samples),
+        as_found(_samples(evidence.study), design.significance),
+        _papers_own(paper, samples),
+    )
+
+
+def _frequencies(evidence: Evidence, samples: list[RockSample]) -> dict[str, Frequency]:
+    """How often repetitions find each claim that can be judged, the pool's error included."""
+    pools = sensitivities([sample for sample in samples if sample.levels])
+    names = samples[0].names if samples else ()
+
+    def found(drawn) -> dict[str, np.ndarray]:
+        by_claim = {claim.number: claim.found_in(Findings(drawn, names)) for claim in CLAIMS}
+        return {number: each for number, each in by_claim.items() if each is not None}
+
+    random = generator(seed_of(evidence.root_seed, "claims"))
+    once = found(draw_studies(pools, evidence.design, evidence.repetitions, random))
+    errors = dict.fromkeys(once, 0.0)
+    if evidence.resampled_pools and once:
+        random = generator(seed_of(evidence.root_seed, "claims", "pools"))
+        times = repetitions_of_pool(evidence.repetitions)
+        shares = []
+        for own in resampled_pools(pools, random, evidence.resampled_pools):
+            again = found(draw_studies(own, evidence.design, times, random))
+            shares.append([each.mean() for each in again.values()])
+        errors = dict(zip(once, pool_error(shares, times).tolist(), strict=True))
+    return {number: frequency(each, errors[number]) for number, each in once.items()}
+
+
+def _samples(dataset: xr.Dataset) -> list[RockSample]:
+    variables = {TARGET: dataset[TARGET], NET: dataset[NET], LOOP: _loops(dataset)}
+    found = [rock_sample(dataset, rock, variables) for rock in rocks_of(dataset)]
+    return [sample for sample in found if sample.values.shape[-1] > 1]
+
+
+def _loops(dataset: xr.Dataset) -> xr.DataArray:
+    """Closure of unloading less that of loading at half the maximum stress of each case."""
+    parts = []
+    for case in dataset.case.values:
+        one = dataset.sel(case=[case])
+        half = one.closure.sel(stress=0.5 * float(one.max_normal_stress[0]), method="nearest")
+        up, down = half.sel(branch="loading"), half.sel(branch="unloading")
+        # branches that are one curve, read to and fro, differ by rounding
+        loop = (down - up).where(np.abs(down - up) > _ROUNDING * up, 0.0)
+        parts.append(loop.drop_vars(["stress", "branch"], errors="ignore"))
+    return xr.concat(parts, "case", coords="minimal", compat="override")
+
+
+def _with_squares(sample: RockSample) -> RockSample:
+    """A sample with the squared deviations of its closures, whose means are their variances."""
+    n = sample.values.shape[-1]
+    cycles = [cycle for variable, cycle in sample.names if variable == TARGET]
+    own = sample.values[[sample.target(TARGET, cycle) for cycle in cycles]]
+    squares = (own - own.mean(axis=2, keepdims=True)) ** 2 * n / (n - 1)
+    return sample._replace(
+        names=(*sample.names, *((SQUARE, cycle) for cycle in cycles)),
+        values=np.concatenate([sample.values, squares]),
+    )
+
+
+def _margins(sample: RockSample, critical: float) -> dict[str, dict[tuple[str, int], Estimate]]:
+    """Margins of a rock by claim, and by name and cycle; of claims on what varies there."""
+    asked = {
+        claim: cycles
+        for claim in CLAIMS
+        if (cycles := claim.cycles_among(sample.names))
+        and set(claim.judged_by.parameters) <= set(sample.levels)
+    }
+    whole = _with_squares(sample)
+
+    def numbers(means: np.ndarray) -> dict[tuple, float]:
+        model = ClosedModel(whole, means, critical)
+        return {
+            (claim.number, *name): value
+            for claim, cycles in asked.items()
+            for name, value in claim.margins(model, cycles).items()
+        }
+
+    found: dict[str, dict] = {}
+    for (number, *name), estimate in estimated(numbers, whole).items():
+        found.setdefault(number, {})[tuple(name)] = estimate
+    return found
+
+
+def _true(claim: Claim, judged: _Judged) -> tuple[str, list[dict]]:
+    """Verdict on the model, and the margins of all rocks."""
+    asked = {rock: own[claim.number] for rock, own in judged.margins.items() if claim.number in own}
+    if not asked:
+        return CANNOT_BE_TOLD, []
+    confidence = 1.0 - (1.0 - CONFIDENCE) / sum(len(each) for each in asked.values())
+    sizes = {sample.rock: sample.values.shape[-1] for sample in judged.samples}
+    rows, intervals = [], []
+    for rock, estimates in asked.items():
+        own = [t_interval(each, sizes[rock], confidence) for each in estimates.values()]
+        intervals += own
+        rows += _margin_rows(claim, rock, estimates, own)
+    least = claim.judged_by.least_interval(intervals)
+    answer = verdict(least, (claim.judged_by.true_above(), np.inf), claim.judged_by.alike)
+    if claim.negated:
+        answer = {STANDS: FALLS, FALLS: STANDS}.get(answer, answer)
+    return answer, rows
+
+
+def _margin_rows(
+    claim: Claim, rock: str, estimates: dict[tuple[str, int], Estimate], own: list[Interval]
+) -> list[dict]:
+    """Margins of a rock; the one decides that is least, in standard errors, where it is true."""
+    inside = [
+        (claim.judged_by.least_interval([Interval(each.value, each.value)]).low
+         - claim.judged_by.true_above())
+        for each in estimates.values()
+    ]  # fmt: skip
+    errors = [each.standard_error for each in estimates.values()]
+    least = np.argmin(
+        [
+            far / error if error else np.copysign(np.inf, far)
+            for far, error in zip(inside, errors, strict=True)
+        ]
+    )
+    return [
+        {
+            "number": claim.number, "rock": rock, "cycle": cycle, "quantity": quantity,
+            "value": found.value, "standard_error": found.standard_error,
+            "low": interval.low, "high": interval.high, "decides": i == least,
+        }
+        for i, (((quantity, cycle), found), interval) in enumerate(
+            zip(estimates.items(), own, strict=True)
+        )
+    ]  # fmt: skip
+
+
+def _found(claim: Claim, judged: _Judged) -> dict:
+    """How often repetitions of the study find the claim, and whether the study does."""
+    row: dict = {"found_here": _yes(claim.found_in(judged.study))}
+    often = judged.found.get(claim.number)
+    if often is not None:
+        row |= {"found_share": often.share, "found_error": often.standard_error}
+        row |= {"found_low": often.low, "found_high": often.high}
+    return row
+
+
+def _yes(found: np.ndarray | None) -> str | None:
+    return None if found is None else YES if found[0] else NO
+
+
+def as_found(samples: list[RockSample], significance: float) -> Findings:
+    """A study that was made, as one of many: its own means, and lengths as published."""
+    drawn = {}
+    for sample in samples:
+        for parameter, levels in sample.levels.items():
+            values = sample.values[:, levels.cases]
+            means, deviations = values.mean(axis=2), values.std(axis=2, ddof=1)
+            lengths = indifference_lengths(
+                levels.values, means, deviations, values.shape[2], significance, levels.base
+            )
+            drawn[sample.rock, parameter] = DrawnResponse(
+                levels.values,
+                levels.base,
+                means[None],
+                deviations[None],
+                np.where(np.isnan(lengths), np.inf, lengths)[None],
+            )
+    return Findings(drawn, samples[0].names if samples else ())
+
+
+def _papers_own(paper: pd.DataFrame, samples: list[RockSample]) -> Findings:
+    """The paper's Table 3 as a study: lengths without means."""
+    cycles = sorted({int(cycle) for cycle in paper.cycle})
+    drawn = {}
+    for sample in samples:
+        for parameter, levels in sample.levels.items():
+            part = paper[(paper.rock == sample.rock) & (paper.parameter == parameter)]
+            if part.empty:
+                continue
+            lengths = part.set_index("cycle").paper_length.reindex(cycles).to_numpy(dtype=float)
+            lengths = np.where(np.isnan(lengths), np.inf, lengths * PROPERTIES[parameter].size)
+            nothing = np.full((1, len(cycles), levels.values.size), np.nan)
+            drawn[sample.rock, parameter] = DrawnResponse(
+                levels.values, levels.base, nothing, nothing, lengths[None]
+            )
+    return Findings(drawn, tuple((TARGET, cycle) for cycle in cycles))
+
+
+def _papers_figures(claim: Claim, paper: pd.DataFrame, samples: list[RockSample]) -> str:
+    """The entries of the paper's Table 3 that a claim is about, or where else it is shown."""
+    if claim.shown != TABLE_3:
+        return claim.shown
+    rocks = {sample.rock for sample in samples}
+    part = paper[(paper.parameter == claim.parameter) & paper.rock.isin(rocks)]
+    part = part[part.cycle.isin({c for each in claim.cycles for c in claim.judged_by.cycles(each)})]
+    return "; ".join(
+        f"cycle {cycle}: " + ", ".join(_entry(row) for row in rows.itertuples())
+        for cycle, rows in part.groupby("cycle")
+    )
+
+
+def _entry(row) -> str:
+    if pd.isna(row.paper_length):
+        return f"{row.rock} –"
+    return f"{row.rock} {row.paper_length:g} ({row.paper_percent:g} %)"

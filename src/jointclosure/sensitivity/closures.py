@@ -1,0 +1,177 @@
+"""Tables of closures: means and scatter of every case, correlations, elasticities, with errors."""
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.claims.found import NET, TARGET
+from jointclosure.config.properties import PROPERTIES
+from jointclosure.ensemble.aggregation import succeeded
+from jointclosure.ensemble.covariates import Covariates
+from jointclosure.sensitivity.responses import (
+    Response,
+    adjustment,
+    responses,
+)
+from jointclosure.statistics.control_variates import (
+    adjusted_deviations,
+    adjusted_elasticity,
+    adjusted_means,
+)
+from jointclosure.statistics.correlations import fit_quadratic, lack_of_fit, paired_lack_of_fit
+from jointclosure.statistics.standard_errors import (
+    Estimate,
+    deviation_covariance,
+    deviation_of,
+    elasticity,
+    mean_covariance,
+    mean_of,
+    quadratic_errors,
+    rounded,
+    variation_of,
+)
+
+CLOSURES = (
+    TARGET,
+    NET,
+    "max_closure_seated",
+    "max_closure_seated_net",
+    "residual_closure",
+    "residual_closure_seated_net",
+)
+_MM = 1e3
+_OF_MEAN, _OF_DEVIATION = ("b", "c", "d"), ("b_s", "c_s", "d_s")
+_COEFFICIENTS = (*_OF_MEAN, *_OF_DEVIATION)
+_CORRELATION: tuple[str, ...] = ("rock", "parameter", "unit", "cycle", "samples", *_COEFFICIENTS)
+_CORRELATION += tuple(f"{name}_standard_error" for name in _COEFFICIENTS)
+_CORRELATION += ("lack_of_fit_p",)
+_WHAT = ("", "_standard_error", "_shown")
+_ADJUSTED = [f"elasticity_adjusted{what}" for what in _WHAT]
+
+
+def max_closure_table(study: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
+    """Mean, standard deviation and n of the maximum closures, per case and cycle, with errors.
+
+    ``max_closure_shown`` is the mean rounded to its standard error [mm]; ``variation`` is
+    S/mean of the maximum closure. Columns with ``adjusted`` are by the study's covariates, NaN
+    where there are none.
+    """
+    good = succeeded(study).values
+    rows = []
+    for i, case in enumerate(study.case.values):
+        about = {name: study[name].values[i] for name in ("rock", "parameter", "level")}
+        for cycle in study.cycle.values.tolist():
+            row = {"case": case} | about | {"cycle": cycle, "samples": int(good[i].sum())}
+            for target in CLOSURES:
+                values = _MM * study[target].sel(cycle=cycle).values[i][good[i]]
+                row |= _scatter(target, values)
+                if target == TARGET:
+                    chosen = np.ix_(np.array([i]), np.flatnonzero(good[i]))
+                    row |= _adjusted(values, adjustment(covariates, chosen, int(cycle)))
+            shown = (row[f"{TARGET}_mean_mm"], row[f"{TARGET}_mean_mm_standard_error"])
+            rows.append(row | {"max_closure_shown": rounded(*shown)})
+    return pd.DataFrame(rows)
+
+
+def _scatter(target: str, values: np.ndarray) -> dict:
+    """Mean and standard deviation [mm] of a target, and their standard errors."""
+    mean, deviation = f"{target}_mean_mm", f"{target}_standard_deviation_mm"
+    row = dict.fromkeys((mean, f"{mean}_standard_error"), np.nan)
+    row |= dict.fromkeys((deviation, f"{deviation}_standard_error"), np.nan)
+    if target == TARGET:
+        row |= {"variation": np.nan, "variation_standard_error": np.nan}
+    if values.size:
+        row[mean] = values.mean()
+    if values.size > 1:
+        row[f"{mean}_standard_error"] = mean_of(values).standard_error
+        row[deviation], row[f"{deviation}_standard_error"] = deviation_of(values)
+        if target == TARGET and values.mean() != 0.0:
+            row["variation"], row["variation_standard_error"] = variation_of(values)
+    return row
+
+
+def _adjusted(values: np.ndarray, covariates: Covariates | None) -> dict:
+    """Adjusted mean and standard deviation [mm] of the maximum closure, with standard errors."""
+    found = dict.fromkeys(("mean", "standard_deviation"), Estimate(np.nan, np.nan))
+    if covariates is not None:
+        own, known, tell_scatter = covariates
+        found["mean"] = adjusted_means(values[None], own, known, paired=False).estimate(0)
+        deviations, errors = adjusted_deviations(values[None], own, known, tell_scatter)
+        found["standard_deviation"] = Estimate(float(deviations[0]), float(errors[0]))
+    row: dict[str, float] = {}
+    for what, estimate in found.items():
+        name = f"{TARGET}_adjusted_{what}_mm"
+        row |= {name: estimate.value, f"{name}_standard_error": estimate.standard_error}
+    return row
+
+
+def correlation_table(study: xr.Dataset) -> pd.DataFrame:
+    """Coefficients of Eqs. (24) and (26) with standard errors: closures in mm, parameters as in
+    Table 1. With more than three levels ``lack_of_fit_p`` tests the quadratic."""
+    rows = []
+    for response in responses(study, TARGET):
+        if response.samples.shape[1] < 2:
+            continue
+        unit = PROPERTIES[response.parameter]
+        about: dict[str, object] = {"rock": response.rock, "parameter": response.parameter}
+        about |= {"unit": unit.unit}
+        about |= {"cycle": response.cycle, "samples": response.samples.shape[1]}
+        rows.append(about | _coefficients(response, unit.size))
+    return pd.DataFrame(rows, columns=_CORRELATION)
+
+
+def _coefficients(response: Response, size: float) -> dict:
+    levels, base = response.levels / size, response.base / size
+    samples, paired = _MM * response.samples, response.paired
+    means, deviations = samples.mean(axis=1), samples.std(axis=1, ddof=1)
+    row: dict[str, float] = {}
+    for names, values, covariance in (
+        (_OF_MEAN, means, mean_covariance(samples, paired)),
+        (_OF_DEVIATION, deviations, deviation_covariance(samples, paired)),
+    ):
+        row |= dict(zip(names, fit_quadratic(levels, values, base).in_parameter(), strict=True))
+        errors = quadratic_errors(levels, covariance, base).in_parameter
+        row |= {f"{name}_standard_error": e for name, e in zip(names, errors, strict=True)}
+    if paired:
+        row["lack_of_fit_p"] = paired_lack_of_fit(levels, samples)
+    else:
+        fit = fit_quadratic(levels, means, base)
+        row["lack_of_fit_p"] = lack_of_fit(levels, means, deviations, samples.shape[1], fit)
+    return row
+
+
+def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
+    """d ln(mean maximum closure)/d ln(parameter) at each rock's own value, with standard errors.
+
+    One row per rock, parameter and cycle, with and without bulk indentation. Of a pool the
+    surfaces are the same at all levels, and their errors are those of differences. Columns
+    with ``adjusted`` are by the ensemble's covariates, NaN where there are none.
+    """
+    rows = []
+    both = (responses(ensemble, target, covariates) for target in (TARGET, NET))
+    for gross, net in zip(*both, strict=True):
+        row = {"rock": gross.rock, "parameter": gross.parameter, "cycle": gross.cycle}
+        row |= {"samples": gross.samples.shape[1], "paired": gross.paired}
+        for suffix, response in (("", gross), ("_net", net)):
+            found = (np.nan, np.nan)
+            if response.samples.shape[1] > 1 and response.base != 0.0:
+                found = elasticity(
+                    response.levels, response.samples, response.base, response.paired
+                )
+            row |= {
+                f"elasticity{suffix}": found[0],
+                f"elasticity{suffix}_standard_error": found[1],
+                f"elasticity{suffix}_shown": rounded(*found),
+            }
+        found = (np.nan, np.nan)
+        if gross.covariates is not None and gross.base != 0.0:
+            own, known, _ = gross.covariates
+            found = adjusted_elasticity(
+                gross.levels, gross.samples, own, known, gross.base, gross.paired
+            )
+        row |= dict(zip(_ADJUSTED, (*found, rounded(*found)), strict=True))
+        rows.append(row)
+    columns = ["rock", "parameter", "cycle", "samples", "paired"]
+    columns += [f"elasticity{suffix}{what}" for suffix in ("", "_net") for what in _WHAT]
+    columns += _ADJUSTED
+    return pd.DataFrame(rows, columns=columns)

@@ -1,0 +1,162 @@
+"""Which of the paper's conclusions stand, which fall, and which hang on what it leaves open."""
+
+import numpy as np
+import pandas as pd
+
+from jointclosure.claims.found import NET, TARGET
+from jointclosure.claims.table import CLAIMS
+from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, NO_DIFFERENCE, STANDS
+
+DEPENDS = "depends on what is unstated"
+"""Said of a conclusion that is true under some readings or choices, and false under others."""
+ONLY_CONFIGURED = {each: f"{each} as configured" for each in (STANDS, FALLS, NO_DIFFERENCE)}
+"""Said of one that no reading of all rocks and no choice tried: not trying is no agreement."""
+JUDGED_ELSEWHERE = "judged elsewhere"
+"""Said of one that a sensitivity study has nothing on."""
+UNJUDGED = frozenset(claim.number for claim in CLAIMS if claim.statement is None)
+"""Numbers of such claims."""
+
+NEARLY_ALL = 0.9
+"""Share of the open choices for which a verdict must hold to be said without them."""
+
+FOUND = ("found_share", "found_error", "found_low", "found_high")
+"""Columns on how often studies find a claim: share, standard error, 95 % interval."""
+SHARES = ("share", "share_error", "share_low", "share_high")
+"""Columns of the share of choices; ``choices_share`` and so on here."""
+COUNTS = {"stand": STANDS, "fall": FALLS, "equal": NO_DIFFERENCE, "open": CANNOT_BE_TOLD}
+_RANKS = {FALLS: 0, NO_DIFFERENCE: 1, STANDS: 2}
+"""Of two verdicts on a claim, that on more rocks is never the higher one."""
+
+_MOST_NAMED = 3
+
+
+def conclusion_table(
+    claims: pd.DataFrame,
+    jrc_range: pd.DataFrame,
+    readings: pd.DataFrame | None = None,
+    choices: pd.DataFrame | None = None,
+    margins: pd.DataFrame | None = None,
+) -> pd.DataFrame:
+    """What each claim rests on, and what is left of it.
+
+    Parameters
+    ----------
+    claims : DataFrame
+        The study's, as from `jointclosure.sensitivity.claims`.
+    jrc_range : DataFrame
+        How often studies find each claim where a JRC is known to a range (`jrc_range_tables`).
+    readings : DataFrame, optional
+        Table of `make readings`. Those that the paper's text rules out do not count. One that
+        closed some rocks only can contradict a claim about all, and not confirm it.
+    choices, margins : DataFrame, optional
+        Shares of the open choices of `make global-sensitivity`, and what margins go with.
+
+    Returns
+    -------
+    DataFrame
+        A row a claim: ``number``, ``claim``, ``said_in``, ``verdict`` as configured, `FOUND` of
+        studies by the paper's protocol, ``jrc_half_width`` and the same at the largest one;
+        numbers of readings by verdict (`COUNTS`) that closed all rocks (``readings_stand`` and so
+        on) and that closed some (``partial_stand`` and so on, of these rocks); ``opposed_by`` and
+        ``opened_by`` (titles of readings that contradict the verdict, and that leave it open);
+        ``choices_share`` with its error and interval (in all rocks at once); ``moved_by``, the
+        input with which the margin varies most, and its share of the margin's variance; and the
+        ``conclusion``: the verdict, where no reading is opposed and at least `NEARLY_ALL` of the
+        choices agree by the whole of their interval; `DEPENDS`, where one is opposed or fewer
+        agree by all of it; "cannot be told" where the verdict is that, or the interval has
+        `NEARLY_ALL` within; `ONLY_CONFIGURED` where neither was tried.
+    """
+    rows = []
+    for claim in claims.itertuples():
+        row = {"number": claim.number, "claim": claim.claim, "verdict": claim.verdict}
+        row["said_in"] = getattr(claim, "said_in", "")
+        row |= {name: getattr(claim, name) for name in FOUND}
+        row |= _of_jrc(claim.number, jrc_range) | _of_readings(claim, readings)
+        row |= _of_choices(claim.number, choices, margins)
+        rows.append(row | {"conclusion": _conclusion(row)})
+    return pd.DataFrame(rows)
+
+
+def _of_jrc(number: str, jrc_range: pd.DataFrame) -> dict:
+    own = jrc_range[(jrc_range.number == number) & (jrc_range.half_width > 0.0)]
+    widest = own.sort_values("half_width").reindex(columns=["half_width", *FOUND])
+    found = widest.iloc[-1] if len(widest) else pd.Series(np.nan, widest.columns)
+    return {f"jrc_{name}": found[name] for name in widest.columns}
+
+
+def _of_readings(claim, readings: pd.DataFrame | None) -> dict:
+    """Verdicts of the readings that the paper allows."""
+    column = f"claim {claim.number}"
+    if readings is None or column not in readings:
+        counts = [f"{kind}_{name}" for kind in ("readings", "partial") for name in COUNTS]
+        return dict.fromkeys(counts, np.nan) | {"opposed_by": "", "opened_by": ""}
+    allowed = readings[readings.allowed]
+    verdicts = allowed[column]
+    whole = allowed.rocks.str.len() == readings.rocks.str.len().max()
+    here, there = _RANKS.get(claim.verdict, np.nan), verdicts.map(_RANKS)
+    opposed = (there < here) | (whole & (there > here))
+    opened = (verdicts == CANNOT_BE_TOLD) & (claim.verdict != CANNOT_BE_TOLD)
+    return {
+        f"{kind}_{name}": int((verdicts[own] == verdict).sum())
+        for kind, own in (("readings", whole), ("partial", ~whole))
+        for name, verdict in COUNTS.items()
+    } | {
+        "opposed_by": _named(allowed.title[opposed].tolist()),
+        "opened_by": _named(allowed.title[opened].tolist()),
+    }
+
+
+def _named(titles: list[str]) -> str:
+    named = "; ".join(titles[:_MOST_NAMED])
+    rest = len(titles) - _MOST_NAMED
+    return f"{named}; {rest} more" if rest > 0 else named
+
+
+def _of_choices(number: str, choices: pd.DataFrame | None, margins: pd.DataFrame | None) -> dict:
+    """Share of the choices for which a claim is true in all rocks at once."""
+    where = _in_choices(number)
+    own = _rows_of(choices, where)
+    (row,) = own[own.rock == "all"].to_dict("records") or [dict.fromkeys(SHARES, np.nan)]
+    moved = _rows_of(margins, where).dropna(subset="share")
+    answer: dict = {f"choices_{name}": row[name] for name in SHARES} | {"moved_by": ""}
+    if len(moved):
+        most = moved.groupby("title", sort=False).share.mean().idxmax()
+        shares = 100.0 * moved.share[moved.title == most]
+        answer["moved_by"] = f"{most} ({shares.min():.0f} to {shares.max():.0f} %)"
+    return answer
+
+
+def _in_choices(number: str) -> tuple[str, str, int] | None:
+    """Number, response and cycle under which the study of global sensitivity has a claim."""
+    claim = next(each for each in CLAIMS if each.number == number)
+    if claim.statement is None or not claim.statement.of_elasticities or claim.negated:
+        return None
+    (cycle,) = claim.cycles
+    return claim.statement.number, {TARGET: "closure", NET: "closure_net"}[claim.variable], cycle
+
+
+def _rows_of(table: pd.DataFrame | None, where: tuple[str, str, int] | None) -> pd.DataFrame:
+    if table is None or where is None:
+        return pd.DataFrame(columns=["rock", "title", *SHARES])
+    name, response, cycle = where
+    here = (table.number == name) & (table.response == response) & (table.cycle == cycle)
+    return table[here]
+
+
+def _conclusion(row: dict) -> str:
+    verdict = row["verdict"]
+    if row["number"] in UNJUDGED:
+        return JUDGED_ELSEWHERE
+    if verdict == CANNOT_BE_TOLD:
+        return CANNOT_BE_TOLD
+    if row["opposed_by"]:
+        return DEPENDS
+    low, high = row["choices_share_low"], row["choices_share_high"]
+    if np.isnan(low):
+        tried = sum(row[f"readings_{name}"] for name in COUNTS) > 0
+        return verdict if tried else ONLY_CONFIGURED[verdict]
+    if verdict != STANDS:
+        low, high = 1.0 - high, 1.0 - low
+    if high < NEARLY_ALL:
+        return DEPENDS
+    return verdict if low >= NEARLY_ALL else CANNOT_BE_TOLD

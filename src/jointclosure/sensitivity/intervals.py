@@ -1,0 +1,234 @@
+"""Table 3 of a study: its indifference intervals, by the t test that its draws call for.
+
+Independent draws have the unpaired test of Eqs. (28) and (29), as published. With common draws
+the same surfaces are closed at every level; what they have in common then cancels in the
+differences between levels, which the unpaired test does not see and the paired one does.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from jointclosure.claims.found import NET, TARGET
+from jointclosure.config.properties import PROPERTIES
+from jointclosure.config.typed import Statistics
+from jointclosure.ensemble.covariates import Covariates
+from jointclosure.sensitivity.responses import (
+    Response,
+    responses,
+)
+from jointclosure.statistics.bootstrap import bootstrap_length, bootstrap_paired_length
+from jointclosure.statistics.control_variates import adjusted_length
+from jointclosure.statistics.correlations import fit_quadratic
+from jointclosure.statistics.indifference import IndifferenceInterval, indifference_interval
+from jointclosure.statistics.monotone import monotone_interval
+from jointclosure.statistics.paired import p_of_difference, paired_indifference_interval
+from jointclosure.statistics.randomness import generator, seed_of
+
+PAIRED, UNPAIRED = "paired", "unpaired"
+
+_ROW = ("rock", "parameter", "cycle", "unit", "base", "samples", "test")
+_FOUND = (
+    "length",
+    "percent",
+    "root",
+    "extrapolated",
+    "status",
+    "length_low",
+    "length_high",
+    "standard_error",
+    "share_without_root",
+    "linear_length",
+    "unpaired_length",
+    "unpaired_percent",
+    "monotone_length",
+)
+"""Columns of an interval, with the suffix ``_net`` those net of bulk indentation."""
+_ENDS = ("p_of_ends", "unpaired_p_of_ends")
+_ADJUSTED = tuple(
+    f"adjusted_{name}" for name in ("length", "percent", "low", "high", "standard_error")
+)
+
+
+class _Found(NamedTuple):
+    """An interval by one of the tests [SI]."""
+
+    length: float
+    root: float
+    extrapolated: bool
+    status: str
+    linear_length: float
+
+
+def indifference_table(
+    study: xr.Dataset,
+    statistics: Statistics,
+    root_seed: int,
+    covariates: Covariates | None = None,
+) -> pd.DataFrame:
+    """Indifference intervals of all rocks, parameters and cycles, as a frame.
+
+    Parameters
+    ----------
+    study : Dataset
+        As from `jointclosure.ensemble.aggregation.join_cases`; its seeds say whether a
+        realisation is the same surface in all cases of a rock.
+    statistics : Statistics
+    root_seed : int
+        Of the study; the bootstrap has a stream of its own.
+    covariates : Covariates, optional
+        Of the study.
+
+    Returns
+    -------
+    DataFrame
+        ``test`` is "paired" or "unpaired"; ``length`` and what belongs to it is that test's,
+        ``unpaired_length`` the published test's whatever the draws. With more than three levels
+        ``monotone_length`` is that of isotonic regression, by the table's test. ``p_of_ends`` is
+        the p value of the difference between the lowest and the highest level, by both tests.
+        ``adjusted_length`` is the published test's, of independent draws, from means and deviations
+        adjusted by the covariates; NaN where there are none.
+    """
+    rows = []
+    both = (responses(study, target, covariates) for target in (TARGET, NET))
+    for gross, net in zip(*both, strict=True):
+        unit = PROPERTIES[gross.parameter]
+        row = {
+            "rock": gross.rock,
+            "parameter": gross.parameter,
+            "cycle": gross.cycle,
+            "unit": unit.unit,
+            "base": gross.base / unit.size,
+            "samples": gross.samples.shape[1],
+            "test": PAIRED if gross.paired else UNPAIRED,
+        }
+        if gross.samples.shape[1] < 2:
+            rows.append(row | {"status": "too few successful realisations"})
+            continue
+        for suffix, response in (("", gross), ("_net", net)):
+            row |= _interval(response, unit.size, statistics, root_seed, suffix)
+        ends = gross.samples[0], gross.samples[-1]
+        row["p_of_ends"] = p_of_difference(*ends, paired=gross.paired)
+        row["unpaired_p_of_ends"] = p_of_difference(*ends, paired=False)
+        row |= _adjusted(gross, unit.size, statistics, root_seed)
+        rows.append(row)
+    columns = [*_ROW, *(f"{name}{suffix}" for suffix in ("", "_net") for name in _FOUND), *_ENDS]
+    columns += _ADJUSTED
+    return pd.DataFrame(rows, columns=columns)
+
+
+def _interval(
+    response: Response, size: float, statistics: Statistics, root_seed: int, suffix: str
+) -> dict:
+    unpaired = _unpaired(response, statistics.significance)
+    found = _paired(response, statistics.significance) if response.paired else unpaired
+    resampled = _bootstrap(response, statistics, root_seed, suffix)
+    monotone = np.nan
+    if response.levels.size > 3:
+        monotone = monotone_interval(
+            response.levels,
+            response.samples,
+            statistics.significance,
+            response.base,
+            response.paired,
+        ).length
+    row = {
+        "length": found.length / size,
+        "percent": 100.0 * found.length / response.base,
+        "root": found.root / size,
+        "extrapolated": found.extrapolated,
+        "status": found.status,
+        "length_low": resampled.low / size,
+        "length_high": resampled.high / size,
+        "standard_error": resampled.standard_error / size,
+        "share_without_root": resampled.share_without_root,
+        "linear_length": found.linear_length / size,
+        "unpaired_length": unpaired.length / size,
+        "unpaired_percent": 100.0 * unpaired.length / response.base,
+        "monotone_length": monotone / size,
+    }
+    return {f"{name}{suffix}": value for name, value in row.items()}
+
+
+def _bootstrap(response: Response, statistics: Statistics, root_seed: int, suffix: str):
+    """Bootstrap of the length by the table's test."""
+    name = ("bootstrap", response.rock, response.parameter, response.cycle, suffix)
+    told: dict[str, Any] = {
+        "base": response.base,
+        "resamples": statistics.bootstrap_resamples,
+        "confidence": statistics.bootstrap_confidence,
+        "significance": statistics.significance,
+    }
+    arguments = (response.levels, response.samples, generator(seed_of(root_seed, *name)))
+    if response.paired:
+        return bootstrap_paired_length(*arguments, **told)
+    return bootstrap_length(*arguments, **told, paired=False)
+
+
+def _adjusted(response: Response, size: float, statistics: Statistics, root_seed: int) -> dict:
+    """The interval from adjusted means and deviations."""
+    if response.covariates is None or response.paired:
+        return {}
+    own, known, tell_scatter = response.covariates
+    name = ("adjusted", response.rock, response.parameter, response.cycle)
+    found = adjusted_length(
+        response.levels,
+        response.samples,
+        own,
+        known,
+        generator(seed_of(root_seed, *name)),
+        base=response.base,
+        draws=statistics.bootstrap_resamples,
+        confidence=statistics.bootstrap_confidence,
+        significance=statistics.significance,
+        tell_scatter=tell_scatter,
+    )
+    return {
+        "adjusted_length": found.length / size,
+        "adjusted_percent": 100.0 * found.length / response.base,
+        "adjusted_low": found.scatter.low / size,
+        "adjusted_high": found.scatter.high / size,
+        "adjusted_standard_error": found.scatter.standard_error / size,
+    }
+
+
+def _unpaired(response: Response, significance: float) -> _Found:
+    found = indifference_interval(
+        response.levels,
+        response.means,
+        response.deviations,
+        response.samples.shape[1],
+        significance,
+        response.base,
+    )
+    status = "interval"
+    if np.isnan(found.length):
+        status = "no real root"
+    elif found.negative_deviation:
+        status = "fitted deviation is negative at the root"
+    elif found.extrapolated:
+        status = "extrapolated"
+    linear = _linear_length(response, found)
+    return _Found(found.length, found.root, found.extrapolated, status, linear)
+
+
+def _linear_length(response: Response, found: IndifferenceInterval) -> float:
+    """t sqrt(2/n) S/|slope|, what the length is where mean and deviation are straight lines."""
+    mean = fit_quadratic(response.levels, response.means, response.base)
+    deviation = fit_quadratic(response.levels, response.deviations, response.base).d
+    slope, n = mean.c / mean.half_range, response.samples.shape[1]
+    return found.critical_value * np.sqrt(2.0 / n) * deviation / abs(slope) if slope else np.inf
+
+
+def _paired(response: Response, significance: float) -> _Found:
+    found = paired_indifference_interval(
+        response.levels, response.samples, significance, response.base
+    )
+    status = "interval"
+    if np.isnan(found.length):
+        status = "no real root"
+    elif found.extrapolated:
+        status = "extrapolated"
+    return _Found(found.length, found.root, found.extrapolated, status, found.linear_length)

@@ -1,0 +1,128 @@
+"""What a study has reached of the accuracy that was wanted, and how many surfaces are missing."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+import scipy.stats
+import xarray as xr
+
+from jointclosure.claims.found import TARGET
+from jointclosure.config.wanted import BLOCK, Wanted
+from jointclosure.ensemble.covariates import Covariates
+from jointclosure.sensitivity.closures import max_closure_table
+from jointclosure.sensitivity.planning import Wish, length_error, surfaces_for
+from jointclosure.sensitivity.responses import (
+    responses,
+)
+from jointclosure.statistics.total_error import REACH, Bias, Method
+
+COLUMNS = ["rock", "parameter", "level", "cycle", "surfaces", "bias_percent", "bias_error_percent"]
+COLUMNS += ["sampling_percent", "total_percent", "within_percent", "met", "surfaces_needed"]
+COLUMNS += ["bias_known_at"]
+
+
+def reached_table(
+    study: xr.Dataset,
+    covariates: Covariates | None,
+    wanted: Wanted,
+    biases: dict[int, Bias],
+    significance: float,
+    known_at: str,
+) -> pd.DataFrame:
+    """Total error of each mean, or of each interval, of a study.
+
+    Parameters
+    ----------
+    study : Dataset
+    covariates : Covariates or None
+        Of the study, where means are adjusted.
+    wanted : Wanted
+    biases : dict
+        What the preset is off by in each cycle that is known.
+    significance : float
+        Of the intervals.
+    known_at : str
+        Where that was measured, in words.
+
+    Returns
+    -------
+    DataFrame
+        For each case or parameter and cycle whose bias is known: surfaces that it has, the bias of
+        the preset with its standard error, half the 95 % confidence interval that the study itself
+        finds (Student's t), the total error of both (`jointclosure.statistics.total_error`),
+        whether it is ``met``, and how many ``surfaces_needed`` are expected to meet it, infinite
+        where none do.
+    """
+    found = _of_means if wanted.of == "mean" else _of_intervals
+    rows = []
+    for about, surfaces, sampling, needed in found(study, covariates, wanted, biases, significance):
+        bias = biases[about["cycle"]]
+        # few surfaces tell their scatter roughly
+        sampling *= scipy.stats.t.ppf(0.975, surfaces - 1) / REACH
+        total = bias.total(sampling)
+        rows.append(
+            about
+            | {"surfaces": surfaces, "bias_percent": 100.0 * bias.value}
+            | {"bias_error_percent": 100.0 * bias.error, "bias_known_at": known_at}
+            | {"sampling_percent": 100.0 * sampling, "total_percent": 100.0 * total}
+            | {"within_percent": 100.0 * wanted.within, "met": bool(total <= wanted.within)}
+            | {"surfaces_needed": needed}
+        )
+    return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def _of_means(study, covariates, wanted: Wanted, biases, significance) -> Iterator[tuple]:
+    table = max_closure_table(study, covariates)
+    for row in table[table.cycle.isin(list(biases))].itertuples():
+        adjusted = np.isfinite(row.max_closure_adjusted_mean_mm_standard_error)
+        kind = "adjusted_mean" if adjusted and row.cycle == 1 else "mean"
+        mean = getattr(row, f"max_closure_{kind}_mm")
+        error = getattr(row, f"max_closure_{kind}_mm_standard_error") / mean
+        way = Method(biases[row.cycle], error * np.sqrt(row.samples), 1.0, 0.0, 0.0, 0.0)
+        about = {"rock": row.rock, "parameter": row.parameter, "level": row.level}
+        sampling = way.sampling(row.samples)
+        yield about | {"cycle": row.cycle}, row.samples, sampling, way.surfaces_for(wanted.within)
+
+
+def _of_intervals(study, covariates, wanted: Wanted, biases, significance) -> Iterator[tuple]:
+    for response in responses(study, TARGET):
+        if response.cycle not in biases:
+            continue
+        surfaces = response.samples.shape[1]
+        room = biases[response.cycle].room(wanted.within)
+        wish = Wish("width", 2.0 * room)
+        needed = surfaces_for(response, wish, significance, response.paired) if room > 0 else np.inf
+        about = {"rock": response.rock, "parameter": response.parameter, "level": ""}
+        sampling = REACH * length_error(response, surfaces)
+        yield about | {"cycle": response.cycle}, surfaces, sampling, needed
+
+
+def surfaces_next(table: pd.DataFrame, wanted: Wanted) -> int | None:
+    """Surfaces a case to go on with: None where all is met, or where there are the most."""
+    missing = table[~table.met]
+    had = int(table.surfaces.max()) if len(table) else 0
+    if missing.empty or had >= wanted.most:
+        return None
+    # a failed realisation is in no count: whole blocks, and one at least
+    had = BLOCK * int(np.ceil(had / BLOCK))
+    needed = min(float(missing.surfaces_needed.max()), wanted.most)
+    return int(min(max(BLOCK * np.ceil(needed / BLOCK), had + BLOCK), wanted.most))
+
+
+def told(table: pd.DataFrame, wanted: Wanted) -> str:
+    """What was reached, in words."""
+    if table.empty:
+        return f"accuracy: no {wanted.of} of this study has an error that is known"
+    worst = table.loc[table.total_percent.idxmax()]
+    # the base case's parameter and level are both "base"
+    parts = dict.fromkeys(str(part) for part in worst[["rock", "parameter", "level"]] if part)
+    name = " ".join(parts)
+    reached = (
+        "reached" if table.met.all() else f"not reached in {(~table.met).sum()} of {len(table)}"
+    )
+    return (
+        f"accuracy: {wanted.of} within {100.0 * wanted.within:g} % {reached}, with "
+        f"{worst.surfaces:.0f} surfaces; the worst is {worst.total_percent:.2g} % ({name}, cycle "
+        f"{worst.cycle})"
+    )

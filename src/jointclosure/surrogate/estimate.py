@@ -1,0 +1,326 @@
+"""The closure of a first loading in a tenth of a millisecond, from the bearing-area curve.
+
+Where asperities break at once, what overlaps is crushed, and the crushed area carries the load.
+So the closure at a nominal stress sigma is about the depth d at which rigid walls overlap in
+the area fraction (docs/accuracy.md)
+
+    A = a (sigma/sigma_c)^b,        d = depth of the highest A of the summed heights,
+
+a bearing-area law (Abbott & Firestone 1933). Its constants are fitted to closed joints by
+`jointclosure.surrogate.calibration`; the table that the package has of them says what the
+law was off by on joints to which it was not fitted.
+"""
+
+import csv
+from collections.abc import Iterator
+from functools import lru_cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from jointclosure.config.files import SURROGATES
+from jointclosure.inputs import InputError, check_length, real_array
+from jointclosure.joint.given_walls import checked_walls
+from jointclosure.parameters import Rock, both_walls, strength_of
+from jointclosure.surface.bearing import bearing_depths
+
+ALL_ROCKS = "all"
+"""Name of the constants that serve all rocks."""
+_SAME = 1e-6
+"""By what spacings and lengths may differ, relatively, and be the same."""
+
+
+class BearingLaw(NamedTuple):
+    """Area fraction a (sigma/sigma_c)^b: ``at_strength`` is a, ``exponent`` b."""
+
+    at_strength: float
+    exponent: float
+
+    def fraction(self, stress_over_strength: ArrayLike) -> np.ndarray:
+        """The area fraction that is crushed, at most 1."""
+        ratio = np.asarray(stress_over_strength, dtype=float)
+        return np.minimum(self.at_strength * ratio**self.exponent, 1.0)
+
+
+class Estimate(NamedTuple):
+    """What `estimate` gives; arrays where stresses are an array.
+
+    ``closure`` [m] from first touch; ``crushed_fraction`` of the area; ``rms_error``: root mean
+    square of the closure's relative error on single joints at such a stress, of the rock and
+    roughness where it was largest; NaN where it was not measured. ``roll_off`` [m]: of the walls
+    whose constants were used; None: of walls with waves of all lengths.
+    """
+
+    closure: float | np.ndarray
+    crushed_fraction: float | np.ndarray
+    rms_error: float | np.ndarray
+    roll_off: float | None
+
+
+class WallMeasures(NamedTuple):
+    """By what walls are told from those of other kinds.
+
+    ``rms_slope``: of both walls together. ``height_over_slope`` [m]: RMS of their summed heights
+    over it; it grows with the length of the waves that the walls do not share, and is infinite
+    where walls are level. ``slope_ratio``: RMS slope at twice the spacing over that at the spacing;
+    it grows with the Hurst exponent, and is less with a roll-off. ``correlation``: of the upper
+    wall's slopes with the negative of the lower one's: 1 of mates, about 0 of independent walls.
+    """
+
+    rms_slope: float
+    height_over_slope: float
+    slope_ratio: float
+    correlation: float
+
+
+class _Range(NamedTuple):
+    """Of what the law was fitted to and tested on: least and largest value of each."""
+
+    stress_over_strength: tuple[float, float]
+    rms_slope: tuple[float, float]
+    height_over_slope: tuple[float, float]
+    slope_ratio: tuple[float, float]
+    correlation: tuple[float, float]
+    modulus_over_strength: tuple[float, float]
+    spacing: tuple[float, float]
+    length: tuple[float, float]
+
+
+class _Calibration(NamedTuple):
+    """The law of walls of one kind.
+
+    ``errors``: for each rock and roughness, logarithms of stress over strength, and RMS errors.
+    """
+
+    roll_off: float | None
+    law: BearingLaw
+    tested: _Range
+    errors: list[tuple[np.ndarray, np.ndarray]]
+
+    def named(self) -> str:
+        """The kind of walls."""
+        if self.roll_off is None:
+            return "walls without roll-off"
+        return f"walls of roll-off {1e3 * self.roll_off:g} mm"
+
+
+def estimate(
+    upper: ArrayLike,
+    lower: ArrayLike,
+    *,
+    spacing: float,
+    rock: Rock,
+    max_normal_stress: ArrayLike,
+    extrapolate: bool = False,
+) -> Estimate:
+    """Closure of a joint at stresses of its first loading, by the bearing-area law.
+
+    Parameters
+    ----------
+    upper, lower : array (ny, nx)
+        Heights towards the other wall [m], as for `jointclosure.simulate`.
+    spacing : float
+        Grid spacing h [m].
+    rock : Rock
+        Of both walls.
+    max_normal_stress : float or array
+        Nominal normal stress [Pa], positive.
+    extrapolate : bool
+        Whether to give a closure, with an error that is NaN, where the law was not tested.
+
+    Returns
+    -------
+    Estimate
+
+    Raises
+    ------
+    InputError
+        Bad walls or numbers; and, unless ``extrapolate``, a stress, roughness, rock, spacing or
+        size beyond those of the joints that the law was tested on, with the range.
+
+    Notes
+    -----
+    It is of the full model with the paper's settings, of independent walls, and of first loading
+    only: it knows no unloading, no second cycle and no change of Young's modulus. Constants are
+    those of walls with a roll-off of 3 mm or of walls without any, whichever the given walls are of
+    by RMS height over slope.
+    """
+    check_length("spacing", spacing)
+    upper, lower = checked_walls(upper, lower, spacing)
+    rock = _one_rock(rock)
+    stresses = real_array("max_normal_stress", max_normal_stress)
+    if not stresses.size:
+        raise InputError(
+            f"max_normal_stress = {max_normal_stress!r}: must have at least one stress [Pa]"
+        )
+    if not np.all(stresses > 0.0):
+        raise InputError(f"max_normal_stress = {max_normal_stress!r} Pa: must be positive")
+    measures = wall_measures(upper, lower, spacing)
+    chosen = _nearest(measures.height_over_slope)
+    ratio = stresses / strength_of(rock)
+    outside = list(_outside(chosen, measures, upper.shape, spacing, rock, ratio))
+    if outside and not extrapolate:
+        raise InputError(f"{outside[0]}; extrapolate=True gives a closure without an error")
+    fraction = chosen.law.fraction(ratio)
+    closure = bearing_depths(upper + lower, fraction)
+    error = np.full(ratio.shape, np.nan) if outside else _worst(chosen.errors, ratio)
+    if stresses.ndim == 0:
+        return Estimate(float(closure), float(fraction), float(error), chosen.roll_off)
+    return Estimate(closure, fraction, error, chosen.roll_off)
+
+
+def _one_rock(rock: Rock) -> Rock:
+    """The rock of both walls, checked."""
+    upper, lower = both_walls(rock)
+    if upper != lower:
+        raise InputError(f"rock: {rock!r}: the law was tested on joints of one rock only")
+    return upper
+
+
+def wall_measures(upper: np.ndarray, lower: np.ndarray, spacing: float) -> WallMeasures:
+    """What tells walls (y, x) [m] of a grid spacing [m] from those of other kinds."""
+    squares, product, doubled = np.zeros(2), 0.0, 0.0  # sums over the profiles along x and along y
+    count = further = 0
+    for above, below in ((upper, lower), (upper.T, lower.T)):
+        steps = np.stack([wall[1:] - wall[:-1] for wall in (above, below)])
+        squares += np.einsum("kij,kij->k", steps, steps)
+        product += float(np.einsum("ij,ij->", *steps))
+        pairs = steps[:, 1:] + steps[:, :-1]
+        doubled += float(np.einsum("kij,kij->", pairs, pairs))
+        count, further = count + steps.size, further + pairs.size
+    mean = float(squares.sum()) / count
+    if not mean > 0.0:
+        return WallMeasures(0.0, np.inf, 0.0, 0.0)
+    slope, both = float(np.sqrt(mean)) / spacing, float(np.sqrt(squares.prod()))
+    return WallMeasures(
+        slope,
+        float(np.std(upper + lower)) / slope,
+        0.5 * float(np.sqrt(doubled / further / mean)),
+        -product / both if both > 0.0 else 0.0,
+    )
+
+
+def _nearest(height_over_slope: float) -> _Calibration:
+    """The constants of walls that have such heights over slope, or whose are nearest."""
+
+    def away(each: _Calibration) -> tuple[bool, float]:
+        least, most = each.tested.height_over_slope
+        inside = least <= height_over_slope <= most
+        ratio = np.clip(height_over_slope, _SAME * least, most / _SAME) / np.sqrt(least * most)
+        return not inside, abs(float(np.log(ratio)))
+
+    return min(_calibrations(), key=away)
+
+
+_NAMES = {
+    "stress_over_strength": "max_normal_stress over compressive strength",
+    "rms_slope": "RMS slope of the walls",
+    "modulus_over_strength": "Young's modulus over compressive strength",
+    "spacing": "spacing [m]",
+    "length": "length of the walls [m]",
+    "height_over_slope": "RMS of the summed heights over the walls' RMS slope [m]",
+    "slope_ratio": "RMS slope at twice the spacing over that at the spacing",
+    "correlation": "correlation of the upper wall's slopes with the lower one's negative",
+}
+_CAUSES = {
+    "height_over_slope": "another roll-off or spectrum, or walls that mate",
+    "slope_ratio": "another roll-off, Hurst exponent or filter",
+    "correlation": "walls that are not independent",
+}
+"""What is likely where a measure of the walls is not one of those that the law was tested on."""
+
+
+def _outside(
+    chosen: _Calibration,
+    walls: WallMeasures,
+    shape: tuple[int, ...],
+    spacing: float,
+    rock: Rock,
+    ratio: np.ndarray,
+) -> Iterator[str]:
+    """What is beyond the joints that the law was tested on, one sentence each."""
+    given = {name: (value, value) for name, value in walls._asdict().items()} | {
+        "stress_over_strength": (ratio.min(), ratio.max()),
+        "modulus_over_strength": (rock.youngs_modulus / strength_of(rock),) * 2,
+        "spacing": (spacing, spacing),
+        "length": (spacing * min(shape), spacing * max(shape)),
+    }
+    for name, title in _NAMES.items():
+        low, high = given[name]
+        least, most = getattr(chosen.tested, name)
+        slack = _SAME * max(abs(least), abs(most))
+        if low < least - slack or high > most + slack:
+            value = low if low < least - slack else high
+            told = f"{title} = {value:.4g}: {_ranges(name, chosen)}"
+            if name in _CAUSES:
+                told += (
+                    f"; likely {_CAUSES[name]}: `.venv/bin/snakemake surrogate` on a study of "
+                    "such walls tells their constants"
+                )
+            yield told
+
+
+def _ranges(name: str, chosen: _Calibration) -> str:
+    """Where the law was tested; of heights, which choose the constants, all kinds of walls."""
+    kinds = _calibrations() if name == "height_over_slope" else (chosen,)
+    told = []
+    for kind in kinds:
+        least, most = getattr(kind.tested, name)
+        told.append(f"from {least:.4g} to {most:.4g} on {kind.named()}")
+    return "the law was tested " + " and ".join(told)
+
+
+def _worst(errors: list[tuple[np.ndarray, np.ndarray]], ratio: np.ndarray) -> np.ndarray:
+    """Largest error at the ratios, among rocks that were loaded so far, linear in log ratio."""
+    at = np.log(ratio)
+    found = [np.interp(at, logs, rms, right=np.nan) for logs, rms in errors]
+    return np.nanmax(found, axis=0)
+
+
+@lru_cache(maxsize=1)
+def _calibrations() -> tuple[_Calibration, ...]:
+    """The law of all rocks on every kind of walls that it was fitted to."""
+    return tuple(_read(path) for path in SURROGATES)
+
+
+def _read(path: Path) -> _Calibration:
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["constants"] == ALL_ROCKS]
+    columns = {name: np.array([float(row[name]) for row in rows]) for name in _NUMBERS}
+    law = BearingLaw(columns["at_strength"][0], columns["exponent"][0])
+    tested = _Range(
+        **{
+            name: (float(columns[low].min()), float(columns[high].max()))
+            for name, (low, high) in _COLUMNS.items()
+        }
+    )
+    errors = []
+    kinds = [(row["rock"], row["jrc"]) for row in rows]
+    for kind in dict.fromkeys(kinds):
+        here = np.array([each == kind for each in kinds])
+        logs = np.log(columns["stress_over_strength"][here])
+        errors.append((logs, 0.01 * columns["rms_percent"][here]))
+    roll_off = rows[0]["roll_off_mm"]
+    return _Calibration(1e-3 * float(roll_off) if roll_off else None, law, tested, errors)
+
+
+_COLUMNS = {
+    "stress_over_strength": ("stress_over_strength",) * 2,
+    "rms_slope": ("rms_slope",) * 2,
+    "height_over_slope": ("least_height_over_slope_m", "most_height_over_slope_m"),
+    "slope_ratio": ("least_slope_ratio", "most_slope_ratio"),
+    "correlation": ("least_correlation", "most_correlation"),
+    "modulus_over_strength": ("least_modulus_over_strength", "most_modulus_over_strength"),
+    "spacing": ("spacing_m",) * 2,
+    "length": ("length_m",) * 2,
+}
+"""Columns of the table with the least and the largest values of a `_Range`."""
+_NUMBERS = {
+    "at_strength",
+    "exponent",
+    "rms_percent",
+    *(column for pair in _COLUMNS.values() for column in pair),
+}
+"""Columns of the table of the law that are read as numbers."""

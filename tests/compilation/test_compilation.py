@@ -1,0 +1,128 @@
+import itertools
+import os
+import re
+import subprocess
+import sys
+
+from jointclosure.compilation import kernels as compilation
+from jointclosure.compilation import sources
+from jointclosure.compilation.sources import PACKAGE
+from jointclosure.solvers.breakage import breakage_kernel
+from jointclosure.solvers.reference import reference_kernel
+
+
+def test_the_cache_folder_is_named_by_the_code_of_the_kernels():
+    code = sources.code_digest(*compilation.KERNEL_PARTS)
+    assert compilation.cache_folder().name == f"numba-{code}"
+
+
+def test_every_kernel_is_in_the_parts_that_name_the_cache_folder():
+    parts = tuple(PACKAGE / part for part in compilation.KERNEL_PARTS)
+    for file in PACKAGE.rglob("*.py"):
+        if re.search(r"import kernel\b", file.read_text(encoding="utf-8")):
+            assert any(file.is_relative_to(part) for part in parts), file
+
+
+COLD_START = """
+import jointclosure as jc
+flat = [[0.0, 0.0, 0.0]] * 3
+jc.equilibrium(flat, flat, spacing=1e-3, rock=jc.Rock(1e9, 0.2, 1e6), closure=1e-9,
+               effects=jc.Effects(True, False, False, False, False))
+"""
+
+
+def test_a_cold_start_says_what_it_is_doing_and_a_warm_one_nothing(tmp_path):
+    environment = os.environ | {"JOINTCLOSURE_CACHE": str(tmp_path)}
+    said = [
+        subprocess.run(
+            [sys.executable, "-c", COLD_START],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stderr
+        for _ in range(2)
+    ]
+    assert said[0].count("compiling kernels") == 1
+    assert said[1] == ""
+
+
+def test_every_closure_of_a_factory_has_a_name_of_its_own():
+    """Equal names, compiled in two processes, would collide where a third loads both."""
+    flags = list(itertools.product([False, True], repeat=3))
+    kernels = [breakage_kernel(*three) for three in flags]
+    kernels += [reference_kernel(*four) for four in itertools.product([False, True], repeat=4)]
+    names = {getattr(each, "py_func", each).__qualname__ for each in kernels}
+    assert len(names) == 8 + 16
+
+
+PROCESS = """
+import numba, numba.core.event
+
+def state():
+    listeners = numba.core.event._registered.values()
+    return numba.config.CACHE_DIR, sum(map(len, listeners))
+
+before = state()
+import jointclosure, jointclosure.joint.warmup
+assert state() == before, (before, state())
+
+@numba.njit
+def theirs(x):
+    return x + 1
+
+theirs(1)
+"""
+
+
+def test_importing_changes_nothing_for_other_users_of_numba_in_the_process(tmp_path):
+    environment = os.environ | {"JOINTCLOSURE_CACHE": str(tmp_path)}
+    environment.pop("NUMBA_CACHE_DIR", None)
+    answer = subprocess.run(
+        [sys.executable, "-c", PROCESS], env=environment, capture_output=True, text=True
+    )
+    assert answer.returncode == 0, answer.stderr
+    assert "compiling kernels" not in answer.stderr
+
+
+MOVED = """
+from moved import double
+from jointclosure.compilation.kernels import compiles
+print(double(2.0), compiles())
+"""
+
+
+def test_machine_code_of_a_kernel_outside_of_the_package_follows_its_file(tmp_path):
+    source = (
+        "from jointclosure.compilation.kernels import kernel\n@kernel\ndef double(x):\n    return "
+    )
+    file = tmp_path / "moved.py"
+    environment = os.environ | {
+        "JOINTCLOSURE_CACHE": str(tmp_path / "cache"),
+        "PYTHONPATH": str(tmp_path),
+        "PYTHONDONTWRITEBYTECODE": "1",
+    }
+
+    def run(text: str) -> str:
+        file.write_text(source + text)
+        command = [sys.executable, "-c", MOVED]
+        return subprocess.run(
+            command, env=environment, capture_output=True, text=True, check=True
+        ).stdout.strip()
+
+    assert run("2.0 * x\n") == "4.0 1"
+    assert run("2.0 * x\n") == "4.0 0"
+    assert run("3.0 * x\n") == "6.0 1"
+
+
+def test_a_cache_that_cannot_be_written_is_done_without(tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    environment = os.environ | {"JOINTCLOSURE_CACHE": str(tmp_path / "file" / "below")}
+    program = (
+        "from jointclosure.mechanics.strength import von_mises_on_axis as f; print(f(0.5, 0.2))"
+    )
+    answer = subprocess.run(
+        [sys.executable, "-c", program], env=environment, capture_output=True, text=True
+    )
+    assert answer.returncode == 0, answer.stderr
+    assert float(answer.stdout) > 0.0

@@ -1,0 +1,167 @@
+"""Digests follow what code does, through its imports."""
+
+import ast
+import shutil
+from pathlib import Path
+
+import pytest
+
+from jointclosure.compilation import sources
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def copy(tmp_path, monkeypatch):
+    """A copy of the package that may be edited."""
+    folder = tmp_path / "jointclosure"
+    shutil.copytree(sources.PACKAGE, folder, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(sources, "PACKAGE", folder)
+    return folder
+
+
+def forget():
+    for cached in (sources._imports, sources._tree, sources._code):
+        cached.cache_clear()
+
+
+def digest(*names):
+    forget()
+    return sources.code_digest(*names)
+
+
+def edit(file, old, new):
+    text = file.read_text(encoding="utf-8")
+    assert old in text
+    file.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def test_an_edit_moves_the_digest_of_all_that_import_the_module(copy):
+    names = ("solvers.fast", "protocol", "statistics.indifference")
+    before = [digest(name) for name in names]
+    edit(copy / "mechanics/contact.py", "3.0 * substrate", "3.1 * substrate")
+    after = [digest(name) for name in names]
+    assert [a == b for a, b in zip(before, after, strict=True)] == [False, False, True]
+
+
+def test_comments_docstrings_and_layout_do_not_count(copy):
+    before = digest("mechanics")
+    file = copy / "mechanics/contact.py"
+    text = file.read_text(encoding="utf-8")
+    file.write_text('"""Another text."""\n# a comment\n\n\n' + text.split('"""', 2)[2])
+    assert digest("mechanics") == before
+
+
+def test_an_import_inside_of_a_function_counts(copy, tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text("def main():\n    from jointclosure.statistics import bootstrap\n")
+    before = digest(str(script))
+    edit(copy / "statistics/bootstrap.py", "import numpy as np", "import numpy as numpy_")
+    assert digest(str(script)) != before
+
+
+def test_a_script_counts_itself(copy, tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text("print(1)\n")
+    before = digest(str(script))
+    script.write_text("print(2)\n")
+    assert digest(str(script)) != before
+
+
+def test_an_unknown_module_is_an_error():
+    with pytest.raises(FileNotFoundError, match="mechanic"):
+        sources.code_digest("mechanic")
+
+
+SCRIPTS = ROOT / "workflow/scripts"
+EDITS = {
+    "plotting/study.py": "draw_figures write_report",
+    "statistics/bootstrap.py": "find_indifference_intervals",
+    "studies/sensitivity/claims.py": "judge_claims",
+    "storage/figures.py": "draw_figures",
+    "storage/provenance.py": "aggregate",
+    "tables.py": "find_indifference_intervals write_tables draw_figures write_report",
+    "solvers/newton.py": "close_surfaces",
+    "logbook.py": "",
+    "progress.py": "",
+    "jobs.py": "",
+    "storage/seals.py": "",
+}
+RULES = [
+    "make_surfaces",
+    "close_surfaces",
+    "aggregate",
+    "fit_correlations",
+    "find_indifference_intervals",
+    "judge_claims",
+    "check_results",
+    "write_tables",
+    "draw_figures",
+]
+
+
+@pytest.mark.parametrize("file", EDITS)
+def test_an_edit_reruns_the_rules_that_need_it_and_no_simulation_without_need(copy, file):
+    def digests():
+        forget()
+        return {rule: sources.code_digest(str(SCRIPTS / f"{rule}.py")) for rule in RULES}
+
+    before = digests()
+    text = (copy / file).read_text(encoding="utf-8")
+    (copy / file).write_text(f"# a comment\n{text}# another\n", encoding="utf-8")
+    assert digests() == before
+    (copy / file).write_text(f"{text}\nADDED = 1\n", encoding="utf-8")
+    after = digests()
+    moved = {rule for rule in RULES if after[rule] != before[rule]}
+    needed = set(EDITS[file].split()) & set(RULES)
+    assert needed <= moved
+    if "solvers" not in file:
+        assert not {"make_surfaces", "close_surfaces"} & moved
+    if not needed:
+        assert moved == set()
+    if file.startswith(("plotting", "storage/figures")):
+        assert moved == {"draw_figures"}
+
+
+def with_other_texts(file, call):
+    """Edit the text that is the first argument of each call; the number of calls that were."""
+    text = file.read_text(encoding="utf-8")
+    lines, count = text.splitlines(keepends=True), 0
+    for node in reversed(list(ast.walk(ast.parse(text)))):
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == call and node.args:
+            first = node.args[0]
+            if isinstance(first, ast.Constant | ast.JoinedStr):
+                line = lines[first.lineno - 1].encode()
+                edited = line[: first.col_offset] + b'"Edited. " ' + line[first.col_offset :]
+                lines[first.lineno - 1] = edited.decode()
+                count += 1
+    file.write_text("".join(lines), encoding="utf-8")
+    ast.parse("".join(lines))
+    return count
+
+
+def test_an_edited_description_or_title_closes_no_walls_again(copy):
+    """A description runs the report again, and nothing else."""
+
+    def digests():
+        forget()
+        return {script.stem: sources.code_digest(str(script)) for script in SCRIPTS.glob("*.py")}
+
+    before = digests()
+    assert with_other_texts(copy / "config/keys.py", "entry") > 100
+    assert with_other_texts(copy / "verification/hard_case_keys.py", "entry") > 10
+    after = digests()
+    assert {name for name in before if before[name] != after[name]} == {"write_report"}
+    assert with_other_texts(copy / "parameters/__init__.py", "Property") == 4
+    moved = {name for name, code in digests().items() if code != after[name]}
+    assert {"write_tables", "draw_figures", "aggregate"} <= moved
+    assert not any(name.startswith(("make_", "close_", "cut_")) for name in moved)
+
+
+def test_simulations_import_no_pictures():
+    for script in ("make_surfaces", "close_surfaces", "aggregate"):
+        files = sources.closure({SCRIPTS / f"{script}.py"})
+        for file in files:
+            lines = file.read_text(encoding="utf-8").splitlines()
+            loaded = [line for line in lines if line.startswith(("import ", "from "))]
+            assert not any("matplotlib" in line for line in loaded), f"{script}: {file}"

@@ -1,0 +1,111 @@
+"""Progress: shown on a terminal, silent elsewhere."""
+
+import io
+
+import pytest
+from rich.console import Console
+
+from jointclosure.jobs import progress
+from jointclosure.jobs.progress import Countdown, WorkflowProgress, bar, duration
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """A clock that goes on by two seconds at each look."""
+    seconds = iter(range(0, 1000, 2))
+    monkeypatch.setattr(progress.time, "monotonic", lambda: float(next(seconds)))
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(0.0516, "0.052 s"), (1.27, "1.3 s"), (9.96, "10 s"),
+     (59.4, "59 s"), (59.6, "1 min 0 s"), (125, "2 min 5 s"), (3600, "1 h 0 min"),
+     (12000, "3 h 20 min")],
+)  # fmt: skip
+def test_durations_are_said_as_people_say_them(seconds, text):
+    assert duration(seconds) == text
+
+
+def test_the_rest_is_estimated_from_what_is_done(clock):
+    count = Countdown("one", 10, io.StringIO())
+    assert count() == "1 of 10 done, about 18 s left"
+    assert count() == "2 of 10 done, about 16 s left"
+
+
+def test_a_terminal_gets_a_line_every_ten_seconds(clock):
+    terminal = Terminal()
+    count = Countdown("one", 12, terminal)
+    for _ in range(12):
+        count()
+    assert terminal.getvalue().splitlines() == [
+        "one: 6 of 12 done, about 12 s left",
+        "one: 12 of 12 done, about 0 s left",
+    ]
+
+
+def test_what_is_no_terminal_gets_nothing(clock):
+    stream = io.StringIO()
+    count = Countdown("one", 50, stream)
+    for _ in range(50):
+        count()
+    assert stream.getvalue() == ""
+
+
+def test_a_bar_is_drawn_on_a_terminal_alone(capfd, monkeypatch):
+    for terminal in (False, True):
+        monkeypatch.setattr("rich.console.Console", console(terminal))
+        with bar("closing") as show:
+            show(0.5, "cycle 1 of 2, loading")
+        out, err = capfd.readouterr()
+        assert out == ""
+        assert ("cycle 1 of 2, loading" in err) == terminal
+        assert bool(err) == terminal
+
+
+def console(terminal):
+    return lambda stderr: Console(stderr=stderr, force_terminal=terminal)
+
+
+LOG = """Job stats:
+job               count
+--------------  -------
+make_surfaces         1
+close_surfaces        4
+all                   1
+total                 6
+
+Job 3: Generate the surface pairs
+Finished jobid: 3 (Rule: make_surfaces)
+1 of 6 steps (17%) done
+"""
+
+
+def test_what_is_left_of_a_workflow_is_estimated_by_kind_of_job():
+    now = [0.0]
+    run = WorkflowProgress(lambda: now[0])
+    for line in LOG.splitlines(keepends=True):
+        run.read(line)
+        now[0] += 1.0
+    assert run.text() == "1 of 6 jobs done"  # nothing is known yet of what takes long
+    for job in (4, 5):
+        run.read(f"Job {job}: Close\n")
+    now[0] += 20.0
+    for job in (4, 5):
+        run.read(f"Finished jobid: {job} (Rule: close_surfaces)\n")
+    run.read("3 of 6 steps (50%) done\n")
+    # two more of 20 s each, side by side
+    assert run.text() == "3 of 6 jobs done; left: 2 close_surfaces (about 20 s)"
+
+
+def test_kinds_of_jobs_that_none_is_done_of_are_never_estimated_by_the_others():
+    run = WorkflowProgress(clock=iter(range(100)).__next__)
+    log = LOG.replace("make_surfaces         1", "make_surfaces         3")
+    for line in log.splitlines(keepends=True):
+        run.read(line)
+    assert run.text().startswith("1 of 6 jobs done; left: 2 make_surfaces (about ")
+    assert run.text().endswith("s), 4 of kinds not timed yet")

@@ -1,0 +1,151 @@
+"""A load history: several maxima, and partial unloading."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import jointclosure as jc
+from jointclosure.commands import cli
+from jointclosure.engineering.curves import cycle_table
+from jointclosure.engineering.laws import law_curves
+from jointclosure.joint.history import closure_at_stresses
+from jointclosure.joint.loading import LoadCycle, load_cycles
+from jointclosure.storage.netcdf import read_netcdf
+from tests.conftest import DOLERITE, SPACING
+
+SCENES = {"all": jc.Effects(), "elastic": jc.Effects(breakage=False, gouge=False)}
+TURNS = [3e6, 1e6, 6e6, 2e6, 6e6, 2e6, 4e6]
+TOLERANCE = jc.Numerics().stress_tolerance
+
+
+def closed(effects=SCENES["all"], **load):
+    walls = jc.wall_pair(8.0, (20, 24), SPACING, seed=1)
+    return jc.simulate(*walls, spacing=SPACING, rock=DOLERITE, effects=effects, **load)
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def scene(request):
+    return SCENES[request.param]
+
+
+@pytest.fixture(scope="module")
+def history(scene):
+    return closed(scene, max_normal_stress=TURNS, seating_stress=0.5e6)
+
+
+def along(history, number, branch):
+    here = (history.cycle.values == number) & (history.branch.values == branch)
+    return history.normal_stress.values[here]
+
+
+def test_equal_cycles_to_last_contact_are_bit_for_bit_those_of_one_maximum(scene):
+    xr.testing.assert_identical(
+        closed(scene, max_normal_stress=6e6, cycles=3),
+        closed(scene, max_normal_stress=[6e6, 0, 6e6, 0, 6e6]),
+    )
+
+
+def test_the_load_turns_where_it_was_told_to(history):
+    assert int(history.status) == 0
+    turns = [*TURNS, 0.0]
+    for number in range(1, 5):
+        maximum, minimum = turns[2 * number - 2 : 2 * number]
+        up, down = (along(history, number, branch) for branch in ("loading", "unloading"))
+        assert up[-1] == pytest.approx(maximum, rel=TOLERANCE)
+        assert down[-1] == pytest.approx(minimum, rel=TOLERANCE)
+        assert (down[:-1] > minimum).all()
+        assert (up <= maximum * (1.0 + TOLERANCE)).all()
+
+
+def test_a_history_begins_as_a_shorter_one_does_bit_for_bit():
+    whole = closed(max_normal_stress=TURNS)
+    part = closed(max_normal_stress=TURNS[:5])
+    shared = int((whole.cycle.values < 3).sum())
+    for name in ("closure", "normal_stress", "mean_aperture"):
+        assert np.array_equal(whole[name].values[:shared], part[name].values[:shared]), name
+
+
+def test_a_cycle_counts_from_where_its_own_loading_starts(history):
+    ends = [
+        float(history.closure.values[history.cycle.values == number][-1]) for number in range(1, 5)
+    ]
+    np.testing.assert_array_equal(history.residual_closure.values, ends)
+    assert history.max_closure.values[1] < history.max_closure.values[0]
+    seated = history.max_closure_seated.values
+    assert np.isfinite(seated[0])
+    assert np.isnan(seated[1:]).all()  # they start above the seating stress
+
+
+def test_partial_unloading_of_elastic_walls_leaves_one_curve():
+    elastic = closed(SCENES["elastic"], max_normal_stress=TURNS)
+    stress, closure = elastic.normal_stress.values, elastic.closure.values
+    at, first = np.unique(stress, return_index=True)
+    np.testing.assert_array_equal(closure, closure[first][np.searchsorted(at, stress)])
+    assert (elastic.unloading_excess == 0.0).all()
+
+
+def test_breakage_remembers_the_largest_stress_only_through_the_walls():
+    low_first = closed(max_normal_stress=[3e6, 0, 6e6])
+    at_once = closed(max_normal_stress=6e6, cycles=1)
+    ratio = low_first.residual_closure.values[1] / at_once.residual_closure.values[0]
+    assert ratio == pytest.approx(1.0, abs=0.1)
+    assert low_first.residual_closure.values[0] < low_first.residual_closure.values[1]
+
+
+def test_no_closure_is_told_at_stresses_that_a_branch_did_not_pass():
+    closure, stress = np.array([0.0, 2.0, 1.5, 3.0]), np.array([0.0, 4.0, 2.001, 6.0])
+    cycle, branch = np.array([1, 1, 1, 2]), np.array(["loading", "loading", "unloading", "loading"])
+    levels = np.array([1.0, 2.0, 3.0])
+    found = closure_at_stresses(closure, stress, cycle, branch, 2, levels, tolerance=1e-3)
+    assert np.isnan(found[0, 1, 0])
+    assert np.isnan(found[1, 0, 0])
+    assert found[0, 1, 1] == found[1, 0, 1] == 1.5  # landed on within the tolerance
+    assert np.isfinite(found[:, :, 2][[0, 0, 1], [0, 1, 0]]).all()
+
+
+def test_engineers_are_told_of_a_cycle_only_what_it_passed(history):
+    table = cycle_table(history)
+    assert np.isfinite(table.closure_net_since_seating_mm[0])
+    assert np.isnan(table.residual_net_at_seating_mm[0])  # unloaded to 1 MPa only
+    curves = law_curves(history)
+    assert curves.keys() == {(1, "loading"), (4, "unloading")}
+    assert curves[1, "loading"][0][-1] == pytest.approx(3.0, rel=0.01)
+    assert curves[4, "unloading"][0][-1] == pytest.approx(4.0, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("load", "said"),
+    [
+        ([], "needs a maximum"),
+        ([5e6, 6e6], "minimum 6e+06 must be from 0 to below the maxima beside it (5e+06)"),
+        ([5e6, 1e6, 1e6], "minimum 1e+06 must be"),
+        ([5e6, -1e6], "minimum -1e+06 must be"),
+        ([0.0, 0.0], "must be positive and finite"),
+        ([5e6, "1e6"], "must be a number"),
+        (True, "must be a number"),
+    ],
+)
+def test_a_load_that_cannot_be_is_refused_in_a_line(load, said):
+    with pytest.raises(jc.InputError) as refused:
+        load_cycles(load)
+    assert said in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_cycles_beside_a_load_history_must_be_its_own():
+    assert load_cycles([5e6, 1e6, 6e6], 2) == (LoadCycle(5e6, 1e6), LoadCycle(6e6, 0.0))
+    assert load_cycles(5e6) == (LoadCycle(5e6, 0.0),) * 2
+    with pytest.raises(jc.InputError, match="cycles = 3"):
+        load_cycles([5e6, 1e6, 6e6], 3)
+
+
+def test_the_command_line_takes_a_load_history(tmp_path, capsys):
+    file = tmp_path / "joint.nc"
+    told = ["--rock", "dolerite", "--cells", "16", "--stress", "2,1,4", "--output", str(file)]
+    assert cli.main(["simulate", *told]) == 0
+    assert "2, 1, 4 MPa, 2 cycles" in capsys.readouterr().out
+    history = read_netcdf(file)
+    assert along(history, 1, "unloading")[-1] == pytest.approx(1e6, rel=TOLERANCE)
+    assert list(history.attrs["load_history_Pa"]) == [2e6, 1e6, 4e6, 0.0]
+    with pytest.raises(SystemExit):
+        cli.main(["simulate", *told[:5], "2,x"])

@@ -1,0 +1,175 @@
+"""What must hold for any walls and rocks, judged at each step by `tests.invariants`."""
+
+import hypothesis
+import hypothesis.strategies as st
+import numpy as np
+from hypothesis import given
+
+import jointclosure as jc
+from jointclosure.joint.protocol import FAILURE
+from jointclosure.parameters import well_posed_scenes
+from jointclosure.surface.synthesis import Spectrum, gaussian_field
+from jointclosure.verification import oracle
+from tests import invariants
+
+REPRODUCIBLY = hypothesis.settings(derandomize=True, database=None, deadline=None, max_examples=40)
+SCENES = list(well_posed_scenes())
+
+sizes = st.integers(1, 12)
+shapes = st.tuples(sizes, sizes).filter(lambda shape: max(shape) >= 3)
+
+
+def wall_of(kind, shape, seed):
+    """A wall (y, x) of heights of about 1."""
+    random = np.random.default_rng(seed)
+    if kind == "self-affine":
+        field = gaussian_field(shape, Spectrum(0.8), random)
+        return field / np.abs(field).max()
+    if kind == "integer":
+        return random.integers(-3, 4, shape).astype(float)
+    if kind == "spiky":
+        return np.where(random.random(shape) < 0.1, random.exponential(1.0, shape), 0.0)
+    if kind == "ridge":
+        return np.broadcast_to(random.standard_normal(shape[1]), shape).copy()
+    return np.zeros(shape)
+
+
+def reach_of(walls, spacing, rocks, stress):
+    """A closure [m] to take steps in proportion to: of unbreakable rock, and the voids' depth."""
+    elastic = jc.simulate(
+        *walls,
+        spacing=spacing,
+        rock=rocks,
+        max_normal_stress=stress,
+        effects=jc.Effects(True, False, False, False, False),
+        numerics=jc.Numerics(curve_points=1),
+        seating_stress=0.0,
+        unusual_values=True,
+    )
+    return float(elastic.max_closure[0]) + 0.3 * float(np.ptp(sum(walls)))
+
+
+@st.composite
+def problems(draw, scenes=SCENES):
+    """Arguments of `simulate`: any walls, of any size, of any rock, in any scene."""
+    shape = draw(shapes)
+    kinds = st.sampled_from(["self-affine", "integer", "spiky", "ridge", "flat"])
+    length = 10.0 ** draw(st.integers(-9, 3))  # spacing
+    height = length * 10.0 ** draw(st.sampled_from([-6, -2, -1, 0, 2]))
+    walls = tuple(height * wall_of(draw(kinds), shape, draw(st.integers(0, 99))) for _ in "ul")
+    modulus = 10.0 ** draw(st.floats(6.0, 12.0))
+
+    def rock(draw):
+        ratio = 10.0 ** draw(st.floats(-0.5, 0.5))
+        strength = draw(st.sampled_from([3e-4, 2e-3, 2e-2, np.inf])) * modulus
+        return jc.Rock(modulus * ratio, draw(st.floats(0.0, 0.5)), strength)
+
+    rocks = [rock(draw), rock(draw)]
+    stress = modulus * 10.0 ** draw(st.floats(-7.0, -3.5))
+    method = draw(st.sampled_from(["fixed_step", "resolved"]))
+    step = draw(st.sampled_from([0.1, 0.4])) * reach_of(walls, length, rocks, stress)
+    return {
+        "walls": walls,
+        "spacing": length,
+        "rock": rocks,
+        "max_normal_stress": stress,
+        "effects": draw(st.sampled_from(scenes)),
+        "choices": jc.Choices(
+            base_radius_in_cells=draw(st.sampled_from([0.1, 0.5, 1.0])),
+            peak_modulus_ratio=draw(st.sampled_from([1e-6, 0.05, 1.0])),
+        ),
+        "numerics": jc.Numerics(
+            displacement_step=step,
+            breakage_step=0.4 * step,
+            later_displacement_step=0.5 * step,
+            later_breakage_step=0.2 * step,
+            breakage=method,
+        ),
+    }
+
+
+def closed(problem, **change):
+    """The history of a problem, judged at every step."""
+    told = {name: value for name, value in problem.items() if name != "walls"} | change
+    return invariants.judged(*problem["walls"], **told)
+
+
+MOSTLY = 0.5
+"""Share of the problems that must be answered: a failure is honest, but no answer. Flat walls
+without substrate, which nothing can carry, are a third of those without breakage."""
+
+
+def test_with_breakage_every_step_is_an_equilibrium_and_no_volume_is_lost():
+    answered = []
+
+    @REPRODUCIBLY
+    @given(problems([scene for scene in SCENES if scene.breakage]))
+    def holds(problem):
+        history = closed(problem, cycles=2)
+        invariants.assert_honest(history)
+        answered.append(int(history.status) < FAILURE)
+        invariants.assert_volume(
+            problem["walls"],
+            (history.upper_final.values, history.lower_final.values),
+            problem["effects"],
+        )
+
+    holds()
+    assert np.mean(answered) > MOSTLY
+
+
+def test_without_breakage_closure_rises_with_stress_and_unloading_is_loading():
+    answered = []
+
+    @REPRODUCIBLY
+    @given(problems([scene for scene in SCENES if not scene.breakage]))
+    def holds(problem):
+        history = closed(problem, cycles=1)
+        invariants.assert_honest(history)
+        answered.append(int(history.status) < FAILURE)
+        if answered[-1]:
+            assert_one_curve(problem, history)
+
+    holds()
+    assert np.mean(answered) > MOSTLY
+
+
+def assert_one_curve(problem, history) -> None:
+    """Closure rises with stress, and unloading goes back the same way."""
+    up = history.branch.values == "loading"
+    closure, stress = history.closure.values, history.normal_stress.values
+    assert np.all(np.diff(stress[up]) > 0.0)
+    resolution = np.spacing(sum(np.abs(wall).max() for wall in problem["walls"]))
+    assert np.all(np.diff(closure[up]) >= -2.0 * resolution)
+    np.testing.assert_array_equal(closure, closure[::-1])
+    np.testing.assert_array_equal(history.unloading_excess, 0.0)
+    invariants.assert_volume(
+        problem["walls"],
+        (history.upper_final.values, history.lower_final.values),
+        problem["effects"],
+    )
+
+
+@REPRODUCIBLY
+@given(problems([scene for scene in SCENES if not scene.breakage]), st.floats(0.02, 1.5))
+def test_forces_at_a_closure_are_complementary_and_add_up_to_the_stress(problem, part):
+    upper, lower = problem["walls"]
+    h, effects, choices = (problem[name] for name in ("spacing", "effects", "choices"))
+    closure = part * max(float(np.ptp(upper + lower)), 1e-6 * h)
+    found = jc.equilibrium(
+        upper,
+        lower,
+        spacing=h,
+        rock=problem["rock"],
+        closure=closure,
+        effects=effects,
+        choices=choices,
+        unusual_values=True,
+    )
+    if int(found.status):
+        return
+    force = found.force.values
+    total = float(found.normal_stress) * force.size * h**2
+    joint = oracle.Joint(upper, lower, h, problem["rock"], effects, choices)
+    state = oracle.State(upper, lower, force, closure, total)
+    invariants.assert_at_rest(joint, state, jc.Numerics().force_tolerance)

@@ -1,0 +1,215 @@
+"""A joint fitted to its measured closure: the interval covers the mismatch it was made with."""
+
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from jointclosure.ensemble.closing import close_walls
+from jointclosure.ensemble.settings import Conditions
+from jointclosure.joint.history import branch_of, read_along
+from jointclosure.joint.protocol import LOADING, UNLOADING
+from jointclosure.measured.calibration import (
+    likelihood_of,
+    readings_of_curve,
+    readings_of_history,
+    simulated_readings,
+)
+from jointclosure.measured.curves import MeasuredCurve, parsed_curve
+from jointclosure.measured.fit import Fit, assumptions, fit
+from jointclosure.plotting.calibration import fit_figure
+from tests.conftest import SPACING
+
+GRANITE = jc.Rock(73e9, 0.25, 173e6)
+SHAPE, STRESS, SEATING = (24, 24), 5e6, 0.5e6
+CONDITIONS = Conditions(
+    SPACING, GRANITE, STRESS, 1, SEATING, jc.Effects(), jc.Choices(), jc.Numerics()
+)
+WAVELENGTHS = np.geomspace(3.0 * SPACING, SHAPE[0] * SPACING, 5)
+
+
+def walls(number, wavelength):
+    return jc.wall_pair(10.0, SHAPE, SPACING, number, mismatch_wavelength=wavelength)
+
+
+def curve_of(history):
+    """A history as a laboratory would have measured it, the rock's deformation subtracted."""
+    cycle, branch = history.cycle.values, history.branch.values
+    steps = np.concatenate([branch_of(cycle, branch, 1, name) for name in (LOADING, UNLOADING)])
+    stress, closure = history.normal_stress.values[steps], read_along(history)[steps]
+    return MeasuredCurve(stress, closure + 3e-4, np.ones(steps.size, int), steps)
+
+
+@pytest.fixture(scope="module")
+def simulated():
+    asked = readings_of_curve(curve_of(close_walls(*walls(1, 2e-3), CONDITIONS)), SEATING)
+    strengths = np.array([GRANITE.compressive_strength])
+    return simulated_readings(walls, CONDITIONS, asked, WAVELENGTHS, strengths, 10)
+
+
+def test_a_curve_is_read_as_the_history_that_it_was_measured_of():
+    history = close_walls(*walls(1, 2e-3), CONDITIONS)
+    measured = readings_of_curve(curve_of(history), SEATING)
+    assert measured.unloaded == (1,)
+    np.testing.assert_allclose(measured.levels, [1.625e6, 2.75e6, 5e6], rtol=2e-3)
+    # wherever a laboratory's closures start; it knows of no landing
+    read = readings_of_history(history.assign_attrs(numerics="{}"), measured)
+    np.testing.assert_allclose(read, measured.values)
+    assert measured.names()[-1] == "closure recovered in cycle 1"
+    assert len(measured.names()) == len(measured.values)
+
+
+def test_the_interval_covers_the_mismatch_wavelength_of_synthetic_joints(simulated):
+    held, told = [], []
+    for number in range(24):
+        truth = float(np.exp(np.random.default_rng(number).uniform(*np.log([1e-3, 4e-3]))))
+        curve = curve_of(close_walls(*walls(10_000 + number, truth), CONDITIONS))
+        measured = readings_of_curve(curve, SEATING)
+        found = likelihood_of(measured, simulated, WAVELENGTHS, np.array([173e6]), 0.02)
+        value, low, high = found.interval(0)
+        held.append(low <= truth <= high)
+        told.append(min(high, WAVELENGTHS[-1]) / max(low, WAVELENGTHS[0]))
+        assert low <= value <= high
+    assert np.mean(held) >= 0.85
+    # and it says something, of a range of eight
+    assert np.median(told) < 5.0
+
+
+def made_up(rng, x, y, count):
+    """Log readings of a law of mismatch and strength, with a scatter of 10 %."""
+    mean = np.array([-9.0, -8.5, -8.0]) + 0.8 * x - np.array([0.2, 0.5, 0.9]) * y
+    return mean + 0.1 * rng.standard_normal((count, 3))
+
+
+def test_mismatch_and_strength_are_told_apart_with_intervals_that_cover_them():
+    rng = np.random.default_rng(5)
+    wavelengths, strengths = np.geomspace(1e-3, 8e-3, 6), np.geomspace(80e6, 320e6, 4)
+    simulated = np.array(
+        [[made_up(rng, np.log(w), np.log(s / 160e6), 12) for s in strengths] for w in wavelengths]
+    )
+    held = []
+    for _ in range(60):
+        truth = np.exp(rng.uniform(*np.log([1.5e-3, 5e-3]))), rng.uniform(110e6, 230e6)
+        values = np.exp(made_up(rng, np.log(truth[0]), np.log(truth[1] / 160e6), 1)[0])
+        measured = parsed_readings(values)
+        found = likelihood_of(measured, simulated, wavelengths, strengths, 0.02)
+        ends = found.interval(0)[1:], found.interval(1)[1:]
+        held.append([low <= value <= high for value, (low, high) in zip(truth, ends, strict=True)])
+    assert np.all(np.mean(held, axis=0) >= 0.88)
+    assert 0.001 < found.p_value <= 1.0
+    # a curve of another law is one that such joints do not make
+    odd = likelihood_of(
+        parsed_readings(np.exp([-8.0, -8.5, -9.0])), simulated, wavelengths, strengths, 0.02
+    )
+    assert odd.p_value < 1e-6
+
+
+def fitted(values, scatter=0.1, strengths=(160e6,), rock=GRANITE):
+    """A fit of made-up readings among made-up joints at three wavelengths."""
+    rng, wavelengths = np.random.default_rng(6), np.geomspace(1e-3, 8e-3, 4)
+    strengths, measured = np.array(strengths), parsed_readings(values)
+    logs = [
+        [made_up(rng, np.log(w), np.log(s / 160e6), 12) for s in strengths] for w in wavelengths
+    ]
+    mean = np.mean(logs, axis=2, keepdims=True)
+    simulated = mean + scatter / 0.1 * (np.array(logs) - mean)
+    found = likelihood_of(measured, simulated, wavelengths, strengths, 1e-3)
+    strength = found.interval(1) if strengths.size > 1 else None
+    assumed = assumptions(rock, 10.0, (64, 32), SPACING, 3e-3)
+    return Fit(found.interval(0), strength, found.p_value, measured, simulated, found, assumed)
+
+
+def test_a_reading_between_the_wavelengths_that_were_closed_is_not_called_impossible():
+    # closures as of 2.8 mm, which lies between 2 and 4 mm; all three at once no joint makes
+    between = made_up(np.random.default_rng(0), np.log(2.8e-3), 0.0, 1000).mean(axis=0)
+    odd = np.array([0.0, 1.0, 0.0])
+    found = fitted(np.exp(between + 0.1 * odd), scatter=0.004)
+    assert not found.interval_holds
+    assert "each reading is made by some joints, and all of them by none" in found.sentences()
+    beyond = fitted(np.exp(between + 9.0 * odd), scatter=0.004).sentences()
+    assert "no mismatch wavelength gives the closure of cycle 1 at 2.75 MPa" in beyond[1]
+
+
+def test_a_strength_at_the_end_of_its_range_is_said_to_be_there():
+    strengths = np.geomspace(80e6, 320e6, 4)
+
+    def said(strength):
+        mean = made_up(np.random.default_rng(0), np.log(2.8e-3), np.log(strength / 160e6), 1000)
+        found = fitted(np.exp(mean.mean(axis=0)), strengths=strengths)
+        return next(line for line in found.sentences() if "strength" in line)
+
+    assert "MPa (95 % interval 1" in said(160e6)
+    for strength, word in ((70e6, "below"), (370e6, "above")):
+        assert said(strength).startswith(f"compressive strength {word}")
+        assert "the likeliest is at the end of what was tried" in said(strength)
+
+
+def test_the_figure_has_the_interval_where_the_text_has_it_and_the_text_names_what_was_assumed():
+    likely = np.exp(made_up(np.random.default_rng(0), np.log(2.8e-3), 0.0, 1000).mean(axis=0))
+    for values, holds in ((likely, True), (np.exp([-8.0, -8.5, -9.0]), False)):
+        found = fitted(values)
+        assert found.interval_holds == holds
+        assert ("95 % interval" in repr(found)) == holds
+        assert bool(fit_figure(found, "a").axes[1].patches) == holds
+        assert "JRC 10, 8 x 16 mm at a spacing of 0.25 mm" in found.sentences()[-1]
+
+
+def parsed_readings(values):
+    curve = parsed_curve(GOOD, "lab.csv", cycle=1)
+    return readings_of_curve(curve, SEATING)._replace(values=values)
+
+
+GOOD = "stress_MPa,closure_mm\n0,0\n0.5,0.02\n1,0.05\n2,0.08\n5,0.12\n"
+
+
+def test_a_fit_says_its_interval_in_words_and_doubts_a_curve_that_no_joint_makes(tmp_path):
+    path = tmp_path / "lab.csv"
+    path.write_text(GOOD)
+    about = {"rock": "granite", "jrc": 10.0, "shape": (16, 16), "surfaces": 6}
+    shares = []
+    found = fit(path, **about, report=shares.append)
+    assert shares[-1] == 1.0
+    assert len(shares) == 8 * 6
+    assert found.compressive_strength is None
+    assert "95 % interval" in repr(found)
+    assert "\n" not in repr(found)
+    assert found.simulated.shape == (8, 1, 6, 3)
+    again = fit(path, **about)
+    assert again.mismatch_wavelength == found.mismatch_wavelength
+    path.write_text(GOOD.replace("0.12", "40"))
+    warning, missed, nearest, assumed = fit(path, **about).sentences()
+    assert warning.startswith("Warning: the model hardly makes this curve: fewer than 1 in 1000")
+    assert missed.startswith(
+        "no mismatch wavelength gives the closure of cycle 1 at 5 MPa: measured"
+    )
+    assert nearest == "nearest are independent walls"
+    assert "4 x 4 mm" in assumed
+    assert "excluded" not in repr(fit(path, **about))
+
+
+@pytest.mark.parametrize(
+    ("text", "about", "said"),
+    [
+        (None, {}, "lab.csv: there is no such file"),
+        ("stress,closure_mm\n1,2\n", {}, "column 'stress': has no unit"),
+        (GOOD.replace("0,0\n0.5", "0.8,0\n0.9"), {}, "must start at or below seating_stress"),
+        (GOOD.replace("0.12", "0.01"), {}, "the curve does not close"),
+        (
+            "stress_MPa,closure_mm,cycle\n0,0,1\n5,1,1\n0,0.5,1\n0,0.5,2\n4,1,2\n",
+            {},
+            "cycle 2 is loaded to 4 MPa and cycle 1 to 5 MPa",
+        ),
+        ("stress_MPa,closure_mm,cycle\n0,0,2\n5,1,2\n", {}, "cycles [2]: must be 1, 2 and so on"),
+        (GOOD, {"surfaces": 2}, "surfaces = 2: must be at least 4"),
+        (GOOD, {"closure_error": 0.0}, "closure_error = 0.0"),
+        (GOOD, {"shape": 16}, "shape = 16: must be (cells along y"),
+        (GOOD, {"rock": "grannite"}, "rock = 'grannite': must be a Rock or one of"),
+    ],
+)
+def test_a_curve_that_cannot_be_fitted_is_refused_in_a_line(tmp_path, text, about, said):
+    path = tmp_path / "lab.csv"
+    if text is not None:
+        path.write_text(text)
+    with pytest.raises(jc.InputError) as error:
+        fit(path, **({"rock": "granite", "jrc": 10.0} | about))
+    assert said in str(error.value)
+    assert "\n" not in str(error.value)

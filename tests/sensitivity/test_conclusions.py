@@ -1,0 +1,129 @@
+"""What is left of a claim: its verdict, unless what the paper leaves open turns it."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from jointclosure.sensitivity.conclusions import (
+    COUNTS,
+    DEPENDS,
+    JUDGED_ELSEWHERE,
+    ONLY_CONFIGURED,
+    conclusion_table,
+)
+from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, NO_DIFFERENCE, STANDS
+
+ALL, ONE = "a; b; c; d", "a"
+
+
+def told(verdict, readings=None, share=None, number="5a", response="closure", cycle=2) -> pd.Series:
+    """The row of a claim with such a verdict, readings (verdict, rocks, allowed), and share."""
+    claims = pd.DataFrame(
+        {
+            "number": [number], "claim": ["it rises"], "verdict": [verdict],
+            "found_share": [0.9], "found_error": [0.01],
+            "found_low": [0.88], "found_high": [0.92],
+        }
+    )  # fmt: skip
+    half_widths = pd.DataFrame(
+        {
+            "number": [number] * 3, "half_width": [0.0, 2.0, 1.0], "found_share": [0.9, 0.7, 0.8],
+            "found_error": [0.01, 0.03, 0.02],
+            "found_low": [0.88, 0.64, 0.76], "found_high": [0.92, 0.76, 0.84],
+        }
+    )  # fmt: skip
+    given = {}
+    if readings is not None:
+        given["readings"] = pd.DataFrame(readings, columns=[f"claim {number}", "rocks", "allowed"])
+        given["readings"]["title"] = [f"reading {i}" for i in range(len(readings))]
+    if share is not None:
+        rows = [(number.split(",")[0], response, cycle, "all", *share)]
+        rows.append((number.split(",")[0], "other", cycle, "all", *[np.nan] * 3))
+        given["choices"] = pd.DataFrame(
+            rows,
+            columns=["number", "response", "cycle", "rock", "share", "share_low", "share_high"],
+        ).assign(share_error=0.01)
+    (row,) = conclusion_table(claims, half_widths, **given).itertuples()
+    return row
+
+
+@pytest.mark.parametrize("readings", [None, [(STANDS, ONE, True)] * 2])
+def test_what_nothing_tried_in_all_rocks_is_known_as_configured_only(readings):
+    row = told(STANDS, readings and [(STANDS, ALL, False), *readings])
+    assert row.conclusion == ONLY_CONFIGURED[STANDS]
+
+
+def test_what_was_not_studied_is_left_empty():
+    row = told(STANDS)
+    assert (row.jrc_half_width, row.jrc_found_share, row.jrc_found_error) == (2.0, 0.7, 0.03)
+    assert (row.jrc_found_low, row.jrc_found_high) == (0.64, 0.76)
+    assert np.isnan(row.readings_stand)
+    assert np.isnan(row.choices_share)
+
+
+@pytest.mark.parametrize(
+    ("verdict", "readings", "expected"),
+    [
+        (STANDS, [(STANDS, ALL, True), (CANNOT_BE_TOLD, ALL, True)], STANDS),
+        (STANDS, [(STANDS, ALL, True), (FALLS, ONE, True)], DEPENDS),
+        (STANDS, [(STANDS, ALL, True), (FALLS, ONE, False)], STANDS),
+        (FALLS, [(FALLS, ALL, True), (STANDS, ALL, True)], DEPENDS),
+        (FALLS, [(FALLS, ALL, True), (STANDS, ONE, True)], FALLS),
+        (STANDS, [(NO_DIFFERENCE, ONE, True)], DEPENDS),
+        (NO_DIFFERENCE, [(NO_DIFFERENCE, ALL, True), (STANDS, ONE, True)], NO_DIFFERENCE),
+        (NO_DIFFERENCE, [(FALLS, ONE, True)], DEPENDS),
+        (FALLS, [(FALLS, ALL, True), (NO_DIFFERENCE, ONE, True)], FALLS),
+        (CANNOT_BE_TOLD, [(STANDS, ALL, True)], CANNOT_BE_TOLD),
+    ],
+)
+def test_a_reading_of_the_other_verdict_turns_a_conclusion(verdict, readings, expected):
+    """A reading that the text rules out does not; nor does one rock where all are asked for."""
+    row = told(verdict, readings)
+    assert row.conclusion == expected
+    assert (row.opposed_by != "") == (expected == DEPENDS)
+    allowed = sum(each[2] for each in readings)
+    counts = [getattr(row, f"{kind}_{name}") for kind in ("readings", "partial") for name in COUNTS]
+    assert sum(counts) == allowed
+
+
+def test_readings_of_one_rock_are_counted_by_themselves():
+    readings = [(STANDS, ALL, True), (STANDS, ONE, True), (CANNOT_BE_TOLD, ONE, True)]
+    row = told(STANDS, readings)
+    assert (row.readings_stand, row.readings_fall, row.readings_open) == (1, 0, 0)
+    assert (row.partial_stand, row.partial_fall, row.partial_open) == (1, 0, 1)
+    assert row.opened_by == "reading 2"
+
+
+@pytest.mark.parametrize(
+    ("verdict", "share", "expected"),
+    [
+        (STANDS, (1.0, 0.94, 1.0), STANDS),
+        (STANDS, (0.95, 0.91, 0.99), STANDS),
+        (STANDS, (0.8, 0.6, 1.0), CANNOT_BE_TOLD),
+        (STANDS, (1.0, 0.8, 1.0), CANNOT_BE_TOLD),
+        (STANDS, (0.5, 0.3, 0.7), DEPENDS),
+        (FALLS, (0.0, 0.0, 0.06), FALLS),
+        (FALLS, (0.0, 0.0, 0.2), CANNOT_BE_TOLD),
+        (FALLS, (0.5, 0.3, 0.7), DEPENDS),
+        (NO_DIFFERENCE, (0.0, 0.0, 0.06), NO_DIFFERENCE),
+    ],
+)
+def test_choices_turn_a_conclusion_where_fewer_than_nine_tenths_agree(verdict, share, expected):
+    """By the whole interval of the share: (value, low, high)."""
+    row = told(verdict, share=share)
+    assert row.conclusion == expected
+    assert (row.choices_share, row.choices_share_low, row.choices_share_high) == share
+
+
+def test_a_claim_net_of_bulk_indentation_is_held_against_net_closures():
+    row = told(STANDS, share=(0.3, 0.2, 0.4), number="5a, net", response="closure_net")
+    assert (row.choices_share, row.conclusion) == (0.3, DEPENDS)
+
+
+def test_a_claim_that_choices_were_not_asked_about_has_no_share():
+    assert np.isnan(told(STANDS, share=(0.3, 0.2, 0.4), number="6a").choices_share)
+
+
+def test_what_a_sensitivity_study_has_nothing_on_is_judged_elsewhere():
+    assert told(CANNOT_BE_TOLD, number="8").conclusion == JUDGED_ELSEWHERE
+    assert told(CANNOT_BE_TOLD, number="5d").conclusion == CANNOT_BE_TOLD

@@ -1,0 +1,244 @@
+"""The comparison with continuum codes: our own parts, and theirs where they are installed."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from jointclosure.mechanics.strength import von_mises_on_axis
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+import continuum
+import limited_pressure
+import peers
+from yardstick import DOLERITE, joint_walls
+
+STRESSES = continuum.LEVELS * 1e6
+AT = continuum.stresses_of(1e6, np.inf)
+"""The same of a joint that does not land."""
+LARGE = continuum.LEVELS * 30e6
+"""Of a whole wall: less would be carried by a single cell, which has no equilibrium to iterate."""
+
+
+@pytest.fixture(scope="module")
+def gap():
+    summed = np.add(*joint_walls(peers.CELLS, 3))
+    return summed.max() - summed
+
+
+def test_the_lower_hardness_is_the_mean_pressure_at_which_an_asperity_breaks():
+    hardness = continuum.hardnesses(DOLERITE)
+    largest = max(von_mises_on_axis(z, DOLERITE.poisson_ratio) for z in np.linspace(0.3, 0.6, 301))
+    peak = 1.5 * hardness["at breakage"]
+    assert peak * largest == pytest.approx(DOLERITE.compressive_strength, rel=1e-3)
+    assert hardness["2.8 sigma_c"] == 2.8 * DOLERITE.compressive_strength
+
+
+def test_a_history_is_pressed_up_down_and_up_again():
+    said = []
+
+    def press(stress):
+        said.append(stress)
+        return stress / 1e13, np.array([[stress, 0.0]])
+
+    def left():
+        said.append("left")
+        return 3e-8
+
+    stresses = np.array([1e6, 2e6, 3e6])
+    history = continuum.along(press, left, stresses)
+    assert said == [1e6, 2e6, 3e6, 2e6, 1e6, "left", 1e6, 2e6]
+    assert history.closure.tolist() == [[1e-7, 2e-7, 3e-7]] * 3
+    assert (history.contact == 0.5).all()
+    assert history.residual == 3e-8
+
+
+def test_readings_are_those_of_a_joint_of_known_stiffness():
+    closure = np.array([continuum.LEVELS * 1e-4, 1e-4 + 0.0 * STRESSES, 2e-4 * continuum.LEVELS])
+    closure[1] -= 2e-5 * (1.0 - continuum.LEVELS)
+    contact = np.array([continuum.LEVELS * 0.1] * 3)
+    read = continuum.readings(continuum.History(closure, contact, 5e-5), AT)
+    assert read["closure_1_um"] == pytest.approx(100.0)
+    assert read["residual_um"] == pytest.approx(50.0)
+    assert read["closure_2_um"] == pytest.approx(150.0)
+    assert read["contact_1_percent"] == pytest.approx(10.0)
+    # 0.5 MPa over 50, 10 and 100 micrometres
+    assert read["stiffness_loading_MPa_per_mm"] == pytest.approx(10.0)
+    assert read["stiffness_unloading_MPa_per_mm"] == pytest.approx(50.0)
+    assert read["stiffness_reloading_MPa_per_mm"] == pytest.approx(5.0)
+
+
+@pytest.mark.parametrize("landing", [0.6e6, 0.9e6])
+def test_the_stiffness_of_loading_ends_where_the_asperity_model_begins_to_land(landing):
+    """All models of a joint are read there; unloading and reloading to the largest stress."""
+    at = continuum.stresses_of(1e6, landing)
+    assert at.all[at.half] == 0.5e6
+    assert at.all[at.end] == landing
+    np.testing.assert_array_equal(at.all[at.levels], STRESSES)
+    # ten times stiffer from the landing on
+    loading = 1e-10 * np.minimum(at.all, landing) + 1e-11 * np.maximum(at.all - landing, 0.0)
+    closure = np.array([loading, loading[-1] + 2e-11 * at.all, loading[-1] + 4e-11 * at.all])
+    read = continuum.readings(continuum.History(closure, 0.0 * closure, 0.0), at)
+    assert read["stiffness_loading_MPa_per_mm"] == pytest.approx(10.0)
+    assert read["stiffness_unloading_MPa_per_mm"] == pytest.approx(50.0)
+    assert read["stiffness_reloading_MPa_per_mm"] == pytest.approx(25.0)
+    assert read["loading_read_to_MPa"] == pytest.approx(1e-6 * landing)
+
+
+def test_a_joint_that_lands_below_half_of_the_stress_has_no_stiffness_of_loading():
+    at = continuum.stresses_of(1e6, 0.3e6)
+    closure = 1e-10 * np.tile(at.all, (3, 1))
+    read = continuum.readings(continuum.History(closure, 0.0 * closure, 0.0), at)
+    assert np.isnan(read["stiffness_loading_MPa_per_mm"])
+    assert read["stiffness_unloading_MPa_per_mm"] == pytest.approx(10.0)
+
+
+def test_ratios_are_of_the_same_walls():
+    def history(scale):
+        return continuum.History(
+            scale * np.tile(continuum.LEVELS, (3, 1)), np.full((3, 6), 0.1), 0.5 * scale
+        )
+
+    scales = (1e-4, 3e-4, 2e-4)
+    table = continuum.table_of(
+        {"ours": [history(s) for s in scales], "other": [history(2.0 * s) for s in scales]},
+        [AT] * 3,
+    )
+    own = table[table.reading == "closure_1_um"].set_index("model")
+    assert own["mean"].tolist() == pytest.approx([200.0, 400.0])
+    assert own.error.other == pytest.approx(200.0 / np.sqrt(3))
+    assert own.ratio.other == pytest.approx(2.0)
+    assert own.ratio_error.other == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_asperity_model_is_read_on_its_three_branches():
+    walls = joint_walls(24, 3)
+    history = continuum.asperity_model(walls, continuum.FULL, STRESSES)
+    loading, unloading, _ = history.closure
+    assert np.isfinite(history.closure).all()
+    assert (unloading[:-1] > loading[:-1]).all()
+    assert 0.0 < history.residual < unloading[0]
+    assert 0.0 < history.contact[0, 0] < history.contact[0, -1] < 1.0
+
+
+def test_an_elastic_code_has_one_curve_for_all_branches(gap):
+    history = continuum.elastic(peers.own, gap, LARGE)
+    assert (history.closure == history.closure[0]).all()
+    assert (np.diff(history.closure[0]) > 0.0).all()
+    assert history.residual == 0.0
+
+
+def test_a_code_that_is_not_installed_is_named_and_left_out(tmp_path, monkeypatch, capsys):
+    def absent(walls, stresses):
+        raise ModuleNotFoundError("No module named 'other'")
+
+    def present(walls, stresses):
+        closure = np.tile(stresses, (3, 1)) * np.ptp(walls[0])
+        return continuum.History(closure, np.tile(1e-8 * stresses, (3, 1)), 1e-5)
+
+    monkeypatch.setattr(continuum, "models", lambda: {"ours": present, "other": absent})
+    continuum.main(2, 1e6, tmp_path)
+    assert "other is left out: it is not installed here" in capsys.readouterr().out
+    assert set(pd.read_csv(tmp_path / "tables/continuum.csv").model) == {"ours"}
+    assert (tmp_path / "figures/continuum.png").stat().st_size > 10000
+
+
+def test_codes_are_compared_on_joints_that_both_closed():
+    def history(*closures):
+        return continuum.History(np.tile(closures, (3, 1)), np.ones((3, 2)), 0.0)
+
+    nothing = history(np.nan, np.nan)
+    name = "continuum, hardness at breakage ({})"
+    table = continuum.codes_table(
+        {
+            name.format("own"): [history(1e-4, 2e-4), history(1e-4, 3e-4), history(1e-4, 2e-4)],
+            name.format("ContactMechanics"): [
+                history(1.1e-4, 2e-4), history(1e-4, 2.94e-4), nothing,
+            ],
+        }
+    ).iloc[0]  # fmt: skip
+    assert (table.hardness, table.joints) == ("at breakage", 2)
+    assert table.at_largest_stress == pytest.approx(2.0)
+    assert table.anywhere == pytest.approx(10.0)
+
+
+def test_a_realisation_without_an_equilibrium_is_named_and_left_out(capsys):
+    def fails(walls, stresses):
+        raise RuntimeError("no equilibrium at 1e6 Pa")
+
+    def history(scale):
+        return continuum.History(
+            scale * np.tile(continuum.LEVELS, (3, 1)), np.full((3, 6), 0.1), 0.5 * scale
+        )
+
+    none = continuum.closed("other", fails, None, STRESSES)
+    assert "other: a realisation is left out (no equilibrium" in capsys.readouterr().out
+    ours = [history(s) for s in (1e-4, 2e-4, 9e-4)]
+    other = [history(3e-4), history(6e-4), none]
+    table = continuum.table_of({"ours": ours, "other": other}, [AT] * 3)
+    own = table[table.reading == "closure_1_um"].set_index("model")
+    assert own.realizations.tolist() == [3, 2]
+    assert own["mean"].other == pytest.approx(450.0)
+    assert own.ratio.other == pytest.approx(3.0)
+    assert len(continuum.continuum_figure({"ours": ours, "other": other}, [AT] * 3).axes) == 2
+
+
+@pytest.mark.parametrize("hardness", [165e6, 462e6])
+def test_pressures_are_limited_where_walls_overlap_and_nothing_else_does(gap, hardness):
+    """The conditions of each cell, at a stress that is met, in the operator's own terms."""
+    state = limited_pressure.at_stress(gap, hardness, 20e6, limited_pressure.untouched(gap))
+    left = peers.displacement(state.pressure) + gap - state.closure
+    assert state.pressure.mean() == pytest.approx(20e6, rel=1e-9)
+    none, full = state.pressure == 0.0, state.pressure == hardness
+    between = ~none & ~full
+    assert min(none.sum(), full.sum(), between.sum()) > 0
+    assert (state.pressure[between] > 0.0).all()
+    assert (state.pressure[between] < hardness).all()
+    assert (left[none] > -1e-12).all()
+    assert (left[full] < 1e-12).all()
+    assert abs(left[between]).max() < 1e-12
+
+
+@pytest.mark.parametrize("blocks", [limited_pressure.BLOCKS, 0])
+def test_wrong_sets_of_cells_come_right_at_once_or_one_by_one(gap, blocks, monkeypatch):
+    right = limited_pressure.at_stress(gap, 462e6, 20e6, limited_pressure.untouched(gap))
+    random = np.random.default_rng(1)
+    sets = right.sets.copy()
+    sets.flat[random.choice(gap.size, 60, replace=False)] = random.integers(-1, 2, 60)
+    monkeypatch.setattr(limited_pressure, "BLOCKS", blocks)
+    there, _ = limited_pressure.at_closure(gap, 462e6, right.closure, sets)
+    np.testing.assert_array_equal(there.sets, right.sets)
+    np.testing.assert_allclose(there.pressure, right.pressure, atol=1.0)
+
+
+def test_a_hardness_that_is_not_reached_leaves_the_elastic_curve(gap):
+    stresses = LARGE[[0, 2, 3]]
+    press, left = limited_pressure.own(gap, 2e10)
+    plastic = [press(stress)[0] for stress in stresses]
+    elastic = continuum.elastic(peers.own, gap, stresses).closure[0]
+    assert plastic == pytest.approx(elastic, rel=1e-5)
+    assert left() == 0.0
+
+
+def test_what_has_flowed_stays_and_opens_elastically(gap):
+    press, left = limited_pressure.own(gap, 165e6)
+    closure, pressure = press(20e6)
+    assert pressure.max() == 165e6
+    unloaded, pressure = press(10e6)
+    assert pressure.max() < 165e6
+    assert 1e-5 < left() < unloaded < closure
+    again, pressure = press(20e6)
+    assert again == pytest.approx(closure, rel=1e-9)
+
+
+@pytest.mark.parametrize("hardness", [165e6, 462e6])
+def test_contact_mechanics_presses_to_the_same_closure_with_a_hardness(gap, hardness):
+    pytest.importorskip("ContactMechanics")
+    (closure, pressure), (theirs, their_pressure) = (
+        code(gap, hardness)[0](3e6) for code in limited_pressure.CODES.values()
+    )
+    assert theirs == pytest.approx(closure, rel=1e-4)
+    assert their_pressure.max() == pytest.approx(hardness, rel=1e-6)
+    assert ((pressure > 0.0) == (their_pressure > 0.0)).mean() > 0.999
