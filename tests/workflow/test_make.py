@@ -294,7 +294,7 @@ def test_a_study_adds_surfaces_until_the_accuracy_wanted_is_reached_and_closes_n
     assert table.met.all()
     assert (table.surfaces > 20).all()
     log = (project / "results/wish/logs/make_study.log").read_text()
-    first = "Close the surface pairs of slate-base from realisation 0 on"
+    first = "Close all surface pairs of a case, or of a block of its realisations (slate-base, cases, 0)"
     assert log.count(f": {first}\n") == 1
     # the same command finds all there
     again = make(project, "study", "CONFIG=wish.yaml")
