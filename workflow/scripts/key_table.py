@@ -54,7 +54,7 @@ rocks:
     jrc: 10
     max_normal_stress_MPa: 20
     levels:
-      youngs_modulus_GPa: [50, 55, 65, 70]   # besides its own 60: five levels
+      youngs_modulus_GPa: [50, 55, 65, 70]   # with the rock's 60: five levels
       jrc: [8, 12]
 ```
 
