@@ -32,7 +32,7 @@ from jointclosure.ensemble.scanned_joint import ClosedJoint, closed_pair, read_w
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.inputs.remarks import cautions
 from jointclosure.jobs.progress import duration
-from jointclosure.joint.loading import load_said
+from jointclosure.joint.loading import describe_load
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.scans.units import UNITS
 from jointclosure.storage.figures import save_figure
@@ -182,7 +182,7 @@ def _closed(settings: Configured, pair: RegisteredPair, arguments) -> ClosedJoin
     name = configuration.rocks[case.rock].title
     print(
         f"{rock_text(conditions.rock, name)}; {nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm: "
-        f"{load_said(conditions.max_normal_stress, conditions.cycles)}"
+        f"{describe_load(conditions.max_normal_stress, conditions.cycles)}"
     )
     with shown_progress(conditions.cycles) as report:
         stresses = kept_stresses(arguments, conditions)

@@ -12,7 +12,7 @@ from jointclosure.engineering.exchange import (
     itasca_tables,
     porepy_parameters,
 )
-from jointclosure.engineering.laws import fitted_laws, law_said
+from jointclosure.engineering.laws import describe_law, fitted_laws
 from jointclosure.engineering.stiffness import stiffness_table
 from jointclosure.inputs import InputError
 from jointclosure.joint.protocol import FAILURE, LOADING
@@ -69,7 +69,7 @@ def write_engineering(history: xr.Dataset, folder: Path, title: str) -> list[str
         "stiffness, laws and inputs of other programs are net, without the elastic indentation of "
         "the half-spaces; curves.csv, cycles.csv and stiffness.csv have gross values too"
     ]
-    said += [law_said(fits, cycle, LOADING) for cycle in cycles.cycle]
+    said += [describe_law(fits, cycle, LOADING) for cycle in cycles.cycle]
     for write in (_write_porepy, _write_geos, _write_mesh):
         try:
             write(history, folder)

@@ -28,7 +28,7 @@ from jointclosure.ensemble.settings import Case, Conditions
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.inputs import InputError, check_seed
 from jointclosure.jobs.progress import duration
-from jointclosure.joint.loading import load_said
+from jointclosure.joint.loading import describe_load
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.folders import replace_files
@@ -107,7 +107,7 @@ def run(arguments) -> int:
     )
     surfaces = surface_settings(configuration, case, range(1))
     conditions = loaded(closure_settings(configuration, case, surfaces).conditions(), arguments)
-    print(f"{about}: {load_said(conditions.max_normal_stress, conditions.cycles)}")
+    print(f"{about}: {describe_load(conditions.max_normal_stress, conditions.cycles)}")
     start = time.perf_counter()
     closed = _close(configuration, case, conditions, arguments)
     print(summary(closed))

@@ -1,7 +1,7 @@
-"""Joints closed at the points of an experiment, as one table with a row a joint and cycle.
+"""Closure of joints at the points of an experiment, as a table with one row per joint and cycle.
 
-An experiment says which joints are closed, as points; here they are closed, timed and read. The
-table keeps failed joints, with their status and without readings.
+An experiment states as points which joints are closed. This module closes, times and reads them.
+Failed joints stay in the table with their status and without readings.
 """
 
 import json
@@ -30,9 +30,9 @@ class Point(NamedTuple):
     coordinates : dict
         Coordinates of the point in its experiment [SI], columns of the table.
     settings : ClosureSettings
-        Complete before the job starts. One joint is closed for each of its realisations.
+        Settings, complete before the job starts. One joint is closed for each realisation.
     walls : str
-        Maker of the walls, of `jointclosure.ensemble.walls.MAKERS`.
+        Name of the maker of the walls in `jointclosure.ensemble.walls.MAKERS`.
     options : mapping
         Further arguments of the maker.
     """
@@ -44,7 +44,7 @@ class Point(NamedTuple):
 
 
 Jobs = Mapping[str, Sequence[Point]]
-"""Points by the name of the job that closes them; names are never taken apart."""
+"""Points by the name of the job that closes them; names are never parsed."""
 
 
 def close_points(
@@ -52,7 +52,7 @@ def close_points(
     quantities: Sequence[str],
     report: Callable[[str], None] = lambda line: None,
 ) -> pd.DataFrame:
-    """Close all joints of some points, and read quantities of them.
+    """Close all joints of the given points and evaluate quantities of them.
 
     Parameters
     ----------
@@ -65,9 +65,9 @@ def close_points(
     Returns
     -------
     DataFrame
-        A row a joint and cycle: the coordinates of its point, ``realization``, ``cycle``,
-        ``status``, processor ``seconds`` of the closure, and the quantities [SI], NaN of a joint
-        that failed.
+        One row per joint and cycle: the coordinates of its point, ``realization``, ``cycle``,
+        ``status``, processor ``seconds`` of the closure, and the quantities [SI], NaN for a
+        failed joint.
     """
     parts = []
     for point in points:
@@ -86,7 +86,7 @@ def close_points(
 
 
 def _numbered(point: Point) -> Iterable[tuple[int, Walls]]:
-    """Walls of a point with the numbers of their realisations."""
+    """Return the walls of a point with the numbers of their realisations."""
     surfaces = point.settings.surfaces
     return enumerate(MAKERS[point.walls](surfaces, **point.options), surfaces.first_realization)
 
@@ -94,7 +94,7 @@ def _numbered(point: Point) -> Iterable[tuple[int, Walls]]:
 def closed_joint(
     point: Point, realization: int, walls: Walls, quantities: Sequence[str]
 ) -> pd.DataFrame:
-    """Close one joint of a point: its rows of the table, one a cycle."""
+    """Close one joint of a point and return its rows of the table, one per cycle."""
     conditions = point.settings.conditions()
     start = time.process_time()
     joint = ClosedJoint(walls, close_walls(*walls, conditions), conditions)
@@ -116,7 +116,7 @@ def closed_joint(
 
 
 def estimated_time(jobs: Jobs, report: Callable[[str], None] = lambda line: None) -> pd.DataFrame:
-    """Processor time of each job, from one joint of every grid in it.
+    """Estimate the processor time of each job by closing one joint of every grid in it.
 
     Returns
     -------
@@ -138,20 +138,20 @@ def estimated_time(jobs: Jobs, report: Callable[[str], None] = lambda line: None
 
 
 def one_joint(point: Point) -> Point:
-    """The point with its first realisation only."""
+    """Return the point with only its first realisation."""
     surfaces = point.settings.surfaces._replace(realizations=1)
     return point._replace(settings=point.settings._replace(surfaces=surfaces))
 
 
 def joints_of(points: Iterable[Point]) -> int:
-    """Number of joints that are closed at some points."""
+    """Return the number of joints that are closed at some points."""
     return sum(point.settings.surfaces.realizations for point in points)
 
 
 def packed(points: Sequence[Point]) -> dict:
-    """Points as plain data: the settings of the first, and what is changed at each.
+    """Convert points to plain data: the settings of the first, and the changes at the others.
 
-    Parameters of rules are made of this, so that a job of hundreds of points stays small.
+    It keeps the parameters of rules small for a job with hundreds of points.
     """
     first = to_plain(points[0].settings)
     return {
@@ -169,7 +169,7 @@ def packed(points: Sequence[Point]) -> dict:
 
 
 def unpacked(plain: Mapping) -> list[Point]:
-    """The points of `packed`."""
+    """Restore points from the plain data of `packed`."""
     return [
         Point(**dict(point) | {"settings": _settings(plain["settings"], point["settings"])})
         for point in plain["points"]
@@ -181,7 +181,7 @@ def _settings(first: dict, changes: dict) -> ClosureSettings:
 
 
 def _changes(before: dict, after: dict) -> dict:
-    """Entries of nested mappings with the same keys that differ."""
+    """Return the entries that differ between nested mappings with the same keys."""
     changes: dict = {}
     for key, value in after.items():
         if (
@@ -197,7 +197,7 @@ def _changes(before: dict, after: dict) -> dict:
 
 
 def _changed(before: dict, changes: dict) -> dict:
-    """Nested mappings with the entries of `_changes`."""
+    """Apply the entries of `_changes` to nested mappings."""
     return before | {
         key: _changed(before[key], value)
         if isinstance(value, dict)
@@ -209,21 +209,21 @@ def _changed(before: dict, changes: dict) -> dict:
 
 
 def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]) -> xr.Dataset:
-    """Put joints on a grid of their coordinates.
+    """Arrange joints on a grid of their coordinates.
 
     Parameters
     ----------
     joints : DataFrame
-        As from `close_points`, with one row for each place of the grid.
+        As from `close_points`, with one row for each node of the grid.
     over : sequence of str
-        Columns, ``realization`` among them.
+        Columns that are the dimensions of the grid, including ``realization``.
     quantities : sequence of str
 
     Returns
     -------
     Dataset
-        The quantities over these columns and the cycle; ``status`` and ``seconds`` over the
-        columns alone.
+        The quantities over these columns and the cycle; ``status`` and ``seconds`` only over
+        the columns.
     """
     grid = joints.set_index([*over, "cycle"])[["status", "seconds", *quantities]].to_xarray()
     for name in ("status", "seconds"):
@@ -232,7 +232,7 @@ def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]
 
 
 def as_dataset(table: pd.DataFrame) -> xr.Dataset:
-    """A table of `close_points` over (row), with units and titles of its quantities."""
+    """Convert a table of `close_points` to a dataset over (row), with units and titles."""
     dataset = xr.Dataset({name: ("row", table[name].to_numpy()) for name in table})
     for name in set(table) & set(QUANTITIES):
         quantity = QUANTITIES[name]
@@ -242,5 +242,5 @@ def as_dataset(table: pd.DataFrame) -> xr.Dataset:
 
 
 def as_table(dataset: xr.Dataset) -> pd.DataFrame:
-    """The table of `as_dataset`."""
+    """Convert a dataset of `as_dataset` back to a table."""
     return pd.DataFrame({str(name): values.values for name, values in dataset.data_vars.items()})
