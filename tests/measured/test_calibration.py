@@ -189,7 +189,7 @@ def test_a_fit_says_its_interval_in_words_and_doubts_a_curve_that_no_joint_makes
 @pytest.mark.parametrize(
     ("text", "about", "said"),
     [
-        (None, {}, "lab.csv: there is no such file"),
+        (None, {}, "lab.csv: file not found"),
         ("stress,closure_mm\n1,2\n", {}, "column 'stress': has no unit"),
         (GOOD.replace("0,0\n0.5", "0.8,0\n0.9"), {}, "must start at or below seating_stress"),
         (GOOD.replace("0.12", "0.01"), {}, "the curve does not close"),

@@ -93,7 +93,8 @@ def frequency(outcomes, pool_error: float = 0.0) -> Frequency:
     outcomes = np.asarray(outcomes)
     if outcomes.dtype != bool or outcomes.ndim != 1 or outcomes.size == 0:
         raise InputError(
-            f"outcomes: {outcomes.dtype} {outcomes.shape}, must be booleans (R,), one for each repetition"
+            f"outcomes: {outcomes.dtype} {outcomes.shape}, must be booleans (R,), one for each "
+            "repetition"
         )
     return frequency_of(int(outcomes.sum()), outcomes.size, pool_error)
 

@@ -228,7 +228,7 @@ def filled(
         )
     if holes.mean() > largest_share:
         raise InputError(
-            f"{message}: a share of {holes.mean():.3f}, and at most {largest_share:g} may be filled "
+            f"{message}: a share of {holes.mean():.3f}, at most {largest_share:g} may be filled "
             "(largest_filled_share); choose missing: avoid, or crop the scan"
         )
     near = _nearest(wall)

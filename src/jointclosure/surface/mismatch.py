@@ -72,13 +72,13 @@ def measured_mismatch(upper: np.ndarray, lower: np.ndarray, spacing: float) -> M
     most = wave + np.hypot(most - wave, _RESOLUTION / length)
     least = wave - np.hypot(wave - least, _RESOLUTION / length)
 
-    def told(wave: float) -> float:
+    def limited(wave: float) -> float:
         """Return the wavelength of a wave number, limited to those of the grid."""
         if wave * longest <= 1.0:
             return float("inf")
         return 0.0 if wave * shortest >= 1.0 else float(1.0 / wave)
 
-    return Mismatch(told(wave), told(most), told(least))
+    return Mismatch(limited(wave), limited(most), limited(least))
 
 
 def _rings(
