@@ -117,12 +117,12 @@ def flip_a_bit(folder: Path) -> str:
     data = bytearray((folder / CASE).read_bytes())
     data[random.Random(1).randrange(len(data))] ^= 4
     (folder / CASE).write_bytes(data)
-    return "its checksum is not met"
+    return "wrong checksum"
 
 
 def truncate(folder: Path) -> str:
     (folder / CASE).write_bytes((folder / CASE).read_bytes()[:-1000])
-    return "its checksum is not met"
+    return "wrong checksum"
 
 
 def take_another_case(folder: Path) -> str:
