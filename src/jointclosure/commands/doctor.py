@@ -218,5 +218,5 @@ def _snakemake(folder: Path) -> Finding:
     if answer.returncode == 0:
         did = "plans the smoke study" if here else f"{answer.stdout.strip()} starts; no study here"
         return Finding("snakemake", f"{did}, in {took}")
-    output = (answer.stderr.strip() or answer.stdout.strip() or "said nothing").splitlines()
+    output = (answer.stderr.strip() or answer.stdout.strip() or "no output").splitlines()
     return Finding("snakemake", output[-1], "make clean setup sets up the environment again")

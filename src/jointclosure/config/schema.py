@@ -164,9 +164,9 @@ def _allowed(error: dict, path: tuple, errors: list[dict]) -> str:
     return error["msg"]
 
 
-def _number_hint(value: object, said: str) -> str:
+def _number_hint(value: object, allowed: str) -> str:
     """Explain a text that looks like a number: 1e-3 is a text to YAML, 1.0e-3 is a number."""
-    if isinstance(value, str) and ("number" in said or "integer" in said):
+    if isinstance(value, str) and ("number" in allowed or "integer" in allowed):
         with_point = re.fullmatch(r"([-+]?[0-9]+)([eE])([-+]?)([0-9]+)", value)
         if with_point:
             digits, e, sign, power = with_point.groups()

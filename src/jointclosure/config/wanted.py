@@ -26,7 +26,7 @@ KNOWN_AT = {
     "mean": "dolerite and siltstone, 100 x 100 cells at 30 MPa",
     "interval": "dolerite and siltstone, 48 x 48 cells at 10 MPa",
 }
-"""Where the biases of presets were measured, by the kind of result (config/accuracy.yaml)."""
+"""Conditions at which biases of presets were measured, by kind of result (config/accuracy.yaml)."""
 _OF_ONE_MODEL = ("effects", "choices", "surface")
 """Sections that must have their default values, because errors were measured only with these."""
 _CHOSEN = {

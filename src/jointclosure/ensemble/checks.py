@@ -37,8 +37,8 @@ def check_results(
     good = succeeded(study)
     rows = []
 
-    def add(check: str, required: str, found, passed: bool) -> None:
-        row = {"check": check, "required": required, "found": found, "passed": bool(passed)}
+    def add(check: str, required: str, value, passed: bool) -> None:
+        row = {"check": check, "required": required, "found": value, "passed": bool(passed)}
         rows.append({"ensemble": ensemble} | row)
 
     total = good.size
@@ -111,8 +111,8 @@ def check_results(
     )
     for rock, walls in json.loads(study.attrs.get("walls", "{}")).items():
         apart = walls["windows_side_by_side"]
-        found = f"at most {min(apart, realizations)} of {realizations}"
-        add(f"realisations of {rock} that share no part of a scan", "reported only", found, True)
+        sharing = f"at most {min(apart, realizations)} of {realizations}"
+        add(f"realisations of {rock} that share no part of a scan", "reported only", sharing, True)
     for value, meaning in zip(
         study.status.attrs["flag_masks"], study.status.attrs["flag_meanings"].split(), strict=True
     ):

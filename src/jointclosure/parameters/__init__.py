@@ -67,7 +67,7 @@ this range is probably in a wrong unit."""
 AS_IT_IS = (
     "unusual_values=True (on the command line --set study.unusual_values=allow) takes it as it is"
 )
-"""How to accept an unusual value: the last part of the messages that refuse one."""
+"""Advice on accepting an unusual value: the last part of the messages that refuse one."""
 
 
 class Effects(NamedTuple):

@@ -14,7 +14,7 @@ def fit_figure(result: Fit, title: str) -> Figure:
 
     Parameters
     ----------
-    found : Fit
+    result : Fit
     title : str
     """
     figure, (above, below) = subplots(

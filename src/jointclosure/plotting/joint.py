@@ -79,9 +79,9 @@ def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = 
 def draw_stiffness(axes: Axes, closed: xr.Dataset) -> None:
     """Draw net normal stiffness by chords against stress; chords of the landing as open circles."""
     table = stiffness_table(closed)
-    for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
+    for (cycle, branch), rows in table.groupby(["cycle", "branch"], sort=False):
         colour, order = f"C{cycle - 1}", above(cycle, branch)
-        for landing, part in own.groupby("landing"):
+        for landing, part in rows.groupby("landing"):
             label = "landing on the maximum" if landing else f"cycle {cycle}, {branch}"
             axes.plot(
                 part.normal_stress_MPa, part.normal_stiffness_net_MPa_per_mm,

@@ -90,7 +90,7 @@ class _Judged(NamedTuple):
 
     samples: list[RockSample]
     margins: dict[str, dict[str, dict[tuple[str, int], Estimate]]]
-    found: dict[str, Frequency]
+    confirmed: dict[str, Frequency]
     study: Findings
     paper: Findings
 
@@ -279,7 +279,7 @@ def _margin_rows(
 def _found(claim: Claim, judged: _Judged) -> dict:
     """Return how often repetitions confirm the claim, and whether the study does."""
     row: dict = {"found_here": _yes(claim.found_in(judged.study))}
-    often = judged.found.get(claim.number)
+    often = judged.confirmed.get(claim.number)
     if often is not None:
         row |= {"found_share": often.share, "found_error": often.standard_error}
         row |= {"found_low": often.low, "found_high": often.high}

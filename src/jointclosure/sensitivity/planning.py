@@ -53,7 +53,7 @@ class Goal(NamedTuple):
 
 
 GOALS = {
-    "length": "length of the indifference interval, in percent of the rock's own value",
+    "length": "length of the indifference interval, in percent of the rock's value",
     "width": "width of the 95 % confidence interval of that length, over the length",
     "standard-error": "standard error of the mean closure of a case, over the mean",
     "elasticity-error": "standard error of the elasticity",
@@ -70,7 +70,7 @@ def plan(
     ----------
     ensemble : Dataset
         A finished study or, better, its pool.
-    wish : Goal
+    goal : Goal
     significance : float
         Significance level of the t test.
     paired : bool

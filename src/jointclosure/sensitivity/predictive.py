@@ -174,7 +174,7 @@ def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.
 
     Parameters
     ----------
-    found : Predictive
+    lengths_of_studies : Predictive
     paper : DataFrame
         The paper's Table 3.
 
