@@ -22,10 +22,11 @@ from jointclosure.config.files import read_plain
 from jointclosure.config.wanted import Wanted, wanted_of
 from jointclosure.experiments import SECTIONS, experiment_named
 from jointclosure.inputs import InputError
+from jointclosure.measured.curves import curve_settings, measured_curves
 from jointclosure.sensitivity.jrc_range import check_jrc_varies
 from jointclosure.sensitivity.reached import surfaces_next, told
 from jointclosure.sensitivity.tables import closure_lines
-from jointclosure.storage.text import read_csv, write_text
+from jointclosure.storage.text import read_csv, read_text, write_text
 from jointclosure.studies.global_sensitivity import design as global_sensitivity
 
 _PROFILE = "workflow/profiles/default"
@@ -128,6 +129,7 @@ def checked_name(name: str, override: str) -> str:
             f"({target.configuration} has one)"
         )
     target.check(told)
+    measured_curves(curve_settings(told.typed), read_text)
     return told.typed.study.name
 
 

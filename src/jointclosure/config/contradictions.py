@@ -50,7 +50,11 @@ def contradictions(keys: dict, typed: Callable[[dict], Configuration]) -> Iterat
     if unknown:
         yield from unknown
         return
-    configuration = typed(keys)
+    try:
+        configuration = typed(keys)
+    except InputError as error:
+        yield str(error)
+        return
     yield from _study_problems(keys)
     if configuration.study.unusual_values == "refuse":
         rocks = {name: keys["rocks"][name] for name in configuration.rocks}

@@ -1,7 +1,8 @@
 """What a simulation is told: rocks, effects, choices and numerics, all in SI."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Annotated, Literal, NamedTuple, TypeVar
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import wraps
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -260,7 +261,7 @@ def well_posed_scenes() -> Iterator[Effects]:
                 yield Effects(substrate, interaction, breakage, gouge, soft_peaks)
 
 
-def check_choices(choices: Choices, spacing: float) -> None:
+def check_choices(choices: Choices, spacing: float = 0.0) -> None:
     """Raise `InputError` where a choice is not among those allowed on a grid of a spacing [m].
 
     Radii may not be bounded below the spacing: an asperity is a cell; of sharper ones
@@ -290,8 +291,8 @@ def check_choices(choices: Choices, spacing: float) -> None:
         raise InputError(f"tie_tolerance = {choices.tie_tolerance!r}: must lie in (0, 0.001)")
 
 
-def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
-    """Raise `InputError` where a step or tolerance is out of its range."""
+def check_numerics(numerics: Numerics, solvers: tuple[str, ...] | None = None) -> None:
+    """Raise `InputError` where a step or tolerance is out of its range; of solvers, where given."""
     if not isinstance(numerics, Numerics):
         raise InputError(f"numerics = {numerics!r}: must be a Numerics")
     for prefix in ("", "later_"):
@@ -324,7 +325,8 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
     check_number("idle_interaction", numerics.idle_interaction)
     if not 0.0 <= numerics.idle_interaction < 1.0:
         raise InputError(f"idle_interaction = {numerics.idle_interaction!r}: must lie in [0, 1)")
-    check_one_of("solver", numerics.solver, solvers)
+    if solvers is not None:
+        check_one_of("solver", numerics.solver, solvers)
     for name in ("most_steps", "most_breakage_steps"):
         check_number(name, getattr(numerics, name))
         if not getattr(numerics, name) >= 1.0:
@@ -336,3 +338,21 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
                 f"{name} = {getattr(numerics, name)!r}: must lie in [{SMALLEST_TOLERANCE:g}, 1); "
                 "rounding allows no less"
             )
+
+
+def _check_when_made(settings: type[NamedTuple], check: Callable[[Any], None]) -> None:
+    """Have instances of a named tuple checked when they are made by its name."""
+    make = settings.__new__
+
+    @wraps(make)
+    def made_and_checked(*arguments: Any, **fields: Any) -> Any:
+        instance = make(*arguments, **fields)
+        check(instance)
+        return instance
+
+    settings.__new__ = made_and_checked  # type: ignore[method-assign]
+
+
+_check_when_made(Rock, check_rock)
+_check_when_made(Choices, check_choices)
+_check_when_made(Numerics, check_numerics)

@@ -375,6 +375,8 @@ def _described(
     stands_out = early > _FAR * aperture.std()
     report.append(caution(_STANDS_OUT, f"{touches}: ") if stands_out else touches)
     report += [caution(doubt) for doubt in _doubts(found)]
+    if mismatch.wavelength == 0.0 and correlation > _ALIKE:
+        report.append(caution(_ONE_WALL))
     if name == "common_frame" and applied == (0.0, 0.0):
         side = "above" if gap > 0.0 else "below"
         lies = (
@@ -420,6 +422,12 @@ of the cells. Of 144 Gaussian pairs (64 to 256 cells a side, H 0.5 and 0.8) the 
 _STANDS_OUT = (
     "what touches first stands out far, perhaps a spike that was left; trust closures "
     "since seating, not those from first touch"
+)
+_ALIKE = 0.99
+"""Correlation of heights beyond which walls that fit at all wavelengths may be one wall."""
+_ONE_WALL = (
+    "the walls fit each other at all wavelengths of the grid, as two scans of one wall do: make "
+    "sure that each file is of another wall"
 )
 _BELOW = (
     "if both scans have one zero of heights, the walls are interchanged or heights count downwards"
