@@ -1,0 +1,1 @@
+"""What pages show of stored results: a module for each page, with a function for each table."""
