@@ -64,7 +64,7 @@ def publish(results: Path, run: str) -> Path:
     if run not in RUNS:
         raise StoredError(f"{run}: is none of the runs that pages show: {', '.join(sorted(RUNS))}")
     kept = RUNS[run]
-    sources = {name: _found(results, run, name) for name in _wanted(kept)}
+    sources = {name: _path(results, run, name) for name in _wanted(kept)}
     try:
         check_folder(results)
     except InputError as error:
@@ -93,7 +93,7 @@ def _wanted(kept: Run) -> Iterator[str]:
     yield from (f"{name}.png" for name in kept.figures)
 
 
-def _found(results: Path, run: str, name: str) -> Path:
+def _path(results: Path, run: str, name: str) -> Path:
     paths = [results / place / name for place in _PLACES]
     for path in paths:
         if path.is_file():

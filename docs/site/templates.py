@@ -1,36 +1,24 @@
-"""Pages of docs/ as templates: `{{ size.exponents() }}` is the table that this function makes.
+"""Pages of docs/ as templates: `{{ size.exponents() }}` is a table of content/size.py.
 
-    python docs/site/templates.py '{{ results.outcome() }}'
+    python docs/site/templates.py '{{ results.short_table() }}'
 
-prints what a text becomes. The functions are those of content/, by the names of its modules;
-`{{ number("p") }}` is a number by its name.
+prints what a text becomes. `{{ number("p") }}` is a number of content/numbers.py.
 """
 
 import sys
 import traceback
+from importlib import import_module
+from pkgutil import iter_modules
 
-from content import (
-    accuracy,
-    conclusions,
-    continuum,
-    effects,
-    global_sensitivity,
-    misalignment,
-    mismatch,
-    numbers,
-    results,
-    size,
-    speed,
-    validation,
-)
+import content
 from jinja2 import Environment, StrictUndefined
 
-MODULES = (accuracy, conclusions, continuum, effects, global_sensitivity, misalignment, mismatch,
-           numbers, results, size, speed, validation)  # fmt: skip
-NAMES = {module.__name__.rpartition(".")[2]: module for module in MODULES}
-NAMES["number"] = numbers.number
+NAMES = {
+    module.name: import_module(f"content.{module.name}")
+    for module in iter_modules(content.__path__)
+}
 PAGES = Environment(undefined=StrictUndefined, keep_trailing_newline=True)
-PAGES.globals = NAMES
+PAGES.globals = NAMES | {"number": NAMES["numbers"].number}
 
 
 class PageError(Exception):

@@ -13,8 +13,8 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "docs/site"))
 import publish
 import stored
 import templates
-from content import conclusions, numbers, results
-from content.markdown import MOST, grouped, listed, rows_of, titled, with_error
+from content import conclusions, markdown, numbers, results
+from content.markdown import MOST, Table, titled, value_of
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
@@ -137,45 +137,61 @@ def test_what_effects_add_is_summed_up_when_it_is_stored(tmp_path):
     assert row["time_ratio_largest"] == 9
 
 
-TABLE = pd.DataFrame(
-    {"rock": ["b", "a", "b"], "cycle": [1, 1, 2], "x": [1234.5, None, 3.0], "error": [20.0, 1, 0.1]}
-)
+@pytest.fixture
+def table(monkeypatch):
+    """A stored table of three rows."""
+    table = pd.DataFrame(
+        {"rock": ["b", "a", "b"], "cycle": [1, 1, 2], "x": [1234.5, None, 3.0], "e": [20.0, 1, 0.1]}
+    )
+    monkeypatch.setattr(markdown, "stored", lambda run, name: table)
+    return table
 
 
+@pytest.mark.usefixtures("table")
 def test_cells_are_written_by_format_or_function_and_what_is_absent_is_empty():
-    columns = {"rock": "{rock}", "x": "{x!k}", "±": with_error("x", "error")}
-    assert listed(TABLE, columns).splitlines() == [
-        "| rock | x | ± |",
-        "| --- | --- | --- |",
-        "| b | 1,230 | 1234 ± 20 |",
-        "| a |  |  |",
-        "| b | 3 | 3.00 ± 0.10 |",
+    columns = {"rock": "{rock}", "x": "{x!k}", "±": "{x±e}", "y": lambda group: group["cycle"]}
+    assert Table("a/b", columns)().splitlines() == [
+        "| rock | x | ± | y |",
+        "| --- | --- | --- | --- |",
+        "| b | 1,230 | 1234 ± 20 | 1 |",
+        "| a |  |  | 1 |",
+        "| b | 3 | 3.00 ± 0.10 | 2 |",
     ]
     with pytest.raises(KeyError, match="y"):
-        listed(TABLE, {"y": "{y:.1f}"})
+        Table("a/b", {"y": "{y:.1f}"})()
 
 
+@pytest.mark.usefixtures("table")
 def test_groups_keep_their_order_and_headings_that_of_their_titles():
-    table = titled(TABLE, {(2,): "second", (1,): "first"}, "cycle")
-    assert grouped(table, {"rock": "rock"}, across="title").splitlines() == [
-        "| rock | second | first |",
-        "| --- | --- | --- |",
-        "| b | 1 | 1 |",
-        "| a |  | 1 |",
+    shown = Table(
+        "a/b",
+        {"all": "{x min:g} to {x max:g}"},
+        rows={"rock": "{rock}"},
+        across="{title}",
+        cell="{x:g}",
+        prepare=lambda table: titled(table, {(2,): "second", (1,): "first"}, "cycle"),
+    )
+    assert shown().splitlines() == [
+        "| rock | second | first | all |",
+        "| --- | --- | --- | --- |",
+        "| b | 3 | 1234.5 | 3 to 1234.5 |",
+        "| a |  |  |  |",
     ]
 
 
-def test_a_number_is_the_span_of_the_rows_that_are_named():
+def test_a_number_is_the_span_of_the_rows_that_are_named(monkeypatch):
     table = pd.DataFrame(
         {"cycle": [1, 1, 2, 2], "n": [8, 9, 8, 9], "v": [1.0, 2.0, 3.0, 5.0], "e": [0.1] * 4}
     )
+    monkeypatch.setattr(markdown, "stored", lambda run, name: table)
     for rows, text in (
         ({"cycle": 1}, "1.00 ± 0.10 to 2.00 ± 0.10"),
         ({"cycle": 2, "n": MOST}, "5.00 ± 0.10"),
     ):
-        assert numbers.span_of("run/table", "v", "e").text(rows_of(table, **rows)) == text
+        monkeypatch.setitem(numbers.NUMBERS, "v", numbers.span("a/b", "v", "e", **rows))
+        assert numbers.number("v") == text
     with pytest.raises(ValueError, match="no row has"):
-        rows_of(table, cycle=3)
+        value_of("a/b", "{v}", cycle=3)
 
 
 def test_no_measured_number_of_the_conclusions_was_typed():

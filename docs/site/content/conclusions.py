@@ -6,7 +6,7 @@ import pandas as pd
 from stored import stored
 
 from content.global_sensitivity import percents
-from content.markdown import markdown, rows_of
+from content.markdown import Group, markdown, rows_of
 from jointclosure.report.findings import NOT_TRIED, conclusion_sheet, moved_sheet
 from jointclosure.report.sheets import ABSENT, Sheet
 
@@ -77,6 +77,6 @@ def net() -> str:
         row = {"conclusion": of_claim.conclusion.iloc[0], "cycle": cycle}
         for response, suffix in (("closure", ""), ("closure_net", ", net")):
             row[f"as configured{suffix}"] = verdicts.get(f"{claim}{suffix}", "not judged")
-            row[f"choices{suffix} (%)"] = percents(rows_of(of_claim, response=response).iloc[0])
+            row[f"choices{suffix} (%)"] = percents(Group(rows_of(of_claim, response=response)))
         rows.append(row)
     return markdown(pd.DataFrame(rows))

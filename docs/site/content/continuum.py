@@ -3,81 +3,73 @@
 import pandas as pd
 from stored import stored
 
-from content.markdown import first_row, grouped, rows_of, titled
-from jointclosure.statistics.standard_errors import rounded
+from content.markdown import Group, Table, titled, value_of, written
 
 CLOSURES = {
-    "closure_1_um": "closure, cycle 1 (µm)",
-    "residual_um": "residual closure (µm)",
-    "closure_2_um": "closure, cycle 2 (µm)",
-    "contact_1_percent": "cells in contact at 30 MPa (%)",
-    "contact_half_unloaded_percent": "the same unloaded to 15 MPa (%)",
+    ("closure_1_um",): "closure, cycle 1 (µm)",
+    ("residual_um",): "residual closure (µm)",
+    ("closure_2_um",): "closure, cycle 2 (µm)",
+    ("contact_1_percent",): "cells in contact at 30 MPa (%)",
+    ("contact_half_unloaded_percent",): "the same unloaded to 15 MPa (%)",
 }
 STIFFNESSES = {
-    f"stiffness_{branch}_MPa_per_mm": f"{branch} (MPa/mm)"
+    (f"stiffness_{branch}_MPa_per_mm",): f"{branch} (MPa/mm)"
     for branch in ("loading", "unloading", "reloading")
 }
-HARDNESS = {"at breakage": "continuum, hardness at breakage (own)",
-            "2.8": "continuum, hardness 2.8 sigma_c (own)"}  # fmt: skip
+HARDNESS = {
+    "at breakage": "continuum, hardness at breakage (own)",
+    "2.8": "continuum, hardness 2.8 sigma_c (own)",
+}
 """Models whose pressure is limited, by the limit."""
 LEAST_SHOWN = 1e-3
 """Difference [%] below which none is shown."""
 
 
+def _readings(titles: dict[tuple, str]) -> Table:
+    """Table of readings with errors, and their ratios to the asperity model's."""
+
+    def cell(group: Group) -> str:
+        beside = group["model"] != "asperity model" and group["mean"] != 0.0
+        return written("{mean±error} (x {ratio±ratio_error})" if beside else "{mean±error}", group)
+
+    return Table(
+        "continuum/continuum",
+        rows={"model": "{name}", "joints": "{joints}"},
+        across="{title}",
+        cell=cell,
+        prepare=lambda table: titled(table, titles, "reading").assign(
+            joints=table.groupby("model").realizations.transform("min"), name=_named(table.model)
+        ),
+    )
+
+
+def _named(models: pd.Series) -> pd.Series:
+    return models.str.replace("sigma_c", "σc").str.replace("contact_m", "ContactM")
+
+
+closures, stiffnesses = _readings(CLOSURES), _readings(STIFFNESSES)
+
+
 def ratio(hardness: str, reading: str) -> str:
     """Give the ratio of a continuum's reading to the asperity model's."""
-    table = rows_of(stored("continuum", "continuum"), model=HARDNESS[hardness], reading=reading)
-    row = first_row(table)
-    return rounded(row.ratio, row.ratio_error)
+    rows = {"model": HARDNESS[hardness], "reading": reading}
+    return value_of("continuum/continuum", "{ratio±ratio_error}", **rows)
 
 
-def closures() -> str:
-    """Tabulate closures and contact with errors, and ratios to the asperity model's."""
-    return _readings(CLOSURES)
-
-
-def stiffnesses() -> str:
-    """Tabulate stiffness with errors, and ratios to the asperity model's."""
-    return _readings(STIFFNESSES)
-
-
-def _readings(titles: dict[str, str]) -> str:
-    table = stored("continuum", "continuum")
-    joints = table.groupby("model").realizations.min()
-    table = titled(table, {(reading,): title for reading, title in titles.items()}, "reading")
-    table = table.assign(
-        joints=table.model.map(joints),
-        name=table.model.str.replace("sigma_c", "σc").str.replace("contact_m", "ContactM"),
-    )
-    reference = table.model.iloc[0]
-
-    def cell(part: pd.DataFrame) -> str:
-        row = first_row(part)
-        if pd.isna(row.mean):
-            return ""
-        text = rounded(row.mean, row.error)
-        beside = row.model != reference and not pd.isna(row.ratio) and row.mean != 0.0
-        return f"{text} (x {rounded(row.ratio, row.ratio_error)})" if beside else text
-
-    return grouped(table, {"model": "name", "joints": "joints"}, across="title", cell=cell)
+def read_to() -> str:
+    """Give the stress [MPa] to which the stiffness of loading is read."""
+    return value_of("continuum/continuum", "{mean±error}", reading="loading_read_to_MPa")
 
 
 def codes() -> str:
     """State how far ContactMechanics and the project's solution of the same law differ."""
-    rows = stored("continuum", "continuum_codes").itertuples()
     return "; by ".join(
         f"{_off(row.at_largest_stress)} at 30 MPa and {_off(row.anywhere)} at any stress of first "
         f"loading (hardness {row.hardness.replace('sigma_c', 'σc')}, {row.joints} joints)"
-        for row in rows
+        for row in stored("continuum", "continuum_codes").itertuples()
     )
 
 
 def _off(percent: float) -> str:
     """Write a largest difference in words."""
     return "less than 0.001 %" if percent < LEAST_SHOWN else f"at most {percent:.2g} %"
-
-
-def read_to() -> str:
-    """Give the stress [MPa] to which the stiffness of loading is read."""
-    row = first_row(rows_of(stored("continuum", "continuum"), reading="loading_read_to_MPa"))
-    return rounded(row.mean, row.error)

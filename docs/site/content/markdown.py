@@ -1,30 +1,119 @@
-"""Tables as Markdown, from what their columns are called and how cells are written.
+"""Tables as Markdown, declared by what stands in their rows and how their cells are written.
 
-A cell is written by a format string over the columns of a row, "{low:.1f} to {high:.1f}", or by a
-function of the row. Conversion ``!k`` writes a number to three figures, with thousands set off:
-"{pairs!k}". Where a column of the string is absent (NaN) in a row, the cell is empty.
+A form writes a cell of some rows of a stored table: a format string, or a function of the `Group`.
+Fields of a string are columns of the first row, "{low:.1f} to {high:.1f}"; "{x min}" and "{x max}"
+the least and largest of all rows; "{x±error}" a value with its standard error, rounded to it.
+Conversion ``!k`` is to three figures with thousands set off, ``!p`` to a tenth and below that to
+one digit. Where a field is absent (NaN) in the rows, the cell is empty.
 """
 
 from collections.abc import Callable, Mapping
 from string import Formatter
+from typing import NamedTuple
 
 import pandas as pd
+from stored import stored
 
 from jointclosure.statistics.standard_errors import rounded
 
-Form = str | Callable[[dict], object]
-Cell = Callable[[pd.DataFrame], object]
+MOST = "the most"
+"""The largest value that a column has (`rows_of`)."""
+
+
+class Group:
+    """Rows of a table that a cell is made of; item "x" is column x of the first one."""
+
+    def __init__(self, rows: pd.DataFrame) -> None:
+        self.rows = rows
+        self.first = rows.iloc[:1].to_dict("records")[0]  # Python's numbers, rounded as written
+
+    def __getitem__(self, name: str) -> object:
+        """Value of a field; a `KeyError` names a column that there is not."""
+        if name in self.first:
+            return self.first[name]
+        column, _, which = name.rpartition(" ")
+        if which in ("min", "max"):
+            return getattr(self.rows[column], which)()
+        value, _, error = name.partition("±")
+        if error:
+            return float("nan") if pd.isna(self[value]) else rounded(self[value], self[error])
+        raise KeyError(name)
+
+
+Form = str | Callable[[Group], object]
 
 
 class _Forms(Formatter):
-    def convert_field(self, value: object, conversion: str | None) -> object:
-        """Know ``!k`` besides the usual conversions."""
+    def convert_field(self, value, conversion):
+        """Know ``!k`` and ``!p`` besides the usual conversions."""
         if conversion == "k":
             return f"{float(f'{value:.3g}'):,.15g}"
+        if conversion == "p":
+            return f"{value:.1f}" if abs(value) >= 0.1 else f"{value:.1g}"
         return super().convert_field(value, conversion)
 
 
 _FORMS = _Forms()
+
+
+def written(form: Form, group: Group) -> str:
+    """Write a cell."""
+    if callable(form):
+        return str(form(group))
+    names = [name for _, name, _, _ in _FORMS.parse(form) if name]
+    absent = any(pd.isna(group[name]) for name in names)
+    return "" if absent else _FORMS.vformat(form, (), group)
+
+
+class Table(NamedTuple):
+    """A table of a page; called, it is its Markdown.
+
+    Parameters
+    ----------
+    of : str
+        The stored table, "run/table".
+    columns : mapping
+        Forms of cells, by their headings.
+    rows : mapping
+        Forms, by their headings, of the first columns: rows of the stored table for which they
+        are alike make one row. Without them every stored row makes one.
+    across, cell : form
+        The heading that a stored row stands under, and the cells below such headings. These
+        columns are before those of ``columns``.
+    prepare : callable
+        What is done to the stored table before.
+    """
+
+    of: str
+    columns: Mapping[str, Form] = {}
+    rows: Mapping[str, Form] = {}
+    across: Form = ""
+    cell: Form = ""
+    prepare: Callable[[pd.DataFrame], pd.DataFrame] = lambda table: table
+
+    def __call__(self) -> str:
+        """Write the table."""
+        table = self.prepare(stored(*self.of.split("/"))).reset_index(drop=True)
+        single = [Group(table.iloc[[at]]) for at in range(len(table))]
+        keys = [tuple(written(form, row) for form in self.rows.values()) for row in single]
+        heads = pd.Series([written(self.across, row) for row in single])
+        lines = []
+        places = pd.Series(keys if self.rows else range(len(table)))
+        for place in dict.fromkeys(places):
+            chosen = places == place
+            line = dict(zip(self.rows, place if self.rows else (), strict=True))
+            for head in _ordered(table, heads) if self.across else ():
+                part = table[chosen & (heads == head)]
+                line[head] = written(self.cell, Group(part)) if len(part) else ""
+            group = Group(table[chosen])
+            lines.append(line | {name: written(form, group) for name, form in self.columns.items()})
+        return markdown(pd.DataFrame(lines))
+
+
+def _ordered(table: pd.DataFrame, heads: pd.Series) -> list[str]:
+    """Headings in the order of `titled`, else as they come."""
+    order = list(table.title.cat.categories) if hasattr(table.get("title"), "cat") else []
+    return sorted(dict.fromkeys(heads), key=lambda head: order.index(head) if head in order else 0)
 
 
 def markdown(table: pd.DataFrame) -> str:
@@ -34,72 +123,9 @@ def markdown(table: pd.DataFrame) -> str:
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
 
-def listed(table: pd.DataFrame, columns: Mapping[str, Form]) -> str:
-    """Write a row for each row of a table."""
-    rows = table.to_dict("records")
-    return markdown(
-        pd.DataFrame(
-            [{title: written(form, row) for title, form in columns.items()} for row in rows]
-        )
-    )
-
-
-def grouped(
-    table: pd.DataFrame,
-    rows: Mapping[str, str],
-    columns: Mapping[str, Cell] | None = None,
-    across: str | None = None,
-    cell: Cell = len,
-) -> str:
-    """Write a row for each group of rows of a table, in their order.
-
-    Parameters
-    ----------
-    table : DataFrame
-    rows : mapping
-        Columns that tell groups apart, by their headings.
-    columns : mapping, optional
-        Functions that make the rows of a group into a cell, by the headings of the cells. They
-        stand behind those of ``across``.
-    across : str, optional
-        A column whose values are headings: in their order, where they have one (`titled`), else
-        as they come.
-    cell : callable
-        What makes the rows of a group and such a heading into a cell.
-    """
-    titles = _headings(table[across]) if across else []
-    lines = []
-    for key, group in table.groupby(list(rows.values()), sort=False, dropna=False):
-        parts = dict(list(group.groupby(across, sort=False))) if across else {}
-        line = dict(zip(rows, key, strict=True))
-        line |= {title: cell(parts[title]) if title in parts else "" for title in titles}
-        lines.append(line | {title: form(group) for title, form in (columns or {}).items()})
-    return markdown(pd.DataFrame(lines))
-
-
-def _headings(column: pd.Series) -> list[str]:
-    """Values of a column, without repetition."""
-    names = list(dict.fromkeys(column))
-    return (
-        [name for name in column.cat.categories if name in names]
-        if hasattr(column, "cat")
-        else names
-    )
-
-
-def written(form: Form, row: dict) -> object:
-    """Write a cell of a row; a `KeyError` names a column that there is not."""
-    if callable(form):
-        return form(row)
-    names = [name for _, name, _, _ in _FORMS.parse(form) if name]
-    return "" if any(pd.isna(row[name]) for name in names) else _FORMS.vformat(form, (), row)
-
-
-def with_error(value: str, error: str, scale: float = 1.0) -> Form:
-    """Write a column with its standard error; nothing where it is absent."""
-    return lambda row: (
-        "" if pd.isna(row[value]) else rounded(scale * row[value], scale * row[error])
-    )
+def chosen(**values: object) -> Callable[[pd.DataFrame], pd.DataFrame]:
+    """What chooses rows by values of columns (`rows_of`)."""
+    return lambda table: rows_of(table, **values)
 
 
 def rows_of(table: pd.DataFrame, **values: object) -> pd.DataFrame:
@@ -109,14 +135,6 @@ def rows_of(table: pd.DataFrame, **values: object) -> pd.DataFrame:
     if table.empty:
         raise ValueError(f"no row has {values}")
     return table
-
-
-MOST = "the most"
-
-
-def first_row(table: pd.DataFrame) -> tuple:
-    """Give the first row, its values as attributes: Python's numbers, which round as written."""
-    return next(table.itertuples())
 
 
 def titled(table: pd.DataFrame, titles: Mapping[tuple, str], *columns: str) -> pd.DataFrame:
@@ -129,6 +147,6 @@ def titled(table: pd.DataFrame, titles: Mapping[tuple, str], *columns: str) -> p
     return table.assign(title=names).dropna(subset=["title"])
 
 
-def span(values: pd.Series, errors: pd.Series, digits: int = 2) -> str:
-    """Write the least and the largest value, and the largest standard error."""
-    return f"{values.min():.{digits}f} to {values.max():.{digits}f} (± {errors.max():.{digits}f})"
+def value_of(table: str, form: Form, **values: object) -> str:
+    """Write rows of a stored table, "run/table", that have some values."""
+    return written(form, Group(rows_of(stored(*table.split("/")), **values)))

@@ -1,13 +1,11 @@
-"""Tables and findings of docs/misalignment.md."""
+"""Tables and numbers of docs/misalignment.md."""
 
 import numpy as np
 import pandas as pd
 from stored import stored
 
-from content.markdown import MOST, first_row, grouped, rows_of, titled
-from jointclosure.statistics.standard_errors import rounded
+from content.markdown import MOST, Group, Table, rows_of, titled
 
-TILT, ROTATION = "tilt_degrees", "rotation_degrees"
 SHOWN = {
     ("closure", 1): "maximum closure, cycle 1",
     ("closure", 2): "maximum closure, cycle 2",
@@ -16,56 +14,60 @@ SHOWN = {
     ("stiffness_net", 1): "net normal stiffness, cycle 1",
     ("stiffness_net", 2): "net normal stiffness, cycle 2",
 }
+MOTIONS = ("tilt", "rotation")
 LEVEL = 1.96
 """Standard errors of a 95 % interval."""
 
 
-def _shown(table: pd.DataFrame) -> pd.DataFrame:
-    """Choose the rows that tables have, and name their walls and responses."""
-    table = titled(table, SHOWN, "response", "cycle").sort_values(["wavelength_mm", "title"])
-    return table.assign(walls=table.wavelength_mm.map(_walls))
-
-
-def _walls(wavelength: float) -> str:
+def _walls(group: Group) -> str:
+    wavelength = group["wavelength_mm"]
     return "independent" if np.isinf(wavelength) else f"mated beyond {wavelength:g} mm"
 
 
-def changes_by(along: str) -> str:
-    """Tabulate changes [%] of responses, least to largest of the rocks, against one motion."""
-    other = ROTATION if along == TILT else TILT
-    table = stored("misalignment", "misalignment")
-    table = _shown(table[(table[other] == 0.0) & (table[along] > 0.0)])
+def _shown(table: pd.DataFrame, motion: str = "") -> pd.DataFrame:
+    """Choose rows of tables in which walls were moved so, and not otherwise."""
+    for name in MOTIONS:
+        table = table[(table[f"{name}_degrees"] > 0.0) == (name == motion)]
+    return titled(table, SHOWN, "response", "cycle").sort_values(["wavelength_mm", "title"])
 
-    def change(part: pd.DataFrame) -> str:
-        low, high = part.change_percent.min(), part.change_percent.max()
-        return f"{low:+.1f} to {high:+.1f} (± {part.change_error.max():.1f})"
 
-    return grouped(
-        table.assign(angle=table[along].map("{:g}°".format)),
-        {"walls": "walls", "change (%) of": "title"},
-        across="angle",
-        cell=change,
+def _changes(motion: str) -> Table:
+    """Table of changes [%], least to largest of the rocks, against one motion."""
+    return Table(
+        "misalignment/misalignment",
+        rows={"walls": _walls, "change (%) of": "{title}"},
+        across=f"{{{motion}_degrees:g}}°",
+        cell="{change_percent min:+.1f} to {change_percent max:+.1f} (± {change_error max:.1f})",
+        prepare=lambda table: _shown(table, motion),
     )
 
 
-def tilt() -> str:
-    """Tabulate what tilts change."""
-    return changes_by(TILT)
+tilt, rotation = _changes("tilt"), _changes("rotation")
+aligned = Table(
+    "misalignment/misalignment",
+    rows={
+        "walls": _walls,
+        "": lambda group: "{} ({})".format(
+            group["title"], "MPa/mm" if group["response"] == "stiffness_net" else "mm"
+        ),
+    },
+    across="{rock}",
+    cell="{value±error}",
+    prepare=_shown,
+)
 
 
-def rotation() -> str:
-    """Tabulate what rotations about the normal change."""
-    return changes_by(ROTATION)
+def _moved(motion: str, walls: str) -> pd.DataFrame:
+    """Choose rows of tables by the motion and the walls, "independent" or "mated"."""
+    table = _shown(stored("misalignment", "misalignment"), motion)
+    return table[np.isinf(table.wavelength_mm) == (walls == "independent")]
 
 
 def change(motion: str, angle: float | str, walls: str, response: str, cycle: int) -> str:
-    """Give changes [%] of a response at an angle, or at `MOST`, least to largest of the rocks.
-
-    ``walls`` are "independent" or "mated".
-    """
-    table = _moved(motion, walls)
-    table = rows_of(table, **{f"{motion}_degrees": angle, "response": response, "cycle": cycle})
-    return f"{table.change_percent.min():+.0f} to {table.change_percent.max():+.0f}"
+    """Give changes [%] of a response at an angle, or at `MOST`, least to largest of the rocks."""
+    where = {f"{motion}_degrees": angle, "response": response, "cycle": cycle}
+    values = rows_of(_moved(motion, walls), **where).change_percent
+    return f"{values.min():+.0f} to {values.max():+.0f}"
 
 
 def angle(motion: str, of: str = "max") -> str:
@@ -73,17 +75,9 @@ def angle(motion: str, of: str = "max") -> str:
     return f"{getattr(_moved(motion, 'independent')[f'{motion}_degrees'], of)():g}"
 
 
-def _moved(motion: str, walls: str) -> pd.DataFrame:
-    """Choose rows in which walls were tilted, or rotated, and not both."""
-    table = stored("misalignment", "misalignment")
-    other = ROTATION if motion == "tilt" else TILT
-    table = table[(table[f"{motion}_degrees"] > 0.0) & (table[other] == 0.0)]
-    return table[np.isinf(table.wavelength_mm) == (walls == "independent")]
-
-
 def significant_rotations() -> str:
     """Count changes of independent walls by rotations that are beyond their 95 % interval."""
-    table = _shown(_moved("rotation", "independent"))
+    table = _moved("rotation", "independent")
     return f"{(table.change_percent.abs() > LEVEL * table.change_error).sum()} of {len(table)}"
 
 
@@ -101,33 +95,15 @@ def mean_rotation() -> str:
 def left_out(walls: str) -> int:
     """Count joints without a first cycle's stiffness at the largest tilt, of the case with most."""
     table = rows_of(_moved("tilt", walls), tilt_degrees=MOST)
-    read = rows_of(table, response="stiffness_net", cycle=1).samples
-    return int(table.samples.max() - read.min())
+    return table.samples.max() - rows_of(table, response="stiffness_net", cycle=1).samples.min()
 
 
 def samples() -> int:
     """Count the joints of a case."""
-    return int(stored("misalignment", "misalignment").samples.max())
+    return stored("misalignment", "misalignment").samples.max()
 
 
 def largest_change() -> str:
     """Give the largest change [%] of a maximum closure of independent walls, rounded up."""
-    table = pd.concat(_moved(motion, "independent") for motion in ("tilt", "rotation"))
+    table = pd.concat(_moved(motion, "independent") for motion in MOTIONS)
     return f"{np.ceil(rows_of(table, response='closure').change_percent.abs().max()):.0f}"
-
-
-def aligned() -> str:
-    """Tabulate closure, residual closure and stiffness of aligned walls, by rock."""
-    table = _shown(rows_of(stored("misalignment", "misalignment"), **{TILT: 0.0, ROTATION: 0.0}))
-
-    def value(part: pd.DataFrame) -> str:
-        row = first_row(part)
-        return rounded(row.value, row.error)
-
-    units = table.response.map({"stiffness_net": "MPa/mm"}).fillna("mm")
-    return grouped(
-        table.assign(title=table.title.astype(str) + " (" + units + ")"),
-        {"walls": "walls", "": "title"},
-        across="rock",
-        cell=value,
-    )

@@ -4,28 +4,27 @@ import math
 
 from stored import stored
 
-from content.markdown import listed, rows_of
+from content.markdown import Form, Group, Table, chosen, rows_of
 
-COLUMNS = {
+NAMES = {
     "closure_net_since_seating_mm": "net closure since 0.5 MPa (mm)",
     "normal_stiffness_net_MPa_per_mm": "net stiffness above 5 MPa (MPa/mm)",
     "residual_net_at_seating_mm": "residual at seating (mm)",
     "hysteresis": "hysteresis (share of work)",
     "aperture_at_seating_mm": "aperture at seating (mm)",
 }
-WAVELENGTH = "mismatch wavelength (mm)"
 
 
-def _walls(row: dict) -> str:
-    wavelength = row["wavelength_mm"]
+def _walls(group: Group) -> str:
+    wavelength = group["wavelength_mm"]
     return {0.0: "0 (mates)", math.inf: "independent"}.get(wavelength, f"{wavelength:g}")
 
 
-def _two_digits(column: str):
-    """Write a value with its standard error, to two digits of this."""
+def _two_digits(column: str) -> Form:
+    """Write a value with its standard error, to two digits of this and at most five places."""
 
-    def cell(row: dict) -> str:
-        value, error = row[column], row[f"{column}_error"]
+    def cell(group: Group) -> str:
+        value, error = group[column], group[f"{column}_error"]
         if not math.isfinite(value):
             return ""
         digits = min(max(1 - math.floor(math.log10(error)), 0), 5) if error > 0.0 else 5
@@ -35,28 +34,33 @@ def _two_digits(column: str):
     return cell
 
 
-def mismatched() -> str:
-    """Tabulate closure, stiffness, what stays and hysteresis against mismatch, without a shift."""
-    columns = {WAVELENGTH: _walls, "cycle": "{cycle}"}
-    columns |= {title: _two_digits(column) for column, title in COLUMNS.items()}
-    return listed(rows_of(stored("mismatch", "mismatch"), shift_mm=0.0), columns)
+def _shift(column: str) -> Form:
+    """Write a shift; where none is enough, the largest that was tried."""
+
+    def cell(group: Group) -> str:
+        largest = stored("mismatch", "mismatch").shift_mm.max()
+        return f"{group[column]:.2g}" if math.isfinite(group[column]) else f"over {largest:g}"
+
+    return cell
 
 
-def unmated() -> str:
-    """Tabulate the shift from which on walls behave as independent ones."""
-    largest = stored("mismatch", "mismatch").shift_mm.max()
-
-    def shift(column: str):
-        return lambda row: (
-            f"{row[column]:.2g}" if math.isfinite(row[column]) else f"over {largest:g}"
-        )
-
-    def apertures(row: dict) -> str:
-        return f"{row['apertures']:.1f}" if math.isfinite(row["apertures"]) else ""
-
-    columns = {WAVELENGTH: _walls, "shift (mm)": shift("shift_mm"), "low": shift("low")}
-    columns |= {"high": shift("high"), "in apertures": apertures}
-    return listed(stored("mismatch", "mismatch_shifts"), columns)
+mismatched = Table(
+    "mismatch/mismatch",
+    {"mismatch wavelength (mm)": _walls, "cycle": "{cycle}"}
+    | {title: _two_digits(column) for column, title in NAMES.items()},
+    prepare=chosen(shift_mm=0.0),
+)
+unmated = Table(
+    "mismatch/mismatch_shifts",
+    {
+        "mismatch wavelength (mm)": _walls,
+        "shift (mm)": _shift("shift_mm"),
+        "low": _shift("low"),
+        "high": _shift("high"),
+        "in apertures": "{apertures:.1f}",
+    },
+    prepare=lambda table: table.replace({"apertures": {math.inf: math.nan}}),
+)
 
 
 def first(column: str, walls: str, digits: str = ".0f", scale: float = 1.0) -> str:
@@ -66,6 +70,6 @@ def first(column: str, walls: str, digits: str = ".0f", scale: float = 1.0) -> s
     steps resolve them. ``digits`` is a format.
     """
     table = rows_of(stored("mismatch", "mismatch"), shift_mm=0.0, cycle=1)
-    resolved = table[(table.residual_net_at_seating_mm > 0.0) & (table.wavelength_mm < math.inf)]
-    row = resolved.iloc[0] if walls == "mated" else rows_of(table, wavelength_mm=math.inf).iloc[0]
+    mated = table[(table.residual_net_at_seating_mm > 0.0) & (table.wavelength_mm < math.inf)]
+    row = Group(mated if walls == "mated" else rows_of(table, wavelength_mm=math.inf))
     return f"{scale * row[column]:{digits}}"

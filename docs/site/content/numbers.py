@@ -1,12 +1,15 @@
-"""Numbers of texts by name, each with the stored rows that it comes from."""
+"""Numbers of texts by name, with the stored rows that they come from."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Mapping
+from functools import partial
+from types import MappingProxyType
 from typing import NamedTuple
 
 import pandas as pd
-from stored import ROOT, origin, path_of, stored
+from stored import ROOT, origin, path_of
 
-from content.markdown import MOST, listed, rows_of
+from content.markdown import MOST, Form, Group, markdown, value_of
 from jointclosure.claims.table import OURS
 from jointclosure.sensitivity.conclusions import DEPENDS, JUDGED_ELSEWHERE, ONLY_CONFIGURED
 from jointclosure.statistics.standard_errors import rounded
@@ -14,99 +17,84 @@ from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, NO_DIFFERENC
 
 
 class Number(NamedTuple):
-    """A number of a text: rows of a stored table ("run/table"), made into words by ``text``."""
+    """A number of a text: rows of a stored table ("run/table") that have some values."""
 
     table: str
-    rows: dict
     column: str
-    text: Callable[[pd.DataFrame], str]
+    form: Form
+    rows: Mapping[str, object] = MappingProxyType({})
 
 
 def number(name: str) -> str:
     """Give the text of a number; `KeyError` where there is none of this name."""
-    return NUMBERS[name].text(
-        rows_of(stored(*NUMBERS[name].table.split("/")), **NUMBERS[name].rows)
-    )
+    return value_of(NUMBERS[name].table, NUMBERS[name].form, **NUMBERS[name].rows)
 
 
 def origins() -> str:
     """Tabulate where the numbers come from."""
     rows = []
-    for name, (table, chosen, column, _) in NUMBERS.items():
+    for name, (table, column, _, values) in NUMBERS.items():
         run, file = table.split("/")
-        rows.append(
-            {
-                "number": name,
-                "is": number(name),
-                "table": path_of(run, file).relative_to(ROOT).as_posix(),
-                "column": column,
-                "rows": ", ".join(f"{key} = {value}" for key, value in chosen.items()) or "all",
-                "commit": origin(run)["commit"],
-            }
-        )
-    forms = {"table": "`{table}`", "column": "`{column}`", "commit": "`{commit}`"}
-    return listed(pd.DataFrame(rows), {name: forms.get(name, f"{{{name}}}") for name in rows[0]})
+        row = {"number": name, "is": number(name)}
+        row |= {"table": f"`{path_of(run, file).relative_to(ROOT).as_posix()}`"}
+        row |= {"column": f"`{column}`"}
+        row["rows"] = ", ".join(f"{key} = {value}" for key, value in values.items()) or "all"
+        rows.append(row | {"commit": f"`{origin(run)['commit']}`"})
+    return markdown(pd.DataFrame(rows))
 
 
-def span_of(table: str, value: str, error: str, scale: float = 1.0, **rows: object) -> Number:
+def span(table: str, value: str, error: str, scale: float = 1.0, **rows: object) -> Number:
     """Least and largest value of a column over rows, with their errors."""
 
-    def text(chosen: pd.DataFrame) -> str:
-        ends = chosen.sort_values(value).iloc[[0, -1]]
-        pairs = zip(ends[value].tolist(), ends[error].tolist(), strict=True)
-        low, high = (rounded(scale * end, scale * doubt) for end, doubt in pairs)
-        return low if len(chosen) == 1 else f"{low} to {high}"
+    def text(group: Group) -> str:
+        ends = group.rows.sort_values(value).iloc[[0, -1]][[value, error]].to_numpy().tolist()
+        low, high = (rounded(scale * end, scale * doubt) for end, doubt in ends)
+        return low if len(group.rows) == 1 else f"{low} to {high}"
 
-    return Number(table, rows, value, text)
-
-
-def _elasticity(parameter: str, cycle: int, net: str = "") -> Number:
-    value = f"elasticity{net}"
-    rows = {"parameter": parameter, "cycle": cycle}
-    return span_of("paper/elasticities", value, f"{value}_standard_error", **rows)
+    return Number(table, value, text, rows)
 
 
-def _index(name: str, cycle: int) -> Number:
-    rows = {"input": name, "response": "closure", "cycle": cycle, "rows": MOST}
-    return span_of("global_sensitivity/global_indices", "total", "total_error", **rows)
-
-
-def _choices(claim: str, response: str, cycle: int) -> Number:
-    rows = {"number": claim, "response": response, "cycle": cycle, "rock": "all"}
-    table = "global_sensitivity/global_conclusions"
-    return span_of(table, "share", "share_error", 100.0, **rows)
-
-
-def _joint(entries: str, kind: str = "p") -> Number:
-    return span_of("paper/table_3_joint_tests", kind, f"{kind}_error", entries=entries)
-
-
-def _mean(cycle: int) -> Number:
-    value = "max_closure_mean_mm"
-    rows = {"parameter": "base", "cycle": cycle}
-    return span_of("paper/max_closure", value, f"{value}_standard_error", **rows)
-
-
-def _jrc(parameter: str, cycle: int, half_width: float) -> Number:
-    rows = {"parameter": parameter, "cycle": cycle, "half_width": half_width}
-    return span_of("paper/jrc_range", "value", "standard_error", **rows)
-
-
-def _found(claim: str) -> Number:
-    return span_of("paper/claims", "found_share", "found_error", 100.0, number=claim)
+_elasticity = partial(span, "paper/elasticities", "elasticity", "elasticity_standard_error")
+_net = partial(span, "paper/elasticities", "elasticity_net", "elasticity_net_standard_error")
+_mean = partial(
+    span, "paper/max_closure", "max_closure_mean_mm", "max_closure_mean_mm_standard_error",
+    parameter="base",
+)  # fmt: skip
+_jrc = partial(span, "paper/jrc_range", "value", "standard_error")
+_studies = partial(span, "paper/claims", "found_share", "found_error", 100.0)
+_joint = partial(span, "paper/table_3_joint_tests", "p", "p_error")
+_no_effect = partial(span, "paper/table_3_joint_tests", "null_p", "null_p_error")
+_index = partial(
+    span, "global_sensitivity/global_indices", "total", "total_error",
+    response="closure", rows=MOST,
+)  # fmt: skip
+_choices = partial(
+    span, "global_sensitivity/global_conclusions", "share", "share_error", 100.0, rock="all"
+)
+_tilted = partial(
+    span, "misalignment/misalignment", "change_percent", "change_error",
+    wavelength_mm=math.inf, rotation_degrees=0.0, tilt_degrees=MOST, response="closure",
+)  # fmt: skip
+_larger = partial(
+    span, "size/size_barton_bandis", "ratio", "error",
+    spectrum="roll_off_3mm", reading="closure_seated_net", to_mm=MOST,
+)  # fmt: skip
+_continuum = partial(
+    span, "continuum/continuum", "ratio", "ratio_error",
+    model="continuum, hardness at breakage (own)",
+)  # fmt: skip
 
 
 def _steps(cycle: int) -> Number:
     """What the paper's steps are off by, with 95 % intervals, for each rock."""
 
-    def text(chosen: pd.DataFrame) -> str:
-        return " and ".join(
-            f"{row.bias_percent:+.1f} % ({row.bias_low:+.1f} to {row.bias_high:+.1f})"
-            for row in chosen.sort_values("bias_percent").itertuples()
-        )
+    def text(group: Group) -> str:
+        form = "{bias_percent:+.1f} % ({bias_low:+.1f} to {bias_high:+.1f})"
+        rows = group.rows.sort_values("bias_percent").to_dict("records")
+        return " and ".join(form.format_map(row) for row in rows)
 
     rows = {"response": "mean", "method": "paper", "control_variates": False, "cycle": cycle}
-    return Number("accuracy/accuracy_methods", rows, "bias_percent", text)
+    return Number("accuracy/accuracy_methods", "bias_percent", text, rows)
 
 
 def _count(*conclusions: str) -> Number:
@@ -115,69 +103,43 @@ def _count(*conclusions: str) -> Number:
     A count has no error, and may be 0.
     """
 
-    def text(chosen: pd.DataFrame) -> str:
-        counted = chosen.conclusion.isin(conclusions) if conclusions else True
-        return str(int((counted & (chosen.said_in != OURS)).sum()))
+    def text(group: Group) -> int:
+        counted = group.rows.conclusion.isin(conclusions) | (not conclusions)
+        return (counted & (group.rows.said_in != OURS)).sum()
 
     which = f"conclusion = {' or '.join(conclusions)}, " if conclusions else ""
-    return Number("paper/conclusions", {}, f"rows of {which}said_in not {OURS}", text)
+    return Number("paper/conclusions", f"rows of {which}said_in not {OURS}", text)
 
 
 def _readings(kind: str) -> Number:
     """How many readings that the paper allows closed all rocks (readings), or some (partial)."""
     columns = [f"{kind}_{verdict}" for verdict in ("stand", "fall", "open")]
-    rows = {"number": "2a"}
-    table = "conclusions/earlier_readings"
-    return Number(
-        table, rows, " + ".join(columns), lambda chosen: f"{chosen[columns].sum().sum():.0f}"
-    )
+
+    def text(group: Group) -> str:
+        return f"{sum(group[column] for column in columns):.0f}"
+
+    return Number("conclusions/earlier_readings", " + ".join(columns), text, {"number": "2a"})
 
 
 def _share_of_rows(claim: str, cycle: int) -> Number:
     """At how many rows a conclusion is true of the row's changes, over rocks."""
 
-    def text(chosen: pd.DataFrame) -> str:
-        of_rocks = chosen[chosen.rock != "all"].rows_true
+    def text(group: Group) -> str:
+        of_rocks = group.rows[group.rows.rock != "all"].rows_true
         return f"{of_rocks.min()} to {of_rocks.max()}"
 
     rows = {"number": claim, "response": "closure", "cycle": cycle}
-    return Number("global_sensitivity/global_conclusions", rows, "rows_true", text)
+    return Number("global_sensitivity/global_conclusions", "rows_true", text, rows)
 
 
 def _margin(name: str) -> Number:
     """Share of the margin of Young's modulus on the second cycle that goes with an input."""
 
-    def text(chosen: pd.DataFrame) -> str:
-        return f"{100 * chosen.share.min():.0f} to {100 * chosen.share.max():.0f} %"
+    def text(group: Group) -> str:
+        return f"{100 * group['share min']:.0f} to {100 * group['share max']:.0f} %"
 
     rows = {"number": "2a", "response": "closure", "cycle": 2, "input": name}
-    return Number("global_sensitivity/global_margins", rows, "share", text)
-
-
-def _rows() -> Number:
-    """Rows of the design of global sensitivity: a choice, without error."""
-    table = "global_sensitivity/global_indices"
-    return Number(table, {"rows": MOST}, "rows", lambda chosen: str(chosen.rows.iloc[0]))
-
-
-def _tilted(cycle: int) -> Number:
-    """What the largest tilt changes of independent walls."""
-    rows = {"wavelength_mm": float("inf"), "rotation_degrees": 0.0, "tilt_degrees": MOST}
-    rows |= {"response": "closure", "cycle": cycle}
-    return span_of("misalignment/misalignment", "change_percent", "change_error", **rows)
-
-
-def _larger(cycle: int) -> Number:
-    """Ratio of the net closure since seating of the largest patch to that of the smallest."""
-    rows = {"spectrum": "roll_off_3mm", "reading": "closure_seated_net"}
-    rows |= {"cycle": cycle, "to_mm": MOST}
-    return span_of("size/size_barton_bandis", "ratio", "error", **rows)
-
-
-def _continuum(cycle: int) -> Number:
-    """Closure of a continuum whose pressure is limited over that of the asperity model."""
-    rows = {"model": "continuum, hardness at breakage (own)", "reading": f"closure_{cycle}_um"}
-    return span_of("continuum/continuum", "ratio", "ratio_error", **rows)
+    return Number("global_sensitivity/global_margins", "share", text, rows)
 
 
 NUMBERS = {
@@ -194,50 +156,50 @@ NUMBERS = {
     "2a goes with the rule for peaks": _margin("peaks"),
     "readings of all rocks": _readings("readings"),
     "readings of some rocks": _readings("partial"),
-    "rows": _rows(),
+    "rows": Number("global_sensitivity/global_indices", "rows", "{rows}", {"rows": MOST}),
     "rows of 5a": _share_of_rows("5a", 2),
     "rows of 5b": _share_of_rows("5b", 2),
     "rows of 5c": _share_of_rows("5c", 1),
-    "e(E) 2, net": _elasticity("youngs_modulus", 2, "_net"),
-    "e(E) 2": _elasticity("youngs_modulus", 2),
-    "e(E) 1, net": _elasticity("youngs_modulus", 1, "_net"),
-    "e(sigma_c) 2, net": _elasticity("compressive_strength", 2, "_net"),
-    "mean 1": _mean(1),
-    "mean 2": _mean(2),
-    "scatter 1": _jrc("base", 1, 0.0),
-    "scatter 2": _jrc("base", 2, 0.0),
-    "p": _joint("all"),
-    "p of no effect, cycle 1 without JRC": _joint("cycle 1 without JRC", "null_p"),
-    "p, cycle 1 without JRC": _joint("cycle 1 without JRC"),
-    "e(sigma_c) 2": _elasticity("compressive_strength", 2),
-    "e(JRC) 2": _elasticity("jrc", 2),
-    "e(nu) 2": _elasticity("poisson_ratio", 2),
-    "length of E 2": _jrc("youngs_modulus", 2, 0.0),
-    "found 2a": _found("2a"),
-    "e(JRC) 1": _elasticity("jrc", 1),
-    "e(sigma_c) 1": _elasticity("compressive_strength", 1),
-    "e(E) 1": _elasticity("youngs_modulus", 1),
-    "e(nu) 1": _elasticity("poisson_ratio", 1),
-    "found 2b": _found("2b"),
-    "choices 2b": _choices("2a", "closure", 1),
-    "found 1a 1": _found("1a, cycle 1"),
-    "ratio on 2": _index("peak_modulus", 2),
-    "roll-off on 1": _index("roll_off", 1),
-    "JRC on 1": _index("jrc", 1),
-    "stress on 1": _index("stress", 1),
-    "ratio on 1": _index("peak_modulus", 1),
-    "choices 2a": _choices("2a", "closure", 2),
-    "choices 2a, net": _choices("2a", "closure_net", 2),
-    "choices 1a 1": _choices("1a", "closure", 1),
-    "choices 1a 2": _choices("1a", "closure", 2),
-    "scatter 1, JRC to 2": _jrc("base", 1, 2.0),
-    "tilt 1": _tilted(1),
-    "tilt 2": _tilted(2),
-    "larger 1": _larger(1),
-    "larger 2": _larger(2),
+    "e(E) 2, net": _net(parameter="youngs_modulus", cycle=2),
+    "e(E) 2": _elasticity(parameter="youngs_modulus", cycle=2),
+    "e(E) 1, net": _net(parameter="youngs_modulus", cycle=1),
+    "e(sigma_c) 2, net": _net(parameter="compressive_strength", cycle=2),
+    "mean 1": _mean(cycle=1),
+    "mean 2": _mean(cycle=2),
+    "scatter 1": _jrc(parameter="base", cycle=1, half_width=0.0),
+    "scatter 2": _jrc(parameter="base", cycle=2, half_width=0.0),
+    "p": _joint(entries="all"),
+    "p of no effect, cycle 1 without JRC": _no_effect(entries="cycle 1 without JRC"),
+    "p, cycle 1 without JRC": _joint(entries="cycle 1 without JRC"),
+    "e(sigma_c) 2": _elasticity(parameter="compressive_strength", cycle=2),
+    "e(JRC) 2": _elasticity(parameter="jrc", cycle=2),
+    "e(nu) 2": _elasticity(parameter="poisson_ratio", cycle=2),
+    "length of E 2": _jrc(parameter="youngs_modulus", cycle=2, half_width=0.0),
+    "found 2a": _studies(number="2a"),
+    "e(JRC) 1": _elasticity(parameter="jrc", cycle=1),
+    "e(sigma_c) 1": _elasticity(parameter="compressive_strength", cycle=1),
+    "e(E) 1": _elasticity(parameter="youngs_modulus", cycle=1),
+    "e(nu) 1": _elasticity(parameter="poisson_ratio", cycle=1),
+    "found 2b": _studies(number="2b"),
+    "choices 2b": _choices(number="2a", response="closure", cycle=1),
+    "found 1a 1": _studies(number="1a, cycle 1"),
+    "ratio on 2": _index(input="peak_modulus", cycle=2),
+    "roll-off on 1": _index(input="roll_off", cycle=1),
+    "JRC on 1": _index(input="jrc", cycle=1),
+    "stress on 1": _index(input="stress", cycle=1),
+    "ratio on 1": _index(input="peak_modulus", cycle=1),
+    "choices 2a": _choices(number="2a", response="closure", cycle=2),
+    "choices 2a, net": _choices(number="2a", response="closure_net", cycle=2),
+    "choices 1a 1": _choices(number="1a", response="closure", cycle=1),
+    "choices 1a 2": _choices(number="1a", response="closure", cycle=2),
+    "scatter 1, JRC to 2": _jrc(parameter="base", cycle=1, half_width=2.0),
+    "tilt 1": _tilted(cycle=1),
+    "tilt 2": _tilted(cycle=2),
+    "larger 1": _larger(cycle=1),
+    "larger 2": _larger(cycle=2),
     "steps 1": _steps(1),
     "steps 2": _steps(2),
-    "continuum 1": _continuum(1),
-    "continuum 2": _continuum(2),
+    "continuum 1": _continuum(reading="closure_1_um"),
+    "continuum 2": _continuum(reading="closure_2_um"),
 }
 """Numbers of docs/conclusions.md, in its order."""

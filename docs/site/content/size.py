@@ -1,11 +1,9 @@
-"""Tables and findings of docs/size.md."""
-
-from collections.abc import Callable
+"""Tables and numbers of docs/size.md."""
 
 import pandas as pd
 from stored import ROOT, stored
 
-from content.markdown import MOST, first_row, grouped, listed, rows_of, titled
+from content.markdown import MOST, Form, Group, Table, chosen, markdown, rows_of, titled, value_of
 from jointclosure.config.configuration import configured, merged_study
 from jointclosure.experiments.size.table import law_of_size
 from jointclosure.statistics.standard_errors import rounded
@@ -23,7 +21,7 @@ TITLES = {
     "kni_net": "k_ni",
     "vm_net": "V_m",
 }
-COLUMNS = {
+NAMES = {
     "closure_seated_net_mm": "net closure since 0.5 MPa (mm)",
     "closure_net_mm": "net closure from first touch (mm)",
     "closure_mm": "gross closure from first touch (mm)",
@@ -38,159 +36,84 @@ SHOWN = {
     )
 }  # fmt: skip
 """Readings that tables of powers and scalings have, and their headings."""
+SCALINGS = ("patch length, spacing", "rms height, spacing", "depth of 5 %, spacing")
 WALL_STRENGTHS = (1.0, 1.2, 1.5, 2.0, 3.0)
 """Strengths of the rock over that of the walls at which the law is evaluated."""
 
 
-def walls(spectrum: str) -> str:
+def _walls(group: Group) -> str:
     """Name a spectrum in words."""
+    spectrum = group["spectrum"]
     hurst = "H 0.5" if spectrum.startswith("hurst_05") else "H 0.8"
     length = spectrum.partition("roll_off_")[2].removesuffix("mm")
     free = spectrum in ("no_roll_off", "hurst_05")
     return f"{hurst}, {'no roll-off' if free else f'roll-off {length} mm'}"
 
 
-def law(reading: str, cycle: int) -> str:
-    """Give the ratio of the largest to the smallest patch, and that of Barton and Bandis."""
-    table = stored("size", "size_barton_bandis")
-    rows = {"spectrum": DEFAULT, "to_mm": MOST, "reading": reading, "cycle": cycle}
-    row = first_row(rows_of(table, **rows))
-    return f"{rounded(row.ratio, row.error)} ({row.barton_bandis:.2f})"
+def _with_ratio(column: str) -> str:
+    return f"{{{column}:.3g}} (x {{{column}_ratio±{column}_error}})"
 
 
-def patch(end: str) -> str:
-    """Give the side [mm] of the smallest ("from") or the largest ("to") patch."""
-    return f"{stored('size', 'size_barton_bandis')[f'{end}_mm'].max():g}"
+def _sizes(table: pd.DataFrame) -> pd.DataFrame:
+    """Choose the default spectrum; residual closures of later cycles are those of the first."""
+    table = rows_of(table, spectrum=DEFAULT).sort_values(["cycle", "spacing_mm", "patch_mm"])
+    return table.assign(residual_closure_mm=table.residual_closure_mm.where(table.cycle == 1))
 
 
-def from_touch(cycle: int) -> str:
-    """Give the ratio of net closures from first touch of the largest to the smallest patch."""
-    table = rows_of(stored("size", "size"), spectrum=DEFAULT, cycle=cycle, spacing_mm=BASE)
-    row = first_row(rows_of(table, patch_mm=MOST))
-    return rounded(row.closure_net_mm_ratio, row.closure_net_mm_error)
+sizes = Table(
+    "size/size",
+    {"cycle": "{cycle}", "patch (mm)": "{patch_mm:g}", "spacing (mm)": "{spacing_mm:g}"}
+    | {title: _with_ratio(column) for column, title in NAMES.items()},
+    prepare=_sizes,
+)
+exponents = Table(
+    "size/size_exponents",
+    rows={
+        "power of": lambda group: group["of"].replace("patch", "patch length"),
+        "walls": _walls,
+    },
+    across="{title}",
+    cell=lambda group: group["exponent±error"] + "*" * (group["p"] < 0.05),
+    prepare=lambda table: titled(
+        table, SHOWN | {("rms_height", 0): "rms height"}, "reading", "cycle"
+    ).sort_values("of", kind="stable"),
+)
 
 
-def best(cycle: int) -> str:
-    """State which scaling of net closure since seating is best, and which for the largest patch."""
-    table = rows_of(stored("size", "size_collapse"), reading="closure_seated_net", cycle=cycle)
-    sizes, together = (
-        rows_of(table, between=between).set_index("scaling")
-        for between in ("sizes", "sizes and spectra")
-    )
-    best = first_row(together.sort_values("removed_percent", ascending=False))
-    off = {
-        row.Index: rounded(row.largest_off_percent, row.largest_off_error)
-        for row in sizes.itertuples()
-    }
-    nearest = sizes.largest_off_percent.idxmin()
-    other = f" That patch is told best, to {off[nearest]} %, by {nearest}."
-    return (
-        f"**Cycle {cycle}**: of the scalings of net closure since seating that by {best.Index} "
-        f"({best.exponents.replace('_', ' ')}) removes most of the spread. On realisations that "
-        "were not fitted it removes "
-        f"{rounded(best.removed_percent, best.removed_error)} % of the mean square spread between "
-        f"all sizes and spectra: {best.left_percent:.0f} % rms are left of "
-        f"{together.left_percent['none']:.0f} %. The largest patch, not fitted either, is off by "
-        f"{off[best.Index]} % rms (without a scaling by {off['none']} %)."
-        f"{other if nearest != best.Index else ''}"
-    )
-
-
-def sizes() -> str:
-    """Tabulate typical values of the default spectrum, and ratios to the base."""
-    table = rows_of(stored("size", "size"), spectrum=DEFAULT)
-
-    def with_ratio(column: str) -> Callable:
-        def cell(row: dict) -> str:
-            if column.startswith("residual") and row["cycle"] > 1:
-                return ""
-            ratio = rounded(row[f"{column}_ratio"], row[f"{column}_error"])
-            return f"{row[column]:.3g} (x {ratio})"
-
-        return cell
-
-    columns = {"cycle": "{cycle}", "patch (mm)": "{patch_mm:g}", "spacing (mm)": "{spacing_mm:g}"}
-    columns |= {title: with_ratio(column) for column, title in COLUMNS.items()}
-    return listed(table.sort_values(["cycle", "spacing_mm", "patch_mm"]), columns)
-
-
-def exponents() -> str:
-    """Tabulate exponents of patch length and spacing by spectrum; a star where it is no power."""
-    table = stored("size", "size_exponents")
-    table = titled(table, {**SHOWN, ("rms_height", 0): "rms height"}, "reading", "cycle")
-    table = table.sort_values("of", kind="stable")
-    words = {"patch": "patch length", "spacing": "spacing"}
-    table = table.assign(of=table.of.map(words), walls=table.spectrum.map(walls))
-
-    def power(part: pd.DataFrame) -> str:
-        row = first_row(part)
-        return rounded(row.exponent, row.error) + ("*" if row.p < 0.05 else "")
-
-    return grouped(table, {"power of": "of", "walls": "walls"}, across="title", cell=power)
-
-
-def _by_scaling(between: str, cell: Callable, unit: str = "") -> str:
-    """Tabulate scalings in rows, readings in columns."""
-    table = rows_of(stored("size", "size_collapse"), between=between)
+def _of_scalings(between: str, cell: Form, unit: str = "", *only: str) -> Table:
+    """Table of scalings in rows, readings in columns."""
     titles = {key: title + unit for key, title in SHOWN.items()}
-    table = titled(table, titles, "reading", "cycle")
-    return grouped(table, {"scaling": "scaling"}, across="title", cell=cell)
+
+    def prepare(table: pd.DataFrame) -> pd.DataFrame:
+        table = titled(rows_of(table, between=between), titles, "reading", "cycle")
+        return table[table.scaling.isin(only)] if only else table
+
+    rows = {"scaling": "{scaling}"}
+    return Table("size/size_collapse", {}, rows, "{title}", cell, prepare)
 
 
-def collapse() -> str:
-    """Tabulate what each scaling removes of the spread, on realisations that were not fitted."""
-
-    def cell(part: pd.DataFrame) -> str:
-        row = first_row(part)
-        left = f"{row.left_percent:.0f} % left"
-        removed = rounded(row.removed_percent, row.removed_error)
-        return left if row.scaling == "none" else f"{removed}; {left}"
-
-    return _by_scaling("sizes and spectra", cell)
+def _removed(group: Group) -> str:
+    left = f"{group['left_percent']:.0f} % left"
+    fitted = group["scaling"] != "none"
+    return f"{group['removed_percent±removed_error']}; {left}" if fitted else left
 
 
-def largest() -> str:
-    """Tabulate how far the largest patch is off where it was not fitted."""
-
-    def cell(part: pd.DataFrame) -> str:
-        row = first_row(part)
-        return rounded(row.largest_off_percent, row.largest_off_error)
-
-    return _by_scaling("sizes", cell, " (%)")
-
-
-def scalings() -> str:
-    """Tabulate the exponents of three scalings, of all sizes and spectra."""
-    shown = ("patch length, spacing", "rms height, spacing", "depth of 5 %, spacing")
-    table = rows_of(stored("size", "size_collapse"), between="sizes and spectra")
-    table = titled(table[table.scaling.isin(shown)], SHOWN, "reading", "cycle")
-    return grouped(
-        table,
-        {"scaling": "scaling"},
-        across="title",
-        cell=lambda part: part.exponents.iloc[0].replace("_", " "),
-    )
-
-
-def barton_bandis() -> str:
-    """Tabulate ratios of the largest to the smallest patch, and those of Barton and Bandis."""
-    table = rows_of(stored("size", "size_barton_bandis"), to_mm=MOST)
-    table = table.assign(
-        reading=table.reading.map(TITLES),
-        walls=table.spectrum.map(walls),
-        law=table.barton_bandis.map("{:.2f}".format),
-    )
-
-    def ratio(part: pd.DataFrame) -> str:
-        row = first_row(part)
-        return rounded(row.ratio, row.error)
-
-    return grouped(
-        table,
-        {"cycle": "cycle", "of": "reading", "Barton & Bandis": "law"},
-        across="walls",
-        cell=ratio,
-    )
+collapse = _of_scalings("sizes and spectra", _removed)
+largest = _of_scalings("sizes", "{largest_off_percent±largest_off_error}", " (%)")
+scalings = _of_scalings(
+    "sizes and spectra", lambda group: group["exponents"].replace("_", " "), "", *SCALINGS
+)
+barton_bandis = Table(
+    "size/size_barton_bandis",
+    rows={
+        "cycle": "{cycle}",
+        "of": lambda group: TITLES[group["reading"]],
+        "Barton & Bandis": "{barton_bandis:.2f}",
+    },
+    across=_walls,
+    cell="{ratio±error}",
+    prepare=chosen(to_mm=MOST),
+)
 
 
 def wall_strengths() -> str:
@@ -204,8 +127,50 @@ def wall_strengths() -> str:
     for ratio in sorted({*WALL_STRENGTHS, typed.output.wall_strength_ratio}):
         for cycle in sorted(table.cycle.unique()):
             changed, small = (law_of_size(factor, about, ratio, cycle) for factor in (times, 1.0))
-            row = {TITLES[name]: changed[name] / small[name] for name in changed}
-            rows.append({"ratio": ratio, "cycle": cycle} | row)
-    columns = {"σc/JCS": "{ratio:g}", "cycle": "{cycle}"}
-    laws = (title for title in rows[0] if title in TITLES.values())
-    return listed(pd.DataFrame(rows), columns | {title: f"{{{title}:.2f}}" for title in laws})
+            row = {TITLES[name]: f"{changed[name] / small[name]:.2f}" for name in changed}
+            rows.append({"σc/JCS": f"{ratio:g}", "cycle": cycle} | row)
+    return markdown(pd.DataFrame(rows))
+
+
+def law(reading: str, cycle: int) -> str:
+    """Give the ratio of the largest to the smallest patch, and that of Barton and Bandis."""
+    rows = {"spectrum": DEFAULT, "to_mm": MOST, "reading": reading, "cycle": cycle}
+    return value_of("size/size_barton_bandis", "{ratio±error} ({barton_bandis:.2f})", **rows)
+
+
+def patch(end: str) -> str:
+    """Give the side [mm] of the smallest ("from") or the largest ("to") patch."""
+    return value_of("size/size_barton_bandis", f"{{{end}_mm max:g}}")
+
+
+def from_touch(cycle: int) -> str:
+    """Give the ratio of net closures from first touch of the largest to the smallest patch."""
+    rows = {"spectrum": DEFAULT, "cycle": cycle, "spacing_mm": BASE, "patch_mm": MOST}
+    return value_of("size/size", "{closure_net_mm_ratio±closure_net_mm_error}", **rows)
+
+
+def best(cycle: int) -> str:
+    """State which scaling of net closure since seating is best, and which for the largest patch."""
+    table = rows_of(stored("size", "size_collapse"), reading="closure_seated_net", cycle=cycle)
+    alone, together = (
+        {row["scaling"]: row for row in rows_of(table, between=between).to_dict("records")}
+        for between in ("sizes", "sizes and spectra")
+    )
+    first = max(together.values(), key=lambda row: row["removed_percent"])
+    nearest = min(alone.values(), key=lambda row: row["largest_off_percent"])["scaling"]
+    off = {
+        name: rounded(row["largest_off_percent"], row["largest_off_error"])
+        for name, row in alone.items()
+    }
+    name = first["scaling"]
+    other = f" That patch is told best, to {off[nearest]} %, by {nearest}."
+    return (
+        f"**Cycle {cycle}**: of the scalings of net closure since seating that by {name} "
+        f"({first['exponents'].replace('_', ' ')}) removes most of the spread. On realisations "
+        "that were not fitted it removes "
+        f"{rounded(first['removed_percent'], first['removed_error'])} % of the mean square spread "
+        f"between all sizes and spectra: {first['left_percent']:.0f} % rms are left of "
+        f"{together['none']['left_percent']:.0f} %. The largest patch, not fitted either, is off "
+        f"by {off[name]} % rms (without a scaling by {off['none']} %)."
+        f"{other if nearest != name else ''}"
+    )

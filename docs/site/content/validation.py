@@ -1,11 +1,8 @@
 """Table of docs/validation.md."""
 
-from stored import stored
+from content.markdown import Form, Group, Table, written
 
-from content.markdown import Form, listed
-from jointclosure.statistics.standard_errors import rounded
-
-COLUMNS = {
+NAMES = {
     "seated_net": "closure since 0.5 MPa, net (mm)",
     "seated_gross": "gross (mm)",
     "stays_net": "of it stays, net (%)",
@@ -20,18 +17,19 @@ COLUMNS = {
 }
 
 
-def model() -> str:
-    """Tabulate means over joints, with the standard deviation of single joints."""
-    columns: dict[str, Form] = {"walls": "{walls}", "side (mm)": "{side_mm:g}"}
-    columns |= {"joints": "{joints}"} | {title: _mean(name) for name, title in COLUMNS.items()}
-    return listed(stored("validation", "validation"), columns)
-
-
 def _mean(name: str) -> Form:
     """Write a mean and its deviation; a mean alone of one joint, or where joints do not differ."""
 
-    def cell(row: dict) -> str:
-        mean, deviation = row[f"{name}_mean"], row[f"{name}_deviation"]
-        return rounded(mean, deviation) if deviation > 0.0 else f"{mean:.3g}"
+    def cell(group: Group) -> str:
+        scattered = group[f"{name}_deviation"] > 0.0
+        form = f"{{{name}_mean±{name}_deviation}}" if scattered else f"{{{name}_mean:.3g}}"
+        return written(form, group)
 
     return cell
+
+
+model = Table(
+    "validation/validation",
+    {"walls": "{walls}", "side (mm)": "{side_mm:g}", "joints": "{joints}"}
+    | {title: _mean(name) for name, title in NAMES.items()},
+)
