@@ -4,7 +4,7 @@ import sys
 from snakemake.utils import min_version
 
 from jointclosure.config.files import DEFAULT
-from jointclosure.storage.seals import unmet_seals
+from jointclosure.jobs.rules import complete
 
 min_version("9.27")
 
@@ -19,7 +19,6 @@ include: "workflow/rules/analyse.smk"
 include: "workflow/rules/present.smk"
 include: "workflow/rules/surrogate.smk"
 include: "workflow/rules/jrc_range.smk"
-include: "workflow/rules/conclusions_setting.smk"
 include: "workflow/rules/conclusions.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/hard_cases.smk"
@@ -34,21 +33,6 @@ include: "workflow/rules/global_sensitivity_setting.smk"
 include: "workflow/rules/global_sensitivity.smk"
 
 
-DRY_RUN = bool({"-n", "--dry-run", "--dryrun"} & set(sys.argv))
-# a file that is not the one that its seal, or this configuration, says is made again
-for folder, made_with in (
-    (RESULTS, STUDY_WITH | CHOSEN_WITH | WALLS_WITH),
-    (RESULTS, VALIDATED_WITH | READINGS_WITH),
-    (RESULTS, TOGETHER_WITH),
-    *((RESULTS, closed_with) for closed_with in CLOSED_WITH.values()),
-    (HARD_RESULTS, HARD_WITH),
-):
-    for seal, reason in list(unmet_seals(folder, made_with)):
-        logger.warning(f"jointclosure: {reason.partition(': delete')[0]}")
-        if workflow.is_main_process and not DRY_RUN:
-            seal.unlink(missing_ok=True)
-
-
 onstart:
     if NUMERICS_SAID:
         logger.info(f"jointclosure: {NUMERICS_SAID}")
@@ -59,7 +43,6 @@ rule all:
     input:
         f"{RESULTS}/study.nc",
         f"{RESULTS}/logs/checks_passed.txt",
-        STUDY_SEALS,
         expand(f"{RESULTS}/tables/{{table}}", table=TABLES),
         expand(
             f"{RESULTS}/figures/{{figure}}.{{format}}",
@@ -68,3 +51,30 @@ rule all:
         ),
     message:
         "The study {STUDY} is complete"
+
+
+# files of surfaces and closures bear their settings themselves, and the kernels' are notes
+SEALED = complete(
+    workflow.rules,
+    environment="../envs/jointclosure.yaml",
+    without_seal={
+        "make_surfaces",
+        "cut_surfaces",
+        "close_surfaces",
+        "require_checks",
+        *(rule.name for rule in workflow.rules if rule.name.startswith("compile_")),
+    },
+)
+# a file that is not the one that its seal, or this configuration, says is made again
+LOOKS = {
+    "-n",
+    "--dry-run",
+    "--dryrun",
+    "-l",
+    "--list-rules",
+    "--lint",
+    "--unlock",
+    "--summary",
+}
+if workflow.is_main_process:
+    SEALED.withdraw_unmet(logger.warning, remove=not LOOKS & set(sys.argv))

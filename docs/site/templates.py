@@ -1,6 +1,6 @@
 """Pages of docs/ as templates: `{{ size.exponents() }}` is a table of content/size.py.
 
-    python docs/site/templates.py '{{ results.short_table() }}'
+    python docs/site/templates.py '{{ size.exponents() }}'
 
 prints what a text becomes. `{{ number("p") }}` is a number of content/numbers.py.
 """

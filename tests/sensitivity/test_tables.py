@@ -5,6 +5,7 @@ import pytest
 
 from jointclosure.sensitivity.tables import (
     case_table,
+    closure_lines,
     interval_text,
     rock_table,
     significant,
@@ -23,6 +24,19 @@ from tests.studied import study_of
 )  # fmt: skip
 def test_numbers_are_rounded_as_the_paper_prints_them(value, figures, text):
     assert significant(value, figures) == text
+
+
+def test_closures_of_rocks_as_they_are_have_their_errors_and_numbers():
+    mean = "max_closure_seated_net_mean_mm"
+    rows = [
+        {"rock": "a", "parameter": parameter, "cycle": cycle, "samples": 20, mean: value,
+         f"{mean}_standard_error": 0.002}
+        for parameter, cycle, value in (("base", 1, 0.2003), ("base", 2, 0.0197), ("jrc", 1, 9.0))
+    ]  # fmt: skip
+    assert closure_lines(pd.DataFrame(rows)) == [
+        "a: mean net closure since seating 0.2003 ± 0.0020 mm on cycle 1, 0.0197 ± 0.0020 mm on "
+        "cycle 2 (20 joints)"
+    ]
 
 
 def test_no_root_is_a_dash():

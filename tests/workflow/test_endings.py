@@ -6,6 +6,7 @@
 import contextlib
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -16,6 +17,7 @@ import psutil
 import pytest
 
 from tests.workflow.test_nothing_lost import STAMP, project
+from tests.workflow.test_pipeline import ROOT
 
 ENDINGS = int(os.environ.get("JOINTCLOSURE_ENDINGS", "12"))
 SECONDS = 30.0
@@ -40,9 +42,11 @@ def folder(tmp_path):
     return made
 
 
-def started(folder: Path) -> subprocess.Popen:
-    """`make study` in a session of its own, with interrupts heeded as from a terminal."""
-    command = ["make", "-o", STAMP, "study", "CONFIG=one.yaml", "CORES=2"]
+STUDY = ("make", "-o", STAMP, "study", "CONFIG=one.yaml", "CORES=2")
+
+
+def started(folder: Path, command: tuple[str, ...] = STUDY) -> subprocess.Popen:
+    """`make` in a session of its own, with interrupts heeded as from a terminal."""
     heeded = (
         "import os, signal, sys; signal.signal(2, signal.SIG_DFL); os.execvp('make', sys.argv[1:])"
     )
@@ -54,6 +58,25 @@ def started(folder: Path) -> subprocess.Popen:
             stderr=output,
             start_new_session=True,
         )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("whom", ["process", "group"])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_set_up_that_is_ended_leaves_no_process_and_no_environment_that_counts(
+    tmp_path, number, whom
+):
+    needed = ("Makefile", "pyproject.toml", "requirements.lock", "requirements-uv.lock")
+    for name in (*needed, "workflow/scripts/process_group.py"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / name, tmp_path / name)
+    chance = random.Random(number)
+    run = started(tmp_path, ("make", "setup"))
+    time.sleep(chance.uniform(0.5, 10.0))
+    ask(run, number, whom)
+    ended(tmp_path, run)
+    assert run.returncode != 0
+    assert not (tmp_path / STAMP).exists()
 
 
 def at_work(folder: Path) -> list[psutil.Process]:

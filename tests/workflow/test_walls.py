@@ -102,4 +102,4 @@ def test_a_scan_that_cannot_be_used_stops_its_cases_before_they_are_closed(study
     answer = snakemake(study, config=configured(study, "bad.yaml", **change))
     assert answer.returncode != 0
     assert said in answer.stdout + answer.stderr
-    assert "Close the surface pairs" not in answer.stdout + answer.stderr
+    assert "Close all surface pairs" not in answer.stdout + answer.stderr

@@ -17,7 +17,6 @@ rule total_error:
         f"{RESULTS}/tables/accuracy_total.csv",
         f"{RESULTS}/tables/accuracy_split.csv",
         expand(f"{RESULTS}/figures/accuracy_total.{{format}}", format=["png", "pdf"]),
-        seals_of("weigh_total_error"),
     message:
         "The total error of every way to a result is known"
 
@@ -27,16 +26,6 @@ rule weigh_total_error:
         costs=f"{RESULTS}/tables/accuracy_cost.csv",
         variance=TOTAL_TABLES.get("variance_reduction", []),
         surrogate=TOTAL_TABLES.get("surrogate", []),
-        seals=seals_of("tabulate_accuracy")
-        + (
-            seals_of(
-                "reduce_variance",
-                "calibrate_surrogate",
-                study=f"results/{TOTAL['study']}",
-            )
-            if TOTAL
-            else []
-        ),
     output:
         methods=f"{RESULTS}/tables/accuracy_methods.csv",
         points=f"{RESULTS}/tables/accuracy_total.csv",
@@ -44,19 +33,9 @@ rule weigh_total_error:
         figures=expand(
             f"{RESULTS}/figures/accuracy_total.{{format}}", format=["png", "pdf"]
         ),
-        seal=f"{RESULTS}/seals/weigh_total_error.json",
-    log:
-        f"{RESULTS}/logs/weigh_total_error.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/weigh_total_error.tsv"
-    conda:
-        ENVIRONMENT
     params:
         design=ACCURACY,
         joint=DESIGNS["accuracy"].parameters["joint"] if TOTAL else None,
         measured=CONFIGURATION.statistics.control_variates,
-        code=code_of("weigh_total_error"),
-    message:
-        "Weigh the total error of every way to a result"
     script:
         "../scripts/weigh_total_error.py"

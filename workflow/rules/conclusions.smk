@@ -4,7 +4,6 @@
 rule conclusions:
     input:
         f"{RESULTS}/tables/conclusions.csv",
-        seals_of("conclude"),
     message:
         "What is left of the paper's conclusions is in {input[0]}"
 
@@ -13,25 +12,10 @@ rule conclude:
     input:
         claims=f"{RESULTS}/tables/claims.csv",
         jrc_range=f"{RESULTS}/tables/jrc_range_claims.csv",
-        readings=ancient(beside("readings")[0]),
-        choices=ancient(beside("choices")[0]),
-        margins=ancient(beside("margins")[0]),
-        seals=seals_of("judge_claims", "draw_jrc_range")
-        + beside("readings")[1]
-        + beside("choices")[1],
+        readings=beside("results/readings/tables/readings.csv"),
+        choices=beside("results/global_sensitivity/tables/global_conclusions.csv"),
+        margins=beside("results/global_sensitivity/tables/global_margins.csv"),
     output:
         table=f"{RESULTS}/tables/conclusions.csv",
-        seal=f"{RESULTS}/seals/conclude.json",
-    log:
-        f"{RESULTS}/logs/conclude.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/conclude.tsv"
-    conda:
-        ENVIRONMENT
-    params:
-        made_with=STUDY_WITH,
-        code=code_of("conclude"),
-    message:
-        "Put together what each conclusion rests on"
     script:
         "../scripts/conclude.py"

@@ -10,12 +10,6 @@ wildcard_constraints:
 rule compile_experiment:
     output:
         f"{RESULTS}/logs/{{experiment}}_kernels.txt",
-    log:
-        f"{RESULTS}/logs/compile_{{experiment}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/compile_{{experiment}}.tsv"
-    conda:
-        ENVIRONMENT
     params:
         kernels=lambda w: kernels_of(
             (
@@ -26,9 +20,6 @@ rule compile_experiment:
             for points in JOBS[w.experiment].values()
             for point in points
         ),
-        code=code_of("compile_kernels"),
-    message:
-        "Compile the kernels of the experiment {wildcards.experiment}"
     script:
         "../scripts/compile_kernels.py"
 
@@ -38,19 +29,9 @@ rule close_points:
         f"{RESULTS}/logs/{{experiment}}_kernels.txt",
     output:
         f"{RESULTS}/{{experiment}}/{{job}}.nc",
-        seal=f"{RESULTS}/seals/close_{{experiment}}/{{job}}.json",
-    log:
-        f"{RESULTS}/logs/close_{{experiment}}/{{job}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/close_{{experiment}}/{{job}}.tsv"
-    conda:
-        ENVIRONMENT
     params:
-        points=lambda w: closing(w.experiment, w.job)["points"],
-        quantities=lambda w: closing(w.experiment, w.job)["quantities"],
-        code=code_of("close_points"),
-    message:
-        "Close the joints of {wildcards.job} ({wildcards.experiment})"
+        points=lambda w: engine.packed(JOBS[w.experiment][w.job]),
+        quantities=lambda w: list(EXPERIMENTS[w.experiment].quantities),
     script:
         "../scripts/close_points.py"
 
@@ -64,19 +45,9 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
             f"{RESULTS}/logs/{NAME}_kernels.txt",
         output:
             f"{RESULTS}/tables/{NAME}_estimate.csv",
-            seal=f"{RESULTS}/seals/estimate_{NAME}.json",
-        log:
-            f"{RESULTS}/logs/estimate_{NAME}.log",
-        benchmark:
-            f"{RESULTS}/benchmarks/estimate_{NAME}.tsv"
         priority: 100
-        conda:
-            ENVIRONMENT
         params:
             jobs={job: engine.packed(points) for job, points in JOBS[NAME].items()},
-            code=code_of("estimate_points"),
-        message:
-            f"Estimate the time of the experiment {NAME}, by one joint of each job"
         script:
             "../scripts/estimate_points.py"
 
@@ -85,24 +56,13 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
             f"tabulate_{NAME}"
         input:
             joints=[f"{RESULTS}/{NAME}/{job}.nc" for job in JOBS[NAME]],
-            seals=list(CLOSED_WITH[NAME]),
         output:
             joints=f"{RESULTS}/{NAME}.nc",
             tables=[f"{RESULTS}/tables/{table}.csv" for table in DESIGNS[NAME].tables],
-            seal=f"{RESULTS}/seals/tabulate_{NAME}.json",
-        log:
-            f"{RESULTS}/logs/tabulate_{NAME}.log",
-        benchmark:
-            f"{RESULTS}/benchmarks/tabulate_{NAME}.tsv"
-        conda:
-            ENVIRONMENT
         params:
             experiment=NAME,
             parameters=DESIGNS[NAME].parameters,
-            made_with=CLOSED_WITH[NAME],
             code=code_of_experiment(NAME, "tabulate_points"),
-        message:
-            f"Find {EXPERIMENT.title}"
         script:
             "../scripts/tabulate_points.py"
 
@@ -111,25 +71,15 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
             f"draw_{NAME}"
         input:
             tables=[f"{RESULTS}/tables/{table}.csv" for table in DESIGNS[NAME].tables],
-            seals=seals_of(f"tabulate_{NAME}"),
         output:
             figures=[
                 f"{RESULTS}/figures/{figure}.{format}"
                 for figure in DESIGNS[NAME].figures
                 for format in ("png", "pdf")
             ],
-            seal=f"{RESULTS}/seals/draw_{NAME}.json",
-        log:
-            f"{RESULTS}/logs/draw_{NAME}.log",
-        benchmark:
-            f"{RESULTS}/benchmarks/draw_{NAME}.tsv"
-        conda:
-            ENVIRONMENT
         params:
             experiment=NAME,
             code=code_of_experiment(NAME, "draw_experiment"),
-        message:
-            f"Draw {EXPERIMENT.title}"
         script:
             "../scripts/draw_experiment.py"
 
@@ -145,6 +95,5 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
                 for figure in DESIGNS[NAME].figures
                 for format in ("png", "pdf")
             ],
-            seals_of(f"estimate_{NAME}", f"tabulate_{NAME}", f"draw_{NAME}"),
         message:
             f"The experiment {NAME} is complete: {EXPERIMENT.title}"

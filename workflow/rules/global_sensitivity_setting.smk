@@ -36,16 +36,4 @@ def together_told(rock, first):
         "design": to_plain(design),
         "configuration": keys | {"global_sensitivity": section},
         "rows": [rows.start, rows.stop],
-        "code": code_of("close_together"),
     }
-
-
-def together_seal(file):
-    """The seal of rows that were closed."""
-    return seals_of(f"close_together/{Path(file).stem}")[0]
-
-
-TOGETHER_WITH = {
-    together_seal(file): settings_digest(together_told(*Path(file).stem.split(".")))
-    for file in TOGETHER_FILES
-}

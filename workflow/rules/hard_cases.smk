@@ -7,19 +7,6 @@ HARD_CASES = merged_cases(read_plain(ROOT / "config/hard_cases.yaml"))
 HARD_GROUPS = sorted({case["group"] for case in HARD_CASES.values()})
 
 
-HARD_TOLD = {"cases": HARD_CASES, "code": code_of("close_hard_cases")}
-HARD_WITH = {
-    seal: settings_digest(HARD_TOLD)
-    for seal in seals_of(
-        *(f"close_hard_cases/{group}" for group in HARD_GROUPS), study=HARD_RESULTS
-    )
-} | {
-    seals_of("measure_numerics", study=HARD_RESULTS)[0]: settings_digest(
-        {"code": code_of("measure_numerics")}
-    )
-}
-
-
 wildcard_constraints:
     hard_group="[a-z][a-z0-9_]*",
 
@@ -31,7 +18,6 @@ rule hard_cases:
         f"{HARD_RESULTS}/figures/hard_cases.pdf",
         f"{HARD_RESULTS}/figures/numerics.png",
         f"{HARD_RESULTS}/figures/numerics.pdf",
-        seals_of("present_hard_cases", "draw_numerics", study=HARD_RESULTS),
     message:
         "The hard cases are closed and judged"
 
@@ -39,17 +25,8 @@ rule hard_cases:
 rule compile_hard_cases:
     output:
         f"{HARD_RESULTS}/logs/kernels.txt",
-    log:
-        f"{HARD_RESULTS}/logs/compile_hard_cases.log",
-    benchmark:
-        f"{HARD_RESULTS}/benchmarks/compile_hard_cases.tsv"
-    conda:
-        ENVIRONMENT
     params:
         kernels=kernels_of_cases(HARD_CASES.values()),
-        code=code_of("compile_kernels"),
-    message:
-        "Compile the kernels of all scenes (two minutes when they are new)"
     script:
         "../scripts/compile_kernels.py"
 
@@ -60,17 +37,8 @@ rule close_hard_cases:
     output:
         table=f"{HARD_RESULTS}/cases/{{hard_group}}.csv",
         curves=f"{HARD_RESULTS}/cases/{{hard_group}}.curves.csv",
-        seal=f"{HARD_RESULTS}/seals/close_hard_cases/{{hard_group}}.json",
-    log:
-        f"{HARD_RESULTS}/logs/close_hard_cases/{{hard_group}}.log",
-    benchmark:
-        f"{HARD_RESULTS}/benchmarks/close_hard_cases/{{hard_group}}.tsv"
-    conda:
-        ENVIRONMENT
     params:
-        **HARD_TOLD,
-    message:
-        "Close the hard cases of {wildcards.hard_group}"
+        cases=HARD_CASES,
     script:
         "../scripts/close_hard_cases.py"
 
@@ -81,24 +49,12 @@ rule present_hard_cases:
         curves=expand(f"{HARD_RESULTS}/cases/{{group}}.curves.csv", group=HARD_GROUPS),
         formulas=f"{HARD_RESULTS}/tables/numerics.csv",
         loads=f"{HARD_RESULTS}/tables/sweep_loads.csv",
-        seals=list(HARD_WITH),
     output:
         table=f"{HARD_RESULTS}/tables/hard_cases.csv",
         figures=expand(
             f"{HARD_RESULTS}/figures/hard_cases.{{format}}", format=["png", "pdf"]
         ),
-        seal=f"{HARD_RESULTS}/seals/present_hard_cases.json",
-    log:
-        f"{HARD_RESULTS}/logs/present_hard_cases.log",
-    benchmark:
-        f"{HARD_RESULTS}/benchmarks/present_hard_cases.tsv"
-    conda:
-        ENVIRONMENT
     params:
         order=list(HARD_CASES),
-        made_with=HARD_WITH,
-        code=code_of("present_hard_cases"),
-    message:
-        "Write the table and the page of pictures of the hard cases"
     script:
         "../scripts/present_hard_cases.py"

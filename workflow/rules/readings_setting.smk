@@ -14,56 +14,14 @@ def reading_settings(reading, rock, first=0):
     return readings.settings_of(READINGS_DESIGN, config, reading, rock, block)
 
 
-def reading_told(reading, rock, first):
-    """What the closing of a block is told."""
-    return {
-        "settings": to_plain(reading_settings(reading, rock, int(first))),
-        "code": code_of("close_reading"),
-    }
-
-
-def reading_seal(file):
-    """The seal of a block that was closed."""
-    block = Path(file).relative_to(READINGS_FOLDER).with_suffix("")
-    return seals_of(f"close_reading/{block}")[0]
-
-
-def readings_with(files):
-    """The digests of settings that seals of blocks must have."""
-    return {
-        reading_seal(file): settings_digest(
-            reading_told(Path(file).parent.name, *Path(file).stem.split("."))
-        )
-        for file in files
-    }
-
-
-def readings_there():
-    """Blocks that are there and that this configuration may ask for."""
-    for seal in sorted(Path(f"{RESULTS}/seals/close_reading").glob("*/*.json")):
-        reading, rock = seal.parent.name, seal.stem.split(".")[0]
-        if READINGS and READINGS_DESIGN.has(reading) and rock in READINGS_DESIGN.rocks:
-            if readings.can_be_run(READINGS_DESIGN, config, reading):
-                yield f"{READINGS_FOLDER}/{reading}/{seal.stem}.nc"
-
-
 def ranking_of(number):
     """File that says who was kept in a round."""
     return f"{RESULTS}/tables/readings_round_{READING_ROUNDS[number]}.csv"
 
 
-def ranking_seal(number):
-    return seals_of(f"rank_readings/{READING_ROUNDS[number]}")[0]
-
-
 def ranking_before(wildcards):
     number = READING_ROUNDS.index(wildcards.round)
     return [ranking_of(number - 1)] if number else []
-
-
-def ranking_seal_before(wildcards):
-    number = READING_ROUNDS.index(wildcards.round)
-    return [ranking_seal(number - 1)] if number else []
 
 
 def entering_round(number):
@@ -89,16 +47,6 @@ def closed_in_all_rounds(wildcards):
         entered = ranked.reading.tolist()
         found += readings.files_of(READINGS_DESIGN, READINGS_FOLDER, number, entered)
     return list(dict.fromkeys(file for _, _, file in found))
-
-
-def seals_for_round(wildcards):
-    closed = [reading_seal(file) for file in closed_for_round(wildcards)]
-    return closed + ranking_seal_before(wildcards)
-
-
-def seals_in_all_rounds(wildcards):
-    closed = [reading_seal(file) for file in closed_in_all_rounds(wildcards)]
-    return closed + [ranking_seal(number) for number in range(len(READING_ROUNDS))]
 
 
 def kernels_of_round(wildcards):
@@ -142,6 +90,3 @@ def reading_question():
         "groups": READINGS["groups"],
         "root_seed": CONFIGURATION.study.root_seed,
     }
-
-
-READINGS_WITH = readings_with(readings_there())

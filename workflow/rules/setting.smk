@@ -2,19 +2,18 @@
 from pathlib import Path
 
 from jointclosure.config import configuration
-from jointclosure.config.files import PAPER_TABLE_3, read_plain
+from jointclosure.config.files import DEFAULT, PAPER_TABLE_3, read_plain
 from jointclosure.config.plain import to_plain
 from jointclosure.config.wanted import wanted_of
 from jointclosure.config.walls import check_files, wall_files
 from jointclosure.ensemble import cases
 from jointclosure.ensemble import slices
 from jointclosure.compilation.sources import PACKAGE, code_digest
-from jointclosure.storage.seals import settings_digest
 from jointclosure.storage.text import read_csv, read_text
 from jointclosure.measured import curves as measured
 from jointclosure.joint.warmup import kernels_of
 
-ROOT = Path(workflow.basedir)
+ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parents[1]
 for file in workflow.configfiles:
     read_plain(file)
 CONFIGURED = configuration.configured(config, read_csv)
@@ -36,7 +35,7 @@ BLOCKS = {
     ensemble: {str(block.start): block for block in cases.blocks_of(settled.study)}
     for ensemble, settled in ENSEMBLES.items()
 }
-# the ensemble that tells what is true of the model
+# the ensemble by which the model is judged
 POOL = f"{RESULTS}/pool.nc" if "pool" in ENSEMBLES else f"{RESULTS}/study.nc"
 ROCKS = CONFIGURATION.rocks
 FLOW = CONFIGURATION.flow
@@ -91,48 +90,13 @@ def code_of(*scripts):
     return code_digest(*(str(ROOT / f"workflow/scripts/{name}.py") for name in scripts))
 
 
-def seals_of(*jobs, study=RESULTS):
-    """Seals of jobs: what these wrote, from what, and with what settings."""
-    return [f"{study}/seals/{job}.json" for job in jobs]
-
-
-# the seal of each ensemble's file, of the one that tells of the model, and of both
-AGGREGATE_SEALS = {
-    ensemble: seals_of("aggregate" if ensemble == "cases" else "aggregate_pool")[0]
-    for ensemble in ENSEMBLES
-}
-POOL_SEALS = [AGGREGATE_SEALS["pool" if "pool" in ENSEMBLES else "cases"]]
-BOTH_SEALS = list(AGGREGATE_SEALS.values())
-
-
-# covariates of the study's cases and of the ensemble that tells of the model, where asked for;
-# of scanned walls nothing tells their means
+# covariates of the study's cases and of its pool, where asked for; of scanned walls the means are not known
 SYNTHETIC = any(rock.walls is None for rock in ROCKS.values())
 VARIATES = CONFIGURATION.statistics.control_variates is not None and SYNTHETIC
 COVARIATES = f"{RESULTS}/covariates.nc" if VARIATES else []
 POOL_COVARIATES = (
     f"{RESULTS}/pool_covariates.nc" if VARIATES and "pool" in ENSEMBLES else COVARIATES
 )
-VARIATES_SEALS = seals_of("measure_covariates") if VARIATES else []
-
-
-# of all that a study's tables and figures are; a target asks for them, so that one missing is noticed
-STUDY_SEALS = BOTH_SEALS + seals_of(
-    *(["measure_covariates"] if VARIATES else []),
-    "fit_correlations",
-    "reduce_variance",
-    "find_indifference_intervals",
-    "predict_table_3",
-    "judge_claims",
-    "follow_stress",
-    "check_results",
-    "write_tables",
-    "draw_figures",
-    *(["reach_accuracy"] if WANTED else []),
-    *(["fit_measured"] if CURVES else []),
-    *(["tabulate_flow"] if FLOW else []),
-)
-
 
 # files of surfaces and closures bear these, and are refused where they differ
 SURFACE_CODE = code_of("make_surfaces", "cut_surfaces")
@@ -146,29 +110,13 @@ def closure_of(ensemble, case, block):
     )
 
 
-def choosing(rock):
-    """What the choice of a rock's effects is told."""
+def closures_of_rock(rock):
+    """Settings of the closures of all cases of a rock, as plain data."""
     block = range(CONFIGURATION.study.realizations)
     return {
-        "settings": {
-            label: to_plain(closure_of("cases", label, block))
-            for label, case in CASES["cases"].items()
-            if case.rock == rock
-        },
-        "code": code_of("choose_effects"),
-    }
-
-
-def preparing(rock):
-    """What the reading of a rock's scanned walls is told."""
-    return {
-        "walls": to_plain(ROCKS[rock].walls),
-        "digests": slices.wall_digests(ROCKS[rock].walls),
-        "grid": to_plain(CONFIGURATION.grid),
-        "jrc_relation": CONFIGURATION.surface.jrc_relation,
-        "realizations": max(each.study.realizations for each in ENSEMBLES.values()),
-        "unusual_values": CONFIGURATION.study.unusual_values == "allow",
-        "code": code_of("prepare_walls"),
+        label: to_plain(closure_of("cases", label, block))
+        for label, case in CASES["cases"].items()
+        if case.rock == rock
     }
 
 
@@ -182,6 +130,12 @@ def surfaces_of(ensemble, case, first):
             SURFACE_CODE,
         )
     )
+
+
+def beside(path):
+    """A table of another study, where that was run and this study is of the same model."""
+    same_model = STUDY == read_plain(DEFAULT)["study"]["name"]
+    return ancient(path) if same_model and Path(path).exists() else []
 
 
 def rock_of(wildcards):

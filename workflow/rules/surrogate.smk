@@ -7,7 +7,6 @@
 rule surrogate:
     input:
         f"{RESULTS}/tables/surrogate.csv",
-        seals_of("calibrate_surrogate"),
     message:
         "The constants of the bearing-area law are in {input[0]}"
 
@@ -15,22 +14,10 @@ rule surrogate:
 rule calibrate_surrogate:
     input:
         pool=POOL,
-        seals=POOL_SEALS,
     output:
         f"{RESULTS}/tables/surrogate.csv",
-        seal=f"{RESULTS}/seals/calibrate_surrogate.json",
-    log:
-        f"{RESULTS}/logs/calibrate_surrogate.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/calibrate_surrogate.tsv"
-    conda:
-        ENVIRONMENT
     params:
         grid=to_plain(CONFIGURATION.grid),
         surface=to_plain(CONFIGURATION.surface),
-        made_with=STUDY_WITH,
-        code=code_of("calibrate_surrogate"),
-    message:
-        "Fit the bearing-area law, and test it on other joints"
     script:
         "../scripts/calibrate_surrogate.py"

@@ -15,31 +15,31 @@ ROOT = Path(__file__).parents[2]
 
 HEADER = """# Configuration
 
-`default.yaml` is the paper's study and holds every number of the model, each with its source. Another study is a small file
-with what differs: lists replace lists, everything else is merged. `make study CONFIG=config/mine.yaml` runs it, and writes to
-`results/<study.name>/`. Before any job starts the merged configuration is checked against the keys below; an error names the key,
-its value and what is allowed. Numbers beyond what is usual of rock are more often a slip of units than meant: they are refused, unless
-`study.unusual_values: allow` says that they are meant. `schema.json` is the same for editors that check YAML.
+A study is a small file with what differs from `default.yaml`, the paper's study, which states the source of each number. Lists replace lists; everything else is merged.
+`make study CONFIG=config/mine.yaml` runs it and writes to `results/<study.name>/`. The merged configuration is checked first: an error names the key, its value and what is allowed.
+Values unusual of rock are refused as likely slips of units, unless `study.unusual_values: allow`. Editors can check YAML by `schema.json`.
 
-- `default.yaml`: the paper's study (a link to the package's file, so that it is in the wheel).
-- `smoke.yaml`: the same made small.
-- `common_draws.yaml`: the same 20 surfaces in all cases, with the paired test.
-- `no_roll_off.yaml`: walls with waves of all lengths; the default of before ([which reading](../docs/readings.md)).
-- `many_levels.yaml`: nine levels of every property: is a quadratic enough?
-- `regularised.yaml`: the model that has a limit, to 10 MPa; `paper_at_10_mpa.yaml`: what it is held against.
-- `accuracy.yaml`: what accuracy costs in time (`make accuracy`).
-- `readings.yaml`: which reading of the paper gives its Table 3 (`make readings`).
-- `effects.yaml`: what each effect adds, and what it costs (`make effects`).
-- `mismatch.yaml`: walls from mates to independent ones, and shifted (`make mismatch`).
-- `size.yaml`: nested patches of several sizes and spacings (`make size`).
-- `misalignment.yaml`: walls that are tilted, or rotated about the normal (`make misalignment`).
-- `global_sensitivity.yaml`: which properties and open choices matter (`make global-sensitivity`); `global_sensitivity_full.yaml`: the same at full size, for a cluster.
-- `many_realizations.yaml`: 100,000 small joints of one case ([docs/clusters.md](../docs/clusters.md)).
-- `measured_wall.yaml`: a rock whose walls were scanned ([scanned walls](../docs/measured_walls.md)).
-- `hard_cases.yaml`: joints that are hard on a solver (`make hard-cases`); its keys are in `verification/hard_case_keys.py`.
-- `my_rock.yaml`: a worked example of a study of one's own, with a measured curve ([how to](../docs/own_rock.md)).
+| file | study |
+|---|---|
+| `default.yaml` | the paper's study (a link to the package's file) |
+| `smoke.yaml` | the same, small |
+| `common_draws.yaml` | the same 20 surfaces in all cases, with the paired test |
+| `no_roll_off.yaml` | walls with waves of all lengths, the former default ([readings](../docs/readings.md)) |
+| `many_levels.yaml` | nine levels of every property: does a quadratic suffice? |
+| `regularised.yaml`, `paper_at_10_mpa.yaml` | the model that converges as steps shrink, to 10 MPa, and the paper's beside it |
+| `accuracy.yaml` | cost of accuracy (`make accuracy`) |
+| `readings.yaml` | which reading of the paper makes its Table 3 likeliest (`make readings`) |
+| `effects.yaml` | contribution and cost of each effect (`make effects`) |
+| `mismatch.yaml` | walls from mated to independent, and shifted (`make mismatch`) |
+| `size.yaml` | nested patches of several sizes and spacings (`make size`) |
+| `misalignment.yaml` | tilted or rotated walls (`make misalignment`) |
+| `global_sensitivity.yaml`, `global_sensitivity_full.yaml` | properties and open choices varied together (`make global-sensitivity`); at full size, for a cluster |
+| `many_realizations.yaml` | 100,000 small joints of one case ([clusters](../docs/clusters.md)) |
+| `measured_wall.yaml` | a rock with scanned walls ([scanned walls](../docs/measured_walls.md)) |
+| `hard_cases.yaml` | joints that are hard on a solver (`make hard-cases`); its keys are in `verification/hard_case_keys.py` |
+| `my_rock.yaml` | worked example: another rock and a measured curve ([how to](../docs/own_rock.md)) |
 
-A rock of your own is an entry under `rocks` and its name in `study.rocks`:
+Another rock is an entry under `rocks`, named in `study.rocks`:
 
 ```yaml
 study:
@@ -54,11 +54,11 @@ rocks:
     jrc: 10
     max_normal_stress_MPa: 20
     levels:
-      youngs_modulus_GPa: [50, 55, 65, 70]   # besides its own 60: five levels
+      youngs_modulus_GPa: [50, 55, 65, 70]   # with the rock's 60: five levels
       jrc: [8, 12]
 ```
 
-The table is written by `python workflow/scripts/key_table.py` from `src/jointclosure/config/keys.py`; `<rock>` and `<name>` stand for any name.
+`python workflow/scripts/key_table.py` writes this table from `src/jointclosure/config/keys.py`; `<rock>` and `<name>` stand for any name.
 
 | key | default | allowed | what it is |
 |---|---|---|---|

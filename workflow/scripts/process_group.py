@@ -35,7 +35,8 @@ class EndRequest:
     def __init__(self) -> None:
         self.signal, self.repeated = 0, False
         self._time = 0.0
-        self._make = os.getppid() if "MAKELEVEL" in os.environ else 0
+        self._parent = os.getppid()
+        self._make = _make_above(self._parent) if "MAKELEVEL" in os.environ else 0
         self._make_catches_interrupts = bool(self._make) and _catches_interrupts(self._make)
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, self._receive)
@@ -43,7 +44,7 @@ class EndRequest:
     def __bool__(self) -> bool:
         if self._make and not self.signal:
             interrupted = self._make_catches_interrupts and not _catches_interrupts(self._make)
-            if interrupted or os.getppid() != self._make:
+            if interrupted or os.getppid() != self._parent:
                 self._receive(signal.SIGINT)
         return bool(self.signal)
 
@@ -55,6 +56,20 @@ class EndRequest:
             self.signal, self._time = number, time.monotonic()
         elif time.monotonic() - self._time > SAME_REQUEST:
             self.repeated = True
+
+
+def _make_above(process: int) -> int:
+    """The nearest `make` from a process upwards, over wrappers of Python; else the process."""
+    above = process
+    while above > 1:
+        try:
+            name, _, rest = Path(f"/proc/{above}/stat").read_text(encoding="utf-8").rpartition(")")
+        except OSError:
+            break
+        if name.endswith("(make"):
+            return above
+        above = int(rest.split()[1])
+    return process
 
 
 def _catches_interrupts(process: int) -> bool:

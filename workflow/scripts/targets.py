@@ -24,6 +24,7 @@ from jointclosure.experiments import SECTIONS, experiment_named
 from jointclosure.inputs import InputError
 from jointclosure.sensitivity.jrc_range import check_jrc_varies
 from jointclosure.sensitivity.reached import surfaces_next, told
+from jointclosure.sensitivity.tables import closure_lines
 from jointclosure.storage.text import read_csv, write_text
 from jointclosure.studies.global_sensitivity import design as global_sensitivity
 
@@ -105,7 +106,10 @@ def run_target(name: str, request: EndRequest) -> int:
                     return status
                 if goal != "all" or not enlarged(override, folder):
                     break
-    parts = [each for each in ("tables", "figures", "study.nc") if (folder / each).exists()]
+    closures = folder / "tables/max_closure.csv"
+    if "all" in target.goals and closures.exists():
+        print("\n".join(closure_lines(read_csv(closures))))
+    parts = [part for part in ("tables", "figures", "study.nc") if (folder / part).exists()]
     print(f"Results are in {folder}/ ({', '.join(parts)})")
     if target.page:
         print(f"The page is {folder / target.page}")

@@ -3,13 +3,12 @@
 import pandas as pd
 from stored import stored
 
-from content.markdown import Form, Table, markdown, rows_of, value_of
+from content.markdown import Form, Table, rows_of, value_of
 from jointclosure.claims.table import OURS
-from jointclosure.config.properties import PROPERTIES
 from jointclosure.report.findings import percent_text, probability
 from jointclosure.sensitivity.conclusions import JUDGED_ELSEWHERE
 from jointclosure.sensitivity.tables import markdown_rows, table_3
-from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, NO_DIFFERENCE, STANDS
+from jointclosure.statistics.verdicts import FALLS, STANDS
 
 
 def _table_3(of: str) -> pd.DataFrame:
@@ -22,20 +21,6 @@ def _table_3(of: str) -> pd.DataFrame:
 def intervals(of: str = "") -> str:
     """Tabulate Table 3 of the study, or ("paper_") of the paper."""
     return "\n".join(markdown_rows(_table_3(of)))
-
-
-def short_table() -> str:
-    """Tabulate Table 3 without percentages: the study's lengths / the paper's, by rock."""
-    study, paper = _table_3(""), _table_3("paper_")
-    rows = []
-    for name in study.index:
-        for cycle in dict.fromkeys(cycle for cycle, _ in study.columns):
-            row = {"property": PROPERTIES[name].label, "cycle": cycle}
-            for rock, length in study.loc[name][cycle].items():
-                pair = (length, paper.loc[name][cycle][rock])
-                row[rock] = " / ".join(text.split(" (")[0] for text in pair)
-            rows.append(row)
-    return markdown(pd.DataFrame(rows))
 
 
 def _probability(name: str) -> Form:
@@ -85,20 +70,15 @@ def flagged() -> str:
 
 
 def headline() -> dict[str, str]:
-    """Numbers of the outcome in short: p of all entries, and claims of the paper by verdict."""
-    judged = stored("paper", "conclusions")
-    judged = judged[(judged.said_in != OURS) & (judged.conclusion != JUDGED_ELSEWHERE)]
-    verdicts, left = judged.verdict.value_counts(), judged.conclusion.value_counts()
+    """Numbers of the outcome in short: p of all entries, and what is left of the paper's claims."""
     tests = "paper/table_3_joint_tests"
+    claims = stored("paper", "conclusions")
+    claims = claims[(claims.said_in != OURS) & (claims.conclusion != JUDGED_ELSEWHERE)]
+    left = claims.conclusion.value_counts()
     return {
-        "entries": value_of(tests, "{number}", entries="all"),
         "p": value_of(tests, _probability("p"), entries="all"),
         "p of no effect": value_of(tests, _probability("null_p"), entries="all"),
-        "claims": str(len(judged)),
-        "true of the model": str(verdicts.get(STANDS, 0)),
-        "false": str(verdicts.get(FALLS, 0)),
-        "no difference": str(verdicts.get(NO_DIFFERENCE, 0)),
-        "open": str(verdicts.get(CANNOT_BE_TOLD, 0)),
-        "still stand": str(left.get(STANDS, 0)),
+        "claims": str(len(claims)),
+        "stand": str(left.get(STANDS, 0)),
         "fall": str(left.get(FALLS, 0)),
     }

@@ -13,8 +13,7 @@ def job(snakemake) -> Iterator[Logbook]:
     """What a script of the workflow does around its work.
 
     Before it: each result that the job reads must be the one that its seal lists (inputs
-    named ``seals``), and seals must have the settings that the rule names (parameter
-    ``made_with``). After it: what was written is sealed, where the rule has an output ``seal``.
+    named ``seals``). After it: what was written is sealed, where the rule has an output ``seal``.
 
     Parameters
     ----------
@@ -30,7 +29,7 @@ def job(snakemake) -> Iterator[Logbook]:
         results = _results(Path(snakemake.log[0]))
         inputs = [path for path in snakemake.input if path not in seals]
         inputs = [path for path in inputs if Path(path).is_relative_to(results)]
-        check_inputs(inputs, seals, snakemake.params.get("made_with", {}))
+        check_inputs(inputs, seals)
         yield logbook
         if seal := snakemake.output.get("seal"):
             outputs = [path for path in snakemake.output if path != seal]

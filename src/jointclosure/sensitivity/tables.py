@@ -114,6 +114,21 @@ def _mark(row: pd.Series, column: str) -> str:
     return ("*" if row.get(f"extrapolated{column}", False) else "") + endless
 
 
+def closure_lines(closures: pd.DataFrame) -> list[str]:
+    """Mean net closure since seating of each rock, a sentence a rock, from `max_closure.csv`."""
+    name = "max_closure_seated_net_mean_mm"
+    base = closures[closures.parameter == BASE]
+    return [
+        f"{rock}: mean net closure since seating "
+        + ", ".join(
+            f"{rounded(row[name], row[f'{name}_standard_error'])} mm on cycle {row.cycle}"
+            for _, row in part.iterrows()
+        )
+        + f" ({int(part.samples.min())} joints)"
+        for rock, part in base.groupby("rock", sort=False)
+    ]
+
+
 def significant(value: float, figures: int) -> str:
     """A number with so many significant figures, without an exponent."""
     if value == 0.0:

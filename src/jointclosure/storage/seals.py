@@ -4,7 +4,7 @@ A seal is a JSON file ``results/<study>/seals/<job>.json``, an output of its job
 
 - ``files``: digests of the files that the job wrote, by their paths from the study's folder;
 - ``made_from``: digests of the sealed files that it read;
-- ``settings``: the digest of all that the rule told the job, its code's digest included.
+- ``settings``: the digest of the rule's parameters, the digest of its code included.
 
 Tables stay plain CSV. The digest of a netCDF file is the one that the file ends with.
 """
@@ -12,7 +12,7 @@ Tables stay plain CSV. The digest of a netCDF file is the one that the file ends
 import hashlib
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 
 from jointclosure.inputs import InputError
@@ -23,14 +23,16 @@ _NEED_NO_SEAL = (".nc", ".txt")
 """Case files bear their settings themselves, and the readers check these; notes are not read."""
 
 
+OTHER_SETTINGS = "the file was made with other settings, or by other code"
+
+
 class ForeignFileError(InputError):
     """A file that is not the one that its seal, or this configuration, says."""
 
 
 def settings_digest(settings: Mapping) -> str:
-    """Digest of what a rule tells its jobs; where its files come from is left out."""
-    told = {key: value for key, value in settings.items() if key != "made_with"}
-    text = json.dumps(told, sort_keys=True, default=str)
+    """Digest of the parameters of a rule."""
+    text = json.dumps(dict(settings), sort_keys=True, default=str)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
@@ -70,20 +72,11 @@ def write_seal(
     atomically(seal, lambda temporary: temporary.write_text(text, encoding="utf-8"))
 
 
-def check_inputs(
-    inputs: Iterable[str | Path], seals: Iterable[str | Path], made_with: Mapping[str, str]
-) -> None:
-    """Raise `ForeignFileError` unless files are those that their seals list.
-
-    Parameters
-    ----------
-    inputs, seals : iterable of paths
-    made_with : mapping
-        For some of the seals, the `settings_digest` that they must have.
-    """
+def check_inputs(inputs: Iterable[str | Path], seals: Iterable[str | Path]) -> None:
+    """Raise `ForeignFileError` unless files are those that their seals list."""
     paths = [Path(seal) for seal in seals]
     for seal in paths:
-        if reason := _reason(seal, paths, made_with):
+        if reason := _reason(seal, paths):
             raise ForeignFileError(reason)
     listed = _listed(paths)
     for path in map(os.path.normpath, inputs):
@@ -91,19 +84,21 @@ def check_inputs(
             raise ForeignFileError(f"{path}: no seal says what it was made from: {_AGAIN}")
 
 
-def unmet_seals(folder: str | Path, made_with: Mapping[str, str]) -> Iterator[tuple[Path, str]]:
+def unmet_seals(
+    folder: str | Path, expected: Callable[[Path], str] = lambda seal: ""
+) -> Iterator[tuple[Path, str]]:
     """Seals of a study that are not met, each with the reason.
 
     Parameters
     ----------
     folder : path
         Of the study's results.
-    made_with : mapping
-        As for `check_inputs`.
+    expected : callable
+        Gives the `settings_digest` that a seal must have, empty where any will do.
     """
     seals = sorted((Path(folder) / "seals").rglob("*.json"))
     for seal in seals:
-        if reason := _reason(seal, seals, made_with):
+        if reason := _reason(seal, seals, expected(seal)):
             yield seal, reason
 
 
@@ -115,7 +110,7 @@ def check_folder(folder: str | Path) -> list[Path]:
     list of Path
         The sealed files, job by job.
     """
-    for _, reason in unmet_seals(folder, {}):
+    for _, reason in unmet_seals(folder):
         raise ForeignFileError(reason)
     files = [Path(path) for path in _listed(sorted((Path(folder) / "seals").rglob("*.json")))]
     for file in files:
@@ -124,7 +119,7 @@ def check_folder(folder: str | Path) -> list[Path]:
     return files
 
 
-def _reason(seal: Path, seals: Iterable[Path], made_with: Mapping[str, str]) -> str:
+def _reason(seal: Path, seals: Iterable[Path], expected: str = "") -> str:
     """Why a seal is not met, empty if it is."""
     try:
         said = _content(seal)
@@ -136,8 +131,8 @@ def _reason(seal: Path, seals: Iterable[Path], made_with: Mapping[str, str]) -> 
         if os.path.isfile(path) and file_digest(path) != digest:
             return f"{path}: the file is not as jointclosure wrote it: {_AGAIN}"
     first = next(iter(files), str(seal))
-    if made_with.get(os.path.normpath(seal), settings) != settings:
-        return f"{first}: the file was made with other settings, or by other code: {_AGAIN}"
+    if expected and expected != settings:
+        return f"{first}: {OTHER_SETTINGS}: {_AGAIN}"
     listed = _listed(other for other in seals if other != seal)
     for source, digest in sources.items():
         if listed.get(source, digest) != digest:

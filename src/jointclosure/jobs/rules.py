@@ -1,0 +1,212 @@
+"""Defaults of the workflow's rules: log, benchmark, environment, message, digest of code and seal.
+
+A rule names its input, output, parameters and script. `complete` adds the rest to all rules of a
+workflow, once they are read:
+
+- ``log``, ``benchmark``, and an output ``seal`` (`jointclosure.storage.seals`), in the folders
+  ``logs``, ``benchmarks`` and ``seals`` of the study's results, under the name of the rule and
+  behind it the wildcards of its outputs;
+- inputs ``seals``: the seals of the jobs that make its inputs;
+- a parameter ``code``, the digest of its script and of all that this imports;
+- a message: the first line of its script's docstring, and its wildcards.
+
+It reads and sets attributes of Snakemake's rules, which Snakemake has no other place for.
+"""
+
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from functools import lru_cache
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from jointclosure.compilation.sources import code_digest
+from jointclosure.storage.seals import OTHER_SETTINGS, settings_digest, unmet_seals
+
+FOLDER = re.compile(r"results/[^/{]+")
+"""Folder of a study's results, at the start of each output."""
+
+
+class SealedJobs:
+    """Which job makes a file, and the seal that it writes.
+
+    Parameters
+    ----------
+    rules : iterable
+        Rules of Snakemake with a script, as `complete` leaves them.
+    """
+
+    def __init__(self, rules: Iterable[Any]):
+        self._made = []
+        for rule in rules:
+            seal = rule.output.get("seal")
+            for path in _raw(rule.ruleinfo.output):
+                pattern = _pattern(str(path), rule)
+                self._made.append((rule, pattern, str(seal) if seal else ""))
+        self._made.sort(key=lambda made: bool(made[2]))  # files without a seal are many
+        self._seals = [
+            (rule, _pattern(str(rule.output.get("seal")), rule))
+            for rule in rules
+            if rule.output.get("seal")
+        ]
+        self.seal_of = lru_cache(maxsize=None)(self._seal_of)
+
+    def _seal_of(self, path: str) -> str:
+        """Seal of the job that makes a file; empty where no job does, or seals it."""
+        for _, pattern, seal in self._made:
+            if match := pattern.fullmatch(path):
+                return seal.format(**match.groupdict())
+        return ""
+
+    def folders(self) -> list[str]:
+        """Folders of results in which jobs write."""
+        return sorted({_folder(rule) for rule, _ in self._seals})
+
+    def withdraw_unmet(self, report: Callable[[str], None], remove: bool) -> None:
+        """Remove seals that are not met, so that what they seal is made again.
+
+        Parameters
+        ----------
+        report : callable
+            Receives a line for each changed file, and one a folder for files of other settings.
+        remove : bool
+            False to report only.
+        """
+        for folder in self.folders():
+            unmet = list(unmet_seals(folder, self.expected_settings))
+            for seal, _ in unmet:
+                if remove:
+                    seal.unlink(missing_ok=True)
+            reasons = [reason.partition(": delete")[0] for _, reason in unmet]
+            other = [reason for reason in reasons if OTHER_SETTINGS in reason]
+            for reason in [reason for reason in reasons if reason not in other] + other[:1]:
+                report(f"jointclosure: {reason}")
+            if len(other) > 1:
+                report(f"jointclosure: {folder}: the same of {len(other) - 1} more jobs")
+
+    def expected_settings(self, seal: str | Path) -> str:
+        """Digest of the settings that a seal must have.
+
+        Empty where this configuration has no such job, and where parameters follow from inputs.
+        """
+        for rule, pattern in self._seals:
+            if match := pattern.fullmatch(Path(seal).as_posix()):
+                wildcards = SimpleNamespace(**match.groupdict())
+                try:
+                    return settings_digest(
+                        {
+                            name: value(wildcards) if callable(value) else value
+                            for name, value in rule.params.items()
+                        }
+                    )
+                except (LookupError, TypeError, ValueError):
+                    return ""
+        return ""
+
+
+def complete(rules: Iterable[Any], environment: str, without_seal: Collection[str]) -> SealedJobs:
+    """Give rules what all of them have.
+
+    Parameters
+    ----------
+    rules : iterable
+        All rules of a workflow.
+    environment : str
+        File of the conda environment, from the files of the rules.
+    without_seal : collection of str
+        Names of rules whose files bear their settings themselves, or are read by nobody.
+    """
+    rules = list(rules)
+    jobs = [rule for rule in rules if rule.script]
+    for rule in jobs:
+        _complete(rule, environment, sealed=rule.name not in without_seal)
+    made = SealedJobs(jobs)
+    for rule in rules:
+        if rule.ruleinfo.input:
+            rule.set_input(seals=_seals(list(_raw(rule.ruleinfo.input)), made))
+    return made
+
+
+def _complete(rule: Any, environment: str, sealed: bool) -> None:
+    folder, place = _folder(rule), f"{rule.name}{_wildcards(rule)}"
+    rule.log_modifier = rule.benchmark_modifier = rule.output_modifier
+    rule.set_log(f"{folder}/logs/{place}.log")
+    rule.benchmark = f"{folder}/benchmarks/{place}.tsv"
+    rule.conda_env = environment
+    script = Path(rule.basedir.join(rule.script).get_path_or_uri(secret_free=True))
+    if not rule.params.get("code"):
+        rule.set_params(code=code_digest(str(script)))
+    if not rule.message:
+        named = ", ".join(f"{{wildcards.{name}}}" for name in sorted(rule.wildcard_names))
+        rule.message = _first_line(script) + (f" ({named})" if named else "")
+    if sealed:
+        rule.set_output(seal=f"{folder}/seals/{place}.json")
+
+
+def _seals(inputs: list[Any], made: SealedJobs) -> Callable[[Any], list[str]]:
+    """Input function: the seals of the jobs that make other inputs."""
+
+    def seals(wildcards: Any) -> list[str]:
+        found = (made.seal_of(path) for path in _expanded(inputs, wildcards))
+        return sorted({seal for seal in found if seal})
+
+    return seals
+
+
+def _expanded(inputs: Any, wildcards: Any) -> Iterator[str]:
+    """Paths of inputs, functions called and wildcards filled in."""
+    function = inputs if callable(inputs) else getattr(inputs, "callable", None)
+    if function:
+        yield from _expanded(function(wildcards), wildcards)
+    elif isinstance(inputs, (str, Path)):
+        yield str(inputs).format(**dict(wildcards.items())) if "{" in str(inputs) else str(inputs)
+    else:
+        for part in inputs:
+            yield from _expanded(part, wildcards)
+
+
+def _raw(files: Any) -> Iterator[Any]:
+    """Files of a rule as its text names them."""
+    for part in (*files.paths, *files.kwpaths.values()):
+        if isinstance(part, (str, Path)) or callable(part):
+            yield part
+        else:
+            yield from part
+
+
+def _folder(rule: Any) -> str:
+    first = str(next(_raw(rule.ruleinfo.output)))
+    match = FOLDER.match(first)
+    if not match:
+        raise ValueError(f"rule {rule.name}: {first}: must lie in results/<study>")
+    return match[0]
+
+
+def _wildcards(rule: Any) -> str:
+    """The part of the first output from its first wildcard to its last, behind a slash."""
+    match = re.search(r"\{.*\}", str(next(_raw(rule.ruleinfo.output))))
+    return f"/{match[0]}" if match else ""
+
+
+def _pattern(path: str, rule: Any) -> re.Pattern[str]:
+    """Regular expression of an output; wildcards are its groups."""
+    constraints: Mapping[str, str] = {
+        **rule.workflow.wildcard_constraints,
+        **rule.wildcard_constraints,
+    }
+    parts = re.split(r"\{(\w+)[^}]*\}", path)
+    seen: set[str] = set()
+    text = ""
+    for number, part in enumerate(parts):
+        if number % 2 == 0:
+            text += re.escape(part)
+        else:
+            text += f"(?P={part})" if part in seen else f"(?P<{part}>{constraints.get(part, '.+')})"
+            seen.add(part)
+    return re.compile(text)
+
+
+def _first_line(script: Path) -> str:
+    """First line of a script's docstring, without its full stop."""
+    text = script.read_text(encoding="utf-8")
+    return text.partition('"""')[2].partition('"""')[0].strip().splitlines()[0].rstrip(".")
