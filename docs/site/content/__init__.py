@@ -1,1 +1,1 @@
-"""What pages show of stored results: a module for each page, with a function for each table."""
+"""What pages show of stored results: a module for a page, with its tables and numbers."""

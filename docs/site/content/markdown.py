@@ -23,9 +23,10 @@ MOST = "the most"
 class Group:
     """Rows of a table that a cell is made of; item "x" is column x of the first one."""
 
-    def __init__(self, rows: pd.DataFrame) -> None:
+    def __init__(self, rows: pd.DataFrame, first: dict | None = None) -> None:
         self.rows = rows
-        self.first = rows.iloc[:1].to_dict("records")[0]  # Python's numbers, rounded as written
+        # as records, whose numbers are Python's: numpy's round otherwise
+        self.first = first or rows.iloc[:1].to_dict("records")[0]
 
     def __getitem__(self, name: str) -> object:
         """Value of a field; a `KeyError` names a column that there is not."""
@@ -94,18 +95,19 @@ class Table(NamedTuple):
     def __call__(self) -> str:
         """Write the table."""
         table = self.prepare(stored(*self.of.split("/"))).reset_index(drop=True)
-        single = [Group(table.iloc[[at]]) for at in range(len(table))]
+        records = table.to_dict("records")
+        single = [Group(table[at : at + 1], records[at]) for at in range(len(table))]
         keys = [tuple(written(form, row) for form in self.rows.values()) for row in single]
         heads = pd.Series([written(self.across, row) for row in single])
         lines = []
         places = pd.Series(keys if self.rows else range(len(table)))
         for place in dict.fromkeys(places):
-            chosen = places == place
+            here = places == place
             line = dict(zip(self.rows, place if self.rows else (), strict=True))
             for head in _ordered(table, heads) if self.across else ():
-                part = table[chosen & (heads == head)]
+                part = table[here & (heads == head)]
                 line[head] = written(self.cell, Group(part)) if len(part) else ""
-            group = Group(table[chosen])
+            group = Group(table[here])
             lines.append(line | {name: written(form, group) for name, form in self.columns.items()})
         return markdown(pd.DataFrame(lines))
 
