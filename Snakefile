@@ -30,23 +30,21 @@ include: "workflow/rules/effects.smk"
 include: "workflow/rules/readings_setting.smk"
 include: "workflow/rules/readings.smk"
 include: "workflow/rules/numerics.smk"
-include: "workflow/rules/global_sensitivity_setting.smk"
-include: "workflow/rules/global_sensitivity.smk"
 
 
 DRY_RUN = bool({"-n", "--dry-run", "--dryrun"} & set(sys.argv))
 # a file that is not the one that its seal, or this configuration, says is made again
-for folder, made_with in (
-    (RESULTS, STUDY_WITH | CHOSEN_WITH | WALLS_WITH),
-    (RESULTS, VALIDATED_WITH | READINGS_WITH),
-    (RESULTS, TOGETHER_WITH),
-    *((RESULTS, closed_with) for closed_with in CLOSED_WITH.values()),
-    (HARD_RESULTS, HARD_WITH),
-):
-    for seal, reason in list(unmet_seals(folder, made_with)):
-        logger.warning(f"jointclosure: {reason.partition(': delete')[0]}")
-        if workflow.is_main_process and not DRY_RUN:
-            seal.unlink(missing_ok=True)
+if workflow.is_main_process:
+    for folder, made_with in (
+        (RESULTS, STUDY_WITH | CHOSEN_WITH | WALLS_WITH),
+        (RESULTS, VALIDATED_WITH | READINGS_WITH),
+        *((RESULTS, closed_with(name)) for name in EXPERIMENTS),
+        (HARD_RESULTS, HARD_WITH),
+    ):
+        for seal, reason in list(unmet_seals(folder, made_with)):
+            logger.warning(f"jointclosure: {reason.partition(': delete')[0]}")
+            if not DRY_RUN:
+                seal.unlink(missing_ok=True)
 
 
 onstart:

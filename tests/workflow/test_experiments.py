@@ -15,7 +15,14 @@ from tests.workflow.test_pipeline import ROOT, checkout, snakemake
 
 pytestmark = pytest.mark.slow
 
-EXPERIMENTS = ("accuracy", "effects", "misalignment", "mismatch", "size")
+EXPERIMENTS = (
+    "accuracy",
+    "effects",
+    "global_sensitivity",
+    "misalignment",
+    "mismatch",
+    "size",
+)
 
 
 @pytest.fixture(scope="module", params=EXPERIMENTS)

@@ -3,8 +3,16 @@ from jointclosure.config.files import DEFAULT, read_plain
 
 BESIDE = {
     "readings": ("readings", "readings.csv", "weigh_readings"),
-    "margins": ("global_sensitivity", "global_margins.csv", "weigh_together"),
-    "choices": ("global_sensitivity", "global_conclusions.csv", "weigh_together"),
+    "margins": (
+        "global_sensitivity",
+        "global_sensitivity_margins.csv",
+        "tabulate_global_sensitivity",
+    ),
+    "choices": (
+        "global_sensitivity",
+        "global_sensitivity_conclusions.csv",
+        "tabulate_global_sensitivity",
+    ),
 }
 
 

@@ -17,15 +17,7 @@ rule compile_experiment:
     conda:
         ENVIRONMENT
     params:
-        kernels=lambda w: kernels_of(
-            (
-                point.settings.case.effects,
-                point.settings.choices,
-                point.settings.numerics,
-            )
-            for points in JOBS[w.experiment].values()
-            for point in points
-        ),
+        kernels=lambda w: DESIGNS[w.experiment].kernels(),
         code=code_of("compile_kernels"),
     message:
         "Compile the kernels of the experiment {wildcards.experiment}"
@@ -73,10 +65,10 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
         conda:
             ENVIRONMENT
         params:
-            jobs={job: engine.packed(points) for job, points in JOBS[NAME].items()},
+            samples=lambda w, name=NAME: packed_samples(name),
             code=code_of("estimate_points"),
         message:
-            f"Estimate the time of the experiment {NAME}, by one joint of each job"
+            f"Estimate the time of the experiment {NAME}, by a few of its joints"
         script:
             "../scripts/estimate_points.py"
 
@@ -84,8 +76,8 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
         name:
             f"tabulate_{NAME}"
         input:
-            joints=[f"{RESULTS}/{NAME}/{job}.nc" for job in JOBS[NAME]],
-            seals=list(CLOSED_WITH[NAME]),
+            joints=[f"{RESULTS}/{NAME}/{job}.nc" for job in DESIGNS[NAME].jobs],
+            seals=[closing_seal(NAME, job) for job in DESIGNS[NAME].jobs],
         output:
             joints=f"{RESULTS}/{NAME}.nc",
             tables=[f"{RESULTS}/tables/{table}.csv" for table in DESIGNS[NAME].tables],
@@ -99,7 +91,7 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
         params:
             experiment=NAME,
             parameters=DESIGNS[NAME].parameters,
-            made_with=CLOSED_WITH[NAME],
+            made_with=lambda w, name=NAME: closed_with(name),
             code=code_of_experiment(NAME, "tabulate_points"),
         message:
             f"Find {EXPERIMENT.title}"
@@ -127,6 +119,7 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
             ENVIRONMENT
         params:
             experiment=NAME,
+            parameters=DESIGNS[NAME].parameters,
             code=code_of_experiment(NAME, "draw_experiment"),
         message:
             f"Draw {EXPERIMENT.title}"

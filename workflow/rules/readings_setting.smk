@@ -1,5 +1,5 @@
 # What the rules of readings share: who enters a round, what is closed for it, and its seals. No rules here.
-from jointclosure.studies.readings import design as readings
+from jointclosure.experiments.readings import design as readings
 
 READINGS = config.get("readings")
 READINGS_DESIGN = readings.design_of(config) if READINGS else None

@@ -2,10 +2,10 @@
 
 from jointclosure.config.plain import from_plain
 from jointclosure.ensemble.settings import ClosureSettings
+from jointclosure.experiments.readings.closing import close_block
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import write_netcdf
-from jointclosure.studies.readings.closing import close_block
 
 
 def main(settings: tuple[ClosureSettings, ...], output: str, log: Logbook) -> None:

@@ -1,7 +1,7 @@
 """Draw the figures of an experiment from its tables."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from jointclosure.experiments import Experiment, experiment_named
@@ -12,12 +12,16 @@ from jointclosure.storage.text import read_csv
 
 
 def main(
-    experiment: Experiment, tables: Sequence[str], outputs: Sequence[str], log: Logbook
+    experiment: Experiment,
+    parameters: Mapping,
+    tables: Sequence[str],
+    outputs: Sequence[str],
+    log: Logbook,
 ) -> None:
     """Write each figure in the format of each of its files."""
     read = {Path(table).stem: read_csv(table) for table in tables}
     for name, files in itertools.groupby(outputs, lambda output: Path(output).stem):
-        figure = experiment.draw(name, read)
+        figure = experiment.draw(name, read, parameters)
         for output in files:
             save_figure(figure, output)
             log(f"drew {output}")
@@ -28,6 +32,7 @@ if __name__ == "__main__":
         given = snakemake.input.tables
         main(
             experiment_named(snakemake.params.experiment),
+            snakemake.params.parameters,
             [given] if isinstance(given, str) else list(given),
             list(snakemake.output.figures),
             logbook,

@@ -4,12 +4,12 @@ import sys
 
 from jointclosure.config.plain import from_plain
 from jointclosure.ensemble.settings import ClosureSettings
+from jointclosure.experiments.readings.closing import close_block, one_simulation
+from jointclosure.experiments.readings.cost import costs
+from jointclosure.experiments.readings.design import AS_CONFIGURED, Design
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.text import write_csv
-from jointclosure.studies.readings.closing import close_block, one_simulation
-from jointclosure.studies.readings.cost import costs
-from jointclosure.studies.readings.design import AS_CONFIGURED, Design
 
 
 def main(design: Design, settings: dict, output: str, log: Logbook) -> None:

@@ -79,13 +79,13 @@ def _elasticity(parameter: str, cycle: int, net: str = "") -> Number:
 
 
 def _index(name: str, cycle: int) -> Number:
-    table = f"{TOGETHER}/global_indices.csv"
+    table = f"{TOGETHER}/global_sensitivity_indices.csv"
     rows = {"input": name, "response": "closure", "cycle": cycle, "rows": MOST}
     return span(table, "total", "total_error", **rows)
 
 
 def _choices(number: str, response: str, cycle: int) -> Number:
-    table = f"{TOGETHER}/global_conclusions.csv"
+    table = f"{TOGETHER}/global_sensitivity_conclusions.csv"
     rows = {"number": number, "response": response, "cycle": cycle, "rock": "all"}
     return span(table, "share", "share_error", 100.0, **rows)
 
@@ -159,14 +159,14 @@ def _share_of_rows(number: str, cycle: int) -> Number:
         return f"{of_rocks.min()} to {of_rocks.max()}"
 
     rows = {"number": number, "response": "closure", "cycle": cycle}
-    return Number(f"{TOGETHER}/global_conclusions.csv", rows, "rows_true", text)
+    return Number(f"{TOGETHER}/global_sensitivity_conclusions.csv", rows, "rows_true", text)
 
 
 def _margin(name: str, response: str = "closure") -> Number:
     """Share of the margin of Young's modulus on the second cycle that goes with an input."""
     rows = {"number": "2a", "response": response, "cycle": 2, "input": name}
     return Number(
-        f"{TOGETHER}/global_margins.csv", rows, "share",
+        f"{TOGETHER}/global_sensitivity_margins.csv", rows, "share",
         lambda own: f"{100 * own.share.min():.0f} to {100 * own.share.max():.0f} %",
     )  # fmt: skip
 
@@ -174,7 +174,12 @@ def _margin(name: str, response: str = "closure") -> Number:
 def _rows() -> Number:
     """Rows of the design of global sensitivity: a choice, without error."""
     rows = {"rows": MOST}
-    return Number(f"{TOGETHER}/global_indices.csv", rows, "rows", lambda own: str(own.rows.iloc[0]))
+    return Number(
+        f"{TOGETHER}/global_sensitivity_indices.csv",
+        rows,
+        "rows",
+        lambda own: str(own.rows.iloc[0]),
+    )
 
 
 def _tilted(cycle: int) -> Number:
@@ -336,9 +341,9 @@ of what they give."""
 
 def net(page: str) -> str:
     """Conclusions with and without bulk indentation: choices, and verdict as configured."""
-    if not (ROOT / TOGETHER / "global_conclusions.csv").is_file():
+    if not (ROOT / TOGETHER / "global_sensitivity_conclusions.csv").is_file():
         return markdown(page_table(page, "net"))
-    shares = read_csv(ROOT / TOGETHER / "global_conclusions.csv")
+    shares = read_csv(ROOT / TOGETHER / "global_sensitivity_conclusions.csv")
     shares = shares[shares.rock == "all"]
     verdicts = read_csv(ROOT / PAPER / "conclusions.csv").set_index("number").verdict
     rows = []

@@ -1,7 +1,7 @@
 """Renew docs/global_sensitivity.md from results/global_sensitivity and results/paper.
 
 Run by hand after `make global-sensitivity`, `make jrc-range` and
-`.venv/bin/snakemake estimate_together --configfile config/global_sensitivity_full.yaml`.
+`.venv/bin/snakemake estimate_global_sensitivity --configfile config/global_sensitivity_full.yaml`.
 """
 
 import shutil
@@ -50,7 +50,7 @@ def span(values: pd.Series, errors: pd.Series, digits: int = 2) -> str:
 
 def whole() -> pd.DataFrame:
     """Indices of all rows."""
-    table = read_csv(RESULTS / "tables/global_indices.csv")
+    table = read_csv(RESULTS / "tables/global_sensitivity_indices.csv")
     return table[table.rows == table.rows.max()]
 
 
@@ -86,7 +86,7 @@ def shapley() -> str:
 
 def cost() -> str:
     """Size of the design, and the processor time that its jobs took."""
-    simulations = read_csv(RESULTS / "tables/global_estimate.csv").simulations.sum()
+    simulations = read_csv(RESULTS / "tables/global_sensitivity_estimate.csv").joints.sum()
     files = (RESULTS / "benchmarks").rglob("*.tsv")
     minutes = sum(pd.read_csv(file, sep="\t").cpu_time.sum() for file in files) / 60.0
     return (
@@ -98,7 +98,7 @@ def cost() -> str:
 
 def convergence() -> str:
     """How the largest index of the first cycle goes with the rows, and what the fit has."""
-    table = read_csv(RESULTS / "tables/global_indices.csv")
+    table = read_csv(RESULTS / "tables/global_sensitivity_indices.csv")
     own = table[(table.response == "closure") & (table.cycle == 1) & (table.input == "roll_off")]
     of_rocks = "; ".join(
         f"{rock} {', '.join(f'{value:.2f}' for value in part.sort_values('rows').total)}"
@@ -122,8 +122,10 @@ def convergence() -> str:
 
 def elasticities() -> str:
     """Elasticities of the closure by property, cycle and rock, and how they vary."""
-    table = read_csv(RESULTS / "tables/global_elasticities.csv")
-    titles = read_csv(RESULTS / "tables/global_indices.csv").groupby("input").title.first()
+    table = read_csv(RESULTS / "tables/global_sensitivity_elasticities.csv")
+    titles = (
+        read_csv(RESULTS / "tables/global_sensitivity_indices.csv").groupby("input").title.first()
+    )
     rows = []
     for response, said in (("closure", ""), ("closure_net", ", net of bulk indentation")):
         for cycle in (1, 2):
@@ -163,7 +165,7 @@ def single_rows() -> str:
 
 def _by_case(cell: Callable[[pd.DataFrame], str], unit: str = "") -> str:
     """A row for each conclusion, with a cell for each cycle and closure of which it is."""
-    table = read_csv(RESULTS / "tables/global_conclusions.csv")
+    table = read_csv(RESULTS / "tables/global_sensitivity_conclusions.csv")
     rows = []
     for (number, said), own in table.groupby(["number", "conclusion"]):
         row = {"": number, "conclusion": said}
@@ -176,7 +178,7 @@ def _by_case(cell: Callable[[pd.DataFrame], str], unit: str = "") -> str:
 
 def ranking() -> str:
     """Shares of the variance of a ranking's margin over the choices, by input and rock."""
-    table = read_csv(RESULTS / "tables/global_margins.csv")
+    table = read_csv(RESULTS / "tables/global_sensitivity_margins.csv")
     table = table[(table.cycle == 2) & table.number.isin(["1a", "2a"])]
     rows = []
     for (number, said), own in table.groupby(["number", "conclusion"]):
@@ -243,9 +245,9 @@ def jrc_claims() -> str:
 
 def more_rows() -> str:
     """How far the least certain share is known, and what it costs to know it to 10 %."""
-    shares = read_csv(RESULTS / "tables/global_conclusions.csv")
-    rows = int(read_csv(RESULTS / "tables/global_indices.csv").rows.max())
-    minutes = read_csv(RESULTS / "tables/global_estimate.csv").core_minutes.sum()
+    shares = read_csv(RESULTS / "tables/global_sensitivity_conclusions.csv")
+    rows = int(read_csv(RESULTS / "tables/global_sensitivity_indices.csv").rows.max())
+    minutes = read_csv(RESULTS / "tables/global_sensitivity_estimate.csv").seconds.sum() / 60
     worst = shares.loc[shares.share_error.idxmax()]
     enough = rows
     while worst.share_error * (rows / enough) ** 0.5 > ENOUGH:
@@ -262,21 +264,21 @@ def more_rows() -> str:
 
 def full_size() -> str:
     """What the design at full size takes, by its own estimate."""
-    table = read_csv(FULL / "tables/global_estimate.csv")
+    table = read_csv(FULL / "tables/global_sensitivity_estimate.csv")
     rows = [
         {
-            "rock": row.rock,
-            "simulations": f"{row.simulations:,}",
-            "seconds each": f"{row.seconds:.2f}",
-            "core-hours": rounded(row.core_minutes / 60, row.error / 60),
+            "rock": row.job,
+            "simulations": f"{row.joints:,}",
+            "seconds each": f"{row.seconds / row.joints:.2f}",
+            "core-hours": rounded(row.seconds / 3600, row.error / 3600),
         }
         for row in table.itertuples()
     ]
     error = float((table.error**2).sum() ** 0.5)
     whole = {
         "rock": "all",
-        "simulations": f"{table.simulations.sum():,}",
-        "core-hours": rounded(table.core_minutes.sum() / 60, error / 60),
+        "simulations": f"{table.joints.sum():,}",
+        "core-hours": rounded(table.seconds.sum() / 3600, error / 3600),
     }
     return markdown(pd.DataFrame([*rows, whole]))
 
@@ -291,8 +293,8 @@ def main() -> None:
     parts |= {"jrc range": jrc_range(), "jrc claims": jrc_claims()}
     fill(ROOT / "docs/global_sensitivity.md", parts)
     for figure in ("indices", "conclusions", "convergence"):
-        source = RESULTS / f"figures/global_{figure}.png"
-        shutil.copy(source, ROOT / f"docs/images/global_{figure}.png")
+        source = RESULTS / f"figures/global_sensitivity_{figure}.png"
+        shutil.copy(source, ROOT / f"docs/images/global_sensitivity_{figure}.png")
 
 
 if __name__ == "__main__":

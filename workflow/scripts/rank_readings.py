@@ -1,13 +1,13 @@
 """Rank the readings that entered a round by the likelihood of Table 3, and say which are kept."""
 
 from jointclosure.config.plain import from_plain
+from jointclosure.experiments.readings.design import Design, entering, files_of
+from jointclosure.experiments.readings.likelihood import question_of
+from jointclosure.experiments.readings.rounds import blocks_of, round_table
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv, write_csv
-from jointclosure.studies.readings.design import Design, entering, files_of
-from jointclosure.studies.readings.likelihood import question_of
-from jointclosure.studies.readings.rounds import blocks_of, round_table
 
 
 def main(settings: dict, inputs: dict, output: str, log: Logbook) -> None:

@@ -1,14 +1,14 @@
 """Put all rounds of a study of readings together: one row for each reading."""
 
 from jointclosure.config.plain import from_plain
+from jointclosure.experiments.readings.design import Design, files_of
+from jointclosure.experiments.readings.likelihood import question_of
+from jointclosure.experiments.readings.rounds import blocks_of
+from jointclosure.experiments.readings.table import implied_table, readings_markdown, readings_table
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv, write_csv, write_text
-from jointclosure.studies.readings.design import Design, files_of
-from jointclosure.studies.readings.likelihood import question_of
-from jointclosure.studies.readings.rounds import blocks_of
-from jointclosure.studies.readings.table import implied_table, readings_markdown, readings_table
 
 
 def main(settings: dict, inputs: dict, outputs: dict, log: Logbook) -> None:

@@ -236,5 +236,5 @@ EXPERIMENT = Experiment(
     quantities=tuple(READ),
     design=misalignment_design,
     tabulate=lambda joints, parameters: {"misalignment": misalignment_table(joints)},
-    draw=lambda name, tables: misalignment_figure(tables[name]),
+    draw=lambda name, tables, parameters: misalignment_figure(tables[name]),
 )

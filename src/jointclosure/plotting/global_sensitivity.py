@@ -28,7 +28,7 @@ def indices(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     Parameters
     ----------
     table : DataFrame
-        From `jointclosure.studies.global_sensitivity.table.index_table`.
+        From `jointclosure.experiments.global_sensitivity.table.index_table`.
     titles : dict
         Of rocks.
 
@@ -122,7 +122,7 @@ def conclusions(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     Parameters
     ----------
     table : DataFrame
-        From `jointclosure.studies.global_sensitivity.conclusions.conclusion_tables`; where it
+        From `jointclosure.experiments.global_sensitivity.conclusions.conclusion_tables`; where it
         is empty the figure says so.
     titles : dict
         Of rocks.

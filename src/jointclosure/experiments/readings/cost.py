@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from jointclosure.studies.readings.design import AS_CONFIGURED, PAIRS, SINGLES, Design
+from jointclosure.experiments.readings.design import AS_CONFIGURED, PAIRS, SINGLES, Design
 
 
 def costs(

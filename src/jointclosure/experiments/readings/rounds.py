@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.studies.readings.closing import joined
-from jointclosure.studies.readings.design import AS_CONFIGURED, Design
-from jointclosure.studies.readings.likelihood import Question, answer_of, ranking
-from jointclosure.studies.readings.pools import Closures
+from jointclosure.experiments.readings.closing import joined
+from jointclosure.experiments.readings.design import AS_CONFIGURED, Design
+from jointclosure.experiments.readings.likelihood import Question, answer_of, ranking
+from jointclosure.experiments.readings.pools import Closures
 
 Blocks = Mapping[tuple[str, str], list[xr.Dataset]]
 """Blocks of closures by (run, rock), in the order of their realisations."""
@@ -18,7 +18,7 @@ Blocks = Mapping[tuple[str, str], list[xr.Dataset]]
 def blocks_of(
     files: Iterable[tuple[str, str, str]], read: Callable[[str], xr.Dataset]
 ) -> dict[tuple[str, str], list[xr.Dataset]]:
-    """Blocks by (run, rock), from `jointclosure.studies.readings.design.files_of`."""
+    """Blocks by (run, rock), from `jointclosure.experiments.readings.design.files_of`."""
     blocks: dict[tuple[str, str], list[xr.Dataset]] = {}
     for run, rock, file in files:
         blocks.setdefault((run, rock), []).append(read(file))

@@ -4,15 +4,15 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.config.properties import PARAMETERS, PROPERTIES
-from jointclosure.statistics.standard_errors import rounded
-from jointclosure.studies.readings.design import AS_CONFIGURED, Design
-from jointclosure.studies.readings.likelihood import (
+from jointclosure.experiments.readings.design import AS_CONFIGURED, Design
+from jointclosure.experiments.readings.likelihood import (
     Question,
     implied_scatter,
     judged_by_table_3,
 )
-from jointclosure.studies.readings.rounds import Blocks, closures_of, in_round
-from jointclosure.studies.readings.summary import SCATTER, claims_judged, over_rocks, quantities
+from jointclosure.experiments.readings.rounds import Blocks, closures_of, in_round
+from jointclosure.experiments.readings.summary import SCATTER, claims_judged, over_rocks, quantities
+from jointclosure.statistics.standard_errors import rounded
 
 _FACTORS = np.linspace(0.1, 1.6, 31)
 """Of all standard deviations, among which the likeliest is looked for."""
@@ -42,7 +42,7 @@ def readings_table(
     ----------
     design : Design
     ranked : list of DataFrame
-        `jointclosure.studies.readings.rounds.round_table` of each round.
+        `jointclosure.experiments.readings.rounds.round_table` of each round.
     blocks : mapping
     question : Question
     confidence : float

@@ -6,17 +6,16 @@ import pytest
 import xarray as xr
 
 from jointclosure.config.files import ConfigurationError, read_plain
-from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
-from jointclosure.studies.readings.closing import close_block, joined, one_simulation
-from jointclosure.studies.readings.cost import costs
-from jointclosure.studies.readings.design import (
+from jointclosure.experiments.readings.closing import close_block, joined, one_simulation
+from jointclosure.experiments.readings.cost import costs
+from jointclosure.experiments.readings.design import (
     AS_CONFIGURED,
     can_be_run,
     design_of,
     entering,
     settings_of,
 )
-from jointclosure.studies.readings.likelihood import (
+from jointclosure.experiments.readings.likelihood import (
     Answer,
     answer_of,
     behind,
@@ -25,10 +24,10 @@ from jointclosure.studies.readings.likelihood import (
     published_lengths,
     ranking,
 )
-from jointclosure.studies.readings.pools import transferred
-from jointclosure.studies.readings.summary import claims_judged, over_rocks, quantities
-from tests.studied import ROOT, checked_study
-from tests.studies.readings_world import (
+from jointclosure.experiments.readings.pools import transferred
+from jointclosure.experiments.readings.summary import claims_judged, over_rocks, quantities
+from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
+from tests.experiments.readings_world import (
     ELASTICITIES,
     PARAMETERS,
     SCATTER,
@@ -38,6 +37,7 @@ from tests.studies.readings_world import (
     table_3,
     world,
 )
+from tests.studied import ROOT, checked_study
 
 TINY = read_plain(ROOT / "tests/workflow/tiny_readings.yaml")
 FULL = read_plain(ROOT / "config/readings.yaml")
