@@ -27,9 +27,6 @@ include: "workflow/rules/experiments_setting.smk"
 include: "workflow/rules/experiments.smk"
 include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/effects.smk"
-include: "workflow/rules/readings_setting.smk"
-include: "workflow/rules/readings.smk"
-include: "workflow/rules/numerics.smk"
 
 
 DRY_RUN = bool({"-n", "--dry-run", "--dryrun"} & set(sys.argv))
@@ -37,8 +34,8 @@ DRY_RUN = bool({"-n", "--dry-run", "--dryrun"} & set(sys.argv))
 if workflow.is_main_process:
     for folder, made_with in (
         (RESULTS, STUDY_WITH | CHOSEN_WITH | WALLS_WITH),
-        (RESULTS, VALIDATED_WITH | READINGS_WITH),
-        *((RESULTS, closed_with(name)) for name in EXPERIMENTS),
+        (RESULTS, VALIDATED_WITH),
+        *((RESULTS, closed_with(name, closed_before(name))) for name in EXPERIMENTS),
         (HARD_RESULTS, HARD_WITH),
     ):
         for seal, reason in list(unmet_seals(folder, made_with)):

@@ -16,7 +16,6 @@ import yaml
 from jointclosure.config.configuration import configured, merged_study
 from jointclosure.config.files import read_plain
 from jointclosure.experiments import checked_design, experiments_in
-from jointclosure.experiments.readings import design as readings
 from jointclosure.inputs import InputError
 from jointclosure.storage.text import read_csv
 from tests.config.test_configuration import STUDIES
@@ -27,9 +26,6 @@ BAD = [
     {"numerics": 1}, {"set": {"numerics": None}}, "auto", "flow.x", "numerics.solver",
     datetime.date(2020, 1, 1),
 ]  # fmt: skip
-DESIGNS = {
-    "readings": readings.design_of,
-}
 
 
 def leaves(part, path=()):
@@ -55,9 +51,6 @@ def read(keys, file):
     file.write_text(yaml.safe_dump(keys), encoding="utf-8")
     try:
         found = configured(merged_study(file), read_csv)
-        for section, design_of in DESIGNS.items():
-            if found.keys.get(section):
-                design_of(found.keys)
         for name in experiments_in(found.keys):
             checked_design(name, found)
     except InputError:

@@ -2,7 +2,7 @@
 from jointclosure.config.files import DEFAULT, read_plain
 
 BESIDE = {
-    "readings": ("readings", "readings.csv", "weigh_readings"),
+    "readings": ("readings", "readings.csv", "tabulate_readings"),
     "margins": (
         "global_sensitivity",
         "global_sensitivity_margins.csv",

@@ -5,6 +5,7 @@
 wildcard_constraints:
     experiment="|".join(EXPERIMENTS) or "none",
     job="[A-Za-z0-9_.-]+",
+    round="[a-z][a-z0-9_]*",
 
 
 rule compile_experiment:
@@ -47,7 +48,43 @@ rule close_points:
         "../scripts/close_points.py"
 
 
+checkpoint rank_round:
+    input:
+        joints=lambda w: joints_of(
+            w.experiment, jobs_of_round(w.experiment, number_of(w))
+        ),
+        before=lambda w: [
+            table_file(ranking)
+            for ranking in rankings_before(w.experiment, number_of(w))
+        ],
+        files=lambda w: list(DESIGNS[w.experiment].files.values()),
+        seals=sealed_for_round,
+    output:
+        f"{RESULTS}/tables/{{experiment}}_round_{{round}}.csv",
+        seal=f"{RESULTS}/seals/{{experiment}}_round_{{round}}.json",
+    log:
+        f"{RESULTS}/logs/{{experiment}}_round_{{round}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/{{experiment}}_round_{{round}}.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        parameters=lambda w: DESIGNS[w.experiment].parameters,
+        files=lambda w: dict(DESIGNS[w.experiment].files),
+        number=number_of,
+        entrants=lambda w: entrants_of(w.experiment, number_of(w)),
+        made_with=lambda w: closed_with(
+            w.experiment, jobs_of_round(w.experiment, number_of(w))
+        ),
+        code=lambda w: code_of_experiment(w.experiment, "rank_round"),
+    message:
+        "Rank those that entered the round {wildcards.round} ({wildcards.experiment})"
+    script:
+        "../scripts/rank_round.py"
+
+
 for NAME, EXPERIMENT in EXPERIMENTS.items():
+    RANKINGS = [ranking_job(NAME, number) for number in range(len(round_names(NAME)))]
 
     rule:
         name:
@@ -66,6 +103,7 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
             ENVIRONMENT
         params:
             samples=lambda w, name=NAME: packed_samples(name),
+            at_most=bool(RANKINGS),
             code=code_of("estimate_points"),
         message:
             f"Estimate the time of the experiment {NAME}, by a few of its joints"
@@ -76,11 +114,16 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
         name:
             f"tabulate_{NAME}"
         input:
-            joints=[f"{RESULTS}/{NAME}/{job}.nc" for job in DESIGNS[NAME].jobs],
-            seals=[closing_seal(NAME, job) for job in DESIGNS[NAME].jobs],
+            joints=lambda w, name=NAME: joints_of(name, jobs_of(name)),
+            rounds=[table_file(ranking) for ranking in RANKINGS],
+            files=list(DESIGNS[NAME].files.values()),
+            seals=lambda w, name=NAME, rankings=RANKINGS: [
+                closing_seal(name, job) for job in jobs_of(name)
+            ]
+            + seals_of(*rankings),
         output:
             joints=f"{RESULTS}/{NAME}.nc",
-            tables=[f"{RESULTS}/tables/{table}.csv" for table in DESIGNS[NAME].tables],
+            tables=[table_file(table) for table in DESIGNS[NAME].tables],
             seal=f"{RESULTS}/seals/tabulate_{NAME}.json",
         log:
             f"{RESULTS}/logs/tabulate_{NAME}.log",
@@ -91,7 +134,8 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
         params:
             experiment=NAME,
             parameters=DESIGNS[NAME].parameters,
-            made_with=lambda w, name=NAME: closed_with(name),
+            files=dict(DESIGNS[NAME].files),
+            made_with=lambda w, name=NAME: closed_with(name, jobs_of(name)),
             code=code_of_experiment(NAME, "tabulate_points"),
         message:
             f"Find {EXPERIMENT.title}"
@@ -102,7 +146,8 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
         name:
             f"draw_{NAME}"
         input:
-            tables=[f"{RESULTS}/tables/{table}.csv" for table in DESIGNS[NAME].tables],
+            tables=[table_file(table) for table in DESIGNS[NAME].tables],
+            files=list(DESIGNS[NAME].files.values()),
             seals=seals_of(f"tabulate_{NAME}"),
         output:
             figures=[
@@ -120,6 +165,7 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
         params:
             experiment=NAME,
             parameters=DESIGNS[NAME].parameters,
+            files=dict(DESIGNS[NAME].files),
             code=code_of_experiment(NAME, "draw_experiment"),
         message:
             f"Draw {EXPERIMENT.title}"
@@ -132,7 +178,7 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
         input:
             f"{RESULTS}/{NAME}.nc",
             f"{RESULTS}/tables/{NAME}_estimate.csv",
-            [f"{RESULTS}/tables/{table}.csv" for table in DESIGNS[NAME].tables],
+            [table_file(table) for table in DESIGNS[NAME].tables],
             [
                 f"{RESULTS}/figures/{figure}.{format}"
                 for figure in DESIGNS[NAME].figures

@@ -35,13 +35,80 @@ def closing_seal(experiment, job):
     return seals_of(f"close_{experiment}/{job}")[0]
 
 
-@cache
-def closed_with(experiment):
-    """Digests of settings that seals of the jobs of an experiment must have."""
+def closed_with(experiment, jobs):
+    """Digests of settings that seals of jobs must have."""
     return {
         closing_seal(experiment, job): settings_digest(closing(experiment, job))
-        for job in DESIGNS[experiment].jobs
+        for job in jobs
     }
+
+
+def closed_before(experiment):
+    """Jobs that were closed, by their seals."""
+    jobs = DESIGNS[experiment].jobs
+    return [job for job in jobs if Path(closing_seal(experiment, job)).exists()]
+
+
+def table_file(table):
+    """File of a table by its name; that of a text has its ending."""
+    return f"{RESULTS}/tables/{table}{'' if '.' in table else '.csv'}"
+
+
+def round_names(experiment):
+    """Rounds of an experiment; most have none."""
+    rounds = DESIGNS[experiment].rounds
+    return rounds.names if rounds else ()
+
+
+def ranking_job(experiment, number):
+    return f"{experiment}_round_{round_names(experiment)[number]}"
+
+
+def rankings_before(experiment, number):
+    """Ranking of the round before one, none before the first."""
+    return [ranking_job(experiment, number - 1)] if number else []
+
+
+def entrants_of(experiment, number):
+    """Names of those that enter a round, once the one before is ranked."""
+    before = None
+    if number:
+        last = round_names(experiment)[number - 1]
+        ranked = checkpoints.rank_round.get(experiment=experiment, round=last)
+        before = read_csv(ranked.output[0])
+    return DESIGNS[experiment].rounds.entrants(number, before)
+
+
+def jobs_of_round(experiment, number):
+    """Jobs that a round needs."""
+    entrants = entrants_of(experiment, number)
+    return DESIGNS[experiment].rounds.jobs(number, entrants)
+
+
+def jobs_of(experiment):
+    """Jobs of all rounds by name; without rounds all jobs, in their order."""
+    numbers = range(len(round_names(experiment)))
+    jobs = {job for number in numbers for job in jobs_of_round(experiment, number)}
+    return sorted(jobs) if numbers else list(DESIGNS[experiment].jobs)
+
+
+def joints_of(experiment, jobs):
+    """Files of the joints of jobs."""
+    return [f"{RESULTS}/{experiment}/{job}.nc" for job in jobs]
+
+
+def number_of(w):
+    """Number of a round."""
+    return round_names(w.experiment).index(w.round)
+
+
+def sealed_for_round(w):
+    """Seals of what a round is ranked by."""
+    number = number_of(w)
+    closed = [
+        closing_seal(w.experiment, job) for job in jobs_of_round(w.experiment, number)
+    ]
+    return closed + seals_of(*rankings_before(w.experiment, number))
 
 
 def packed_samples(experiment):

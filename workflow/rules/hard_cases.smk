@@ -1,10 +1,15 @@
-# Joints that are hard on a solver, closed and judged by an oracle: `snakemake hard_cases`.
-# A study of its own, which no other rule depends on.
+# Joints that are hard on a solver, closed and judged by an oracle, and the paper's formulas and sweep beside ours
+# (docs/numerical_stability.md): `snakemake hard_cases`. A study of its own, which no other rule depends on.
 from jointclosure.verification.hard_cases import kernels_of_cases, merged_cases
 
 HARD_RESULTS = "results/hard_cases"
 HARD_CASES = merged_cases(read_plain(ROOT / "config/hard_cases.yaml"))
 HARD_GROUPS = sorted({case["group"] for case in HARD_CASES.values()})
+HARD_FIGURES = [
+    f"{HARD_RESULTS}/figures/{figure}.{format}"
+    for figure in ("hard_cases", "numerics")
+    for format in ("png", "pdf")
+]
 
 
 HARD_TOLD = {"cases": HARD_CASES, "code": code_of("close_hard_cases")}
@@ -27,11 +32,8 @@ wildcard_constraints:
 rule hard_cases:
     input:
         f"{HARD_RESULTS}/tables/hard_cases.csv",
-        f"{HARD_RESULTS}/figures/hard_cases.png",
-        f"{HARD_RESULTS}/figures/hard_cases.pdf",
-        f"{HARD_RESULTS}/figures/numerics.png",
-        f"{HARD_RESULTS}/figures/numerics.pdf",
-        seals_of("present_hard_cases", "draw_numerics", study=HARD_RESULTS),
+        HARD_FIGURES,
+        seals_of("present_hard_cases", study=HARD_RESULTS),
     message:
         "The hard cases are closed and judged"
 
@@ -75,6 +77,27 @@ rule close_hard_cases:
         "../scripts/close_hard_cases.py"
 
 
+rule measure_numerics:
+    input:
+        f"{HARD_RESULTS}/logs/kernels.txt",
+    output:
+        numerics=f"{HARD_RESULTS}/tables/numerics.csv",
+        loads=f"{HARD_RESULTS}/tables/sweep_loads.csv",
+        seal=f"{HARD_RESULTS}/seals/measure_numerics.json",
+    log:
+        f"{HARD_RESULTS}/logs/measure_numerics.log",
+    benchmark:
+        f"{HARD_RESULTS}/benchmarks/measure_numerics.tsv"
+    conda:
+        ENVIRONMENT
+    params:
+        code=code_of("measure_numerics"),
+    message:
+        "Measure the paper's formulas and sweep, and ours, against exact values"
+    script:
+        "../scripts/measure_numerics.py"
+
+
 rule present_hard_cases:
     input:
         tables=expand(f"{HARD_RESULTS}/cases/{{group}}.csv", group=HARD_GROUPS),
@@ -84,9 +107,7 @@ rule present_hard_cases:
         seals=list(HARD_WITH),
     output:
         table=f"{HARD_RESULTS}/tables/hard_cases.csv",
-        figures=expand(
-            f"{HARD_RESULTS}/figures/hard_cases.{{format}}", format=["png", "pdf"]
-        ),
+        figures=HARD_FIGURES,
         seal=f"{HARD_RESULTS}/seals/present_hard_cases.json",
     log:
         f"{HARD_RESULTS}/logs/present_hard_cases.log",
@@ -99,6 +120,6 @@ rule present_hard_cases:
         made_with=HARD_WITH,
         code=code_of("present_hard_cases"),
     message:
-        "Write the table and the page of pictures of the hard cases"
+        "Write the table and the pictures of the hard cases"
     script:
         "../scripts/present_hard_cases.py"

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from jointclosure.experiments import Experiment, experiment_named
-from jointclosure.jobs.job import job
+from jointclosure.jobs.job import job, listed
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv
@@ -19,7 +19,7 @@ def main(
     log: Logbook,
 ) -> None:
     """Write each figure in the format of each of its files."""
-    read = {Path(table).stem: read_csv(table) for table in tables}
+    read = {Path(table).stem: read_csv(table) for table in tables if table.endswith(".csv")}
     for name, files in itertools.groupby(outputs, lambda output: Path(output).stem):
         figure = experiment.draw(name, read, parameters)
         for output in files:
@@ -29,11 +29,11 @@ def main(
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:
-        given = snakemake.input.tables
+        params = snakemake.params
         main(
-            experiment_named(snakemake.params.experiment),
-            snakemake.params.parameters,
-            [given] if isinstance(given, str) else list(given),
+            experiment_named(params.experiment),
+            params.parameters | {name: read_csv(file) for name, file in params.files.items()},
+            listed(snakemake.input.tables),
             list(snakemake.output.figures),
             logbook,
         )

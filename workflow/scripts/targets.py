@@ -54,9 +54,6 @@ TARGETS = {
     "study": Target(),
     "report": Target(("report",), page="report.html"),
     "hard-cases": Target(("hard_cases",), study="hard_cases"),
-    "readings": Target(
-        ("estimate_readings", "readings"), "config/readings.yaml", section="readings"
-    ),
     "jrc-range": Target(("all", "jrc_range"), check=lambda told: check_jrc_varies(told.typed)),
     "conclusions": Target(("all", "conclusions"), check=lambda told: check_jrc_varies(told.typed)),
 }

@@ -311,8 +311,8 @@ def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]
 
 
 def as_dataset(table: pd.DataFrame) -> xr.Dataset:
-    """A table of `close_points` over (row), with units and titles of its quantities."""
-    dataset = xr.Dataset({name: ("row", table[name].to_numpy()) for name in table})
+    """A table of `close_points` over (entry), with units and titles of its quantities."""
+    dataset = xr.Dataset({name: ("entry", table[name].to_numpy()) for name in table})
     for name in set(table) & set(QUANTITIES):
         quantity = QUANTITIES[name]
         dataset[name].attrs = {"long_name": quantity.title, "units": quantity.unit}
@@ -320,6 +320,10 @@ def as_dataset(table: pd.DataFrame) -> xr.Dataset:
     return dataset
 
 
-def as_table(dataset: xr.Dataset) -> pd.DataFrame:
-    """The table of `as_dataset`."""
-    return pd.DataFrame({str(name): values.values for name, values in dataset.data_vars.items()})
+def as_table(*datasets: xr.Dataset) -> pd.DataFrame:
+    """The tables of `as_dataset` as one; empty without any."""
+    tables = (
+        pd.DataFrame({str(name): values.values for name, values in each.data_vars.items()})
+        for each in datasets
+    )
+    return pd.concat(tables, ignore_index=True) if datasets else pd.DataFrame()

@@ -4,8 +4,9 @@ An experiment is a module here with a constant ``EXPERIMENT``. It closes nothing
 (`jointclosure.ensemble.points`) closes its points. A new one is named in `SECTIONS`.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import import_module
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pandas as pd
@@ -24,12 +25,32 @@ SECTIONS = {
     "global_sensitivity": "global_sensitivity",
     "misalignment": "misalignment",
     "mismatch": "mismatch",
+    "readings": "readings",
     "size": "size",
 }
 """The section of the configuration that each experiment needs, by the experiment's name."""
 
 
-Tables = Mapping[str, pd.DataFrame]
+Tables = Mapping[str, Any]
+"""A DataFrame by the name of its table; a text by that of a file that ends in .md."""
+
+
+class Rounds(NamedTuple):
+    """Rounds of an experiment: what one closes is known when the round before is ranked.
+
+    Attributes
+    ----------
+    names : tuple of str
+    entrants : callable
+        Names of those that enter a round, from its number and the ranking of the round before,
+        None for the first round.
+    jobs : callable
+        Names of the jobs that a round needs, from its number and its entrants.
+    """
+
+    names: tuple[str, ...]
+    entrants: Callable[[int, pd.DataFrame | None], list[str]]
+    jobs: Callable[[int, Sequence[str]], list[str]]
 
 
 class Design(NamedTuple):
@@ -40,23 +61,29 @@ class Design(NamedTuple):
     Attributes
     ----------
     jobs : mapping
-        The points of each job.
+        The points of each job, of all that any round may close.
     tables, figures : tuple of str
         Names of the files that are written.
     parameters : dict
         What tables and figures need besides the joints, as plain data.
+    files : mapping
+        Further tables (CSV) that are read into the parameters, by the parameter's name.
     compiled : callable, optional
         Settings of all kernels that are needed; without it those of all points.
     samples : callable, optional
         Points by which the time is estimated; without it `samples_of` all jobs.
+    rounds : Rounds, optional
+        Without it all jobs are closed.
     """
 
     jobs: Jobs
     tables: tuple[str, ...]
     figures: tuple[str, ...]
     parameters: dict[str, Any]
+    files: Mapping[str, str] = MappingProxyType({})
     compiled: Callable[[], Iterable[ClosureSettings]] | None = None
     samples: Callable[[], Samples] | None = None
+    rounds: Rounds | None = None
 
     def kernels(self) -> list[list[str]]:
         """Kernels that are compiled before the jobs start."""
@@ -85,12 +112,16 @@ class Experiment(NamedTuple):
     design : callable
         From a checked configuration. It raises `ConfigurationError` where that contradicts itself.
     tabulate : callable
-        Tables by name, from the table of all joints and the parameters of the design.
+        Tables by name, from the table of all joints and the parameters of the design, to which
+        ``rounds`` adds the ranking of each round.
     draw : callable
         Figure of a name, from the tables by name and the parameters of the design.
     check : callable
         Raises `ConfigurationError` where the settings of points cannot be closed, if finding that
         takes more than ``design`` may: it is called once, before any job.
+    rank : callable, optional
+        Ranking of a round, from the joints that it needs, the parameters of the design, the
+        round's number and its entrants.
     """
 
     title: str
@@ -99,6 +130,7 @@ class Experiment(NamedTuple):
     tabulate: Callable[[pd.DataFrame, Mapping[str, Any]], Tables]
     draw: Callable[[str, Tables, Mapping[str, Any]], "Figure"]
     check: Callable[[Configured], None] = _nothing_to_check
+    rank: Callable[[pd.DataFrame, Mapping[str, Any], int, list[str]], pd.DataFrame] | None = None
 
 
 def experiment_named(name: str) -> Experiment:

@@ -1,68 +1,80 @@
-"""Readings judged after a round: closures by reading in, ranking out."""
+"""Closures of readings from the table of all joints, and the ranking of a round."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.experiments.readings.closing import joined
-from jointclosure.experiments.readings.design import AS_CONFIGURED, Design
+from jointclosure.experiments.readings.design import AS_CONFIGURED, CLOSURES, Readings
 from jointclosure.experiments.readings.likelihood import Question, answer_of, ranking
 from jointclosure.experiments.readings.pools import Closures
 
-Blocks = Mapping[tuple[str, str], list[xr.Dataset]]
-"""Blocks of closures by (run, rock), in the order of their realisations."""
-
-
-def blocks_of(
-    files: Iterable[tuple[str, str, str]], read: Callable[[str], xr.Dataset]
-) -> dict[tuple[str, str], list[xr.Dataset]]:
-    """Blocks by (run, rock), from `jointclosure.experiments.readings.design.files_of`."""
-    blocks: dict[tuple[str, str], list[xr.Dataset]] = {}
-    for run, rock, file in files:
-        blocks.setdefault((run, rock), []).append(read(file))
-    return blocks
-
 
 def round_table(
-    design: Design, number: int, readings: list[str], blocks: Blocks, question: Question
+    readings: Readings, number: int, entrants: list[str], joints: pd.DataFrame, question: Question
 ) -> pd.DataFrame:
     """Ranking of the readings that entered a round, the best first.
 
     Parameters
     ----------
-    design : Design
+    readings : Readings
     number : int
         Of the round.
-    readings : list of str
-    blocks : mapping
-        Of all readings that entered, and of the configured one in all rocks.
+    entrants : list of str
+    joints : DataFrame
+        As from `jointclosure.ensemble.points.close_points`, of all readings that entered, and of
+        the configured one in all rocks.
     question : Question
     """
-    if not readings:
-        return ranking({}, design.rounds[number].margin)
-    reference = closures_of(design, AS_CONFIGURED, blocks, dict.fromkeys(design.rocks))
+    if not entrants:
+        return ranking({}, readings.rounds[number].margin)
+    reference = closures_of(readings, AS_CONFIGURED, joints, dict.fromkeys(readings.rocks))
     answers = {}
-    for name in readings:
-        answers[name] = answer_of(question, in_round(design, number, name, blocks), reference)
-    return ranking(answers, design.rounds[number].margin)
+    for name in entrants:
+        answers[name] = answer_of(question, in_round(readings, number, name, joints), reference)
+    return ranking(answers, readings.rounds[number].margin)
 
 
-def in_round(design: Design, number: int, reading: str, blocks: Blocks) -> Closures:
+def in_round(readings: Readings, number: int, reading: str, joints: pd.DataFrame) -> Closures:
     """What a round closed of a reading: its rocks, and no more than its realisations."""
-    this = design.rounds[number]
-    return closures_of(design, reading, blocks, dict.fromkeys(this.rocks, this.realizations))
+    this = readings.rounds[number]
+    return closures_of(readings, reading, joints, dict.fromkeys(this.rocks, this.realizations))
 
 
 def closures_of(
-    design: Design, reading: str, blocks: Blocks, most: Mapping[str, int | None]
+    readings: Readings, reading: str, joints: pd.DataFrame, most: Mapping[str, int | None]
 ) -> Closures:
     """Closures of a reading by rock, of the realisations below ``most`` (None: of all)."""
-    one = design.reading(reading)
+    one = readings.reading(reading)
     found = {}
     for rock, last in most.items():
-        whole = joined(blocks[one.run, rock], one.closure)
+        here = (joints.run == one.run) & (joints.rock == rock)
+        whole = on_cases(joints[here], CLOSURES[one.closure])
         numbers = whole.realization.values
         found[rock] = whole.isel(realization=np.flatnonzero(numbers < (last or np.inf)))
     return found
+
+
+def on_cases(joints: pd.DataFrame, quantity: str) -> xr.DataArray:
+    """A quantity (case, realization, cycle) of the joints of a rock in a reading.
+
+    ``parameter`` and ``value`` [SI, NaN at the base] are coordinates of the cases. Surfaces on
+    which a simulation failed at any case are left out at all.
+    """
+    cases = joints[["parameter", "value"]].drop_duplicates()
+    case = joints.groupby(["parameter", "value"], dropna=False, sort=False).ngroup()
+    place, numbers = pd.factorize(joints.realization)
+    values = np.full((len(cases), numbers.size, joints.cycle.max()), np.nan)
+    values[case, place, joints.cycle - 1] = joints[quantity]
+    whole = xr.DataArray(
+        values,
+        dims=("case", "realization", "cycle"),
+        coords={
+            "realization": numbers,
+            "cycle": np.arange(1, values.shape[-1] + 1),
+            "parameter": ("case", cases.parameter.to_numpy()),
+            "value": ("case", cases.value.to_numpy()),
+        },
+    )
+    return whole.isel(realization=np.flatnonzero(np.isfinite(values).all(axis=(0, 2))))
