@@ -13,12 +13,10 @@ def main(samples: Samples, at_most: bool, output: str, log: Logbook) -> None:
     """Write the seconds of each job, and show their sum to the user."""
     table = estimated_time(samples, log)
     write_csv(table, output)
-    error = math.hypot(*table.error) / 60
+    minutes, error = table.seconds.sum() / 60, math.hypot(*table.error) / 60
     known = f" ± {error:.0f}" if math.isfinite(error) else ""
-    line = (
-        f"{'at most ' * at_most}{table.joints.sum()} joints will take about {table.seconds.sum() / 60:.0f}{known} "
-        "minutes on one core"
-    )
+    joints = f"{'at most ' if at_most else ''}{table.joints.sum()} joints"
+    line = f"{joints} will take about {minutes:.0f}{known} minutes on one core"
     log(line)
     print(f"jointclosure: {line}", file=sys.__stderr__, flush=True)
 

@@ -107,15 +107,38 @@ def configured(keys: dict, read: Callable[[Path], pd.DataFrame]) -> Configured:
         an unknown key the one that was probably meant.
     """
     keys = written_out(keys)
-    _refuse(problems(ConfigurationKeys, keys))
+    refuse(problems(ConfigurationKeys, keys))
     try:
         keys, sentence, granted = _chosen(keys, read_plain(DEFAULT), read)
     except InputError as error:
         raise ConfigurationError(str(error)) from None
-    _refuse(problems(ConfigurationKeys, keys))
+    refuse(problems(ConfigurationKeys, keys))
     whole = complete(keys)
-    _refuse(contradictions(whole, _typed))
+    refuse(contradictions(whole, _typed))
     return Configured(keys, _typed(whole), sentence, granted)
+
+
+def checked_with(keys: dict, *changes: dict) -> Configuration:
+    """Check a configuration with other keys; a preset or accuracy is written out before.
+
+    Parameters
+    ----------
+    keys : dict
+        Of `Configured`.
+    *changes : dict
+        Nested keys.
+
+    Raises
+    ------
+    ConfigurationError
+        As `configured`, and for a preset or an accuracy among the changes.
+    """
+    plain = keys | {"numerics": numerics_in_full(keys)}
+    return configured(merged(plain, *changes), _no_table).typed
+
+
+def _no_table(path: Path) -> pd.DataFrame:
+    raise InputError("numerics.preset, numerics.accuracy: only for a study as a whole")
 
 
 def _chosen(keys: dict, default: dict, read) -> tuple[dict, str, str | None]:
@@ -167,10 +190,16 @@ def with_keys(configuration: Configuration, keys: dict, changes: dict) -> Config
     return configuration._replace(**{field: _FIELDS[field](whole) for field in fields})
 
 
-def _refuse(lines: Iterable[str]) -> None:
-    found = list(dict.fromkeys(lines))
-    if found:
-        raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in found))
+def refuse(problems: Iterable[str]) -> None:
+    """Raise `ConfigurationError` where there are problems, one line each."""
+    if lines := list(dict.fromkeys(problems)):
+        raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in lines))
+
+
+def problem_lines(error: InputError) -> list[str]:
+    """The lines of an error of `refuse`, or of another one."""
+    lines = str(error).removeprefix("configuration:").split("\n")
+    return [line.strip() for line in lines if line.strip()]
 
 
 def complete(keys: dict) -> dict:

@@ -1,7 +1,7 @@
 """Which of the paper's conclusions hold, whatever is chosen of what the paper leaves open."""
 
 import functools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -45,7 +45,9 @@ class _Margins(NamedTuple):
     rows: np.ndarray
 
 
-def conclusion_tables(sampling: Sampling, keys: dict, closed) -> tuple[pd.DataFrame, pd.DataFrame]:
+def conclusion_tables(
+    sampling: Sampling, keys: Mapping, closed
+) -> tuple[pd.DataFrame, pd.DataFrame]:
     """For what share of the open choices each conclusion holds, and what its margin goes with.
 
     Returns
@@ -87,7 +89,7 @@ def conclusion_tables(sampling: Sampling, keys: dict, closed) -> tuple[pd.DataFr
     )
 
 
-def _elasticities(sampling: Sampling, keys: dict, closed) -> dict[tuple, FittedElasticities]:
+def _elasticities(sampling: Sampling, keys: Mapping, closed) -> dict[tuple, FittedElasticities]:
     """By rock, response and cycle; none where a rock has none to any property."""
     missing = sorted(set(sampling.rocks) - set(closed))
     if missing:

@@ -1,7 +1,7 @@
 """Inputs that vary together, the points at which joints are closed, and their settings."""
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -9,15 +9,14 @@ import numpy as np
 
 from jointclosure.config.configuration import (
     Configured,
+    checked_with,
     complete,
-    configured,
-    merged,
     overlaid,
+    problem_lines,
+    refuse,
     with_keys,
 )
-from jointclosure.config.files import ConfigurationError
 from jointclosure.config.keys import GlobalSensitivityKeys
-from jointclosure.config.presets import numerics_in_full
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.slices import block_settings
@@ -114,7 +113,7 @@ def sampling_of(keys: dict) -> Sampling:
         seed=seed_of(keys["study"]["root_seed"], "global sensitivity"),
         dependent=[(*each["inputs"], each["correlation"]) for each in section["dependent"]],
     )
-    _refuse(_problems(sampling, section))
+    refuse(_problems(sampling, section))
     return sampling
 
 
@@ -125,13 +124,8 @@ def check_sampling(configured: Configured) -> None:
     then with all others in the middle.
     """
     sampling, keys = sampling_of(configured.keys), configured.keys
-    _refuse(_unusable(sampling, keys))
-    _refuse(_clashing(sampling, keys))
-
-
-def _refuse(problems: Iterable[str]) -> None:
-    if lines := list(dict.fromkeys(problems)):
-        raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in lines))
+    refuse(_unusable(sampling, keys))
+    refuse(_clashing(sampling, keys))
 
 
 def keys_at(sampling: Sampling, keys: dict, rock: str, point) -> dict:
@@ -146,7 +140,7 @@ def keys_at(sampling: Sampling, keys: dict, rock: str, point) -> dict:
     return answer
 
 
-def value_at(each: Input, keys: dict, rock: str, u: float):
+def value_at(each: Input, keys: Mapping, rock: str, u: float):
     """The value of an input at u of [0, 1], in the unit of its key."""
     if each.values:
         return each.values[int(part_of(u, len(each.values)))]
@@ -156,7 +150,7 @@ def value_at(each: Input, keys: dict, rock: str, u: float):
     return float(low + (high - low) * u)
 
 
-def range_of(each: Input, keys: dict, rock: str) -> tuple[float, float]:
+def range_of(each: Input, keys: Mapping, rock: str) -> tuple[float, float]:
     """Ends of an input that varies continuously, in the unit of its key."""
     if each.low is not None and each.high is not None:
         return each.low, each.high
@@ -210,7 +204,7 @@ def settings_of_choices(
     return [settings(0, np.array(point)) for point in itertools.product(*places)]
 
 
-def is_positive(each: Input, keys: dict, rock: str) -> bool:
+def is_positive(each: Input, keys: Mapping, rock: str) -> bool:
     """Whether an input varies continuously over positive numbers: it has elasticities."""
     return not each.values and range_of(each, keys, rock)[0] > 0.0
 
@@ -277,16 +271,9 @@ def _ends(each: Input) -> list[float]:
 
 
 def _refused(sampling: Sampling, keys: dict, rock: str, point, each: Input) -> Iterator[str]:
-    plain = keys | {"numerics": numerics_in_full(keys)}
     try:
-        configured(merged(plain, keys_at(sampling, keys, rock, point), _alone(rock)), _no_table)
+        checked_with(keys, keys_at(sampling, keys, rock, point), _alone(rock))
     except InputError as error:
-        lines = str(error).removeprefix("configuration:").split("\n")
-        said = "; ".join(line.strip() for line in lines if line.strip())
-        yield f"global_sensitivity.inputs.{each.name}: {said}"
+        yield f"global_sensitivity.inputs.{each.name}: {'; '.join(problem_lines(error))}"
     except KeyError as error:
         yield f"global_sensitivity.inputs.{each.name}: {error}: there is no such key"
-
-
-def _no_table(path):
-    raise InputError("numerics.preset, numerics.accuracy: not in a study of global sensitivity")

@@ -148,7 +148,7 @@ def index_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.Data
     return pd.DataFrame(rows).merge(_shapley_table(sampling, fits), how="left")
 
 
-def elasticity_table(sampling: Sampling, keys: dict, closed) -> pd.DataFrame:
+def elasticity_table(sampling: Sampling, keys: Mapping, closed) -> pd.DataFrame:
     """Elasticities of properties, and how they vary with all else.
 
     Returns
@@ -185,7 +185,7 @@ def elasticity_table(sampling: Sampling, keys: dict, closed) -> pd.DataFrame:
 
 
 def elasticities_at(
-    sampling: Sampling, keys: dict, each: Responses, at: np.ndarray
+    sampling: Sampling, keys: Mapping, each: Responses, at: np.ndarray
 ) -> Elasticities:
     """d ln(response)/d ln(property) at drawn choices (n, d), and what is known of each row.
 
@@ -217,7 +217,7 @@ def elasticities_at(
     return Elasticities(inputs, drawn, left_out, single, each.rows, over_noise)
 
 
-def _properties(sampling: Sampling, keys: dict, rock: str) -> list[tuple[int, Input]]:
+def _properties(sampling: Sampling, keys: Mapping, rock: str) -> list[tuple[int, Input]]:
     """Inputs that have elasticities, with their places."""
     return [
         (place, one)
@@ -321,7 +321,7 @@ def _least_squares(matrix: np.ndarray, change: np.ndarray, rows: np.ndarray) -> 
     return np.linalg.lstsq(matrix[rows], change[rows], rcond=None)[0]
 
 
-def _logarithm(one: Input, keys: dict, rock: str, u: np.ndarray) -> np.ndarray:
+def _logarithm(one: Input, keys: Mapping, rock: str, u: np.ndarray) -> np.ndarray:
     return np.log([value_at(one, keys, rock, float(each)) for each in u])
 
 

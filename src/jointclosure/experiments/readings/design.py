@@ -8,16 +8,20 @@ not yet clearly worse than the best.
 
 import itertools
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import pandas as pd
 
-from jointclosure.config.configuration import Configured, configured, merged
-from jointclosure.config.files import ConfigurationError
+from jointclosure.config.configuration import (
+    Configured,
+    checked_with,
+    merged,
+    problem_lines,
+    refuse,
+)
 from jointclosure.config.keys import ReadingsKeys
-from jointclosure.config.presets import numerics_in_full
-from jointclosure.config.typed import Configuration, StudyRock
+from jointclosure.config.typed import StudyRock
 from jointclosure.inputs import InputError
 
 AS_CONFIGURED = "as_configured"
@@ -122,27 +126,21 @@ def readings_of(keys: dict) -> Readings:
         block=keys["study"]["realizations_per_job"] or keys["study"]["realizations"],
         reference_realizations=section["reference_realizations"],
     )
-    problems = [*_round_problems(readings)]
+    refuse(_round_problems(readings))
     if keys["study"]["cycles"] != 2:
-        problems.append(f"study.cycles = {keys['study']['cycles']}: must be 2, as in Table 3")
-    _refuse(problems)
+        refuse([f"study.cycles = {keys['study']['cycles']}: must be 2, as in Table 3"])
     return readings
 
 
 def check_readings(configured: Configured) -> None:
     """Raise `ConfigurationError` for each reading that the model cannot take."""
-    _refuse(_reading_problems(readings_of(configured.keys), configured.keys))
-
-
-def _refuse(problems: Iterable[str]) -> None:
-    if lines := list(problems):
-        raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in lines))
+    refuse(_reading_problems(readings_of(configured.keys), configured.keys))
 
 
 def can_be_run(readings: Readings, keys: dict, reading: str) -> bool:
     """Whether the model takes a reading; some pairs contradict each other."""
     try:
-        _configured(keys, readings.reading(reading).keys, readings.rocks)
+        checked_with(keys, readings.reading(reading).keys)
     except InputError:
         return False
     return True
@@ -237,15 +235,6 @@ def _pairs(singles: dict[str, Reading]) -> dict[str, Reading]:
     return pairs
 
 
-def _configured(keys: dict, reading: dict, rocks: tuple[str, ...]) -> Configuration:
-    plain = keys | {"numerics": numerics_in_full(keys)}
-    return configured(merged(plain, reading, {"study": {"rocks": list(rocks)}}), _no_table).typed
-
-
-def _no_table(path):
-    raise InputError("numerics.preset, numerics.accuracy: not in a reading")
-
-
 def _round_problems(readings: Readings) -> Iterator[str]:
     for number, each in enumerate(readings.rounds):
         where = f"readings.rounds.{each.name}"
@@ -277,17 +266,16 @@ def _first_of_pairs(readings: Readings) -> Round | None:
 
 
 def _reading_problems(readings: Readings, keys: dict) -> Iterator[str]:
-    plain = _configured(keys, {}, readings.rocks)
+    plain = checked_with(keys)
     for name, reading in readings.singles.items():
         where = f"readings: {name}"
         for section in reading.keys:
             if section not in _SECTIONS:
                 yield f"{where}: {section}: must be one of {', '.join(_SECTIONS)}"
         try:
-            typed = _configured(keys, reading.keys, readings.rocks)
+            typed = checked_with(keys, reading.keys, {"study": {"rocks": list(readings.rocks)}})
         except InputError as error:
-            lines = str(error).removeprefix("configuration:").split("\n")
-            yield from (f"{where}: {line.strip()}" for line in lines if line.strip())
+            yield from (f"{where}: {line}" for line in problem_lines(error))
             continue
         for rock, own in typed.rocks.items():
             if _varied(own) != _varied(plain.rocks[rock]):
