@@ -311,6 +311,7 @@ _FIELDS: dict[str, Callable[[dict], Any]] = {
 }
 """Each field of a configuration, from complete keys."""
 _FIELDS_OF = {
+    "study": ("study", "rocks", "output"),
     "rocks": ("rocks", "output"),
     "effects": ("rocks", "effects_chosen_to", "numerics"),
     "seating_stress_MPa": ("seating_stress",),

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 
-from jointclosure.config.configuration import Configured, complete, overlaid, with_keys
+from jointclosure.config.configuration import Configured, complete, with_keys
 from jointclosure.config.typed import Configuration
 from jointclosure.ensemble.cases import base_case, cases_of
 from jointclosure.ensemble.points import Jobs, Point, Sample
@@ -58,9 +58,8 @@ def _configurations(
     keys = complete(configured.keys)
 
     def typed_in(reading: str, rock: str) -> Configuration:
-        alone = {"study": {"rocks": [rock]}, "rocks": {}}
-        changes = overlaid(alone, readings.reading(reading).keys)
-        return with_keys(configured.typed, keys, changes)
+        alone = {"study": {"rocks": [rock]}}
+        return with_keys(configured.typed, keys, alone | readings.reading(reading).keys)
 
     return typed_in
 
