@@ -61,12 +61,19 @@ RUNS = {
     ),
     "global_sensitivity": Run(
         tables=(
-            "global_indices", "global_elasticities", "global_conclusions", "global_margins",
-            "global_estimate",
+            "global_sensitivity_indices",
+            "global_sensitivity_elasticities",
+            "global_sensitivity_conclusions",
+            "global_sensitivity_margins",
+            "global_sensitivity_estimate",
         ),
-        figures=("global_indices", "global_conclusions", "global_convergence"),
+        figures=(
+            "global_sensitivity_indices",
+            "global_sensitivity_conclusions",
+            "global_sensitivity_convergence",
+        ),
     ),
-    "global_sensitivity_full": Run(("global_estimate",)),
+    "global_sensitivity_full": Run(("global_sensitivity_estimate",)),
     "continuum": Run(("continuum", "continuum_codes"), ("continuum",)),
     "validation": Run(("validation",)),
     "hard_cases": Run(figures=("numerics",)),

@@ -69,7 +69,7 @@ def _earlier(table: pd.DataFrame, number: str) -> str:
 
 def net() -> str:
     """Tabulate conclusions with and without bulk indentation: choices, verdict as configured."""
-    shares = rows_of(stored("global_sensitivity", "global_conclusions"), rock="all")
+    shares = rows_of(stored("global_sensitivity", "global_sensitivity_conclusions"), rock="all")
     verdicts = stored("paper", "conclusions").set_index("number").verdict
     rows = []
     for number, cycle, claim in WITH_NET:

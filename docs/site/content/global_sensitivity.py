@@ -47,7 +47,7 @@ def indices(kind: str) -> str:
         return titled(table.assign(of=table.title), SHOWN, "response", "cycle")
 
     rows = {"input": "{of}"}
-    return Table(f"{RUN}/global_indices", {}, rows, "{title}", _span(kind), prepare)()
+    return Table(f"{RUN}/global_sensitivity_indices", {}, rows, "{title}", _span(kind), prepare)()
 
 
 def _effects(table: pd.DataFrame) -> pd.DataFrame:
@@ -61,21 +61,23 @@ def _effects(table: pd.DataFrame) -> pd.DataFrame:
 
 
 shapley = Table(
-    f"{RUN}/global_indices",
+    f"{RUN}/global_sensitivity_indices",
     rows={"input": "{title}"},
     across="cycle {cycle}{how}",
     cell=_span("shapley"),
     prepare=_effects,
 )
 elasticities = Table(
-    f"{RUN}/global_elasticities",
+    f"{RUN}/global_sensitivity_elasticities",
     {"varies by": _span("spread"),
      "fit over noise": "{fit_over_noise min:.1f} to {fit_over_noise max:.1f}"},
     rows={"property": "{property}", "of the closure of": "{case}"},
     across="{rock}",
     cell="{elasticity±elasticity_error}",
     prepare=lambda table: table.assign(
-        property=table.input.map(stored(RUN, "global_indices").groupby("input").title.first()),
+        property=table.input.map(
+            stored(RUN, "global_sensitivity_indices").groupby("input").title.first()
+        ),
         case="cycle " + table.cycle.astype(str)
         + table.response.map({"closure": "", "closure_net": ", net of bulk indentation"}),
     ).dropna(subset=["case"]).sort_values(["response", "cycle"], kind="stable"),
@@ -99,7 +101,7 @@ def _by_case(cell: Form, unit: str, keep: Callable = lambda table: table) -> Tab
     """Table of conclusions in rows, cycles and closures that they are about in columns."""
     cases = {key: title + unit for key, title in CASES.items()}
     return Table(
-        f"{RUN}/global_conclusions",
+        f"{RUN}/global_sensitivity_conclusions",
         rows={"": "{number}", "conclusion": "{conclusion}"},
         across="{title}",
         cell=cell,
@@ -125,7 +127,7 @@ def _rankings(table: pd.DataFrame) -> pd.DataFrame:
 
 
 ranking = Table(
-    f"{RUN}/global_margins",
+    f"{RUN}/global_sensitivity_margins",
     rows={"": "{number}", "conclusion": "{conclusion}", "varies with": "{title}"},
     across="{of}",
     cell="{share:.2f} ± {share_error:.2f}",
@@ -172,34 +174,36 @@ jrc_claims = Table(
     prepare=lambda table: table.dropna(subset=["found_share"]),
 )
 full_size = Table(
-    "global_sensitivity_full/global_estimate",
+    "global_sensitivity_full/global_sensitivity_estimate",
     {
-        "rock": "{rock}",
-        "simulations": "{simulations:,.0f}",
-        "seconds each": "{seconds:.2f}",
+        "rock": "{job}",
+        "simulations": "{joints:,.0f}",
+        "seconds each": "{each:.2f}",
         "core-hours": "{hours±error}",
     },
     prepare=lambda table: _with_sum(
-        table.assign(hours=table.core_minutes / 60, error=table.error / 60)
+        table.assign(
+            hours=table.seconds / 3600, error=table.error / 3600, each=table.seconds / table.joints
+        )
     ),
 )
 
 
 def _with_sum(table: pd.DataFrame) -> pd.DataFrame:
     """Add a row of all rocks."""
-    whole = table[["simulations", "hours"]].sum().to_dict()
-    whole |= {"rock": "all", "error": (table.error**2).sum() ** 0.5}
+    whole = table[["joints", "hours"]].sum().to_dict()
+    whole |= {"job": "all", "error": (table.error**2).sum() ** 0.5}
     return pd.concat([table, pd.DataFrame([whole])])
 
 
 def rows() -> int:
     """Count rows of the design."""
-    return int(stored(RUN, "global_indices").rows.max())
+    return int(stored(RUN, "global_sensitivity_indices").rows.max())
 
 
 def simulations() -> str:
     """Count the joints that were closed."""
-    return f"{stored(RUN, 'global_estimate').simulations.sum():,}"
+    return f"{stored(RUN, 'global_sensitivity_estimate').joints.sum():,}"
 
 
 def minutes() -> str:
@@ -208,13 +212,13 @@ def minutes() -> str:
 
 
 def _of_roll_off() -> pd.DataFrame:
-    table = stored(RUN, "global_indices").sort_values("rows", kind="stable")
+    table = stored(RUN, "global_sensitivity_indices").sort_values("rows", kind="stable")
     return rows_of(table, response="closure", cycle=1, input="roll_off")
 
 
 def largest_index() -> str:
     """List the roll-off's total index on the first closure by rock, from few to all rows."""
-    rocks = stored(RUN, "global_estimate").rock
+    rocks = stored(RUN, "global_sensitivity_estimate").job
     totals = [rows_of(_of_roll_off(), rock=rock).total.map("{:.2f}".format) for rock in rocks]
     return "; ".join(f"{rock} {', '.join(of)}" for rock, of in zip(rocks, totals, strict=True))
 
@@ -232,7 +236,9 @@ def index_error() -> str:
 
 def fit_shares() -> str:
     """List what share of the variance the fitted polynomials have, by response."""
-    fits = titled(rows_of(stored(RUN, "global_indices"), rows=MOST), SHOWN, "response", "cycle")
+    fits = titled(
+        rows_of(stored(RUN, "global_sensitivity_indices"), rows=MOST), SHOWN, "response", "cycle"
+    )
     return "; ".join(
         f"{title}: {part.fit_share.min():.2f} to {part.fit_share.max():.2f}"
         for title, part in fits.groupby("title")
@@ -241,7 +247,7 @@ def fit_shares() -> str:
 
 def least_certain() -> str:
     """State the share of the choices that is known least."""
-    row = Group(rows_of(stored(RUN, "global_conclusions"), share_error=MOST))
+    row = Group(rows_of(stored(RUN, "global_sensitivity_conclusions"), share_error=MOST))
     net = ", net of bulk indentation" * row["response"].endswith("net")
     share = f"{100 * row['share']:.0f} ± {100 * row['share_error']:.0f} %"
     return f'"{row["conclusion"]}" on cycle {row["cycle"]}{net}: {share}'
@@ -249,7 +255,7 @@ def least_certain() -> str:
 
 def enough_rows() -> int:
     """Count the rows, doubled and doubled again, that would settle that share."""
-    enough, error = rows(), stored(RUN, "global_conclusions").share_error.max()
+    enough, error = rows(), stored(RUN, "global_sensitivity_conclusions").share_error.max()
     while error * (rows() / enough) ** 0.5 > ENOUGH:
         enough *= 2
     return enough
@@ -257,5 +263,5 @@ def enough_rows() -> int:
 
 def hours(count: int, digits: int = 0) -> str:
     """Give the core-hours of a design of so many rows, by the estimate of this one."""
-    hours_of_all = stored(RUN, "global_estimate").core_minutes.sum() / 60
+    hours_of_all = stored(RUN, "global_sensitivity_estimate").seconds.sum() / 3600
     return f"{hours_of_all * count / rows():.{digits}f}"

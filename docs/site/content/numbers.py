@@ -65,11 +65,16 @@ _studies = partial(span, "paper/claims", "found_share", "found_error", 100.0)
 _joint = partial(span, "paper/table_3_joint_tests", "p", "p_error")
 _no_effect = partial(span, "paper/table_3_joint_tests", "null_p", "null_p_error")
 _index = partial(
-    span, "global_sensitivity/global_indices", "total", "total_error",
+    span, "global_sensitivity/global_sensitivity_indices", "total", "total_error",
     response="closure", rows=MOST,
 )  # fmt: skip
 _choices = partial(
-    span, "global_sensitivity/global_conclusions", "share", "share_error", 100.0, rock="all"
+    span,
+    "global_sensitivity/global_sensitivity_conclusions",
+    "share",
+    "share_error",
+    100.0,
+    rock="all",
 )
 _tilted = partial(
     span, "misalignment/misalignment", "change_percent", "change_error",
@@ -129,7 +134,7 @@ def _share_of_rows(claim: str, cycle: int) -> Number:
         return f"{of_rocks.min()} to {of_rocks.max()}"
 
     rows = {"number": claim, "response": "closure", "cycle": cycle}
-    return Number("global_sensitivity/global_conclusions", "rows_true", text, rows)
+    return Number("global_sensitivity/global_sensitivity_conclusions", "rows_true", text, rows)
 
 
 def _margin(name: str) -> Number:
@@ -139,7 +144,7 @@ def _margin(name: str) -> Number:
         return f"{100 * group['share min']:.0f} to {100 * group['share max']:.0f} %"
 
     rows = {"number": "2a", "response": "closure", "cycle": 2, "input": name}
-    return Number("global_sensitivity/global_margins", "share", text, rows)
+    return Number("global_sensitivity/global_sensitivity_margins", "share", text, rows)
 
 
 NUMBERS = {
@@ -156,7 +161,9 @@ NUMBERS = {
     "2a goes with the rule for peaks": _margin("peaks"),
     "readings of all rocks": _readings("readings"),
     "readings of some rocks": _readings("partial"),
-    "rows": Number("global_sensitivity/global_indices", "rows", "{rows}", {"rows": MOST}),
+    "rows": Number(
+        "global_sensitivity/global_sensitivity_indices", "rows", "{rows}", {"rows": MOST}
+    ),
     "rows of 5a": _share_of_rows("5a", 2),
     "rows of 5b": _share_of_rows("5b", 2),
     "rows of 5c": _share_of_rows("5c", 1),

@@ -50,11 +50,7 @@ def contradictions(keys: dict, typed: Callable[[dict], Configuration]) -> Iterat
     if unknown:
         yield from unknown
         return
-    try:
-        configuration = typed(keys)
-    except InputError as error:
-        yield str(error)
-        return
+    configuration = typed(keys)
     yield from _study_problems(keys)
     if configuration.study.unusual_values == "refuse":
         rocks = {name: keys["rocks"][name] for name in configuration.rocks}

@@ -1,4 +1,4 @@
-"""Figures of a study. What it means is computed in `jointclosure.studies`."""
+"""Figures of a study. What it means is computed in `jointclosure.sensitivity`."""
 
 from typing import Any
 

@@ -5,10 +5,10 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.config.properties import PROPERTIES
+from jointclosure.experiments.readings.likelihood import Question
+from jointclosure.experiments.readings.pools import sensitivities_of
 from jointclosure.statistics.drawn_studies import Design, draw_studies
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.studies.readings.likelihood import Question
-from jointclosure.studies.readings.pools import sensitivities_of
 
 PARAMETERS = {
     rock: {

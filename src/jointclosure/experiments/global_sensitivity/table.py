@@ -1,4 +1,4 @@
-"""What a design's closures tell: indices, and elasticities whatever else varies."""
+"""Variance indices of sampled inputs, and elasticities whatever else varies."""
 
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
@@ -7,6 +7,14 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.ensemble.points import gridded
+from jointclosure.experiments.global_sensitivity.design import (
+    SURFACES,
+    Input,
+    Sampling,
+    is_positive,
+    value_at,
+)
 from jointclosure.statistics.orthonormal import Fit, Term, design_matrix, fitted
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.variance_indices import (
@@ -14,9 +22,9 @@ from jointclosure.statistics.variance_indices import (
     shapley_effects,
     variance_indices,
 )
-from jointclosure.studies.global_sensitivity.closing import RESPONSES
-from jointclosure.studies.global_sensitivity.design import Design, Input, is_positive, value_at
 
+RESPONSES = ("closure", "closure_net", "residual_seated_net", "stiffness_net")
+"""Quantities that are read of each cycle. Of later cycles next to no residual closure stays."""
 FEWEST = 16
 """Rows from which indices are found."""
 GROUPS = 16
@@ -35,7 +43,7 @@ ELASTICITY_COLUMNS = (
 class Responses(NamedTuple):
     """A response (row, point, surface) of a rock and a cycle, with its points; whole rows only.
 
-    ``rows`` are their numbers in the design, ``left_out`` how many are not whole.
+    ``rows`` are their numbers in the sampling, ``left_out`` how many are not whole.
     """
 
     rock: str
@@ -64,13 +72,33 @@ class Elasticities(NamedTuple):
     fit_over_noise: np.ndarray
 
 
-def responses_of(design: Design, closed: Mapping[str, xr.Dataset]) -> Iterator[Responses]:
+def by_rock(joints: pd.DataFrame) -> dict[str, xr.Dataset]:
+    """Put the joints of each rock on a grid.
+
+    Parameters
+    ----------
+    joints : DataFrame
+        As from `jointclosure.ensemble.points.close_points`.
+
+    Returns
+    -------
+    dict of Dataset
+        `RESPONSES` over (row, point, surface, cycle), NaN where a simulation failed.
+    """
+    joints = joints.assign(surface=joints.realization - SURFACES * joints.row)
+    return {
+        str(rock): gridded(part, ("row", "point", "surface"), RESPONSES)
+        for rock, part in joints.groupby("rock", sort=False)
+    }
+
+
+def responses_of(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> Iterator[Responses]:
     """Every response of every rock and cycle; rows with a failed simulation are left out.
 
     In place of the net stiffness its inverse, the compliance: a mean over stiffnesses is that of
     the few that are near infinite.
     """
-    points = design.points()
+    points = sampling.points()
     for rock, each in closed.items():
         whole = each.sortby("row")
         whole = whole.assign(compliance=1.0 / whole.stiffness_net)
@@ -85,14 +113,14 @@ def responses_of(design: Design, closed: Mapping[str, xr.Dataset]) -> Iterator[R
                 yield Responses(rock, name, cycle, rows, points[rows], values[good], left_out)
 
 
-def index_table(design: Design, closed: Mapping[str, xr.Dataset]) -> pd.DataFrame:
+def index_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.DataFrame:
     """Indices of every input, response, cycle and rock, for a quarter, half and all of the rows.
 
     Parameters
     ----------
-    design : Design
+    sampling : Sampling
     closed : mapping
-        Of every rock, its rows as from `close_rows`.
+        As from `by_rock`.
 
     Returns
     -------
@@ -100,27 +128,27 @@ def index_table(design: Design, closed: Mapping[str, xr.Dataset]) -> pd.DataFram
         Without responses of fewer than `FEWEST` whole rows. ``rock``, ``response``, ``cycle``,
         ``rows``, ``left_out``, ``input``, ``first`` and ``total`` with standard errors; of all
         rows also the Shapley effects of the fitted function (``shapley``, and
-        ``shapley_dependent`` with the design's dependent inputs) with jackknife errors. The input
+        ``shapley_dependent`` with its dependent inputs) with jackknife errors. The input
         "surfaces" has the share of the surfaces in a single joint's variance.
     """
     rows, fits = [], []
-    for each in responses_of(design, closed):
+    for each in responses_of(sampling, closed):
         enough = [share for share in (4, 2, 1) if len(each.values) // share >= FEWEST]
         for share in enough:
             number = len(each.values) // share
             points, values = each.points[:number], each.values[:number]
-            found = variance_indices(points, values, design.values)
+            found = variance_indices(points, values, sampling.values)
             about = {"rock": each.rock, "response": each.name, "cycle": each.cycle}
             about |= {"rows": number, "left_out": each.left_out, "fit_share": found.fit_share}
-            rows += [about | row for row in _index_rows(design, found)]
+            rows += [about | row for row in _index_rows(sampling, found)]
         if enough:  # all of the rows came last
-            fits.append((about, _resampled(each, design.values)))
+            fits.append((about, _resampled(each, sampling.values)))
     if not fits:
         return pd.DataFrame(columns=list(INDEX_COLUMNS))
-    return pd.DataFrame(rows).merge(_shapley_table(design, fits), how="left")
+    return pd.DataFrame(rows).merge(_shapley_table(sampling, fits), how="left")
 
 
-def elasticity_table(design: Design, keys: dict, closed) -> pd.DataFrame:
+def elasticity_table(sampling: Sampling, keys: Mapping, closed) -> pd.DataFrame:
     """Elasticities of properties, and how they vary with all else.
 
     Returns
@@ -132,10 +160,10 @@ def elasticity_table(design: Design, keys: dict, closed) -> pd.DataFrame:
         positive everywhere has none.
     """
     rows = []
-    for each in filter(has_elasticities, responses_of(design, closed)):
-        if not _properties(design, keys, each.rock):
+    for each in filter(has_elasticities, responses_of(sampling, closed)):
+        if not _properties(sampling, keys, each.rock):
             continue
-        found = elasticities_at(design, keys, each, choices_drawn(design))
+        found = elasticities_at(sampling, keys, each, choices_drawn(sampling))
 
         def read(drawn: np.ndarray) -> dict[str, np.ndarray]:
             return {
@@ -156,7 +184,9 @@ def elasticity_table(design: Design, keys: dict, closed) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(ELASTICITY_COLUMNS))
 
 
-def elasticities_at(design: Design, keys: dict, each: Responses, at: np.ndarray) -> Elasticities:
+def elasticities_at(
+    sampling: Sampling, keys: Mapping, each: Responses, at: np.ndarray
+) -> Elasticities:
     """d ln(response)/d ln(property) at drawn choices (n, d), and what is known of each row.
 
     Between the two points of a row that differ in a property alone, on the same surfaces,
@@ -166,12 +196,12 @@ def elasticities_at(design: Design, keys: dict, each: Responses, at: np.ndarray)
     with the first function t_j of each input (`jointclosure.statistics.orthonormal`); least
     squares. Each b_j is multiplied by 1 - (error/b_j)^2, or 0: noise is no variation.
     """
-    drawn_functions = first_functions(at, design.values)
-    functions = first_functions(each.points[:, 0], design.values)
+    drawn_functions = first_functions(at, sampling.values)
+    functions = first_functions(each.points[:, 0], sampling.values)
     logarithms = np.log(each.values)
     inputs, answers = [], []
-    for place, one in _properties(design, keys, each.rock):
-        others = [other for other in range(len(design.inputs)) if other != place]
+    for place, one in _properties(sampling, keys, each.rock):
+        others = [other for other in range(len(sampling.inputs)) if other != place]
         step = _logarithm(one, keys, each.rock, each.points[:, 2 + place, place])
         step = step - _logarithm(one, keys, each.rock, each.points[:, 0, place])
         change = logarithms[:, 2 + place] - logarithms[:, 0]  # (row, surface)
@@ -187,11 +217,11 @@ def elasticities_at(design: Design, keys: dict, each: Responses, at: np.ndarray)
     return Elasticities(inputs, drawn, left_out, single, each.rows, over_noise)
 
 
-def _properties(design: Design, keys: dict, rock: str) -> list[tuple[int, Input]]:
+def _properties(sampling: Sampling, keys: Mapping, rock: str) -> list[tuple[int, Input]]:
     """Inputs that have elasticities, with their places."""
     return [
         (place, one)
-        for place, one in enumerate(design.inputs)
+        for place, one in enumerate(sampling.inputs)
         if one.property and is_positive(one, keys, rock)
     ]
 
@@ -227,14 +257,14 @@ def has_elasticities(each: Responses) -> bool:
     return bool(each.values.size and (each.values > 0.0).all())
 
 
-def choices_drawn(design: Design) -> np.ndarray:
+def choices_drawn(sampling: Sampling) -> np.ndarray:
     """Points (n, d) over which elasticities are asked; the same in all rocks."""
-    random = generator(seed_of(design.seed, "choices"))
-    return random.random((CHOICES_DRAWN, len(design.inputs)))
+    random = generator(seed_of(sampling.seed, "choices"))
+    return random.random((CHOICES_DRAWN, len(sampling.inputs)))
 
 
-def _index_rows(design: Design, found: Indices) -> Iterator[dict]:
-    for place, each in enumerate(design.inputs):
+def _index_rows(sampling: Sampling, found: Indices) -> Iterator[dict]:
+    for place, each in enumerate(sampling.inputs):
         yield {
             "input": each.name,
             "title": each.title,
@@ -251,18 +281,18 @@ def _index_rows(design: Design, found: Indices) -> Iterator[dict]:
     }
 
 
-def _shapley_table(design: Design, fits: list[tuple[dict, list[Fit]]]) -> pd.DataFrame:
+def _shapley_table(sampling: Sampling, fits: list[tuple[dict, list[Fit]]]) -> pd.DataFrame:
     """Shapley effects of all responses at once: the points of a subset are the same for all."""
     coefficients = np.stack([fit.coefficients for _, own in fits for fit in own], axis=1)
-    columns = {"shapley": shapley_effects(design.values, coefficients)}
-    if design.correlations:
+    columns = {"shapley": shapley_effects(sampling.values, coefficients)}
+    if sampling.correlations:
         columns["shapley_dependent"] = shapley_effects(
-            design.values, coefficients, design.correlations
+            sampling.values, coefficients, sampling.correlations
         )
     rows = []
     for number, (about, own) in enumerate(fits):
         here = slice(number * len(own), (number + 1) * len(own))
-        for place, each in enumerate(design.inputs):
+        for place, each in enumerate(sampling.inputs):
             row = about | {"input": each.name}
             for name, effects in columns.items():
                 whole, *left_out = effects[place, here]
@@ -291,7 +321,7 @@ def _least_squares(matrix: np.ndarray, change: np.ndarray, rows: np.ndarray) -> 
     return np.linalg.lstsq(matrix[rows], change[rows], rcond=None)[0]
 
 
-def _logarithm(one: Input, keys: dict, rock: str, u: np.ndarray) -> np.ndarray:
+def _logarithm(one: Input, keys: Mapping, rock: str, u: np.ndarray) -> np.ndarray:
     return np.log([value_at(one, keys, rock, float(each)) for each in u])
 
 

@@ -1,22 +1,25 @@
 """Readings of the paper: designs, closing, who is kept, and likelihoods in a known world."""
 
+import itertools
+
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
 
+from jointclosure.config.configuration import configured, merged
 from jointclosure.config.files import ConfigurationError, read_plain
-from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
-from jointclosure.studies.readings.closing import close_block, joined, one_simulation
-from jointclosure.studies.readings.cost import costs
-from jointclosure.studies.readings.design import (
+from jointclosure.ensemble.cases import cases_of
+from jointclosure.ensemble.points import close_points
+from jointclosure.ensemble.slices import block_settings
+from jointclosure.experiments import checked_design, experiment_named
+from jointclosure.experiments.readings.design import (
     AS_CONFIGURED,
+    CLOSURES,
     can_be_run,
-    design_of,
     entering,
-    settings_of,
+    readings_of,
 )
-from jointclosure.studies.readings.likelihood import (
+from jointclosure.experiments.readings.likelihood import (
     Answer,
     answer_of,
     behind,
@@ -25,10 +28,13 @@ from jointclosure.studies.readings.likelihood import (
     published_lengths,
     ranking,
 )
-from jointclosure.studies.readings.pools import transferred
-from jointclosure.studies.readings.summary import claims_judged, over_rocks, quantities
-from tests.studied import ROOT, checked_study
-from tests.studies.readings_world import (
+from jointclosure.experiments.readings.points import job_name
+from jointclosure.experiments.readings.pools import transferred
+from jointclosure.experiments.readings.rounds import on_cases
+from jointclosure.experiments.readings.summary import claims_judged, over_rocks, quantities
+from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
+from jointclosure.storage.text import read_csv
+from tests.experiments.readings_world import (
     ELASTICITIES,
     PARAMETERS,
     SCATTER,
@@ -38,6 +44,7 @@ from tests.studies.readings_world import (
     table_3,
     world,
 )
+from tests.studied import ROOT, checked_study
 
 TINY = read_plain(ROOT / "tests/workflow/tiny_readings.yaml")
 FULL = read_plain(ROOT / "config/readings.yaml")
@@ -45,16 +52,27 @@ FULL = read_plain(ROOT / "config/readings.yaml")
 
 def tiny(*changes):
     keys = checked_study(TINY, *changes).keys
-    return design_of(keys), keys
+    return readings_of(keys), keys
 
 
-def test_every_reading_of_the_study_can_be_run():
-    keys = checked_study(FULL).keys
-    design = design_of(keys)
-    assert len(design.singles) > 20
-    for name, reading in design.singles.items():
-        assert len(settings_of(design, keys, name, "slate", range(6))) == 9
-        assert reading.name == name
+def settings_in(design, reading, rock, first=0):
+    """Settings of all cases of a rock in a reading, for the block from a realisation on."""
+    return [point.settings for point in design.jobs[f"{reading}.{rock}.{first}"]]
+
+
+def test_every_reading_of_the_study_has_the_settings_of_its_keys():
+    full = checked_study(FULL)
+    design = checked_design("readings", full)
+    readings = readings_of(full.keys)
+    assert len(readings.singles) > 20
+    for name, reading in readings.singles.items():
+        typed = configured(
+            merged(full.keys, reading.keys, {"study": {"rocks": ["slate"]}}), read_csv
+        )
+        cases = {case.label: case for case in cases_of(typed.typed)}
+        assert len(cases) == 9
+        expected = [block_settings(typed.typed, cases, label, range(6, 12)) for label in cases]
+        assert repr(settings_in(design, reading.run, "slate", 6)) == repr(expected), name
 
 
 def test_readings_with_the_same_keys_read_the_same_closures():
@@ -67,10 +85,10 @@ def test_readings_with_the_same_keys_read_the_same_closures():
 
 
 def test_pairs_are_of_two_aspects_and_have_the_keys_of_both():
-    keys = checked_study(FULL).keys
-    design = design_of(keys)
-    assert "hurst_05-walk" not in design.pairs
-    pair = settings_of(design, keys, "hurst_05-flat_valleys", "slate", range(6))[0]
+    full = checked_study(FULL)
+    assert "hurst_05-walk" not in readings_of(full.keys).pairs
+    design = experiment_named("readings").design(full)
+    pair = settings_in(design, "hurst_05-flat_valleys", "slate")[0]
     assert pair.surfaces.surface.hurst == 0.5
     assert pair.choices.concave == "flat"
 
@@ -104,7 +122,7 @@ def one_round(**keys):
 )
 def test_a_design_that_cannot_be_run_is_refused_by_name(change, message):
     with pytest.raises(ConfigurationError, match=message):
-        tiny({"readings": change})
+        checked_design("readings", checked_study(TINY, {"readings": change}))
 
 
 ROUNDS = {
@@ -255,38 +273,59 @@ def test_claims_that_are_true_of_the_world_stand_and_others_fall():
     assert verdicts == expected
 
 
-def test_the_cost_counts_each_surface_once_and_each_pair_anew():
-    design, _ = tiny(ROUNDS, {"readings": {"reference_realizations": 6}})
-    of_rocks = {"slate": 60.0, "dolerite": 120.0}
-    # seated reads what is closed anyway
-    table = costs(design, 9, of_rocks, {AS_CONFIGURED: 60.0, "hurst_05": 60.0, "walk": 120.0})
-    table = table.set_index("round")
-    assert table.simulations.to_dict() == {
+def test_the_estimate_counts_each_surface_once_and_each_pair_anew():
+    study = checked_study(TINY, ROUNDS, {"readings": {"reference_realizations": 6}})
+    timed = experiment_named("readings").design(study).timed()
+    assert {name: sum(each.joints for each in parts) for name, parts in timed.items()} == {
         "as configured": 9 * 6 * 2,
-        "screen": 2 * 9 * 3,
+        "screen": 2 * 9 * 3,  # seated reads what is closed anyway
         "pairs": 1 * 9 * 3,
         "finalists": 2 * 9 * 3,  # dolerite; slate was closed before
         "separation": 0,
     }
-    assert table.core_minutes["as configured"] == pytest.approx(9 * 6 * (1.0 + 2.0))
-    assert table.core_minutes["screen"] == pytest.approx(9 * 3 * (1.0 + 2.0))
+    runs = [[point.coordinates["run"] for point in each.points] for each in timed["screen"]]
+    assert runs == [["hurst_05"], ["walk"]]
 
 
-def test_a_block_closes_every_case_and_a_failed_surface_leaves_all_cases():
+def test_jobs_of_a_round_are_those_of_its_entrants_and_of_the_configured_reading():
+    study = checked_study(TINY, ROUNDS, {"readings": {"reference_realizations": 6}})
+    rounds = experiment_named("readings").design(study).rounds
+    reference = {job_name(AS_CONFIGURED, *of) for of in itertools.product(
+        ("slate", "dolerite"), (range(3), range(3, 6)))}  # fmt: skip
+    # one of the entrants reads the closures of the configured reading
+    assert set(rounds.jobs(0, ["walk", "seated"])) == reference | {"walk.slate.0"}
+    assert set(rounds.jobs(2, ["walk"])) == reference | {"walk.slate.0", "walk.dolerite.0"}
+    assert rounds.jobs(2, []) == []
+
+
+def test_kernels_are_those_of_readings_and_of_pairs_that_can_be_run():
+    ways = {"resolved": {"breakage": "resolved"}, "passed": {"target": "interpolate"}}
+    aspects = {name: {name: one_way({"numerics": way})} for name, way in ways.items()}
+    aspects["peaks"] = {"current": one_way({"choices": {"peaks": "current"}})}
+    design = experiment_named("readings").design(
+        checked_study(TINY, {"readings": {"aspects": aspects}})
+    )
+    found = {(peaks, breakage) for _, peaks, _, breakage in design.kernels()}
+    assert found == set(itertools.product(("pristine", "current"), ("fixed_step", "resolved")))
+
+
+def test_points_are_all_cases_of_a_rock_and_a_failed_surface_leaves_all_cases():
     elastic = {"effects": {"breakage": False, "gouge": False}}
-    design, keys = tiny({"grid": {"cells_x": 8, "cells_y": 8}}, elastic)
-    settings = settings_of(design, keys, "walk", "slate", range(2, 4))
-    block = close_block(settings)
-    assert dict(block.sizes) == {"case": 9, "realization": 2, "cycle": 2}
-    assert block.realization.values.tolist() == [2, 3]
-    assert set(block.parameter.values) == {"base", *PARAMETERS["slate"]}
-    stiffer = block.max_closure[(block.value == 72e9).values]
-    assert np.all(stiffer.values < block.max_closure[0].values)
-    assert np.all(block.max_closure_net < block.max_closure)
-    assert one_simulation(settings)[0].surfaces.realizations == 1
-    other = close_block(settings_of(design, keys, "walk", "slate", range(2)))
-    assert joined([other, block], "max_closure").realization.values.tolist() == [0, 1, 2, 3]
-    other.status[4, 1] = 16
-    kept = joined([other, block], "max_closure")
-    assert kept.realization.values.tolist() == [0, 2, 3]
-    xr.testing.assert_equal(kept.isel(realization=[1, 2]), block.max_closure)
+    study = checked_study(TINY, {"grid": {"cells_x": 8, "cells_y": 8}}, elastic)
+    jobs = experiment_named("readings").design(study).jobs
+    assert len(jobs["walk.slate.3"]) == 9
+    other, block = (
+        close_points(jobs[f"walk.slate.{first}"], tuple(CLOSURES.values())) for first in (0, 3)
+    )
+    closed = on_cases(block, "closure")
+    assert dict(closed.sizes) == {"case": 9, "realization": 3, "cycle": 2}
+    assert closed.realization.values.tolist() == [3, 4, 5]
+    assert set(closed.parameter.values) == {"base", *PARAMETERS["slate"]}
+    stiffer = closed[(closed.value == 72e9).values]
+    assert np.all(stiffer.values < closed[0].values)
+    assert np.all(block.closure_net < block.closure)
+    other.loc[(other.value == 72e9) & (other.realization == 1), "closure"] = np.nan
+    both = pd.concat([other, block], ignore_index=True)
+    kept = on_cases(both, "closure")
+    assert kept.realization.values.tolist() == [0, 2, 3, 4, 5]
+    np.testing.assert_array_equal(kept.values[:, 2:], closed.values)

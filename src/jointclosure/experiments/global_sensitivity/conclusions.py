@@ -1,7 +1,7 @@
 """Which of the paper's conclusions hold, whatever is chosen of what the paper leaves open."""
 
 import functools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -9,10 +9,8 @@ import pandas as pd
 
 from jointclosure.claims.statements import Elasticities, Statement
 from jointclosure.claims.table import statements_of_elasticities
-from jointclosure.inputs import InputError
-from jointclosure.statistics.verdicts import frequency_of, t_interval
-from jointclosure.studies.global_sensitivity.design import Design, is_positive
-from jointclosure.studies.global_sensitivity.table import (
+from jointclosure.experiments.global_sensitivity.design import Sampling, is_positive
+from jointclosure.experiments.global_sensitivity.table import (
     GROUPS,
     choices_drawn,
     elasticities_at,
@@ -21,10 +19,12 @@ from jointclosure.studies.global_sensitivity.table import (
     jackknife_error,
     responses_of,
 )
-from jointclosure.studies.global_sensitivity.table import Elasticities as FittedElasticities
+from jointclosure.experiments.global_sensitivity.table import Elasticities as FittedElasticities
+from jointclosure.inputs import InputError
+from jointclosure.statistics.verdicts import frequency_of, t_interval
 
 PROPERTIES = ("poisson_ratio", "youngs_modulus", "compressive_strength", "jrc")
-"""Properties that the conclusions compare; a design may vary others, too."""
+"""Properties that the conclusions compare; others may vary, too."""
 NAMES = ("closure", "closure_net")
 """Responses that conclusions are about."""
 COLUMNS = (
@@ -45,7 +45,9 @@ class _Margins(NamedTuple):
     rows: np.ndarray
 
 
-def conclusion_tables(design: Design, keys: dict, closed) -> tuple[pd.DataFrame, pd.DataFrame]:
+def conclusion_tables(
+    sampling: Sampling, keys: Mapping, closed
+) -> tuple[pd.DataFrame, pd.DataFrame]:
     """For what share of the open choices each conclusion holds, and what its margin goes with.
 
     Returns
@@ -68,49 +70,49 @@ def conclusion_tables(design: Design, keys: dict, closed) -> tuple[pd.DataFrame,
     Raises
     ------
     InputError
-        The joints of a rock of the design are missing.
+        The joints of a sampled rock are missing.
     """
-    found = _elasticities(design, keys, closed)
+    found = _elasticities(sampling, keys, closed)
     shares: list[dict] = []
     margins: list[dict] = []
     for name in NAMES:
         for cycle in (1, 2):
             for statement in statements_of_elasticities():
-                of_rocks = _of_rocks(design, found, statement, name, cycle)
+                of_rocks = _of_rocks(sampling, found, statement, name, cycle)
                 about: dict = {"number": statement.number, "conclusion": statement.text}
                 about |= {"response": name, "cycle": cycle}
                 shares += [about | row for row in _shares(of_rocks, statement.above)]
-                margins += [about | row for row in _variances(design, of_rocks)]
+                margins += [about | row for row in _variances(sampling, of_rocks)]
     return (
         pd.DataFrame(shares, columns=list(COLUMNS)),
         pd.DataFrame(margins, columns=list(MARGIN_COLUMNS)),
     )
 
 
-def _elasticities(design: Design, keys: dict, closed) -> dict[tuple, FittedElasticities]:
+def _elasticities(sampling: Sampling, keys: Mapping, closed) -> dict[tuple, FittedElasticities]:
     """By rock, response and cycle; none where a rock has none to any property."""
-    missing = sorted(set(design.rocks) - set(closed))
+    missing = sorted(set(sampling.rocks) - set(closed))
     if missing:
-        raise InputError(f"the joints of {', '.join(missing)} are missing, which the design closes")
-    for rock in design.rocks:
-        if not any(one.property and is_positive(one, keys, rock) for one in design.inputs):
+        raise InputError(f"the joints of {', '.join(missing)} are missing")
+    for rock in sampling.rocks:
+        if not any(one.property and is_positive(one, keys, rock) for one in sampling.inputs):
             return {}
-    at = choices_drawn(design)
+    at = choices_drawn(sampling)
     return {
-        (each.rock, each.name, each.cycle): elasticities_at(design, keys, each, at)
-        for each in responses_of(design, closed)
+        (each.rock, each.name, each.cycle): elasticities_at(sampling, keys, each, at)
+        for each in responses_of(sampling, closed)
         if each.name in NAMES and has_elasticities(each)
     }
 
 
 def _of_rocks(
-    design: Design, found: dict[tuple, FittedElasticities], statement: Statement, name: str,
+    sampling: Sampling, found: dict[tuple, FittedElasticities], statement: Statement, name: str,
     cycle: int,
 ) -> dict[str, _Margins]:  # fmt: skip
     """Margins of each rock; none where a rock lacks an elasticity that the statement is about."""
-    properties = {one.name: one.property for one in design.inputs}
+    properties = {one.name: one.property for one in sampling.inputs}
     margins = {}
-    for rock in design.rocks:
+    for rock in sampling.rocks:
         of_cycles = {
             c: own
             for c in statement.cycles(cycle)
@@ -168,9 +170,9 @@ def _share(drawn: np.ndarray, left_out: np.ndarray, single: np.ndarray) -> dict:
     }
 
 
-def _variances(design: Design, of_rocks: dict[str, _Margins]) -> Iterator[dict]:
+def _variances(sampling: Sampling, of_rocks: dict[str, _Margins]) -> Iterator[dict]:
     """Shares of a margin's variance over the choices, of each rock and input."""
-    functions = first_functions(choices_drawn(design), design.values)
+    functions = first_functions(choices_drawn(sampling), sampling.values)
     matrix = np.column_stack([np.ones(len(functions)), functions])
     for rock, own in of_rocks.items():
         margins = np.vstack([own.drawn, own.left_out])
@@ -179,6 +181,6 @@ def _variances(design: Design, of_rocks: dict[str, _Margins]) -> Iterator[dict]:
         parts = functions.var(axis=0)[:, None] * slopes**2
         shares = np.divide(parts, variances, out=np.full_like(parts, np.nan), where=variances > 0)
         errors = jackknife_error(shares[:, 1:].T)
-        for place, one in enumerate(design.inputs):
+        for place, one in enumerate(sampling.inputs):
             row = {"rock": rock, "input": one.name, "title": one.title}
             yield row | {"share": shares[place, 0], "share_error": errors[place]}

@@ -7,6 +7,12 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.config.properties import PROPERTIES
+from jointclosure.experiments.readings.pools import (
+    Closures,
+    Parameters,
+    sensitivities_of,
+    transferred,
+)
 from jointclosure.inputs import InputError
 from jointclosure.statistics.drawn_studies import (
     Design,
@@ -17,12 +23,6 @@ from jointclosure.statistics.drawn_studies import (
 from jointclosure.statistics.joint_tests import JointTest, joint_test, log_likelihoods
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import Estimate
-from jointclosure.studies.readings.pools import (
-    Closures,
-    Parameters,
-    sensitivities_of,
-    transferred,
-)
 
 
 class Question(NamedTuple):

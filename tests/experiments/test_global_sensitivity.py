@@ -6,29 +6,42 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from jointclosure.config.configuration import configured, merged
 from jointclosure.config.files import ConfigurationError, read_plain
+from jointclosure.ensemble.cases import base_case
+from jointclosure.ensemble.points import close_points
+from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import walls_of
+from jointclosure.experiments import checked_design, experiment_named
+from jointclosure.experiments.global_sensitivity.conclusions import conclusion_tables
+from jointclosure.experiments.global_sensitivity.design import (
+    keys_at,
+    sampling_of,
+    settings_of_rock,
+)
+from jointclosure.experiments.global_sensitivity.table import (
+    RESPONSES,
+    by_rock,
+    elasticity_table,
+    index_table,
+)
 from jointclosure.inputs import InputError
 from jointclosure.plotting import global_sensitivity as figures
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv, write_csv
-from jointclosure.studies.global_sensitivity.closing import RESPONSES, close_rows, costs
-from jointclosure.studies.global_sensitivity.conclusions import conclusion_tables
-from jointclosure.studies.global_sensitivity.design import (
-    design_of,
-    keys_at,
-    settings_at,
-    settings_of_choices,
-)
-from jointclosure.studies.global_sensitivity.table import elasticity_table, index_table
 from tests.studied import ROOT, checked_study
 
+EXPERIMENT = experiment_named("global_sensitivity")
 ELASTICITIES = {"youngs_modulus": -0.9, "compressive_strength": 0.5, "jrc": 0.3}
 
 
+def tiny(**changes):
+    keys = read_plain(ROOT / "tests/workflow/tiny_global_sensitivity.yaml")
+    return checked_study(keys, changes)
+
+
 def keys_of(**changes) -> dict:
-    tiny = read_plain(ROOT / "tests/workflow/tiny_global_sensitivity.yaml")
-    return checked_study(tiny, changes).keys
+    return tiny(**changes).keys
 
 
 def section(**changes) -> dict:
@@ -42,7 +55,7 @@ def keys():
 
 @pytest.fixture(scope="module")
 def design(keys):
-    return design_of(keys)
+    return sampling_of(keys)
 
 
 @pytest.fixture(scope="module")
@@ -70,16 +83,17 @@ def world(design, keys):
     return closed
 
 
-def test_a_points_settings_have_its_values_and_each_row_its_own_surfaces(design, keys):
+def test_a_points_settings_have_its_values_and_each_row_its_own_surfaces(design):
     points = design.points()
-    first = [settings_at(design, keys, "slate", 3, point) for point in points[3]]
+    settings = settings_of_rock(design, tiny(**section(rows=64)), "slate")
+    first = [settings(3, point) for point in points[3]]
     low, high = 60e9, 72e9  # Table 2
     moduli = np.array([each.case.intact.youngs_modulus for each in first])
     np.testing.assert_allclose(moduli, low + (high - low) * points[3, :, 1])
     expected = ["pristine" if u < 0.5 else "current" for u in points[3, :, 4]]
     assert [each.choices.peaks for each in first] == expected
     assert {each.surfaces.first_realization for each in first} == {6}
-    assert settings_at(design, keys, "slate", 4, points[4, 0]).surfaces.first_realization == 8
+    assert settings(4, points[4, 0]).surfaces.first_realization == 8
     # at the same roughness the walls are the same ones
     same = [each for each in first if each.case.jrc == first[0].case.jrc]
     assert len(same) > 2
@@ -87,21 +101,47 @@ def test_a_points_settings_have_its_values_and_each_row_its_own_surfaces(design,
     assert np.array_equal(one[0], other[0])
 
 
-def test_rows_are_the_same_in_every_larger_design(design):
-    few = design.of_rows(range(16, 24))
-    assert (few.rows, few.rows_per_job) == (32, 8)
-    np.testing.assert_array_equal(few.points()[16:24], design.points()[16:24])
-    assert design._replace(rows=512, rows_per_job=64).of_rows(range(16, 24)) == few
+MORE = {
+    "effect": {"key": "effects.gouge", "values": [True, False]},
+    "of_rock": {"key": "rocks.ROCK.effects.soft_peaks", "values": [True, False]},
+    "auto": {"key": "effects.auto", "values": [None, 0.02]},
+    "step": {"key": "numerics.displacement_step_um", "between": [6, 12]},
+}
 
 
-def test_kernels_of_all_combinations_of_choices_are_compiled_before(keys):
+def test_fields_that_are_replaced_make_the_settings_that_the_same_keys_make():
+    changes = {"inputs": {name: each | {"title": name} for name, each in MORE.items()}}
+    full = checked_study(
+        read_plain(ROOT / "config/global_sensitivity_full.yaml"), section(**changes)
+    )
+    sampling = sampling_of(full.keys)
+    for rock in sampling.rocks:
+        settings = settings_of_rock(sampling, full, rock)
+        for row, point in enumerate(sampling.points()[:3, 0]):
+            alone = {"study": {"rocks": [rock], "draws": "common"}}
+            keys = merged(full.keys, keys_at(sampling, full.keys, rock, point), alone)
+            typed = configured(keys, read_csv).typed
+            case = base_case(rock, typed.rocks[rock])
+            block = range(2 * row, 2 * row + 2)
+            expected = block_settings(typed, {case.label: case}, case.label, block)
+            assert repr(settings(row, point)) == repr(expected)
+
+
+def test_rows_that_are_added_change_no_job_before_them():
+    few, many = (EXPERIMENT.design(tiny(**section(rows=rows))) for rows in (16, 64))
+    assert len(many.jobs) == 4 * len(few.jobs)
+    for name in few.jobs:
+        assert repr(few.jobs[name]) == repr(many.jobs[name])
+    assert few.kernels() == many.kernels()
+
+
+def test_kernels_of_all_combinations_of_choices_are_compiled_before():
     more = {
         "breakage": {"title": "b", "key": "numerics.breakage", "values": ["fixed_step", "resolved"]}
     }
-    keys = keys_of(**section(inputs=more))
     both = {
-        (each.choices.peaks, each.numerics.breakage)
-        for each in settings_of_choices(design_of(keys), keys)
+        (peaks, breakage)
+        for _, peaks, _, breakage in EXPERIMENT.design(tiny(**section(inputs=more))).kernels()
     }
     assert both == set(itertools.product(("pristine", "current"), ("fixed_step", "resolved")))
 
@@ -214,7 +254,7 @@ def test_a_design_without_all_properties_has_the_conclusions_on_those_that_vary(
         name: each for name, each in keys["global_sensitivity"]["inputs"].items() if name in left
     }
     keys["global_sensitivity"]["dependent"] = []
-    design = design_of(keys)
+    design = sampling_of(keys)
     random = np.random.default_rng(1)
     shape = (16, len(left) + 2, 2, 2)
     closed = {
@@ -268,11 +308,21 @@ def test_a_response_of_too_few_whole_rows_has_no_indices(world, design):
     ) == {"closure_net"}
 
 
-def test_joints_are_closed_as_everywhere_and_their_cost_is_known_before():
-    keys = keys_of(**section(rows=16))
-    design = design_of(keys)
-    closed = close_rows(design, keys, "slate", range(2, 3))
-    assert closed.closure.shape == (1, 7, 2, 2)
+def test_figures_are_drawn_where_too_few_rows_are_whole_for_any_index(world, design):
+    few = {rock: each.isel(row=slice(8)) for rock, each in world.items()}
+    table = index_table(design, few)
+    assert table.empty
+    titles = {rock: rock for rock in design.rocks}
+    assert figures.indices(table, titles).axes
+    assert figures.convergence(table, titles).axes
+
+
+def test_joints_of_points_are_put_on_a_grid_of_rows_points_and_surfaces():
+    design = EXPERIMENT.design(tiny())
+    points = [point for point in design.jobs["slate.0"] if point.coordinates["row"] == 2]
+    joints = close_points(points, RESPONSES)
+    closed = by_rock(joints)["slate"]
+    assert dict(closed.sizes) == {"row": 1, "point": 7, "surface": 2, "cycle": 2}
     assert (closed.status < 16).all()
     assert (closed.closure_net < closed.closure).all()
     # of these small joints some begin to land on the maximum below half of it: no first stiffness
@@ -280,11 +330,19 @@ def test_joints_are_closed_as_everywhere_and_their_cost_is_known_before():
     assert read.sel(cycle=2).mean() > 0.8
     assert read.sel(cycle=1).any()
     assert (read | closed.stiffness_net.isnull()).all()
-    again = close_rows(design, keys, "slate", range(2, 3))
-    assert np.array_equal(again.closure, closed.closure)
-    table = costs(design, dict.fromkeys(design.rocks, keys))
-    assert table.simulations.tolist() == [224, 224]
-    assert (table.core_minutes > 0.0).all()
+    for row in joints[joints.cycle == 2].itertuples():
+        here = closed.closure.sel(
+            row=2, point=row.point, surface=row.realization - 4, cycle=row.cycle
+        )
+        assert float(here) == row.closure
+
+
+def test_a_few_points_of_each_rock_stand_for_all_its_joints():
+    timed = EXPERIMENT.design(tiny()).timed()
+    assert list(timed) == ["dolerite", "slate"]
+    for (sample,) in timed.values():
+        assert sample.joints == 16 * 7 * 2
+        assert [point.coordinates["row"] for point in sample.points] == list(range(8))
 
 
 @pytest.mark.parametrize(
@@ -304,7 +362,7 @@ def test_joints_are_closed_as_everywhere_and_their_cost_is_known_before():
 )
 def test_a_design_that_cannot_be_closed_is_refused_before_any_job(changes, said):
     with pytest.raises(ConfigurationError) as error:
-        design_of(keys_of(**section(**changes)))
+        checked_design("global_sensitivity", tiny(**section(**changes)))
     assert said in str(error.value)
 
 
@@ -319,7 +377,7 @@ def test_a_design_that_cannot_be_closed_is_refused_before_any_job(changes, said)
 def test_the_input_that_is_wrong_is_named_and_no_other(wrong):
     inputs = {"modulus": wrong, "peaks": {"values": ["pristine", "current"]}}
     with pytest.raises(ConfigurationError) as error:
-        design_of(keys_of(**section(inputs=inputs)))
+        checked_design("global_sensitivity", tiny(**section(inputs=inputs)))
     _, *lines = str(error.value).splitlines()
     named = {line.split(":")[0].strip() for line in lines}
     assert named == {"global_sensitivity.inputs.modulus"}

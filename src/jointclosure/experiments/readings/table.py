@@ -4,15 +4,15 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.config.properties import PARAMETERS, PROPERTIES
-from jointclosure.statistics.standard_errors import rounded
-from jointclosure.studies.readings.design import AS_CONFIGURED, Design
-from jointclosure.studies.readings.likelihood import (
+from jointclosure.experiments.readings.design import AS_CONFIGURED, Readings
+from jointclosure.experiments.readings.likelihood import (
     Question,
     implied_scatter,
     judged_by_table_3,
 )
-from jointclosure.studies.readings.rounds import Blocks, closures_of, in_round
-from jointclosure.studies.readings.summary import SCATTER, claims_judged, over_rocks, quantities
+from jointclosure.experiments.readings.rounds import closures_of, in_round
+from jointclosure.experiments.readings.summary import SCATTER, claims_judged, over_rocks, quantities
+from jointclosure.statistics.standard_errors import rounded
 
 _FACTORS = np.linspace(0.1, 1.6, 31)
 """Of all standard deviations, among which the likeliest is looked for."""
@@ -30,9 +30,9 @@ def last_rounds(ranked: list[pd.DataFrame]) -> dict[str, int]:
 
 
 def readings_table(
-    design: Design,
+    readings: Readings,
     ranked: list[pd.DataFrame],
-    blocks: Blocks,
+    joints: pd.DataFrame,
     question: Question,
     confidence: float,
 ) -> pd.DataFrame:
@@ -40,10 +40,11 @@ def readings_table(
 
     Parameters
     ----------
-    design : Design
+    readings : Readings
     ranked : list of DataFrame
-        `jointclosure.studies.readings.rounds.round_table` of each round.
-    blocks : mapping
+        `jointclosure.experiments.readings.rounds.round_table` of each round.
+    joints : DataFrame
+        As from `jointclosure.ensemble.points.close_points`, of all rounds.
     question : Question
     confidence : float
         Of the intervals by which claims are judged.
@@ -58,11 +59,11 @@ def readings_table(
         (``claim 2a``). Closures of readings whose run was closed in all rocks are their own; the
         likelihood of others is that of dolerite's changes, say, in all rocks.
     """
-    reference = closures_of(design, AS_CONFIGURED, blocks, dict.fromkeys(design.rocks))
+    reference = closures_of(readings, AS_CONFIGURED, joints, dict.fromkeys(readings.rocks))
     rows = []
     for name, number in last_rounds(ranked).items():
-        one, this = design.reading(name), design.rounds[number]
-        closed = in_round(design, number, name, blocks)
+        one, this = readings.reading(name), readings.rounds[number]
+        closed = in_round(readings, number, name, joints)
         found = ranked[number].set_index("reading").loc[name]
         row = {
             "reading": name,
@@ -85,18 +86,18 @@ def readings_table(
 
 
 def implied_table(
-    design: Design, ranked: list[pd.DataFrame], blocks: Blocks, question: Question
+    readings: Readings, ranked: list[pd.DataFrame], joints: pd.DataFrame, question: Question
 ) -> pd.DataFrame:
     """S/mean that Table 3 implies, by cycle, given the means of a reading.
 
     For the configured reading and the best of the last round: columns reading, cycle, scatter,
     low, high (mean over the rocks closed; see `ImpliedScatter`).
     """
-    reference = closures_of(design, AS_CONFIGURED, blocks, dict.fromkeys(design.rocks))
+    reference = closures_of(readings, AS_CONFIGURED, joints, dict.fromkeys(readings.rocks))
     last = last_rounds(ranked)
     rows = []
     for name in dict.fromkeys([next(iter(last)), AS_CONFIGURED]):
-        closed = in_round(design, last[name], name, blocks)
+        closed = in_round(readings, last[name], name, joints)
         table = over_rocks(pd.DataFrame(quantities(closed, question.parameters)))
         own = table[table.quantity == SCATTER].set_index("cycle").value
         for found in implied_scatter(question, closed, reference, _FACTORS):

@@ -13,18 +13,25 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from jointclosure.config.configuration import configured, merged
-from jointclosure.config.files import ConfigurationError
+from jointclosure.config.configuration import (
+    Configured,
+    checked_with,
+    merged,
+    problem_lines,
+    refuse,
+)
 from jointclosure.config.keys import ReadingsKeys
-from jointclosure.config.presets import numerics_in_full
-from jointclosure.config.typed import Configuration, StudyRock
-from jointclosure.ensemble.cases import cases_of
-from jointclosure.ensemble.settings import ClosureSettings
-from jointclosure.ensemble.slices import block_settings
+from jointclosure.config.typed import StudyRock
 from jointclosure.inputs import InputError
 
 AS_CONFIGURED = "as_configured"
 """The reading in which no aspect is changed."""
+CLOSURES = {
+    "max_closure": "closure",
+    "max_closure_seated": "closure_seated",
+    "max_closure_net": "closure_net",
+}
+"""Quantities of `jointclosure.ensemble.quantities.QUANTITIES` by the closure that is read."""
 SINGLES, PAIRS, KEPT = "singles", "pairs", "kept"
 
 
@@ -61,7 +68,7 @@ class Round(NamedTuple):
     margin: float
 
 
-class Design(NamedTuple):
+class Readings(NamedTuple):
     """Readings by name, the pairs that they make, and rounds.
 
     ``block`` is the number of realisations that a job closes; ``reference_realizations``
@@ -79,9 +86,9 @@ class Design(NamedTuple):
         """A reading or a pair by its name."""
         return self.singles.get(name) or self.pairs[name]
 
-    def has(self, name: str) -> bool:
-        """Whether it has a reading or a pair of this name."""
-        return name in self.singles or name in self.pairs
+    def all(self) -> list[Reading]:
+        """All readings and pairs."""
+        return [*self.singles.values(), *self.pairs.values()]
 
     def blocks(self, realizations: int) -> list[range]:
         """The blocks of so many realisations."""
@@ -93,8 +100,8 @@ class Design(NamedTuple):
         return max(own, self.reference_realizations) if reading == AS_CONFIGURED else own
 
 
-def design_of(keys: dict) -> Design:
-    """The design in a configuration's ``readings`` section.
+def readings_of(keys: dict) -> Readings:
+    """The readings and rounds in a configuration's ``readings`` section.
 
     Parameters
     ----------
@@ -104,12 +111,12 @@ def design_of(keys: dict) -> Design:
     Raises
     ------
     ConfigurationError
-        Naming each round that cannot be run, and each reading that the model cannot take.
+        Naming each round that cannot be run.
     """
     section = ReadingsKeys.model_validate(keys["readings"]).model_dump()
     rocks = tuple(keys["study"]["rocks"])
     singles = _singles(section["aspects"])
-    design = Design(
+    readings = Readings(
         singles=singles,
         pairs=_pairs(singles),
         rounds=tuple(
@@ -119,46 +126,34 @@ def design_of(keys: dict) -> Design:
         block=keys["study"]["realizations_per_job"] or keys["study"]["realizations"],
         reference_realizations=section["reference_realizations"],
     )
-    problems = [*_round_problems(design), *_reading_problems(design, keys)]
+    refuse(_round_problems(readings))
     if keys["study"]["cycles"] != 2:
-        problems.append(f"study.cycles = {keys['study']['cycles']}: must be 2, as in Table 3")
-    if problems:
-        raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in problems))
-    return design
+        refuse([f"study.cycles = {keys['study']['cycles']}: must be 2, as in Table 3"])
+    return readings
 
 
-def settings_of(
-    design: Design, keys: dict, reading: str, rock: str, block: range
-) -> tuple[ClosureSettings, ...]:
-    """Settings of all cases of a rock in a reading, for a block of realisations.
-
-    Raises
-    ------
-    InputError
-        The model cannot take the reading, as it may be with a pair.
-    """
-    typed = _configured(keys, design.reading(reading).keys, (rock,))
-    cases = {case.label: case for case in cases_of(typed)}
-    return tuple(block_settings(typed, cases, label, block) for label in cases)
+def check_readings(configured: Configured) -> None:
+    """Raise `ConfigurationError` for each reading that the model cannot take."""
+    refuse(_reading_problems(readings_of(configured.keys), configured.keys))
 
 
-def can_be_run(design: Design, keys: dict, reading: str) -> bool:
+def can_be_run(readings: Readings, keys: dict, reading: str) -> bool:
     """Whether the model takes a reading; some pairs contradict each other."""
     try:
-        _configured(keys, design.reading(reading).keys, design.rocks)
+        checked_with(keys, readings.reading(reading).keys)
     except InputError:
         return False
     return True
 
 
-def entering(design: Design, keys: dict, number: int, judged: pd.DataFrame | None) -> list[str]:
+def entering(readings: Readings, keys: dict, number: int, judged: pd.DataFrame | None) -> list[str]:
     """Readings that enter a round, the configured one first; pairs only where they can be run.
 
     Parameters
     ----------
-    design : Design
+    readings : Readings
     keys : dict
-        As for `design_of`.
+        As for `readings_of`.
     number : int
         Of the round, from 0.
     judged : DataFrame, optional
@@ -169,35 +164,22 @@ def entering(design: Design, keys: dict, number: int, judged: pd.DataFrame | Non
     list of str
         Empty where nothing is left to be told apart.
     """
-    this = design.rounds[number]
+    this = readings.rounds[number]
     if this.candidates == SINGLES:
-        return list(design.singles)
+        return list(readings.singles)
     if judged is None or judged.empty:
         return []
     kept = judged.reading[judged.kept].tolist()[: this.most]
-    before = design.rounds[number - 1]
+    before = readings.rounds[number - 1]
     if this.candidates == KEPT and this.rocks == before.rocks and len(kept) < 2:
         return []
     answer = list(dict.fromkeys([AS_CONFIGURED, *kept]))
     if this.candidates == PAIRS:
-        possible = {frozenset(names): pair_name(*names) for names in _pairs_of(design.singles)}
+        possible = {frozenset(names): pair_name(*names) for names in _pairs_of(readings.singles)}
         chosen = (frozenset(names) for names in itertools.combinations(kept, 2))
         pairs = (possible[names] for names in chosen if names in possible)
-        answer += [name for name in pairs if can_be_run(design, keys, name)]
+        answer += [name for name in pairs if can_be_run(readings, keys, name)]
     return answer
-
-
-def files_of(
-    design: Design, folder: str, number: int, readings: list[str]
-) -> list[tuple[str, str, str]]:
-    """(run, rock, file) of the blocks that the readings of a round need, and the configured one."""
-    found = {}
-    for name in dict.fromkeys([AS_CONFIGURED, *readings] if readings else []):
-        run = design.reading(name).run
-        for rock in design.rocks:
-            for block in design.blocks(design.realizations_of(name, number, rock)):
-                found[f"{folder}/{run}/{rock}.{block.start}.nc"] = (run, rock)
-    return [(run, rock, file) for file, (run, rock) in found.items()]
 
 
 def pair_name(one: str, other: str) -> str:
@@ -253,19 +235,10 @@ def _pairs(singles: dict[str, Reading]) -> dict[str, Reading]:
     return pairs
 
 
-def _configured(keys: dict, reading: dict, rocks: tuple[str, ...]) -> Configuration:
-    plain = keys | {"numerics": numerics_in_full(keys)}
-    return configured(merged(plain, reading, {"study": {"rocks": list(rocks)}}), _no_table).typed
-
-
-def _no_table(path):
-    raise InputError("numerics.preset, numerics.accuracy: not in a reading")
-
-
-def _round_problems(design: Design) -> Iterator[str]:
-    for number, each in enumerate(design.rounds):
+def _round_problems(readings: Readings) -> Iterator[str]:
+    for number, each in enumerate(readings.rounds):
         where = f"readings.rounds.{each.name}"
-        if each.candidates == PAIRS and each is not _first_of_pairs(design):
+        if each.candidates == PAIRS and each is not _first_of_pairs(readings):
             yield f"{where}.candidates = {PAIRS!r}: must be so in one round at most"
         if (each.candidates == SINGLES) != (number == 0):
             yield (
@@ -273,37 +246,36 @@ def _round_problems(design: Design) -> Iterator[str]:
                 "and in no other"
             )
         for rock in each.rocks:
-            if rock not in design.rocks:
-                yield f"{where}.rocks = {rock!r}: must be one of {', '.join(design.rocks)}"
+            if rock not in readings.rocks:
+                yield f"{where}.rocks = {rock!r}: must be one of {', '.join(readings.rocks)}"
         for name, count in (
             (f"{where}.realizations", each.realizations),
-            ("readings.reference_realizations", design.reference_realizations),
+            ("readings.reference_realizations", readings.reference_realizations),
         ):
-            if count % design.block:
-                yield f"{name} = {count}: must be a multiple of {design.block}, those of a job"
-        if each.realizations > design.reference_realizations and each.rocks != design.rocks:
+            if count % readings.block:
+                yield f"{name} = {count}: must be a multiple of {readings.block}, those of a job"
+        if each.realizations > readings.reference_realizations and each.rocks != readings.rocks:
             yield (
                 f"{where}.realizations = {each.realizations}: must be at most "
-                f"reference_realizations = {design.reference_realizations}"
+                f"reference_realizations = {readings.reference_realizations}"
             )
 
 
-def _first_of_pairs(design: Design) -> Round | None:
-    return next((each for each in design.rounds if each.candidates == PAIRS), None)
+def _first_of_pairs(readings: Readings) -> Round | None:
+    return next((each for each in readings.rounds if each.candidates == PAIRS), None)
 
 
-def _reading_problems(design: Design, keys: dict) -> Iterator[str]:
-    plain = _configured(keys, {}, design.rocks)
-    for name, reading in design.singles.items():
+def _reading_problems(readings: Readings, keys: dict) -> Iterator[str]:
+    plain = checked_with(keys)
+    for name, reading in readings.singles.items():
         where = f"readings: {name}"
         for section in reading.keys:
             if section not in _SECTIONS:
                 yield f"{where}: {section}: must be one of {', '.join(_SECTIONS)}"
         try:
-            typed = _configured(keys, reading.keys, design.rocks)
+            typed = checked_with(keys, reading.keys, {"study": {"rocks": list(readings.rocks)}})
         except InputError as error:
-            lines = str(error).removeprefix("configuration:").split("\n")
-            yield from (f"{where}: {line.strip()}" for line in lines if line.strip())
+            yield from (f"{where}: {line}" for line in problem_lines(error))
             continue
         for rock, own in typed.rocks.items():
             if _varied(own) != _varied(plain.rocks[rock]):

@@ -1,15 +1,22 @@
 """Inputs that vary together, the points at which joints are closed, and their settings."""
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.config.configuration import configured, merged
-from jointclosure.config.files import ConfigurationError
+from jointclosure.config.configuration import (
+    Configured,
+    checked_with,
+    complete,
+    overlaid,
+    problem_lines,
+    refuse,
+    with_keys,
+)
 from jointclosure.config.keys import GlobalSensitivityKeys
-from jointclosure.config.presets import numerics_in_full
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.slices import block_settings
@@ -21,8 +28,6 @@ from jointclosure.statistics.variance_indices import sampled_rows
 
 ROCK = "ROCK"
 """Stands in an input's key for the rock that is closed."""
-FEWEST_ROWS = 16
-"""Of a design."""
 VARIED = ("rocks", "surface", "effects", "choices", "numerics")
 """Sections of a configuration whose keys can vary: others change which surfaces there are."""
 SURFACES = 2
@@ -51,7 +56,7 @@ class Input(NamedTuple):
         return keys.get(".".join(self.key))
 
 
-class Design(NamedTuple):
+class Sampling(NamedTuple):
     """Inputs, the number of rows, and how many of these a job closes.
 
     ``dependent`` are pairs of inputs by name, with their correlation.
@@ -76,13 +81,11 @@ class Design(NamedTuple):
         return {(place[one], place[other]): value for one, other, value in self.dependent}
 
     def points(self) -> np.ndarray:
-        """Points (rows, inputs + 2, inputs) of the unit cube, the same in all rocks."""
-        return sampled_rows(len(self.inputs), self.rows, self.seed)
+        """Points (rows, inputs + 2, inputs) of the unit cube, the same in all rocks.
 
-    def of_rows(self, rows: range) -> "Design":
-        """The smallest design with these rows, which are the same in every larger one."""
-        enough = max(FEWEST_ROWS, 1 << (rows.stop - 1).bit_length())
-        return self._replace(rows=enough, rows_per_job=len(rows))
+        Those of a row are the same whatever the number of rows.
+        """
+        return _points(len(self.inputs), self.rows, self.seed)
 
     def blocks(self) -> list[range]:
         """The rows of each job."""
@@ -90,16 +93,19 @@ class Design(NamedTuple):
         return [range(i, min(i + step, self.rows)) for i in range(0, self.rows, step)]
 
 
-def design_of(keys: dict) -> Design:
-    """The design in a configuration's ``global_sensitivity`` section.
+_points = lru_cache(maxsize=None)(sampled_rows)
+
+
+def sampling_of(keys: dict) -> Sampling:
+    """The inputs and rows of a configuration's ``global_sensitivity`` section.
 
     Raises
     ------
     ConfigurationError
-        Naming each input that the model cannot take at an end of its range.
+        Inputs or rows that contradict each other.
     """
     section = GlobalSensitivityKeys.model_validate(keys["global_sensitivity"]).model_dump()
-    design = Design(
+    sampling = Sampling(
         inputs=tuple(_inputs(section["inputs"])),
         rows=section["rows"],
         rows_per_job=section["rows_per_job"],
@@ -107,25 +113,34 @@ def design_of(keys: dict) -> Design:
         seed=seed_of(keys["study"]["root_seed"], "global sensitivity"),
         dependent=[(*each["inputs"], each["correlation"]) for each in section["dependent"]],
     )
-    checks = (_problems(design, section), _unusable(design, keys), _clashing(design, keys))
-    problems = next(filter(None, map(dict.fromkeys, checks)), {})
-    if problems:
-        raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in problems))
-    return design
+    refuse(_problems(sampling, section))
+    return sampling
 
 
-def keys_at(design: Design, keys: dict, rock: str, point) -> dict:
-    """The keys of a point (d,) of the unit cube, over those of the study."""
-    answer: dict = {"study": {"rocks": [rock]}}
-    for each, u in zip(design.inputs, point, strict=True):
-        value = value_at(each, keys, rock, float(u))
-        for part in reversed([rock if part == ROCK else part for part in each.key]):
-            value = {part: value}
-        answer = merged(answer, value)
+def check_sampling(configured: Configured) -> None:
+    """Raise `ConfigurationError` for each input that the model cannot take at an end of its range.
+
+    First each input alone, all else as the study has it, so that what is wrong is the input's own;
+    then with all others in the middle.
+    """
+    sampling, keys = sampling_of(configured.keys), configured.keys
+    refuse(_unusable(sampling, keys))
+    refuse(_clashing(sampling, keys))
+
+
+def keys_at(sampling: Sampling, keys: dict, rock: str, point) -> dict:
+    """The keys that a point (d,) of the unit cube sets, to be put over those of the study."""
+    answer: dict = {}
+    for each, u in zip(sampling.inputs, point, strict=True):
+        *path, last = (rock if part == ROCK else part for part in each.key)
+        within = answer
+        for part in path:
+            within = within.setdefault(part, {})
+        within[last] = value_at(each, keys, rock, float(u))
     return answer
 
 
-def value_at(each: Input, keys: dict, rock: str, u: float):
+def value_at(each: Input, keys: Mapping, rock: str, u: float):
     """The value of an input at u of [0, 1], in the unit of its key."""
     if each.values:
         return each.values[int(part_of(u, len(each.values)))]
@@ -135,7 +150,7 @@ def value_at(each: Input, keys: dict, rock: str, u: float):
     return float(low + (high - low) * u)
 
 
-def range_of(each: Input, keys: dict, rock: str) -> tuple[float, float]:
+def range_of(each: Input, keys: Mapping, rock: str) -> tuple[float, float]:
     """Ends of an input that varies continuously, in the unit of its key."""
     if each.low is not None and each.high is not None:
         return each.low, each.high
@@ -144,26 +159,38 @@ def range_of(each: Input, keys: dict, rock: str) -> tuple[float, float]:
     return float(min(*levels, own)), float(max(*levels, own))
 
 
-def settings_at(design: Design, keys: dict, rock: str, row: int, point) -> ClosureSettings:
-    """Settings of the base case of a rock at a point (d,), on the surfaces of a row.
-
-    Raises
-    ------
-    InputError
-        The model cannot take the point.
-    """
-    plain = keys | {"numerics": numerics_in_full(keys)}
-    alone = {
-        "study": {"draws": "common"},
+def _alone(rock: str) -> dict:
+    """Keys of a study of one rock without levels, whose surfaces are the same at all points."""
+    return {
+        "study": {"rocks": [rock], "draws": "common"},
         "rocks": {rock: {"levels": dict.fromkeys(map(key_of, PROPERTIES))}},
     }
-    typed = configured(merged(plain, keys_at(design, keys, rock, point), alone), _no_table).typed
-    case = base_case(rock, typed.rocks[rock])
-    block = range(SURFACES * row, SURFACES * (row + 1))
-    return block_settings(typed, {case.label: case}, case.label, block)
 
 
-def settings_of_choices(design: Design, keys: dict) -> list[ClosureSettings]:
+def settings_of_rock(
+    sampling: Sampling, configured: Configured, rock: str
+) -> Callable[[int, np.ndarray], ClosureSettings]:
+    """Settings of the base case of a rock, from a row and a point (d,) on its surfaces.
+
+    They are those of the configuration with other fields, which are not checked.
+    """
+    alone = _alone(rock)
+    keys = complete(configured.keys)
+    plain = overlaid(keys, alone)
+    base = with_keys(configured.typed, keys, alone)
+
+    def settings(row: int, point: np.ndarray) -> ClosureSettings:
+        typed = with_keys(base, plain, keys_at(sampling, keys, rock, point))
+        case = base_case(rock, typed.rocks[rock])
+        block = range(SURFACES * row, SURFACES * (row + 1))
+        return block_settings(typed, {case.label: case}, case.label, block)
+
+    return settings
+
+
+def settings_of_choices(
+    sampling: Sampling, settings: Callable[[int, np.ndarray], ClosureSettings]
+) -> list[ClosureSettings]:
     """Settings at all combinations of values of the inputs that have a few, others in the middle.
 
     Of the inputs that make walls none has another kernel, and one value stands for all.
@@ -172,15 +199,12 @@ def settings_of_choices(design: Design, keys: dict) -> list[ClosureSettings]:
         [0.5]
         if each.key[0] == "surface"
         else [(place + 0.5) / len(each.values) for place in range(len(each.values))] or [0.5]
-        for each in design.inputs
+        for each in sampling.inputs
     ]
-    return [
-        settings_at(design, keys, design.rocks[0], 0, np.array(point))
-        for point in itertools.product(*places)
-    ]
+    return [settings(0, np.array(point)) for point in itertools.product(*places)]
 
 
-def is_positive(each: Input, keys: dict, rock: str) -> bool:
+def is_positive(each: Input, keys: Mapping, rock: str) -> bool:
     """Whether an input varies continuously over positive numbers: it has elasticities."""
     return not each.values and range_of(each, keys, rock)[0] > 0.0
 
@@ -194,9 +218,9 @@ def _inputs(section: dict) -> Iterator[Input]:
         yield Input(name, each["title"], key, low, high, each["logarithmic"], values)
 
 
-def _problems(design: Design, section: dict) -> Iterator[str]:
+def _problems(sampling: Sampling, section: dict) -> Iterator[str]:
     where = "global_sensitivity"
-    for each in design.inputs:
+    for each in sampling.inputs:
         own = section["inputs"][each.name]
         if (own["between"] is None) == (not own["values"]):
             yield f"{where}.inputs.{each.name}: must have either between or values"
@@ -211,36 +235,33 @@ def _problems(design: Design, section: dict) -> Iterator[str]:
             yield f"{where}.inputs.{each.name}.between = {own['between']}: must ascend"
         if own["between"] == "levels" and each.property is None:
             yield f"{where}.inputs.{each.name}.between = levels: {own['key']} has none"
-    names = [each.name for each in design.inputs]
-    for one, other, _ in design.dependent:
+    names = [each.name for each in sampling.inputs]
+    for one, other, _ in sampling.dependent:
         for name in (one, other):
             if name not in names:
                 yield f"{where}.dependent = {name!r}: must be one of {', '.join(names)}"
-    if design.rows % 2 or design.rows & (design.rows - 1):
-        yield f"{where}.rows = {design.rows}: must be a power of 2"
+    if sampling.rows % 2 or sampling.rows & (sampling.rows - 1):
+        yield f"{where}.rows = {sampling.rows}: must be a power of 2"
 
 
-def _unusable(design: Design, keys: dict) -> Iterator[str]:
-    """What the model says of the ends and values of each input.
-
-    Of each alone, all else as the study has it: so what is wrong is the input's own.
-    """
-    for rock in design.rocks:
-        for each in design.inputs:
-            alone = design._replace(inputs=(each,), dependent=[])
+def _unusable(sampling: Sampling, keys: dict) -> Iterator[str]:
+    """What the model says of the ends and values of each input, all else as the study has it."""
+    for rock in sampling.rocks:
+        for each in sampling.inputs:
+            alone = sampling._replace(inputs=(each,), dependent=[])
             for u in _ends(each):
                 yield from _refused(alone, keys, rock, np.array([u]), each)
 
 
-def _clashing(design: Design, keys: dict) -> Iterator[str]:
+def _clashing(sampling: Sampling, keys: dict) -> Iterator[str]:
     """What the model says of the ends of each input, all others in the middle."""
-    middle = np.full(len(design.inputs), 0.5)
-    for rock in design.rocks:
-        for number, each in enumerate(design.inputs):
+    middle = np.full(len(sampling.inputs), 0.5)
+    for rock in sampling.rocks:
+        for number, each in enumerate(sampling.inputs):
             for u in _ends(each):
                 point = middle.copy()
                 point[number] = u
-                yield from _refused(design, keys, rock, point, each)
+                yield from _refused(sampling, keys, rock, point, each)
 
 
 def _ends(each: Input) -> list[float]:
@@ -249,16 +270,10 @@ def _ends(each: Input) -> list[float]:
     return [(place + 0.5) / count for place in range(count)] or [0.0, 1.0]
 
 
-def _refused(design: Design, keys: dict, rock: str, point, each: Input) -> Iterator[str]:
+def _refused(sampling: Sampling, keys: dict, rock: str, point, each: Input) -> Iterator[str]:
     try:
-        settings_at(design, keys, rock, 0, point)
+        checked_with(keys, keys_at(sampling, keys, rock, point), _alone(rock))
     except InputError as error:
-        lines = str(error).removeprefix("configuration:").split("\n")
-        said = "; ".join(line.strip() for line in lines if line.strip())
-        yield f"global_sensitivity.inputs.{each.name}: {said}"
+        yield f"global_sensitivity.inputs.{each.name}: {'; '.join(problem_lines(error))}"
     except KeyError as error:
         yield f"global_sensitivity.inputs.{each.name}: {error}: there is no such key"
-
-
-def _no_table(path):
-    raise InputError("numerics.preset, numerics.accuracy: not in a study of global sensitivity")

@@ -8,10 +8,10 @@ import pandas as pd
 from jointclosure.claims.found import TARGET
 from jointclosure.claims.statements import PROPERTIES, Elasticities
 from jointclosure.claims.table import CLAIMS
+from jointclosure.experiments.readings.pools import Closures, Parameters, levels_closed
 from jointclosure.statistics.drawn_studies import jackknife_error
 from jointclosure.statistics.standard_errors import Estimate, elasticity, variation_of
 from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, Interval, t_interval, verdict
-from jointclosure.studies.readings.pools import Closures, Parameters, levels_closed
 
 SCATTER = "scatter"
 """Quantity of a row: S/mean at the base level; the others are a parameter's elasticity."""
