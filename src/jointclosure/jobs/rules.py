@@ -87,7 +87,9 @@ class SealedJobs:
 
         Empty where this configuration has no such job, and where parameters follow from inputs.
         """
-        from snakemake.exceptions import IncompleteCheckpointException
+        from snakemake.exceptions import (  # type: ignore[import-untyped]
+            IncompleteCheckpointException,
+        )
 
         for rule, pattern in self._seals:
             if match := pattern.fullmatch(Path(seal).as_posix()):
