@@ -10,7 +10,7 @@ import pandas as pd
 
 from jointclosure.config.contradictions import contradictions
 from jointclosure.config.files import DEFAULT, MEASURED, METHODS, ConfigurationError, read_plain
-from jointclosure.config.keys import ConfigurationKeys
+from jointclosure.config.keys.configuration import ConfigurationKeys
 from jointclosure.config.presets import anything_breaks, chosen_numerics, numerics_in_full
 from jointclosure.config.schema import problems
 from jointclosure.config.typed import (

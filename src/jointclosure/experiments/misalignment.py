@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
 from jointclosure.config.configuration import Configured, refuse
-from jointclosure.config.keys import MisalignmentKeys
+from jointclosure.config.keys.misalignment import MisalignmentKeys
 from jointclosure.config.units import to_si
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.points import Point

@@ -16,7 +16,7 @@ from jointclosure.config.configuration import (
     refuse,
     with_keys,
 )
-from jointclosure.config.keys import GlobalSensitivityKeys
+from jointclosure.config.keys.global_sensitivity import GlobalSensitivityKeys
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.slices import block_settings

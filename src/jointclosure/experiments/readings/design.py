@@ -20,7 +20,7 @@ from jointclosure.config.configuration import (
     problem_lines,
     refuse,
 )
-from jointclosure.config.keys import ReadingsKeys
+from jointclosure.config.keys.readings import ReadingsKeys
 from jointclosure.config.typed import StudyRock
 from jointclosure.inputs import InputError
 
