@@ -24,7 +24,7 @@ from jointclosure.experiments.readings.likelihood import (
     answer_of,
     behind,
     implied_scatter,
-    judged_by_table_3,
+    probability_of_table_3,
     published_lengths,
     ranking,
 )
@@ -185,8 +185,11 @@ def test_the_true_reading_is_ranked_first_and_its_table_is_no_rarity():
     answers = {name: answer_of(asked, each, reference) for name, each in readings.items()}
     assert next(iter(ranking(answers, 2.0).reading)) == "half"
     assert behind(answers["half"], answers["double"]).value > 5.0
-    assert judged_by_table_3(asked, readings["half"], reference).p > 0.05
-    assert judged_by_table_3(asked, readings["double"], reference).p < 0.05
+    half, double = (
+        probability_of_table_3(asked, readings[name], reference) for name in ("half", "double")
+    )
+    assert half.value > 0.05 > double.value
+    assert half.standard_error > np.sqrt(half.value * (1.0 - half.value) / asked.repetitions)
 
 
 def test_pools_so_small_that_some_repetitions_have_no_scatter_still_give_numbers():

@@ -20,7 +20,7 @@ from jointclosure.statistics.drawn_studies import (
     jackknife_error,
     lengths_table,
 )
-from jointclosure.statistics.joint_tests import JointTest, joint_test, log_likelihoods
+from jointclosure.statistics.joint_tests import log_likelihoods, p_of_table
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import Estimate
 
@@ -116,16 +116,32 @@ def answer_of(question: Question, closed: Closures, reference: Closures) -> Answ
         lengths = _drawn_lengths(question, whole)
         return float(log_likelihoods(lengths, _observed(question)[None])[0])
 
-    fewest = min(closures.sizes["realization"] for closures in closed.values())
-    groups = min(question.groups, fewest)
-    without = [of(lambda number, group=group: number % groups != group) for group in range(groups)]
+    without = [of(kept) for kept in _groups_left_out(question, closed)]
     return Answer(of(lambda number: number >= 0), np.array(without))
 
 
-def judged_by_table_3(question: Question, closed: Closures, reference: Closures) -> JointTest:
-    """Joint test of Table 3 in a reading: where it lies among tables drawn from it."""
-    whole = _all_rocks(closed, reference, question.parameters, lambda number: number >= 0)
-    return joint_test(_drawn_lengths(question, whole), _observed(question))
+def probability_of_table_3(question: Question, closed: Closures, reference: Closures) -> Estimate:
+    """Probability of Table 3 in a reading: the p of `joint_test`, arguments as for `answer_of`.
+
+    Its standard error is that of the repetitions, and that of the surfaces by a jackknife over
+    groups of them.
+    """
+
+    def of(with_surface: Callable) -> float:
+        whole = _all_rocks(closed, reference, question.parameters, with_surface)
+        return p_of_table(_drawn_lengths(question, whole), _observed(question))
+
+    p = of(lambda number: number >= 0)
+    of_surfaces = jackknife_error([of(kept) for kept in _groups_left_out(question, closed)])
+    of_repetitions = np.sqrt(p * (1.0 - p) / question.repetitions)
+    return Estimate(p, float(np.hypot(of_surfaces, of_repetitions)))
+
+
+def _groups_left_out(question: Question, closed: Closures) -> list[Callable]:
+    """Rules that keep the surfaces of all groups but one, by their numbers."""
+    fewest = min(closures.sizes["realization"] for closures in closed.values())
+    groups = min(question.groups, fewest)
+    return [lambda number, group=group: number % groups != group for group in range(groups)]
 
 
 def behind(best: Answer, other: Answer) -> Estimate:

@@ -8,7 +8,7 @@ from jointclosure.experiments.readings.design import AS_CONFIGURED, Readings
 from jointclosure.experiments.readings.likelihood import (
     Question,
     implied_scatter,
-    judged_by_table_3,
+    probability_of_table_3,
 )
 from jointclosure.experiments.readings.rounds import closures_of, in_round
 from jointclosure.experiments.readings.summary import SCATTER, claims_judged, over_rocks, quantities
@@ -54,7 +54,7 @@ def readings_table(
     DataFrame
         reading, title, aspects, allowed, round, rocks, realizations; log_likelihood,
         standard_error, behind, behind_error (to the best of that round), separable; p of the
-        joint test; scatter and elasticities of both cycles with errors
+        joint test and p_error; scatter and elasticities of both cycles with errors
         (``youngs_modulus_2``, ``youngs_modulus_2_error``), means over the rocks closed; claims
         (``claim 2a``). Closures of readings whose run was closed in all rocks are their own; the
         likelihood of others is that of dolerite's changes, say, in all rocks.
@@ -76,7 +76,7 @@ def readings_table(
         }
         row |= found[["log_likelihood", "standard_error", "behind", "behind_error"]].to_dict()
         row["separable"] = bool(found.behind > SEPARATE * found.behind_error)
-        row["p"] = judged_by_table_3(question, closed, reference).p
+        row["p"], row["p_error"] = probability_of_table_3(question, closed, reference)
         for each in over_rocks(pd.DataFrame(quantities(closed, question.parameters))).itertuples():
             column = f"{each.quantity}_{each.cycle}"
             row |= {column: each.value, f"{column}_error": each.standard_error}
@@ -126,7 +126,7 @@ def readings_markdown(table: pd.DataFrame, implied: pd.DataFrame) -> str:
             str(row["realizations"]),
             rounded(row["log_likelihood"], row["standard_error"]),
             rounded(row["behind"], row["behind_error"]) + ("" if row["separable"] else " ="),
-            f"{row['p']:.2g}",
+            rounded(row["p"], row["p_error"]),
         ]
         cells += [
             rounded(row[f"{name}_{cycle}"], row[f"{name}_{cycle}_error"]) for name, cycle in columns
