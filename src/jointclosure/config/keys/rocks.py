@@ -149,6 +149,6 @@ class RockKeys(intact_keys(_TitledKeys)):
         False,
     )
     effects: RockEffectKeys = entry(RockEffectKeys.__doc__, RockEffectKeys())
-    levels: LevelKeys = entry(LevelKeys.__doc__)
+    levels: LevelKeys = entry(LevelKeys.__doc__, LevelKeys())
     walls: WallKeys | None = entry(WallKeys.__doc__, None)
     measured: MeasuredKeys | None = entry(MeasuredKeys.__doc__, None)
