@@ -5,19 +5,21 @@ SHELL := /bin/sh
 
 # What a user tells make is data. It is taken as it stands, so that make expands nothing in it, and goes
 # through the environment to a Python that runs the target, so that no shell reads it. No recipe
-# names $(CONFIG), $(CORES), $(PROFILE) or $(PYTHON).
+# names $(CONFIG), $(CORES), $(PROFILE), $(PYTHON) or $(STUDY).
 PYTHON ?= python3
 CONFIG ?=
 CORES ?=
 PROFILE ?=
+STUDY ?=
 override PYTHON := $(value PYTHON)
 override CONFIG := $(value CONFIG)
 override CORES := $(value CORES)
 override PROFILE := $(value PROFILE)
-export PYTHON CONFIG CORES PROFILE
+override STUDY := $(value STUDY)
+export PYTHON CONFIG CORES PROFILE STUDY
 UNKNOWN := $(strip $(foreach name,$(.VARIABLES),$(if $(findstring command,$(origin $(name))),$(name))))
 ifneq ($(UNKNOWN),)
-$(error $(UNKNOWN): not a variable of this Makefile, which has CONFIG, CORES, PROFILE and PYTHON)
+$(error $(UNKNOWN): not a variable of this Makefile, which has CONFIG, CORES, PROFILE, PYTHON and STUDY)
 endif
 
 VENV := .venv
@@ -36,7 +38,7 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects mismatch readings global-sensitivity global-sensitivity-estimate jrc-range conclusions test test-all lint docs coverage wheel lock clean size misalignment
+.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects mismatch readings global-sensitivity global-sensitivity-estimate jrc-range conclusions test test-all lint docs publish coverage wheel lock clean size misalignment
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -130,6 +132,9 @@ lint: $(STAMP) ## Check style, types, layers and workflow
 docs: $(STAMP) ## Build the documentation site, without a network, to build/docs/index.html
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict
 	@$(BIN)/python docs/site/links.py build/docs
+
+publish: $(STAMP) ## Store the results of STUDY=results/<run> that the documentation shows, in docs/results
+	@$(BIN)/python docs/site/publish.py "$$STUDY"
 
 coverage: $(STAMP) ## Measure which lines the fast tests run (build/coverage/index.html; half an hour)
 	$(BIN)/python -m pytest -m "not slow" --cov --cov-report=html:build/coverage --cov-report=term:skip-covered

@@ -26,11 +26,6 @@ include: "workflow/rules/experiments_setting.smk"
 include: "workflow/rules/experiments.smk"
 include: "workflow/rules/accuracy.smk"
 include: "workflow/rules/effects.smk"
-include: "workflow/rules/readings_setting.smk"
-include: "workflow/rules/readings.smk"
-include: "workflow/rules/numerics.smk"
-include: "workflow/rules/global_sensitivity_setting.smk"
-include: "workflow/rules/global_sensitivity.smk"
 
 
 onstart:

@@ -16,8 +16,8 @@ to land on the maximum.
     .venv/bin/python -m pip install -e '.[peers]'
 
 aspher is compiled, with Eigen (see `peers.py`). A code that is not installed is named and left out.
-Run as `python benchmarks/continuum.py`;
-workflow/scripts/publish_continuum.py renews the document.
+Run as `python benchmarks/continuum.py`; `make publish STUDY=results/continuum` stores its tables
+and figure for the page.
 """
 
 import os

@@ -1,9 +1,11 @@
 """Benchmarks run, small, and print the numbers that the documents take from them."""
 
+import importlib
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -84,3 +86,23 @@ def test_what_cannot_be_measured_is_refused_by_its_key(name, options, said):
     assert ended.returncode == 1
     assert said in ended.stderr
     assert "Traceback" not in ended.stderr
+
+
+def test_mating_walls_close_less_and_net_closures_are_smaller_and_stiffer(monkeypatch):
+    monkeypatch.syspath_prepend(BENCHMARKS)
+    validation = importlib.import_module("validation")
+    names = ("independent", "mating beyond 1.5 mm")
+    cases = {name: validation.CASES[name]._replace(cells=24, number=3) for name in names}
+    table = validation.model_table(cases)
+    assert table[["walls", "side_mm", "joints"]].to_numpy().tolist() == [
+        [name, 6.0, 3] for name in names
+    ]
+    for kind in ("net", "gross"):
+        independent, mating = table[f"seated_{kind}_mean"]
+        assert mating < independent
+        soft, stiff = table[f"kn_{kind}_mean"]
+        assert stiff > soft
+    assert (table.seated_net_mean < table.seated_gross_mean).all()
+    assert (table.kn_net_mean > table.kn_gross_mean).all()
+    assert (table.stays_net_mean > table.stays_gross_mean).all()
+    assert np.isfinite(table.drop(columns="walls").to_numpy(dtype=float)).all()

@@ -15,11 +15,9 @@ import yaml
 
 from jointclosure.config.configuration import configured, merged_study
 from jointclosure.config.files import read_plain
-from jointclosure.experiments import experiments_in
+from jointclosure.experiments import checked_design, experiments_in
 from jointclosure.inputs import InputError
 from jointclosure.storage.text import read_csv
-from jointclosure.studies.global_sensitivity import design as global_sensitivity
-from jointclosure.studies.readings import design as readings
 from tests.config.test_configuration import STUDIES
 
 MOST = None if os.environ.get("JOINTCLOSURE_LEAVES") == "all" else 8
@@ -28,10 +26,6 @@ BAD = [
     {"numerics": 1}, {"set": {"numerics": None}}, "auto", "flow.x", "numerics.solver",
     datetime.date(2020, 1, 1),
 ]  # fmt: skip
-DESIGNS = {
-    "readings": readings.design_of,
-    "global_sensitivity": global_sensitivity.design_of,
-}
 
 
 def leaves(part, path=()):
@@ -57,11 +51,8 @@ def read(keys, file):
     file.write_text(yaml.safe_dump(keys), encoding="utf-8")
     try:
         found = configured(merged_study(file), read_csv)
-        for section, design_of in DESIGNS.items():
-            if found.keys.get(section):
-                design_of(found.keys)
-        for experiment in experiments_in(found.keys).values():
-            experiment.design(found)
+        for name in experiments_in(found.keys):
+            checked_design(name, found)
     except InputError:
         return True
     return False

@@ -10,7 +10,7 @@ import pytest
 from jointclosure.compilation.sources import PACKAGE
 from jointclosure.config.configuration import resolved, written_out
 from jointclosure.config.files import ConfigurationError, read_plain
-from jointclosure.config.keys import ConfigurationKeys
+from jointclosure.config.keys.configuration import ConfigurationKeys
 from jointclosure.config.plain import from_plain, to_plain
 from jointclosure.config.schema import json_schema
 from jointclosure.config.typed import Configuration

@@ -11,12 +11,14 @@ from jointclosure.ensemble import points as engine
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.points import (
     Point,
+    Sample,
     as_dataset,
     as_table,
     close_points,
     estimated_time,
     gridded,
     packed,
+    samples_of,
     unpacked,
 )
 from jointclosure.ensemble.quantities import QUANTITIES
@@ -114,10 +116,21 @@ def test_a_grid_has_each_joint_at_its_coordinates(joints):
 
 
 def test_the_time_is_estimated_by_a_joint_of_every_grid(points):
-    table = estimated_time({"a": points[:2], "b": points[4:]})
+    table = estimated_time(samples_of({"a": points[:2], "b": points[4:]}))
     assert table.job.tolist() == ["a", "b"]
     assert table.joints.tolist() == [4, 8]
     assert (table.seconds > 0.0).all()
+    assert table.error.isna().all()
+
+
+def test_the_mean_time_of_several_points_has_an_error(points, monkeypatch):
+    times = iter([9.0, 1.0, 3.0, 5.0])  # the first one loads the kernels
+    monkeypatch.setattr(engine, "_seconds_of_one", lambda point: next(times))
+    alike = Sample(points[:2], 100)
+    table = estimated_time({"a": [alike], "b": [alike, Sample(points[2:3], 10)]})
+    assert table.seconds.tolist() == [200.0, 250.0]
+    assert table.error[0] == pytest.approx(100.0)  # of 1 and 3 s
+    assert np.isnan(table.error[1])
 
 
 def test_a_point_may_have_a_maker_of_walls_with_arguments(points):

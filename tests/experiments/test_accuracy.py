@@ -103,9 +103,9 @@ def test_a_design_that_cannot_be_run_is_refused_by_name(change, message):
 
 
 def test_a_run_closes_the_same_surfaces_at_all_levels():
-    jobs, _, _, parameters = EXPERIMENT.design(checked_study(TINY))
-    name, points = next(iter(jobs.items()))
-    run = runs_of(close_points(points, EXPERIMENT.quantities), parameters["bases"])[name]
+    design = EXPERIMENT.design(checked_study(TINY))
+    name, points = next(iter(design.jobs.items()))
+    run = runs_of(close_points(points, EXPERIMENT.quantities), design.parameters["bases"])[name]
     assert dict(run.sizes) == {"level": 3, "realization": 3, "cycle": 2}
     assert run.level.values.tolist() == LEVELS
     assert run.attrs["base"] == 66e9

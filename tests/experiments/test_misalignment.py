@@ -97,7 +97,7 @@ def test_changes_are_those_of_the_same_surfaces(design, joints, run):
     assert stiffness.value == pytest.approx(1.0 / float(compliance.mean()))
     unmoved = table[(table.tilt_degrees == 0.0) & (table.rotation_degrees == 0.0)]
     assert (unmoved.change_percent == 0.0).all()
-    figure = EXPERIMENT.draw("misalignment", {"misalignment": table})
+    figure = EXPERIMENT.draw("misalignment", {"misalignment": table}, {})
     assert isinstance(figure, matplotlib.figure.Figure)
 
 

@@ -69,7 +69,7 @@ def test_what_is_read_is_what_engineers_are_told(design, joints, run):
     stays = float(own.residual_seated_net.mean() / own.closure_seated_net.mean())
     assert row.residual_share_net.item() == pytest.approx(stays)
     assert len(table) == 2 * (2 * 2 + 1)
-    figure = EXPERIMENT.draw("mismatch", {"mismatch": table})
+    figure = EXPERIMENT.draw("mismatch", {"mismatch": table}, {})
     assert isinstance(figure, matplotlib.figure.Figure)
     assert len(figure.axes) == 8
 

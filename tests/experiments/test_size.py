@@ -125,7 +125,7 @@ def test_ratios_are_of_pairs_of_the_same_walls(run):
     base = table[(table.patch_mm == 3) & (table.spacing_mm == 0.25)]
     assert (base.closure_mm_ratio == 1.0).all()
     assert (base.closure_mm_error == 0.0).all()
-    figure = EXPERIMENT.draw("size", {"size": table})
+    figure = EXPERIMENT.draw("size", {"size": table}, {})
     assert isinstance(figure, matplotlib.figure.Figure)
     assert len(figure.axes) == 10
     assert len(figure.axes[0].containers) == 2

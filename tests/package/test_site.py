@@ -1,25 +1,19 @@
 """The documentation site: its check finds what is dead, and its notebooks have their figures."""
 
-import importlib.util
+import importlib
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from nbformat import v4
 
-ROOT = Path(__file__).parents[2]
-
-
-def module(name):
-    """A module of the site's own, which is in no package."""
-    spec = importlib.util.spec_from_file_location(name, ROOT / f"docs/site/{name}.py")
-    loaded = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(loaded)
-    return loaded
+sys.path.insert(0, str(Path(__file__).parents[2] / "docs/site"))
 
 
 @pytest.fixture(scope="module")
 def links():
-    return module("links")
+    return importlib.import_module("links")
 
 
 @pytest.fixture
@@ -64,10 +58,19 @@ def test_what_is_dead_or_fetched_is_named_with_its_page(links, site, bad, said):
 
 def test_a_notebooks_cell_that_shows_has_an_image_whatever_the_environments_backend(monkeypatch):
     monkeypatch.setenv("MPLBACKEND", "Agg")  # as the Makefile sets it
-    pages = module("pages")
+    pages = importlib.import_module("pages")
     drawn = v4.new_code_cell("import matplotlib.pyplot as plt\nplt.plot([1, 2])\nplt.show()")
     book = pages.executed(v4.new_notebook(cells=[drawn]), "a.py")
     assert any("image/png" in output.get("data", {}) for output in book.cells[0].outputs)
     closed = v4.new_code_cell(drawn.source.replace("plt.show", "plt.close('all'); plt.show"))
     with pytest.raises(pages.PluginError, match=r"a\.py: a cell shows a figure and has no image"):
         pages.executed(v4.new_notebook(cells=[closed]), "a.py")
+
+
+def test_a_page_that_asks_for_what_there_is_not_fails_the_build():
+    pages = importlib.import_module("pages")
+    path = pages.ROOT / "docs/size.md"
+    page = SimpleNamespace(file=SimpleNamespace(abs_src_path=str(path), src_uri="size.md"))
+    assert "| patch length |" in pages.on_page_markdown("{{ size.exponents() }}", page, None, None)
+    with pytest.raises(pages.PluginError, match=r"docs/size\.md, line 1: {{ size\.colour\(\) }}"):
+        pages.on_page_markdown("{{ size.colour() }}", page, None, None)

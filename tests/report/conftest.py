@@ -12,7 +12,7 @@ import xarray as xr
 from jointclosure.compilation.sources import PACKAGE
 from jointclosure.config.configuration import resolved
 from jointclosure.config.files import MEASURED, PAPER_TABLE_3
-from jointclosure.config.keys import ConfigurationKeys
+from jointclosure.config.keys.configuration import ConfigurationKeys
 from jointclosure.config.schema import json_schema
 from jointclosure.ensemble.aggregation import join_cases
 from jointclosure.ensemble.cases import cases_of

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.config.keys import ConfigurationKeys
+from jointclosure.config.keys.configuration import ConfigurationKeys
 from jointclosure.config.schema import json_schema
 from jointclosure.report import curves, findings, summary
 from jointclosure.report.captions import read_caption

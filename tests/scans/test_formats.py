@@ -538,7 +538,9 @@ def test_a_netcdf_grid_is_turned_by_the_names_of_its_dimensions(dims, attributes
     if dims[0] != "first":
         dataset = dataset.transpose(*dims[::-1])
     dataset.to_netcdf(tmp_path / "a.nc", engine="netcdf4")
-    np.testing.assert_allclose(read_scan(tmp_path / "a.nc").heights, 1e-3 * wall)
+    scan = read_scan(tmp_path / "a.nc")
+    np.testing.assert_allclose(scan.heights, 1e-3 * wall)
+    assert any("read as y, x" in remark for remark in scan.remarks) == (dims[0] == "first")
 
 
 def test_a_netcdf_grid_whose_y_falls_lies_as_one_whose_y_grows(wall, tmp_path):

@@ -1,13 +1,10 @@
 """What the documents say, held against the project."""
 
 import importlib.util
-import itertools
 import re
 import shlex
 from pathlib import Path
 
-import numpy as np
-import pandas as pd
 import pytest
 import xarray as xr
 import yaml
@@ -21,7 +18,7 @@ from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.measured.curves import curve_settings, measured_curves
 from jointclosure.storage.netcdf import write_netcdf
-from jointclosure.storage.text import read_text, write_csv
+from jointclosure.storage.text import read_text
 from tests.studied import DEFAULT, file_study, study_of
 
 ROOT = Path(__file__).parents[2]
@@ -42,50 +39,6 @@ def test_links_within_the_project_lead_somewhere(document):
     for target in re.findall(r"\]\(([^)#]+)\)", document.read_text(encoding="utf-8")):
         if "://" not in target:
             assert (document.parent / target).exists(), target
-
-
-def test_a_table_of_the_results_is_told_by_rock_and_cycle(monkeypatch, tmp_path):
-    monkeypatch.syspath_prepend(ROOT / "workflow/scripts")
-    renew = script("readme_results")
-    both = itertools.product(("a", "b"), (1, 2))
-    intervals = pd.DataFrame(
-        [{"rock": rock, "parameter": "poisson_ratio", "cycle": cycle} for rock, cycle in both]
-    ).assign(
-        length=[0.1, 3.0, np.nan, 40.0], percent=[5.0, 4.5, np.nan, 6.0],
-        standard_error=[np.nan, 1.0, np.nan, np.nan], extrapolated=[True, False, False, False],
-        status=["extrapolated", "interval", "no real root", "fitted deviation is negative"],
-        paper_length=[0.2, np.nan, 0.3, 5.0], paper_percent=[7.0, np.nan, 8.0, 9.0],
-    )  # fmt: skip
-    (tmp_path / "tables").mkdir()
-    write_csv(intervals, tmp_path / "tables/table_3_indifference.csv")
-    rocks = pd.DataFrame({"rock": ["a", "b"], "title": ["A", "B"]})
-    write_csv(rocks, tmp_path / "tables/table_1_rocks.csv")
-    monkeypatch.setattr(renew, "PAPER", tmp_path)
-    assert renew.short_table().splitlines() == [
-        "| property | cycle | A | B |",
-        "|---|---|---|---|",
-        "| Poisson's ratio ν | 1 | 0.100* / 0.200 | – / 0.300 |",
-        "| Poisson's ratio ν | 2 | 3.0 ± 1.0 / – | 40.0† / 5.00 |",
-    ]
-
-
-def test_what_was_not_run_again_stays_on_the_page_of_conclusions_and_says_so(monkeypatch):
-    monkeypatch.syspath_prepend(ROOT / "workflow/scripts")
-    publish = script("publish_conclusions")
-    page = (
-        "<!-- conclusions -->\n| No. | Left of it | Readings of all rocks: stands, falls |\n"
-        "| --- | --- | --- |\n| 2a | stands | 4, 0 |\n| 6b | stands | 3, 0 |\n<!-- end -->\n"
-    )
-    now = pd.DataFrame(
-        {"No.": ["2a", "2c"], "Left of it": ["falls", "stands"], "Readings of all rocks": ["", ""]}
-    )
-    before = publish.page_table(page, "conclusions")
-    found = publish.with_earlier(now, before, ("Readings of all",))
-    assert found.columns[2] == "Readings of all rocks: stands, falls, earlier run"
-    assert found.iloc[:, 2].tolist() == ["4, 0", "not tried"]
-    assert found["Left of it"].tolist() == ["falls", "stands"]
-    kept = "p is <!-- n:p -->0.2<!-- /n -->, of <!-- n:claims -->15<!-- /n -->"
-    assert publish.filled(kept, {"claims": "16"}) == kept.replace("15", "16")
 
 
 def test_decisions_named_in_docstrings_exist():

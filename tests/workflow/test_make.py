@@ -107,6 +107,9 @@ NO_SECTION = "study: {name: mine}\n"
 WITHOUT_JRC = """
 rocks: {dolerite: {levels: {jrc: null}}}
 """
+WRONG_CURVE = """
+rocks: {dolerite: {measured: {file: curve.csv}}}
+"""
 CANNOT_TILT = """
 study: {name: oblong}
 grid: {cells_x: 32, cells_y: 64}
@@ -127,10 +130,12 @@ misalignment: {tilt_degrees: [0, 1], rotation_degrees: [0, 1], mismatch_waveleng
         ),
         ("jrc-range", WITHOUT_JRC, "rocks.dolerite.levels.jrc: must be given"),
         ("misalignment", CANNOT_TILT, "grid.cells_x = 32: must be cells_y (64)"),
+        ("study", WRONG_CURVE, "curve.csv, line 3: stress = -5"),
     ],
 )
 def test_what_a_target_cannot_do_is_refused_at_the_start_in_a_line(project, target, keys, said):
     (project / "mine.yaml").write_text(keys)
+    (project / "curve.csv").write_text("stress_MPa,closure_mm,cycle\n0,0,1\n-5,0.1,1\n")
     done = make(project, target, env={**os.environ, "CONFIG": "mine.yaml"})
     assert done.returncode != 0
     assert sum(said in line for line in done.stderr.splitlines()) == 1

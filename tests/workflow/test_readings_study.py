@@ -1,7 +1,6 @@
-"""A study of readings of seconds: rounds follow each other, and nothing is done twice."""
+"""A study of readings of seconds: rounds follow each other."""
 
 import itertools
-import re
 import shutil
 
 import pandas as pd
@@ -21,7 +20,6 @@ def results(tmp_path_factory):
     shutil.copy(ROOT / "tests/workflow" / CONFIG, folder)
     answer = snakemake(folder, "readings", config=CONFIG)
     assert answer.returncode == 0, answer.stdout + answer.stderr
-    assert "simulations at most, about" in answer.stderr
     return folder / "results/tiny_readings"
 
 
@@ -50,27 +48,7 @@ def test_a_round_is_entered_by_the_configured_reading_and_those_kept_before(resu
         kept = {"as_configured", *before.reading[before.kept]}
         singles = {name for name in after.reading if "-" not in name}
         assert singles <= kept
-    closed = {path.parent.name for path in (results / "readings").rglob("*.nc")}
+    closed = {path.name.split(".")[0] for path in (results / "readings").glob("*.nc")}
     entered = {name for table in tables for name in table.reading}
     # one of them reads the closures of the configured reading, or of the other of its pair
     assert closed == {name for name in entered if not name.endswith("seated")}
-
-
-def test_figures_are_drawn(results):
-    for name in ("readings_likelihood", "readings_sensitivity"):
-        for kind in ("png", "pdf"):
-            assert (results / f"figures/{name}.{kind}").stat().st_size > 5000
-
-
-def test_a_finished_study_of_readings_has_nothing_left_and_what_is_lost_alone_is_made_again(
-    results,
-):
-    folder = results.parents[1]
-    done = snakemake(folder, "readings", "--dry-run", config=CONFIG)
-    assert "Nothing to be done" in done.stdout + done.stderr
-    lost = next((results / "readings/walk").glob("slate.0.nc"))
-    for path in (lost, results / "tables/readings.csv"):
-        path.unlink()
-    again = snakemake(folder, "readings", "--dry-run", config=CONFIG)
-    counts = dict(re.findall(r"^(close_reading|weigh_readings) +(\d+)$", again.stdout, re.M))
-    assert counts == {"close_reading": "1", "weigh_readings": "1"}

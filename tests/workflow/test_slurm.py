@@ -51,9 +51,9 @@ def test_a_lost_slurm_job_is_recorded_and_repeated_while_others_go_on(tmp_path):
     answer = on_slurm(folder, "global_sensitivity", config="tiny_global_sensitivity.yaml")
     assert answer.returncode == 0, answer.stdout + answer.stderr
     results = folder / "results/tiny_global_sensitivity"
-    lost = failed_log(results / "logs/close_together/slate.8.log")
+    lost = failed_log(results / "logs/close_global_sensitivity/slate.8.log")
     assert "the node was lost" in lost.read_text()
-    assert (results / "tables/global_indices.csv").exists()
+    assert (results / "tables/global_sensitivity_indices.csv").exists()
 
 
 @needs_slurm

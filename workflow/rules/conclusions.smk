@@ -13,8 +13,12 @@ rule conclude:
         claims=f"{RESULTS}/tables/claims.csv",
         jrc_range=f"{RESULTS}/tables/jrc_range_claims.csv",
         readings=beside("results/readings/tables/readings.csv"),
-        choices=beside("results/global_sensitivity/tables/global_conclusions.csv"),
-        margins=beside("results/global_sensitivity/tables/global_margins.csv"),
+        choices=beside(
+            "results/global_sensitivity/tables/global_sensitivity_conclusions.csv"
+        ),
+        margins=beside(
+            "results/global_sensitivity/tables/global_sensitivity_margins.csv"
+        ),
     output:
         table=f"{RESULTS}/tables/conclusions.csv",
     script:

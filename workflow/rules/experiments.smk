@@ -5,21 +5,14 @@
 wildcard_constraints:
     experiment="|".join(EXPERIMENTS) or "none",
     job="[A-Za-z0-9_.-]+",
+    round="[a-z][a-z0-9_]*",
 
 
 rule compile_experiment:
     output:
         f"{RESULTS}/logs/{{experiment}}_kernels.txt",
     params:
-        kernels=lambda w: kernels_of(
-            (
-                point.settings.case.effects,
-                point.settings.choices,
-                point.settings.numerics,
-            )
-            for points in JOBS[w.experiment].values()
-            for point in points
-        ),
+        kernels=lambda w: DESIGNS[w.experiment].kernels(),
     script:
         "../scripts/compile_kernels.py"
 
@@ -30,13 +23,36 @@ rule close_points:
     output:
         f"{RESULTS}/{{experiment}}/{{job}}.nc",
     params:
-        points=lambda w: engine.packed(JOBS[w.experiment][w.job]),
+        points=lambda w: engine.packed(DESIGNS[w.experiment].jobs[w.job]),
         quantities=lambda w: list(EXPERIMENTS[w.experiment].quantities),
     script:
         "../scripts/close_points.py"
 
 
+checkpoint rank_round:
+    input:
+        joints=lambda w: joints_of(
+            w.experiment, jobs_of_round(w.experiment, number_of(w))
+        ),
+        before=lambda w: [
+            table_file(ranking)
+            for ranking in rankings_before(w.experiment, number_of(w))
+        ],
+        files=lambda w: list(DESIGNS[w.experiment].files.values()),
+    output:
+        f"{RESULTS}/tables/{{experiment}}_round_{{round}}.csv",
+    params:
+        parameters=lambda w: DESIGNS[w.experiment].parameters,
+        files=lambda w: dict(DESIGNS[w.experiment].files),
+        number=number_of,
+        entrants=lambda w: entrants_of(w.experiment, number_of(w)),
+        code=lambda w: code_of_experiment(w.experiment, "rank_round"),
+    script:
+        "../scripts/rank_round.py"
+
+
 for NAME, EXPERIMENT in EXPERIMENTS.items():
+    RANKINGS = [ranking_job(NAME, number) for number in range(len(round_names(NAME)))]
 
     rule:
         name:
@@ -47,7 +63,8 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
             f"{RESULTS}/tables/{NAME}_estimate.csv",
         priority: 100
         params:
-            jobs={job: engine.packed(points) for job, points in JOBS[NAME].items()},
+            samples=lambda w, name=NAME: packed_samples(name),
+            at_most=bool(RANKINGS),
         script:
             "../scripts/estimate_points.py"
 
@@ -55,13 +72,16 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
         name:
             f"tabulate_{NAME}"
         input:
-            joints=[f"{RESULTS}/{NAME}/{job}.nc" for job in JOBS[NAME]],
+            joints=lambda w, name=NAME: joints_of(name, jobs_of(name)),
+            rounds=[table_file(ranking) for ranking in RANKINGS],
+            files=list(DESIGNS[NAME].files.values()),
         output:
             joints=f"{RESULTS}/{NAME}.nc",
-            tables=[f"{RESULTS}/tables/{table}.csv" for table in DESIGNS[NAME].tables],
+            tables=[table_file(table) for table in DESIGNS[NAME].tables],
         params:
             experiment=NAME,
             parameters=DESIGNS[NAME].parameters,
+            files=dict(DESIGNS[NAME].files),
             code=code_of_experiment(NAME, "tabulate_points"),
         script:
             "../scripts/tabulate_points.py"
@@ -70,7 +90,8 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
         name:
             f"draw_{NAME}"
         input:
-            tables=[f"{RESULTS}/tables/{table}.csv" for table in DESIGNS[NAME].tables],
+            tables=[table_file(table) for table in DESIGNS[NAME].tables],
+            files=list(DESIGNS[NAME].files.values()),
         output:
             figures=[
                 f"{RESULTS}/figures/{figure}.{format}"
@@ -79,6 +100,8 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
             ],
         params:
             experiment=NAME,
+            parameters=DESIGNS[NAME].parameters,
+            files=dict(DESIGNS[NAME].files),
             code=code_of_experiment(NAME, "draw_experiment"),
         script:
             "../scripts/draw_experiment.py"
@@ -89,7 +112,7 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
         input:
             f"{RESULTS}/{NAME}.nc",
             f"{RESULTS}/tables/{NAME}_estimate.csv",
-            [f"{RESULTS}/tables/{table}.csv" for table in DESIGNS[NAME].tables],
+            [table_file(table) for table in DESIGNS[NAME].tables],
             [
                 f"{RESULTS}/figures/{figure}.{format}"
                 for figure in DESIGNS[NAME].figures

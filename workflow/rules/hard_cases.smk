@@ -1,10 +1,15 @@
-# Joints that are hard on a solver, closed and judged by an oracle: `snakemake hard_cases`.
-# A study of its own, which no other rule depends on.
+# Joints that are hard on a solver, closed and judged by an oracle, and the paper's formulas and sweep beside ours
+# (docs/numerical_stability.md): `snakemake hard_cases`. A study of its own, which no other rule depends on.
 from jointclosure.verification.hard_cases import kernels_of_cases, merged_cases
 
 HARD_RESULTS = "results/hard_cases"
 HARD_CASES = merged_cases(read_plain(ROOT / "config/hard_cases.yaml"))
 HARD_GROUPS = sorted({case["group"] for case in HARD_CASES.values()})
+HARD_FIGURES = [
+    f"{HARD_RESULTS}/figures/{figure}.{format}"
+    for figure in ("hard_cases", "numerics")
+    for format in ("png", "pdf")
+]
 
 
 wildcard_constraints:
@@ -14,10 +19,7 @@ wildcard_constraints:
 rule hard_cases:
     input:
         f"{HARD_RESULTS}/tables/hard_cases.csv",
-        f"{HARD_RESULTS}/figures/hard_cases.png",
-        f"{HARD_RESULTS}/figures/hard_cases.pdf",
-        f"{HARD_RESULTS}/figures/numerics.png",
-        f"{HARD_RESULTS}/figures/numerics.pdf",
+        HARD_FIGURES,
     message:
         "The hard cases are closed and judged"
 
@@ -43,6 +45,16 @@ rule close_hard_cases:
         "../scripts/close_hard_cases.py"
 
 
+rule measure_numerics:
+    input:
+        f"{HARD_RESULTS}/logs/kernels.txt",
+    output:
+        numerics=f"{HARD_RESULTS}/tables/numerics.csv",
+        loads=f"{HARD_RESULTS}/tables/sweep_loads.csv",
+    script:
+        "../scripts/measure_numerics.py"
+
+
 rule present_hard_cases:
     input:
         tables=expand(f"{HARD_RESULTS}/cases/{{group}}.csv", group=HARD_GROUPS),
@@ -51,9 +63,7 @@ rule present_hard_cases:
         loads=f"{HARD_RESULTS}/tables/sweep_loads.csv",
     output:
         table=f"{HARD_RESULTS}/tables/hard_cases.csv",
-        figures=expand(
-            f"{HARD_RESULTS}/figures/hard_cases.{{format}}", format=["png", "pdf"]
-        ),
+        figures=HARD_FIGURES,
     params:
         order=list(HARD_CASES),
     script:

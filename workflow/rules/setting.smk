@@ -13,7 +13,7 @@ from jointclosure.storage.text import read_csv, read_text
 from jointclosure.measured import curves as measured
 from jointclosure.joint.warmup import kernels_of
 
-ROOT = Path(workflow.basedir)
+ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parents[1]
 for file in workflow.configfiles:
     read_plain(file)
 CONFIGURED = configuration.configured(config, read_csv)

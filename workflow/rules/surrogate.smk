@@ -1,6 +1,7 @@
 # Constants of the bearing-area law of `jointclosure.estimate`: `snakemake surrogate`, from the joints
 # of a finished study. The package ships those of the default study's walls and those of walls with
-# waves of all lengths (config/no_roll_off.yaml): publish_measured.py roll_off and no_roll_off.
+# waves of all lengths (config/no_roll_off.yaml): `python docs/site/publish.py results/paper
+# surrogate_roll_off` and `results/no_roll_off surrogate_no_roll_off` renew them.
 
 
 rule surrogate:

@@ -1,23 +1,27 @@
 """Draw the figures of an experiment from its tables."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from jointclosure.experiments import Experiment, experiment_named
-from jointclosure.jobs.job import job
+from jointclosure.jobs.job import job, listed
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv
 
 
 def main(
-    experiment: Experiment, tables: Sequence[str], outputs: Sequence[str], log: Logbook
+    experiment: Experiment,
+    parameters: Mapping,
+    tables: Sequence[str],
+    outputs: Sequence[str],
+    log: Logbook,
 ) -> None:
     """Write each figure in the format of each of its files."""
-    read = {Path(table).stem: read_csv(table) for table in tables}
+    read = {Path(table).stem: read_csv(table) for table in tables if table.endswith(".csv")}
     for name, files in itertools.groupby(outputs, lambda output: Path(output).stem):
-        figure = experiment.draw(name, read)
+        figure = experiment.draw(name, read, parameters)
         for output in files:
             save_figure(figure, output)
             log(f"drew {output}")
@@ -25,10 +29,11 @@ def main(
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:
-        given = snakemake.input.tables
+        params = snakemake.params
         main(
-            experiment_named(snakemake.params.experiment),
-            [given] if isinstance(given, str) else list(given),
+            experiment_named(params.experiment),
+            params.parameters | {name: read_csv(file) for name, file in params.files.items()},
+            listed(snakemake.input.tables),
             list(snakemake.output.figures),
             logbook,
         )

@@ -1,21 +1,22 @@
-"""Estimate the time of an experiment, by one joint of each grid of each of its jobs."""
+"""Estimate the time of an experiment, by a few of its joints."""
 
+import math
 import sys
 
-from jointclosure.ensemble.points import Jobs, estimated_time, unpacked
+from jointclosure.ensemble.points import Sample, Samples, estimated_time, unpacked
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.text import write_csv
 
 
-def main(jobs: Jobs, output: str, log: Logbook) -> None:
+def main(samples: Samples, at_most: bool, output: str, log: Logbook) -> None:
     """Write the seconds of each job, and show their sum to the user."""
-    table = estimated_time(jobs, log)
+    table = estimated_time(samples, log)
     write_csv(table, output)
-    line = (
-        f"{table.joints.sum()} joints will take about {table.seconds.sum() / 60:.0f} minutes on "
-        "one core"
-    )
+    minutes, error = table.seconds.sum() / 60, math.hypot(*table.error) / 60
+    known = f" ± {error:.0f}" if math.isfinite(error) else ""
+    joints = f"{'at most ' if at_most else ''}{table.joints.sum()} joints"
+    line = f"{joints} will take about {minutes:.0f}{known} minutes on one core"
     log(line)
     print(f"jointclosure: {line}", file=sys.__stderr__, flush=True)
 
@@ -23,7 +24,11 @@ def main(jobs: Jobs, output: str, log: Logbook) -> None:
 if __name__ == "__main__":
     with job(snakemake) as logbook:
         main(
-            {name: unpacked(points) for name, points in snakemake.params.jobs.items()},
+            {
+                name: [Sample(unpacked(points), joints) for points, joints in samples]
+                for name, samples in snakemake.params.samples.items()
+            },
+            snakemake.params.at_most,
             snakemake.output[0],
             logbook,
         )

@@ -7,7 +7,7 @@ import yaml
 
 from jointclosure.config.contradictions import USUAL
 from jointclosure.config.files import DEFAULT, read_plain
-from jointclosure.config.keys import ConfigurationKeys
+from jointclosure.config.keys.configuration import ConfigurationKeys
 from jointclosure.config.schema import json_schema
 from jointclosure.config.units import in_unit, name_and_unit
 
@@ -58,7 +58,7 @@ rocks:
       jrc: [8, 12]
 ```
 
-`python workflow/scripts/key_table.py` writes this table from `src/jointclosure/config/keys.py`; `<rock>` and `<name>` stand for any name.
+`python workflow/scripts/key_table.py` writes this table from `src/jointclosure/config/keys/`; `<rock>` and `<name>` stand for any name.
 
 | key | default | allowed | what it is |
 |---|---|---|---|

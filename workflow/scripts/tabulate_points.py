@@ -1,48 +1,48 @@
 """Put the joints of an experiment together, and make its tables."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import pandas as pd
 
 from jointclosure.ensemble.points import as_dataset, as_table
 from jointclosure.experiments import Experiment, experiment_named
-from jointclosure.jobs.job import job
+from jointclosure.jobs.job import job, listed
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.storage.provenance import provenance
-from jointclosure.storage.text import write_csv
+from jointclosure.storage.text import read_csv, write_csv, write_text
 
 
 def main(
     experiment: Experiment,
     parameters: Mapping,
-    files: list[str],
+    joints: pd.DataFrame,
     configuration: dict,
-    outputs: Mapping,
+    outputs: Mapping[str, Iterable[str]],
     log: Logbook,
 ) -> None:
     """Write the table of all joints as netCDF, and each table of the experiment."""
-    joints = pd.concat([as_table(read_netcdf(file)) for file in files], ignore_index=True)
-    write_netcdf(as_dataset(joints).assign_attrs(provenance(configuration)), outputs["joints"])
+    for output in outputs["joints"]:
+        write_netcdf(as_dataset(joints).assign_attrs(provenance(configuration)), output)
     tables = experiment.tabulate(joints, parameters)
     for output in outputs["tables"]:
-        table = tables[Path(output).stem]
-        write_csv(table, output)
-        log(f"wrote {output}: {len(table)} rows")
+        table = tables[Path(output).name.removesuffix(".csv")]
+        write_text(table, output) if isinstance(table, str) else write_csv(table, output)
+        log(f"wrote {output}")
 
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:
-        tables = snakemake.output.tables
+        params, inputs, outputs = snakemake.params, snakemake.input, snakemake.output
+        rounds = [read_csv(file) for file in listed(inputs.get("rounds", []))]
+        ranked = {"rounds": rounds} if rounds else {}
+        files = {name: read_csv(file) for name, file in params.files.items()}
         main(
-            experiment_named(snakemake.params.experiment),
-            snakemake.params.parameters,
-            list(snakemake.input.joints),
+            experiment_named(params.experiment),
+            params.parameters | files | ranked,
+            as_table(*map(read_netcdf, listed(inputs.joints))),
             snakemake.config,
-            {
-                "joints": snakemake.output.joints,
-                "tables": [tables] if isinstance(tables, str) else list(tables),
-            },
+            {name: listed(outputs[name]) for name in ("joints", "tables")},
             logbook,
         )

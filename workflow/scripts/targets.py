@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,13 +21,13 @@ from process_group import EndRequest, run_group
 from jointclosure.config.configuration import Configured, configured, merged_study
 from jointclosure.config.files import read_plain
 from jointclosure.config.wanted import Wanted, wanted_of
-from jointclosure.experiments import SECTIONS, experiment_named
+from jointclosure.experiments import SECTIONS, checked_design
 from jointclosure.inputs import InputError
+from jointclosure.measured.curves import curve_settings, measured_curves
 from jointclosure.sensitivity.jrc_range import check_jrc_varies
 from jointclosure.sensitivity.reached import describe_reached, surfaces_next
 from jointclosure.sensitivity.tables import closure_lines
-from jointclosure.storage.text import read_csv, write_text
-from jointclosure.studies.global_sensitivity import design as global_sensitivity
+from jointclosure.storage.text import read_csv, read_text, write_text
 
 _PROFILE = "workflow/profiles/default"
 _ADVICE = {
@@ -55,24 +56,15 @@ TARGETS = {
     "study": Target(),
     "report": Target(("report",), page="report.html"),
     "hard-cases": Target(("hard_cases",), study="hard_cases"),
-    "readings": Target(
-        ("estimate_readings", "readings"), "config/readings.yaml", section="readings"
-    ),
     "jrc-range": Target(("all", "jrc_range"), check=lambda told: check_jrc_varies(told.typed)),
     "conclusions": Target(("all", "conclusions"), check=lambda told: check_jrc_varies(told.typed)),
-    "global-sensitivity": Target(
-        ("estimate_together", "global_sensitivity"),
-        "config/global_sensitivity.yaml",
-        section="global_sensitivity",
-        check=lambda told: global_sensitivity.design_of(told.keys),
-    ),
 }
 TARGETS |= {
-    name: Target(
+    name.replace("_", "-"): Target(
         (f"estimate_{name}", name),
         f"config/{name}.yaml",
         section=section,
-        check=experiment_named(name).design,
+        check=partial(checked_design, name),
     )
     for name, section in SECTIONS.items()
 }
@@ -80,7 +72,7 @@ TARGETS["effects"] = TARGETS["effects"]._replace(
     goals=("estimate_effects", "effects", "effects_auto")
 )
 TARGETS["global-sensitivity-estimate"] = TARGETS["global-sensitivity"]._replace(
-    goals=("estimate_together",)
+    goals=("estimate_global_sensitivity",)
 )
 
 
@@ -128,6 +120,7 @@ def checked_name(name: str, override: str) -> str:
             f"({target.configuration} has one)"
         )
     target.check(told)
+    measured_curves(curve_settings(told.typed), read_text)
     return told.typed.study.name
 
 

@@ -10,7 +10,7 @@ import xarray as xr
 from jointclosure.commands import COMMANDS
 from jointclosure.compilation.sources import PACKAGE
 from jointclosure.config.files import DEFAULT, MEASURED, PAPER_TABLE_3, read_plain
-from jointclosure.config.keys import ConfigurationKeys
+from jointclosure.config.keys.configuration import ConfigurationKeys
 from jointclosure.config.schema import json_schema
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs

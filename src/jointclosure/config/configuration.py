@@ -1,15 +1,16 @@
 """The configuration of a study: merged, checked and turned into SI, once and in one place."""
 
 import copy
+import functools
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pandas as pd
 
 from jointclosure.config.contradictions import contradictions
 from jointclosure.config.files import DEFAULT, MEASURED, METHODS, ConfigurationError, read_plain
-from jointclosure.config.keys import ConfigurationKeys
+from jointclosure.config.keys.configuration import ConfigurationKeys
 from jointclosure.config.presets import anything_breaks, chosen_numerics, numerics_in_full
 from jointclosure.config.schema import problems
 from jointclosure.config.typed import (
@@ -61,14 +62,19 @@ class Configured(NamedTuple):
     granted: str | None = None
 
 
+def overlaid(keys: dict, changes: dict) -> dict:
+    """Nested keys with others over them; what does not change is not copied."""
+    return keys | {
+        key: overlaid(keys[key], value)
+        if isinstance(value, dict) and isinstance(keys.get(key), dict)
+        else value
+        for key, value in changes.items()
+    }
+
+
 def merged(*settings: dict) -> dict:
-    """Nested settings, later ones over earlier ones."""
-    answer: dict = {}
-    for each in settings:
-        for key, value in each.items():
-            nested = isinstance(value, dict) and isinstance(answer.get(key), dict)
-            answer[key] = merged(answer[key], value) if nested else copy.deepcopy(value)
-    return answer
+    """Nested settings, later ones over earlier ones, as a copy."""
+    return copy.deepcopy(functools.reduce(overlaid, settings, {}))
 
 
 def merged_study(*paths: Path) -> dict:
@@ -107,15 +113,38 @@ def configured(keys: dict, read: Callable[[Path], pd.DataFrame]) -> Configured:
         an unknown key the one that was probably meant.
     """
     keys = written_out(keys)
-    _refuse(problems(ConfigurationKeys, keys))
+    refuse(problems(ConfigurationKeys, keys))
     try:
         keys, sentence, granted = _chosen(keys, read_plain(DEFAULT), read)
     except InputError as error:
         raise ConfigurationError(str(error)) from None
-    _refuse(problems(ConfigurationKeys, keys))
-    complete = _complete(keys)
-    _refuse(contradictions(complete, _typed))
-    return Configured(keys, _typed(complete), sentence, granted)
+    refuse(problems(ConfigurationKeys, keys))
+    whole = complete(keys)
+    refuse(contradictions(whole, _typed))
+    return Configured(keys, _typed(whole), sentence, granted)
+
+
+def checked_with(keys: dict, *changes: dict) -> Configuration:
+    """Check a configuration with other keys; a preset or accuracy is written out before.
+
+    Parameters
+    ----------
+    keys : dict
+        Of `Configured`.
+    *changes : dict
+        Nested keys.
+
+    Raises
+    ------
+    ConfigurationError
+        As `configured`, and for a preset or an accuracy among the changes.
+    """
+    plain = keys | {"numerics": numerics_in_full(keys)}
+    return configured(merged(plain, *changes), _no_table).typed
+
+
+def _no_table(path: Path) -> pd.DataFrame:
+    raise InputError("numerics.preset, numerics.accuracy: only for a study as a whole")
 
 
 def _chosen(keys: dict, default: dict, read) -> tuple[dict, str, str | None]:
@@ -148,46 +177,68 @@ def _chosen(keys: dict, default: dict, read) -> tuple[dict, str, str | None]:
 
 def resolved(keys: dict) -> Configuration:
     """The configuration of keys that were checked before, as those in the file of a study."""
-    return _typed(_complete(keys))
+    return _typed(complete(keys))
 
 
-def _refuse(lines: Iterable[str]) -> None:
-    found = list(dict.fromkeys(lines))
-    if found:
-        raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in found))
+def with_keys(configuration: Configuration, keys: dict, changes: dict) -> Configuration:
+    """Replace some keys of a configuration that was checked; the new values are not checked.
+
+    Parameters
+    ----------
+    configuration : Configuration
+    keys : dict
+        Its `complete` keys.
+    changes : dict
+        Nested keys. Only the fields that depend on their sections are made anew.
+    """
+    whole = written_out(overlaid(keys, changes))
+    fields = {field for section in changes for field in _FIELDS_OF.get(section, (section,))}
+    return configuration._replace(**{field: _FIELDS[field](whole) for field in fields})
 
 
-def _complete(keys: dict) -> dict:
-    """Keys with those that were left out."""
+def refuse(problems: Iterable[str]) -> None:
+    """Raise `ConfigurationError` where there are problems, one line each."""
+    if lines := list(dict.fromkeys(problems)):
+        raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in lines))
+
+
+def problem_lines(error: InputError) -> list[str]:
+    """The lines of an error of `refuse`, or of another one."""
+    lines = str(error).removeprefix("configuration:").split("\n")
+    return [line.strip() for line in lines if line.strip()]
+
+
+def complete(keys: dict) -> dict:
+    """Checked keys with those that were left out."""
     return ConfigurationKeys.model_validate(keys).model_dump(warnings=False)
 
 
 def _typed(keys: dict) -> Configuration:
     """Complete keys, in SI."""
-    si = to_si(keys)
-    study = keys["study"]
-    rocks = {name: _rock(keys["rocks"][name], si["effects"]) for name in study["rocks"]}
-    auto = si["effects"]["auto"]
-    if si["numerics"]["idle_interaction"] is None:
-        si["numerics"]["idle_interaction"] = auto or 0.0
-    if si["output"]["largest_stress"] is None:
-        si["output"]["largest_stress"] = max(rock.max_normal_stress for rock in rocks.values())
-    return Configuration(
-        study=Study(**study | {"rocks": tuple(study["rocks"])}),
-        rocks=rocks,
-        grid=Grid(**si["grid"]),
-        surface=Surface(**si["surface"]),
-        seating_stress=si["seating_stress"],
-        effects_chosen_to=auto,
-        choices=Choices(**si["choices"]),
-        numerics=Numerics(**numerics_in_full(si)),
-        statistics=Statistics(**si["statistics"]),
-        output=Output(**si["output"]),
-        ablation=_ablation(si["ablation"]),
-        flow=si["flow"],
-        mismatch=_mismatch(si["mismatch"]),
-        size=_size(si["size"]),
-    )
+    return Configuration(**{field: of_keys(keys) for field, of_keys in _FIELDS.items()})
+
+
+def _study(keys: dict) -> Study:
+    return Study(**keys["study"] | {"rocks": tuple(keys["study"]["rocks"])})
+
+
+def _rocks(keys: dict) -> dict[str, StudyRock]:
+    return {name: _rock(keys["rocks"][name], keys["effects"]) for name in keys["study"]["rocks"]}
+
+
+def _numerics(keys: dict) -> Numerics:
+    numerics = numerics_in_full({"numerics": to_si(keys["numerics"])})
+    if numerics["idle_interaction"] is None:
+        numerics["idle_interaction"] = keys["effects"]["auto"] or 0.0
+    return Numerics._make(numerics[name] for name in Numerics._fields)  # checked by its user
+
+
+def _output(keys: dict) -> Output:
+    output = to_si(keys["output"])
+    if output["largest_stress"] is None:
+        rocks = (to_si(keys["rocks"][name]) for name in keys["study"]["rocks"])
+        output["largest_stress"] = max(rock["max_normal_stress"] for rock in rocks)
+    return Output(**output)
 
 
 def _rock(keys: dict, effects: dict) -> StudyRock:
@@ -214,26 +265,29 @@ def _rock(keys: dict, effects: dict) -> StudyRock:
     )
 
 
-def _ablation(si: dict | None) -> Ablation | None:
-    if si is None:
+def _ablation(keys: dict) -> Ablation | None:
+    if keys["ablation"] is None:
         return None
+    si = to_si(keys["ablation"])
     validation = si["validation"]
     if validation:
         validation = Validation(**{name: _tuple(part) for name, part in validation.items()})
     return Ablation(tuple(si["jrc"]), tuple(si["stress"]), validation)
 
 
-def _mismatch(si: dict | None) -> MismatchDesign | None:
-    if si is None:
+def _mismatch(keys: dict) -> MismatchDesign | None:
+    if keys["mismatch"] is None:
         return None
+    si = to_si(keys["mismatch"])
     return MismatchDesign(
         tuple(sorted(si["wavelength"])), tuple(sorted(si["shift_in_cells"])), si["tolerance"]
     )
 
 
-def _size(si: dict | None) -> SizeDesign | None:
-    if si is None:
+def _size(keys: dict) -> SizeDesign | None:
+    if keys["size"] is None:
         return None
+    si = to_si(keys["size"])
     spectra = {name: SizeSpectrum(**each) for name, each in si["spectra"].items()}
     patches, spacings = (tuple(sorted(si[name])) for name in ("patch", "spacing"))
     return SizeDesign(patches, spacings, si["most_cells"], spectra)
@@ -241,3 +295,31 @@ def _size(si: dict | None) -> SizeDesign | None:
 
 def _tuple(value):
     return tuple(value) if isinstance(value, list) else value
+
+
+_FIELDS: dict[str, Callable[[dict], Any]] = {
+    "study": _study,
+    "rocks": _rocks,
+    "grid": lambda keys: Grid(**to_si(keys["grid"])),
+    "surface": lambda keys: Surface(**to_si(keys["surface"])),
+    "seating_stress": lambda keys: to_si({"seating_stress_MPa": keys["seating_stress_MPa"]})[
+        "seating_stress"
+    ],
+    "effects_chosen_to": lambda keys: keys["effects"]["auto"],
+    "choices": lambda keys: Choices(**to_si(keys["choices"])),
+    "numerics": _numerics,
+    "statistics": lambda keys: Statistics(**to_si(keys["statistics"])),
+    "output": _output,
+    "ablation": _ablation,
+    "flow": lambda keys: keys["flow"],
+    "mismatch": _mismatch,
+    "size": _size,
+}
+"""Each field of a configuration, from complete keys."""
+_FIELDS_OF = {
+    "study": ("study", "rocks", "output"),
+    "rocks": ("rocks", "output"),
+    "effects": ("rocks", "effects_chosen_to", "numerics"),
+    "seating_stress_MPa": ("seating_stress",),
+}
+"""Fields that depend on a section of the keys; of any other section the one of its name."""

@@ -2,11 +2,13 @@
 
 import math
 from decimal import Decimal
+from functools import lru_cache
 
 from jointclosure.inputs import InputError, check_number
 from jointclosure.parameters.properties import SI_FACTORS
 
 
+@lru_cache(maxsize=None)
 def name_and_unit(key: str) -> tuple[str, str]:
     """Return name and unit of a key: ("displacement_step", "um") of displacement_step_um; or ""."""
     name, _, unit = key.rpartition("_")

@@ -4,9 +4,9 @@ An experiment states as points which joints are closed. This module closes, time
 Failed joints stay in the table with their status and without readings.
 """
 
-import json
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import typing
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -20,6 +20,7 @@ from jointclosure.ensemble.quantities import QUANTITIES, ClosedJoint
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.walls import MAKERS, Walls
 from jointclosure.joint.protocol import FAILURE
+from jointclosure.statistics.standard_errors import Estimate, mean_of
 
 
 class Point(NamedTuple):
@@ -45,6 +46,54 @@ class Point(NamedTuple):
 
 Jobs = Mapping[str, Sequence[Point]]
 """Points by the name of the job that closes them; names are never parsed."""
+
+
+class JobsOnDemand(Mapping[str, Sequence[Point]]):
+    """Jobs whose points are made when they are first used, and stored.
+
+    Parameters
+    ----------
+    arguments : mapping
+        Arguments of ``points_of`` by the name of the job.
+    points_of : callable
+        Makes the points of a job.
+    """
+
+    def __init__(
+        self, arguments: Mapping[str, tuple], points_of: Callable[..., Sequence[Point]]
+    ) -> None:
+        self._arguments, self._points_of = arguments, points_of
+        self._made: dict[str, Sequence[Point]] = {}
+
+    def __getitem__(self, name: str) -> Sequence[Point]:
+        if name not in self._made:
+            self._made[name] = self._points_of(*self._arguments[name])
+        return self._made[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._arguments)
+
+    def __len__(self) -> int:
+        return len(self._arguments)
+
+
+class Sample(NamedTuple):
+    """Points whose joints are closed to estimate the time of many joints.
+
+    Attributes
+    ----------
+    points : sequence of Point
+        Similar points, so that the mean of their times is that of all joints.
+    joints : int
+        Number of joints that they represent.
+    """
+
+    points: Sequence[Point]
+    joints: int
+
+
+Samples = Mapping[str, Sequence[Sample]]
+"""Samples by the row of the estimate to which they belong, usually a job."""
 
 
 def close_points(
@@ -115,26 +164,64 @@ def closed_joint(
     )
 
 
-def estimated_time(jobs: Jobs, report: Callable[[str], None] = lambda line: None) -> pd.DataFrame:
-    """Estimate the processor time of each job by closing one joint of every grid in it.
+def samples_of(jobs: Jobs) -> dict[str, list[Sample]]:
+    """Sample the first point of every grid in each job."""
+    samples = {}
+    for job, points in jobs.items():
+        alike: dict[tuple, list[Point]] = {}
+        for point in points:
+            grid = point.settings.surfaces.grid, tuple(sorted(point.options))
+            alike.setdefault(grid, []).append(point)
+        samples[job] = [Sample(group[:1], joints_of(group)) for group in alike.values()]
+    return samples
+
+
+def estimated_time(
+    samples: Samples, report: Callable[[str], None] = lambda line: None
+) -> pd.DataFrame:
+    """Estimate processor time by closing one joint of each point of the samples.
 
     Returns
     -------
     DataFrame
-        ``job``, its number of ``joints``, and ``seconds``.
+        ``job``, its number of ``joints``, ``seconds``, and the standard ``error`` of these, NaN
+        where a sample is a single point.
     """
+    closed: dict[str, float] = {}
+
+    def seconds(point: Point) -> float:
+        key = repr(point)
+        if key not in closed:
+            if not closed:
+                _seconds_of_one(point)  # loads the kernels
+            closed[key] = _seconds_of_one(point)
+        return closed[key]
+
     rows = []
-    for job, points in jobs.items():
-        seconds, first = 0.0, {}
-        for point in points:
-            grid = point.settings.surfaces.grid, tuple(sorted(point.options))
-            if grid not in first:
-                number, walls = next(iter(_numbered(one_joint(point))))
-                first[grid] = float(closed_joint(point, number, walls, ()).seconds.iloc[0])
-            seconds += first[grid] * point.settings.surfaces.realizations
-        rows.append({"job": job, "joints": joints_of(points), "seconds": seconds})
-        report(f"{job}: about {seconds:.0f} s")
+    for job, parts in samples.items():
+        times = [_mean([seconds(point) for point in part.points]) for part in parts]
+        counts = np.array([part.joints for part in parts], dtype=float)
+        means, errors = np.array(times).reshape(-1, 2).T
+        rows.append(
+            {
+                "job": job,
+                "joints": sum(part.joints for part in parts),
+                "seconds": float(counts @ means),
+                "error": float(np.hypot.reduce(counts * errors)),
+            }
+        )
+        report(f"{job}: about {rows[-1]['seconds']:.0f} s")
     return pd.DataFrame(rows)
+
+
+def _mean(times: list[float]) -> Estimate:
+    return mean_of(times) if len(times) > 1 else Estimate(times[0], np.nan)
+
+
+def _seconds_of_one(point: Point) -> float:
+    """Measure the processor time of the first joint of a point [s]."""
+    number, walls = next(iter(_numbered(one_joint(point))))
+    return float(closed_joint(point, number, walls, ()).seconds.iloc[0])
 
 
 def one_joint(point: Point) -> Point:
@@ -153,13 +240,13 @@ def packed(points: Sequence[Point]) -> dict:
 
     It keeps the parameters of rules small for a job with hundreds of points.
     """
-    first = to_plain(points[0].settings)
+    first = points[0].settings
     return {
-        "settings": first,
+        "settings": to_plain(first),
         "points": [
             {
                 "coordinates": dict(point.coordinates),
-                "settings": _changes(first, to_plain(point.settings)),
+                "settings": _changes(first, point.settings),
                 "walls": point.walls,
                 "options": dict(point.options),
             }
@@ -170,42 +257,34 @@ def packed(points: Sequence[Point]) -> dict:
 
 def unpacked(plain: Mapping) -> list[Point]:
     """Restore points from the plain data of `packed`."""
+    first = from_plain(ClosureSettings, plain["settings"])
     return [
-        Point(**dict(point) | {"settings": _settings(plain["settings"], point["settings"])})
+        Point(**dict(point) | {"settings": _changed(first, point["settings"])})
         for point in plain["points"]
     ]
 
 
-def _settings(first: dict, changes: dict) -> ClosureSettings:
-    return from_plain(ClosureSettings, _changed(first, changes))
-
-
-def _changes(before: dict, after: dict) -> dict:
-    """Return the entries that differ between nested mappings with the same keys."""
+def _changes(before: tuple, after: tuple) -> dict:
+    """Return the fields that differ between nested named tuples of one type, as plain data."""
     changes: dict = {}
-    for key, value in after.items():
-        if (
-            isinstance(value, dict)
-            and isinstance(before[key], dict)
-            and value.keys() == before[key].keys()
-        ):
-            if below := _changes(before[key], value):
-                changes[key] = below
-        elif json.dumps(value) != json.dumps(before[key]):
-            changes[key] = value
+    for name in after._fields:  # type: ignore[attr-defined]
+        old, new = getattr(before, name), getattr(after, name)
+        if old is new or (type(old) is type(new) and old == new):
+            continue
+        nested = hasattr(new, "_fields") and type(old) is type(new)
+        changes[name] = _changes(old, new) if nested else to_plain(new)
     return changes
 
 
-def _changed(before: dict, changes: dict) -> dict:
-    """Apply the entries of `_changes` to nested mappings."""
-    return before | {
-        key: _changed(before[key], value)
-        if isinstance(value, dict)
-        and isinstance(before[key], dict)
-        and value.keys() <= before[key].keys()
-        else value
-        for key, value in changes.items()
-    }
+def _changed(before, changes: dict):
+    """Apply the entries of `_changes` to nested named tuples."""
+    hints = typing.get_type_hints(type(before)) if changes else {}
+    new = {}
+    for name, value in changes.items():
+        old = getattr(before, name)
+        nested = hasattr(old, "_fields") and isinstance(value, dict)
+        new[name] = _changed(old, value) if nested else from_plain(hints[name], value)
+    return before._replace(**new)
 
 
 def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]) -> xr.Dataset:
@@ -232,8 +311,8 @@ def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]
 
 
 def as_dataset(table: pd.DataFrame) -> xr.Dataset:
-    """Convert a table of `close_points` to a dataset over (row), with units and titles."""
-    dataset = xr.Dataset({name: ("row", table[name].to_numpy()) for name in table})
+    """Convert a table of `close_points` to a dataset over (entry), with units and titles."""
+    dataset = xr.Dataset({name: ("entry", table[name].to_numpy()) for name in table})
     for name in set(table) & set(QUANTITIES):
         quantity = QUANTITIES[name]
         dataset[name].attrs = {"long_name": quantity.title, "units": quantity.unit}
@@ -241,6 +320,10 @@ def as_dataset(table: pd.DataFrame) -> xr.Dataset:
     return dataset
 
 
-def as_table(dataset: xr.Dataset) -> pd.DataFrame:
-    """Convert a dataset of `as_dataset` back to a table."""
-    return pd.DataFrame({str(name): values.values for name, values in dataset.data_vars.items()})
+def as_table(*datasets: xr.Dataset) -> pd.DataFrame:
+    """Convert datasets of `as_dataset` back to one table; empty without any."""
+    tables = (
+        pd.DataFrame({str(name): values.values for name, values in dataset.data_vars.items()})
+        for dataset in datasets
+    )
+    return pd.concat(tables, ignore_index=True) if datasets else pd.DataFrame()

@@ -106,6 +106,12 @@ QUANTITIES: dict[str, Quantity] = {
     "closure_net": Quantity(
         "net closure, from the cycle's start", "m", r"x_\mathrm{net}", _response("closure_net")
     ),
+    "closure_seated": Quantity(
+        "maximum closure since seating",
+        "m",
+        r"x_\mathrm{max,s}",
+        _of_history("max_closure_seated"),
+    ),
     "closure_seated_net": Quantity(
         "net closure since seating", "m", r"x_\mathrm{net,s}", _response("closure_seated_net")
     ),

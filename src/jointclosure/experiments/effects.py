@@ -140,5 +140,5 @@ EXPERIMENT = Experiment(
     quantities=QUANTITIES,
     design=effects_design,
     tabulate=lambda joints, parameters: {"effects": effect_table(joints)},
-    draw=lambda name, tables: effect_figure(tables[name]),
+    draw=lambda name, tables, parameters: effect_figure(tables[name]),
 )

@@ -13,9 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
-from jointclosure.config.configuration import Configured
-from jointclosure.config.files import ConfigurationError
-from jointclosure.config.keys import MisalignmentKeys
+from jointclosure.config.configuration import Configured, refuse
+from jointclosure.config.keys.misalignment import MisalignmentKeys
 from jointclosure.config.units import to_si
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.points import Point
@@ -52,8 +51,7 @@ def misalignment_design(configured: Configured) -> Design:
     """
     keys, configuration = configured.keys, configured.typed
     section = MisalignmentKeys.model_validate(keys["misalignment"])
-    if problems := list(_problems(keys, section)):
-        raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in problems))
+    refuse(_problems(keys, section))
     tilts, rotations = sorted(section.tilt_degrees), sorted(section.rotation_degrees)
     angles = [(tilt, 0.0) for tilt in tilts] + [(0.0, rotation) for rotation in rotations[1:]]
     wavelengths = labelled_wavelengths(sorted(to_si(section.model_dump())["mismatch_wavelength"]))
@@ -236,5 +234,5 @@ EXPERIMENT = Experiment(
     quantities=tuple(READ),
     design=misalignment_design,
     tabulate=lambda joints, parameters: {"misalignment": misalignment_table(joints)},
-    draw=lambda name, tables: misalignment_figure(tables[name]),
+    draw=lambda name, tables, parameters: misalignment_figure(tables[name]),
 )

@@ -219,5 +219,5 @@ EXPERIMENT = Experiment(
     quantities=(*MEANS, "stiffness_net", "initial_aperture"),
     design=mismatch_design,
     tabulate=mismatch_tables,
-    draw=lambda name, tables: mismatch_figure(tables[name]),
+    draw=lambda name, tables, parameters: mismatch_figure(tables[name]),
 )

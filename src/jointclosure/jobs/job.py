@@ -25,7 +25,7 @@ def job(snakemake) -> Iterator[Logbook]:
     Logbook
     """
     with logging_to(snakemake.log[0]) as logbook:
-        seals = _listed(snakemake.input.get("seals", []))
+        seals = listed(snakemake.input.get("seals", []))
         results = _results(Path(snakemake.log[0]))
         inputs = [path for path in snakemake.input if path not in seals]
         inputs = [path for path in inputs if Path(path).is_relative_to(results)]
@@ -36,8 +36,8 @@ def job(snakemake) -> Iterator[Logbook]:
             write_seal(seal, outputs, dict(snakemake.params), inputs, seals)
 
 
-def _listed(paths) -> list[str]:
-    """Snakemake gives one path as itself, and several as a list."""
+def listed(paths) -> list[str]:
+    """List paths, of which Snakemake gives a single one as itself."""
     return [paths] if isinstance(paths, str) else list(paths)
 
 

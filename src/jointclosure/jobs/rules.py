@@ -37,23 +37,21 @@ class SealedJobs:
     """
 
     def __init__(self, rules: Iterable[Any]):
-        self._made = []
-        for rule in rules:
-            seal = rule.output.get("seal")
-            for path in _raw(rule.ruleinfo.output):
-                pattern = _pattern(str(path), rule)
-                self._made.append((rule, pattern, str(seal) if seal else ""))
-        self._made.sort(key=lambda made: bool(made[2]))  # files without a seal are many
+        rules = list(rules)
+        seals = {rule.name: _file(rule, "seals", "json") for rule in rules if _sealed(rule)}
+        self._made = [
+            (_pattern(str(path), rule), seals.get(rule.name, ""))
+            for rule in sorted(rules, key=_sealed)  # files without a seal are many
+            for path in _raw(rule.ruleinfo.output)
+        ]
         self._seals = [
-            (rule, _pattern(str(rule.output.get("seal")), rule))
-            for rule in rules
-            if rule.output.get("seal")
+            (rule, _pattern(seals[rule.name], rule)) for rule in rules if rule.name in seals
         ]
         self.seal_of = lru_cache(maxsize=None)(self._seal_of)
 
     def _seal_of(self, path: str) -> str:
         """Seal of the job that makes a file; empty where no job does, or seals it."""
-        for _, pattern, seal in self._made:
+        for pattern, seal in self._made:
             if match := pattern.fullmatch(path):
                 return seal.format(**match.groupdict())
         return ""
@@ -89,6 +87,10 @@ class SealedJobs:
 
         Empty where this configuration has no such job, and where parameters follow from inputs.
         """
+        from snakemake.exceptions import (  # type: ignore[import-untyped]
+            IncompleteCheckpointException,
+        )
+
         for rule, pattern in self._seals:
             if match := pattern.fullmatch(Path(seal).as_posix()):
                 wildcards = SimpleNamespace(**match.groupdict())
@@ -99,7 +101,7 @@ class SealedJobs:
                             for name, value in rule.params.items()
                         }
                     )
-                except (LookupError, TypeError, ValueError):
+                except (LookupError, TypeError, ValueError, IncompleteCheckpointException):
                     return ""
         return ""
 
@@ -128,10 +130,9 @@ def complete(rules: Iterable[Any], environment: str, without_seal: Collection[st
 
 
 def _complete(rule: Any, environment: str, sealed: bool) -> None:
-    folder, place = _folder(rule), f"{rule.name}{_wildcards(rule)}"
     rule.log_modifier = rule.benchmark_modifier = rule.output_modifier
-    rule.set_log(f"{folder}/logs/{place}.log")
-    rule.benchmark = f"{folder}/benchmarks/{place}.tsv"
+    rule.set_log(_file(rule, "logs", "log"))
+    rule.benchmark = _file(rule, "benchmarks", "tsv")
     rule.conda_env = environment
     script = Path(rule.basedir.join(rule.script).get_path_or_uri(secret_free=True))
     if not rule.params.get("code"):
@@ -140,7 +141,7 @@ def _complete(rule: Any, environment: str, sealed: bool) -> None:
         named = ", ".join(f"{{wildcards.{name}}}" for name in sorted(rule.wildcard_names))
         rule.message = _first_line(script) + (f" ({named})" if named else "")
     if sealed:
-        rule.set_output(seal=f"{folder}/seals/{place}.json")
+        rule.set_output(seal=_file(rule, "seals", "json"))
 
 
 def _seals(inputs: list[Any], made: SealedJobs) -> Callable[[Any], list[str]]:
@@ -182,10 +183,18 @@ def _folder(rule: Any) -> str:
     return match[0]
 
 
-def _wildcards(rule: Any) -> str:
-    """The part of the first output from its first wildcard to its last, behind a slash."""
+def _file(rule: Any, kind: str, suffix: str) -> str:
+    """Pattern of a file that a rule writes besides its output.
+
+    Its name ends with the part of the first output from its first wildcard to its last.
+    """
     match = re.search(r"\{.*\}", str(next(_raw(rule.ruleinfo.output))))
-    return f"/{match[0]}" if match else ""
+    wildcards = f"/{match[0]}" if match else ""
+    return f"{_folder(rule)}/{kind}/{rule.name}{wildcards}.{suffix}"
+
+
+def _sealed(rule: Any) -> bool:
+    return bool(rule.output.get("seal"))
 
 
 def _pattern(path: str, rule: Any) -> re.Pattern[str]:

@@ -391,7 +391,8 @@ def equilibrium(
     Raises
     ------
     InputError
-        If an argument is out of its range; raised before the computation starts.
+        If an argument is out of its range, or the closure takes a stress beyond what is usual;
+        the first is raised before the computation starts.
     """
     check_length("spacing", spacing)
     upper, lower = checked_walls(upper, lower, spacing)
@@ -410,7 +411,8 @@ def equilibrium(
     choices, numerics = in_double(choices), in_double(numerics)
     upper, lower = upper - height_datum(upper), lower - height_datum(lower)
     joint = Joint(upper, lower, spacing, rock, effects, choices, numerics)
-    largest_force = USUAL["max_normal_stress"][1] * upper.size * spacing**2
+    largest_stress = USUAL["max_normal_stress"][1]
+    largest_force = largest_stress * upper.size * spacing**2
     if not unusual_values and closure > closure_limit(joint, largest_force):
         raise InputError(
             f"closure = {closure!r} m: not usual of this joint; usual stresses close it by at "
@@ -420,6 +422,11 @@ def equilibrium(
     fields = fields_of(joint, closure)
     status = np.int16(FLAG_OF_OUTCOME.get(run.outcome, 0))
     stress = run.total_force / (upper.size * spacing**2)
+    if not unusual_values and stress > largest_stress:
+        raise InputError(
+            f"closure = {closure!r} m: takes a normal stress of {stress:.3g} Pa, beyond the "
+            f"{largest_stress:g} Pa that are usual; is the unit right? {AS_IT_IS}"
+        )
     variables = {
         "force": (("y", "x"), joint.force),
         "overlap": (("y", "x"), fields.overlap),

@@ -1,7 +1,8 @@
 """Parameters of a simulation in SI units: rocks, effects, choices and numerics."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Annotated, Literal, NamedTuple, TypeVar
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import wraps
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -265,7 +266,7 @@ def well_posed_scenes() -> Iterator[Effects]:
                 yield Effects(substrate, interaction, breakage, gouge, soft_peaks)
 
 
-def check_choices(choices: Choices, spacing: float) -> None:
+def check_choices(choices: Choices, spacing: float = 0.0) -> None:
     """Raise `InputError` if a choice is out of its range for a grid spacing [m].
 
     The bound of radii may not be smaller than the spacing, because an asperity is a cell. Sharper
@@ -296,8 +297,8 @@ def check_choices(choices: Choices, spacing: float) -> None:
         raise InputError(f"tie_tolerance = {choices.tie_tolerance!r}: must lie in (0, 0.001)")
 
 
-def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
-    """Raise `InputError` if a step or tolerance is out of its range."""
+def check_numerics(numerics: Numerics, solvers: tuple[str, ...] | None = None) -> None:
+    """Raise `InputError` if a step or tolerance, or the solver if given, is out of its range."""
     if not isinstance(numerics, Numerics):
         raise InputError(f"numerics = {numerics!r}: must be a Numerics")
     for prefix in ("", "later_"):
@@ -332,7 +333,8 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
     check_number("idle_interaction", numerics.idle_interaction)
     if not 0.0 <= numerics.idle_interaction < 1.0:
         raise InputError(f"idle_interaction = {numerics.idle_interaction!r}: must lie in [0, 1)")
-    check_one_of("solver", numerics.solver, solvers)
+    if solvers is not None:
+        check_one_of("solver", numerics.solver, solvers)
     for name in ("most_steps", "most_breakage_steps"):
         check_number(name, getattr(numerics, name))
         if not getattr(numerics, name) >= 1.0:
@@ -344,3 +346,21 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...]) -> None:
                 f"{name} = {getattr(numerics, name)!r}: must lie in [{SMALLEST_TOLERANCE:g}, 1); "
                 "rounding allows no less"
             )
+
+
+def _check_when_made(settings: type[NamedTuple], check: Callable[[Any], None]) -> None:
+    """Have instances of a named tuple checked when they are made by its name."""
+    make = settings.__new__
+
+    @wraps(make)
+    def made_and_checked(*arguments: Any, **fields: Any) -> Any:
+        instance = make(*arguments, **fields)
+        check(instance)
+        return instance
+
+    settings.__new__ = made_and_checked  # type: ignore[method-assign]
+
+
+_check_when_made(Rock, check_rock)
+_check_when_made(Choices, check_choices)
+_check_when_made(Numerics, check_numerics)

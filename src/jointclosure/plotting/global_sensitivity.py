@@ -28,7 +28,7 @@ def indices(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     Parameters
     ----------
     table : DataFrame
-        From `jointclosure.studies.global_sensitivity.table.index_table`.
+        From `jointclosure.experiments.global_sensitivity.table.index_table`.
     titles : dict
         Of rocks.
 
@@ -85,11 +85,11 @@ def convergence(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     rocks = list(dict.fromkeys(table.rock))
     names = [name for name in dict.fromkeys(table.input) if name != SURFACES]
     figure, panels = subplots(
-        2, len(rocks), figsize=(2.7 * len(rocks) + 2.4, 5.6), layout="constrained", sharex=True,
-        sharey=True, squeeze=False,
+        2, max(1, len(rocks)), figsize=(2.7 * len(rocks) + 2.4, 5.6), layout="constrained",
+        sharex=True, sharey=True, squeeze=False,
     )  # fmt: skip
     markers = "osD^v<>PX*"
-    for column, rock in zip(panels.T, rocks, strict=True):
+    for column, rock in zip(panels.T, rocks, strict=False):  # axes alone without any rock
         for axes, cycle in zip(column, (1, 2), strict=True):
             here = table[(table.rock == rock) & (table.response == "closure")]
             here = here[here.cycle == cycle]
@@ -122,7 +122,7 @@ def conclusions(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     Parameters
     ----------
     table : DataFrame
-        From `jointclosure.studies.global_sensitivity.conclusions.conclusion_tables`; where it
+        From `jointclosure.experiments.global_sensitivity.conclusions.conclusion_tables`; where it
         is empty the figure says so.
     titles : dict
         Of rocks.

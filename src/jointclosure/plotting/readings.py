@@ -20,7 +20,7 @@ def likelihoods(table: pd.DataFrame, implied: pd.DataFrame) -> Figure:
     Parameters
     ----------
     table, implied : DataFrame
-        From `jointclosure.studies.readings.table`.
+        From `jointclosure.experiments.readings.table`.
 
     Notes
     -----

@@ -111,6 +111,11 @@ def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
         raise InputError(f"cannot be read as netCDF ({error})") from None
     if field.ndim != 2:
         raise InputError(f"variable {name!r} has dimensions {field.dims}: must be over (y, x)")
+    remarks = (
+        ()
+        if _says_axes(field)
+        else (f"dimensions {', '.join(map(str, field.dims))}: no name of an axis; read as y, x",)
+    )
     field = _by_axes(field)
     coordinates = [field[dimension] for dimension in field.dims if dimension in field.coords]
     spacing = length_units = origin = None
@@ -125,7 +130,7 @@ def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
         field = field.isel(growing)
         origin = (float(field[field.dims[0]][0]), float(field[field.dims[1]][0]))
     height_units = field.attrs.get("units") or split_name(name)[1]
-    return Contents(field.values, spacing, None, height_units, length_units, origin)
+    return Contents(field.values, spacing, None, height_units, length_units, origin, remarks)
 
 
 _AXES = {
@@ -149,6 +154,11 @@ def _by_axes(field: xr.DataArray) -> xr.DataArray:
     if axes[0] is not None and axes[0] == axes[1]:
         raise InputError(f"dimensions {field.dims}: must be y and x, both are {axes[0]}")
     return field.transpose() if axes[0] == "x" or axes[1] == "y" else field
+
+
+def _says_axes(field: xr.DataArray) -> bool:
+    """Whether the name or an attribute of a dimension names an axis."""
+    return any(_axis_of(field, str(dimension)) for dimension in field.dims)
 
 
 def _axis_of(field: xr.DataArray, dimension: str) -> str | None:

@@ -376,6 +376,8 @@ def _described(
     stands_out = early > _FAR * aperture.std()
     report.append(caution(_STANDS_OUT, f"{touches}: ") if stands_out else touches)
     report += [caution(doubt) for doubt in _doubts(overlap)]
+    if mismatch.wavelength == 0.0 and correlation > _ALIKE:
+        report.append(caution(_ONE_WALL))
     if name == "common_frame" and applied == (0.0, 0.0):
         side = "above" if gap > 0.0 else "below"
         lies = (
@@ -422,6 +424,12 @@ largest was 0.95."""
 _STANDS_OUT = (
     "the first contact stands out far and may be a remaining spike; use closures since "
     "seating, not those from first touch"
+)
+_ALIKE = 0.99
+"""Correlation of heights beyond which walls that fit at all wavelengths may be one wall."""
+_ONE_WALL = (
+    "the walls fit each other at all wavelengths of the grid, as two scans of one wall do; check "
+    "that the files are of different walls"
 )
 _BELOW = (
     "if both scans have one zero of heights, the walls are interchanged or heights count downwards"

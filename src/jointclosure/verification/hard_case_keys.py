@@ -5,7 +5,8 @@ from typing import Annotated, Any, Literal
 import pydantic
 from pydantic import ConfigDict, Field, StringConstraints
 
-from jointclosure.config.keys import entry, intact_keys
+from jointclosure.config.keys.entries import entry
+from jointclosure.config.keys.rocks import intact_keys
 from jointclosure.joint.protocol import FLAGS
 from jointclosure.solvers.registry import SOLVERS
 from jointclosure.verification.hard_walls import SHAPES

@@ -84,7 +84,7 @@ def accuracy_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tabl
     return {PREFIX + name: table for name, table in tables.items()}
 
 
-def accuracy_figure(name: str, tables: Tables) -> Figure:
+def accuracy_figure(name: str, tables: Tables, parameters: Mapping[str, Any]) -> Figure:
     """Error against time of one variant of the model, or where the error comes from."""
     costs, sources = tables[f"{PREFIX}cost"], tables[f"{PREFIX}sources"]
     variant = name.removeprefix(PREFIX)

@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from jointclosure.config.configuration import configured, merged
+from jointclosure.config.configuration import configured, merged, problem_lines, refuse
 from jointclosure.config.files import ConfigurationError
 from jointclosure.config.presets import numerics_in_full
 from jointclosure.config.typed import Configuration, Grid, Surface
@@ -114,11 +114,9 @@ def design_of(keys: dict) -> tuple[list[Setting], dict[str, Run]]:
                 runs.setdefault(setting.run, _run(typed, setting.rock, keys["accuracy"]))
             except InputError as error:
                 where = f"variant {setting.scene}, {setting.knob} {setting.value}"
-                lines = str(error).removeprefix("configuration:").split("\n")
-                problems += [f"accuracy: {where}: {line.strip()}" for line in lines if line.strip()]
+                problems += [f"accuracy: {where}: {line}" for line in problem_lines(error)]
             settings.append(setting)
-    if problems:
-        raise ConfigurationError("configuration:\n" + "\n".join(f"  {line}" for line in problems))
+    refuse(problems)
     return settings, runs
 
 

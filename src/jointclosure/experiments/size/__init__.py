@@ -94,5 +94,5 @@ EXPERIMENT = Experiment(
     quantities=(*READ, *GEOMETRY),
     design=size_design,
     tabulate=size_tables,
-    draw=lambda name, tables: size_figure(tables[name]),
+    draw=lambda name, tables, parameters: size_figure(tables[name]),
 )

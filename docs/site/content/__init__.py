@@ -1,0 +1,1 @@
+"""What pages show of stored results: a module for a page, with its tables and numbers."""

@@ -1,0 +1,181 @@
+"""Tables of docs/accuracy.md."""
+
+import pandas as pd
+from stored import stored
+
+from content.markdown import Form, Group, Table, chosen, rows_of, titled
+from jointclosure.config.presets import SCENES, radii_words
+
+MOST_SHOWN = 100.0
+"""Total errors [%] beyond which a budget is not shown."""
+BIASES = {
+    (response, cycle): f"bias of the {response}, cycle {cycle} (%)"
+    for response, cycle in (("mean", 1), ("mean", 2), ("interval", 2))
+}
+LIMITS = {
+    "height_over_slope_m": "RMS of the summed heights / RMS slope (m)",
+    "slope_ratio": "RMS slope at 0.5 mm / at 0.25 mm",
+    "correlation": "correlation of slopes",
+}
+STRESSES = (0.01, 0.03, 0.05, 0.1, 0.15)
+"""Stresses over strength at which errors of the bearing-area law are shown."""
+
+
+def _plain(*names: str) -> dict[str, Form]:
+    return {name: f"{{{name}}}" for name in names}
+
+
+def _interval(name: str, digits: int, value: str = "{}_error_percent") -> str:
+    """Form of an error and its confidence interval."""
+    form = f"{{{value}:+.{digits}f}} ({{{{}}_low:+.{digits}f}} to {{{{}}_high:+.{digits}f}})"
+    return form.replace("{}", name)
+
+
+def _error_of(cycle: int) -> Form:
+    """Write a setting's error and confidence interval, of the rock where it is largest."""
+
+    def cell(group: Group) -> str:
+        costs = stored("accuracy", "accuracy_cost").fillna({"value": ""})
+        value = "" if pd.isna(group["value"]) else group["value"]
+        part = rows_of(costs, scene=group["scene"], knob=group["knob"], value=value, cycle=cycle)
+        worst = part.loc[part.mean_error_percent.abs().idxmax()]
+        held = worst.mean_error_percent != 0.0
+        return _interval("mean", 1).format_map(worst) if held else "held against"
+
+    return cell
+
+
+presets = Table(
+    "accuracy/accuracy_settings",
+    {
+        "preset": "{preset}",
+        "radii": lambda group: radii_words(group["scene"]),
+        "numerics": lambda group: group["numerics"].strip("{}").replace('"', "") or "the paper's",
+        "error of cycle 1 (%)": _error_of(1),
+        "error of cycle 2 (%)": _error_of(2),
+        "time": "{relative_time:.2g}",
+        "FFT pairs": "{pairs:.0f}",
+        "s": "{seconds:.2g}",
+    },
+    prepare=lambda table: table[table.preset.notna() & table.scene.isin(SCENES.values())],
+)
+total = Table(
+    "accuracy/accuracy_split",
+    {
+        "of": "{response}, cycle {cycle}",
+        "core-minutes": "{budget:g}",
+        "by": lambda group: group["method"] + ", control variates" * group["control_variates"],
+        "surfaces closed": "{surfaces}",
+        "measured": lambda group: group["measured"] or "",
+        "bias (%)": "{bias_percent:.1f}",
+        "known to ± (%)": "{bias_error_percent:.1f}",
+        "sampling (%)": "{sampling_percent:.1f}",
+        "total error (%)": "{total_percent:.1f}",
+    },
+    prepare=lambda table: table[table.total_percent <= MOST_SHOWN],
+)
+biases = Table(
+    "accuracy/accuracy_methods",
+    {"s a surface": "{cost min:.2g}"},
+    rows=_plain("method", "rock"),
+    across="{title}",
+    cell=_interval("bias", 1, "{}_percent"),
+    prepare=lambda table: titled(
+        rows_of(table, control_variates=False), BIASES, "response", "cycle"
+    ),
+)
+sources = Table(
+    "accuracy/accuracy_sources",
+    _plain("rock", "cycle", "source")
+    | {"error (%)": "{error_percent!p}", "low": "{low!p}", "high": "{high!p}"},
+    prepare=chosen(scene="paper_size"),
+)
+orders = Table(
+    "accuracy/accuracy_orders",
+    {"variant": "{scene}"} | _plain("rock", "knob", "cycle", "order", "error", "remark"),
+    prepare=lambda table: table[~table.knob.str.contains("tolerance|preset")].round(2),
+)
+joints = Table(
+    "accuracy/accuracy_cost",
+    _plain("rock", "knob", "value", "cycle")
+    | {
+        "change of mean max. closure (%)": _interval("mean", 0),
+        "net of bulk indentation (%)": _interval("net", 0),
+        "time / base": "{relative_time:.1f}",
+    },
+    prepare=lambda table: table[table.knob.isin(["spacing", "patch"])],
+)
+
+
+def _range(column: str, scale: float = 1.0) -> Form:
+    """Write the least and the largest value, to two digits."""
+
+    def cell(group: Group) -> str:
+        values = scale * group.rows[column].dropna()
+        ends = [f"{float(f'{end:.2g}'):g}" for end in (values.min(), values.max())]
+        return " to ".join(dict.fromkeys(ends)) if len(values) else ""
+
+    return cell
+
+
+variance = Table(
+    "paper/variance_reduction",
+    {f"coverage, {kind} (%)": _range(f"{kind}_coverage", 100) for kind in ("adjusted", "plain")},
+    rows={
+        "response": lambda group: (
+            group["response"]
+            + (f", {group['draws']} draws" if group["response"] == "difference" else "")
+        ),
+        "cycle": "{cycle}",
+    },
+    across="{rock}",
+    cell=_range("worth"),
+    prepare=lambda table: table[table.response != "slope"],
+)
+
+
+def _laws(table: pd.DataFrame) -> pd.DataFrame:
+    """Add the table of walls without roll-off to that of walls with it."""
+    return pd.concat([table, stored("surrogate_no_roll_off", "surrogate")], ignore_index=True)
+
+
+def _kind(group: Group) -> str:
+    length = group["roll_off_mm"]
+    return "no roll-off" if pd.isna(length) else f"roll-off {length:g} mm"
+
+
+def _errors(table: pd.DataFrame) -> pd.DataFrame:
+    """Choose errors at some stresses, and add the errors at the largest one."""
+    table = rows_of(_laws(table), constants="all")
+    last = rows_of(table.assign(top=table.stress_MPa > 0.999 * table.stress_MPa.max()), top=True)
+    last = last.set_index(["roll_off_mm", "rock", "jrc"])[["rms_percent", "mean_percent"]]
+    table = table[table.stress_over_strength.isin(STRESSES)]
+    return table.join(last.add_prefix("last_"), on=["roll_off_mm", "rock", "jrc"])
+
+
+surrogate = Table(
+    "surrogate_roll_off/surrogate",
+    {"30 MPa": "{last_rms_percent:.0f} ({last_mean_percent:+.0f})"},
+    rows={"walls": _kind, "rock": "{rock}", "JRC": "{jrc:g}", "joints": "{joints}"},
+    across="{stress_over_strength:g} σc",
+    cell="{rms_percent:.0f}",
+    prepare=_errors,
+)
+constants = Table(
+    "surrogate_roll_off/surrogate",
+    {
+        "walls": _kind,
+        "fitted to": lambda group: group["rock"] if group["constants"] == "own" else "all four",
+        "a": "{at_strength}",
+        "b": "{exponent}",
+    },
+    prepare=lambda table: (
+        _laws(table).drop_duplicates(["roll_off_mm", "constants", "at_strength"]).round(3)
+    ),
+)
+limits = Table(
+    "surrogate_roll_off/surrogate",
+    {"walls": _kind}
+    | {title: f"{{least_{name}:.3g}} to {{most_{name}:.3g}}" for name, title in LIMITS.items()},
+    prepare=lambda table: _laws(table).drop_duplicates("roll_off_mm"),
+)

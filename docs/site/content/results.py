@@ -1,0 +1,84 @@
+"""Tables and numbers of docs/results.md, and the outcome of the default study in short."""
+
+import pandas as pd
+from stored import stored
+
+from content.markdown import Form, Table, rows_of, value_of
+from jointclosure.claims.table import OURS
+from jointclosure.report.findings import percent_text, probability
+from jointclosure.sensitivity.conclusions import JUDGED_ELSEWHERE
+from jointclosure.sensitivity.tables import markdown_rows, table_3
+from jointclosure.statistics.verdicts import FALLS, STANDS
+
+
+def _table_3(of: str) -> pd.DataFrame:
+    """Table 3 of the study (""), or of the paper ("paper_"): parameters by (cycle, rock)."""
+    rocks = stored("paper", "table_1_rocks")
+    titles = dict(zip(rocks.rock, rocks.title, strict=True))
+    return table_3(stored("paper", "table_3_indifference"), titles, of)
+
+
+def intervals(of: str = "") -> str:
+    """Tabulate Table 3 of the study, or ("paper_") of the paper."""
+    return "\n".join(markdown_rows(_table_3(of)))
+
+
+def _probability(name: str) -> Form:
+    return lambda group: probability(group[name], group[f"{name}_error"]).text
+
+
+joint_tests = Table(
+    "paper/table_3_joint_tests",
+    {
+        "entries": "{entries}",
+        "number": "{number}",
+        "p of this model": _probability("p"),
+        "p without any effect": _probability("null_p"),
+    },
+)
+claims = Table(
+    "paper/claims",
+    {
+        "": "{number}",
+        "claim": "{claim}",
+        "said in": "{said_in}",
+        "true of the model": "{verdict}",
+        "studies that find it": lambda group: percent_text(
+            *(group[f"found_{name}"] for name in ("share", "error", "low", "high"))
+        ),
+        "in the paper's Table 3": "{paper_finds}",
+    },
+)
+
+
+def scatter(cycle: int) -> str:
+    """Give S/mean [%] of the rocks as they are, least to largest, with the largest error."""
+    form = "{value min:.0f} to {value max:.0f} (± {standard_error max:.1g}) %"
+    return value_of("paper/jrc_range", form, parameter="base", half_width=0.0, cycle=cycle)
+
+
+def surfaces() -> str:
+    """Count the surfaces of the pool."""
+    return value_of("paper/elasticities", "{samples max}")
+
+
+def flagged() -> str:
+    """Count simulations that are flagged as outside the model's range, of all."""
+    flag = "simulations flagged outside_model_range"
+    counts = rows_of(stored("paper", "checks"), check=flag).found.str.split(" of ", expand=True)
+    return " of ".join(counts.astype(int).sum().astype(str))
+
+
+def headline() -> dict[str, str]:
+    """Numbers of the outcome in short: p of all entries, and what is left of the paper's claims."""
+    tests = "paper/table_3_joint_tests"
+    claims = stored("paper", "conclusions")
+    claims = claims[(claims.said_in != OURS) & (claims.conclusion != JUDGED_ELSEWHERE)]
+    left = claims.conclusion.value_counts()
+    return {
+        "p": value_of(tests, _probability("p"), entries="all"),
+        "p of no effect": value_of(tests, _probability("null_p"), entries="all"),
+        "claims": str(len(claims)),
+        "stand": str(left.get(STANDS, 0)),
+        "fall": str(left.get(FALLS, 0)),
+    }

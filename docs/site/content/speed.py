@@ -1,0 +1,107 @@
+"""Tables of docs/speed.md and docs/decisions/0010-resolved-breakage.md, of benchmarks."""
+
+from content.markdown import Form, Table
+
+AXES = {
+    "cells": "cells along a square grid",
+    "stress_mpa": "maximum normal stress (MPa)",
+    "realisations": "realisations of a case",
+    "jrc": "JRC",
+}
+RATE = "{{{0}!k}} ({{{0} min!k}} to {{{0} max!k}})"
+"""A median with the extremes behind it."""
+
+
+def _of_two(one: str, other: str, over: str, *names: str) -> dict[str, Form]:
+    """Columns of two that were timed in turn: the ratio of times, and what both took.
+
+    ``one`` and ``other`` make the names of their columns; the other's numbers are in brackets.
+    """
+    columns: dict[str, Form] = {
+        "rock": "{rock}",
+        "time over that in brackets": f"{{{over}:.2f}} ± {{{over} +-:.2f}}",
+        "of single surfaces": "{least of a surface:.2f} to {largest of a surface:.2f}",
+    }
+    for name in names:
+        title = "FFT pairs" if name == "pairs" else name
+        columns[title] = f"{{{one.format(name)}:,.0f}} ({{{other.format(name)}:,.0f}})"
+    steps = [form.format("breakage steps") for form in (one, other)]
+    columns["breakage steps (million)"] = lambda group: "{:.1f} ({:.1f})".format(
+        *(1e-6 * group[name] for name in steps)
+    )
+    return columns
+
+
+study = Table(
+    "solver_speed/study",
+    {
+        "rock": "{rock}",
+        "FFT pairs": RATE.format("pairs"),
+        "ms": RATE.format("ms"),
+        "of it breaking": "{breaking %:.0f} %",
+        "equilibrium": "{equilibrium %:.0f} %",
+        "breakage steps": lambda group: f"{group['breakage steps'] / 1e6:.1f} million",
+        "products with the interaction": "{products!k}",
+    },
+)
+elastic = Table(
+    "solver_speed/elastic",
+    {
+        "walls": "{walls}",
+        "cells": "{cells} x {cells}",
+        "ms": RATE.format("ms"),
+        "FFT pairs": "{pairs!k}",
+        "FFT pairs of its own size": "{pairs of own size!k}",
+        "products a stress": "{products per stress!k}",
+        "largest memory (MB)": "{peak MB!k}",
+    },
+)
+reference = Table(
+    "solver_speed/reference",
+    {
+        "scene": "{scene}",
+        "cells": "{cells} x {cells}",
+        "the paper's loop (s)": RATE.format("reference s"),
+        "fast solver (ms)": RATE.format("fast ms"),
+        "ratio": RATE.format("ratio"),
+        "fast less reference (% of closure)": "{difference %:+.2f} ± {standard error %:.2f}",
+    },
+)
+growth = Table(
+    "growth/growth",
+    {
+        "from": "{value:g}: {ms!k} ms",
+        "to": "{last value:g}: {last ms!k} ms",
+        "exponent": "{exponent:.2f} ± {standard error:.2f}",
+    },
+    rows={"what grows": lambda group: AXES[group["axis"]], "scene": "{scene}"},
+    prepare=lambda table: table.join(
+        table.groupby(["axis", "scene"])[["value", "ms"]].transform("last").add_prefix("last ")
+    ),
+)
+peers = Table(
+    "peers/peers",
+    {
+        "code": lambda group: f"{group['code']} {group['version']}".removesuffix(" -"),
+        "solves": "{solves}",
+        "error": "{error:.0e}",
+        "ms": "{ms!k}",
+        "FFT pairs": "{pairs:.0f}",
+        "closure at 30 MPa (um)": "{um at 30 MPa:.1f}",
+    },
+)
+breakage_methods = Table(
+    "breakage_methods/breakage_methods",
+    _of_two(
+        "resolved {}", "fixed_step {}", "resolved over fixed",
+        "pairs", "states", "equilibria", "products",
+    ),
+)  # fmt: skip
+versions = Table(
+    "versions/versions",
+    _of_two("{} now", "{} before", "time over", "pairs", "ms", "products")
+    | {
+        f"closure, cycle {cycle} (%)": f"{{cycle {cycle} %:+.2f}} ± {{cycle {cycle} +- %:.2f}}"
+        for cycle in (1, 2)
+    },
+)

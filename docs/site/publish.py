@@ -1,0 +1,180 @@
+"""Store the results that pages show, and renew the tables that the package ships.
+
+    make publish STUDY=results/size
+    python docs/site/publish.py build/benchmarks growth
+
+The first is the folder of a run's results, complete; the second the run (docs/site/stored.py has
+them all), unless the folder is called like it. What was stored of the run before is replaced.
+"""
+
+import datetime
+import json
+import shutil
+import sys
+from collections.abc import Iterator
+from importlib.metadata import version
+from pathlib import Path
+
+import pandas as pd
+from stored import ORIGIN, PACKAGE, ROOT, RUNS, STORED, Run, StoredError
+
+from jointclosure.config.configuration import merged_study
+from jointclosure.inputs import InputError
+from jointclosure.storage.files import atomically
+from jointclosure.storage.netcdf import reading_netcdf
+from jointclosure.storage.provenance import provenance
+from jointclosure.storage.seals import check_folder
+from jointclosure.storage.text import read_csv, write_csv
+
+_PLACES = ("tables", "figures", "")
+"""Folders of a run's results in which files are looked for."""
+
+
+def contributions(results: Path) -> pd.DataFrame:
+    """Medians of what effects add, and the extremes, over rocks and roughness."""
+    added = {
+        "max_closure": "max_closure_added_percent",
+        "residual_closure": "residual_closure_added_percent",
+        "hysteresis": "hysteresis_added_percent",
+        "time_ratio": "time_ratio",
+    }
+    groups = read_csv(results / "tables/effects.csv").groupby(
+        ["effect", "cycle", "stress_MPa"], sort=False
+    )
+    columns = {"known": groups.max_closure_added_percent.count(), "conditions": groups.size()}
+    for name, column in added.items():
+        values = groups[column]
+        columns |= {name: values.median(), f"{name}_least": values.min()}
+        columns[f"{name}_largest"] = values.max()
+    return pd.DataFrame(columns).reset_index()
+
+
+SUMMARIES = {"effects_contributions": (contributions, "effects")}
+"""Tables that are made of larger ones when they are stored: how, and of which."""
+
+
+def publish(results: Path, run: str) -> Path:
+    """Store a run; `StoredError` where a file lacks or is not as it was written.
+
+    Returns
+    -------
+    Path
+        The folder in docs/results.
+    """
+    if run not in RUNS:
+        raise StoredError(f"{run}: is none of the runs that pages show: {', '.join(sorted(RUNS))}")
+    kept = RUNS[run]
+    sources = {name: _path(results, run, name) for name in _wanted(kept)}
+    try:
+        check_folder(results)
+    except InputError as error:
+        raise StoredError(str(error)) from None
+    folder = STORED / run
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    for name in kept.figures:
+        shutil.copyfile(sources[f"{name}.png"], folder / f"{name}.png")
+    for name in kept.tables:
+        if name in SUMMARIES:
+            write_csv(SUMMARIES[name][0](results), folder / f"{name}.csv")
+        else:
+            shutil.copyfile(sources[f"{name}.csv"], folder / f"{name}.csv")
+    for name, shipped in kept.shipped.items():
+        shutil.copyfile(sources[f"{name}.csv"], PACKAGE / f"{shipped}.csv")
+    text = json.dumps(_origin(results, run, max(sources.values(), key=_time)), indent=1) + "\n"
+    atomically(folder / ORIGIN, lambda temporary: temporary.write_text(text, encoding="utf-8"))
+    return folder
+
+
+def _wanted(kept: Run) -> Iterator[str]:
+    """Names of the files of results that are stored, or of which something is."""
+    for name in (*kept.tables, *kept.shipped):
+        yield f"{SUMMARIES[name][1] if name in SUMMARIES else name}.csv"
+    yield from (f"{name}.png" for name in kept.figures)
+
+
+def _path(results: Path, run: str, name: str) -> Path:
+    paths = [results / place / name for place in _PLACES]
+    for path in paths:
+        if path.is_file():
+            return path
+    raise StoredError(f"{results}: is not complete, {name} lacks, which pages need of {run}")
+
+
+def _time(path: Path) -> float:
+    return path.stat().st_mtime
+
+
+def _origin(results: Path, run: str, newest: Path) -> dict:
+    """What made results, as the first netCDF file says; else the commit is not known."""
+    made = _provenance(results)
+    keys = json.loads(made["configuration"]) if made else _configuration(run)
+    now = provenance(keys or merged_study())["provenance_commit"]
+    date = datetime.datetime.fromtimestamp(_time(newest), datetime.UTC)
+    minutes = sum(
+        pd.read_csv(path, sep="\t", na_values=["-"]).cpu_time.sum()
+        for path in (results / "benchmarks").rglob("*.tsv")
+    )
+    return {
+        "run": run,
+        "commit": made["provenance_commit"] if made else None,
+        "stored_at": now,
+        "version": json.loads(made["provenance_versions"])["jointclosure"] if made
+        else version("jointclosure"),
+        "root_seed": keys["study"]["root_seed"] if keys else None,
+        "date": date.date().isoformat(),
+        "configuration": {"file": _file(keys), "differs": _differences(keys)} if keys else None,
+        "cpu_minutes": round(minutes / 60.0, 2),
+    }  # fmt: skip
+
+
+def _provenance(results: Path) -> dict[str, str] | None:
+    """Attributes of the first netCDF file of a run that says what made it."""
+    for path in sorted(results.glob("*.nc")):
+        with reading_netcdf(path) as dataset:
+            if "provenance_commit" in dataset.attrs:
+                return dict(dataset.attrs)
+    return None
+
+
+def _configuration(run: str) -> dict | None:
+    """Configuration of the file that is called like a run; None where there is none."""
+    path = ROOT / f"config/{run}.yaml"
+    return merged_study(path) if path.is_file() else None
+
+
+def _file(keys: dict) -> str:
+    path = f"config/{keys['study']['name']}.yaml"
+    return path if (ROOT / path).is_file() else "config/default.yaml"
+
+
+def _differences(keys: dict) -> dict[str, object]:
+    """Keys in which a configuration differs from the default, by their paths."""
+    flat, default = dict(_flat(keys)), dict(_flat(merged_study()))
+    return {
+        path: value for path, value in flat.items() if path not in default or default[path] != value
+    }
+
+
+def _flat(keys: dict, above: str = "") -> Iterator[tuple[str, object]]:
+    for name, value in keys.items():
+        if isinstance(value, dict) and value:
+            yield from _flat(value, f"{above}{name}.")
+        else:
+            yield f"{above}{name}", value
+
+
+def main(words: list[str]) -> None:
+    """Store a run, and say where."""
+    if len(words) not in (1, 2) or not words[0]:
+        raise SystemExit("make publish STUDY=results/<run>: which results are to be stored?")
+    results = Path(words[0])
+    try:
+        folder = publish(results, words[-1] if len(words) == 2 else results.resolve().name)
+    except StoredError as error:
+        raise SystemExit(str(error)) from None
+    print(f"stored in {folder.relative_to(ROOT)}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,116 @@
+"""Results that pages show: which files of each run they need, and the copies in docs/results.
+
+docs/results/<run>/ has the tables (CSV) and figures (PNG) of one run, and origin.json: commit,
+version, root seed, date and configuration that made them. publish.py stores them; a table that
+the package ships too lies with the package alone.
+"""
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import pandas as pd
+
+from jointclosure.storage.text import read_csv
+
+ROOT = Path(__file__).parents[2]
+STORED = ROOT / "docs/results"
+PACKAGE = ROOT / "src/jointclosure/config"
+ORIGIN = "origin.json"
+
+
+class StoredError(Exception):
+    """A stored result that is not there, or results that cannot be stored."""
+
+
+class Run(NamedTuple):
+    """Files that are kept of a run: names without their suffixes.
+
+    ``shipped`` has tables that the package ships, with their names there.
+    """
+
+    tables: tuple[str, ...] = ()
+    figures: tuple[str, ...] = ()
+    shipped: Mapping[str, str] = {}
+
+
+RUNS = {
+    "paper": Run(
+        tables=(
+            "table_1_rocks", "table_3_indifference", "table_3_joint_tests", "claims", "checks",
+            "conclusions", "elasticities", "jrc_range", "jrc_range_claims", "max_closure",
+            "variance_reduction",
+        ),
+        figures=("table_3_predictive",),
+    ),
+    "surrogate_roll_off": Run(shipped={"surrogate": "surrogate_roll_off"}),
+    "surrogate_no_roll_off": Run(shipped={"surrogate": "surrogate_no_roll_off"}),
+    "accuracy": Run(
+        tables=("accuracy_cost", "accuracy_sources", "accuracy_orders", "accuracy_split"),
+        figures=("accuracy_regularised", "accuracy_sources", "accuracy_total"),
+        shipped={name: name for name in ("accuracy_settings", "accuracy_methods")},
+    ),
+    "effects": Run(("effects_contributions", "effects_auto_summary"), ("effects", "effects_auto")),
+    "conclusions": Run(("earlier_readings",)),
+    "mismatch": Run(("mismatch", "mismatch_shifts"), ("mismatch",)),
+    "misalignment": Run(("misalignment",), ("misalignment",)),
+    "size": Run(
+        ("size", "size_exponents", "size_collapse", "size_barton_bandis"), ("size",)
+    ),
+    "global_sensitivity": Run(
+        tables=(
+            "global_sensitivity_indices",
+            "global_sensitivity_elasticities",
+            "global_sensitivity_conclusions",
+            "global_sensitivity_margins",
+            "global_sensitivity_estimate",
+        ),
+        figures=(
+            "global_sensitivity_indices",
+            "global_sensitivity_conclusions",
+            "global_sensitivity_convergence",
+        ),
+    ),
+    "global_sensitivity_full": Run(("global_sensitivity_estimate",)),
+    "continuum": Run(("continuum", "continuum_codes"), ("continuum",)),
+    "validation": Run(("validation",)),
+    "hard_cases": Run(figures=("numerics",)),
+    "solver_speed": Run(("study", "elastic", "reference")),
+    "versions": Run(("versions",)),
+    "peers": Run(("peers",)),
+    "growth": Run(("growth",), ("growth",)),
+    "breakage_methods": Run(("breakage_methods",)),
+    "idle_interaction": Run(("idle_interaction",)),
+}  # fmt: skip
+"""What pages and the package need, by run: the one list of it."""
+
+
+def path_of(run: str, table: str) -> Path:
+    """Where a table of a run is kept; `StoredError` where no page needs it."""
+    kept = RUNS.get(run, Run())
+    if table in kept.shipped:
+        return PACKAGE / f"{kept.shipped[table]}.csv"
+    if table not in kept.tables:
+        raise StoredError(f"{run}/{table}.csv is not in RUNS (docs/site/stored.py)")
+    return STORED / run / f"{table}.csv"
+
+
+def stored(run: str, table: str) -> pd.DataFrame:
+    """Read a table of a run; `StoredError` where it is not stored."""
+    path = path_of(run, table)
+    if not path.is_file():
+        raise StoredError(f"{path.relative_to(ROOT)} is not stored: make publish STUDY=...")
+    return _read(path)
+
+
+_read = cache(read_csv)
+
+
+def origin(run: str) -> dict:
+    """Read what made the stored results of a run."""
+    path = STORED / run / ORIGIN
+    if not path.is_file():
+        raise StoredError(f"{path.relative_to(ROOT)} is not stored: make publish STUDY=...")
+    return json.loads(path.read_text(encoding="utf-8"))

@@ -1,0 +1,1 @@
+"""Keys of a configuration's file, a module a section: types, bounds, units and descriptions."""

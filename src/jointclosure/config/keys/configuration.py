@@ -1,0 +1,58 @@
+"""All keys of a configuration's file.
+
+The only place that says what a key may be: the JSON schema, the table of keys (config/README.md)
+and the checks of a file follow from it. Values and their sources are in ``default.yaml``; what a
+key is in the library is in `jointclosure.config.typed`.
+"""
+
+from jointclosure.config.keys.accuracy import AccuracyKeys
+from jointclosure.config.keys.effects import AblationKeys
+from jointclosure.config.keys.entries import Keys, Name, entry
+from jointclosure.config.keys.global_sensitivity import GlobalSensitivityKeys
+from jointclosure.config.keys.misalignment import MisalignmentKeys
+from jointclosure.config.keys.mismatch import MismatchKeys
+from jointclosure.config.keys.model import ChoiceKeys, EffectKeys
+from jointclosure.config.keys.numerics import NumericsKeys
+from jointclosure.config.keys.readings import ReadingsKeys
+from jointclosure.config.keys.rocks import RockKeys
+from jointclosure.config.keys.size import SizeKeys
+from jointclosure.config.keys.study import (
+    GridKeys,
+    OutputKeys,
+    StatisticsKeys,
+    StudyKeys,
+    SurfaceKeys,
+)
+
+
+class ConfigurationKeys(Keys):
+    """Configuration of a study."""
+
+    study: StudyKeys = entry(StudyKeys.__doc__)
+    rocks: dict[Name, RockKeys] = entry(
+        "Rocks by name; a study's own file may add some.", min_length=1
+    )
+    grid: GridKeys = entry(GridKeys.__doc__)
+    surface: SurfaceKeys = entry(SurfaceKeys.__doc__)
+    seating_stress_MPa: float = entry(
+        "Stress from which seated closures count [MPa]; it changes what is read, never what "
+        "happens.",
+        ge=0,
+    )
+    effects: EffectKeys = entry(EffectKeys.__doc__)
+    flow: bool = entry(
+        "Whether hydraulic apertures are found too, by Reynolds' equation at every step "
+        "(docs/flow.md); it changes nothing else.",
+        False,
+    )
+    choices: ChoiceKeys = entry(ChoiceKeys.__doc__)
+    numerics: NumericsKeys = entry(NumericsKeys.__doc__)
+    statistics: StatisticsKeys = entry(StatisticsKeys.__doc__)
+    output: OutputKeys = entry(OutputKeys.__doc__)
+    accuracy: AccuracyKeys | None = entry(AccuracyKeys.__doc__, None)
+    ablation: AblationKeys | None = entry(AblationKeys.__doc__, None)
+    readings: ReadingsKeys | None = entry(ReadingsKeys.__doc__, None)
+    global_sensitivity: GlobalSensitivityKeys | None = entry(GlobalSensitivityKeys.__doc__, None)
+    mismatch: MismatchKeys | None = entry(MismatchKeys.__doc__, None)
+    size: SizeKeys | None = entry(SizeKeys.__doc__, None)
+    misalignment: MisalignmentKeys | None = entry(MisalignmentKeys.__doc__, None)

@@ -1,0 +1,116 @@
+"""Which reading of what the paper leaves open gives the paper's Table 3."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from jointclosure.config.configuration import Configured
+from jointclosure.config.files import PAPER_TABLE_3
+from jointclosure.config.plain import from_plain, to_plain
+from jointclosure.ensemble.cases import base_case
+from jointclosure.ensemble.points import JobsOnDemand
+from jointclosure.experiments import Design, Experiment, Rounds, Tables
+from jointclosure.experiments.readings.design import (
+    CLOSURES,
+    Readings,
+    check_readings,
+    entering,
+    readings_of,
+)
+from jointclosure.experiments.readings.likelihood import Question, question_of
+from jointclosure.experiments.readings.points import (
+    jobs_of_round,
+    points_of_jobs,
+    samples,
+    settings_of_kernels,
+)
+from jointclosure.experiments.readings.rounds import round_table
+from jointclosure.experiments.readings.table import (
+    implied_table,
+    readings_markdown,
+    readings_table,
+)
+from jointclosure.plotting.readings import likelihoods, sensitivities
+
+
+def readings_design(configured: Configured) -> Design:
+    """A job for each reading, rock and block of surfaces, of which rounds close those they need."""
+    readings = readings_of(configured.keys)
+    jobs = JobsOnDemand(*points_of_jobs(readings, configured))
+    return Design(
+        jobs,
+        ("readings", "readings_implied", "readings.md"),
+        ("readings_likelihood", "readings_sensitivity"),
+        {"readings": to_plain(readings), "question": _question(configured)},
+        files={"paper": str(PAPER_TABLE_3)},
+        compiled=lambda: settings_of_kernels(readings, configured),
+        samples=lambda: samples(readings, jobs),
+        rounds=Rounds(
+            tuple(each.name for each in readings.rounds),
+            lambda number, before: entering(readings, configured.keys, number, before),
+            lambda number, entrants: jobs_of_round(readings, number, entrants),
+        ),
+    )
+
+
+def _question(configured: Configured) -> dict:
+    """What `question_of` needs besides the paper's table."""
+    section, typed = configured.keys["readings"], configured.typed
+    return {
+        "parameters": {
+            name: {
+                parameter: [list(levels), base_case(name, rock).property(parameter)]
+                for parameter, levels in rock.levels.items()
+            }
+            for name, rock in typed.rocks.items()
+        },
+        "significance": typed.statistics.significance,
+        "root_seed": typed.study.root_seed,
+        **{name: section[name] for name in ("draws", "repetitions", "groups")},
+    }
+
+
+def _given(parameters: Mapping[str, Any]) -> tuple[Readings, Question]:
+    question = question_of(parameters["question"], parameters["paper"])
+    return from_plain(Readings, parameters["readings"]), question
+
+
+def readings_ranking(
+    joints: pd.DataFrame, parameters: Mapping[str, Any], number: int, entrants: list[str]
+) -> pd.DataFrame:
+    """Ranking of a round by the likelihood of Table 3; it is empty where no reading entered."""
+    readings, question = _given(parameters)
+    return round_table(readings, number, entrants, joints, question)
+
+
+def readings_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
+    """A row for each reading, as CSV and Markdown, and the scatter that Table 3 implies."""
+    readings, question = _given(parameters)
+    ranked, confidence = parameters["rounds"], 1.0 - question.design.significance
+    table = readings_table(readings, ranked, joints, question, confidence)
+    implied = implied_table(readings, ranked, joints, question)
+    return {
+        "readings": table,
+        "readings_implied": implied,
+        "readings.md": readings_markdown(table, implied),
+    }
+
+
+def readings_figure(name: str, tables: Tables, parameters: Mapping[str, Any]) -> Figure:
+    """How likely Table 3 is in each reading, or in what readings differ."""
+    if name == "readings_likelihood":
+        return likelihoods(tables["readings"], tables["readings_implied"])
+    return sensitivities(tables["readings"], parameters["paper"], parameters["question"]["draws"])
+
+
+EXPERIMENT = Experiment(
+    title="which reading of the paper gives its Table 3",
+    quantities=tuple(CLOSURES.values()),
+    design=readings_design,
+    tabulate=readings_tables,
+    draw=readings_figure,
+    check=check_readings,
+    rank=readings_ranking,
+)

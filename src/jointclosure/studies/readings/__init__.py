@@ -1,1 +1,0 @@
-"""Which reading of what the paper leaves open gives the paper's Table 3."""
