@@ -424,8 +424,8 @@ def equilibrium(
     stress = run.total_force / (upper.size * spacing**2)
     if not unusual_values and stress > largest_stress:
         raise InputError(
-            f"closure = {closure!r} m: takes a normal stress of {stress:.3g} Pa, beyond the "
-            f"{largest_stress:g} Pa that are usual; is the unit right? {AS_IT_IS}"
+            f"closure = {closure!r} m: takes a stress of {stress:.3g} Pa, must be at most the "
+            f"usual {largest_stress:g} Pa; is the unit right? {AS_IT_IS}"
         )
     variables = {
         "force": (("y", "x"), joint.force),

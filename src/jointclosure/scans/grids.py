@@ -157,7 +157,7 @@ def _by_axes(field: xr.DataArray) -> xr.DataArray:
 
 
 def _says_axes(field: xr.DataArray) -> bool:
-    """Whether the name or an attribute of a dimension names an axis."""
+    """Return whether the name or an attribute of a dimension identifies an axis."""
     return any(_axis_of(field, str(dimension)) for dimension in field.dims)
 
 
