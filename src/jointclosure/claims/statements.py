@@ -141,10 +141,10 @@ def _ranked(number: str, text: str, pairs: list[tuple[str, str]], finds: Callabl
         size = {name: _size(model, name, cycle, variable) for name in PROPERTIES}
         return {_less(one, other): size[one] - size[other] for one, other in pairs}
 
-    def finds(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
+    def finds_in_studies(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
         return finds(studies.percents(rock, cycle, variable))
 
-    return Statement(number, text, PROPERTIES, margins, finds, alike=TOLERANCE)
+    return Statement(number, text, PROPERTIES, margins, finds_in_studies, alike=TOLERANCE)
 
 
 def _with_the_cycle(number: str, text: str, parameter: str, sign: int) -> Statement:
