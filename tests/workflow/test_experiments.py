@@ -6,6 +6,7 @@ import shutil
 import pytest
 
 from jointclosure.config.files import read_plain
+from jointclosure.config.keys.configuration import SECTIONS
 from jointclosure.ensemble.points import as_table, joints_of
 from jointclosure.experiments import experiments_in
 from jointclosure.storage.netcdf import read_netcdf
@@ -15,18 +16,8 @@ from tests.workflow.test_pipeline import ROOT, checkout, snakemake
 
 pytestmark = pytest.mark.slow
 
-EXPERIMENTS = (
-    "accuracy",
-    "effects",
-    "global_sensitivity",
-    "misalignment",
-    "mismatch",
-    "readings",
-    "size",
-)
 
-
-@pytest.fixture(scope="module", params=EXPERIMENTS)
+@pytest.fixture(scope="module", params=SECTIONS)
 def experiment(request, tmp_path_factory):
     """Name, design and folder of an experiment that was run."""
     name, config = request.param, f"tiny_{request.param}.yaml"

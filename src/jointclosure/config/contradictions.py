@@ -5,6 +5,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator
 
+from jointclosure.config.keys.configuration import SECTIONS
 from jointclosure.config.typed import Configuration, StudyRock
 from jointclosure.config.units import in_unit, name_and_unit
 from jointclosure.config.walls import wall_problems
@@ -15,16 +16,7 @@ from jointclosure.solvers.registry import SOLVERS
 from jointclosure.surface.roughness import relation_of
 from jointclosure.surface.synthesis import check_mismatch, spectrum_of
 
-OTHER_TARGETS = {
-    "hard_cases": "",
-    "accuracy": "accuracy",
-    "effects": "ablation",
-    "readings": "readings",
-    "global_sensitivity": "global_sensitivity",
-    "mismatch": "mismatch",
-    "size": "size",
-    "misalignment": "misalignment",
-}
+OTHER_TARGETS = {"hard_cases": ""} | SECTIONS
 """Folders of results of other targets, and the section that a study of that name must have."""
 USUAL = _OF_ROCK | {
     "stress": _OF_ROCK["max_normal_stress"],

@@ -3,20 +3,10 @@
 from collections.abc import Iterator
 from pathlib import Path
 
+from jointclosure.config.keys.configuration import SECTIONS
 from jointclosure.config.typed import SIDES, Configuration, Walls
 from jointclosure.inputs import InputError
 from jointclosure.surface.measured_pairs import PARTNERS
-
-_OF_MADE_WALLS = (
-    "accuracy",
-    "ablation",
-    "readings",
-    "mismatch",
-    "misalignment",
-    "size",
-    "global_sensitivity",
-)
-"""Sections of studies whose walls are synthesised from a JRC."""
 
 
 def wall_files(walls: Walls) -> dict[str, str]:
@@ -53,7 +43,7 @@ def wall_problems(keys: dict, name: str) -> Iterator[str]:
     yield from _registration_problems(walls, files, f"{where}.walls")
     if keys["effects"]["auto"] is not None:
         yield f"effects: auto: not with {where}.walls; its pilot draws walls of given JRC"
-    for section in _OF_MADE_WALLS:
+    for section in SECTIONS.values():
         if keys[section]:
             yield f"{section}: not with {where}.walls; it draws walls of given JRC"
 

@@ -12,24 +12,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pandas as pd
 
 from jointclosure.config.configuration import Configured
+from jointclosure.config.keys.configuration import SECTIONS
 from jointclosure.ensemble.points import Jobs, Samples, samples_of
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.joint.warmup import kernels_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-SECTIONS = {
-    "accuracy": "accuracy",
-    "effects": "ablation",
-    "global_sensitivity": "global_sensitivity",
-    "misalignment": "misalignment",
-    "mismatch": "mismatch",
-    "readings": "readings",
-    "size": "size",
-}
-"""The section of the configuration that each experiment needs, by the experiment's name."""
-
 
 Tables = Mapping[str, Any]
 """A DataFrame by the name of its table; a text by that of a file that ends in .md."""

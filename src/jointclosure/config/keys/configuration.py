@@ -5,6 +5,8 @@ and the checks of a file follow from it. Values and their sources are in ``defau
 key is in the library is in `jointclosure.config.typed`.
 """
 
+from pydantic import create_model
+
 from jointclosure.config.keys.accuracy import AccuracyKeys
 from jointclosure.config.keys.effects import AblationKeys
 from jointclosure.config.keys.entries import Keys, Name, entry
@@ -25,7 +27,7 @@ from jointclosure.config.keys.study import (
 )
 
 
-class ConfigurationKeys(Keys):
+class _StudyKeys(Keys):
     """Configuration of a study."""
 
     study: StudyKeys = entry(StudyKeys.__doc__)
@@ -49,10 +51,26 @@ class ConfigurationKeys(Keys):
     numerics: NumericsKeys = entry(NumericsKeys.__doc__)
     statistics: StatisticsKeys = entry(StatisticsKeys.__doc__)
     output: OutputKeys = entry(OutputKeys.__doc__)
-    accuracy: AccuracyKeys | None = entry(AccuracyKeys.__doc__, None)
-    ablation: AblationKeys | None = entry(AblationKeys.__doc__, None)
-    readings: ReadingsKeys | None = entry(ReadingsKeys.__doc__, None)
-    global_sensitivity: GlobalSensitivityKeys | None = entry(GlobalSensitivityKeys.__doc__, None)
-    mismatch: MismatchKeys | None = entry(MismatchKeys.__doc__, None)
-    size: SizeKeys | None = entry(SizeKeys.__doc__, None)
-    misalignment: MisalignmentKeys | None = entry(MisalignmentKeys.__doc__, None)
+
+
+OF_EXPERIMENTS = {
+    "accuracy": ("accuracy", AccuracyKeys),
+    "effects": ("ablation", AblationKeys),
+    "readings": ("readings", ReadingsKeys),
+    "global_sensitivity": ("global_sensitivity", GlobalSensitivityKeys),
+    "mismatch": ("mismatch", MismatchKeys),
+    "size": ("size", SizeKeys),
+    "misalignment": ("misalignment", MisalignmentKeys),
+}
+"""By the name of an experiment: the section of the configuration that it needs, and its keys."""
+SECTIONS = {name: section for name, (section, _) in OF_EXPERIMENTS.items()}
+"""The section of the configuration that each experiment needs, by the experiment's name."""
+ConfigurationKeys = create_model(
+    "ConfigurationKeys",
+    __base__=_StudyKeys,
+    __doc__=_StudyKeys.__doc__,
+    **{
+        section: (keys | None, entry(keys.__doc__, None))
+        for section, keys in OF_EXPERIMENTS.values()
+    },
+)
