@@ -35,7 +35,11 @@ def from_plain(kind, value):
         return None if value is None else from_plain(kinds[0], value)
     if hasattr(kind, "_fields"):
         hints = typing.get_type_hints(kind)
-        return kind(**{name: from_plain(hints.get(name), part) for name, part in value.items()})
+        fields = {name: from_plain(hints.get(name), part) for name, part in value.items()}
+        fields = kind._field_defaults | fields
+        if fields.keys() != set(kind._fields):
+            raise TypeError(f"{kind.__name__}: fields {sorted(fields)}, not {kind._fields}")
+        return kind._make(fields[name] for name in kind._fields)  # checked before it was plain
     outer, inner = typing.get_origin(kind), typing.get_args(kind)
     if outer is dict:
         return {name: from_plain(inner[1], part) for name, part in value.items()}

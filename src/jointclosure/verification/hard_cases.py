@@ -282,7 +282,11 @@ def curve_of(outcome: Outcome) -> pd.DataFrame:
 def kernels_of_cases(cases: Iterable[dict]) -> list[list[str]]:
     """Return the kernels of the cases that are closed, see `joint.warmup.kernels_of`."""
     return kernels_of(
-        (Effects(**case["effects"]), Choices(**case["choices"]), Numerics(**case["numerics"]))
+        (
+            Effects(**case["effects"]),
+            Choices()._replace(**case["choices"]),
+            Numerics()._replace(**case["numerics"]),
+        )
         for case in cases
         if case["expect"] != "refused"
     )
@@ -394,8 +398,8 @@ def _setting(case: dict) -> dict:
         "spacing": spacing * lengths,
         "rock": (rocks[0], rocks[1]),
         "effects": Effects(**case["effects"]),
-        "choices": Choices(**choices),
-        "numerics": Numerics(**numerics),
+        "choices": Choices()._replace(**choices),  # the simulation refuses what is out of range
+        "numerics": Numerics()._replace(**numerics),
     }
 
 
@@ -410,7 +414,7 @@ def _target(case: dict, upper, lower, setting: dict) -> float:
 
 def tolerances_of(case: dict) -> dict[str, float]:
     """Return the limits of the oracle's numbers, by name."""
-    numerics = Numerics(**case["numerics"])
+    numerics = Numerics()._replace(**case["numerics"])
     residual = numerics.force_tolerance
     by_stress = not case["effects"]["breakage"] and case["closure"] is None
     if by_stress and solver_named(numerics.solver).elastic_curve:
