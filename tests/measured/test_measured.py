@@ -115,7 +115,9 @@ def test_a_curve_that_the_study_cannot_be_held_against_is_refused(tmp_path, text
 def test_a_file_that_is_not_there_is_said_with_its_key(tmp_path):
     (told,) = settings(tmp_path, GOOD).values()
     told = {"one": told._replace(measured=MeasuredFile("nowhere.csv", None, None))}
-    with pytest.raises(InputError, match=r"rocks.one.measured.file = 'nowhere.csv': file not found"):
+    with pytest.raises(
+        InputError, match=r"rocks.one.measured.file = 'nowhere.csv': file not found"
+    ):
         measured_curves(told, read)
 
 
