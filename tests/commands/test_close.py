@@ -67,7 +67,7 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, cap
     assert record["found"] == pair.report
     assert record["warnings"] == cautions(pair.report)
     assert record["mismatch_wavelength_mm"]["wavelength"] == 1e3 * library.pair.mismatch.wavelength
-    assert sum("the walls mate at " in line for line in pair.report) == 1
+    assert sum("the walls are mated at " in line for line in pair.report) == 1
     assert set(record["sha256"]) == {"upper", "lower"}
     told = json.loads(record["provenance"]["configuration"])
     assert told["rocks"]["granite"]["walls"]["upper"] == str(files[0])

@@ -70,7 +70,7 @@ def test_the_same_settings_pass_and_a_change_is_named(configuration):
     said = r"case.nc: .*choices.largest_radius is None.* 0.02"
     with pytest.raises(OtherSettingsError, match=said):
         check_settings("case.nc", attributes, settings_of(other, "slate-jrc-low", range(4)))
-    with pytest.raises(OtherSettingsError, match="it does not say which"):
+    with pytest.raises(OtherSettingsError, match="it does not state them"):
         check_settings("case.nc", {}, settings)
 
 

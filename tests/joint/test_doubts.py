@@ -39,7 +39,7 @@ def test_an_upper_wall_in_the_frame_of_the_lower_one_is_told():
 def test_a_wall_that_lies_the_other_way_round_is_told(axis, name):
     upper, lower = mates()
     (said,) = doubts(np.flip(upper, axis), lower, SPACING)
-    assert f"turned round along {name}" in said
+    assert f"reversed along {name}" in said
 
 
 @pytest.mark.parametrize("factor", [1e3, 1e-4])

@@ -143,7 +143,7 @@ def test_the_command_keeps_and_draws_them_and_wants_a_file_for_them(tmp_path, ca
     assert (tmp_path / "joint.png").stat().st_size > 20000
     capsys.readouterr()
     assert cli.main(words) == 2
-    assert "--snapshots: give --output FILE.nc" in capsys.readouterr().err
+    assert "--snapshots: needs --output FILE.nc" in capsys.readouterr().err
     with pytest.raises(SystemExit):
         cli.main([*words[:-1], "1;2"])
     assert "must be stresses in MPa" in capsys.readouterr().err

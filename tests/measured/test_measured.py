@@ -60,7 +60,7 @@ def test_units_are_those_of_the_header_or_of_the_configuration(text, units):
         (HEADER + "1,,1\n", "lab.csv, line 2: closure = ''"),
         (HEADER + "1,nan,1\n", "lab.csv, line 2: closure = 'nan'"),
         (HEADER + "0,0,1\n-1,0.1,1\n", "lab.csv, line 3: stress = -1: must be 0 or above"),
-        (HEADER + "1,0.1,0\n", "lab.csv, line 2: cycle = 0: must be a whole number from 1"),
+        (HEADER + "1,0.1,0\n", "lab.csv, line 2: cycle = 0: must be a whole number"),
         (HEADER + "1,0.1,1.5\n", "lab.csv, line 2: cycle = 1.5: must be a whole number"),
         (HEADER + "1,0,1,1\n", "line 2: '1,0,1,1' has 4 values, the header has 3"),
         ("stress_MPa,closure_mm\n1,2\n", "line 1: lacks cycle"),
@@ -68,7 +68,7 @@ def test_units_are_those_of_the_header_or_of_the_configuration(text, units):
         ("stress_MPa,depth_mm,cycle\n1,2,1\n", "column 'depth_mm': must be stress, closure or"),
         ("stress_psi,closure_mm,cycle\n1,2,1\n", "unit 'psi' must be one of Pa, MPa, GPa"),
         ("stress,closure_mm,cycle\n1,2,1\n", "column 'stress': has no unit"),
-        ("cycle,cycle,stress_Pa\n1,2,1\n", "there are two of cycle"),
+        ("cycle,cycle,stress_Pa\n1,2,1\n", "must be the only one of cycle"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_said_with_file_line_and_value(text, said):
@@ -115,7 +115,9 @@ def test_a_curve_that_the_study_cannot_be_held_against_is_refused(tmp_path, text
 def test_a_file_that_is_not_there_is_said_with_its_key(tmp_path):
     (told,) = settings(tmp_path, GOOD).values()
     told = {"one": told._replace(measured=MeasuredFile("nowhere.csv", None, None))}
-    with pytest.raises(InputError, match=r"rocks.one.measured.file = 'nowhere.csv': there is no"):
+    with pytest.raises(
+        InputError, match=r"rocks.one.measured.file = 'nowhere.csv': file not found"
+    ):
         measured_curves(told, read)
 
 

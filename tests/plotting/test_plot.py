@@ -89,5 +89,5 @@ def test_what_cannot_be_drawn_is_said(joint, walls):
         jc.plot.curves(joint, since="seat")
     with pytest.raises(jc.InputError, match=r"snapshot = 99: the joint has \d+"):
         jc.plot.aperture(joint, 99)
-    with pytest.raises(jc.InputError, match="give upper, lower and spacing"):
+    with pytest.raises(jc.InputError, match="upper, lower and spacing"):
         jc.plot.walls(*walls)

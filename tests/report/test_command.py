@@ -78,7 +78,7 @@ def test_a_study_that_is_not_whole_has_no_page(folder, capsys, missing):
     assert cli.main(["report", str(folder)]) == 2
     said = capsys.readouterr().err
     assert len(said.splitlines()) == 1
-    assert "is missing" in said or "no sealed one" in said
+    assert "is missing" in said or "must exist with a seal" in said
     assert not (folder / "report.html").exists()
 
 

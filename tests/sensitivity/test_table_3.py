@@ -236,7 +236,7 @@ def test_a_plan_says_how_far_its_number_is_known(pool):
 
 
 def test_a_plan_that_cannot_be_made_says_why(pool):
-    with pytest.raises(jc.InputError, match="paired: this study has other surfaces"):
+    with pytest.raises(jc.InputError, match="paired: this study has different surfaces"):
         plan(world(study_of(ONE)), Goal("power", 0.8), paired=True)
     with pytest.raises(jc.InputError, match=r"power = 1\.2: must be between 0 and 1"):
         plan(pool, Goal("power", 1.2))

@@ -102,7 +102,7 @@ def test_a_maximum_that_was_not_quite_reached_counts_by_its_maximum_closure(conf
 
 def test_scanned_walls_have_no_law(configuration, study):
     scanned = study.assign_coords(jrc=study.jrc * np.nan)
-    with pytest.raises(jc.InputError, match="no rock of the study has walls made from a JRC"):
+    with pytest.raises(jc.InputError, match="surrogate: at least one rock"):
         calibrate(scanned, configuration.grid, configuration.surface)
 
 
@@ -270,7 +270,7 @@ def test_limits_are_four_deviations_about_the_mean_of_the_walls(configuration, s
     [
         ({"max_normal_stress": []}, r"max_normal_stress = \[\]: must have at least one stress"),
         ({"rock": None}, "rock: None is neither a Rock nor a pair"),
-        ({"rock": (DOLERITE, DOLERITE._replace(poisson_ratio=0.3))}, "rock: .* of one rock only"),
+        ({"rock": (DOLERITE, DOLERITE._replace(poisson_ratio=0.3))}, "rock: .* must be one Rock"),
     ],
 )
 def test_what_is_no_stress_or_no_rock_is_named(walls, change, named):

@@ -141,10 +141,10 @@ def _ranked(number: str, text: str, pairs: list[tuple[str, str]], finds: Callabl
         size = {name: _size(model, name, cycle, variable) for name in PROPERTIES}
         return {_less(one, other): size[one] - size[other] for one, other in pairs}
 
-    def finds_in_studies(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
+    def confirms(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
         return finds(studies.percents(rock, cycle, variable))
 
-    return Statement(number, text, PROPERTIES, margins, finds_in_studies, alike=TOLERANCE)
+    return Statement(number, text, PROPERTIES, margins, confirms, alike=TOLERANCE)
 
 
 def _with_the_cycle(number: str, text: str, parameter: str, sign: int) -> Statement:
@@ -156,11 +156,11 @@ def _with_the_cycle(number: str, text: str, parameter: str, sign: int) -> Statem
         pair = (cycle, cycle - 1) if sign > 0 else (cycle - 1, cycle)
         return {f"{of} {pair[0]} - {pair[1]}": sign * (here - before)}
 
-    def finds(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
+    def confirms(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
         before, here = (studies.lengths(rock, parameter, c, variable) for c in (cycle - 1, cycle))
         return here < before if sign > 0 else here > before
 
-    return Statement(number, text, (parameter,), margins, finds, alike=TOLERANCE, before=True)
+    return Statement(number, text, (parameter,), margins, confirms, alike=TOLERANCE, before=True)
 
 
 def _trend(number: str, text: str, parameter: str, sign: int) -> Statement:
@@ -172,10 +172,10 @@ def _trend(number: str, text: str, parameter: str, sign: int) -> Statement:
         slopes = model.slopes(parameter, cycle, variable)
         return {f"{name}, step {i + 1}": sign * slope for i, slope in enumerate(slopes)}
 
-    def finds(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
+    def confirms(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
         return monotone(studies.means(rock, parameter, variable, cycle), sign)
 
-    return Statement(number, text, (parameter,), margins, finds)
+    return Statement(number, text, (parameter,), margins, confirms)
 
 
 def _no_effect(number: str, text: str, parameter: str, change: float) -> Statement:
@@ -187,11 +187,18 @@ def _no_effect(number: str, text: str, parameter: str, change: float) -> Stateme
             for by in (-change, change)
         }
 
-    def finds(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
+    def confirms(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
         return studies.lengths(rock, parameter, cycle, variable) >= change
 
     return Statement(
-        number, text, (parameter,), margins, finds, NEGLIGIBLE, within=True, of_elasticities=False
+        number,
+        text,
+        (parameter,),
+        margins,
+        confirms,
+        NEGLIGIBLE,
+        within=True,
+        of_elasticities=False,
     )
 
 
@@ -203,10 +210,10 @@ def _significant(number: str, text: str, parameter: str, percent: float) -> Stat
         change = 0.01 * percent * np.abs(model.elasticity(parameter, cycle, variable))
         return {name: change / model.significant(cycle)}
 
-    def finds(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
+    def confirms(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
         return studies.percents(rock, cycle, variable)[parameter] <= percent
 
-    return Statement(number, text, (parameter,), margins, finds, 1.0, of_elasticities=False)
+    return Statement(number, text, (parameter,), margins, confirms, 1.0, of_elasticities=False)
 
 
 def _loop(number: str, text: str) -> Statement:
@@ -215,10 +222,10 @@ def _loop(number: str, text: str) -> Statement:
     def margins(model: Closed, cycle: int, variable: str) -> Margins:
         return {"loop over closure": model.loop(cycle)}
 
-    def finds(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
+    def confirms(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
         return studies.base_means(rock, LOOP, cycle) > 0.0
 
-    return Statement(number, text, (), margins, finds, NEGLIGIBLE, of_elasticities=False)
+    return Statement(number, text, (), margins, confirms, NEGLIGIBLE, of_elasticities=False)
 
 
 NU_LEAST = _ranked(
