@@ -20,11 +20,11 @@ import scipy.stats
 from flips import VARIANTS, closed
 from yardstick import machine
 
-from jointclosure.claims.found import TARGET
+from jointclosure.claims.findings import TARGET
 from jointclosure.config.configuration import configured, merged
 from jointclosure.config.files import DEFAULT, read_plain
 from jointclosure.ensemble.cases import pool_of
-from jointclosure.sensitivity.planning import Wish, plan
+from jointclosure.sensitivity.planning import Goal, plan
 from jointclosure.sensitivity.responses import (
     Response,
     responses,
@@ -35,12 +35,12 @@ from jointclosure.statistics.standard_errors import bootstrap_error, elasticity
 from jointclosure.storage.text import read_csv
 
 SIGNIFICANCE = 0.05
-WISHES = (
-    Wish("standard-error", 0.02),
-    Wish("elasticity-error", 0.05),
-    Wish("length", 15.0),
-    Wish("width", 0.8),
-    Wish("power", 0.8),
+GOALS = (
+    Goal("standard-error", 0.02),
+    Goal("elasticity-error", 0.05),
+    Goal("length", 15.0),
+    Goal("width", 0.8),
+    Goal("power", 0.8),
 )
 STUDIES = 400
 """Studies drawn for each wish."""
@@ -108,7 +108,7 @@ def main(cells: int, stress: float, fresh: int) -> None:
     others = closed(pool_of(configured(plain, read_csv).typed), VARIANTS["as made"])
     found = {(each.parameter, each.cycle): each for each in responses(others, TARGET)}
     rows = []
-    for wish in WISHES:
+    for wish in GOALS:
         random, (one, all_) = generator(1), REACHED[wish.kind]
         for row in plan(planned_from, wish, SIGNIFICANCE).itertuples():
             response = found[row.parameter, row.cycle]

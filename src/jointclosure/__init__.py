@@ -1,11 +1,11 @@
 """Closure of rough rock joints under normal load cycles.
 
-The model of Rezaei Niya & Selvadurai, "Modeling the Approach of Non-mated
-Rock Fracture Surfaces Under Quasi-static Normal Load Cycles", as read in
-docs/model.md. SI units throughout.
+The model is that of Rezaei Niya & Selvadurai, "Modeling the Approach of Non-mated
+Rock Fracture Surfaces Under Quasi-static Normal Load Cycles". docs/model.md describes how it
+is read here. All values are in SI units.
 
-A name below is imported when it is first used (PEP 562): what is not used is
-not loaded, and ``import jointclosure`` takes next to no time.
+Public names are imported when they are first used (PEP 562). Modules that are not used are
+not loaded, and ``import jointclosure`` takes almost no time.
 """
 
 import importlib
@@ -45,7 +45,7 @@ _MODULES = {
     "simulate_ensemble": "ensemble.joints",
     "wall_pair": "surface.synthesis",
 }
-"""Where each public name is defined."""
+"""Module that defines each public name."""
 
 __all__ = [
     "Choices",
@@ -67,10 +67,10 @@ __all__ = [
 ]
 
 
-if not TYPE_CHECKING:  # a type checker would take it to answer for any name
+if not TYPE_CHECKING:  # with it a type checker would accept any attribute name
 
     def __getattr__(name: str) -> object:
-        """A public name, imported when it is first used; the version, as it is installed."""
+        """Import a public name when it is first used, or return the installed version."""
         if name == "__version__":
             from importlib.metadata import version
 

@@ -118,7 +118,7 @@ def test_walls_lie_as_is_stated_and_are_moved_if_asked_to(scans):
 @pytest.mark.parametrize(
     ("files", "words", "message"),
     [
-        (("top.xyz", "bottom.xyz"), ["--rock", "granite"], "does not say the units"),
+        (("top.xyz", "bottom.xyz"), ["--rock", "granite"], "does not state the units"),
         (
             ("other.xyz", "bottom.xyz"),
             [*WORDS, "--rock", "granite"],
@@ -151,7 +151,7 @@ def test_walls_lie_as_is_stated_and_are_moved_if_asked_to(scans):
         (
             ("top.xyz", "no.xyz"),
             [*WORDS, "--rock", "granite"],
-            "no.xyz: there is no such file",
+            "no.xyz: file not found",
         ),
         (
             ("top.xyz", "bottom.xyz"),
@@ -171,7 +171,7 @@ def test_walls_lie_as_is_stated_and_are_moved_if_asked_to(scans):
         (
             ("top.xyz", "bottom.xyz"),
             [*WORDS, "--rock", "granite", "--output", "no/where"],
-            "no/where: there is no folder no",
+            "no/where: folder no not found",
         ),
     ],
 )

@@ -21,7 +21,7 @@ def test_a_sound_environment_has_no_advice(quick, one_thread, tmp_path, monkeypa
     monkeypatch.chdir(tmp_path)
     assert cli.main(["doctor"]) == 0
     out = capsys.readouterr().out
-    assert "all is well" in out
+    assert "no problems" in out
     assert "->" not in out
     for what in ("python", "packages", "cores", "threads", "memory", "compiled kernels", "results"):
         assert f"{what}:" in out
@@ -34,13 +34,13 @@ def test_threads_set_otherwise_get_an_advice(quick, one_thread, tmp_path, monkey
     for name in doctor.THREADS:  # as in any shell: make sets them
         monkeypatch.delenv(name)
     assert cli.main(["doctor"]) == 0
-    assert "make sets each to 1" in capsys.readouterr().out
+    assert "make sets all to 1" in capsys.readouterr().out
     monkeypatch.setenv("MKL_NUM_THREADS", "2")
     assert cli.main(["doctor"]) == 1
     out = capsys.readouterr().out
     assert "OMP_NUM_THREADS=unset" in out
     assert "set all to 1" in out
-    assert "1 to look at" in out
+    assert "1 with advice" in out
 
 
 def test_a_core_of_its_own_needs_no_setting(one_thread, monkeypatch):
@@ -63,20 +63,20 @@ def test_results_that_cannot_be_written_get_an_advice(tmp_path, monkeypatch):
 
     monkeypatch.setattr(doctor.tempfile, "NamedTemporaryFile", refuse)
     finding = doctor._results(tmp_path)
-    assert "Read-only file system" in finding.found
+    assert "Read-only file system" in finding.state
     assert "writable" in finding.advice
 
 
 def test_a_cold_cache_is_said_and_older_ones_are_counted(tmp_path, monkeypatch):
     folder = tmp_path / "numba-now"
     monkeypatch.setattr(doctor, "cache_folder", lambda: folder)
-    assert "cold" in doctor._cache().found
+    assert "cold" in doctor._cache().state
     older = tmp_path / "numba-before"
     older.mkdir()
     (older / "a.nbi").write_bytes(b"x" * 2_000_000)
     folder.mkdir()
     (folder / "b.nbi").write_bytes(b"x" * 1_000_000)
-    found = doctor._cache().found
+    found = doctor._cache().state
     assert "warm, 1 kernels, 1 MB" in found
     assert "1 of other versions, 2 MB" in found
 
@@ -84,7 +84,7 @@ def test_a_cold_cache_is_said_and_older_ones_are_counted(tmp_path, monkeypatch):
 def test_snakemake_starts(tmp_path):
     finding = doctor._snakemake(tmp_path)
     assert finding.advice == ""
-    assert "starts" in finding.found
+    assert "starts" in finding.state
 
 
 def test_the_last_line_of_a_snakemake_that_does_not_start_is_said(tmp_path):

@@ -43,7 +43,7 @@ def test_the_command_finds_what_the_library_does(curve, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["nowhere.csv", *SMALL], "nowhere.csv: there is no such file"),
+        (["nowhere.csv", *SMALL], "nowhere.csv: file not found"),
         (["{}", "--rock", "granite"], "--jrc: must be given"),
         (
             ["{}", "--jrc", "10"],

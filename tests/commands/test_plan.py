@@ -43,7 +43,7 @@ def test_a_pool_that_an_earlier_configuration_left_is_not_planned_from(results, 
 
 def test_a_folder_without_a_study_is_said(tmp_path, capsys):
     assert main(["plan", str(tmp_path), "--standard-error", "0.01"]) == 2
-    assert "study.nc: there is no such file" in capsys.readouterr().err
+    assert "study.nc: file not found" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("significance", ["5", "0", "1", "-0.05", "nan"])

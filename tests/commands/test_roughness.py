@@ -38,13 +38,13 @@ def test_another_grid_spacing_is_used_if_asked_for(scan, capsys):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ([], "scan.npy: does not say the units of its heights: give them (units; --units"),
-        (["--units", "mm"], "scan.npy: does not say the spacing"),
+        ([], "scan.npy: does not state the units of its heights: give units (--units"),
+        (["--units", "mm"], "scan.npy: does not state the spacing"),
         (["--units", "mm", "--spacing", "-1"], "--spacing -1.0: must be a positive number"),
-        (["--units", "mm", "--spacing", "1", "--picture", "a.gif"], "a.gif: its name must end in"),
+        (["--units", "mm", "--spacing", "1", "--picture", "a.gif"], "a.gif: must end in"),
         (
             ["--units", "mm", "--spacing", "1", "--table", "no/a.csv"],
-            "no/a.csv: there is no folder no",
+            "no/a.csv: folder no not found",
         ),
         (
             ["--units", "mm", "--spacing", "1", "--grid-spacing", "0.5"],
@@ -95,4 +95,4 @@ def test_a_flat_wall_has_no_roughness(tmp_path, capsys):
     np.save(tmp_path / "flat.npy", np.ones((30, 30)))
     words = ["--units", "m", "--spacing", "1"]
     assert main(["roughness", str(tmp_path / "flat.npy"), *words]) == 2
-    assert "there is no roughness" in capsys.readouterr().err
+    assert "no roughness" in capsys.readouterr().err

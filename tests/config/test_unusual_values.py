@@ -138,5 +138,5 @@ def test_a_study_may_not_have_the_name_of_another_targets_results(name):
 
 
 def test_a_study_names_each_rock_once():
-    with pytest.raises(ConfigurationError, match="has a rock twice"):
+    with pytest.raises(ConfigurationError, match="must not have a rock twice"):
         study_of({"study": {"rocks": ["slate", "slate"]}})

@@ -81,7 +81,7 @@ def test_what_a_bias_is_known_to_is_part_of_every_total_error():
     way = grant(wanted(0.06), rough, PRESETS, 2)
     assert way.total == pytest.approx(0.01 + np.hypot(0.03, 1.96 * 0.1 / way.surfaces**0.5))
     assert way.surfaces > grant(wanted(0.06), TABLE, PRESETS, 2).surfaces
-    with pytest.raises(InputError, match=r"within = 0\.04: no preset .*more than 0\.04"):
+    with pytest.raises(InputError, match=r"within = 0\.04: must be more than 0\.04"):
         grant(wanted(0.04), rough, PRESETS, 2)
 
 
@@ -100,12 +100,12 @@ def test_where_biases_are_known_is_as_the_study_of_accuracy_has_it():
 @pytest.mark.parametrize(
     ("wish", "message"),
     [
-        (wanted(0.01), "within = 0.01: no preset is known to have it, .*; must be more"),
+        (wanted(0.01), "within = 0.01: must be more"),
         (
             wanted(0.011),
             r"within = 0\.011: takes about \d+ surfaces a case, more than .*most = 400",
         ),
-        (wanted(0.1, of="interval"), "of = 'interval': of the 2 cycles"),
+        (wanted(0.1, of="interval"), "of = 'interval': .*2 cycles"),
     ],
 )
 def test_what_cannot_be_reached_is_refused_before_anything_is_closed(wish, message):
@@ -139,15 +139,24 @@ def test_a_study_has_the_numerics_surfaces_and_control_variates_that_were_grante
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"study": {"realizations": 33}}, "study.realizations = 33: leave it out"),
-        ({"statistics": {"control_variates": 500}}, "statistics.control_variates = 500: leave it"),
+        ({"study": {"realizations": 33}}, "study.realizations = 33: must be left out"),
+        (
+            {"statistics": {"control_variates": 500}},
+            "statistics.control_variates = 500: must be left out",
+        ),
         ({"numerics": {"preset": "quick"}}, "numerics.preset = 'quick': leave it out"),
-        ({"numerics": {"force_tolerance": 1e-3}}, "numerics.force_tolerance = 0.001: leave it"),
-        ({"choices": {"largest_radius_mm": 20.0}}, "largest_radius_mm = 20.0: .*null only"),
-        ({"choices": {"concave": "flat"}}, "choices.concave = 'flat': .*'magnitude' only"),
-        ({"surface": {"roll_off_mm": None}}, "surface.roll_off_mm = None: .*3 only"),
-        ({"effects": {"auto": 0.2}}, "effects.auto = 0.2: .*null only"),
-        ({"rocks": {"slate": {"effects": {"interaction": False}}}}, "rocks.slate.effects = .*: le"),
+        (
+            {"numerics": {"force_tolerance": 1e-3}},
+            "numerics.force_tolerance = 0.001: must be left out",
+        ),
+        ({"choices": {"largest_radius_mm": 20.0}}, "largest_radius_mm = 20.0: must be null"),
+        ({"choices": {"concave": "flat"}}, "choices.concave = 'flat': must be 'magnitude'"),
+        ({"surface": {"roll_off_mm": None}}, "surface.roll_off_mm = None: must be 3"),
+        ({"effects": {"auto": 0.2}}, "effects.auto = 0.2: must be null"),
+        (
+            {"rocks": {"slate": {"effects": {"interaction": False}}}},
+            "rocks.slate.effects = .*: must be left out",
+        ),
         ({"numerics": {"idle_interaction": 0.1}}, "idle_interaction = 0.1: must be null or 0"),
         ({"numerics": {"accuracy": {"surfaces": 300}}}, "surfaces = 300: must be at most .*200"),
         ({"effects": {"breakage": False, "gouge": False}}, "nothing does here"),
@@ -160,7 +169,7 @@ def test_a_study_has_the_numerics_surfaces_and_control_variates_that_were_grante
             "accuracy = 'fine': must be a number .*{of: mean, within",
         ),
         ({"numerics": {"accuracy": ["mean", 0.05]}}, "0.05].* or {of: mean, within: 0.05}"),
-        ({"numerics": {"tolerance": 0.01}}, "tolerance = 0.01: .* numerics.accuracy.of chooses it"),
+        ({"numerics": {"tolerance": 0.01}}, "tolerance = 0.01: .* numerics.accuracy.of selects it"),
     ],
 )
 def test_what_contradicts_a_wanted_accuracy_is_refused_by_name(change, message):

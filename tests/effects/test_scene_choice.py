@@ -172,7 +172,7 @@ def test_bad_input_is_refused():
         choose_effects(joints(8), max_normal_stress=1e6, tolerance=1.5, **SETTING)
     with pytest.raises(InputError, match="0 pairs"):
         choose_effects([], max_normal_stress=1e6, **SETTING)
-    with pytest.raises(InputError, match=r"walls: an array of shape \(8,\) .*a list of pairs"):
+    with pytest.raises(InputError, match=r"walls: has an array of shape \(8,\) .*list of pairs"):
         choose_effects(joints(8)[0], max_normal_stress=1e6, **SETTING)
     with pytest.raises(InputError, match="tolerance = 'auto': must be a number"):
         choose_effects(joints(8), max_normal_stress=1e6, tolerance="auto", **SETTING)

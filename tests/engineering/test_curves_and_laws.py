@@ -8,7 +8,7 @@ import xarray as xr
 import jointclosure as jc
 from jointclosure.engineering.curves import area_of, curve_table, cycle_table
 from jointclosure.engineering.exchange import itasca_tables
-from jointclosure.engineering.laws import LAWS, fitted_laws, law_curves, law_said, parameter
+from jointclosure.engineering.laws import LAWS, describe_law, fitted_laws, law_curves, parameter
 from jointclosure.engineering.stiffness import (
     closures_at,
     landing_stress,
@@ -251,6 +251,8 @@ def test_the_mean_aperture_is_the_mean_distance_of_the_deformed_walls(breakage):
 
 def test_a_branch_that_no_law_fits_is_said_to_have_none():
     fits = fitted_laws(following("power", 0.09, 0.4))
-    assert law_said(fits, 1, "loading").startswith("cycle 1, loading: power (c_mm = 0.09, m = 0.4)")
+    assert describe_law(fits, 1, "loading").startswith(
+        "cycle 1, loading: power (c_mm = 0.09, m = 0.4)"
+    )
     none = fits.assign(rms_mm=float("nan"))
-    assert law_said(none, 1, "loading") == "cycle 1, loading: no law could be fitted"
+    assert describe_law(none, 1, "loading") == "cycle 1, loading: no law could be fitted"

@@ -118,7 +118,7 @@ def test_geos_takes_the_table(folder, history):
 def test_what_geos_does_not_take_is_said(small_joint):
     alone = jc.Effects(interaction=False, breakage=False, gouge=False)
     about = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 2e6, "effects": alone}
-    with pytest.raises(jc.InputError, match="give a seating_stress above 0"):
+    with pytest.raises(jc.InputError, match="seating_stress must be above 0"):
         geos_aperture_table(jc.simulate(*small_joint, **about, seating_stress=0.0))
 
 

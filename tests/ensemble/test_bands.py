@@ -16,7 +16,7 @@ from tests.conftest import DOLERITE, SPACING
 def ensemble():
     pairs = [jc.wall_pair(8.0, (12, 12), SPACING, seed, roll_off=None) for seed in range(5)]
     pairs[3] = (pairs[3][0], np.full((12, 12), np.nan))  # fails
-    with pytest.warns(UserWarning, match=r"1 of 5 joints are not closed and NaN: seeds \[3\]"):
+    with pytest.warns(UserWarning, match=r"1 of 5 joints .* seeds \[3\]"):
         return jc.simulate_ensemble(
             pairs, spacing=SPACING, rock=DOLERITE, max_normal_stress=2e6, seating_stress=0.2e6,
             stress_points=11, flow=True, workers=1,

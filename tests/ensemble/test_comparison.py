@@ -146,11 +146,11 @@ def test_compare_exact_fails_where_anything_differs(folders, capsys):
     assert cli.main(["compare", "--exact", *map(str, folders)]) == 1
     assert "variable max_closure differs in 24 of 24" in capsys.readouterr().out
     assert cli.main(["compare", "--exact", str(folders[0]), str(folders[0])]) == 0
-    assert capsys.readouterr().out == "identical but for provenance and timing\n"
+    assert capsys.readouterr().out == "identical except for provenance and timing\n"
 
 
 def test_a_missing_study_is_one_line(tmp_path, capsys):
     assert cli.main(["compare", str(tmp_path), str(tmp_path)]) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1
-    assert "study.nc: there is no such file" in said
+    assert "study.nc: file not found" in said

@@ -124,9 +124,9 @@ def test_a_reading_between_the_wavelengths_that_were_closed_is_not_called_imposs
     odd = np.array([0.0, 1.0, 0.0])
     found = fitted(np.exp(between + 0.1 * odd), scatter=0.004)
     assert not found.interval_holds
-    assert "each reading is made by some joints, and all of them by none" in found.sentences()
+    assert "some joints have each single reading, but no joint has all of them" in found.sentences()
     beyond = fitted(np.exp(between + 9.0 * odd), scatter=0.004).sentences()
-    assert "no mismatch wavelength gives the closure of cycle 1 at 2.75 MPa" in beyond[1]
+    assert "no mismatch wavelength explains the closure of cycle 1 at 2.75 MPa" in beyond[1]
 
 
 def test_a_strength_at_the_end_of_its_range_is_said_to_be_there():
@@ -177,9 +177,11 @@ def test_a_fit_says_its_interval_in_words_and_doubts_a_curve_that_no_joint_makes
     assert again.mismatch_wavelength == found.mismatch_wavelength
     path.write_text(GOOD.replace("0.12", "40"))
     warning, missed, nearest, assumed = fit(path, **about).sentences()
-    assert warning.startswith("Warning: the model hardly makes this curve: fewer than 1 in 1000")
+    assert warning.startswith(
+        "Warning: the model does not explain this curve: fewer than 1 in 1000"
+    )
     assert missed.startswith(
-        "no mismatch wavelength gives the closure of cycle 1 at 5 MPa: measured"
+        "no mismatch wavelength explains the closure of cycle 1 at 5 MPa: measured"
     )
     assert nearest == "nearest are independent walls"
     assert "4 x 4 mm" in assumed
@@ -189,7 +191,7 @@ def test_a_fit_says_its_interval_in_words_and_doubts_a_curve_that_no_joint_makes
 @pytest.mark.parametrize(
     ("text", "about", "said"),
     [
-        (None, {}, "lab.csv: there is no such file"),
+        (None, {}, "lab.csv: file not found"),
         ("stress,closure_mm\n1,2\n", {}, "column 'stress': has no unit"),
         (GOOD.replace("0,0\n0.5", "0.8,0\n0.9"), {}, "must start at or below seating_stress"),
         (GOOD.replace("0.12", "0.01"), {}, "the curve does not close"),

@@ -102,7 +102,7 @@ def test_help_is_there_in_an_empty_folder(program, tmp_path, words):
 def test_doctor_finds_an_empty_folder_well(program, tmp_path):
     done = run(program, "doctor", cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "all is well" in done.stdout
+    assert "no problems" in done.stdout
     assert re.search(rf"extras: +with none; without {', '.join(EXTRAS)}", done.stdout)
     assert list(tmp_path.iterdir()) == []
 

@@ -10,7 +10,7 @@ from jointclosure.ensemble.cases import BASE
 from jointclosure.plotting.accuracy import KNOB_TITLES, error_sources, work_precision
 
 PAPER = "the paper's steps"
-FRONT = "none is faster and more exact; hollow marks count as alike"
+FRONT = "none is faster and more exact; hollow marks count as equal"
 
 
 @pytest.fixture(autouse=True)
@@ -66,7 +66,7 @@ def test_every_knob_that_is_drawn_in_some_panel_is_in_the_legend_and_other_joint
     names = legend(work_precision(costs, "", PAPER))
     assert set(names) == {
         KNOB_TITLES["steps"], KNOB_TITLES["resolved"], PAPER, FRONT,
-        "not told from no error",
+        "not significantly different from zero",
     }  # fmt: skip
     assert len(names) == len(set(names))
 

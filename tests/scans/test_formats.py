@@ -172,26 +172,26 @@ def test_a_damaged_file_is_one_clear_error(name, damage, wall, tmp_path):
 
 
 REFUSED = [
-    ("a.npy", {"spacing": SPACING}, "does not say the units of its heights"),
-    ("a.npy", {"units": "mm"}, "does not say the spacing"),
+    ("a.npy", {"spacing": SPACING}, "does not state the units of its heights"),
+    ("a.npy", {"units": "mm"}, "does not state the spacing"),
     (
         "a.npy",
         {"units": "inch", "spacing": SPACING},
         "units = 'inch': must be one of m, mm, um, nm",
     ),
     ("a.npy", {"units": "mm", "spacing": SPACING, "variable": "z"}, "variable = 'z'"),
-    ("a.npz", {"units": "um"}, "units = 'um': the file says that its heights are in 'mm'"),
-    ("a.npz", {"spacing": 2 * SPACING}, "spacing = 0.5 mm: the file says 0.25 mm"),
+    ("a.npz", {"units": "um"}, "units = 'um': the heights of the file are in 'mm'"),
+    ("a.npz", {"spacing": 2 * SPACING}, "spacing = 0.5 mm: the file states 0.25 mm"),
     ("a.npz", {"variable": "Q"}, "variable = 'Q': must be one of Z_mm, spacing_mm, when"),
-    ("a.nc", {"units": "mm"}, "units = 'mm': the file says that its heights are in 'micrometre'"),
-    ("a.nc", {"units": "um"}, "units = 'um': the file says that its distances are in 'm'"),
+    ("a.nc", {"units": "mm"}, "units = 'mm': the heights of the file are in 'micrometre'"),
+    ("a.nc", {"units": "um"}, "units = 'um': the distances of the file are in 'm'"),
     ("a.nc", {"variable": "depth"}, "variable = 'depth': must be one of height"),
-    ("a.csv", {"units": "m"}, "units = 'm': the file says that its heights are in 'mm'"),
-    ("a.xyz", {}, "does not say the units"),
-    ("geo.tiff", {"units": "mm"}, "the file says that its heights are in 'm'"),
-    ("a.stl", {}, "does not say the units"),
-    ("a.stl", {"units": "mm", "spacing": 2 * SPACING}, "spacing = 0.5 mm: the file says 0.25 mm"),
-    ("a.asc", {"units": "um"}, "units = 'um': the file says that its heights are in 'mm'"),
+    ("a.csv", {"units": "m"}, "units = 'm': the heights of the file are in 'mm'"),
+    ("a.xyz", {}, "does not state the units"),
+    ("geo.tiff", {"units": "mm"}, "the heights of the file are in 'm'"),
+    ("a.stl", {}, "does not state the units"),
+    ("a.stl", {"units": "mm", "spacing": 2 * SPACING}, "spacing = 0.5 mm: the file states 0.25 mm"),
+    ("a.asc", {"units": "um"}, "units = 'um': the heights of the file are in 'mm'"),
 ]
 
 
@@ -214,7 +214,7 @@ def test_units_that_repeat_those_of_the_file_are_no_contradiction(wall, tmp_path
     [
         ("1 2\n3 4\n", "2 columns without names"),
         ("1,2,3,4\n", "4 columns without names"),
-        ("a,b,c\n1,2,3\n", "must name x, y and z"),
+        ("a,b,c\n1,2,3\n", "must be named x, y and z"),
         ("x,y,z\n1,2,three\n", "three"),
         ("x,y,z\n1,,3\n", "1 points lack x or y, the first is number 1"),
         ("x_mm,y_m,z\n1,2,3\n", "x is in mm and y in m"),
@@ -293,16 +293,16 @@ def test_each_column_has_the_unit_of_the_line_of_units(head, wall, tmp_path):
     lines = [f"{x:.9f},{y:.9f},{1e3 * z:.9f}" for x, y, z in points_of(wall)]
     (tmp_path / "a.csv").write_text("\n".join([head, *lines]))
     np.testing.assert_allclose(read_scan(tmp_path / "a.csv").heights, 1e-3 * wall, atol=1e-12)
-    with pytest.raises(jc.InputError, match="the file says that its heights are in 'um'"):
+    with pytest.raises(jc.InputError, match="the heights of the file are in 'um'"):
         read_scan(tmp_path / "a.csv", units="mm")
 
 
 @pytest.mark.parametrize(
     ("head", "said"),
     [
-        ("x_mm,y_mm,z_mm\nmm,mm,um", "'z_mm' is in 'um' by the line of units"),
+        ("x_mm,y_mm,z_mm\nmm,mm,um", "'z_mm' has the unit 'um'"),
         ("x,y,z\nmm,um,mm", "x is in mm and y in um"),
-        ("x,y,z\nmm,mm,um,um", "4 words in the line of units of 3 columns"),
+        ("x,y,z\nmm,mm,um,um", "4 words in the line of units, must be 3"),
     ],
 )
 def test_units_that_contradict_each_other_are_refused(head, said, tmp_path):
@@ -337,7 +337,7 @@ def test_stated_units_that_make_no_wall_are_doubted(tmp_path):
 
 
 def test_a_word_that_a_file_has_is_no_warning_and_a_prefix_keeps_the_level():
-    quoted = "line 1 was passed over: 'Warning: low battery'"
+    quoted = "line 1 was skipped: 'Warning: low battery'"
     remarks = [prefixed("upper wall: ", each) for each in (quoted, caution("unusual in um"))]
     assert cautions(remarks) == ["upper wall: Warning: unusual in um"]
 
@@ -348,7 +348,7 @@ def test_units_are_asked_for_with_what_would_be_plausible(tmp_path):
     with pytest.raises(jc.InputError) as error:
         read_scan(tmp_path / "a.xyz")
     said = str(error.value)
-    assert "does not say the units" in said
+    assert "does not state the units" in said
     x, y = np.ptp(points[:, :2], axis=0)
     assert said.endswith(f"plausible in mm ({x:.4g} x {y:.4g} mm)")
 
@@ -363,7 +363,7 @@ def test_an_undeclared_sentinel_is_no_height(name, sentinel, wall, tmp_path):
     holed[3:6, 10:14] = np.nan
     scan = read_scan(tmp_path / name, **FORMATS[name](tmp_path / name, coded))
     np.testing.assert_allclose(scan.heights, 1e-3 * holed, atol=1e-12)
-    assert f"{sentinel:g} were taken as missing" in " ".join(scan.remarks)
+    assert f"{sentinel:g} were treated as missing" in " ".join(scan.remarks)
     assert "12 " in " ".join(scan.remarks)
 
 
@@ -500,11 +500,11 @@ def test_an_esri_grid_has_its_spacing_its_place_and_its_missing_heights(wall, tm
 @pytest.mark.parametrize(
     ("rows", "head", "said"),
     [
-        (12, {}, "declares 20 rows of 26 heights, 520, and holds 312: is it cut off"),
-        (None, {"cellsize": None}, "its head lacks cellsize"),
+        (12, {}, "declares 20 rows of 26 heights, 520, and contains 312"),
+        (None, {"cellsize": None}, "header lacks cellsize"),
         (None, {"nrows": "many"}, "nrows = 'many': must be a number"),
         (None, {"nrows": 20.5}, "nrows = 20.5: must be a whole number"),
-        (None, {"nrows": 10**9}, "at most 100,000,000 are read"),
+        (None, {"nrows": 10**9}, "at most 100,000,000"),
     ],
 )
 def test_an_esri_grid_that_is_not_what_it_declares_is_refused(rows, head, said, wall, tmp_path):
@@ -552,7 +552,7 @@ def test_a_netcdf_grid_whose_y_falls_lies_as_one_whose_y_grows(wall, tmp_path):
 
 def test_a_netcdf_grid_of_one_axis_twice_is_refused(wall, tmp_path):
     netcdf_wall(wall, ("lat", "northing")).to_netcdf(tmp_path / "a.nc", engine="netcdf4")
-    with pytest.raises(jc.InputError, match=r"'lat', 'northing'\): are both y, must be y and x"):
+    with pytest.raises(jc.InputError, match=r"'lat', 'northing'\): must be y and x, both are y"):
         read_scan(tmp_path / "a.nc")
 
 
@@ -599,7 +599,7 @@ def test_an_archive_that_declares_more_than_a_scan_is_refused_unread(wall, tmp_p
             (tmp_path / name).write_bytes(head.getvalue())
         given = {"variable": "other"} if name == "a.npz" else {}
         with pytest.raises(
-            jc.InputError, match=r"declares 40000 x 25000 values: at most 100,000,000"
+            jc.InputError, match=r"declares 40000 x 25000 values: must be at most 100,000,000"
         ):
             read_scan(tmp_path / name, units="mm", spacing=SPACING, **given)
 

@@ -53,7 +53,7 @@ def test_repeated_points_are_one_point(wall, tmp_path):
     points = points_of(wall)
     scan = read_points(tmp_path / "a.xyz", np.vstack([points, points[40:43]]))
     np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-9)
-    assert "3 repeated points were passed over" in scan.remarks
+    assert "3 repeated points were skipped" in scan.remarks
 
 
 def test_places_that_are_written_rounded_are_those_of_a_grid(wall, tmp_path):
@@ -89,7 +89,7 @@ def test_several_heights_at_one_place_are_refused_where_they_are_many(gridded, w
         points[:, :2] += 0.1 * np.random.default_rng(2).random((len(points), 2))
     other = points + np.array([0.0, 0.0, 0.4])
     few = read_points(tmp_path / "few.xyz", np.vstack([points, other[100:103]]))
-    assert few.remarks[0] == "3 places of several heights were taken as missing"
+    assert few.remarks[0] == "3 places with several heights were treated as missing"
     known = np.isfinite(few.heights).sum() if gridded else len(few.points)
     assert known == len(points) - 3
     with pytest.raises(jc.InputError, match=r"many\.xyz: 520 of 520 places have several heights"):
@@ -117,5 +117,5 @@ def solid(wall):
 def test_a_solid_is_no_wall(wall, tmp_path):
     path = tmp_path / "a.stl"
     path.write_bytes(solid(wall).export(file_type="stl"))
-    with pytest.raises(jc.InputError, match=r"a\.stl: the surface lies over itself: .* covers? 3 "):
+    with pytest.raises(jc.InputError, match=r"a\.stl: the surface overlaps itself: .* covers? 3 "):
         read_scan(path, units="mm")

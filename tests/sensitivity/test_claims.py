@@ -5,7 +5,7 @@ import copy
 import numpy as np
 import pytest
 
-from jointclosure.claims.found import TARGET
+from jointclosure.claims.findings import TARGET
 from jointclosure.claims.statements import NEGLIGIBLE, TOLERANCE
 from jointclosure.claims.table import CLAIMS, OURS
 from jointclosure.config.files import PAPER_TABLE_3

@@ -60,7 +60,7 @@ def test_joints_of_a_known_jrc_and_of_failed_simulations_stay_as_they_are(pool):
 
 
 def test_without_common_surfaces_it_is_refused():
-    with pytest.raises(jc.InputError, match="its JRC is not varied on common surfaces"):
+    with pytest.raises(jc.InputError, match="its JRC must be varied on common surfaces"):
         with_jrc_range(world(study_of({"study": {"rocks": ["slate"]}})), 1.0, generator(1))
 
 

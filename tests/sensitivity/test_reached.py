@@ -5,11 +5,11 @@ import pandas as pd
 import pytest
 import scipy.stats
 
-from jointclosure.claims.found import TARGET
+from jointclosure.claims.findings import TARGET
 from jointclosure.config.wanted import BLOCK, Wanted
 from jointclosure.sensitivity.closures import max_closure_table
-from jointclosure.sensitivity.planning import Wish, surfaces_for
-from jointclosure.sensitivity.reached import reached_table, surfaces_next, told
+from jointclosure.sensitivity.planning import Goal, surfaces_for
+from jointclosure.sensitivity.reached import describe_reached, reached_table, surfaces_next
 from jointclosure.sensitivity.responses import (
     responses,
 )
@@ -55,7 +55,7 @@ def test_surfaces_that_intervals_need_are_those_of_the_plan(study):
     for row, response in zip(
         table.itertuples(), [r for r in responses(study, TARGET) if r.cycle == 2], strict=True
     ):
-        wish = Wish("width", 0.4)
+        wish = Goal("width", 0.4)
         assert row.surfaces_needed == surfaces_for(response, wish, 0.05, response.paired)
 
 
@@ -87,9 +87,9 @@ def test_surfaces_are_added_in_blocks_until_all_is_met_or_the_most_are_there():
 
 
 def test_what_was_reached_is_said_with_the_worst():
-    said = told(rows(5, 33), wanted())
+    said = describe_reached(rows(5, 33), wanted())
     assert said == (
         "accuracy: mean within 5 % not reached in 1 of 2, with 20 surfaces; "
         "the worst is 2 % (slate base, cycle 1)"
     )
-    assert "reached, with" in told(rows(5, 7), wanted())
+    assert "reached, with" in describe_reached(rows(5, 7), wanted())

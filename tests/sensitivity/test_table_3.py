@@ -14,7 +14,7 @@ from jointclosure.sensitivity.closures import (
     max_closure_table,
 )
 from jointclosure.sensitivity.intervals import indifference_table
-from jointclosure.sensitivity.planning import WISHES, Wish, plan, power_of_ends
+from jointclosure.sensitivity.planning import GOALS, Goal, plan, power_of_ends
 from jointclosure.sensitivity.predictive import (
     joint_table,
     lengths_dataset,
@@ -193,7 +193,7 @@ def test_along_the_curve_the_last_point_is_the_maximum_closure(pool):
 @pytest.mark.parametrize("paired", [False, True])
 def test_a_plan_of_power_is_met_by_studies_of_its_size(paired):
     # one planned from a large pool, then done many times
-    wish, parameter, cycle = Wish("power", 0.8), "compressive_strength", 1
+    wish, parameter, cycle = Goal("power", 0.8), "compressive_strength", 1
     told = {"irregular": 0.1} if paired else {}
     draws = COMMON if paired else {}
     pool = world(pool_of(study_of(ONE, {"study": {"pool": 200}})), **told)
@@ -213,20 +213,20 @@ def test_a_plan_of_power_is_met_by_studies_of_its_size(paired):
 def test_more_surfaces_are_needed_for_more(pool):
     amounts = {"length": (4, 8), "width": (0.2, 0.4), "standard-error": (0.01, 0.02),
                "elasticity-error": (0.02, 0.04), "power": (0.95, 0.5)}  # fmt: skip
-    assert set(amounts) == set(WISHES)
+    assert set(amounts) == set(GOALS)
     for kind, (more, less) in amounts.items():
-        strict, loose = (plan(pool, Wish(kind, amount)).surfaces for amount in (more, less))
+        strict, loose = (plan(pool, Goal(kind, amount)).surfaces for amount in (more, less))
         assert (strict >= loose).all()
         assert (strict > loose).any()
-    errors = plan(pool, Wish("standard-error", 0.01)).surfaces
-    np.testing.assert_allclose(errors / plan(pool, Wish("standard-error", 0.02)).surfaces, 4, 0.1)
+    errors = plan(pool, Goal("standard-error", 0.01)).surfaces
+    np.testing.assert_allclose(errors / plan(pool, Goal("standard-error", 0.02)).surfaces, 4, 0.1)
     response = next(responses(pool, "max_closure"))
     assert power_of_ends(response._replace(samples=response.samples * 0 + 1), 10, 0.05) == 1.0
 
 
 def test_a_plan_says_how_far_its_number_is_known(pool):
     """About two thirds of other pools plan a number within the range that is told."""
-    wish, parameter = Wish("standard-error", 0.01), "jrc"
+    wish, parameter = Goal("standard-error", 0.01), "jrc"
     table = plan(pool, wish).set_index(["parameter", "cycle"])
     assert (table.low_68 <= table.surfaces * 1.05).all()
     assert (table.high_68 >= table.surfaces * 0.95).all()
@@ -237,11 +237,11 @@ def test_a_plan_says_how_far_its_number_is_known(pool):
 
 def test_a_plan_that_cannot_be_made_says_why(pool):
     with pytest.raises(jc.InputError, match="paired: this study has other surfaces"):
-        plan(world(study_of(ONE)), Wish("power", 0.8), paired=True)
+        plan(world(study_of(ONE)), Goal("power", 0.8), paired=True)
     with pytest.raises(jc.InputError, match=r"power = 1\.2: must be between 0 and 1"):
-        plan(pool, Wish("power", 1.2))
-    with pytest.raises(jc.InputError, match="wish = 'luck': must be one of"):
-        plan(pool, Wish("luck", 1.0))
+        plan(pool, Goal("power", 1.2))
+    with pytest.raises(jc.InputError, match="goal = 'luck': must be one of"):
+        plan(pool, Goal("luck", 1.0))
 
 
 def test_a_study_that_varies_nothing_has_empty_tables(tmp_path):
@@ -255,7 +255,7 @@ def test_a_study_that_varies_nothing_has_empty_tables(tmp_path):
     assert joint_table(found, PAPER).empty
     assert elasticity_table(study).empty
     assert along_curve(study, 0.5e6, Design(), 100, 1).empty
-    assert plan(study, Wish("power", 0.8)).empty
+    assert plan(study, Goal("power", 0.8)).empty
     table, _ = judge_claims(Evidence(study, study, Design(), 100, 1), PAPER)
     assert table.number.tolist() == ["6a"]
     assert set(table.verdict) == {"stands"}

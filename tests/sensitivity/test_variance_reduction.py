@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from jointclosure.claims.found import TARGET
+from jointclosure.claims.findings import TARGET
 from jointclosure.ensemble.cases import pool_of
 from jointclosure.ensemble.covariates import Covariates
 from jointclosure.sensitivity.closures import elasticity_table, max_closure_table

@@ -168,7 +168,7 @@ def test_what_has_no_index_is_said():
         variance_indices(points, responses * np.nan, (0, 0, 0))
     with pytest.raises(jc.InputError, match=r"must be \(N, d \+ 2, d\)"):
         variance_indices(points, responses[:, 1:], (0, 0, 0))
-    with pytest.raises(jc.InputError, match="no normal variables"):
+    with pytest.raises(jc.InputError, match="correlations"):
         shapley_effects((0, 0), np.ones(8), {(0, 1): 1.0})
     flat = variance_indices(points, np.ones_like(responses), (0, 0, 0))
     assert np.isnan(flat.first).all()

@@ -69,7 +69,7 @@ def written_under_a_limit(path, size: int) -> subprocess.CompletedProcess:
     """Write the dataset in blocks in a process whose files may have so many bytes."""
     script = (
         "import sys, xarray as xr\n"
-        "from tests.storage.test_files import some_dataset, write_netcdf_blocks\n"
+        "from tests.storage.test_whole_files import some_dataset, write_netcdf_blocks\n"
         "import resource\n"
         "whole = some_dataset(200)\n"
         "blocks = [whole.isel(realization=slice(i, i + 20)) for i in range(0, 200, 20)]\n"

@@ -120,7 +120,7 @@ def test_independent_walls_have_no_clear_orientation_and_one_must_be_stated():
             said.append(str(error))
     assert len(said) >= 9  # one in ten may fit by chance
     assert all("orientation of the upper wall is not clear: slopes" in words for words in said)
-    assert all("state it (orientation)" in words for words in said)
+    assert all("state the orientation" in words for words in said)
     found = registered(
         scanned(upper, "towards"), grid(lower), orientation="towards", shift="scanned"
     )
@@ -356,7 +356,7 @@ def test_the_walls_of_a_published_fracture_are_laid_together_in_any_orientation(
 
 def test_a_cell_that_stands_out_far_is_warned_of(joint):
     upper, lower = (np.array(wall) for wall in joint)
-    said = "Warning: what touches first stands out far"
+    said = "Warning: the first contact stands out far"
     assert not any(said in line for line in registered(grid(-upper), grid(lower)).report)
     lower[40:42, 50:53] += 2e-3
     found = registered(grid(-upper), grid(lower), cut_spikes=False)

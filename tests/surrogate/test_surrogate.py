@@ -193,7 +193,10 @@ def test_what_the_law_was_not_tested_on_is_refused_or_has_no_error(walls, change
         ({"roll_off": 2e-3}, "from .* on walls of roll-off 3 mm and from .* on walls without"),
         ({"hurst": 1.0}, "RMS slope at twice the spacing|RMS of the summed heights"),
         ({"hurst": 0.6, "roll_off": 3e-3}, "likely another roll-off"),
-        ({"mismatch_wavelength": 3e-3}, "likely another roll-off or spectrum, or walls that mate"),
+        (
+            {"mismatch_wavelength": 3e-3},
+            "likely another roll-off or spectrum, or walls that are mated",
+        ),
     ],
 )
 def test_walls_of_another_kind_are_refused_with_the_likely_cause(change, named):

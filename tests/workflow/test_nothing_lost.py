@@ -117,12 +117,12 @@ def flip_a_bit(folder: Path) -> str:
     data = bytearray((folder / CASE).read_bytes())
     data[random.Random(1).randrange(len(data))] ^= 4
     (folder / CASE).write_bytes(data)
-    return "its checksum is not met"
+    return "wrong checksum"
 
 
 def truncate(folder: Path) -> str:
     (folder / CASE).write_bytes((folder / CASE).read_bytes()[:-1000])
-    return "its checksum is not met"
+    return "wrong checksum"
 
 
 def take_another_case(folder: Path) -> str:
@@ -191,12 +191,12 @@ def test_any_realisation_is_repeated_by_one_command(copied):
     results = copied / "results/tiny"
     again = jointclosure_cli("repeat", results, "slate-jrc-level_1", 2)
     assert again.returncode == 0, again.stdout + again.stderr
-    assert "identical to what is stored" in again.stdout
+    assert "identical to the stored results" in again.stdout
     for file in (results / "cases").iterdir():
         file.unlink()  # as where the job failed: the log is enough
     again = jointclosure_cli("repeat", results, "slate-jrc-level_1", 2)
     assert again.returncode == 0, again.stdout + again.stderr
-    assert "no numbers are stored to compare with" in again.stdout
+    assert "no stored results to compare with" in again.stdout
     missing = jointclosure_cli("repeat", results, "slate-jrc-level_1", 3)
     assert missing.returncode == 2
     assert "tells of realisation 3" in missing.stderr

@@ -156,7 +156,7 @@ def test_a_second_run_on_one_core_or_two_gives_the_same_bits(study, tmp_path, co
     assert answer.returncode == 0, answer.stdout + answer.stderr
     found = jointclosure_cli("compare", "--exact", study / "results/tiny", folder / "results/tiny")
     assert found.returncode == 0, found.stdout + found.stderr
-    assert found.stdout == "identical but for provenance and timing\n"
+    assert found.stdout == "identical except for provenance and timing\n"
     first, again = (where / "results/tiny" for where in (study, folder))
     tables = sorted(path.name for path in (first / "tables").iterdir())
     assert tables == sorted(path.name for path in (again / "tables").iterdir())

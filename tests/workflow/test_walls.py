@@ -87,15 +87,15 @@ def test_a_file_that_is_not_there_is_refused_before_any_job(study):
     answer = snakemake(study, config=configured(study, "bad.yaml", lower="scans/lowr.npz"))
     assert answer.returncode != 0
     said = answer.stdout + answer.stderr
-    assert "rocks.slate.walls.lower = 'scans/lowr.npz': there is no such file" in said
+    assert "rocks.slate.walls.lower = 'scans/lowr.npz': file not found" in said
 
 
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"units": "um"}, "scans/lower.npz: units = 'um': the file says that its heights are in"),
+        ({"units": "um"}, "scans/lower.npz: units = 'um': the heights of the file are in"),
         ({"missing": "refuse"}, "scans/lower.npz: 9 of 1440 cells have no height"),
-        ({"spacing_mm": 0.5}, "scans/lower.npz: spacing = 0.5 mm: the file says 0.25 mm"),
+        ({"spacing_mm": 0.5}, "scans/lower.npz: spacing = 0.5 mm: the file states 0.25 mm"),
     ],
 )
 def test_a_scan_that_cannot_be_used_stops_its_cases_before_they_are_closed(study, change, said):

@@ -7,7 +7,7 @@ from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.ensemble.covariates import from_dataset
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
-from jointclosure.sensitivity.reached import reached_table, told
+from jointclosure.sensitivity.reached import describe_reached, reached_table
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv, write_csv
 
@@ -24,7 +24,7 @@ def main(study: str, covariates: str | None, settings: dict, output: str, log: L
         KNOWN_AT[wanted.of],
     )
     write_csv(table, output)
-    log(told(table, wanted))
+    log(describe_reached(table, wanted))
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ from jointclosure.experiments import SECTIONS, checked_design
 from jointclosure.inputs import InputError
 from jointclosure.measured.curves import curve_settings, measured_curves
 from jointclosure.sensitivity.jrc_range import check_jrc_varies
-from jointclosure.sensitivity.reached import surfaces_next, told
+from jointclosure.sensitivity.reached import describe_reached, surfaces_next
 from jointclosure.sensitivity.tables import closure_lines
 from jointclosure.storage.text import read_csv, read_text, write_text
 
@@ -154,7 +154,7 @@ def enlarged(override: str, folder: Path) -> bool:
     if wanted is None:
         return False
     table = read_csv(folder / "tables/accuracy_reached.csv")
-    print(told(table, wanted), flush=True)
+    print(describe_reached(table, wanted), flush=True)
     surfaces = surfaces_next(table, wanted)
     if surfaces is None:
         return False

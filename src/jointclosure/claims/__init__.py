@@ -1,6 +1,6 @@
-"""What the paper claims: one table of its claims, and how each is judged.
+"""Claims of the paper, in one table, and their judgement.
 
-`table` has the claims: number, text, where the paper has it, and its statement. `statements` has
-what a statement means: margins, numbers of a model that are large where it is true, and what a
-study finds that is judged as the paper judges. `found` has such studies.
+`table` contains the claims: number, text, source in the paper, and statement. `statements` defines
+what a statement means: margins, which are numbers of a model that are large if it is true, and
+criteria by which a study confirms it, as in the paper. `findings` contains results of studies.
 """

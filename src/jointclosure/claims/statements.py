@@ -1,8 +1,9 @@
-"""Statements of the paper on the closure of a cycle: their margins, and how a study finds them.
+"""Statements of the paper on the closure of a cycle: their margins, and criteria of studies.
 
-A margin is a number of the model that is the larger the more a statement is true. Most are
-elasticities, d ln(closure)/d ln(parameter), or differences between their sizes: no number of
-surfaces changes these, while the lengths of Table 3 in percent go as the scatter over them.
+A margin is a number of the model that increases with the truth of a statement. Most are
+elasticities, d ln(closure)/d ln(parameter), or differences between their magnitudes. These do not
+depend on the number of surfaces, unlike the lengths of Table 3 in percent, which are proportional
+to the scatter over the magnitude.
 """
 
 from collections.abc import Callable, Mapping
@@ -11,78 +12,79 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from jointclosure import parameters
-from jointclosure.claims.found import LOOP, TARGET, Findings, in_place, monotone, widest
+from jointclosure.claims.findings import LOOP, TARGET, Findings, in_place, monotone, widest
 from jointclosure.statistics.verdicts import Interval
 
 NU, E, STRENGTH, JRC = "poisson_ratio", "youngs_modulus", "compressive_strength", "jrc"
 PROPERTIES = (NU, E, STRENGTH, JRC)
-"""Properties that the paper's claims are about."""
+"""Properties that the claims of the paper concern."""
 SYMBOLS = {name: parameters.PROPERTIES[name].symbol for name in PROPERTIES}
 
 NEGLIGIBLE = 0.02
-"""Relative change of a closure that counts as none: the tolerance to which `effects: auto`
-leaves an effect out, and less than repeated measurements of a closure differ by."""
+"""Relative change of a closure that counts as none: the tolerance at which `effects: auto` leaves
+an effect out, and less than the difference of repeated measurements of a closure."""
 TOLERANCE = NEGLIGIBLE / 0.2
-"""Elasticities that differ by less count as alike. A property of one rock is known to a fifth at
-best; a change by as much then changes the closure by less than `NEGLIGIBLE`."""
+"""Difference of elasticities that counts as none. A property of one rock is known to a fifth at
+best; such a change then changes the closure by less than `NEGLIGIBLE`."""
 
 Value = Any
-"""A number, or an array of them."""
+"""Number, or array of numbers."""
 Margins = Mapping[str, Value]
-"""Margins by name: numbers, or arrays alike in shape."""
+"""Margins by name: numbers, or arrays of equal shape."""
 
 
 class Elastic(Protocol):
-    """A model of a rock of which elasticities are known."""
+    """Model of a rock with known elasticities."""
 
     def elasticity(self, parameter: str, cycle: int, variable: str = TARGET) -> Value:
-        """d ln(closure)/d ln(parameter) at the rock's own value."""
+        """Return d ln(closure)/d ln(parameter) at the rock's value."""
         ...
 
     def slopes(self, parameter: str, cycle: int, variable: str = TARGET) -> list[Value]:
-        """The same from each level to the next, where levels are known."""
+        """Return the elasticities between neighbouring levels, if levels are known."""
         ...
 
 
 class Closed(Elastic, Protocol):
-    """A model of a rock whose closures at all levels are known."""
+    """Model of a rock with known closures at all levels."""
 
     def change(self, parameter: str, cycle: int, change: float) -> Value:
-        """Relative change of the closure with a change of the parameter."""
+        """Return the relative change of the closure with a change of the parameter."""
         ...
 
     def loop(self, cycle: int) -> Value:
-        """Loop over the closure, see `LOOP`."""
+        """Return the loop over the closure, see `LOOP`."""
         ...
 
     def significant(self, cycle: int) -> Value:
-        """Relative change of the mean closure that a study of the paper's size finds."""
+        """Return the smallest relative change of mean closure that a study finds significant."""
         ...
 
 
 class Elasticities(NamedTuple):
-    """Elasticities by (parameter, cycle): what some studies know of a rock."""
+    """Elasticities by (parameter, cycle), as known from some studies of a rock."""
 
     by_cycle: Mapping[tuple[str, int], Value]
 
     def elasticity(self, parameter: str, cycle: int, variable: str = TARGET) -> Value:
-        """As of `Elastic`; of one variable only."""
+        """Return the elasticity as `Elastic`; only one variable is known."""
         return self.by_cycle[parameter, cycle]
 
     def slopes(self, parameter: str, cycle: int, variable: str = TARGET) -> list[Value]:
-        """As of `Elastic`: the elasticity itself."""
+        """Return the elasticity itself in place of those between levels."""
         return [self.elasticity(parameter, cycle, variable)]
 
 
 class Statement(NamedTuple):
-    """What is said of a closure (``variable``) on a ``cycle``, and how it is judged in one rock.
+    """Statement on a closure (``variable``) of a ``cycle``, and its criteria in one rock.
 
-    ``number`` and ``text``: of the statement, whatever the cycle. ``parameters``: must vary.
-    ``margins`` (model, cycle, variable); ``finds`` (studies, rock, cycle, variable), a boolean
-    for each study (R,). ``above``: of all margins where it is true. ``alike``: largest
-    difference that is none, for comparisons; a statement that is no comparison is false below
-    ``above``. ``within``: true where all margins lie within +-``above``, and not above it.
-    ``before``: it compares with the cycle before. ``of_elasticities``: these alone decide it.
+    ``number`` and ``text`` do not depend on the cycle. ``parameters`` must vary. ``margins``
+    (model, cycle, variable) are those of a model; ``finds`` (studies, rock, cycle, variable)
+    returns for each study (R,) whether it confirms the statement. The statement is true if all
+    margins exceed ``above``. ``alike`` is the largest difference that counts as none, for
+    comparisons; a statement that is no comparison is false below ``above``. ``within``: the
+    statement is true if all margins lie within +-``above`` instead. ``before``: it compares with
+    the cycle before. ``of_elasticities``: it depends only on elasticities.
     """
 
     number: str
@@ -97,16 +99,18 @@ class Statement(NamedTuple):
     of_elasticities: bool = True
 
     def cycles(self, cycle: int) -> tuple[int, ...]:
-        """Cycles that it needs."""
+        """Return the cycles that the statement needs."""
         return (cycle - 1, cycle) if self.before else (cycle,)
 
     def least(self, model: Elastic, cycle: int, variable: str = TARGET) -> np.ndarray:
-        """The smallest of its margins."""
+        """Return the smallest of its margins."""
         return np.min(list(self.margins(model, cycle, variable).values()), axis=0)
 
     def least_interval(self, intervals: list[Interval]) -> Interval:
-        """Confidence interval of the smallest margin (``within``: of what is left to the bound)
-        from those of all margins, which hold together."""
+        """Return the confidence interval of the smallest margin from simultaneous intervals.
+
+        With ``within`` it is the interval of the distance to the bound.
+        """
         if self.within:
             intervals = [
                 Interval(
@@ -118,7 +122,7 @@ class Statement(NamedTuple):
         return Interval(*(min(ends) for ends in zip(*intervals, strict=True)))
 
     def true_above(self) -> float:
-        """Smallest margin from which it is true."""
+        """Smallest margin for which the statement is true."""
         return 0.0 if self.within else self.above
 
 
@@ -131,20 +135,20 @@ def _less(first: str, second: str) -> str:
 
 
 def _ranked(number: str, text: str, pairs: list[tuple[str, str]], finds: Callable) -> Statement:
-    """The closure is more sensitive to the first than to the second of each pair."""
+    """Make the statement that closure is more sensitive to the first of each pair."""
 
     def margins(model: Elastic, cycle: int, variable: str) -> Margins:
-        size = {each: _size(model, each, cycle, variable) for each in PROPERTIES}
+        size = {name: _size(model, name, cycle, variable) for name in PROPERTIES}
         return {_less(one, other): size[one] - size[other] for one, other in pairs}
 
-    def found(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
+    def finds_in_studies(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
         return finds(studies.percents(rock, cycle, variable))
 
-    return Statement(number, text, PROPERTIES, margins, found, alike=TOLERANCE)
+    return Statement(number, text, PROPERTIES, margins, finds_in_studies, alike=TOLERANCE)
 
 
 def _with_the_cycle(number: str, text: str, parameter: str, sign: int) -> Statement:
-    """Sensitivity to a parameter rises (sign 1) or falls (-1) from the cycle before."""
+    """Make the statement that sensitivity rises (sign 1) or falls (-1) from the cycle before."""
 
     def margins(model: Elastic, cycle: int, variable: str) -> Margins:
         before, here = (_size(model, parameter, c, variable) for c in (cycle - 1, cycle))
@@ -152,15 +156,15 @@ def _with_the_cycle(number: str, text: str, parameter: str, sign: int) -> Statem
         pair = (cycle, cycle - 1) if sign > 0 else (cycle - 1, cycle)
         return {f"{of} {pair[0]} - {pair[1]}": sign * (here - before)}
 
-    def found(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
+    def finds(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
         before, here = (studies.lengths(rock, parameter, c, variable) for c in (cycle - 1, cycle))
         return here < before if sign > 0 else here > before
 
-    return Statement(number, text, (parameter,), margins, found, alike=TOLERANCE, before=True)
+    return Statement(number, text, (parameter,), margins, finds, alike=TOLERANCE, before=True)
 
 
 def _trend(number: str, text: str, parameter: str, sign: int) -> Statement:
-    """The closure rises (sign 1) or falls (-1) with a parameter, from each level to the next."""
+    """Make the statement that closure rises (sign 1) or falls (-1) with a parameter."""
     word = "rise" if sign > 0 else "fall"
 
     def margins(model: Elastic, cycle: int, variable: str) -> Margins:
@@ -168,14 +172,14 @@ def _trend(number: str, text: str, parameter: str, sign: int) -> Statement:
         slopes = model.slopes(parameter, cycle, variable)
         return {f"{name}, step {i + 1}": sign * slope for i, slope in enumerate(slopes)}
 
-    def found(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
+    def finds(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
         return monotone(studies.means(rock, parameter, variable, cycle), sign)
 
-    return Statement(number, text, (parameter,), margins, found)
+    return Statement(number, text, (parameter,), margins, finds)
 
 
 def _no_effect(number: str, text: str, parameter: str, change: float) -> Statement:
-    """A change of a parameter by so much changes the closure by a negligible part."""
+    """Make the statement that this change of a parameter has a negligible effect on the closure."""
 
     def margins(model: Closed, cycle: int, variable: str) -> Margins:
         return {
@@ -183,51 +187,51 @@ def _no_effect(number: str, text: str, parameter: str, change: float) -> Stateme
             for by in (-change, change)
         }
 
-    def found(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
+    def finds(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
         return studies.lengths(rock, parameter, cycle, variable) >= change
 
     return Statement(
-        number, text, (parameter,), margins, found, NEGLIGIBLE, within=True, of_elasticities=False
+        number, text, (parameter,), margins, finds, NEGLIGIBLE, within=True, of_elasticities=False
     )
 
 
 def _significant(number: str, text: str, parameter: str, percent: float) -> Statement:
-    """A study of the paper's size finds a change of a parameter by so much significant."""
+    """Make the statement that this change of a parameter is significant in a study."""
     name = f"change with {percent:g} % of {SYMBOLS[parameter]}, over a significant one"
 
     def margins(model: Closed, cycle: int, variable: str) -> Margins:
         change = 0.01 * percent * np.abs(model.elasticity(parameter, cycle, variable))
         return {name: change / model.significant(cycle)}
 
-    def found(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
+    def finds(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
         return studies.percents(rock, cycle, variable)[parameter] <= percent
 
-    return Statement(number, text, (parameter,), margins, found, 1.0, of_elasticities=False)
+    return Statement(number, text, (parameter,), margins, finds, 1.0, of_elasticities=False)
 
 
 def _loop(number: str, text: str) -> Statement:
-    """Unloading lies above loading."""
+    """Make the statement that unloading lies above loading."""
 
     def margins(model: Closed, cycle: int, variable: str) -> Margins:
         return {"loop over closure": model.loop(cycle)}
 
-    def found(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
+    def finds(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
         return studies.base_means(rock, LOOP, cycle) > 0.0
 
-    return Statement(number, text, (), margins, found, NEGLIGIBLE, of_elasticities=False)
+    return Statement(number, text, (), margins, finds, NEGLIGIBLE, of_elasticities=False)
 
 
 NU_LEAST = _ranked(
     "1a",
     "Poisson's ratio matters least",
-    [(each, NU) for each in (E, STRENGTH, JRC)],
+    [(name, NU) for name in (E, STRENGTH, JRC)],
     lambda percents: widest(percents, NU),
 )
 NU_NO_EFFECT = _no_effect("1b", "No effect of a change of Poisson's ratio by 0.1", NU, 0.1)
 E_MOST = _ranked(
     "2a",
     "Young's modulus matters most",
-    [(E, each) for each in (NU, STRENGTH, JRC)],
+    [(E, name) for name in (NU, STRENGTH, JRC)],
     lambda percents: in_place(percents, E, 0),
 )
 E_RISES = _with_the_cycle("2c", "Young's modulus matters more than on the cycle before", E, 1)

@@ -1,26 +1,29 @@
-"""The claims of Rezaei Niya & Selvadurai, "Modeling the Approach of Non-mated Rock Fracture
-Surfaces Under Quasi-static Normal Load Cycles", in one table that all studies use."""
+"""Claims of Rezaei Niya & Selvadurai, in one table that all studies use.
+
+The paper is "Modeling the Approach of Non-mated Rock Fracture Surfaces Under Quasi-static Normal
+Load Cycles".
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from jointclosure.claims import statements
-from jointclosure.claims.found import NET, TARGET, Findings
+from jointclosure.claims.findings import NET, TARGET, Findings
 from jointclosure.claims.statements import Closed, Statement, Value
 
 OURS = "ours"
-"""Source of a claim that is a variant of ours, and not the paper's."""
+"""Source of a claim that is a variant added here and not in the paper."""
 TABLE_3 = "table 3"
 
 
 class Claim(NamedTuple):
-    """A claim: a statement on some cycles, of closures or of net closures.
+    """Claim: a statement on some cycles, of gross or net closures.
 
-    ``said_in``: sections of the paper, or `OURS`. ``statement``: None of a claim that no
-    sensitivity study can judge, for the reason in ``remark``. ``shown``: where the paper has
-    numbers for it, `TABLE_3` for its entries of ``parameter``. ``negated``: the claim is that
-    the statement is *not* true in every rock.
+    ``said_in``: sections of the paper, or `OURS`. ``statement``: None for a claim that no
+    sensitivity study can judge; ``remark`` states the reason. ``shown``: where the paper has
+    numbers for it, `TABLE_3` for entries of ``parameter``. ``negated``: the claim is that the
+    statement is *not* true in every rock.
     """
 
     number: str
@@ -36,26 +39,26 @@ class Claim(NamedTuple):
 
     @property
     def judged_by(self) -> Statement:
-        """Its statement.
+        """Statement of the claim.
 
         Raises
         ------
         ValueError
-            It has none.
+            If it has none.
         """
         if self.statement is None:
             raise ValueError(f"claim {self.number}: {self.remark}")
         return self.statement
 
     def cycles_among(self, names: tuple[tuple[str, int], ...]) -> list[int]:
-        """Cycles for which all that the statement needs is among targets (variable, cycle)."""
+        """Return cycles with all targets (variable, cycle) that the statement needs."""
         if self.statement is None:
             return []
         cycles = {cycle for variable, cycle in names if variable == self.variable}
         return [cycle for cycle in self.cycles if cycles.issuperset(self.statement.cycles(cycle))]
 
     def margins(self, model: Closed, cycles: list[int]) -> dict[tuple[str, int], Value]:
-        """Margins of the statement by name and cycle."""
+        """Return the margins of the statement by name and cycle."""
         return {
             (name, cycle): value
             for cycle in cycles
@@ -63,7 +66,7 @@ class Claim(NamedTuple):
         }
 
     def found_in(self, studies: Findings) -> np.ndarray | None:
-        """Whether studies (R,) find it for all rocks; None where no rock can be judged."""
+        """Return whether studies (R,) confirm it for all rocks; None if no rock can be judged."""
         cycles = self.cycles_among(studies.names)
         if self.statement is None or not cycles:
             return None
@@ -74,12 +77,12 @@ class Claim(NamedTuple):
         ]
         if not rocks:
             return None
-        found = [
+        by_rock = [
             self.statement.finds(studies, rock, cycle, self.variable)
             for rock in rocks
             for cycle in cycles
         ]
-        every = np.logical_and.reduce(found)
+        every = np.logical_and.reduce(by_rock)
         return ~every if self.negated else every
 
 
@@ -134,6 +137,6 @@ CLAIMS = (
 
 
 def statements_of_elasticities() -> list[Statement]:
-    """Statements that elasticities alone decide, each once."""
-    found = {claim.statement.number: claim.statement for claim in CLAIMS if claim.statement}
-    return [each for each in found.values() if each.of_elasticities]
+    """Return the distinct statements that depend only on elasticities."""
+    by_number = {claim.statement.number: claim.statement for claim in CLAIMS if claim.statement}
+    return [statement for statement in by_number.values() if statement.of_elasticities]

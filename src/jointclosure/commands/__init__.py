@@ -1,15 +1,15 @@
-"""The commands of the command line, a module each: `add_to` declares it, `run` does it."""
+"""Commands of the command line, one module each: `add_to` declares it, `run` executes it."""
 
 COMMANDS = {
     "close": "close the joint whose two walls were scanned",
     "simulate": "close one joint of random walls",
-    "fit": "the mismatch of the joint whose closure was measured",
-    "roughness": "slopes, JRC, Hurst exponent, curvature and peaks of a scanned wall",
-    "compare": "what moved between two studies",
-    "report": "a finished study, or a joint, as one page to read",
-    "engineering": "a study's curves and stiffness, with bands over its joints",
-    "plan": "how many surfaces a precision or a power needs",
-    "repeat": "one realisation of a study again",
-    "doctor": "is the environment fit for a study, and what to do where it is not",
+    "fit": "find the mismatch wavelength of a joint from its measured closure",
+    "roughness": "compute slopes, JRC, Hurst exponent, curvature and peaks of a scanned wall",
+    "compare": "list the differences between two studies",
+    "report": "write a page on a finished study, or on a joint",
+    "engineering": "tabulate curves and stiffness of a study, with bands over its joints",
+    "plan": "compute how many surfaces a precision or a power needs",
+    "repeat": "repeat one realisation of a study",
+    "doctor": "check whether the environment is ready for a study",
 }
-"""Names of the modules, and what each does: they are imported when they are asked for."""
+"""Names of the modules and their purposes; modules are imported when they are used."""

@@ -1,4 +1,4 @@
-"""`--animation` of the commands that close a joint: more snapshots, and a GIF of them."""
+"""Option `--animation` of the commands that close a joint: more snapshots, and a GIF of them."""
 
 from pathlib import Path
 
@@ -12,15 +12,15 @@ from jointclosure.storage.figures import save_animation
 
 
 def check_animation(path: Path | None) -> None:
-    """Refuse what could not be written, before anything is computed."""
+    """Refuse an animation that could not be written, before anything is computed."""
     if path is not None and path.suffix != ".gif":
         raise InputError(f"{path}: must end in .gif")
     if path is not None and not path.parent.is_dir():
-        raise InputError(f"{path}: there is no folder {path.parent}")
+        raise InputError(f"{path}: folder {path.parent} not found")
 
 
 def kept_stresses(arguments, conditions: Conditions) -> tuple[float, ...]:
-    """Stresses [Pa] at which the state is kept: those asked for, and those of an animation."""
+    """Return the stresses [Pa] of the requested snapshots and of the frames of an animation."""
     if arguments.animation is None:
         return arguments.snapshots
     from jointclosure.plotting.animation import animated_stresses
@@ -30,7 +30,7 @@ def kept_stresses(arguments, conditions: Conditions) -> tuple[float, ...]:
 
 
 def write_animation(closed: xr.Dataset, arguments, title: str) -> xr.Dataset:
-    """Write the animation, if one is asked for; the joint with the snapshots asked for alone."""
+    """Write the animation, if requested; return the joint with only the requested snapshots."""
     if arguments.animation is None:
         return closed
     from jointclosure.plotting.animation import crushing_animation

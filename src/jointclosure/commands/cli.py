@@ -1,4 +1,4 @@
-"""The command line: `jointclosure --help`. Each command is a module of `commands`."""
+"""Command line `jointclosure`; each command is a module of `commands`."""
 
 import argparse
 import importlib
@@ -13,14 +13,14 @@ from jointclosure.inputs import InputError
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong with its arguments in one line."""
+    """Parser that reports errors of arguments in one line."""
 
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
 
 
 def parser(words: Sequence[str]) -> argparse.ArgumentParser:
-    """All commands, and the arguments of the one that is named first among words."""
+    """Return a parser of all commands, with the arguments of the first one named in words."""
     named = next((word for word in words if not word.startswith("-")), "")
     program = Parser(prog="jointclosure", description="Closure of rock joints.")
     program.add_argument("--version", action="version", version=__version__)
@@ -34,16 +34,16 @@ def parser(words: Sequence[str]) -> argparse.ArgumentParser:
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Run a command; what is wrong with its input is one line on standard error."""
+    """Run a command; report errors of its input in one line on standard error."""
     words = sys.argv[1:] if words is None else words
     arguments = parser(words).parse_args(words)
     if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(line_buffering=True)  # a log is written line by line
+        sys.stdout.reconfigure(line_buffering=True)  # write logs line by line
     try:
         return arguments.run(arguments)
     except (InputError, OSError, ValueError) as error:
-        said = "; ".join(line.strip() for line in str(error).splitlines())
-        print(f"jointclosure: {said.replace(':;', ':')}", file=sys.stderr)
+        message = "; ".join(line.strip() for line in str(error).splitlines())
+        print(f"jointclosure: {message.replace(':;', ':')}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("jointclosure: interrupted", file=sys.stderr)

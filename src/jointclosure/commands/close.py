@@ -32,7 +32,7 @@ from jointclosure.ensemble.scanned_joint import ClosedJoint, closed_pair, read_w
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.inputs.remarks import cautions
 from jointclosure.jobs.progress import duration
-from jointclosure.joint.loading import load_said
+from jointclosure.joint.loading import describe_load
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.scans.units import UNITS
 from jointclosure.storage.figures import save_figure
@@ -49,7 +49,7 @@ _EXAMPLES = """examples:
   jointclosure close top.csv bottom.csv --units mm --youngs-modulus 60 --poisson-ratio 0.22 \\
       --strength 180 --stress 15 --grid-spacing 0.5 --output my_joint
 
-What is not given is as in the configuration (config/README.md); docs/own_joint.md goes through it.
+Other values are those of the configuration (config/README.md). docs/own_joint.md is a tutorial.
 """
 
 
@@ -58,8 +58,8 @@ def add_to(commands) -> None:
     command = commands.add_parser(
         "close",
         help=COMMANDS["close"],
-        description="Bring two scanned walls together, press them together and release them.\n"
-        "Says what was found in the scans, how well they fit, and how far they close.",
+        description="Register two scanned walls, press them together and release them.\n"
+        "Prints a description of the scans, the fit of the walls, and their closure.",
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -67,37 +67,42 @@ def add_to(commands) -> None:
     command.add_argument("lower", type=Path, help="scan of the lower wall")
     scans = command.add_argument_group("scans")
     scans.add_argument(
-        "--units", choices=list(UNITS), help="of their lengths, where the files do not say them"
+        "--units", choices=list(UNITS), help="units of the scans, if the files do not state them"
     )
     scans.add_argument(
-        "--spacing", type=float, metavar="mm", help="of their grids, where the files do not say it"
+        "--spacing",
+        type=float,
+        metavar="mm",
+        help="spacing of the scans, if the files do not state it",
     )
     scans.add_argument(
-        "--variable", help="the array or channel, where a file has several; columns of a text"
+        "--variable",
+        help="name of the array or channel, if a file has several; columns of a text file",
     )
     scans.add_argument(
         "--spikes",
         choices=("keep", "cut"),
         default="cut",
-        help="points that stand out from all but one of their neighbours (default: cut)",
+        help="points that differ from all but one of their neighbours (default: cut)",
     )
     joint = command.add_argument_group("joint")
     joint.add_argument(
         "--grid-spacing",
         type=float,
         metavar="mm",
-        help="of the joint; by default the larger point distance of the scans",
+        help="grid spacing of the joint; by default the larger point distance of the scans",
     )
     joint.add_argument(
         "--orientation",
         choices=list(ORIENTATIONS),
-        help="how the upper scan lies to the lower one; by default the one that fits, if clear",
+        help="orientation of the upper scan in the frame of the lower one; by default the one "
+        "that fits best, if it is clear",
     )
     joint.add_argument(
         "--shift",
         choices=SHIFTS,
-        help="leave the walls as scanned, or move the upper one to where they mate best; by "
-        "default scanned where both scans are in one frame, else mated",
+        help="leave the walls as scanned, or move the upper one to the position of best fit; by "
+        "default scanned if both scans are in one frame, otherwise mated",
     )
     add_rock(command)
     add_load_and_model(command)
@@ -107,13 +112,13 @@ def add_to(commands) -> None:
         type=Path,
         default=Path("closed_joint"),
         metavar="FOLDER",
-        help="where results go (default closed_joint)",
+        help="folder of the results (default closed_joint)",
     )
     command.set_defaults(run=run)
 
 
 def run(arguments) -> int:
-    """Close the joint and write its folder; 1 where the simulation failed."""
+    """Close the joint and write its folder; return 1 if the simulation failed."""
     import jointclosure.plotting.scanned_joint  # noqa: F401  an extra that may be missing
 
     check_animation(arguments.animation)
@@ -125,7 +130,7 @@ def run(arguments) -> int:
     joint = _closed(settings, pair, arguments)
     print(summary(joint.history))
     print(f"{status_text(joint.history)}; {duration(time.perf_counter() - start)}")
-    for line in cautions(pair.report):  # again, below the numbers that they are about
+    for line in cautions(pair.report):  # repeat them below the numbers that they concern
         print(f"- {line}")
     title = f"{arguments.upper.name} on {arguments.lower.name}"
     joint = joint._replace(history=write_animation(joint.history, arguments, title))
@@ -137,7 +142,7 @@ def run(arguments) -> int:
 
 
 def _settings(arguments) -> Configured:
-    """The whole configuration that the arguments describe, checked: the walls are its rock's."""
+    """Return the checked configuration of the arguments, with a rock that has these walls."""
     walls = {
         "upper": str(arguments.upper),
         "lower": str(arguments.lower),
@@ -153,20 +158,23 @@ def _settings(arguments) -> Configured:
     }
     grid = {} if arguments.grid_spacing is None else {"spacing_mm": arguments.grid_spacing}
     needed = tuple(option for option in NEEDED if option != "jrc")
-    own = {"jrc": None, "walls": walls}
-    return joint_configuration(base_keys(arguments), arguments, own, {"grid": grid}, needed)
+    rock = {"jrc": None, "walls": walls}
+    return joint_configuration(base_keys(arguments), arguments, rock, {"grid": grid}, needed)
 
 
 def _pair(arguments, settings: Configured) -> RegisteredPair:
-    """The scans, read and brought together as their configuration says."""
+    """Read the scans and register them as configured."""
     walls = next(iter(settings.typed.rocks.values())).walls
-    assert walls is not None  # they are the arguments' own
+    assert walls is not None  # set from the arguments
     spacing = None if arguments.grid_spacing is None else 1e-3 * arguments.grid_spacing
     upper, lower = (
         read_wall(path, walls.units, walls.spacing, walls.variable)
         for path in (walls.upper, walls.lower)
     )
-    for name, scan in (("upper", upper), ("lower", lower)):  # before what may take minutes
+    for name, scan in (
+        ("upper", upper),
+        ("lower", lower),
+    ):  # before registration, which may take minutes
         for remark in cautions(scan.remarks):
             print(f"- {name} wall: {remark}")
     allowed = settings.typed.study.unusual_values == "allow"
@@ -182,7 +190,7 @@ def _closed(settings: Configured, pair: RegisteredPair, arguments) -> ClosedJoin
     name = configuration.rocks[case.rock].title
     print(
         f"{rock_text(conditions.rock, name)}; {nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm: "
-        f"{load_said(conditions.max_normal_stress, conditions.cycles)}"
+        f"{describe_load(conditions.max_normal_stress, conditions.cycles)}"
     )
     with shown_progress(conditions.cycles) as report:
         stresses = kept_stresses(arguments, conditions)
@@ -190,7 +198,7 @@ def _closed(settings: Configured, pair: RegisteredPair, arguments) -> ClosedJoin
 
 
 def _write(joint: ClosedJoint, settings: Configured, folder: Path, title: str) -> None:
-    """All files of a joint: its history, what was found on the way, exports and pictures."""
+    """Write all files of a joint: its history, registration, exports and figures."""
     from jointclosure.plotting.joint import closure_curve
     from jointclosure.plotting.scanned_joint import pair_figure
     from jointclosure.plotting.snapshots import snapshot_figure
@@ -207,7 +215,7 @@ def _write(joint: ClosedJoint, settings: Configured, folder: Path, title: str) -
 
 
 def _record(joint: ClosedJoint, settings: Configured, about: dict[str, str], title: str) -> dict:
-    """What was found and done, with units in the names, and where it comes from."""
+    """Return the results with units in their names, and their provenance."""
     pair, history = joint.pair, joint.history
     case = cases_of(settings.typed)[0]
     surfaces = surface_settings(settings.typed, case, range(1))
@@ -245,10 +253,10 @@ def _record(joint: ClosedJoint, settings: Configured, about: dict[str, str], tit
 
 
 def _finite(values: Iterable[float]) -> list[float | None]:
-    """Numbers for JSON, which has none for what is not known: null stands for it."""
+    """Return numbers for JSON, with null for numbers that are not finite."""
     return [float(value) if np.isfinite(value) else None for value in values]
 
 
-def _interval_mm(found: Mismatch) -> dict[str, float | None]:
-    """A mismatch wavelength and its interval [mm]."""
-    return dict(zip(found._fields, _finite(1e3 * value for value in found), strict=True))
+def _interval_mm(mismatch: Mismatch) -> dict[str, float | None]:
+    """Return a mismatch wavelength and its interval [mm]."""
+    return dict(zip(mismatch._fields, _finite(1e3 * value for value in mismatch), strict=True))

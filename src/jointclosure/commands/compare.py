@@ -1,4 +1,4 @@
-"""`jointclosure compare`: what moved between two studies."""
+"""`jointclosure compare`: differences between two studies."""
 
 from pathlib import Path
 
@@ -18,25 +18,25 @@ def add_to(commands) -> None:
         "compare",
         help=COMMANDS["compare"],
         description="Mean closures, indifference intervals and verdicts of two studies. "
-        "Surfaces with the same seeds are compared one by one.",
+        "Surfaces with the same seeds are compared in pairs.",
     )
     command.add_argument("first", type=Path, help="results folder, such as results/paper")
     command.add_argument("second", type=Path, help="results folder of the other study")
     command.add_argument(
         "--exact",
         action="store_true",
-        help="list all that differs, but for provenance and timing; fails if anything does",
+        help="list all differences except in provenance and timing; fails if there is one",
     )
     command.set_defaults(run=run)
 
 
 def run(arguments) -> int:
-    """What moved between two studies."""
+    """Print the differences between two studies."""
     first, second = (_study(_sealed(folder)) for folder in (arguments.first, arguments.second))
     if arguments.exact:
-        found = comparison.differences(first, second)
-        print("\n".join(found) or "identical but for provenance and timing")
-        return 1 if found else 0
+        messages = comparison.differences(first, second)
+        print("\n".join(messages) or "identical except for provenance and timing")
+        return 1 if messages else 0
     changes = comparison.closure_changes(first, second)
     print(comparison.surfaces_sentence(changes))
     print("\nMean closures, over the cases of each rock")
@@ -59,7 +59,7 @@ def run(arguments) -> int:
 
 
 def _sealed(folder: Path) -> Path:
-    """A folder of results in which every file is as it was written."""
+    """Return a folder of results after checking that every file is as it was written."""
     check_folder(folder)
     return folder
 

@@ -1,4 +1,4 @@
-"""`jointclosure doctor`: is the environment fit for a study, and what to do where it is not."""
+"""`jointclosure doctor`: check whether the environment is ready for a study, with advice."""
 
 import importlib.util
 import os
@@ -29,16 +29,17 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_
 _PACKAGES = ("numpy", "numba", "scipy", "xarray", "netCDF4", "pandas", "matplotlib", "snakemake")
 _PYTHONS = ((3, 11), (3, 13))
 _MEMORY_OF_A_JOB = 0.5e9
-"""Bytes of a job of the paper's study, 305 MB of closures to 415 MB of tables, rounded up."""
+"""Memory of a job of the paper's study in bytes: 305 MB for closures to 415 MB for tables, rounded
+up."""
 _DISK_OF_A_STUDY = 1e9
-"""Bytes that a study may take: the paper's takes 0.2 GB, most of it surfaces."""
+"""Disk space of a study in bytes; the paper's study takes 0.2 GB, most of it for surfaces."""
 
 
 class Finding(NamedTuple):
-    """What was looked at, what was found, and what to do if that is not well."""
+    """Item checked, its state, and advice if it is not in order."""
 
     what: str
-    found: str
+    state: str
     advice: str = ""
 
 
@@ -47,34 +48,34 @@ def add_to(commands) -> None:
     command = commands.add_parser(
         "doctor",
         help=COMMANDS["doctor"],
-        description="Versions, cores, thread settings, compiled kernels, memory, results folder "
-        "and Snakemake, each with advice where it is not well. Run it where `make study` is run; "
-        "it changes nothing, and fails where something is not well.",
+        description="Checks versions, cores, thread settings, compiled kernels, memory, results "
+        "folder and Snakemake, with advice on problems. Run it where `make study` is run; it "
+        "changes nothing, and fails if there is a problem.",
     )
     command.add_argument(
         "--try",
         dest="attempt",
         action="store_true",
-        help="close a small joint too (which compiles its kernels, if they are not: a minute)",
+        help="also close a small joint (compiles its kernels if needed, which takes a minute)",
     )
     command.set_defaults(run=run)
 
 
 def run(arguments) -> int:
-    """Print all findings; 1 where any has an advice."""
+    """Print all findings; return 1 if there is any advice."""
     unwell = 0
     for finding in findings(Path.cwd(), arguments.attempt):
         mark = "!" if finding.advice else " "
-        print(f"{mark} {finding.what + ':':<18}{finding.found}", flush=True)
+        print(f"{mark} {finding.what + ':':<18}{finding.state}", flush=True)
         if finding.advice:
             unwell += 1
             print(f"{'':20}-> {finding.advice}")
-    print(f"\n{unwell} to look at" if unwell else "\nall is well")
+    print(f"\n{unwell} with advice" if unwell else "\nno problems")
     return 1 if unwell else 0
 
 
 def findings(folder: Path, attempt: bool) -> Iterator[Finding]:
-    """All that is looked at, one by one, for a study run in a folder."""
+    """Generate all findings for a study that is run in a folder."""
     yield _python()
     yield _versions()
     yield _extras()
@@ -92,29 +93,31 @@ def findings(folder: Path, attempt: bool) -> Iterator[Finding]:
 
 
 def _python() -> Finding:
-    found = f"{platform.python_version()} at {sys.executable}"
+    state = f"{platform.python_version()} at {sys.executable}"
     low, high = _PYTHONS
     if low <= sys.version_info[:2] <= high:
-        return Finding("python", found)
-    return Finding("python", found, "use Python 3.11 to 3.13: make clean setup PYTHON=python3.12")
+        return Finding("python", state)
+    return Finding("python", state, "use Python 3.11 to 3.13: make clean setup PYTHON=python3.12")
 
 
 def _versions() -> Finding:
-    own, *others = (f"{name} {v}" for name, v in versions_of("jointclosure", *_PACKAGES).items())
-    return Finding("packages", f"{own}; {', '.join(others)}")
+    package, *others = (
+        f"{name} {v}" for name, v in versions_of("jointclosure", *_PACKAGES).items()
+    )
+    return Finding("packages", f"{package}; {', '.join(others)}")
 
 
 def _extras() -> Finding:
     there = [extra for extra in EXTRAS if installed(extra)]
     missing = [extra for extra in EXTRAS if extra not in there]
-    found = f"with {', '.join(there) or 'none'}"
+    state = f"with {', '.join(there) or 'none'}"
     if missing:
-        found += f"; without {', '.join(missing)} (pip install 'jointclosure[{missing[0]}]')"
-    return Finding("extras", found)
+        state += f"; without {', '.join(missing)} (pip install 'jointclosure[{missing[0]}]')"
+    return Finding("extras", state)
 
 
 def _configuration() -> Finding:
-    """Whether `jointclosure simulate` finds the defaults and they can be run."""
+    """Check whether `jointclosure simulate` has its default configuration and can run it."""
     try:
         rocks = configured(merged_study(), read_csv).typed.rocks
     except (InputError, OSError) as error:
@@ -123,46 +126,46 @@ def _configuration() -> Finding:
 
 
 def _threads(cores: int) -> Finding:
-    told = {name: os.environ.get(name) for name in THREADS}
-    found = ", ".join(f"{name}={value or 'unset'}" for name, value in told.items())
-    if cores == 1 or all(value == "1" for value in told.values()):
-        return Finding("threads", found)
-    if not any(told.values()):  # as in any shell
-        return Finding("threads", f"{found}; make sets each to 1, which own scripts should, too")
+    settings = {name: os.environ.get(name) for name in THREADS}
+    state = ", ".join(f"{name}={value or 'unset'}" for name, value in settings.items())
+    if cores == 1 or all(value == "1" for value in settings.values()):
+        return Finding("threads", state)
+    if not any(settings.values()):  # as in any shell
+        return Finding("threads", f"{state}; make sets all to 1, and scripts should do the same")
     return Finding(
         "threads",
-        found,
+        state,
         "jobs that run side by side slow each other down unless each has one thread: set all to "
-        "1 (make does that by itself; .ci/environment has the line for a shell)",
+        "1 (make does this; .ci/environment has the line for a shell)",
     )
 
 
 def _memory(cores: int) -> Finding:
     memory = psutil.virtual_memory()
-    found = f"{memory.available / 1e9:.1f} of {memory.total / 1e9:.1f} GB free"
+    state = f"{memory.available / 1e9:.1f} of {memory.total / 1e9:.1f} GB free"
     jobs = int(memory.available / _MEMORY_OF_A_JOB)
     if jobs >= cores:
-        return Finding("memory", found)
+        return Finding("memory", state)
     return Finding(
         "memory",
-        found,
+        state,
         f"a job takes up to {_MEMORY_OF_A_JOB / 1e9:g} GB: make study CORES={max(jobs, 1)}",
     )
 
 
 def _cache() -> Finding:
     folder = cache_folder()
-    found = f"{folder}: {_kernels(folder)}"
+    state = f"{folder}: {_kernels(folder)}"
     older = [path for path in folder.parent.glob("numba-*") if path != folder]
     if older:
         size = sum(_size(path) for path in older)
-        found += f"; {len(older)} of other versions, {size / 1e6:.0f} MB, can be deleted"
+        state += f"; {len(older)} of other versions, {size / 1e6:.0f} MB, can be deleted"
     place = next(path for path in (folder, *folder.parents) if path.exists())
     if not os.access(place, os.W_OK):
         return Finding(
-            "compiled kernels", found, "not writable: set JOINTCLOSURE_CACHE to a folder that is"
+            "compiled kernels", state, "not writable: set JOINTCLOSURE_CACHE to a folder that is"
         )
-    return Finding("compiled kernels", found)
+    return Finding("compiled kernels", state)
 
 
 def _kernels(folder: Path) -> str:
@@ -187,23 +190,23 @@ def _results(folder: Path) -> Finding:
     results = folder / "results"
     place = results if results.exists() else folder
     free = shutil.disk_usage(place).free
-    found = f"{results}, {free / 1e9:.1f} GB free"
+    state = f"{results}, {free / 1e9:.1f} GB free"
     try:
         with tempfile.NamedTemporaryFile(dir=place):
             pass
     except OSError as error:
-        return Finding("results", f"{found}, {error.strerror}", f"make {place} writable")
+        return Finding("results", f"{state}, {error.strerror}", f"make {place} writable")
     if free < _DISK_OF_A_STUDY:
-        return Finding("results", found, "a study may take a gigabyte: make room")
-    return Finding("results", found)
+        return Finding("results", state, "a study may take a gigabyte: make room")
+    return Finding("results", state)
 
 
 def _snakemake(folder: Path) -> Finding:
-    """Whether it starts, and plans the smoke study where its Snakefile is."""
+    """Check whether Snakemake starts, and plans the smoke study if a Snakefile is here."""
     here = (folder / "Snakefile").is_file() and (folder / "config/smoke.yaml").is_file()
     if importlib.util.find_spec("snakemake") is None:
         advice = "pip install 'jointclosure[workflow]'" if here else ""
-        return Finding("snakemake", "not installed, which only a study needs", advice)
+        return Finding("snakemake", "not installed; only studies need it", advice)
     start = time.perf_counter()
     command = [sys.executable, "-m", "snakemake", "--version"]
     if here:
@@ -215,5 +218,5 @@ def _snakemake(folder: Path) -> Finding:
     if answer.returncode == 0:
         did = "plans the smoke study" if here else f"{answer.stdout.strip()} starts; no study here"
         return Finding("snakemake", f"{did}, in {took}")
-    said = (answer.stderr.strip() or answer.stdout.strip() or "said nothing").splitlines()
-    return Finding("snakemake", said[-1], "make clean setup sets up the environment again")
+    output = (answer.stderr.strip() or answer.stdout.strip() or "no output").splitlines()
+    return Finding("snakemake", output[-1], "make clean setup sets up the environment again")

@@ -17,16 +17,16 @@ def add_to(commands) -> None:
     command = commands.add_parser(
         "engineering",
         help=COMMANDS["engineering"],
-        description="Writes a table for each case: closure, normal stiffness and, of a study with "
-        "flow, apertures against stress, with mean, median and a band of 90 % over its joints "
-        "(docs/engineering.md). Nothing is computed again.",
+        description="Writes a table for each case: closure, normal stiffness and, for a study with "
+        "flow, apertures over stress, with mean, median and a band of 90 % over its joints "
+        "(docs/engineering.md). No joint is closed again.",
     )
     command.add_argument("results", type=Path, help="results folder, such as results/paper")
     command.add_argument(
         "--case",
         nargs="+",
         metavar="NAME",
-        help="such as dolerite-base; by default each rock as it is",
+        help="name of a case, such as dolerite-base; by default the base case of each rock",
     )
     command.add_argument(
         "--output", type=Path, metavar="FOLDER", help="default: engineering in the results folder"

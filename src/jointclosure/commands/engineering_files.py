@@ -1,4 +1,4 @@
-"""The files of a closed joint that engineers and their programs take."""
+"""Files of a closed joint for engineering programs."""
 
 import json
 from pathlib import Path
@@ -12,7 +12,7 @@ from jointclosure.engineering.exchange import (
     itasca_tables,
     porepy_parameters,
 )
-from jointclosure.engineering.laws import fitted_laws, law_said
+from jointclosure.engineering.laws import describe_law, fitted_laws
 from jointclosure.engineering.stiffness import stiffness_table
 from jointclosure.inputs import InputError
 from jointclosure.joint.protocol import FAILURE, LOADING
@@ -21,10 +21,11 @@ from jointclosure.storage.meshes import write_vtu
 from jointclosure.storage.text import write_csv, write_text
 
 FIGURES = 7
-"""Of the numbers in tables: more than a joint is known to, enough to differ neighbouring steps."""
+"""Significant digits of numbers in tables: more than their accuracy, but enough to distinguish
+neighbouring steps."""
 
 _GEOS = """<!-- for <Functions>; its contact model has apertureTableName="joint_aperture".
-     Gap and aperture in m. Where they come from: joint.nc beside this file. -->
+     Gap and aperture in m, from joint.nc beside this file. -->
 <TableFunction
   name="joint_aperture"
   coordinateFiles="{ geos_gap.csv }"
@@ -34,28 +35,28 @@ _GEOS = """<!-- for <Functions>; its contact model has apertureTableName="joint_
 
 
 def write_exports(history: xr.Dataset, folder: Path, title: str) -> None:
-    """Write and print as `write_engineering` does; nothing of a joint whose simulation failed."""
+    """Write and print as `write_engineering`, unless the simulation failed."""
     if int(history.status) < FAILURE:
         print("\n".join(f"- {line}" for line in write_engineering(history, folder, title)))
 
 
 def write_engineering(history: xr.Dataset, folder: Path, title: str) -> list[str]:
-    """Write curves, stiffness, laws and other programs' inputs.
+    """Write curves, stiffness, laws and input of other programs.
 
     Parameters
     ----------
     history : Dataset
         As from `jointclosure.simulate`.
     folder : path
-        That is there.
+        An existing folder.
     title : str
-        Of the figure.
+        Title of the figure.
 
     Returns
     -------
     list of str
-        Sentences: which closure the files are of, the best law of each cycle's loading, and what
-        could not be written.
+        Sentences on the kind of closure in the files, the best law of each cycle's loading, and
+        files that could not be written.
     """
     from jointclosure.plotting.engineering import engineering_figure
 
@@ -65,18 +66,18 @@ def write_engineering(history: xr.Dataset, folder: Path, title: str) -> list[str
     write_csv(stiffness_table(history), folder / "stiffness.csv", FIGURES)
     write_csv(fits, folder / "laws.csv", FIGURES)
     write_text(itasca_tables(history), folder / "joint_stiffness.dat")
-    said = [
+    messages = [
         "stiffness, laws and inputs of other programs are net, without the elastic indentation of "
         "the half-spaces; curves.csv, cycles.csv and stiffness.csv have gross values too"
     ]
-    said += [law_said(fits, cycle, LOADING) for cycle in cycles.cycle]
+    messages += [describe_law(fits, cycle, LOADING) for cycle in cycles.cycle]
     for write in (_write_porepy, _write_geos, _write_mesh):
         try:
             write(history, folder)
-        except InputError as error:  # one program's form that cannot be had spoils no other
-            said.append(f"not written: {error}")
+        except InputError as error:  # the files of other programs are still written
+            messages.append(f"not written: {error}")
     save_figure(engineering_figure(history, title), folder / "engineering.png")
-    return said
+    return messages
 
 
 def _write_porepy(history: xr.Dataset, folder: Path) -> None:

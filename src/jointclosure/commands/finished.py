@@ -1,4 +1,4 @@
-"""Files of a finished study, as the commands that read them ask for them."""
+"""Files of a finished study, for the commands that read them."""
 
 from pathlib import Path
 
@@ -7,27 +7,27 @@ from jointclosure.storage.seals import check_folder
 
 
 def existing(path: Path) -> Path:
-    """A file that a finished study has.
+    """Return the path of a file of a finished study.
 
     Raises
     ------
     InputError
-        There is no such file.
+        If the file does not exist.
     """
     if not path.is_file():
-        raise InputError(f"{path}: there is no such file; is the study finished?")
+        raise InputError(f"{path}: file not found; is the study finished?")
     return path
 
 
 def study_of(folder: Path) -> Path:
-    """study.nc of a folder of results in which every sealed file is as it was written.
+    """Return the path of study.nc in a folder of results after checking all seals.
 
     Raises
     ------
     InputError
-        There is none.
+        If it does not exist.
     ForeignFileError
-        A sealed file is missing, or not the one that its seal says.
+        If a sealed file is missing, or does not match its seal.
     """
     study = existing(folder / "study.nc")
     check_folder(folder)

@@ -1,4 +1,4 @@
-"""`jointclosure fit`: the mismatch wavelength of the joint whose closure was measured."""
+"""`jointclosure fit`: mismatch wavelength of a joint from its measured closure."""
 
 import argparse
 import json
@@ -33,7 +33,7 @@ _EXAMPLES = """examples:
   jointclosure fit curve.csv --youngs-modulus 60 --poisson-ratio 0.22 --strength 180 --jrc 8 \\
       --stress-unit MPa --closure-unit mm --seating 0.25
 
-The curve has columns stress_MPa, closure_mm and, of several cycles, cycle (docs/mismatch.md).
+The curve has columns stress_MPa, closure_mm and, for several cycles, cycle (docs/mismatch.md).
 """
 
 
@@ -42,18 +42,16 @@ def add_to(commands) -> None:
     command = commands.add_parser(
         "fit",
         help=COMMANDS["fit"],
-        description="Close joints from mates to independent walls, and find the mismatch\n"
-        "wavelength of those that close as was measured, with a 95 % interval.",
+        description="Close joints from mated to independent walls, and find the mismatch\n"
+        "wavelength of those whose closure is the measured one, with a 95 % interval.",
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     command.add_argument("curve", type=Path, help="CSV of the measured closure curve")
     curve = command.add_argument_group("curve")
+    curve.add_argument("--stress-unit", choices=STRESS_UNITS, help="if the column's name has none")
     curve.add_argument(
-        "--stress-unit", choices=STRESS_UNITS, help="where the column's name has none"
-    )
-    curve.add_argument(
-        "--closure-unit", choices=CLOSURE_UNITS, help="where the column's name has none"
+        "--closure-unit", choices=CLOSURE_UNITS, help="if the column's name has none"
     )
     curve.add_argument(
         "--closure-error", type=float, default=2.0, metavar="%",
@@ -64,33 +62,35 @@ def add_to(commands) -> None:
     joint = command.add_argument_group("joint")
     joint.add_argument("--jrc", type=float, metavar="JRC", help="joint roughness coefficient")
     joint.add_argument(
-        "--cells", type=int, default=64, metavar="N", help="cells along its sides (default 64)"
+        "--cells", type=int, default=64, metavar="N", help="cells along the sides (default 64)"
     )
     joint.add_argument("--spacing", type=float, metavar="mm", help="grid spacing")
     joint.add_argument(
-        "--fit-strength", action="store_true", help="find the compressive strength too"
+        "--fit-strength", action="store_true", help="also fit the compressive strength"
     )
     joint.add_argument(
         "--surfaces", type=int, default=12, metavar="N",
         help="joints at each mismatch wavelength (default 12)",
     )  # fmt: skip
-    joint.add_argument("--seed", type=int, default=1, metavar="N", help="of the joints (default 1)")
+    joint.add_argument(
+        "--seed", type=int, default=1, metavar="N", help="seed of the joints (default 1)"
+    )
     add_model(command)
     results = command.add_argument_group("results")
     results.add_argument(
-        "--output", type=Path, metavar="FOLDER", help="where numbers and a picture go"
+        "--output", type=Path, metavar="FOLDER", help="folder of the results and a figure"
     )
     command.set_defaults(run=run)
 
 
 def run(arguments) -> int:
-    """Fit the joint, and say and write what was found."""
+    """Fit the joint, and print and write the result."""
     if arguments.output:
         from jointclosure.plotting.calibration import fit_figure
 
         check_can_be_made(arguments.output)
     if not arguments.curve.is_file():
-        raise InputError(f"{arguments.curve}: there is no such file")
+        raise InputError(f"{arguments.curve}: file not found")
     units = (arguments.stress_unit, arguments.closure_unit)
     curve = parsed_curve(read_text(arguments.curve), str(arguments.curve), *units, cycle=1)
     settings = _settings(arguments, float(curve.stress.max()))
@@ -102,7 +102,7 @@ def run(arguments) -> int:
     )
     print(f"assumed (--jrc, --cells, --spacing and --set change it): {assumed}")
     with bar("closing") as show:
-        found = fit(
+        result = fit(
             arguments.curve,
             rock=case.intact,
             jrc=case.jrc,
@@ -122,13 +122,13 @@ def run(arguments) -> int:
             numerics=configuration.numerics,
             report=lambda share: show(share, ""),
         )
-    print("\n".join(f"- {line}" for line in found.sentences()))
+    print("\n".join(f"- {line}" for line in result.sentences()))
     if arguments.output:
 
         def write(folder: Path) -> None:
-            record = _record(found, settings)
+            record = _record(result, settings)
             write_text(json.dumps(record, indent=1) + "\n", folder / "fit.json")
-            save_figure(fit_figure(found, arguments.curve.name), folder / "fit.png")
+            save_figure(fit_figure(result, arguments.curve.name), folder / "fit.png")
 
         names = replace_files(arguments.output, "fit", write)
         print(f"wrote {arguments.output}: {', '.join(names)}")
@@ -136,41 +136,41 @@ def run(arguments) -> int:
 
 
 def _settings(arguments, largest: float) -> Configured:
-    """The whole configuration that the arguments describe, checked."""
+    """Return the checked configuration of the arguments."""
     grid: dict = {"cells_x": arguments.cells, "cells_y": arguments.cells}
     if arguments.spacing is not None:
         grid["spacing_mm"] = arguments.spacing
     base = base_keys(arguments)
     if arguments.jrc is None and base["rocks"].get(arguments.rock, {}).get("jrc") is None:
         raise InputError("--jrc: must be given")
-    own = {"max_normal_stress_MPa": 1e-6 * largest, "walls": None}
+    rock = {"max_normal_stress_MPa": 1e-6 * largest, "walls": None}
     needed = tuple(option for option in NEEDED if option != "stress")
-    return joint_configuration(base, arguments, own, {"grid": grid}, needed)
+    return joint_configuration(base, arguments, rock, {"grid": grid}, needed)
 
 
-def _record(found: Fit, settings: Configured) -> dict:
-    """What was found, with units in the names; null stands for infinity."""
-    strength = found.compressive_strength
+def _record(result: Fit, settings: Configured) -> dict:
+    """Return the results with units in their names; null means infinity."""
+    strength = result.compressive_strength
     return {
-        "found": found.sentences(),
-        "mismatch_wavelength_mm": _scaled(found.mismatch_wavelength, 1e3),
+        "found": result.sentences(),
+        "mismatch_wavelength_mm": _scaled(result.mismatch_wavelength, 1e3),
         "compressive_strength_MPa": None if strength is None else _scaled(strength, 1e-6),
-        "p_value": found.p_value,
-        "interval_holds": found.interval_holds,
-        "assumed": found.assumed,
-        "stress_MPa": (1e-6 * found.measured.levels).tolist(),
-        "measured_mm": (1e3 * found.measured.values).tolist(),
+        "p_value": result.p_value,
+        "interval_holds": result.interval_holds,
+        "assumed": result.assumed,
+        "stress_MPa": (1e-6 * result.measured.levels).tolist(),
+        "measured_mm": (1e3 * result.measured.values).tolist(),
         "likelihood": {
-            "wavelength_mm": (1e3 * found.likelihood.wavelengths).tolist(),
-            "strength_MPa": (1e-6 * found.likelihood.strengths).tolist(),
-            "log": found.likelihood.log.tolist(),
+            "wavelength_mm": (1e3 * result.likelihood.wavelengths).tolist(),
+            "strength_MPa": (1e-6 * result.likelihood.strengths).tolist(),
+            "log": result.likelihood.log.tolist(),
         },
         "provenance": provenance(settings.keys),
     }
 
 
-def _scaled(found: Interval, scale: float) -> dict[str, float | None]:
+def _scaled(interval: Interval, scale: float) -> dict[str, float | None]:
     return {
         name: scale * value if math.isfinite(value) else None
-        for name, value in found._asdict().items()
+        for name, value in interval._asdict().items()
     }

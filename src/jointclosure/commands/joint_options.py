@@ -1,4 +1,4 @@
-"""What the commands that close a joint share: rock, load and model, and what they say of it."""
+"""Options and output of the commands that close a joint: rock, load and model."""
 
 import argparse
 from collections.abc import Iterator
@@ -23,33 +23,33 @@ from jointclosure.storage.folders import check_record
 from jointclosure.storage.text import read_csv
 
 _SHORTER = {"compressive_strength": "strength"}
-"""Options that are shorter than the property of rock that they give."""
+"""Options with a shorter name than the property of rock that they set."""
 _INTACT = {_SHORTER.get(name, name): name for name in OF_ROCK}
-"""Properties of intact rock by their options."""
+"""Properties of intact rock by option."""
 OPTIONS = {option: key_of(name) for option, name in _INTACT.items()} | {
     "jrc": "jrc",
     "stress": "max_normal_stress_MPa",
 }
-"""Keys of a rock in a configuration by their options."""
+"""Keys of a rock in a configuration by option."""
 NEEDED = tuple(option for option in OPTIONS if _INTACT.get(option) not in Rock._field_defaults)
-"""Options that must be given where no rock is named: those of properties without a default."""
+"""Options that must be given if no rock is named: those of properties without a default."""
 _UNNAMED = "rock"
 """Name of a rock that is given by its properties."""
 _FIRST_LOADING = 5.0
-"""Time of the first loading over that of a later cycle, for the progress bar: 4 to 10 measured on
-joints of the paper's size without roll-off, where later cycles are closed again and not
-replayed; the first unloading takes a third of a cycle."""
+"""Time of the first loading over that of a later cycle, for the progress bar. 4 to 10 were measured
+on joints of the paper's size without roll-off whose later cycles were solved and not replayed; the
+first unloading takes a third of a cycle."""
 
 
 def add_rock(command: argparse.ArgumentParser) -> None:
-    """Declare the arguments that say what the joint is made of."""
+    """Declare the arguments of the material of the joint."""
     rock = command.add_argument_group("rock")
-    rock.add_argument("--rock", metavar="NAME", help="one of the configuration's, or granite")
+    rock.add_argument("--rock", metavar="NAME", help="a rock of the configuration, or granite")
     rock.add_argument(
         "--config",
         type=Path,
         metavar="FILE",
-        help="study whose rocks and other keys are used, over the paper's",
+        help="configuration whose keys replace those of the paper's study",
     )
     for option, name in _INTACT.items():
         about = OF_ROCK[name]
@@ -62,14 +62,14 @@ def add_rock(command: argparse.ArgumentParser) -> None:
 
 
 def add_load_and_model(command: argparse.ArgumentParser) -> None:
-    """Declare the arguments that say how the joint is loaded, and by what model."""
+    """Declare the arguments of the load and of the model."""
     load = command.add_argument_group("load")
     load.add_argument(
         "--stress",
         type=_stress,
         metavar="MPa",
-        help="maximum normal stress; or a load history, the stresses at which the load turns, as "
-        "in 5,0,20,2,30",
+        help="maximum normal stress; or a load history, the stresses at which the load turns, "
+        "such as 5,0,20,2,30",
     )
     load.add_argument("--cycles", type=int, metavar="N", help="load-unload cycles")
     add_seating(load)
@@ -78,19 +78,19 @@ def add_load_and_model(command: argparse.ArgumentParser) -> None:
         type=_stresses,
         default=(),
         metavar="MPa,...",
-        help="stresses at which walls, forces and gap are kept and drawn, as in 1,5,10",
+        help="stresses at which walls, forces and gap are stored and drawn, such as 1,5,10",
     )
     load.add_argument(
         "--animation",
         type=Path,
         metavar="FILE.gif",
-        help="moving pictures of the joint being crushed",
+        help="animation of the joint being crushed",
     )
     model = add_model(command)
     model.add_argument(
         "--flow",
         action="store_true",
-        help="hydraulic apertures too, along x and y (docs/flow.md)",
+        help="also compute hydraulic apertures along x and y (docs/flow.md)",
     )
 
 
@@ -102,7 +102,7 @@ def add_seating(load: argparse._ArgumentGroup) -> None:
 
 
 def add_model(command: argparse.ArgumentParser) -> argparse._ArgumentGroup:
-    """Declare the arguments that say by what model a joint is closed."""
+    """Declare the arguments of the model of a closure."""
     model = command.add_argument_group("model")
     model.add_argument(
         "--without",
@@ -118,15 +118,15 @@ def add_model(command: argparse.ArgumentParser) -> argparse._ArgumentGroup:
         type=_setting,
         default=[],
         metavar="KEY=VALUE",
-        help="any other key of the configuration, as in choices.largest_radius_mm=20",
+        help="any other key of the configuration, such as choices.largest_radius_mm=20",
     )
     return model
 
 
 def base_keys(arguments) -> dict:
-    """Keys of the configuration that the joint is taken from, checked, with the rock that is meant.
+    """Return the checked keys of the configuration of the joint, including the named rock.
 
-    A rock that comes with the package and is in no study is put beside the study's.
+    A rock of the package that is in no study is added to the rocks of the study.
     """
     base = merged_study(*([arguments.config] if arguments.config else []))
     configured(base, read_csv)
@@ -140,27 +140,27 @@ def base_keys(arguments) -> dict:
 
 
 def joint_configuration(
-    base: dict, arguments, own: dict, changes: dict, needed: tuple[str, ...] = NEEDED
+    base: dict, arguments, rock: dict, changes: dict, needed: tuple[str, ...] = NEEDED
 ) -> Configured:
-    """The whole configuration that the arguments describe, checked.
+    """Return the checked configuration of the arguments.
 
     Parameters
     ----------
     base : dict
         As from `base_keys`.
     arguments
-        Of `add_rock` and `add_load_and_model`.
-    own : dict
+        Arguments of `add_rock` and `add_load_and_model`.
+    rock : dict
         Further keys of the rock.
     changes : dict
         Further keys of the study.
     needed : tuple of str
-        Options that must be given where no rock is named, of `NEEDED`.
+        Options among `NEEDED` that must be given if no rock is named.
     """
     given = {name: value for name, value in vars(arguments).items() if value is not None}
     if isinstance(given.get("stress"), tuple):
         given["stress"] = max(arguments.stress)
-    own = own | {key: given[option] for option, key in OPTIONS.items() if option in given}
+    rock = rock | {key: given[option] for option, key in OPTIONS.items() if option in given}
     name = arguments.rock or _UNNAMED
     base["rocks"].setdefault(name, {})["levels"] = {}
     if not arguments.rock:
@@ -169,10 +169,10 @@ def joint_configuration(
             raise InputError(
                 f"without --rock (such as --rock granite): {', '.join(missing)} must be given"
             )
-        own["title"] = "Rock"
-    if arguments.without:  # the rock's own settings go before the study's
-        own["effects"] = dict.fromkeys(arguments.without, False)
-    changes = merged({"study": {"rocks": [name]}, "rocks": {name: own}}, changes)
+        rock["title"] = "Rock"
+    if arguments.without:  # effects of the rock have priority over those of the study
+        rock["effects"] = dict.fromkeys(arguments.without, False)
+    changes = merged({"study": {"rocks": [name]}, "rocks": {name: rock}}, changes)
     if "cycles" in given:
         changes["study"]["cycles"] = given["cycles"]
     if given.get("flow"):
@@ -185,7 +185,7 @@ def joint_configuration(
 
 
 def loaded(conditions: Conditions, arguments) -> Conditions:
-    """The conditions with the load history of --stress, where it is one."""
+    """Return the conditions with the load history of --stress, if it is one."""
     if not isinstance(arguments.stress, tuple):
         return conditions
     history = tuple(1e6 * stress for stress in arguments.stress)
@@ -195,7 +195,7 @@ def loaded(conditions: Conditions, arguments) -> Conditions:
 
 @contextmanager
 def shown_progress(cycles: int) -> Iterator[Report]:
-    """A progress bar, and what tells it of the steps of a history of some cycles."""
+    """Show a progress bar, and yield the function that reports steps of a history to it."""
     whole = _FIRST_LOADING + cycles - 1
     with bar("closing") as show:
 
@@ -208,12 +208,12 @@ def shown_progress(cycles: int) -> Iterator[Report]:
 
 
 def summary(closed: xr.Dataset) -> str:
-    """Write the closures of each cycle as lines of text, with hydraulic apertures where known."""
+    """Format the closures of each cycle as lines of text, with hydraulic apertures if known."""
     seating = 1e-6 * closed.attrs["seating_stress_Pa"]
     table = cycle_table(closed)
     names = {
         "closure_net_since_seating_mm": f"net since {seating:g} MPa",
-        "residual_net_at_seating_mm": "of it stays",
+        "residual_net_at_seating_mm": "residual net",
         "closure_gross_since_seating_mm": f"gross since {seating:g} MPa",
         "max_closure_gross_mm": "gross from its start",
     }
@@ -229,7 +229,7 @@ def summary(closed: xr.Dataset) -> str:
 
 
 def _apertures(closed: xr.Dataset) -> pd.DataFrame:
-    """Mechanical and hydraulic apertures [mm] at the largest stress of each cycle."""
+    """Return mechanical and hydraulic apertures [mm] at the largest stress of each cycle."""
     curves = curve_table(closed)
     at = curves.loc[curves.groupby("cycle").normal_stress_MPa.idxmax()]
     at.index = [f"cycle {number}" for number in at.cycle]
@@ -242,40 +242,40 @@ def _apertures(closed: xr.Dataset) -> pd.DataFrame:
 
 
 def status_text(closed: xr.Dataset) -> str:
-    """Success or failure, with the remarks of the status in words."""
+    """Return success or failure, with the remarks of the status in words."""
     about, status = closed.status.attrs, int(closed.status)
     named = zip(about["flag_masks"], about["flag_meanings"].split(), strict=True)
-    found = [name for mask, name in named if status & int(mask)]
+    remarks = [name for mask, name in named if status & int(mask)]
     word = "failed" if status >= FAILURE else "success"
-    return f"{word}{': ' + ', '.join(found) if found else ''}"
+    return f"{word}{': ' + ', '.join(remarks) if remarks else ''}"
 
 
 def _stress(text: str) -> float | tuple[float, ...]:
-    """A stress, or a load history [MPa]."""
+    """Read a stress, or a load history [MPa]."""
     try:
         stresses = tuple(float(part) for part in text.split(","))
     except ValueError:
         raise argparse.ArgumentTypeError(
-            f"{text!r}: must be a stress in MPa, or a load history as in 5,0,20,2,30"
+            f"{text!r}: must be a stress in MPa, or a load history such as 5,0,20,2,30"
         ) from None
     return stresses if len(stresses) > 1 else stresses[0]
 
 
 def _stresses(text: str) -> tuple[float, ...]:
-    """Stresses [Pa] from a list in MPa."""
+    """Read stresses [Pa] from a list in MPa."""
     try:
         return tuple(1e6 * float(part) for part in text.split(","))
     except ValueError:
         raise argparse.ArgumentTypeError(
-            f"{text!r}: must be stresses in MPa, as in 1,5,10"
+            f"{text!r}: must be stresses in MPa, such as 1,5,10"
         ) from None
 
 
 def _setting(text: str) -> dict:
-    """A nested setting from `section.key=value`."""
+    """Read a nested setting from `section.key=value`."""
     key, equals, value = text.partition("=")
     if not equals or not key:
-        raise argparse.ArgumentTypeError(f"{text!r}: must be as in numerics.breakage=resolved")
+        raise argparse.ArgumentTypeError(f"{text!r}: must be like numerics.breakage=resolved")
     setting: Any = value_of(value)
     for part in reversed(key.split(".")):
         setting = {part: setting}
@@ -283,9 +283,9 @@ def _setting(text: str) -> dict:
 
 
 def check_can_be_made(folder: Path) -> None:
-    """Refuse a folder of results that cannot be written into, before anything is computed."""
+    """Refuse a folder of results that cannot be written, before anything is computed."""
     if folder.exists() and not folder.is_dir():
-        raise InputError(f"{folder}: is a file, and must be a folder")
+        raise InputError(f"{folder}: is a file, must be a folder")
     if not folder.parent.is_dir():
-        raise InputError(f"{folder}: there is no folder {folder.parent}")
+        raise InputError(f"{folder}: folder {folder.parent} not found")
     check_record(folder)

@@ -1,4 +1,4 @@
-"""`jointclosure plan`: how many surfaces a wish needs, and what they cost, from a study."""
+"""`jointclosure plan`: surfaces that a precision or a power needs, and their cost, from a study."""
 
 import json
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 from jointclosure.commands import COMMANDS
 from jointclosure.commands.finished import study_of
 from jointclosure.ensemble.aggregation import CURVES
-from jointclosure.sensitivity.planning import WISHES, Wish, plan
+from jointclosure.sensitivity.planning import GOALS, Goal, plan
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
 
 
@@ -15,14 +15,17 @@ def add_to(commands) -> None:
     command = commands.add_parser(
         "plan",
         help=COMMANDS["plan"],
-        description="From a finished study: surfaces per case that a wish needs, for each rock, "
-        "parameter and cycle, and the time they take here. Give one wish.",
+        description="From a finished study: number of surfaces per case that a precision or a "
+        "power needs, for each rock, parameter and cycle, and their time on this machine. Give "
+        "one goal.",
     )
     command.add_argument("results", type=Path, help="results folder, such as results/paper")
-    wishes = command.add_mutually_exclusive_group(required=True)
-    for kind, text in WISHES.items():
-        wishes.add_argument(f"--{kind}", type=float, help=text.replace("%", "%%"))
-    command.add_argument("--significance", type=float, default=0.05, help="of the t test (0.05)")
+    goals = command.add_mutually_exclusive_group(required=True)
+    for kind, text in GOALS.items():
+        goals.add_argument(f"--{kind}", type=float, help=text.replace("%", "%%"))
+    command.add_argument(
+        "--significance", type=float, default=0.05, help="significance level of the t test (0.05)"
+    )
     command.add_argument(
         "--paired",
         action="store_true",
@@ -32,25 +35,25 @@ def add_to(commands) -> None:
 
 
 def _has_a_pool(study: Path) -> bool:
-    """Whether a study has one: a pool.nc may be left of an earlier configuration."""
+    """Return whether a study has a pool; pool.nc may be from an earlier configuration."""
     with reading_netcdf(study) as dataset:
         return json.loads(dataset.attrs["configuration"])["study"].get("pool") is not None
 
 
 def run(arguments) -> int:
     """Print the plan."""
-    (wish,) = [
-        Wish(kind, amount)
-        for kind in WISHES
+    (goal,) = [
+        Goal(kind, amount)
+        for kind in GOALS
         if (amount := getattr(arguments, kind.replace("-", "_"))) is not None
     ]
     study = study_of(arguments.results)
     source = arguments.results / "pool.nc" if _has_a_pool(study) else study
     table = plan(
-        read_netcdf(source, without=CURVES), wish, arguments.significance, arguments.paired
+        read_netcdf(source, without=CURVES), goal, arguments.significance, arguments.paired
     )
     test = "paired t test, common draws" if arguments.paired else "unpaired t test"
-    print(f"{WISHES[wish.kind]}: {wish.amount:g} ({test}); from {source}")
+    print(f"{GOALS[goal.kind]}: {goal.amount:g} ({test}); from {source}")
     if table.empty:
         print("no parameter is varied in this study")
         return 0

@@ -1,4 +1,4 @@
-"""`jointclosure repeat`: one realisation of a study again, from what its files or logs say."""
+"""`jointclosure repeat`: repeat one realisation of a study, from its files or logs."""
 
 import json
 from pathlib import Path
@@ -23,20 +23,20 @@ def add_to(commands) -> None:
     command = commands.add_parser(
         "repeat",
         help=COMMANDS["repeat"],
-        description="Closes one surface pair of a study again, with the settings that its files "
-        "or, where its job failed, its logs tell, and says whether the numbers are those stored.",
+        description="Closes one surface pair of a study again, with the settings of its files "
+        "or, if its job failed, of its logs, and reports whether the results are the stored ones.",
     )
     command.add_argument("results", type=Path, help="results folder, such as results/paper")
     command.add_argument("case", help="name of the case, such as slate-jrc-low")
-    command.add_argument("realization", type=int, help="number of the realisation, from 0 on")
+    command.add_argument("realization", type=int, help="number of the realisation, from 0")
     command.add_argument(
-        "--pool", action="store_true", help="of the study's pool of common surfaces"
+        "--pool", action="store_true", help="a realisation of the pool of common surfaces"
     )
     command.set_defaults(run=run)
 
 
 def run(arguments) -> int:
-    """Repeat a realisation; 1 if it is not as stored."""
+    """Repeat a realisation; return 1 if it differs from the stored one."""
     results, case, realization = arguments.results, arguments.case, arguments.realization
     ensemble = "pool" if arguments.pool else "cases"
     settings = _settings(results, ensemble, case, realization)
@@ -51,11 +51,11 @@ def run(arguments) -> int:
             print(f"  {name:24} {values} {variable.attrs.get('units', '')}".rstrip())
     stored = _stored(results / f"{ensemble}/{case}.{first}.nc", realization)
     if stored is None:
-        print("no numbers are stored to compare with")
+        print("no stored results to compare with")
         return 0
-    found = differences(stored.drop_attrs(deep=False), again.drop_attrs(deep=False))
-    print("\n".join(found) or "identical to what is stored")
-    return 1 if found else 0
+    messages = differences(stored.drop_attrs(deep=False), again.drop_attrs(deep=False))
+    print("\n".join(messages) or "identical to the stored results")
+    return 1 if messages else 0
 
 
 def _stored(path: Path, realization: int) -> xr.Dataset | None:
@@ -66,7 +66,7 @@ def _stored(path: Path, realization: int) -> xr.Dataset | None:
 
 
 def _settings(results: Path, ensemble: str, case: str, realization: int) -> ClosureSettings:
-    """Settings of the block of a case that has the realisation."""
+    """Return the settings of the block of a case that contains the realisation."""
     logs = sorted((results / "logs/close_surfaces" / ensemble).glob(f"{_plain(case)}.*.log"))
     for log in logs:
         lines = (line for line in read_text(log).splitlines() if _SETTINGS in line)
@@ -76,7 +76,7 @@ def _settings(results: Path, ensemble: str, case: str, realization: int) -> Clos
             if first <= realization < first + settings.surfaces.realizations:
                 return settings
     raise InputError(
-        f"{results}: no log in logs/close_surfaces/{ensemble} tells of realisation "
+        f"{results}: no log in logs/close_surfaces/{ensemble} contains realisation "
         f"{realization} of {case!r}"
     )
 

@@ -1,4 +1,4 @@
-"""`jointclosure report`: a finished study as one page, without running anything."""
+"""`jointclosure report`: page on a finished study or a joint, without any computation."""
 
 import json
 from pathlib import Path
@@ -19,7 +19,7 @@ from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.seals import check_folder
 from jointclosure.storage.text import read_benchmarks, read_csv, write_text
 
-if TYPE_CHECKING:  # other commands do not load them
+if TYPE_CHECKING:  # not loaded by other commands
     from jointclosure.report.content import Material
     from jointclosure.report.page import Picture
 
@@ -32,8 +32,8 @@ def add_to(commands) -> None:
         "report",
         help=COMMANDS["report"],
         description="Writes report.html from the results of a study, or from the folder of a "
-        "joint that `jointclosure close` wrote, wherever they were made: nothing is computed "
-        "again. Every file must be as it was written.",
+        "joint that `jointclosure close` wrote. They may be from another machine; nothing is "
+        "computed again. Every file must be as it was written.",
     )
     command.add_argument("results", type=Path, help="results folder, such as results/paper")
     command.add_argument(
@@ -51,24 +51,24 @@ def run(arguments) -> int:
 
 
 def write_report(folder: Path, output: Path) -> int:
-    """Put a study's results, figures and job times into one page; or what a joint's folder holds.
+    """Write a page with the results, figures and job times of a study, or with those of a joint.
 
     Parameters
     ----------
     folder : path
-        Of the study's results, or one that `jointclosure close` wrote.
+        Folder of a study's results, or one that `jointclosure close` wrote.
     output : path
-        Of the page.
+        File of the page.
 
     Returns
     -------
     int
-        Bytes of the page.
+        Size of the page in bytes.
 
     Raises
     ------
     InputError
-        The study is not finished, or a file is not the one that its seal says.
+        If the study is not finished, or a file does not match its seal.
     """
     with needs("report", "a report"):
         from jointclosure.report.content import content
@@ -76,12 +76,12 @@ def write_report(folder: Path, output: Path) -> int:
     if (folder / "joint.json").is_file():
         page = _joint_page(folder)
         write_text(page, output)
-        if output.parent == folder:  # the page goes with the joint that it shows
+        if output.parent == folder:  # the page belongs to the folder of the joint
             add_file(folder, "close", output.name)
         return len(page.encode())
     sealed = check_folder(folder)
     if folder / "study.nc" not in sealed:
-        raise InputError(f"{folder / 'study.nc'}: no sealed one; is the study finished?")
+        raise InputError(f"{folder / 'study.nc'}: must exist with a seal; is the study finished?")
     with reading_netcdf(folder / "study.nc") as study:
         page = render(content(_material(study, folder, sealed)))
     write_text(page, output)
@@ -92,17 +92,18 @@ _OF_A_JOINT = {
     "engineering": ("Net closure, net stiffness and aperture", "Net closure since seating with "
                     "fitted laws, net normal stiffness and mean aperture against normal stress."),
     "closure": ("Gross closure from first touch, and net closure since seating", "Normal stress "
-                "against closure: loading in full lines, unloading dashed, a colour a cycle."),
-    "walls": ("The walls as they were closed", "Maps of both walls and of the aperture at first "
+                "against closure: loading in full lines, unloading dashed, a colour for each "
+                "cycle."),
+    "walls": ("Walls before closure", "Maps of both walls and of the aperture at first "
               "touch, a section there, correlation by wavelength and by orientation."),
     "snapshots": ("The joint under stress", "Maps of aperture, stress of contacts and change of "
-                  "the walls' height at the stresses that were asked for."),
+                  "the walls' height at the requested stresses."),
 }  # fmt: skip
-"""Pictures of a joint's folder: their titles, and what they show for those who do not see them."""
+"""Figures in a joint's folder: their titles, and text alternatives for screen readers."""
 
 
 def _joint_page(folder: Path) -> str:
-    """The page of a single joint, from its folder."""
+    """Return the page of a single joint, from its folder."""
     from jointclosure.report.captions import Caption
     from jointclosure.report.joint import JointMaterial, joint_content
     from jointclosure.report.page import Picture, render_joint
@@ -118,7 +119,7 @@ def _joint_page(folder: Path) -> str:
 
 
 def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material":
-    """All that the page is made from."""
+    """Collect the material of the page."""
     from jointclosure.report.content import Material
 
     configuration = json.loads(study.attrs["configuration"])
@@ -146,7 +147,7 @@ def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material"
 
 
 def _pictures(folder: Path, sealed: list[Path], configuration: dict) -> "list[Picture]":
-    """Figures that are sealed and have a caption, in the order in which they were drawn."""
+    """Return sealed figures that have a caption, in the order in which they were drawn."""
     from jointclosure.report.captions import read_caption
     from jointclosure.report.page import Picture
 
@@ -160,16 +161,16 @@ def _pictures(folder: Path, sealed: list[Path], configuration: dict) -> "list[Pi
 
 
 def _accuracy(folder: Path) -> pd.DataFrame | None:
-    """What `make accuracy` measured, where it was run beside this study."""
+    """Return the measurements of `make accuracy`, if it was run beside this study."""
     return _table(folder / "tables/accuracy_cost.csv", check_folder(folder))
 
 
 def _table(path: Path, sealed: list[Path]) -> pd.DataFrame | None:
-    """A table that not every study has."""
+    """Read a table that not every study has."""
     return read_csv(path) if path in sealed else None
 
 
 def _needed(path: Path, sealed: list[Path]) -> pd.DataFrame:
     if path not in sealed:
-        raise InputError(f"{path}: no sealed one; is the study finished?")
+        raise InputError(f"{path}: must exist with a seal; is the study finished?")
     return read_csv(path)

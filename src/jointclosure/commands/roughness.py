@@ -1,4 +1,4 @@
-"""`jointclosure roughness`: what the roughness of a scanned wall is."""
+"""`jointclosure roughness`: roughness of a scanned wall."""
 
 from pathlib import Path
 
@@ -28,21 +28,25 @@ def add_to(commands) -> None:
         "roughness",
         help=COMMANDS["roughness"],
         description="Roughness of a wall from a file (npy, npz, netCDF, csv, xyz; with the extra "
-        "jointclosure[walls] also STL, TIFF and what surface scanners write), its mean plane "
-        "removed. Every measure has a 95 % confidence interval.",
+        "jointclosure[walls] also STL, TIFF and files of surface scanners), without its mean "
+        "plane. Every measure has a 95 % confidence interval.",
     )
     command.add_argument("file", type=Path, help="the scanned wall")
     command.add_argument(
-        "--units", choices=list(UNITS), help="of its lengths, where the file does not say them"
+        "--units", choices=list(UNITS), help="units of the scan, if the file does not state them"
     )
     command.add_argument(
-        "--spacing", type=float, metavar="MM", help="of its grid, where the file does not say it"
+        "--spacing",
+        type=float,
+        metavar="MM",
+        help="spacing of the scan, if the file does not state it",
     )
     command.add_argument(
-        "--variable", help="the array or channel, where the file has several; columns of a text"
+        "--variable",
+        help="name of the array or channel, if the file has several; columns of a text file",
     )
     command.add_argument(
-        "--grid-spacing", type=float, metavar="MM", help="bring it to this spacing first"
+        "--grid-spacing", type=float, metavar="MM", help="interpolate to this spacing first"
     )
     command.add_argument(
         "--missing",
@@ -54,22 +58,24 @@ def add_to(commands) -> None:
         "--spikes",
         choices=("keep", "cut"),
         default="keep",
-        help="points that stand out from all but one of their neighbours: told (keep, the "
+        help="points that differ from all but one of their neighbours: reported (keep, the "
         "default), or left out (cut)",
     )
-    command.add_argument("--picture", type=Path, metavar="PNG", help="draw it (png, pdf or svg)")
+    command.add_argument(
+        "--picture", type=Path, metavar="PNG", help="draw the wall (png, pdf or svg)"
+    )
     command.add_argument("--table", type=Path, metavar="CSV", help="write the measures")
     command.set_defaults(run=run)
 
 
 def run(arguments) -> int:
-    """Print the measures, and draw them if asked to."""
+    """Print the measures, and draw the wall if requested."""
     for name in ("spacing", "grid_spacing"):
         value = getattr(arguments, name)
         if value is not None and not 0.0 < value < 1e18:
             raise InputError(f"--{name.replace('_', '-')} {value!r}: must be a positive number")
     _check_outputs(arguments)
-    if arguments.picture:  # drawing takes a second to load, and an extra that may be missing
+    if arguments.picture:  # drawing takes a second to load, and needs an extra
         from jointclosure.plotting.walls import roughness_figure
     spacing = None if arguments.spacing is None else 1e-3 * arguments.spacing
     scan = read_scan(
@@ -100,7 +106,7 @@ def run(arguments) -> int:
 
 
 def _check_outputs(arguments) -> None:
-    """Refuse, before anything is computed, pictures and tables that cannot be written."""
+    """Refuse figures and tables that cannot be written, before anything is computed."""
     for path, endings in (
         (arguments.picture, (".png", ".pdf", ".svg")),
         (arguments.table, (".csv",)),
@@ -108,6 +114,6 @@ def _check_outputs(arguments) -> None:
         if path is None:
             continue
         if path.suffix.lower() not in endings:
-            raise InputError(f"{path}: its name must end in {' or '.join(endings)}")
+            raise InputError(f"{path}: must end in {' or '.join(endings)}")
         if not path.parent.is_dir():
-            raise InputError(f"{path}: there is no folder {path.parent}")
+            raise InputError(f"{path}: folder {path.parent} not found")

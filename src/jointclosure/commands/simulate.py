@@ -1,4 +1,4 @@
-"""`jointclosure simulate`: close one joint."""
+"""`jointclosure simulate`: close one joint of random walls."""
 
 import argparse
 import time
@@ -28,7 +28,7 @@ from jointclosure.ensemble.settings import Case, Conditions
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.inputs import InputError, check_seed
 from jointclosure.jobs.progress import duration
-from jointclosure.joint.loading import load_said
+from jointclosure.joint.loading import describe_load
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.folders import replace_files
@@ -48,7 +48,7 @@ _EXAMPLES = """examples:
   jointclosure simulate --rock dolerite --snapshots 1,5,30 --output joint.nc
   jointclosure simulate --rock slate --stress 10 --set numerics.breakage=resolved
 
-What is not given is as in the configuration, where every key is explained (config/README.md).
+Other values are those of the configuration, which explains every key (config/README.md).
 """
 
 
@@ -57,18 +57,20 @@ def add_to(commands) -> None:
     command = commands.add_parser(
         "simulate",
         help=COMMANDS["simulate"],
-        description="Press two random walls together and release them, and print how far they\n"
-        "close. The rock is one of a configuration, by its name, or given by its properties.",
+        description="Press two random walls together, release them, and print their closure.\n"
+        "The rock is one of a configuration, by its name, or given by its properties.",
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_rock(command)
     joint = command.add_argument_group("joint")
     joint.add_argument("--jrc", type=float, metavar="JRC", help="joint roughness coefficient")
-    joint.add_argument("--cells", type=_cells, metavar="N", help="cells: 100, or 200x100 (x by y)")
+    joint.add_argument(
+        "--cells", type=_cells, metavar="N", help="number of cells: 100, or 200x100 (x by y)"
+    )
     joint.add_argument("--spacing", type=float, metavar="mm", help="grid spacing")
     joint.add_argument(
-        "--seed", type=int, default=1, metavar="N", help="which random walls (default 1)"
+        "--seed", type=int, default=1, metavar="N", help="seed of the random walls (default 1)"
     )
     add_load_and_model(command)
     results = command.add_argument_group("results")
@@ -80,21 +82,21 @@ def add_to(commands) -> None:
         "--tables",
         type=Path,
         metavar="FOLDER",
-        help="curves, stiffness, fitted laws and other programs' inputs (docs/engineering.md)",
+        help="curves, stiffness, fitted laws and input of other programs (docs/engineering.md)",
     )
     command.set_defaults(run=run)
 
 
 def run(arguments) -> int:
-    """Close the joint; 1 where the simulation failed."""
+    """Close the joint; return 1 if the simulation failed."""
     _check_destination(arguments.output, (".nc",))
     _check_destination(arguments.picture, _PICTURES)
     check_animation(arguments.animation)
     if arguments.tables:
         check_can_be_made(arguments.tables)
     if arguments.snapshots and not arguments.output:
-        raise InputError("--snapshots: give --output FILE.nc, which holds them")
-    if arguments.picture:  # drawing takes a second to load, and an extra that may be missing
+        raise InputError("--snapshots: needs --output FILE.nc, which stores them")
+    if arguments.picture:  # drawing takes a second to load, and needs an extra
         from jointclosure.plotting.joint import closure_curve
     if arguments.snapshots:
         from jointclosure.plotting.snapshots import snapshot_figure
@@ -107,7 +109,7 @@ def run(arguments) -> int:
     )
     surfaces = surface_settings(configuration, case, range(1))
     conditions = loaded(closure_settings(configuration, case, surfaces).conditions(), arguments)
-    print(f"{about}: {load_said(conditions.max_normal_stress, conditions.cycles)}")
+    print(f"{about}: {describe_load(conditions.max_normal_stress, conditions.cycles)}")
     start = time.perf_counter()
     closed = _close(configuration, case, conditions, arguments)
     print(summary(closed))
@@ -134,11 +136,11 @@ def run(arguments) -> int:
 
 
 def _settings(arguments) -> Configured:
-    """The whole configuration that the arguments describe, checked."""
+    """Return the checked configuration of the arguments."""
     base = base_keys(arguments)
     check_seed("--seed", arguments.seed)
     if base["rocks"].get(arguments.rock, {}).get("walls"):
-        raise InputError(f"--rock {arguments.rock}: has scanned walls; this closes random ones")
+        raise InputError(f"--rock {arguments.rock}: has scanned walls, must have random ones")
     grid = dict(zip(("cells_x", "cells_y"), arguments.cells or (), strict=False))
     if arguments.spacing is not None:
         grid["spacing_mm"] = arguments.spacing
@@ -157,15 +159,15 @@ def _close(
 def _cells(text: str) -> tuple[int, int]:
     numbers = text.lower().split("x")
     if len(numbers) > 2 or not all(number.isdigit() for number in numbers):
-        raise argparse.ArgumentTypeError(f"{text!r}: must be a number, or two as in 200x100")
+        raise argparse.ArgumentTypeError(f"{text!r}: must be a number, or two such as 200x100")
     return int(numbers[0]), int(numbers[-1])
 
 
 def _check_destination(path: Path | None, suffixes: tuple[str, ...]) -> None:
-    """Refuse what could not be written, before anything is computed."""
+    """Refuse a file that could not be written, before anything is computed."""
     if path is None:
         return
     if path.suffix not in suffixes:
         raise InputError(f"{path}: must end in {' or '.join(suffixes)}")
     if not path.parent.is_dir():
-        raise InputError(f"{path}: there is no folder {path.parent}")
+        raise InputError(f"{path}: folder {path.parent} not found")

@@ -1,1 +1,1 @@
-"""Kernels compiled and cached, and digests of the code that results depend on."""
+"""Compilation and cache of kernels, and digests of the code that results depend on."""

@@ -1,12 +1,11 @@
-"""How kernels are compiled, and where their machine code is kept.
+"""Compilation of kernels, and location of their machine code.
 
-Numba's own check of its disk cache looks at the file of a function only: an
-edit in another module that the function calls goes unnoticed and yields
-silently wrong numbers. The cache folder is therefore named by a digest of
-the code that kernels are made of. It lies beside the sources, or in the user's
-cache folder where that is read-only; ``JOINTCLOSURE_CACHE`` overrides both.
-The first compilation of a process is announced by the logger ``jointclosure``.
-Numba's own settings, which hold for all of a process, are not touched.
+Numba's check of its disk cache considers only the file of a function. An edit in another module
+that the function calls is not detected and gives silently wrong numbers. Therefore the cache folder
+is named by a digest of the code of the kernels. It is beside the sources, or in the user's cache
+folder if that is read-only; ``JOINTCLOSURE_CACHE`` overrides both. The logger ``jointclosure``
+announces the first compilation of a process. Numba's settings, which apply to the whole process,
+are not changed.
 """
 
 import contextlib
@@ -25,19 +24,19 @@ from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLoca
 from jointclosure.compilation.sources import PACKAGE, code_digest, raw_digest
 
 KERNEL_PARTS = ("mechanics", "solvers", "compilation")
-"""Where kernels are; what these import counts too."""
+"""Packages that contain kernels; modules that they import are included too."""
 
 
 @lru_cache(maxsize=None)
 def cache_folder() -> Path:
-    """Folder of the compiled kernels for their code as it is now."""
+    """Return the folder of the compiled kernels for their present code."""
     root = _cache_root()
-    # the digest of the code takes longer than all else at the start of a job: it is kept
+    # the digest of the code takes most of the time at the start of a job: it is stored
     known = root / f"kernels-of-{raw_digest()}"
     if known.is_file() and (code := known.read_text(encoding="utf-8")):
         return root / f"numba-{code}"
     code = code_digest(*KERNEL_PARTS)
-    with contextlib.suppress(OSError):  # without it the next start takes longer, and no more
+    with contextlib.suppress(OSError):  # without it only the next start takes longer
         root.mkdir(parents=True, exist_ok=True)
         temporary = known.with_suffix(f".{os.getpid()}")
         temporary.write_text(code, encoding="utf-8")
@@ -56,12 +55,12 @@ def _cache_root() -> Path:
 
 
 class _Folder(_CacheLocator):
-    """A function's place in `cache_folder`, whose name says which code it is of."""
+    """Location of a function's machine code in `cache_folder`, whose name identifies the code."""
 
     def __init__(self, function: Callable[..., Any], file: str):
         self._path = cache_folder() / self.get_suitable_cache_subpath(file)  # type: ignore[no-untyped-call]
         inside = Path(file).resolve().is_relative_to(PACKAGE)
-        # the digest in the folder's name covers the package only
+        # the digest in the folder's name contains only the package
         self._stamp = "" if inside else hashlib.sha256(Path(file).read_bytes()).hexdigest()
 
     def get_cache_path(self) -> str:
@@ -79,7 +78,7 @@ class _Folder(_CacheLocator):
 
 
 class _InFolder(CompileResultCacheImpl):
-    """Files named by the function alone: a comment above it moves its line, and not its code."""
+    """Cache files named by the function alone, because a comment above it changes only its line."""
 
     _locator_classes = (_Folder,)  # type: ignore[assignment]
 
@@ -88,7 +87,7 @@ class _InFolder(CompileResultCacheImpl):
 
 
 class _KernelCache(FunctionCache):
-    """Machine code of one kernel on the disk; says once that something is compiled, and counts."""
+    """Machine code of one kernel on the disk; compilations are announced once, and counted."""
 
     _impl_class = _InFolder
     misses = 0
@@ -97,37 +96,37 @@ class _KernelCache(FunctionCache):
         super().__init__(function)  # type: ignore[no-untyped-call]
         try:
             self._impl.locator.ensure_cache_path()
-        except OSError:  # where nothing can be written, a process compiles what it needs
+        except OSError:  # if nothing can be written, a process compiles what it needs
             self.disable()  # type: ignore[no-untyped-call]
 
     def load_overload(self, sig, target_context):  # type: ignore[no-untyped-def]
-        """As `Cache.load_overload`: None where it is to be compiled."""
-        found = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
-        if found is None:
+        """Load as `Cache.load_overload`; None if it must be compiled."""
+        overload = super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        if overload is None:
             _KernelCache.misses += 1
-            if _KernelCache.misses == 1:  # as nothing else happens meanwhile
+            if _KernelCache.misses == 1:  # because the process seems to hang
                 logging.getLogger("jointclosure").warning(
                     "jointclosure: compiling kernels, once for this version (up to a minute)"
                 )
-        return found
+        return overload
 
 
 def compiles() -> int:
-    """How often this process has compiled, rather than found machine code in the cache."""
+    """Return how often this process compiled instead of loading machine code from the cache."""
     return _KernelCache.misses
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a numerical kernel: cached on disk, serial, IEEE arithmetic.
 
-    Divisions follow numpy (no exception on 0/0), so a kernel guards its own
-    singular cases. With ``NUMBA_DISABLE_JIT=1`` the function stays Python, and
-    numpy's numbers are then as silent about 0/0 as compiled ones.
+    Divisions follow numpy (no exception on 0/0), so that a kernel must guard its singular cases.
+    With ``NUMBA_DISABLE_JIT=1`` the function stays Python, and numpy's numbers are then as silent
+    about 0/0 as compiled ones.
 
-    A closure is named after the plain values that it closes over. Its machine
-    code bears its name and a number counted from the start of the process, so
-    that two closures of one factory, compiled in two processes, could bear the
-    same, and fail in a third process that loads both from the cache.
+    A closure is named after the plain values that it closes over. Its machine code has its name and
+    a number counted from the start of the process. Without these values, two closures of one
+    factory, compiled in two processes, could have the same name, and fail in a third process that
+    loads both from the cache.
     """
     cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
     flags = [(name, cell.cell_contents) for name, cell in cells]
@@ -137,6 +136,6 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     compiled = numba.njit(function, error_model="numpy", nogil=True, forceinline=True)
     if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         return np.errstate(divide="ignore", invalid="ignore", over="ignore")(compiled)
-    # as `enable_caching` does, which would take the folder that is set for the whole process
+    # like `enable_caching`, which would use the folder set for the whole process
     compiled._cache = _KernelCache(function)  # type: ignore[attr-defined]
     return compiled

@@ -1,10 +1,10 @@
-"""What code a result depends on: found from the imports, and told by a digest.
+"""Digests of the code that a result depends on, determined from imports.
 
-Comments, docstrings and layout do not count: the digest is that of the syntax tree
-without them. Nor do descriptions of keys and titles, where nothing shows them (`SHOWN_BY`).
-A module that is imported inside of a function counts as any other. The modules that a
-package's ``__init__`` imports count where something is imported from the package itself, and
-not where one of its modules is.
+Comments, docstrings and layout have no effect: the digest is that of the syntax tree without them.
+Descriptions of keys and titles have no effect if nothing shows them (`SHOWN_BY`). A module that is
+imported inside of a function counts as any other. The modules that a package's ``__init__`` imports
+count if something is imported from the package itself, but not if it is imported from one of its
+modules.
 """
 
 import ast
@@ -15,14 +15,14 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[1]
 NAME = PACKAGE.name
 SHOWN_BY = {"entry": "report/settings.py", "Property": "config/properties.py"}
-"""Calls whose first argument is a text for readers, the description of a key and the title of a
-property, and the module by which it reaches results: the text counts where that is imported."""
+"""Calls whose first argument is a text for readers (description of a key, title of a property), and
+the module through which it reaches results. The text counts only if that module is imported."""
 UNCOUNTED = ("jobs/job.py", "jobs/logbook.py", "jobs/progress.py", "storage/seals.py")
-"""Modules that say how a job goes and guard what it reads: they change no result."""
+"""Modules that report on jobs and protect their inputs, and that change no result."""
 
 
 def code_digest(*names: str) -> str:
-    """Digest of modules and of all modules of the package that they import.
+    """Return the digest of modules and of all modules of the package that they import.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def code_digest(*names: str) -> str:
     Raises
     ------
     FileNotFoundError
-        A module or script that does not exist.
+        If a module or script does not exist.
     """
     files: set[Path] = set()
     for name in names:
@@ -52,12 +52,15 @@ def code_digest(*names: str) -> str:
 
 
 def package_digest() -> str:
-    """Digest of all code of the package."""
+    """Return the digest of all code of the package."""
     return code_digest(*(_name(file) for file in PACKAGE.rglob("*.py")))
 
 
 def raw_digest() -> str:
-    """Digest of the bytes of all modules of the package: quick, and moved by a comment too."""
+    """Return the digest of the bytes of all modules of the package.
+
+    It is fast, and changes with comments too.
+    """
     digest = hashlib.sha256()
     for file in sorted(PACKAGE.rglob("*.py")):
         digest.update(file.relative_to(PACKAGE).as_posix().encode() + b"\0")
@@ -66,14 +69,14 @@ def raw_digest() -> str:
 
 
 def closure(files: set[Path]) -> set[Path]:
-    """Files and all files of the package that they import, and those that these import."""
-    found: set[Path] = set()
+    """Return files and all files of the package that they import, directly or indirectly."""
+    files_found: set[Path] = set()
     waiting = set(files)
     while waiting:
         file = waiting.pop()
-        found.add(file)
-        waiting |= _imports(file) - found
-    return found
+        files_found.add(file)
+        waiting |= _imports(file) - files_found
+    return files_found
 
 
 def _files_of(name: str) -> set[Path]:
@@ -92,20 +95,20 @@ def _name(file: Path) -> str:
 
 @lru_cache(maxsize=None)
 def _imports(file: Path) -> frozenset[Path]:
-    """Files of the package that a file imports itself."""
-    found: set[Path] = set()
+    """Return the files of the package that a file imports directly."""
+    imported: set[Path] = set()
     for node in ast.walk(_tree(file)):
         if isinstance(node, ast.Import):
-            found |= {f for alias in node.names for f in _module(alias.name)}
+            imported |= {f for alias in node.names for f in _module(alias.name)}
         elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
             for alias in node.names:
                 inner = _module(f"{node.module}.{alias.name}")
-                found |= inner or _module(node.module)
-    return frozenset(found - {PACKAGE / name for name in UNCOUNTED})
+                imported |= inner or _module(node.module)
+    return frozenset(imported - {PACKAGE / name for name in UNCOUNTED})
 
 
 def _module(name: str) -> set[Path]:
-    """The file of a module of the package, by its full dotted name; none for another's."""
+    """Return the file of a module of the package by its full dotted name; none for others."""
     top, *parts = name.split(".")
     if top != NAME:
         return set()
@@ -123,7 +126,7 @@ def _tree(file: Path) -> ast.Module:
 
 @lru_cache(maxsize=None)
 def _code(file: Path, unseen: frozenset[str]) -> str:
-    """The syntax of a file without comments, docstrings, places and some texts, as text.
+    """Return the syntax of a file without comments, docstrings, positions and some texts, as text.
 
     ``unseen`` are the calls of `SHOWN_BY` whose texts do not count.
     """
@@ -131,11 +134,11 @@ def _code(file: Path, unseen: frozenset[str]) -> str:
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if isinstance(body, list):
-            # bare texts have no effect: docstrings, and those that describe a constant
+            # bare texts have no effect: docstrings, and descriptions of constants
             node.body = [  # type: ignore[attr-defined]
-                each
-                for each in body
-                if not (isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant))
+                line
+                for line in body
+                if not (isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant))
             ]
         if isinstance(node, ast.Call) and getattr(node.func, "id", None) in unseen and node.args:
             node.args[0] = ast.Constant("")

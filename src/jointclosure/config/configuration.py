@@ -30,7 +30,13 @@ from jointclosure.config.typed import (
     Walls,
 )
 from jointclosure.config.units import to_si
-from jointclosure.config.wanted import check_left_out, grant, said, wanted_of, with_granted
+from jointclosure.config.wanted import (
+    check_left_out,
+    describe_grant,
+    grant,
+    wanted_of,
+    with_granted,
+)
 from jointclosure.inputs import InputError
 from jointclosure.parameters import (
     AUTO_TOLERANCE,
@@ -166,7 +172,7 @@ def _chosen(keys: dict, default: dict, read) -> tuple[dict, str, str | None]:
     ).numerics
     kept = {"preset": None, "accuracy": keys["numerics"]["accuracy"]}
     whole = with_granted(keys, wanted, granted) | {"numerics": numerics | kept}
-    return whole, said(wanted, granted), granted.preset
+    return whole, describe_grant(wanted, granted), granted.preset
 
 
 def resolved(keys: dict) -> Configuration:

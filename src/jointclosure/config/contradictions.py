@@ -1,4 +1,4 @@
-"""What no single key can say: keys that contradict each other, and numbers unusual of rock."""
+"""Contradictions between keys, and values unusual for rock, which no single key can reveal."""
 
 import difflib
 import itertools
@@ -38,13 +38,13 @@ USUAL = _OF_ROCK | {
 
 
 def contradictions(keys: dict, typed: Callable[[dict], Configuration]) -> Iterator[str]:
-    """What is wrong with complete keys that are each as they may be, one line each.
+    """Generate contradictions between keys that are each valid, one line each.
 
     Parameters
     ----------
     keys : dict
     typed : callable
-        Gives the typed configuration of keys.
+        Returns the typed configuration of keys.
     """
     unknown = list(_unknown_rocks(keys))
     if unknown:
@@ -54,12 +54,12 @@ def contradictions(keys: dict, typed: Callable[[dict], Configuration]) -> Iterat
     yield from _study_problems(keys)
     if configuration.study.unusual_values == "refuse":
         rocks = {name: keys["rocks"][name] for name in configuration.rocks}
-        # the settings of these studies are checked one by one
+        # check the settings of these studies separately
         checked = dict.fromkeys(("accuracy", "readings", "global_sensitivity"))
         yield from _unusual(keys | {"rocks": rocks} | checked, "")
     surface, spacing = configuration.surface, configuration.grid.spacing
     checks: tuple[Callable[[], object], ...] = (
-        *(lambda effects=each: check_scene(effects) for each in _scenes(keys, configuration)),
+        *(lambda effects=scene: check_scene(effects) for scene in _scenes(keys, configuration)),
         lambda: spectrum_of(surface.hurst, surface.rule, surface.roll_off, spacing),
         lambda: check_mismatch(surface.mismatch_wavelength, surface.correlation),
         lambda: check_choices(configuration.choices, spacing),
@@ -73,8 +73,8 @@ def contradictions(keys: dict, typed: Callable[[dict], Configuration]) -> Iterat
     share = keys["numerics"]["idle_interaction"]
     if share and not any(rock.effects.interaction for rock in configuration.rocks.values()):
         yield (
-            f"numerics.idle_interaction = {share:g}: effects.interaction is false for every rock, "
-            "which leaves the interaction out of everything; must be null or 0 there"
+            f"numerics.idle_interaction = {share:g}: must be null or 0, because "
+            "effects.interaction is false for every rock"
         )
     yield from _mismatch_problems(configuration)
     yield from _size_problems(configuration)
@@ -88,25 +88,25 @@ def _unknown_rocks(keys: dict) -> Iterator[str]:
         if name not in rocks:
             close = difflib.get_close_matches(name, rocks, n=1)
             meant = f"; did you mean {close[0]}?" if close else ""
-            yield f"study.rocks = {name!r}: not among rocks ({', '.join(rocks)}){meant}"
+            yield f"study.rocks = {name!r}: must be one of rocks ({', '.join(rocks)}){meant}"
 
 
 def _study_problems(keys: dict) -> Iterator[str]:
     study = keys["study"]
     if len(set(study["rocks"])) < len(study["rocks"]):
-        yield f"study.rocks = {study['rocks']!r}: has a rock twice"
+        yield f"study.rocks = {study['rocks']!r}: must not have a rock twice"
     surfaces = keys["statistics"]["control_variates"]
     closed = max(study["realizations"], study["pool"] or 0)
     if surfaces is not None and surfaces <= closed:
         yield (
             f"statistics.control_variates = {surfaces}: must be more than the {closed} surfaces of "
-            "a case, whose means they adjust (or null: none are adjusted)"
+            "a case, whose means they adjust (or null: no adjustment)"
         )
     section = OTHER_TARGETS.get(study["name"])
     if section is not None and not (section and keys[section]):
         yield (
             f"study.name = {study['name']!r}: results/{study['name']} belongs to another target; "
-            "give the study another name"
+            "must be another name"
         )
 
 
@@ -115,7 +115,7 @@ def _mismatch_problems(configuration: Configuration) -> Iterator[str]:
     if design is None:
         return
     if 0 not in design.shift_in_cells:
-        yield f"mismatch.shift_in_cells = {list(design.shift_in_cells)}: must have 0 among them"
+        yield f"mismatch.shift_in_cells = {list(design.shift_in_cells)}: must contain 0"
     given = (surface.mismatch_wavelength, surface.correlation, surface.shift_in_cells)
     if given != (None, 0.0, 0):
         yield (
@@ -147,13 +147,13 @@ def _size_problems(configuration: Configuration) -> Iterator[str]:
     if not _among(grid.spacing, design.spacing):
         yield f"size.spacing_mm: must have grid.spacing_mm = {1e3 * grid.spacing:g}"
     surface = configuration.surface
-    for name, each in design.spectra.items():
+    for name, spectrum in design.spectra.items():
         try:
-            spectrum_of(each.hurst, surface.rule, each.roll_off, finest)
+            spectrum_of(spectrum.hurst, surface.rule, spectrum.roll_off, finest)
         except InputError as error:
             yield f"size.spectra.{name}: {error}"
     if surface.mismatch_wavelength is not None or surface.correlation or surface.shift_in_cells:
-        yield "size: its walls are independent, so surface.correlation and the like must be off"
+        yield "size: its walls are independent: surface.correlation and the like must be off"
 
 
 def _whole(ratio: float) -> bool:
@@ -161,11 +161,11 @@ def _whole(ratio: float) -> bool:
 
 
 def _among(value: float, values: tuple[float, ...]) -> bool:
-    return any(abs(value - each) < 1e-9 * value for each in values)
+    return any(abs(value - other) < 1e-9 * value for other in values)
 
 
 def _scenes(keys: dict, configuration: Configuration) -> list:
-    """Effects of the study, and of each rock that has its own."""
+    """Return the effects of the study, and of each rock with separate effects."""
     given = keys["effects"]
     first = next(iter(configuration.rocks.values())).effects
     study = type(first)(**{name: given[name] for name in first._fields})
@@ -173,7 +173,7 @@ def _scenes(keys: dict, configuration: Configuration) -> list:
 
 
 def _unusual(keys: dict, where: str) -> Iterator[str]:
-    """Numbers beyond what is usual of rock and its joints."""
+    """Generate messages on values that are unusual for rock and its joints."""
     for key, value in keys.items():
         name, unit = name_and_unit(key)
         if isinstance(value, dict):
@@ -191,8 +191,8 @@ def _unusual(keys: dict, where: str) -> Iterator[str]:
 def _rock_problems(
     name: str, rock: StudyRock, keys: dict, configuration: Configuration
 ) -> Iterator[str]:
-    own = keys["rocks"][name]
-    stress, seating = own["max_normal_stress_MPa"], keys["seating_stress_MPa"]
+    given = keys["rocks"][name]
+    stress, seating = given["max_normal_stress_MPa"], keys["seating_stress_MPa"]
     where = f"rocks.{name}.max_normal_stress_MPa = {stress:g}"
     if seating >= stress:
         yield f"seating_stress_MPa = {seating:g}: must be below {where}"
@@ -203,11 +203,11 @@ def _rock_problems(
     if rock.max_normal_stress >= stiffness:
         yield f"{where}: must be below Young's modulus, {1e-6 * stiffness:g} MPa"
     yield from wall_problems(keys, name)
-    varied = {key: levels for key, levels in own["levels"].items() if levels is not None}
+    varied = {key: levels for key, levels in given["levels"].items() if levels is not None}
     for key, levels in varied.items():
-        if own[key] is not None:
-            yield from _level_problems(f"rocks.{name}.levels.{key}", levels, own[key])
-    jrcs = [jrc for jrc in (own["jrc"], *varied.get("jrc", [])) if jrc is not None]
+        if given[key] is not None:
+            yield from _level_problems(f"rocks.{name}.levels.{key}", levels, given[key])
+    jrcs = [jrc for jrc in (given["jrc"], *varied.get("jrc", [])) if jrc is not None]
     relation = relation_of(configuration.surface.jrc_relation)
     for jrc in jrcs:
         if not relation.smallest_jrc <= jrc <= relation.largest_jrc:
@@ -217,9 +217,9 @@ def _rock_problems(
             )
 
 
-def _level_problems(where: str, levels: list, own: float) -> Iterator[str]:
+def _level_problems(where: str, levels: list, base: float) -> Iterator[str]:
     shown = f"{where} = [{', '.join(f'{level:g}' for level in levels)}]"
     if any(not later > earlier for earlier, later in itertools.pairwise(levels)):
         yield f"{shown}: must be strictly ascending"
-    if own in levels:
-        yield f"{shown}: lists the rock's own value {own:g}, which is a level anyway"
+    if base in levels:
+        yield f"{shown}: must not contain the value of the rock, {base:g}, which is always a level"

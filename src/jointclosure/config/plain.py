@@ -1,11 +1,11 @@
-"""Typed settings as plain data, for parameters of rules and attributes of files, and back."""
+"""Conversion of typed settings to plain data for rules and files, and back."""
 
 import types
 import typing
 
 
 def to_plain(value):
-    """Named tuples as mappings and tuples as lists, at every level; all else as it is."""
+    """Convert named tuples to mappings and tuples to lists, at every level."""
     if hasattr(value, "_asdict"):
         return {name: to_plain(part) for name, part in value._asdict().items()}
     if isinstance(value, dict):
@@ -16,26 +16,30 @@ def to_plain(value):
 
 
 def from_plain(kind, value):
-    """What `to_plain` made plain, as its kind: a named tuple, or a type of their fields.
+    """Convert plain data of `to_plain` back to a type: a named tuple, or a type of its fields.
 
     Parameters
     ----------
     kind : type
         A NamedTuple, ``tuple[X, ...]``, ``list[X]``, ``dict[str, X]``, or one of
-        these or None; values of other types are taken as they are.
+        these or None; values of other types are not converted.
     value : object
 
     Raises
     ------
     TypeError
-        A field that the named tuple does not have, or lacks.
+        If a field is missing, or unknown to the named tuple.
     """
     if isinstance(kind, types.UnionType):
-        kinds = [each for each in typing.get_args(kind) if each is not types.NoneType]
+        kinds = [part for part in typing.get_args(kind) if part is not types.NoneType]
         return None if value is None else from_plain(kinds[0], value)
     if hasattr(kind, "_fields"):
         hints = typing.get_type_hints(kind)
-        return kind(**{name: from_plain(hints.get(name), part) for name, part in value.items()})
+        fields = {name: from_plain(hints.get(name), part) for name, part in value.items()}
+        fields = kind._field_defaults | fields
+        if fields.keys() != set(kind._fields):
+            raise TypeError(f"{kind.__name__}: fields {sorted(fields)}, not {kind._fields}")
+        return kind._make(fields[name] for name in kind._fields)  # checked before it was plain
     outer, inner = typing.get_origin(kind), typing.get_args(kind)
     if outer is dict:
         return {name: from_plain(inner[1], part) for name, part in value.items()}

@@ -1,9 +1,8 @@
-"""Numerics by one word, or by the accuracy that is wanted, from what was found of them.
+"""Numerics selected by a preset or by a required accuracy, from measured errors.
 
-The study of accuracy (config/accuracy.yaml) writes `setting_table`, of which the
-package keeps a copy (accuracy_settings.csv): what each setting was off by, and what
-it took. A configuration names one of its presets, or an accuracy; then the
-cheapest setting that was found to reach it is taken.
+The study of accuracy (config/accuracy.yaml) writes `setting_table`, with the errors and the cost of
+each setting; the package has a copy of it (accuracy_settings.csv). A configuration names one of its
+presets, or an accuracy; then the cheapest setting that reached it is used.
 """
 
 import json
@@ -15,31 +14,31 @@ import pandas as pd
 from jointclosure.inputs import InputError
 
 CHOSEN_BY = ("preset", "accuracy")
-"""Keys of ``numerics`` that stand for others."""
+"""Keys of ``numerics`` that select other keys."""
 
 SCENES = {None: "full", 20.0: "regularised"}
-"""Variants of the accuracy study by the largest radius [mm] that they have, None for the model as
-stated, which has no limit to be near."""
+"""Variants of the accuracy study by their largest radius [mm]. None is the model as stated in the
+paper, whose closures do not converge to a limit."""
 
 
 def radius_of(scene: str) -> float | None:
-    """The largest radius [mm] of a variant of the accuracy study."""
+    """Return the largest radius [mm] of a variant of the accuracy study."""
     return next(radius for radius, name in SCENES.items() if name == scene)
 
 
 def radii_words(scene: str) -> str:
-    """What the radii of such a variant are, in words."""
+    """Describe the radii of a variant of the accuracy study in words."""
     radius = radius_of(scene)
     return "as in the paper" if radius is None else f"bounded to {radius:g} mm"
 
 
 def numerics_in_full(keys: dict) -> dict:
-    """Numerics without the preset or accuracy that chose them."""
+    """Return numerics without the preset or accuracy that selected them."""
     return {key: value for key, value in keys["numerics"].items() if key not in CHOSEN_BY}
 
 
 class Chosen(NamedTuple):
-    """Numerics that stand for a preset or an accuracy, and a sentence on them."""
+    """Numerics selected by a preset or an accuracy, and a sentence on them."""
 
     numerics: dict
     said: str
@@ -51,30 +50,30 @@ def chosen_numerics(
     measured: Callable[[], pd.DataFrame],
     by: str | None = None,
 ) -> Chosen:
-    """The numerics that a configuration's preset or accuracy stands for.
+    """Return the numerics selected by a configuration's preset or accuracy.
 
     Parameters
     ----------
     configuration : dict
-        Whose ``numerics`` has the key ``preset`` or ``accuracy``, or neither.
+        Configuration whose ``numerics`` has the key ``preset`` or ``accuracy``, or neither.
     default : dict
-        ``numerics`` of the default configuration, the paper's: a key that a preset
-        sets and that differs from it was set by the user as well.
+        ``numerics`` of the default configuration, the paper's. A key that a preset
+        sets and that differs from the default was also set by the user.
     measured : callable
-        Gives the table of `setting_table`; called where it is needed.
+        Returns the table of `setting_table`; called only if it is needed.
     by : str, optional
-        Key of ``numerics`` that the user set, where that is not the one it is chosen by here.
+        Key of ``numerics`` that the user set, if another key selects the numerics here.
 
     Returns
     -------
     Chosen
-        Complete numerics, which keep the key that they were chosen by.
+        Complete numerics, including the key that selected them.
 
     Raises
     ------
     InputError
-        Both keys, a preset that does not exist, an accuracy that no setting was found
-        to reach or that has no meaning here, or a key that the choice would override.
+        If both keys are given, the preset does not exist, no setting reached the accuracy or
+        it has no meaning here, or the selection would override a key.
     """
     numerics = configuration["numerics"]
     preset, accuracy = (numerics.get(key) for key in CHOSEN_BY)
@@ -82,35 +81,35 @@ def chosen_numerics(
         return Chosen(numerics, "")
     if preset is not None and accuracy is not None:
         raise InputError(
-            f"numerics.preset = {preset!r}, numerics.accuracy = {accuracy!r}: give one of them"
+            f"numerics.preset = {preset!r}, numerics.accuracy = {accuracy!r}: only one of them "
+            "must be given"
         )
     if not anything_breaks(configuration) and accuracy is not None:
-        return Chosen(numerics, "numerics.accuracy: nothing breaks, all is solved to 1e-10")
+        return Chosen(numerics, "numerics.accuracy: without breakage everything is solved to 1e-10")
     scene = _scene(configuration)
     table = measured()
     known = table[table.scene == scene]
     row = _preset(known, preset) if accuracy is None else _accurate(known, accuracy, scene)
     changed = json.loads(row.numerics)
-    touched = set().union(*(json.loads(each) for each in known.numerics))
+    touched = set().union(*(json.loads(text) for text in known.numerics))
     for key in touched:
         if numerics[key] != default[key]:
             name = by or ("preset" if accuracy is None else "accuracy")
             raise InputError(
-                f"numerics.{key} = {numerics[key]!r}: leave it out, numerics.{name} chooses it"
+                f"numerics.{key} = {numerics[key]!r}: must be left out, numerics.{name} selects it"
             )
-    return Chosen(numerics | changed, _said(row, preset, accuracy))
+    return Chosen(numerics | changed, _described(row, preset, accuracy))
 
 
 def _scene(configuration: dict) -> str:
-    """Variant of the accuracy study that has a study's largest radius; others are not known."""
+    """Return the variant of the accuracy study that has the largest radius of a study."""
     radius = configuration["choices"]["largest_radius_mm"]
     if radius in SCENES:
         return SCENES[radius]
     key = next(key for key in CHOSEN_BY if configuration["numerics"].get(key) is not None)
     raise InputError(
-        f"choices.largest_radius_mm = {radius!r}: numerics.{key} is known for "
-        f"{_measured_radii()} only; "
-        "give the keys of numerics themselves"
+        f"choices.largest_radius_mm = {radius!r}: must be one of {_measured_radii()} for "
+        f"numerics.{key}; otherwise give the keys of numerics themselves"
     )
 
 
@@ -120,11 +119,11 @@ def _measured_radii(bounded: bool = False) -> str:
 
 
 def anything_breaks(configuration: dict) -> bool:
-    """Whether breakage acts in a rock of the study, which may have its own effects."""
+    """Return whether breakage acts in a rock of the study, with its separate effects."""
     rocks = (configuration["rocks"].get(name, {}) for name in configuration["study"]["rocks"])
-    own = ((rock.get("effects") or {}).get("breakage") for rock in rocks)
+    by_rock = ((rock.get("effects") or {}).get("breakage") for rock in rocks)
     usual = configuration["effects"]["breakage"]
-    return any(usual if breaks is None else breaks for breaks in own)
+    return any(usual if breaks is None else breaks for breaks in by_rock)
 
 
 def _preset(known: pd.DataFrame, name: object) -> pd.Series:
@@ -135,29 +134,29 @@ def _preset(known: pd.DataFrame, name: object) -> pd.Series:
 
 
 def _accurate(known: pd.DataFrame, accuracy: float, scene: str) -> pd.Series:
-    """The cheapest setting whose bound, of the worst rock and cycle, is within an accuracy."""
+    """Return the cheapest setting with a bound, for any rock and cycle, within an accuracy."""
     if scene == SCENES[None]:
         raise InputError(
-            f"numerics.accuracy = {accuracy!r}: the model without choices.largest_radius_mm has no "
-            "limit on the first cycle to be near (docs/decisions/0010-resolved-breakage.md): "
-            f"set it to one that is known ({_measured_radii(bounded=True)}), or give "
+            f"numerics.accuracy = {accuracy!r}: without choices.largest_radius_mm the first cycle "
+            "does not converge to a limit (docs/decisions/0010-resolved-breakage.md); "
+            f"choices.largest_radius_mm must be {_measured_radii(bounded=True)}, or give "
             "numerics.preset instead"
         )
     enough = known[known.bound_percent <= 100.0 * accuracy]
     if enough.empty:
         best = 0.01 * known.bound_percent.min()
         raise InputError(
-            f"numerics.accuracy = {accuracy!r}: must be at least {best:.2g}, the best bound that "
-            "is known (docs/accuracy.md)"
+            f"numerics.accuracy = {accuracy!r}: must be at least {best:.2g}, the smallest known "
+            "bound (docs/accuracy.md)"
         )
     return enough.loc[enough.pairs.idxmin()]
 
 
-def _said(row: pd.Series, preset: object, accuracy: object) -> str:
+def _described(row: pd.Series, preset: object, accuracy: object) -> str:
     what = f"preset {preset}" if accuracy is None else f"accuracy {accuracy:g}"
     return (
-        f"numerics: {what} is {row.knob} {row['value']}: {row.numerics}; mean closures were "
-        f"off by {row.error_percent:.2g} % (95 % confidence: up to "
-        f"{row.bound_percent:.2g} %) where radii are {radii_words(row.scene)}, at "
+        f"numerics: {what} is {row.knob} {row['value']}: {row.numerics}; error of mean closures "
+        f"{row.error_percent:.2g} % (95 % confidence: up to {row.bound_percent:.2g} %) if radii "
+        f"are {radii_words(row.scene)}, at "
         f"{row.relative_time:.2g} times the time of the paper's steps"
     ).replace(" nan", "")

@@ -1,4 +1,4 @@
-"""The properties that a study can vary, as tables, figures and datasets name them."""
+"""Properties that a study can vary, with their names in tables, figures and datasets."""
 
 from jointclosure.parameters import PROPERTIES, key_of
 

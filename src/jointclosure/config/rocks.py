@@ -13,23 +13,23 @@ OTHERS = Path(__file__).with_name("rocks.yaml")
 
 
 def other_rocks() -> dict[str, dict]:
-    """Keys of the rocks that are in no study, by name, as in a configuration."""
+    """Return the keys of the rocks that are in no study, by name, as in a configuration."""
     return read_plain(OTHERS)
 
 
 def named_rock(name: str) -> Rock:
-    """The properties of a rock that comes with the package.
+    """Return the properties of a rock of the package.
 
     Parameters
     ----------
     name : str
-        One of ``config/default.yaml`` (the paper's), or of ``rocks.yaml`` beside it in the
-        package, where the source of each number stands.
+        A rock of ``config/default.yaml`` (the paper's), or of ``rocks.yaml`` beside it in the
+        package, which states the source of each number.
 
     Raises
     ------
     InputError
-        There is no rock of that name.
+        If there is no rock of that name.
     """
     rocks = read_plain(DEFAULT)["rocks"] | other_rocks()
     if name not in rocks:
@@ -38,7 +38,7 @@ def named_rock(name: str) -> Rock:
 
 
 def rock_text(rock: Rock | tuple[Rock, Rock], name: str) -> str:
-    """Write a rock's name and properties in a line; of both walls where these differ."""
+    """Format a rock's name and properties in a line; for both walls if they differ."""
     texts = [
         ", ".join(
             f"{PROPERTIES[field].long_name} {number:g}{unit}"
@@ -51,7 +51,7 @@ def rock_text(rock: Rock | tuple[Rock, Rock], name: str) -> str:
 
 
 def rock_record(rock: Rock | tuple[Rock, Rock], name: str) -> dict:
-    """Collect a rock's name, and the properties of both walls by their keys, for JSON."""
+    """Return a rock's name, and the properties of both walls by their keys, for JSON."""
     walls = {
         wall: {key_of(field): number for field, (number, _) in _in_units(intact).items()}
         for wall, intact in zip(("upper", "lower"), both_walls(rock), strict=True)
@@ -60,10 +60,10 @@ def rock_record(rock: Rock | tuple[Rock, Rock], name: str) -> dict:
 
 
 def _in_units(rock: Rock) -> dict[str, tuple[float, str]]:
-    """Value of each property in the unit of its key, and that unit after a space, by field."""
+    """Return each property in the unit of its key, and that unit after a space, by field."""
     units = {field: PROPERTIES[field].unit for field in Rock._fields}
     return {
-        # twelve figures: 73e9/1e9 and such are shown as they were given
+        # twelve digits: 73e9/1e9 and similar values are shown as they were given
         field: (
             float(f"{getattr(rock, field) / PROPERTIES[field].size:.12g}"),
             "" if unit == "1" else f" {unit}",

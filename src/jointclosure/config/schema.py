@@ -1,4 +1,4 @@
-"""What keys of a file may be, as a JSON schema, and what a file has against it, one line each."""
+"""JSON schema of the keys of a file, and problems of a file, one line each."""
 
 import difflib
 import math
@@ -27,38 +27,39 @@ _TYPES = {
 
 
 def json_schema(keys: type[pydantic.BaseModel]) -> dict:
-    """JSON schema of a model of keys, all in one: no references."""
+    """Return the JSON schema of a model of keys, without references."""
     whole = keys.model_json_schema()
     about = _written_out(whole, whole.pop("$defs", {}))
     return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | about
 
 
 def problems(keys: type[pydantic.BaseModel], settings: dict) -> list[str]:
-    """What settings have against a model of keys, one line for each key."""
+    """List the problems of settings with a model of keys, one line for each key."""
     try:
         keys.model_validate(settings)
     except pydantic.ValidationError as error:
-        found: dict[tuple, list] = {}
-        for each in error.errors(include_url=False):
-            path, kind = _path(each["loc"], settings), _kind(each["type"])
-            if kind == "missing":  # one line for all that a section lacks
+        by_key: dict[tuple, list] = {}
+        for problem in error.errors(include_url=False):
+            path, kind = _path(problem["loc"], settings), _kind(problem["type"])
+            if kind == "missing":  # one line for all missing keys of a section
                 path = path[:-1]
-            found.setdefault((path, kind), []).append(each)
+            by_key.setdefault((path, kind), []).append(problem)
         return [
             line
-            for (path, kind), errors in found.items()
+            for (path, kind), errors in by_key.items()
             for line in _explained(keys, settings, path, kind, errors)
         ]
     return []
 
 
 def _written_out(schema: dict, parts: dict) -> dict:
-    """A schema with its references put in, and what may be null or missing said in one way."""
+    """Return a schema with its references inserted, and null or missing values in one form."""
     if "$ref" in schema:
-        own = {key: value for key, value in schema.items() if key != "$ref"}
-        return _written_out(parts[schema["$ref"].rpartition("/")[2]] | own, parts)
+        siblings = {key: value for key, value in schema.items() if key != "$ref"}
+        return _written_out(parts[schema["$ref"].rpartition("/")[2]] | siblings, parts)
     schema = {key: value for key, value in schema.items() if key not in ("title", "default")}
-    kinds = [_written_out(each, parts) for each in schema.pop("anyOf", schema.pop("oneOf", []))]
+    options = schema.pop("anyOf", schema.pop("oneOf", []))
+    kinds = [_written_out(option, parts) for option in options]
     for kind in kinds:
         names = [*_kinds(schema), *_kinds(kind)]
         schema = kind | schema | ({"type": names if len(names) > 1 else names[0]} if names else {})
@@ -92,7 +93,10 @@ def _kind(name: str) -> str:
 
 
 def _path(location: tuple, settings) -> tuple:
-    """A place of pydantic's without the names of types in it: keys that are there, and the last."""
+    """Return the path of a pydantic location, without names of types.
+
+    It consists of the existing keys, and the last one.
+    """
     path, value = [], settings
     for number, part in enumerate(location):
         within = isinstance(value, dict) and part in value
@@ -127,7 +131,7 @@ _IN_WORDS = {
         "must be a number above 0 and below 1, or {of: mean, within: 0.05} (of: mean or interval)"
     ),
 }
-"""What keys may be whose types do not say it."""
+"""Allowed values of keys whose types do not state them."""
 
 
 def _allowed(error: dict, path: tuple, errors: list[dict]) -> str:
@@ -138,8 +142,8 @@ def _allowed(error: dict, path: tuple, errors: list[dict]) -> str:
     if kind in _TYPES:
         if path in _IN_WORDS:
             return _IN_WORDS[path]
-        said = f"must be of type {' or '.join(_TYPES[each['type']] for each in errors)}"
-        return said + _number_hint(error["input"], said)
+        allowed = f"must be of type {' or '.join(_TYPES[each['type']] for each in errors)}"
+        return allowed + _number_hint(error["input"], allowed)
     if kind == "finite_number":
         return "must be a finite number"
     if kind == "literal_error":
@@ -160,20 +164,20 @@ def _allowed(error: dict, path: tuple, errors: list[dict]) -> str:
     return error["msg"]
 
 
-def _number_hint(value: object, said: str) -> str:
-    """1e-3 is a text to YAML, a number is 1.0e-3."""
-    if isinstance(value, str) and ("number" in said or "integer" in said):
+def _number_hint(value: object, allowed: str) -> str:
+    """Explain a text that looks like a number: 1e-3 is a text to YAML, 1.0e-3 is a number."""
+    if isinstance(value, str) and ("number" in allowed or "integer" in allowed):
         with_point = re.fullmatch(r"([-+]?[0-9]+)([eE])([-+]?)([0-9]+)", value)
         if with_point:
             digits, e, sign, power = with_point.groups()
             if math.isinf(float(value)):
                 return f"; {value} is too large for a number"
-            return f"; YAML takes it for a text: write {digits}.0{e}{sign or '+'}{power}"
+            return f"; YAML reads it as text: write {digits}.0{e}{sign or '+'}{power}"
     return ""
 
 
 def _known(keys, path: tuple) -> list[str]:
-    """Keys that a model has at a path."""
+    """Return the keys that a model has at a path."""
     kind = keys
     for part in path:
         kind = _models(kind)
@@ -186,19 +190,19 @@ def _known(keys, path: tuple) -> list[str]:
 
 
 def _models(kind):
-    """The model, or mapping or list, among what a key may be."""
+    """Return the model, or mapping or list, among the types of a key."""
     while typing.get_origin(kind) in (typing.Annotated, typing.Union, types.UnionType):
         parts = typing.get_args(kind)
         inner = [parts[0]] if typing.get_origin(kind) is typing.Annotated else parts
         models = [
-            each for each in inner
-            if hasattr(each, "model_fields") or typing.get_origin(each) is not None
+            kind for kind in inner
+            if hasattr(kind, "model_fields") or typing.get_origin(kind) is not None
         ]  # fmt: skip
         kind = models[0]
     return kind
 
 
 def short(value: object) -> str:
-    """A value in a message, in one line and not too long."""
+    """Format a value for a message, in one line of limited length."""
     text = repr(value)
     return text if len(text) <= 100 else f"{text[:97]}..."

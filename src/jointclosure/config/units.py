@@ -1,4 +1,4 @@
-"""Units of a configuration, the suffix of a key's name, as SI and back."""
+"""Units of a configuration, the suffixes of its keys, in SI and back."""
 
 import math
 from decimal import Decimal
@@ -10,21 +10,21 @@ from jointclosure.parameters.properties import SI_FACTORS
 
 @lru_cache(maxsize=None)
 def name_and_unit(key: str) -> tuple[str, str]:
-    """Name and unit of a key: ("displacement_step", "um") of displacement_step_um; "" for none."""
+    """Return name and unit of a key: ("displacement_step", "um") of displacement_step_um; or ""."""
     name, _, unit = key.rpartition("_")
     return (name, unit) if name and unit in SI_FACTORS else (key, "")
 
 
 def to_si(settings: dict) -> dict:
-    """Settings with unit suffixes in their keys, as SI under the bare names.
+    """Convert settings with unit suffixes in their keys to SI under names without suffixes.
 
-    ``{"youngs_modulus_GPa": 78}`` becomes ``{"youngs_modulus": 78e9}``; a key
-    without a known unit is kept, lists and nested settings are converted too.
+    ``{"youngs_modulus_GPa": 78}`` becomes ``{"youngs_modulus": 78e9}``. A key without a known unit
+    is kept; lists and nested settings are converted too.
 
     Raises
     ------
     InputError
-        A value of a key with a unit is no number, as nested settings are not checked before.
+        If the value of a key with a unit is not a number (nested settings are not checked before).
     """
     converted: dict = {}
     for key, value in settings.items():
@@ -43,7 +43,7 @@ def to_si(settings: dict) -> dict:
 
 
 def _in_si(key: str, value: float, unit: str) -> float:
-    """A value of a key in SI; `InputError` where it is no number that double precision holds."""
+    """Return a value of a key in SI; raise `InputError` unless it fits in double precision."""
     check_number(key, value)
     number = _scaled(value, _power(unit))
     if math.isfinite(value) and (math.isinf(number) or (value != 0.0 and number == 0.0)):
@@ -52,7 +52,7 @@ def _in_si(key: str, value: float, unit: str) -> float:
 
 
 def in_unit(value: float, unit: str) -> float | int:
-    """A value in SI in a unit ("1" for none), as short as it was written: 78 for 78e9 in GPa."""
+    """Return a value in SI in a unit ("1" for none), in short form: 78 for 78e9 in GPa."""
     shown = _scaled(value, -_power(unit)) if unit in SI_FACTORS else float(value)
     return int(shown) if shown.is_integer() else shown
 
@@ -62,5 +62,5 @@ def _power(unit: str) -> int:
 
 
 def _scaled(value: float, power: int) -> float:
-    """Value times a power of ten, rounded as the decimal number that was written."""
+    """Return a value times a power of ten, rounded like the decimal number in the file."""
     return float(Decimal(f"{float(value):.15g}").scaleb(power))

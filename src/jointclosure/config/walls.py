@@ -1,4 +1,4 @@
-"""What a configuration says of scanned walls (`rocks.<rock>.walls`), checked."""
+"""Checks of the scanned walls of a configuration (`rocks.<rock>.walls`)."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,32 +16,32 @@ _OF_MADE_WALLS = (
     "size",
     "global_sensitivity",
 )
-"""Sections of studies whose walls are made of a JRC."""
+"""Sections of studies whose walls are synthesised from a JRC."""
 
 
 def wall_files(walls: Walls) -> dict[str, str]:
-    """Files of scanned walls by "upper" and "lower"."""
+    """Return the files of scanned walls by "upper" and "lower"."""
     return {side: getattr(walls, side) for side in SIDES if getattr(walls, side) not in PARTNERS}
 
 
 def wall_problems(keys: dict, name: str) -> Iterator[str]:
-    """What is wrong with the roughness of a rock of complete keys, one line each."""
+    """Generate problems of the roughness of a rock in complete keys, one line each."""
     rock = keys["rocks"][name]
     walls, jrc, levels = rock["walls"], rock["jrc"], rock["levels"]["jrc"]
     where = f"rocks.{name}"
     if not walls:
         if jrc is None:
-            yield f"{where}: lacks jrc, or walls (scanned ones)"
+            yield f"{where}: must have jrc, or walls (scanned)"
         return
     if jrc is not None:
         yield (
-            f"{where}.jrc = {jrc:g}: not with walls, whose roughness is as measured; leave "
-            "it out, or set it to null where it is another file's"
+            f"{where}.jrc = {jrc:g}: must be left out with walls, whose roughness is measured, or "
+            "null if another file sets it"
         )
     if levels is not None:
         yield (
-            f"{where}.levels.jrc = [{', '.join(f'{level:g}' for level in levels)}]: scanned walls "
-            "have no JRC to be varied; leave it out, or set it to null where it is another file's"
+            f"{where}.levels.jrc = [{', '.join(f'{level:g}' for level in levels)}]: must be left "
+            "out for scanned walls, which have no JRC, or null if another file sets it"
         )
     files = [side for side in SIDES if walls[side] not in PARTNERS]
     if not files:
@@ -59,7 +59,7 @@ def wall_problems(keys: dict, name: str) -> Iterator[str]:
 
 
 def _registration_problems(walls: dict, files: list[str], where: str) -> Iterator[str]:
-    """What is wrong with how two scans are brought together, one line each."""
+    """Generate problems of the registration of two scans, one line each."""
     if not walls["bring_together"]:
         for key in ("orientation", "shift"):
             if walls[key] is not None:
@@ -69,22 +69,22 @@ def _registration_problems(walls: dict, files: list[str], where: str) -> Iterato
         yield f"{where}.bring_together = true: needs two files, upper and lower"
     if walls["inverted"]:
         yield (
-            f"{where}.inverted = {walls['inverted']!r}: not with bring_together, which finds how "
-            "the upper file lies; say it by orientation"
+            f"{where}.inverted = {walls['inverted']!r}: not with bring_together, which determines "
+            "the direction of the upper file; use orientation instead"
         )
     if walls["missing"] != "refuse":
         yield (
-            f"{where}.missing = {walls['missing']}: not with bring_together, which takes the "
-            "largest rectangle without holes, and fills those up to largest_filled_share"
+            f"{where}.missing = {walls['missing']}: not with bring_together, which uses the "
+            "largest rectangle without holes, after filling up to largest_filled_share"
         )
 
 
 def check_files(configuration: Configuration) -> None:
-    """Raise `InputError` where a file of the study's walls does not exist."""
+    """Raise `InputError` if a file of the study's walls does not exist."""
     for name, rock in configuration.rocks.items():
         for side, file in (wall_files(rock.walls) if rock.walls else {}).items():
             if not Path(file).is_file():
                 raise InputError(
-                    f"rocks.{name}.walls.{side} = {file!r}: there is no such file in {Path.cwd()}; "
+                    f"rocks.{name}.walls.{side} = {file!r}: not found in {Path.cwd()}; must be "
                     f"a path (from there, or absolute) or one of {', '.join(PARTNERS)}"
                 )

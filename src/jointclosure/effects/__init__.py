@@ -1,1 +1,1 @@
-"""What each effect adds and costs, and which ones a case calls for."""
+"""Selection of the effects that a case needs."""

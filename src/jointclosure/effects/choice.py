@@ -1,26 +1,26 @@
-"""Only the effects that a scene calls for: decided by a pilot that costs nothing where all matter.
+"""Selection of the effects that a scene needs, by a pilot without cost if all effects matter.
 
-What an effect is worth depends on rock, roughness and stress, and on what else
-acts; no rule of thumb says it. The evidence is gathered in the order of its cost, and the first
-proof that an effect matters ends the search for it:
+The significance of an effect depends on rock, roughness and stress, and on the other effects;
+there is no rule of thumb. Evidence is collected in the order of its cost, and the first proof
+that an effect matters ends the search for it:
 
-1. A pair of walls of the case is closed with all effects. This is a realisation of the case, which
-   needs not be closed again where all effects act.
-2. What that run tells by itself. A joint that only deforms elastically closes by as much in every
-   cycle, so whatever that closure is, one of the cycles is off by (largest - least) / (largest +
-   least) at least. Interaction adds bulk indentation, which is nothing without it.
-3. The same walls closed without the effect. Curves without breakage take little time, and are
-   taken of a few pairs; else one pair has to do.
+1. A pair of walls of the case is closed with all effects. This is a realisation of the case,
+   which need not be closed again if all effects act.
+2. This run gives lower bounds. A joint that only deforms elastically has the same closure in
+   every cycle. Whatever this closure is, one of the cycles then has an error of at least
+   (largest - least) / (largest + least). Interaction adds bulk indentation, which is 0 without it.
+3. The same walls are closed without the effect. Curves without breakage take little time, and
+   several pairs are used; otherwise only one pair is used.
 
-One pair does not tell how the pairs scatter: what it shows counts twice. What is crushed on the
-first cycle decides the second, so that the same pair may close by a tenth less there without
-interaction and the next by a tenth more. That is the worse, the more the cycles differ: a mean over
-20 pairs is then off by about a sixteenth of (largest - least) / (largest + least), twice its
-standard error (measured at 60 random conditions that no test has). Where this is too much already,
-nothing is tried.
+One pair does not show the scatter between pairs. Therefore its change counts twice. Crushing on
+the first cycle determines the second cycle, so that without interaction one pair may close a
+tenth less there and the next pair a tenth more. This effect grows with the difference between the
+cycles: the error of a mean over 20 pairs is then about a sixteenth of (largest - least) /
+(largest + least), twice its standard error (measured at 60 random conditions that are in no
+test). If this alone exceeds the tolerance, nothing is tried.
 
-What changes the mean maximum closure of no cycle by more than a tolerance is left out, judged with
-all that was left out before it.
+An effect is left out if this changes the mean maximum closure of no cycle by more than a
+tolerance, where all effects left out before it stay out.
 """
 
 import itertools
@@ -50,56 +50,59 @@ from jointclosure.parameters import (
 )
 
 DROPS = (("breakage", "gouge"), ("interaction",), ("substrate",))
-"""Effects that are tried without, in this order: by what their absence saves (results of the
-study of effects). Gouge and soft peaks cost nothing and stay as they are where anything breaks;
-so does the substrate, without which simulations fail there."""
+"""Effects that are tried to be left out, in the order of the time that this saves (results of the
+study of effects). Gouge and soft peaks cost nothing and are kept if anything breaks, and so is the
+substrate, because simulations without it then fail."""
 ELASTIC_TRIALS = 4
-"""Pairs of walls that are closed without an effect where nothing breaks; else one is."""
+"""Number of pairs of walls that are closed without an effect if nothing breaks; otherwise one."""
 MARGIN = 2.0
-"""What a single pair shows counts so many times, as it does not tell how pairs scatter."""
+"""Factor on the change of a single pair, which does not show the scatter between pairs."""
 DIVERGENCE = 1.0 / 16.0
-"""By what share of the cycles' difference a mean is off without interaction, by chance alone."""
+"""Error of a mean without interaction due to chance, over the relative difference of the cycles."""
 _CLEAR = 2.0
-"""Where the first pair shows so many tolerances, margin included, no others are closed."""
+"""Number of tolerances, including the margin, from which the change of the first pair is sufficient
+and no other pairs are closed."""
 
 
 def possible_scenes(effects: Effects, chosen: bool = True) -> list[Effects]:
-    """Scenes that may be chosen where these effects may act, themselves the first.
+    """Return the scenes that may be selected from these effects, with all of them first.
 
-    Themselves alone where none is ``chosen``.
+    If they are not to be ``chosen``, only all of them together.
     """
-    found = [effects]
-    for scene in found if chosen else ():
+    scenes = [effects]
+    for scene in scenes if chosen else ():
         for names in DROPS:
             fewer = _without(scene, names)
-            if fewer is not None and fewer not in found:
-                found.append(fewer)
-    return found
+            if fewer is not None and fewer not in scenes:
+                scenes.append(fewer)
+    return scenes
 
 
 def _without(scene: Effects, names: tuple[str, ...]) -> Effects | None:
-    """A scene without some effects; None where these are not tried without."""
+    """Return a scene without some effects; None if this is not tried."""
     fewer = scene._replace(**dict.fromkeys(names, False))
     fails = "substrate" in names and scene.breakage
     return None if fewer == scene or fails or fewer not in well_posed_scenes() else fewer
 
 
 class Closed(NamedTuple):
-    """A pair of walls that was closed with all effects: as from `jointclosure.simulate`, and the
-    processor time [s]."""
+    """Pair of walls that was closed with all effects.
+
+    It is the result of `jointclosure.simulate`, and the processor time [s].
+    """
 
     dataset: xr.Dataset
     seconds: float
 
 
 class SceneChoice(NamedTuple):
-    """Effects chosen for a case, by how much they are estimated to be off, and why.
+    """Effects selected for a case, their estimated error, and reasons.
 
-    ``error`` is relative, of the mean maximum closure, the largest over the
-    cycles, with a margin; 0 where all effects act.
-    ``reasons`` has a sentence for every group of effects that was tried without. ``closed``: the
-    first pairs of walls, closed with all effects; ``trial_seconds``: what was spent on closing
-    walls without some, which is lost where all act.
+    ``error`` is the relative error of the mean maximum closure, the largest over the cycles, with a
+    margin; 0 if all effects act. ``reasons`` has a sentence for every group of effects that was
+    tried to be left out. ``closed`` contains the first pairs of walls, closed with all effects.
+    ``trial_seconds`` is the time of closures without some effects, which is lost if all effects
+    act.
     """
 
     effects: Effects
@@ -123,16 +126,16 @@ def choose_effects(
     tolerance: float = AUTO_TOLERANCE,
     report: Callable[[str], None] = lambda line: None,
 ) -> SceneChoice:
-    """Choose the effects that matter in a scene.
+    """Select the effects that matter in a scene.
 
     Parameters
     ----------
     walls : iterable of (upper, lower)
-        Pairs of walls (y, x) [m] of the case, of which as few as decide are closed.
+        Pairs of walls (y, x) [m] of the case; only as many as necessary are closed.
     spacing, rock, max_normal_stress, cycles, choices, numerics, unusual_values
         As for `jointclosure.simulate`.
     effects : Effects
-        Those that may act, and against which others are held.
+        Effects that may act; they are the reference.
     tolerance : float
         Relative change of the mean maximum closure of a cycle, in (0, 1), below
         which an effect does not matter.
@@ -146,7 +149,8 @@ def choose_effects(
     Raises
     ------
     InputError
-        A tolerance out of range, no walls, or what `jointclosure.simulate` refuses.
+        If the tolerance is out of range, there are no walls, or `jointclosure.simulate` refuses
+        an argument.
     """
     check_length("spacing", spacing)
     check_number("max_normal_stress", max_normal_stress)
@@ -168,7 +172,7 @@ def choose_among(
     tolerance: float,
     report: Callable[[str], None] = lambda line: None,
 ) -> SceneChoice:
-    """`choose_effects` among those of the conditions at which walls are closed."""
+    """Select, as `choose_effects`, among the effects of the conditions of the closures."""
     check_number("tolerance", tolerance)
     check_scene(conditions.effects)
     if not 0.0 < tolerance < 1.0:
@@ -182,7 +186,7 @@ def choose_among(
             continue
         off, why = _evidence(pilot, names, trial, tolerance)
         dropped = off <= tolerance
-        moved = f"changes by {why}" if np.isfinite(off) else "is not to be had"
+        moved = f"changes by {why}" if np.isfinite(off) else "cannot be computed"
         reasons.append(
             f"without {' and '.join(names)} the mean maximum closure {moved}: "
             f"{'left out' if dropped else 'kept'}"
@@ -196,11 +200,14 @@ def choose_among(
 
 
 def _evidence(pilot: "_Pilot", names, trial: Effects, tolerance: float) -> tuple[float, str]:
-    """What a scene without some effects is off by, and that in words: the cheapest that decides."""
+    """Return the relative error without some effects, and its reason, from cheap evidence."""
     least = pilot.shown(names)
     if MARGIN * least > tolerance:
         counted = f"{MARGIN:g} times {100.0 * least:.2g} %"
-        return MARGIN * least, f"{counted} (estimated from one run with all effects, so doubled)"
+        return (
+            MARGIN * least,
+            f"{counted} (estimated from one run with all effects, therefore doubled)",
+        )
     change = pilot.changes(trial, 1)
     off = MARGIN * float(np.abs(change).max())
     many = 1 if trial.breakage else len(pilot.pairs)
@@ -215,22 +222,24 @@ def _evidence(pilot: "_Pilot", names, trial: Effects, tolerance: float) -> tuple
 def choose_for_case(
     settings: ClosureSettings, report: Callable[[str], None] = lambda line: None
 ) -> SceneChoice:
-    """`choose_effects` for a case of a study, among its effects and to its tolerance.
+    """Select effects for a case of a study, among its effects and to its tolerance.
 
     Raises
     ------
     InputError
-        The study chooses none.
+        If the study does not select effects.
     """
     tolerance = settings.effects_chosen_to
     if tolerance is None:
-        raise InputError("effects.auto = null: the study chooses no effects")
+        raise InputError("effects.auto = null: must be a tolerance to select effects")
     return choose_among(walls_of(settings.surfaces), settings.conditions(), tolerance, report)
 
 
 class RockChoice(NamedTuple):
-    """Effects for all cases of a rock, by how much they are estimated to be off, and the choices of
-    those cases that were asked."""
+    """Effects for all cases of a rock, and their estimated error.
+
+    ``cases`` are the choices of the cases that were examined.
+    """
 
     effects: Effects
     error: float
@@ -240,53 +249,53 @@ class RockChoice(NamedTuple):
 def choose_for_rock(
     settings: dict[str, ClosureSettings], report: Callable[[str], None] = lambda line: None
 ) -> RockChoice:
-    """One choice for the cases of a rock, which are compared with each other.
+    """Make one selection for all cases of a rock, because these are compared with each other.
 
     Parameters
     ----------
     settings : dict
-        Of each case by its label.
+        Settings of each case by its label.
     report : callable
         Receives a line for each decision.
 
     Returns
     -------
     RockChoice
-        The effects that matter in any case. The base case is asked first; where all effects act in
-        a case that was asked, the others are not.
+        Effects that matter in any case. The base case is examined first. If all effects act in
+        an examined case, the remaining cases are not examined.
     """
     allowed = next(iter(settings.values())).case.effects
-    found: dict[str, SceneChoice] = {}
+    by_case: dict[str, SceneChoice] = {}
     together = Effects(*[False] * len(Effects._fields))
     for label in sorted(settings, key=lambda label: settings[label].case.parameter != BASE):
         report(f"{label}:")
-        found[label] = choose_for_case(settings[label], report)
-        together = Effects(*map(any, zip(together, found[label].effects, strict=True)))
+        by_case[label] = choose_for_case(settings[label], report)
+        together = Effects(*map(any, zip(together, by_case[label].effects, strict=True)))
         if together == allowed:
             break
-    report(f"for all cases, {len(found)} of {len(settings)} asked: {together}")
-    error = max(choice.error for choice in found.values()) if together != allowed else 0.0
-    return RockChoice(together, error, found)
+    report(f"for all cases, {len(by_case)} of {len(settings)} examined: {together}")
+    error = max(choice.error for choice in by_case.values()) if together != allowed else 0.0
+    return RockChoice(together, error, by_case)
 
 
 def _checked_pairs(
     walls: Iterable[tuple[np.ndarray, np.ndarray]], spacing: float
 ) -> list[tuple[np.ndarray, np.ndarray]]:
-    """As many pairs of walls as a pilot closes at most."""
+    """Return as many checked pairs of walls as a pilot may close."""
     pairs = list(itertools.islice(walls, ELASTIC_TRIALS))
     if not pairs:
-        raise InputError("walls: 0 pairs, a pilot needs one at least")
+        raise InputError("walls: 0 pairs, must be at least one")
     for pair in pairs:
         if len(pair) != 2 or np.ndim(pair[0]) != 2:
             raise InputError(
-                f"walls: an array of shape {np.shape(pair[0])} where a wall (y, x) should be; "
-                "give a list of pairs, such as [(upper, lower)]"
+                f"walls: has an array of shape {np.shape(pair[0])}, must be walls (y, x) in a list "
+                "of pairs, such as [(upper, lower)]"
             )
     return [checked_walls(*pair, spacing) for pair in pairs]
 
 
 class _Pilot:
-    """Pairs of walls, closed in the scenes that are asked for and no more often than needed."""
+    """Pairs of walls that are closed in the required scenes, at most once."""
 
     def __init__(self, pairs: list[tuple[np.ndarray, np.ndarray]], conditions: Conditions):
         self.pairs, self.conditions = pairs, conditions
@@ -295,9 +304,9 @@ class _Pilot:
         self._known: dict[Effects, list[np.ndarray]] = {}
 
     def shown(self, names: tuple[str, ...]) -> float:
-        """The change of closure [1] without some effects that a run with all of them shows.
+        """Return a lower bound of the change of closure [1] without some effects.
 
-        0 where it shows none.
+        It is from the run with all effects; 0 if that shows no change.
         """
         closures = self._full(1)[0]
         if not np.isfinite(closures).all():
@@ -311,27 +320,27 @@ class _Pilot:
         return 0.0
 
     def changes(self, scene: Effects, count: int) -> np.ndarray:
-        """Changes of closure (pair, cycle) from all effects to a scene, over the mean [1]."""
+        """Return relative changes of closure (pair, cycle) [1] from all effects to a scene."""
         full, rows = self._full(count), self._known.setdefault(scene, [])
         numerics = self.conditions.numerics
         if not scene.breakage:
-            # only the maximum is read
+            # only the maximum is needed
             numerics = numerics._replace(curve_points=1, solver="fast")
-        told = self.conditions._replace(effects=scene, numerics=numerics)
+        conditions = self.conditions._replace(effects=scene, numerics=numerics)
         start = time.process_time()
-        rows += [max_closures(close_walls(*p, told)) for p in self.pairs[len(rows) : count]]
+        rows += [max_closures(close_walls(*p, conditions)) for p in self.pairs[len(rows) : count]]
         self.trial_seconds += time.process_time() - start
         return (np.array(rows[:count]) - full) / full.mean(axis=0)
 
     def _full(self, count: int) -> np.ndarray:
-        """Maximum closures (pair, cycle) [m] of the first pairs with all effects."""
+        """Return maximum closures (pair, cycle) [m] of the first pairs with all effects."""
         for pair in self.pairs[len(self.closed) : count]:
             start = time.process_time()
             dataset = close_walls(*pair, self.conditions)
             self.closed.append(Closed(dataset, time.process_time() - start))
-        return np.array([max_closures(each.dataset) for each in self.closed[:count]])
+        return np.array([max_closures(pair.dataset) for pair in self.closed[:count]])
 
 
 def max_closures(closed: xr.Dataset) -> np.ndarray:
-    """Maximum closures (cycle,) [m] of a simulation; NaN where it failed."""
+    """Return maximum closures (cycle,) [m] of a simulation; NaN if it failed."""
     return np.where(int(closed.status) >= FAILURE, np.nan, closed.max_closure.values)

@@ -1,4 +1,4 @@
-"""What the jobs of a study of effects need of its configuration."""
+"""Settings of the jobs of a study of effects, from its configuration."""
 
 from jointclosure.config.typed import Ablation, Configuration
 from jointclosure.effects.validation import ValidationSettings
@@ -6,16 +6,16 @@ from jointclosure.inputs import InputError
 
 
 def validation_settings(configuration: Configuration) -> ValidationSettings:
-    """Settings of the random conditions of a study.
+    """Return the settings of the random conditions of a study.
 
     Raises
     ------
     InputError
-        The study has no ``ablation.validation``.
+        If the study has no ``ablation.validation``.
     """
     study, validation = configuration.study, _design(configuration).validation
     if validation is None:
-        raise InputError("ablation.validation = null: the study has no random conditions")
+        raise InputError("ablation.validation = null: must be given for random conditions")
     return ValidationSettings(
         validation,
         study.root_seed,
@@ -29,5 +29,7 @@ def validation_settings(configuration: Configuration) -> ValidationSettings:
 
 def _design(configuration: Configuration) -> Ablation:
     if configuration.ablation is None:
-        raise InputError("ablation = null: the study is none of effects (config/effects.yaml)")
+        raise InputError(
+            "ablation = null: must be given for a study of effects (config/effects.yaml)"
+        )
     return configuration.ablation

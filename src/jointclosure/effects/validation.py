@@ -1,9 +1,9 @@
-"""The selected effects held against the full model, at conditions it was not designed on.
+"""Validation of selected effects against the full model, at random conditions.
 
-Rock, roughness, stress and size are random. Its surfaces are closed with all effects, and with
-those that `choose_among` finds to matter at each tolerance, to which the interaction is left out of
-the first loading too (`Numerics.idle_interaction`); the change of the mean is what the selection
-was off by.
+Rock, roughness, stress and size are random. The surfaces are closed with all effects, and with
+those that `choose_among` selects at each tolerance. In the second case the interaction may also be
+left out of the first loading to this tolerance (`Numerics.idle_interaction`). The change of the
+mean is the error of the selection.
 """
 
 import time
@@ -31,7 +31,7 @@ _REPETITIONS = 2
 
 
 class RandomScene(NamedTuple):
-    """A rock, a roughness, a maximum stress [Pa], and cells along a square joint."""
+    """Rock, roughness, maximum stress [Pa], and number of cells along a square joint."""
 
     rock: Rock
     jrc: float
@@ -40,7 +40,7 @@ class RandomScene(NamedTuple):
 
 
 class ValidationSettings(NamedTuple):
-    """What the random conditions of a study depend on."""
+    """Settings that the random conditions of a study depend on."""
 
     design: Validation
     root_seed: int
@@ -52,10 +52,10 @@ class ValidationSettings(NamedTuple):
 
 
 def random_scene(settings: ValidationSettings, number: int) -> RandomScene:
-    """The conditions of a number, from the ranges of the design.
+    """Return the conditions of a number, from the ranges of the design.
 
-    Young's modulus, strength and stress are uniform in their logarithm; the stress
-    is at most the strength.
+    Young's modulus, strength and stress are uniform in their logarithm. The stress is at most the
+    strength.
     """
     random = generator(seed_of(settings.root_seed, "conditions", number))
 
@@ -78,43 +78,47 @@ def random_scene(settings: ValidationSettings, number: int) -> RandomScene:
 def validate(
     settings: ValidationSettings, number: int, report: Callable[[str], None] = lambda line: None
 ) -> pd.DataFrame:
-    """Close joints at random conditions in full and as selected, at every tolerance.
+    """Close joints at random conditions with all and with selected effects, at every tolerance.
 
     Returns
     -------
     DataFrame
         For each tolerance: the conditions, the ``chosen`` effects, ``estimated_percent``
         and ``actual_percent`` (the largest change of a cycle's mean maximum closure),
-        ``holds``; ``full_s`` and ``chosen_s`` of all surfaces, ``pilot_s``: what the pilot took and
-        no result uses, which is its runs without effects, and those with all effects too where any
-        is left out; ``saved_percent`` of the full time, the pilot counted. Times are processor
-        times. Surfaces on which the
-        full model fails are left out (``samples`` are left); where the chosen effects
-        fail on others (``failed``) there is no error, and they do not hold.
+        ``holds``; ``full_s`` and ``chosen_s``, times of all surfaces; ``pilot_s``, time of runs of
+        the pilot that no result uses: those without effects, and also those with all effects if
+        any is left out; ``saved_percent`` of the full time, including the pilot. Times are
+        processor times. Surfaces on which the full model fails are left out (``samples`` remain).
+        If the selected effects fail on others (``failed``), there is no error, and ``holds`` is
+        false.
     """
     scene = random_scene(settings, number)
     report(f"conditions {number}: {scene}")
     design = settings.design
     walls, conditions = _walls(settings, number, scene), _in_full(settings, scene)
     for effects in (Effects(), Effects(breakage=False, gouge=False)):
-        close_walls(*walls[0], conditions._replace(effects=effects))  # kernels are loaded untimed
-    choices, told = [], [conditions]
+        close_walls(
+            *walls[0], conditions._replace(effects=effects)
+        )  # load kernels before times are measured
+    choices, all_conditions = [], [conditions]
     for tolerance in design.tolerances:
         numerics = conditions.numerics._replace(idle_interaction=tolerance)
         selected = conditions._replace(numerics=numerics)
         choices.append(choose_among(walls, selected, tolerance, report))
-        told.append(selected._replace(effects=choices[-1].effects))
-    (full, full_seconds), *chosen = _closed_in_turn(walls, told)
+        all_conditions.append(selected._replace(effects=choices[-1].effects))
+    (full, full_seconds), *chosen = _closed_in_turn(walls, all_conditions)
     about = scene.rock._asdict() | scene._asdict()
     del about["rock"]
     rows = []
-    for tolerance, choice, (found, seconds) in zip(design.tolerances, choices, chosen, strict=True):
+    for tolerance, choice, (maxima, seconds) in zip(
+        design.tolerances, choices, chosen, strict=True
+    ):
         pilot = choice.trial_seconds
         if choice.effects != Effects():
-            pilot += sum(each.seconds for each in choice.closed)
+            pilot += sum(pair.seconds for pair in choice.closed)
         good = np.isfinite(full).all(axis=1)
-        failed = int((~np.isfinite(found[good])).any(axis=1).sum())
-        off = np.abs(found[good].mean(axis=0) / full[good].mean(axis=0) - 1.0).max()
+        failed = int((~np.isfinite(maxima[good])).any(axis=1).sum())
+        off = np.abs(maxima[good].mean(axis=0) / full[good].mean(axis=0) - 1.0).max()
         rows.append(
             {"scene": number, "tolerance": tolerance}
             | about
@@ -138,7 +142,7 @@ def validate(
 def _walls(
     settings: ValidationSettings, number: int, scene: RandomScene
 ) -> list[tuple[np.ndarray, np.ndarray]]:
-    """The surface pairs of a scene."""
+    """Return the surface pairs of a scene."""
     return [
         wall_pair(
             scene.jrc,
@@ -152,7 +156,7 @@ def _walls(
 
 
 def _in_full(settings: ValidationSettings, scene: RandomScene) -> Conditions:
-    """All effects, at all stresses."""
+    """Return the conditions of a scene with all effects."""
     return Conditions(
         settings.grid.spacing,
         scene.rock,
@@ -166,40 +170,40 @@ def _in_full(settings: ValidationSettings, scene: RandomScene) -> Conditions:
 
 
 def _closed_in_turn(walls: list, conditions: list[Conditions]) -> list[tuple[np.ndarray, float]]:
-    """Maximum closures (realization, cycle) [m] in each of the conditions, NaN where one failed,
-    and the seconds.
+    """Return maximum closures (realization, cycle) [m] at each of the conditions, and seconds.
 
-    Each pair of walls is closed in all of them before the next is, so that a machine that slows
-    down slows all; and that twice, of which the least time counts.
+    Closures are NaN if a simulation failed. Each pair of walls is closed at all conditions before
+    the next pair, so that a slower machine affects all of them. This is done twice, and the shorter
+    time counts.
     """
     closures: list[list] = [[] for _ in conditions]
     seconds = np.zeros(len(conditions))
     for upper, lower in walls:
         least = np.full(len(conditions), np.inf)
         for repetition in range(_REPETITIONS):
-            for number, each in enumerate(conditions):
+            for number, conditions_of_turn in enumerate(conditions):
                 start = time.process_time()
-                found = max_closures(close_walls(upper, lower, each))
+                maxima = max_closures(close_walls(upper, lower, conditions_of_turn))
                 least[number] = min(least[number], time.process_time() - start)
                 if repetition == 0:
-                    closures[number].append(found)
+                    closures[number].append(maxima)
         seconds += least
     return [(np.array(rows), float(spent)) for rows, spent in zip(closures, seconds, strict=True)]
 
 
 def validation_summary(table: pd.DataFrame) -> pd.DataFrame:
-    """At each tolerance: in how many scenes the error stayed below it, and what was saved.
+    """Summarise validation at each tolerance: share of scenes within it, and time saved.
 
-    ``changed`` scenes are those in which an effect was left out; in the others the interaction was
-    left out while it was idle, if at all. ``held_percent`` is
-    of all scenes, ``held_of_changed_percent`` of these. ``saved_percent`` is of the time
-    of all scenes together, ``saved_where_changed_percent`` of that of the changed ones and
-    ``saved_where_unchanged_percent`` of the others,
-    pilots counted in all; ``least_saved_percent`` is that of the scene that lost most.
-    ``pilot_percent`` is the pilots' share of the full time, ``largest_pilot_percent`` that of the
-    scene where it is largest among those that run all effects: what is lost there.
-    ``timing_scatter_percent`` is the standard deviation of the times saved where both did the same
-    (all effects, and closures that are equal), the pilots aside: what times are known to.
+    ``changed`` scenes are those in which an effect was left out; in the others at most the idle
+    interaction was left out. ``held_percent`` is the share of all scenes within the tolerance,
+    ``held_of_changed_percent`` that of the changed ones. ``saved_percent`` is relative to the time
+    of all scenes together, ``saved_where_changed_percent`` to that of the changed ones and
+    ``saved_where_unchanged_percent`` to that of the others; all include pilots.
+    ``least_saved_percent`` is that of the scene with the smallest value. ``pilot_percent`` is the
+    share of the pilots in the full time, ``largest_pilot_percent`` the largest share among scenes
+    that keep all effects, where it is lost. ``timing_scatter_percent`` is the standard deviation
+    of the saved times, without pilots, in scenes where both runs did the same (all effects, equal
+    closures): the uncertainty of the times.
     """
     rows = []
     for tolerance, part in table.groupby("tolerance"):

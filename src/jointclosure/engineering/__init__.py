@@ -1,1 +1,1 @@
-"""A closed joint in the words of engineers: curves, stiffness, laws and other programs' inputs."""
+"""Engineering results of a closed joint: curves, stiffness, laws, and input of other programs."""

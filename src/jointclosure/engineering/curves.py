@@ -1,4 +1,4 @@
-"""The curves of a closed joint as tables: a row a step, and a row a cycle."""
+"""Curves of a closed joint as tables, with one row per step or one row per cycle."""
 
 import numpy as np
 import pandas as pd
@@ -17,22 +17,23 @@ from jointclosure.joint.protocol import LOADING, UNLOADING
 
 
 def spacing_of(history: xr.Dataset) -> float:
-    """Spacing of a joint's cells [m], from their coordinates."""
+    """Return the spacing of a joint's cells [m], from their coordinates."""
     axes = (history[name].values for name in ("y", "x"))
     return next(float(axis[1] - axis[0]) for axis in axes if axis.size > 1)
 
 
 def area_of(history: xr.Dataset) -> float:
-    """Nominal area of a joint [m2], from the coordinates of its cells."""
+    """Return the nominal area of a joint [m2], from the coordinates of its cells."""
     return spacing_of(history) ** 2 * history.sizes["y"] * history.sizes["x"]
 
 
 KINDS = {"net": NET, "gross": GROSS}
-"""Part of a column's name, and its closure as `jointclosure.joint.history.read_along` names it."""
+"""Kinds of closure in names of columns, and their names for
+`jointclosure.joint.history.read_along`."""
 
 
 def curve_table(history: xr.Dataset) -> pd.DataFrame:
-    """Tabulate closure against stress by cycle and branch, a row a step.
+    """Tabulate closure over stress by cycle and branch, one row per step.
 
     Parameters
     ----------
@@ -42,16 +43,17 @@ def curve_table(history: xr.Dataset) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        ``cycle``, ``branch``, ``normal_stress_MPa``; of the net and the gross closure (`KINDS`)
+        ``cycle``, ``branch``, ``normal_stress_MPa``; for the net and the gross closure (`KINDS`)
         ``closure_<kind>_since_seating_mm`` from the point of the cycle's loading at the seating
-        stress (negative before it, NaN where it was not reached), ``closure_<kind>_mm`` from first
-        touch and ``normal_stiffness_<kind>_MPa_per_mm`` (kn = d sigma/d closure, by the chord of
-        a step's neighbours, NaN where closure does not change); ``landing``: whether that chord
-        reaches beyond `landing_stress`, so that it is stiffer than the joint; ``mean_aperture_mm``,
-        ``void_volume_mm3`` (mean aperture times nominal area), ``contact_area_mm2`` (of the cells
-        that carry force: an upper bound) and ``contact_fraction``; of a history with flow also
-        ``hydraulic_aperture_x_mm``, ``hydraulic_aperture_y_mm`` and their ratios to the mean
-        aperture. A branch begins with the last step of the one before.
+        stress (negative before it, NaN if it was not reached), ``closure_<kind>_mm`` from first
+        touch, and ``normal_stiffness_<kind>_MPa_per_mm`` (kn = d sigma/d closure, by the chord
+        between the neighbours of a step, NaN where closure does not change); ``landing``: whether
+        this chord extends beyond `landing_stress`, so that it is stiffer than the joint;
+        ``mean_aperture_mm``, ``void_volume_mm3`` (mean aperture times nominal area),
+        ``contact_area_mm2`` (of the cells that carry force: an upper bound) and
+        ``contact_fraction``. For a history with flow also ``hydraulic_aperture_x_mm``,
+        ``hydraulic_aperture_y_mm`` and their ratios to the mean aperture. A branch begins with
+        the last step of the branch before.
     """
     rows = []
     for number in np.unique(history.cycle.values):
@@ -63,11 +65,11 @@ def curve_table(history: xr.Dataset) -> pd.DataFrame:
 
 
 def _branch_table(history: xr.Dataset, cycle: int, branch: str, here: np.ndarray) -> pd.DataFrame:
-    """Rows of `curve_table` of one branch, whose steps are given."""
+    """Return the rows of `curve_table` for one branch, whose steps are given."""
     area = area_of(history)
     stress, aperture, contact = (
-        history[each].values[here]
-        for each in ("normal_stress", "mean_aperture", "contact_fraction")
+        history[name].values[here]
+        for name in ("normal_stress", "mean_aperture", "contact_fraction")
     )
     closures = {kind: read_along(history, of)[here] for kind, of in KINDS.items()}
     seats = {kind: seat_of(history, cycle, LOADING, of) for kind, of in KINDS.items()}
@@ -93,17 +95,20 @@ def _branch_table(history: xr.Dataset, cycle: int, branch: str, here: np.ndarray
 
 
 def has_flow(history: xr.Dataset) -> bool:
-    """Whether hydraulic apertures were asked for."""
+    """Return whether a history has hydraulic apertures."""
     return "hydraulic_aperture" in history
 
 
 def mean_hydraulic(history: xr.Dataset) -> np.ndarray:
-    """Geometric mean (n,) of the hydraulic apertures along x and y [m]: for what takes but one."""
+    """Return the geometric mean (n,) of the hydraulic apertures along x and y [m].
+
+    It is for programs that take only one aperture.
+    """
     return np.sqrt(history.hydraulic_aperture.prod("direction", skipna=False).values)
 
 
 def _flow_columns(history: xr.Dataset, here: np.ndarray) -> dict[str, np.ndarray]:
-    """Hydraulic apertures at steps, and their ratios to the mean aperture; none without flow."""
+    """Return hydraulic apertures at steps and ratios to the mean aperture; {} without flow."""
     columns: dict[str, np.ndarray] = {}
     mean = history.mean_aperture.values[here]
     for name in history.direction.values if has_flow(history) else ():
@@ -114,9 +119,9 @@ def _flow_columns(history: xr.Dataset, here: np.ndarray) -> dict[str, np.ndarray
 
 
 def seat_of(history: xr.Dataset, cycle: int, branch: str, of: str = NET) -> float:
-    """Read the net closure [m], or what ``of`` names, at the seating stress of a branch.
+    """Read the net closure [m], or the variable ``of``, at the seating stress of a branch.
 
-    As `jointclosure.joint.history.at_seating` and `jointclosure.joint.history.read_along`.
+    See `jointclosure.joint.history.at_seating` and `jointclosure.joint.history.read_along`.
     """
     here = branch_of(history.cycle.values, history.branch.values, cycle, branch)
     seating = float(history.attrs["seating_stress_Pa"])
@@ -126,35 +131,37 @@ def seat_of(history: xr.Dataset, cycle: int, branch: str, of: str = NET) -> floa
 
 
 def closures_of_cycles(history: xr.Dataset, of: str = NET) -> dict[str, np.ndarray]:
-    """Closures of cycles (cycles,) [m] by `jointclosure.joint.history.cycle_closures`, net or not.
+    """Return closures of cycles (cycles,) [m] by `jointclosure.joint.history.cycle_closures`.
 
-    NaN for cycles that were not loaded and unloaded.
+    ``of`` selects net or gross closure. NaN for cycles that were not loaded and unloaded.
     """
     stress, cycle, branch = (history[name].values for name in ("normal_stress", "cycle", "branch"))
-    anywhere = np.full(int(cycle.max()), np.inf)  # however far it was unloaded
+    anywhere = np.full(int(cycle.max()), np.inf)  # any extent of unloading is accepted
     seating = float(history.attrs["seating_stress_Pa"])
     return cycle_closures(read_along(history, of), stress, cycle, branch, anywhere, seating)
 
 
 def net_responses(history: xr.Dataset, largest: float) -> dict[str, np.ndarray]:
-    """Read each cycle of a joint as a laboratory does: net of the half-spaces' indentation.
+    """Return the net closures and stiffness of each cycle, as a laboratory reports them.
+
+    Net closures exclude the indentation of the half-spaces.
 
     Parameters
     ----------
     history : Dataset
         As from `jointclosure.simulate`.
     largest : float
-        The maximum stress that was asked for [Pa].
+        The requested maximum stress [Pa].
 
     Returns
     -------
     dict of array (cycles,)
-        ``max_closure_net`` from the cycle's start, ``max_closure_seated_net``, both at its maximum,
-        and ``residual_closure_seated_net``, what stays at seating, as in
+        ``max_closure_net`` from the start of the cycle and ``max_closure_seated_net``, both at
+        its maximum, and ``residual_closure_seated_net`` at seating, as in
         `jointclosure.joint.history.cycle_closures` [m]; ``stiffness_net`` [Pa/m], the
-        `secant_stiffness` of loading from half of the maximum stress to where it begins to land on
-        all of it (NaN where that is below half); and that `landing_stress` [Pa]. NaN for cycles
-        that were not completed.
+        `secant_stiffness` of loading from half of the maximum stress to the `landing_stress` (NaN
+        if that is below half of the maximum); and the `landing_stress` [Pa]. NaN for incomplete
+        cycles.
     """
     completed = np.isfinite(history.max_closure.values)
     begun = int(history.cycle.max())
@@ -165,9 +172,9 @@ def net_responses(history: xr.Dataset, largest: float) -> dict[str, np.ndarray]:
     }
     responses |= {
         "stiffness_net": np.array(
-            [secant_stiffness(history, each + 1, 0.5 * largest, largest) for each in range(begun)]
+            [secant_stiffness(history, i + 1, 0.5 * largest, largest) for i in range(begun)]
         ),
-        "landing_stress": np.array([landing_stress(history, each + 1) for each in range(begun)]),
+        "landing_stress": np.array([landing_stress(history, i + 1) for i in range(begun)]),
     }
     return {
         name: np.where(
@@ -178,7 +185,7 @@ def net_responses(history: xr.Dataset, largest: float) -> dict[str, np.ndarray]:
 
 
 def cycle_table(history: xr.Dataset) -> pd.DataFrame:
-    """Tabulate the closures of each cycle, since seating as laboratories report them.
+    """Tabulate the closures of each cycle, since seating as in laboratory reports.
 
     Parameters
     ----------
@@ -188,13 +195,13 @@ def cycle_table(history: xr.Dataset) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        One row a cycle; of the net and the gross closure (`KINDS`)
-        ``closure_<kind>_since_seating_mm`` at its maximum, ``residual_<kind>_at_seating_mm``:
-        closure at the seating stress on unloading less that on loading,
-        ``residual_share_<kind>`` of the closure since seating, and ``max_closure_<kind>_mm`` from
-        the cycle's start; ``mean_aperture_at_seating_mm``, ``mean_aperture_at_max_mm`` and
-        ``contact_at_max``; of a history with flow also ``hydraulic_aperture_x_at_max_mm`` and the
-        same along y. All but the aperture at seating is NaN in a cycle whose loading failed.
+        One row per cycle. For the net and the gross closure (`KINDS`):
+        ``closure_<kind>_since_seating_mm`` at the maximum; ``residual_<kind>_at_seating_mm``,
+        closure at the seating stress on unloading less that on loading;
+        ``residual_share_<kind>`` of the closure since seating; and ``max_closure_<kind>_mm`` from
+        the start of the cycle. Then ``mean_aperture_at_seating_mm``, ``mean_aperture_at_max_mm``
+        and ``contact_at_max``; for a history with flow also ``hydraulic_aperture_x_at_max_mm``
+        and the same along y. All except the aperture at seating are NaN if loading failed.
     """
     numbers = np.unique(history.cycle.values)
     columns = {"cycle": numbers}
@@ -214,7 +221,7 @@ def cycle_table(history: xr.Dataset) -> pd.DataFrame:
 
 
 def _state_of(history: xr.Dataset, cycle: int) -> dict[str, float]:
-    """Apertures and contact of a row of `cycle_table`, by the names of their columns."""
+    """Return apertures and contact of a row of `cycle_table`, by names of columns."""
     cycles, branches = history.cycle.values, history.branch.values
     at_max = branch_of(cycles, branches, cycle, UNLOADING)[:1]
 
@@ -234,7 +241,7 @@ def _state_of(history: xr.Dataset, cycle: int) -> dict[str, float]:
 
 
 def hysteresis(closed: xr.Dataset) -> np.ndarray:
-    """Share of each cycle's work of loading that unloading does not give back (cycles,)."""
+    """Compute the share (cycles,) of each cycle's work of loading lost on unloading."""
     closure, stress = closed.closure.values, closed.normal_stress.values
     cycle, branch = closed.cycle.values, closed.branch.values
     shares = np.full(closed.max_closure.size, np.nan)
@@ -249,7 +256,7 @@ def hysteresis(closed: xr.Dataset) -> np.ndarray:
 
 
 def _chords(closure: np.ndarray, stress: np.ndarray) -> np.ndarray:
-    """Slope [Pa/m] at each step (n,) by the chord from its neighbours; NaN where there is none."""
+    """Return the slope [Pa/m] at each step (n,) by the chord of its neighbours, or NaN."""
     before = np.concatenate([[0], np.arange(closure.size - 1)])
     after = np.concatenate([np.arange(1, closure.size), [closure.size - 1]])
     run = closure[after] - closure[before]

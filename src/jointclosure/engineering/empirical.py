@@ -1,4 +1,4 @@
-"""The Barton-Bandis law for mated joints: a benchmark law, never measured data."""
+"""Barton-Bandis law for mated joints, for comparison; it is not measured data."""
 
 from typing import Any, NamedTuple
 
@@ -13,14 +13,14 @@ class BartonBandis(NamedTuple):
     initial_stiffness: float
 
     def closure(self, normal_stress: float | np.ndarray) -> Any:
-        """Closure [m] at a normal stress [Pa], dV = sigma V_m / (K_ni V_m + sigma)."""
+        """Return the closure [m] at a normal stress [Pa], dV = sigma V_m / (K_ni V_m + sigma)."""
         stress = np.asarray(normal_stress, dtype=float)
         return (
             stress * self.largest_closure / (self.initial_stiffness * self.largest_closure + stress)
         )
 
 
-# A, B, C, D of V_m = A + B JRC + C (JCS/a_j)^D [mm, MPa]; those of cycle 2 quoted from memory
+# A, B, C, D of V_m = A + B JRC + C (JCS/a_j)^D [mm, MPa]; cycle 2 quoted from memory
 _CONSTANTS = {
     1: (-0.2960, -0.0056, 2.2410, -0.2450),
     2: (-0.1005, -0.0073, 1.0082, -0.2301),
@@ -30,16 +30,16 @@ _CONSTANTS = {
 def scaled_to(
     length: float, jrc: float, strength: float, reference_length: float
 ) -> tuple[float, float]:
-    """JRC and JCS [Pa] of a joint of another length.
+    """Scale JRC and JCS [Pa] to a joint of another length.
 
     Parameters
     ----------
     length : float
-        Of the joint, L_n [m].
+        Length L_n of the joint [m].
     jrc, strength : float
         JRC_0 and JCS_0 [Pa] of a joint of the reference length.
     reference_length : float
-        L_0 [m]; for Barton and Bandis some 0.1 m, a sample of the laboratory.
+        L_0 [m]; for Barton and Bandis about 0.1 m, a laboratory sample.
 
     Notes
     -----
@@ -54,19 +54,19 @@ _LEAST_JRC, _LARGEST_JRC = 5.0, 15.0
 
 
 def law_holds(jrc: float) -> bool:
-    """Whether a roughness is in the law's range, JRC 5 to 15."""
+    """Return whether a roughness is in the range of the law, JRC 5 to 15."""
     return _LEAST_JRC <= jrc <= _LARGEST_JRC
 
 
 def barton_bandis(
     jrc: float, compressive_strength: float, strength_ratio: float, cycle: int
 ) -> BartonBandis:
-    """The law's constants for a joint.
+    """Return the constants of the law for a joint.
 
     Parameters
     ----------
     jrc : float
-        Joint roughness coefficient; the law holds from 5 to 15.
+        Joint roughness coefficient; the law is valid from 5 to 15.
     compressive_strength : float
         sigma_c of the rock [Pa].
     strength_ratio : float

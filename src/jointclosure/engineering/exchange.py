@@ -1,4 +1,4 @@
-"""A closed joint as other programs take it: parameters, tables and meshes; no files here."""
+"""Data of a closed joint for other programs: parameters, tables and meshes."""
 
 from typing import NamedTuple
 
@@ -20,12 +20,12 @@ from jointclosure.joint.protocol import LOADING
 
 
 def _last_from_seating(history: xr.Dataset, program: str) -> int:
-    """The last cycle whose loading begins below the seating stress, from which closures count.
+    """Return the last cycle whose loading begins below the seating stress.
 
     Raises
     ------
     InputError
-        None does.
+        If there is none.
     """
     seating = float(history.attrs["seating_stress_Pa"])
     for cycle in np.unique(history.cycle.values)[::-1]:
@@ -36,9 +36,10 @@ def _last_from_seating(history: xr.Dataset, program: str) -> int:
 
 
 def porepy_parameters(history: xr.Dataset) -> dict[str, float]:
-    """Find the solid constants of PorePy's Barton-Bandis fracture for the last loading.
+    """Compute the solid constants of PorePy's Barton-Bandis fracture for the last loading.
 
-    All are of the net closure, as PorePy deforms the rock itself, and so is the mean aperture.
+    All constants, including the mean aperture, refer to the net closure, because PorePy computes
+    the deformation of the rock itself.
 
     Parameters
     ----------
@@ -48,14 +49,14 @@ def porepy_parameters(history: xr.Dataset) -> dict[str, float]:
     Returns
     -------
     dict
-        ``fracture_normal_stiffness`` [Pa/m], which is kni, ``maximum_elastic_fracture_opening``
-        [m], which is Vm, and ``residual_aperture`` [m]: the mean aperture at seating less Vm.
+        ``fracture_normal_stiffness`` [Pa/m], kni; ``maximum_elastic_fracture_opening`` [m], Vm;
+        and ``residual_aperture`` [m], the mean aperture at seating less Vm.
 
     Raises
     ------
     InputError
-        No loading begins at seating, the hyperbola could not be fitted, or closes more than there
-        is aperture.
+        If no loading begins at seating, or if the hyperbola could not be fitted or has a larger
+        closure than the aperture.
     """
     cycle = _last_from_seating(history, "PorePy")
     fits, cycles = fitted_laws(history), cycle_table(history).set_index("cycle")
@@ -77,34 +78,36 @@ def porepy_parameters(history: xr.Dataset) -> dict[str, float]:
 
 
 OPENING_SLOPE = 0.95
-"""Largest slope of a GEOS table at its end: GEOS takes it on to open walls, up to where the
-aperture is the gap, and so needs it below 1. The mean aperture of a joint has slope 1, as each
-wall keeps its volume."""
+"""Largest slope at the end of a GEOS table. GEOS extrapolates the table to open walls, up to where
+the aperture equals the gap, and therefore needs a slope below 1. The mean aperture of a joint has
+slope 1, because each wall keeps its volume."""
 _END = 0.01
-"""Share of the last interval in which that slope stands."""
+"""Share of the last interval that has this slope."""
 
 
 def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """Find coordinates and values [m] of the aperture table of GEOS' contact models.
+    """Return coordinates and values [m] of the aperture table of GEOS' contact models.
 
-    Of the last loading from seating on: the normal gap, which is less than 0 by the net closure
-    since seating, ascending to 0, and there the hydraulic aperture (the geometric mean of both
-    directions), which is what its flow takes; the mean aperture of a history without flow.
-    Where the last slope is larger, a point just before the end makes it `OPENING_SLOPE`.
+    The table is for the last loading from seating on. Coordinates are the normal gap, the negative
+    net closure since seating, ascending to 0. The value at 0 is the aperture at seating. Values are
+    hydraulic apertures (the geometric mean of both directions), which the flow of GEOS uses, or
+    mean apertures for a history without flow. If the last slope is larger than `OPENING_SLOPE`, a
+    point just before the end reduces it to this value.
 
     Raises
     ------
     InputError
-        No seating stress, a loading that does not reach from it to the cycle's maximum, or an
-        aperture that is not positive: walls that let nothing pass.
+        If there is no seating stress, a loading does not extend from it to the maximum of the
+        cycle, or an aperture is not positive (blocked flow).
     """
     if float(history.attrs["seating_stress_Pa"]) == 0.0:
-        raise InputError("GEOS: its table begins at seating; give a seating_stress above 0")
+        raise InputError("GEOS: the table begins at seating; seating_stress must be above 0")
     cycle = _last_from_seating(history, "GEOS")
     closure = closures_at(history, stress_levels(history, cycle=cycle))[cycle - 1, 0]
     if not (np.isfinite(closure).all() and (np.diff(closure) > 0.0).all()):
         raise InputError(
-            f"GEOS: the loading of cycle {cycle} must close steadily from seating to its maximum"
+            f"GEOS: the loading of cycle {cycle} must close monotonically from seating to its "
+            "maximum"
         )
     of_cycle = (history.cycle.values == cycle) & (history.branch.values == LOADING)
     net = read_along(history)[of_cycle]
@@ -115,7 +118,7 @@ def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
         kind = "hydraulic" if has_flow(history) else "mean"
         raise InputError(f"GEOS: the {kind} aperture must be positive, and is 0 at some stresses")
     gap = -(closure - closure[0])[::-1]
-    gap[-1] = 0.0  # and not -0
+    gap[-1] = 0.0  # not -0.0
     values = aperture[::-1]
     if (values[-1] - values[-2]) / (gap[-1] - gap[-2]) > OPENING_SLOPE:
         before = _END * gap[-2]
@@ -125,31 +128,31 @@ def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
 
 
 def itasca_tables(history: xr.Dataset) -> str:
-    """Write commands that define tables of net normal stiffness [Pa/m] against normal stress [Pa].
+    """Write commands that define tables of net normal stiffness [Pa/m] over normal stress [Pa].
 
-    One table for each cycle's loading and unloading, in the form of 3DEC 7 and later,
-    ``table 'name' add (x,y) ...``, without the chords of landings (`stiffness_table`).
-    Of a history with flow also tables of the hydraulic aperture [m], the geometric mean of both
-    directions, at its steps.
+    There is one table for each cycle's loading and unloading, in the form of 3DEC 7 and later,
+    ``table 'name' add (x,y) ...``, without the chords of landings (`stiffness_table`). For a
+    history with flow there are also tables of the hydraulic aperture [m] at its steps, the
+    geometric mean of both directions.
     """
     lines = ["; normal stiffness (Pa/m) against normal stress (Pa) by cycle and branch"]
     table = stiffness_table(history)
-    for (cycle, branch), own in table[~table.landing].groupby(["cycle", "branch"], sort=False):
-        stress, stiffness = own.normal_stress_MPa, 1e9 * own.normal_stiffness_net_MPa_per_mm
+    for (cycle, branch), rows in table[~table.landing].groupby(["cycle", "branch"], sort=False):
+        stress, stiffness = rows.normal_stress_MPa, 1e9 * rows.normal_stiffness_net_MPa_per_mm
         lines.append(_itasca_table(f"kn-cycle-{cycle}-{branch}", stress, stiffness))
     if has_flow(history):
         lines.append("; hydraulic aperture (m) against normal stress (Pa) by cycle and branch")
-        for (cycle, branch), own in curve_table(history).groupby(["cycle", "branch"], sort=False):
-            aperture = 1e-3 * np.sqrt(own.hydraulic_aperture_x_mm * own.hydraulic_aperture_y_mm)
-            order = np.argsort(own.normal_stress_MPa.to_numpy(), kind="stable")
-            stress = own.normal_stress_MPa.iloc[order]
+        for (cycle, branch), rows in curve_table(history).groupby(["cycle", "branch"], sort=False):
+            aperture = 1e-3 * np.sqrt(rows.hydraulic_aperture_x_mm * rows.hydraulic_aperture_y_mm)
+            order = np.argsort(rows.normal_stress_MPa.to_numpy(), kind="stable")
+            stress = rows.normal_stress_MPa.iloc[order]
             name = f"aperture-cycle-{cycle}-{branch}"
             lines.append(_itasca_table(name, stress, aperture.iloc[order]))
     return "\n".join(lines) + "\n"
 
 
 def _itasca_table(name: str, stress: pd.Series, values: pd.Series) -> str:
-    """A command that defines values over stresses [MPa], without those that are not known."""
+    """Return a command that defines known values over stresses [MPa]."""
     pairs = " ".join(
         f"({1e6 * at:.6e},{value:.6e})"
         for at, value in zip(stress, values, strict=True)
@@ -159,7 +162,7 @@ def _itasca_table(name: str, stress: pd.Series, values: pd.Series) -> str:
 
 
 class FractureMesh(NamedTuple):
-    """A triangulated midplane: points (n, 3) [m], triangles (m, 3), and fields of each triangle."""
+    """Triangulated midplane: points (n, 3) [m], triangles (m, 3), and fields of triangles."""
 
     points: np.ndarray
     triangles: np.ndarray
@@ -169,23 +172,24 @@ class FractureMesh(NamedTuple):
 def fracture_mesh(
     upper: np.ndarray, lower: np.ndarray, opening: float, spacing: float
 ) -> FractureMesh:
-    """The midplane of a joint, with its aperture and where walls touch.
+    """Triangulate the midplane of a joint, with aperture and contact.
 
     Parameters
     ----------
     upper, lower : array (y, x)
         Heights [m] towards the other wall.
     opening : float
-        Distance of the planes that heights are counted from [m]: the sum of the heights where the
-        walls only just touch.
+        Distance of the datum planes of the heights [m]: the sum of the heights where the
+        walls just touch.
     spacing : float
-        Of the cells [m].
+        Grid spacing [m].
 
     Returns
     -------
     FractureMesh
-        Two triangles between four neighbouring cells; ``aperture`` [m] is the mean of a
-        triangle's corners, ``contact`` 1 where one of them touches, else 0, and ``MaterialIDs`` 0.
+        Two triangles between four neighbouring cells. ``aperture`` [m] is the mean of a
+        triangle's corners, ``contact`` is 1 if one of them is in contact, otherwise 0, and
+        ``MaterialIDs`` is 0.
     """
     aperture = np.maximum(opening - upper - lower, 0.0)
     midplane = lower + 0.5 * (opening - upper - lower)

@@ -1,6 +1,6 @@
-"""Empirical laws of closure fitted to a joint's curves: what fits, how well, and where it fails.
+"""Empirical laws of closure fitted to a joint's curves, with their errors and ranges.
 
-Closure D is net and counts from the seating stress s, as laboratories count it:
+Closure D is net and counts from the seating stress s, as in laboratories:
 
 - hyperbolic (Bandis, Lumsden & Barton 1983): sigma - s = kni D/(1 - D/Vm);
 - semi-logarithmic (Bandis et al. 1983, mismatched joints): log10(sigma) = p + q D;
@@ -20,9 +20,9 @@ from jointclosure.joint.history import NET, read_along
 from jointclosure.joint.protocol import LOADING, UNLOADING
 
 POINTS = 60
-"""Evenly spaced stresses at which a law is fitted: each counts alike."""
+"""Number of evenly spaced stresses at which a law is fitted, with equal weights."""
 FAILS = 0.05
-"""Of the largest closure: farther off than that a law fails."""
+"""Largest error of a law within its range, over the largest closure."""
 
 
 _COLUMNS = [
@@ -32,7 +32,7 @@ _COLUMNS = [
 
 
 class Law(NamedTuple):
-    """A law of closure: names and units of its parameters, closure of stress, a first guess.
+    """Law of closure: parameters with units, closure as a function of stress, and a first guess.
 
     ``closure(stress, seating, *parameters)`` in MPa and mm; ``guess(stress, closure, seating)``.
     """
@@ -84,9 +84,10 @@ LAWS = {
 def law_curves(
     history: xr.Dataset, of: str = NET
 ) -> dict[tuple[int, str], tuple[np.ndarray, np.ndarray]]:
-    """Read stress [MPa] and closure since seating on that branch [mm], by cycle and branch.
+    """Read stress [MPa] and closure since seating [mm] by cycle and branch.
 
-    Branches that do not reach from seating to their cycle's maximum are left out. ``of`` as in
+    Closure counts from seating on the same branch. Branches that do not extend from seating to the
+    maximum of their cycle are left out. ``of`` as in
     `jointclosure.engineering.stiffness.closures_at`.
     """
     seating = float(history.attrs["seating_stress_Pa"])
@@ -103,7 +104,7 @@ def law_curves(
 
 
 def _start(history: xr.Dataset, cycle: int, branch: str, of: str) -> float:
-    """Closure at which a branch without seating begins, or ends [m]."""
+    """Return the closure [m] at which a branch without seating begins or ends."""
     here = np.flatnonzero((history.cycle.values == cycle) & (history.branch.values == branch))
     first = here[0] - 1 if here[0] > 0 else here[0]
     return float(read_along(history, of)[first if branch == LOADING else here[-1]])
@@ -117,16 +118,16 @@ def fitted_laws(history: xr.Dataset, of: str = NET) -> pd.DataFrame:
     history : Dataset
         As from `jointclosure.simulate`.
     of : str
-        The closure that is fitted: `jointclosure.joint.history.NET`, or `GROSS`.
+        Closure to be fitted: `jointclosure.joint.history.NET`, or `GROSS`.
 
     Returns
     -------
     DataFrame
-        One row a parameter: ``cycle``, ``branch``, ``law``, ``parameter``, ``value``,
-        ``standard_error`` (by the scatter about the fit, as if points were independent), and of the
-        fit ``r_squared``, ``rms_mm``, ``holds_from_MPa`` and ``holds_to_MPa``: the longest range
-        of stresses in which the law misses closure by no more than `FAILS` of the largest one.
-        A law that cannot be fitted has NaN.
+        One row per parameter: ``cycle``, ``branch``, ``law``, ``parameter``, ``value``,
+        ``standard_error`` (from the scatter about the fit, as if points were independent), and for
+        the fit ``r_squared``, ``rms_mm``, ``holds_from_MPa`` and ``holds_to_MPa``: the longest
+        range of stresses in which the error of the law is at most `FAILS` times the largest
+        closure. NaN for a law that cannot be fitted.
     """
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
     rows = []
@@ -142,7 +143,7 @@ def fitted_laws(history: xr.Dataset, of: str = NET) -> pd.DataFrame:
 
 
 def _fit(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
-    """Parameters, their errors, and how well the law fits."""
+    """Return parameters, their errors, and the quality of the fit of a law."""
     nothing = np.full(len(law.parameters), np.nan)
     names = _COLUMNS[-4:]
     try:
@@ -151,7 +152,7 @@ def _fit(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
             lambda x, *parameters: law.closure(x, seating, *parameters),
             stress, closure, start, maxfev=20_000,
         )  # fmt: skip
-    except (RuntimeError, ValueError, np.linalg.LinAlgError):  # no fit is an answer
+    except (RuntimeError, ValueError, np.linalg.LinAlgError):  # a law that cannot be fitted has NaN
         return nothing, nothing, dict.fromkeys(names, np.nan)
     miss = law.closure(stress, seating, *values) - closure
     square = float(np.sum(miss**2))
@@ -165,7 +166,7 @@ def _fit(law: Law, stress: np.ndarray, closure: np.ndarray, seating: float):
 
 
 def _longest(held: np.ndarray) -> tuple[int, int] | None:
-    """First and last index of the longest run of true, None where there is none."""
+    """Return the first and last index of the longest run of true values, None without any."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], held, [False]]).astype(int)))
     runs = edges.reshape(-1, 2)
     if not len(runs):
@@ -175,20 +176,20 @@ def _longest(held: np.ndarray) -> tuple[int, int] | None:
 
 
 def parameter(fits: pd.DataFrame, cycle: int, branch: str, name: str) -> float:
-    """A parameter of `fitted_laws` by its name, NaN where it was not fitted."""
-    own = fits[(fits.cycle == cycle) & (fits.branch == branch) & (fits.parameter == name)]
-    return float(own.value.iloc[0]) if len(own) else float("nan")
+    """Return a parameter of `fitted_laws` by its name, NaN if it was not fitted."""
+    rows = fits[(fits.cycle == cycle) & (fits.branch == branch) & (fits.parameter == name)]
+    return float(rows.value.iloc[0]) if len(rows) else float("nan")
 
 
-def law_said(fits: pd.DataFrame, cycle: int, branch: str) -> str:
-    """The best law of a branch in a line."""
-    own = fits[(fits.cycle == cycle) & (fits.branch == branch)]
-    if not own.rms_mm.notna().any():
+def describe_law(fits: pd.DataFrame, cycle: int, branch: str) -> str:
+    """Describe the best law of a branch in a line."""
+    rows = fits[(fits.cycle == cycle) & (fits.branch == branch)]
+    if not rows.rms_mm.notna().any():
         return f"cycle {cycle}, {branch}: no law could be fitted"
-    best = own[own.rms_mm == own.rms_mm.min()]
+    best = rows[rows.rms_mm == rows.rms_mm.min()]
     words = ", ".join(f"{row.parameter} = {row.value:.4g}" for row in best.itertuples(index=False))
     first = best.iloc[0]
     return (
-        f"cycle {cycle}, {branch}: {first.law} ({words}), off by {first.rms_mm:.2g} mm rms, holds "
-        f"from {first.holds_from_MPa:.3g} to {first.holds_to_MPa:.3g} MPa"
+        f"cycle {cycle}, {branch}: {first.law} ({words}), rms error {first.rms_mm:.2g} mm, "
+        f"valid from {first.holds_from_MPa:.3g} to {first.holds_to_MPa:.3g} MPa"
     )

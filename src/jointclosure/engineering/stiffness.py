@@ -1,4 +1,4 @@
-"""Normal stiffness against stress, as programs of blocks and joints take it."""
+"""Normal stiffness over stress, for programs of blocks and joints."""
 
 import json
 
@@ -11,31 +11,31 @@ from jointclosure.joint.history import GROSS, NET, branch_of, read_along
 from jointclosure.joint.protocol import LOADING, UNLOADING
 
 LEVELS = 20
-"""Stresses of a table, evenly spaced from seating to the maximum."""
+"""Number of stresses of a table, evenly spaced from seating to the maximum."""
 
 
 def stress_levels(history: xr.Dataset, count: int = LEVELS, cycle: int | None = None) -> np.ndarray:
-    """Evenly spaced stresses [Pa] from the seating stress to the largest that was reached.
+    """Return evenly spaced stresses [Pa] from the seating stress to the largest reached stress.
 
-    Of a ``cycle`` whose maximum is lower than others' by more than a percent, to its own.
-    Where seating is at no stress the first one is a level's distance above it.
+    For a ``cycle`` whose maximum is lower than the largest by more than a percent, they end at its
+    maximum. If the seating stress is 0, the first stress is one interval above it.
     """
     seating = float(history.attrs["seating_stress_Pa"])
     largest = float(history.normal_stress.max())
     if cycle is not None:
-        own = float(history.normal_stress.values[history.cycle.values == cycle].max())
-        largest = largest if largest <= 1.01 * own else own
+        reached = float(history.normal_stress.values[history.cycle.values == cycle].max())
+        largest = largest if largest <= 1.01 * reached else reached
     return np.linspace(seating, largest, count + (seating == 0.0))[(seating == 0.0) :]
 
 
 def closures_at(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> np.ndarray:
     """Read the closure (cycles, 2, levels) [m] on loading and unloading at stresses [Pa].
 
-    ``of`` names what is read (`jointclosure.joint.history.read_along`), by default the net closure.
-
-    Between the steps by a monotone cubic: chords between few steps would make stairs of the
-    stiffness. Steps of a landing (`landing_stress`) have a cubic of their own, as they are stiffer.
-    First crossings on loading, last ones on unloading; NaN where a level was not reached.
+    ``of`` names the variable (`jointclosure.joint.history.read_along`), by default the net closure.
+    Between the steps a monotone cubic is used, because chords between few steps would give a
+    stepwise stiffness. Steps of a landing (`landing_stress`) have a separate cubic, because they
+    are stiffer. Values are those at the first crossing on loading and the last on unloading; NaN if
+    a level was not reached.
     """
     cycles = int(history.cycle.max())
     values = read_along(history, of)
@@ -48,7 +48,7 @@ def closures_at(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> np.nd
             here = here if name == LOADING else here[::-1]
             stress, closure = history.normal_stress.values[here], values[here]
             rises = np.concatenate([[True], stress[1:] > np.maximum.accumulate(stress)[:-1]])
-            # a maximum within a percent below a level counts as having reached it
+            # a maximum within a percent below a level counts as reaching it
             largest = float(stress.max())
             reached = np.where((levels > largest) & (levels <= 1.01 * largest), largest, levels)
             end = landing_stress(history, number) if name == LOADING else np.inf
@@ -59,8 +59,8 @@ def closures_at(history: xr.Dataset, levels: np.ndarray, of: str = NET) -> np.nd
 def _between(
     stress: np.ndarray, closure: np.ndarray, levels: np.ndarray, landing: float
 ) -> np.ndarray:
-    """Closure at levels by a monotone cubic up to the landing, and another one from it on."""
-    found = np.full(levels.size, np.nan)
+    """Return the closure at levels by monotone cubics, one up to the landing and one beyond."""
+    result = np.full(levels.size, np.nan)
     for part, asked in (
         (stress <= landing, levels <= landing),
         (stress >= landing, levels > landing),
@@ -69,18 +69,18 @@ def _between(
             curve = scipy.interpolate.PchipInterpolator(
                 stress[part], closure[part], extrapolate=False
             )
-            found[asked] = curve(levels[asked])
-        elif part.any() and asked.any():  # one step alone
-            found[asked] = np.where(levels[asked] == stress[part][0], closure[part][0], np.nan)
-    return found
+            result[asked] = curve(levels[asked])
+        elif part.any() and asked.any():  # a single step
+            result[asked] = np.where(levels[asked] == stress[part][0], closure[part][0], np.nan)
+    return result
 
 
 def landing_stress(history: xr.Dataset, cycle: int) -> float:
-    """Stress [Pa] from which a cycle's loading lands on its maximum; infinite where it does not.
+    """Return the stress [Pa] from which a cycle's loading lands on its maximum; infinite if none.
 
     With breakage by fixed steps the last whole displacement step ends at this stress. The smaller
-    ones that follow break less, so that the joint is stiffer there than it is: nearly as stiff
-    as on unloading. Loading within a former maximum breaks next to nothing, and does not count.
+    steps that follow break less, so that the computed stiffness is too large: nearly as large as on
+    unloading. Loading within a former maximum breaks almost nothing and has no landing.
     """
     effects, numerics = (
         json.loads(history.attrs.get(name, "{}")) for name in ("effects", "numerics")
@@ -91,7 +91,7 @@ def landing_stress(history: xr.Dataset, cycle: int) -> float:
     here = branch_of(history.cycle.values, history.branch.values, cycle, LOADING)
     stress = history.normal_stress.values
     former = stress[history.cycle.values < cycle].max(initial=0.0)
-    within = 1.0 + 3.0 * numerics["stress_tolerance"]  # both landed to the tolerance
+    within = 1.0 + 3.0 * numerics["stress_tolerance"]  # both within the tolerance
     if here.size < 2 or stress[here].max() <= former * within:
         return np.inf
     step = numerics["displacement_step" if cycle == 1 else "later_displacement_step"]
@@ -104,9 +104,8 @@ def secant_stiffness(
 ) -> float:
     """Compute the normal stiffness [Pa/m] of a cycle's loading by the chord between two stresses.
 
-    It ends below the higher one [Pa] where the loading begins to land on its maximum
-    (`landing_stress`), or reached no more; NaN where that is not above the lower one. ``of`` as in
-    `closures_at`.
+    The chord ends at the higher stress [Pa], or below it at the `landing_stress` or at the largest
+    reached stress. NaN if this end is not above the lower stress. ``of`` as in `closures_at`.
     """
     here = branch_of(history.cycle.values, history.branch.values, cycle, LOADING)
     if here.size < 2:
@@ -125,16 +124,16 @@ def stiffness_table(history: xr.Dataset, count: int = LEVELS) -> pd.DataFrame:
     history : Dataset
         As from `jointclosure.simulate`.
     count : int
-        Stresses from seating to the maximum.
+        Number of stresses from seating to the maximum.
 
     Returns
     -------
     DataFrame
-        ``cycle``, ``branch``, ``from_MPa`` and ``to_MPa`` of the chord, ``normal_stress_MPa`` in
+        ``cycle``, ``branch``, ``from_MPa`` and ``to_MPa`` of the chord, ``normal_stress_MPa`` at
         its middle, ``normal_stiffness_net_MPa_per_mm`` of the joint,
-        ``normal_stiffness_gross_MPa_per_mm`` of the joint and the half-spaces (both NaN where
-        closure does not change), and ``landing``: whether the chord reaches beyond
-        `landing_stress`, so that its stiffness is not the joint's.
+        ``normal_stiffness_gross_MPa_per_mm`` of joint and half-spaces (both NaN where closure
+        does not change), and ``landing``: whether the chord extends beyond `landing_stress`, so
+        that it is stiffer than the joint.
     """
     levels = stress_levels(history, count)
     chords = {
@@ -162,7 +161,7 @@ def stiffness_table(history: xr.Dataset, count: int = LEVELS) -> pd.DataFrame:
 
 
 def _chords_between(levels: np.ndarray, closures: np.ndarray) -> np.ndarray:
-    """Stiffness (..., levels - 1) [Pa/m] of closures (..., levels) [m] at stresses [Pa]."""
+    """Return stiffness (..., levels - 1) [Pa/m] from closures (..., levels) [m] at stresses."""
     run = np.diff(closures)
     rise = np.broadcast_to(np.diff(levels), run.shape)
     return np.divide(rise, run, out=np.full(run.shape, np.nan), where=run > 0.0)

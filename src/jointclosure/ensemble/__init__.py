@@ -1,1 +1,1 @@
-"""Cases of a study: their surfaces made, closed, put together, checked and compared."""
+"""Engine of studies: surfaces of all cases are made, closed, joined, checked and compared."""

@@ -1,4 +1,4 @@
-"""The cases of a study put together, and what is read of them."""
+"""Joined results of all cases of a study."""
 
 import numpy as np
 import xarray as xr
@@ -9,9 +9,9 @@ from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import Rock
 
 FLOW_CURVES = ("mean_aperture", "hydraulic_aperture")
-"""Variables over stress that only a study with flow has."""
+"""Curves over stress that exist only in a study with flow."""
 CURVES = ("closure", "bulk_indentation", *FLOW_CURVES)
-"""Variables over stress: nine tenths of a study's numbers."""
+"""Curves over stress: nine tenths of the numbers of a study."""
 
 
 _ABOUT = (
@@ -28,11 +28,11 @@ _ABOUT = (
         "max_normal_stress": {"long_name": "maximum nominal normal stress", "units": "Pa"},
     }
 )
-"""Numbers of a case among the coordinates of a study."""
+"""Numeric coordinates of a study's cases."""
 
 
 def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:
-    """All cases of a study along ``case``, with rock, parameter, level and value."""
+    """Join all cases of a study along ``case``, with rock, parameter, level and value."""
     study = xr.concat(closed, "case", join="exact", coords="minimal", compat="override")
     columns = {
         name: np.array([getattr(case, name) for case in cases], dtype=object)
@@ -46,7 +46,7 @@ def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:
             case.property(name) if name in PROPERTIES else getattr(case, name) for case in cases
         ]
         coordinates[name] = ("case", np.array(values, dtype=float), about)
-    # seeds differ between cases with independent draws
+    # with independent draws seeds differ between cases
     seeds = np.stack([part.seed.values for part in closed])
     return study.drop_vars("seed").assign_coords(
         coordinates | {"seed": (("case", "realization"), seeds, {"long_name": "seed of the walls"})}
@@ -54,14 +54,14 @@ def join_cases(cases: list[Case], closed: list[xr.Dataset]) -> xr.Dataset:
 
 
 def succeeded(study: xr.Dataset) -> xr.DataArray:
-    """Whether a simulation's numbers may be used: a status below `FAILURE`."""
+    """Return which simulations succeeded: those with a status below `FAILURE`."""
     return study.status < FAILURE
 
 
 def seats(study: xr.Dataset, net: bool = False) -> xr.DataArray:
-    """Find the gross or net closures (..., cycle) at which cycles' loadings seat [m].
+    """Return gross or net closures (..., cycle) [m] where loading reaches the seating stress.
 
-    They count from first touch; cycles start from no stress, where both are the same.
+    They count from first touch. Cycles start without stress, where both closures are equal.
     """
     start = study.residual_closure.shift(cycle=1, fill_value=0.0)
     kind = "_net" if net else ""

@@ -1,4 +1,4 @@
-"""Curves and stiffness of many joints as engineers take them: medians and bands by stress."""
+"""Curves and stiffness of many joints for engineering: medians and quantile bands over stress."""
 
 import numpy as np
 import pandas as pd
@@ -15,7 +15,7 @@ def band_table(
     case: xr.Dataset,
     quantiles: tuple[float, ...] = QUANTILES,
 ) -> pd.DataFrame:
-    """Tabulate closure, normal stiffness and apertures against stress over joints that succeeded.
+    """Tabulate closure, stiffness and apertures over stress for all successful joints.
 
     Parameters
     ----------
@@ -23,19 +23,20 @@ def band_table(
         Over (realization, cycle, branch, stress): a case of a study, or an ensemble as from
         `jointclosure.simulate_ensemble`.
     quantiles : tuple of float
-        In (0, 1), which become columns ``q05`` and so on.
+        In (0, 1); columns are named ``q05`` and so on.
 
     Returns
     -------
     DataFrame
-        For each cycle, branch and stress: ``stress_MPa``, and of the net and the gross closure
+        For each cycle, branch and stress: ``stress_MPa``, and for the net and the gross closure
         (`jointclosure.engineering.curves.KINDS`) ``closure_<kind>_since_seating_mm``,
-        ``closure_<kind>_mm`` (from first touch) and ``normal_stiffness_<kind>_MPa_per_mm`` (of each
-        joint by the chord to the next stress, in the row of the lower one); of joints with flow
-        also ``mean_aperture_mm`` and ``hydraulic_aperture_x_mm``, ``..._y_mm``. Each has its
-        ``mean`` and quantiles as ``<name>_<statistic>``; ``samples`` are the joints that reach the
-        stress. Statistics are NaN where none does; stiffness of single joints is NaN where closure
-        does not change, and beyond their landing (`engineering.stiffness.landing_stress`).
+        ``closure_<kind>_mm`` (from first touch) and ``normal_stiffness_<kind>_MPa_per_mm`` (the
+        chord of each joint to the next stress, in the row of the lower one); for joints with flow
+        also ``mean_aperture_mm`` and ``hydraulic_aperture_x_mm``, ``..._y_mm``. Mean and
+        quantiles are columns ``<name>_<statistic>``; ``samples`` is the number of joints that
+        reach the stress. Statistics are NaN if no joint reaches it. The stiffness of a joint is
+        NaN where closure does not change, and beyond the landing
+        (`engineering.stiffness.landing_stress`).
     """
     good = case.where(succeeded(case))
     upper = good.stress.shift(stress=-1)
@@ -57,10 +58,10 @@ def band_table(
     for name, values in fields.items():
         axis = values.get_axis_num("realization")
         known = np.isfinite(values).any("realization")
-        filled = values.where(known, 0.0)  # a quantile of nothing would warn
+        filled = values.where(known, 0.0)  # a quantile of no numbers would warn
         columns[f"{name}_mean"] = filled.mean("realization").where(known)
-        found = np.nanquantile(filled.values, quantiles, axis=axis)
-        for quantile, part in zip(quantiles, found, strict=True):
+        bounds = np.nanquantile(filled.values, quantiles, axis=axis)
+        for quantile, part in zip(quantiles, bounds, strict=True):
             label = f"{name}_q{round(100.0 * quantile):02d}"
             columns[label] = known.copy(data=part).where(known)
     table = xr.Dataset(columns).assign_coords(stress_MPa=("stress", 1e-6 * case.stress.values))
@@ -69,7 +70,7 @@ def band_table(
 
 
 def _stiffness(closure: xr.DataArray) -> xr.DataArray:
-    """Chords between neighbouring stresses [MPa/mm], NaN at the last one."""
+    """Return chords between neighbouring stresses [MPa/mm], NaN at the last one."""
     rise = closure.stress.diff("stress", label="lower")
     run = closure.diff("stress", label="lower")
     chords = 1e-9 * rise / run.where(run > 0.0)

@@ -1,7 +1,7 @@
-"""The cases of a study: every rock at its base, and with one parameter changed.
+"""Cases of a study: every rock with its base values, and with one parameter changed.
 
-A case's label names files only. It is never taken apart: rock, parameter,
-level and value are fields of `Case`, and coordinates of every dataset.
+The label of a case is used only to name files and is never parsed: rock, parameter, level and value
+are fields of `Case`, and coordinates of every dataset.
 """
 
 from jointclosure.config.typed import Configuration, Study, StudyRock
@@ -9,18 +9,18 @@ from jointclosure.ensemble.settings import Case
 from jointclosure.parameters import PROPERTIES
 
 BASE = "base"
-"""Parameter and level of a case in which none is changed."""
+"""Parameter and level of a case in which no parameter is changed."""
 
 
 def level_names(levels: tuple[float, ...], base: float) -> list[str]:
-    """Names of ascending levels: low, base, high, or level_1 to level_k and base."""
+    """Return names of ascending levels: low, base, high, or level_1 to level_k and base."""
     if len(levels) == 3 and levels[1] == base:
         return ["low", BASE, "high"]
     return [BASE if level == base else f"level_{i + 1}" for i, level in enumerate(levels)]
 
 
 def base_case(name: str, rock: StudyRock) -> Case:
-    """The case of a rock as it is."""
+    """Return the case of a rock with its base values."""
     label = f"{name}-{BASE}"
     return Case(
         label,
@@ -37,13 +37,13 @@ def base_case(name: str, rock: StudyRock) -> Case:
 
 
 def cases_of(configuration: Configuration) -> list[Case]:
-    """All cases, by rock in the study's order, the base case of each first."""
+    """Return all cases by rock in the order of the study, with the base case of each rock first."""
     common = configuration.study.draws == "common"
     cases = []
     for name, rock in configuration.rocks.items():
         base = base_case(name, rock)
         cases.append(base)
-        for parameter in (each for each in PROPERTIES if each in rock.levels):
+        for parameter in (name for name in PROPERTIES if name in rock.levels):
             levels = rock.levels[parameter]
             named = zip(level_names(levels, base.property(parameter)), levels, strict=True)
             for level, value in named:
@@ -64,11 +64,11 @@ def cases_of(configuration: Configuration) -> list[Case]:
 
 
 def pool_of(configuration: Configuration) -> Configuration:
-    """The configuration of a study's pool: all its cases closed on common surfaces.
+    """Return the configuration of a study's pool: all its cases closed on common surfaces.
 
-    They are other surfaces than any study's, named by it, and as many as ``study.pool``
-    says (null: as many as the study's own). The blocks of its jobs are as large as those of
-    the study.
+    The surfaces differ from those of any study. They are named by the study, and their number is
+    ``study.pool`` (null: the number of realisations of the study). The blocks of its jobs are as
+    large as those of the study.
     """
     study = configuration.study
     return configuration._replace(
@@ -76,14 +76,14 @@ def pool_of(configuration: Configuration) -> Configuration:
             realizations=study.pool or study.realizations,
             realizations_per_job=study.realizations_per_job or study.realizations,
             draws="common",
-            surfaces_of=f"{study.surfaces_of or study.name} pool",  # no name of a study
+            surfaces_of=f"{study.surfaces_of or study.name} pool",  # cannot be a study's name
             pool=None,
         )
     )
 
 
 def ensembles_of(configuration: Configuration) -> dict[str, Configuration]:
-    """What a study closes, by the folder of its files: its "cases", and a "pool" if it has one."""
+    """Return the ensembles of a study by folder of their files: "cases", and "pool" if any."""
     ensembles = {"cases": configuration}
     if configuration.study.pool is not None:
         ensembles["pool"] = pool_of(configuration)
@@ -91,9 +91,10 @@ def ensembles_of(configuration: Configuration) -> dict[str, Configuration]:
 
 
 def wall_name(study: Study, case: Case) -> list[str]:
-    """What the seeds of a case's surface pairs are named by, but for the realisation.
+    """Return the name from which the seeds of a case's surface pairs derive, without realisation.
 
-    Never an index of cases: adding, dropping or reordering them changes no surface.
+    It never contains an index of cases, so that adding, removing or reordering cases changes no
+    surface.
     """
     name = [study.surfaces_of or study.name, case.rock]
     if study.draws == "independent":
@@ -102,6 +103,6 @@ def wall_name(study: Study, case: Case) -> list[str]:
 
 
 def blocks_of(study: Study) -> list[range]:
-    """The realisations of every case, split over jobs."""
+    """Split the realisations of every case into the blocks of jobs."""
     last, step = study.realizations, study.realizations_per_job or study.realizations
     return [range(first, min(first + step, last)) for first in range(0, last, step)]

@@ -1,4 +1,4 @@
-"""Checks of a study's results, run as a rule: the results are tested too."""
+"""Checks of a study's results, run as a rule of the workflow."""
 
 import json
 
@@ -11,13 +11,13 @@ from jointclosure.parameters import Numerics, scene_of
 
 VOLUME_TOLERANCE = 1e-12
 FEWEST = 2
-"""Realisations of a case without which it has no standard deviation."""
+"""Smallest number of realisations of a case for which a standard deviation exists."""
 
 
 def check_results(
     study: xr.Dataset, numerics: Numerics, realizations: int, ensemble: str = "cases"
 ) -> pd.DataFrame:
-    """What must hold for every successful simulation, and what was found.
+    """Check what must hold for every successful simulation.
 
     Parameters
     ----------
@@ -25,20 +25,20 @@ def check_results(
         Closures of an ensemble of the study: its cases, or its pool.
     numerics : Numerics
     realizations : int
-        Of each case.
+        Number of realisations of each case.
     ensemble : str
-        Its name in the table.
+        Name of the ensemble in the table.
 
     Returns
     -------
     DataFrame
-        Columns ensemble, check, required, found, passed.
+        Columns ensemble, check, required, found (the value in the results), passed.
     """
     good = succeeded(study)
     rows = []
 
-    def add(check: str, required: str, found, passed: bool) -> None:
-        row = {"check": check, "required": required, "found": found, "passed": bool(passed)}
+    def add(check: str, required: str, value, passed: bool) -> None:
+        row = {"check": check, "required": required, "found": value, "passed": bool(passed)}
         rows.append({"ensemble": ensemble} | row)
 
     total = good.size
@@ -111,8 +111,8 @@ def check_results(
     )
     for rock, walls in json.loads(study.attrs.get("walls", "{}")).items():
         apart = walls["windows_side_by_side"]
-        found = f"at most {min(apart, realizations)} of {realizations}"
-        add(f"realisations of {rock} that share no part of a scan", "reported only", found, True)
+        sharing = f"at most {min(apart, realizations)} of {realizations}"
+        add(f"realisations of {rock} that share no part of a scan", "reported only", sharing, True)
     for value, meaning in zip(
         study.status.attrs["flag_masks"], study.status.attrs["flag_meanings"].split(), strict=True
     ):

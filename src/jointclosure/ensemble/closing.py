@@ -1,4 +1,4 @@
-"""Surface pairs of a case closed, and read."""
+"""Closure of the surface pairs of a case, and the results that are stored."""
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -37,7 +37,7 @@ PER_REALIZATION = (
 
 
 _TOGETHER = 100
-"""Realisations that are put together before they are written."""
+"""Number of realisations that are joined before they are written."""
 
 
 def close_walls(
@@ -47,10 +47,10 @@ def close_walls(
     report: Report | None = None,
     snapshots: Sequence[float] = (),
 ) -> xr.Dataset:
-    """Close two walls (y, x) [m]: what every study does with the walls of a case.
+    """Close two walls (y, x) [m], as every study does with the walls of a case.
 
-    Numbers that are unusual of rock are taken as they are: a configuration was asked
-    whether it means them (``study.unusual_values``).
+    Unusual values are accepted, because the configuration has already been checked for them
+    (``study.unusual_values``).
 
     Returns
     -------
@@ -80,22 +80,22 @@ def close_surfaces(
     Parameters
     ----------
     surfaces : Dataset
-        Those of `make_surfaces`, put together or read one at a time from a file.
+        As from `make_surfaces`, joined or read one at a time from a file.
     settings : ClosureSettings
     report : callable
         Receives a line for each realisation.
     repeated_by : str
-        Command that repeats a realisation, but for its number, for those lines
-        that tell of a failure.
+        Command that repeats a realisation, without its number, to be shown in the lines
+        that report a failure.
     before : Dataset
-        What was closed with these settings before, as from `closed_before`; its surfaces are not
-        closed again.
+        Results closed with these settings before, as from `closed_before`; their surfaces are
+        not closed again.
 
     Yields
     ------
     Dataset
-        Over (realization, cycle, branch, stress), up to a hundred realisations
-        each; one that failed has a status of 16 or more, and NaN where it was not read.
+        Over (realization, cycle, branch, stress), with up to a hundred realisations.
+        A failed realisation has a status of 16 or more, and NaN for missing results.
     """
     conditions = settings.conditions()
     stresses = np.linspace(0.0, settings.largest_stress, settings.stress_points)
@@ -124,7 +124,7 @@ def close_surfaces(
 def close_pair(
     upper: np.ndarray, lower: np.ndarray, stresses: np.ndarray, conditions: Conditions
 ) -> dict:
-    """Close one surface pair (y, x), and read it: (dimensions, values) by name."""
+    """Close one surface pair (y, x) and return (dimensions, values) of its results by name."""
     start = time.process_time()
     closed = close_walls(upper, lower, conditions)
     return _read(upper, lower, closed, time.process_time() - start, stresses, conditions)
@@ -135,16 +135,16 @@ def closed_before(
     closed: Iterable[tuple[xr.Dataset, float]],
     settings: ClosureSettings,
 ) -> xr.Dataset:
-    """What was closed of a case for another reason, as `close_surfaces` gives it.
+    """Join results that were closed for another purpose, in the form of `close_surfaces`.
 
     Parameters
     ----------
     surfaces : iterable of Dataset
-        As of `jointclosure.ensemble.surfaces.make_surfaces`, from the first on.
+        As from `jointclosure.ensemble.surfaces.make_surfaces`, from the first on.
     closed : iterable of (Dataset, float)
-        As from `close_walls`, and the processor time [s], of as many of them.
+        Results of `close_walls` and processor time [s] for each of these surfaces, in order.
     settings : ClosureSettings
-        Those that they were closed with.
+        Settings with which they were closed.
     """
     conditions = settings.conditions()
     stresses = np.linspace(0.0, settings.largest_stress, settings.stress_points)
@@ -166,8 +166,8 @@ def _read(upper, lower, closed: xr.Dataset, seconds: float, stresses, conditions
 
 
 def _row_of(realization: xr.Dataset) -> dict:
-    """A realisation of a labelled dataset as a row again."""
-    return {name: (each.dims, each.values) for name, each in realization.data_vars.items()}
+    """Convert a realisation of a labelled dataset back to a row."""
+    return {name: (array.dims, array.values) for name, array in realization.data_vars.items()}
 
 
 def _said(row: dict) -> str:
@@ -177,7 +177,7 @@ def _said(row: dict) -> str:
 
 
 def labelled(rows: list[dict], realizations, seeds, cycles: int, stresses) -> xr.Dataset:
-    """Realisations' results put together, with their coordinates and attributes."""
+    """Join the results of realisations, with coordinates and attributes."""
     labelled = xr.Dataset(
         {
             name: (
@@ -213,13 +213,14 @@ def _row(closed: xr.Dataset, stresses: np.ndarray, conditions: Conditions) -> di
         )
         row[name] = (("cycle", "branch", "stress"), curves)
     largest = float(np.max(conditions.max_normal_stress))
-    row |= {name: (("cycle",), each) for name, each in net_responses(closed, largest).items()}
+    responses = net_responses(closed, largest)
+    row |= {name: (("cycle",), values) for name, values in responses.items()}
     row["largest_residual"] = ((), float(closed.equilibrium_residual.max()))
     return row | _flow_row(closed, stresses, conditions) if conditions.flow else row
 
 
 def _flow_row(closed: xr.Dataset, stresses: np.ndarray, conditions: Conditions) -> dict:
-    """Apertures at stresses, the hydraulic ones by direction, and how well they balance."""
+    """Return apertures at stresses, the hydraulic ones by direction, and the flow imbalance."""
     history = (closed.normal_stress.values, closed.cycle.values, closed.branch.values)
 
     def curves(values: np.ndarray) -> np.ndarray:
@@ -236,7 +237,7 @@ def _flow_row(closed: xr.Dataset, stresses: np.ndarray, conditions: Conditions) 
 
 
 def _volume_error(upper: np.ndarray, lower: np.ndarray, closed: xr.Dataset) -> float:
-    """Largest |sum z - sum z0| / sum |z0 - min z0| of both walls."""
+    """Return the largest |sum z - sum z0| / sum |z0 - min z0| of both walls."""
     errors = []
     for before, after in ((upper, closed.upper_final.values), (lower, closed.lower_final.values)):
         scale = float(np.sum(before - before.min()))

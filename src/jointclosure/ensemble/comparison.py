@@ -1,4 +1,4 @@
-"""Two studies side by side: what moved, and by how much."""
+"""Comparison of two studies: changes of closures and intervals."""
 
 import numpy as np
 import pandas as pd
@@ -9,11 +9,11 @@ from jointclosure.ensemble.aggregation import succeeded
 
 TARGETS = ("max_closure", "max_closure_net", "residual_closure")
 MAY_DIFFER = ("provenance_", "timing_")
-"""Prefixes of what two runs of one study may differ in."""
+"""Prefixes of names whose values may differ between two runs of one study."""
 
 
 def closure_changes(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
-    """Change of the mean closures of every case that both studies have.
+    """Tabulate the change of mean closures of every case that both studies have.
 
     Parameters
     ----------
@@ -23,15 +23,15 @@ def closure_changes(first: xr.Dataset, second: xr.Dataset) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        For each case, cycle and target the means [mm], the change in percent of
-        the first's, its standard error, over how many realisations, and whether
-        these are the same surfaces (the seeds say so), whose differences are
-        then taken one by one.
+        For each case, cycle and target: the means [mm], the change in percent of
+        the first mean, its standard error, the number of realisations, and whether
+        the surfaces are the same (compared by seeds). The differences of equal
+        surfaces are paired.
 
     Raises
     ------
     ValueError
-        No case has the same name in both.
+        If the studies have no case in common.
     """
     shared = [name for name in first.case.values if name in set(second.case.values)]
     if not shared:
@@ -73,7 +73,7 @@ def _standard_error(values: np.ndarray) -> float:
 
 
 def interval_changes(first: pd.DataFrame, second: pd.DataFrame) -> pd.DataFrame:
-    """Lengths of the indifference intervals that both studies have, and their ratio.
+    """Tabulate lengths of the indifference intervals that both studies have, and their ratio.
 
     Parameters
     ----------
@@ -88,8 +88,8 @@ def interval_changes(first: pd.DataFrame, second: pd.DataFrame) -> pd.DataFrame:
 
 
 def differences(first: xr.Dataset, second: xr.Dataset) -> list[str]:
-    """All that differs between two datasets, but for provenance and timing; empty if nothing."""
-    found = []
+    """List all differences between two datasets except in provenance and timing."""
+    messages = []
     for kind, one, two in (
         ("attribute", first.attrs, second.attrs),
         ("variable", first.variables, second.variables),
@@ -97,12 +97,14 @@ def differences(first: xr.Dataset, second: xr.Dataset) -> list[str]:
         names = {str(name) for name in [*one, *two]}
         for name in sorted(name for name in names if not name.startswith(MAY_DIFFER)):
             if name not in one or name not in two:
-                found.append(f"{kind} {name}: only in the {'first' if name in one else 'second'}")
+                messages.append(
+                    f"{kind} {name}: only in the {'first' if name in one else 'second'}"
+                )
             elif kind == "attribute" and not np.array_equal(one[name], two[name]):
-                found.append(f"attribute {name} differs")
+                messages.append(f"attribute {name} differs")
             elif kind == "variable" and not _same_bits(one[name], two[name]):
-                found.append(f"variable {name} differs{_where(one[name], two[name])}")
-    return found
+                messages.append(f"variable {name} differs{_where(one[name], two[name])}")
+    return messages
 
 
 def _same_bits(one: xr.Variable, two: xr.Variable) -> bool:
@@ -122,7 +124,7 @@ def _where(one: xr.Variable, two: xr.Variable) -> str:
 
 
 def surfaces_sentence(changes: pd.DataFrame) -> str:
-    """What `closure_changes` compares: the same surfaces one by one, or means of different ones."""
+    """State in words whether `closure_changes` compares the same surfaces or different ones."""
     if changes.same_surfaces.all():
         return "Both studies close the same surfaces, which are compared one by one."
     cases = changes.loc[~changes.same_surfaces, "case"].unique()
@@ -134,7 +136,7 @@ def surfaces_sentence(changes: pd.DataFrame) -> str:
 
 
 def by_rock(changes: pd.DataFrame) -> pd.DataFrame:
-    """`closure_changes` by rock, cycle and target: means, and the spread over the cases."""
+    """Average `closure_changes` by rock, cycle and target, with the spread over the cases."""
     groups = changes.groupby(["rock", "cycle", "target"], sort=False)
     return groups.agg(
         cases=("case", "size"),
@@ -148,7 +150,7 @@ def by_rock(changes: pd.DataFrame) -> pd.DataFrame:
 
 
 def shown_intervals(changes: pd.DataFrame) -> pd.DataFrame:
-    """`interval_changes` to be read: lengths with their confidence intervals as text."""
+    """Format `interval_changes` for reading: lengths with their confidence intervals as text."""
 
     def text(row, which: str) -> str:
         values = [row[f"{name}_{which}"] for name in ("length", "length_low", "length_high")]

@@ -1,8 +1,9 @@
-"""Covariates of surface pairs, and what many surfaces tell of them.
+"""Covariates of surface pairs, and their means over many surfaces.
 
-They are depths on the bearing-area curve of the summed heights, over the RMS slope Z2 of the
-walls' JRC. Walls of other JRC are the same walls, scaled by Z2: so these depths are distributed
-alike in all cases of a study, and surfaces made once tell their means for all.
+The covariates are depths on the bearing-area curve of the summed heights, over the RMS slope Z2 of
+the walls' JRC. Walls of another JRC are the same walls scaled by Z2. Therefore these depths have
+the same distribution in all cases of a study, and their means, computed once from surfaces of one
+JRC, hold for all cases.
 """
 
 from typing import NamedTuple
@@ -18,18 +19,19 @@ from jointclosure.surface.bearing import bearing_depths, bearing_excess
 from jointclosure.surface.roughness import z2_of_jrc
 
 OF_FIRST_CYCLE, OF_LATER_CYCLES = ("depth_1", "depth_5"), ("excess_5",)
-"""Covariates by which closures of the cycles are adjusted (docs/accuracy.md)."""
+"""Covariates by which closures of the first and of later cycles are adjusted (docs/accuracy.md)."""
 COVARIATES = (*OF_FIRST_CYCLE, *OF_LATER_CYCLES)
 _REFERENCE_JRC = 10.0
-"""Of the surfaces that tell the means; any other gives the same."""
+"""JRC of the surfaces from which the means are computed; any other JRC gives the same means."""
 
 
 class Covariates(NamedTuple):
-    """Covariates of what was simulated, and what is known of them.
+    """Covariates of simulated surfaces, and their known means.
 
-    ``values``: array (case, realization, covariate) [m per unit slope], NaN for scanned walls;
-    ``known``: of all `COVARIATES`. ``tell_scatter``: whether standard deviations are adjusted
-    too; those of later cycles are worse for it (docs/accuracy.md).
+    ``values`` is an array (case, realization, covariate) [m per unit slope], NaN for scanned walls.
+    ``known`` contains the means of all `COVARIATES`. ``tell_scatter`` says whether standard
+    deviations are adjusted too; adjustment makes those of later cycles less accurate
+    (docs/accuracy.md).
     """
 
     values: np.ndarray
@@ -37,7 +39,7 @@ class Covariates(NamedTuple):
     tell_scatter: bool = True
 
     def of_cycle(self, cycle: int) -> "Covariates":
-        """Those by which closures of a cycle are adjusted."""
+        """Return the covariates by which closures of a cycle are adjusted."""
         names = OF_FIRST_CYCLE if cycle == 1 else OF_LATER_CYCLES
         chosen = [COVARIATES.index(name) for name in names]
         means, covariance, surfaces = self.known
@@ -46,14 +48,14 @@ class Covariates(NamedTuple):
 
 
 def covariates_of_pair(upper: np.ndarray, lower: np.ndarray, z2: float) -> np.ndarray:
-    """`COVARIATES` (3,) of two walls (y, x) [m] whose JRC stands for a slope Z2 [m]."""
+    """Compute `COVARIATES` (3,) [m] of two walls (y, x) [m] whose JRC corresponds to a slope Z2."""
     summed = upper + lower
     depths = bearing_depths(summed, [0.01, 0.05])
     return np.array([*depths, bearing_excess(summed, 0.05)]) / z2
 
 
 def measure_covariates(study: xr.Dataset, grid: Grid, surface: Surface) -> np.ndarray:
-    """Covariates (case, realization, covariate) of all that a study closed, from its seeds.
+    """Compute covariates (case, realization, covariate) of all surfaces of a study from seeds.
 
     Parameters
     ----------
@@ -61,11 +63,11 @@ def measure_covariates(study: xr.Dataset, grid: Grid, surface: Surface) -> np.nd
         As from `jointclosure.ensemble.aggregation.join_cases`.
     grid : Grid
     surface : Surface
-        Those that its walls were made with.
+        Settings with which its walls were made.
     """
     values = np.full((*study.seed.shape, len(COVARIATES)), np.nan)
     for i, jrc in enumerate(study.jrc.values.tolist()):
-        if np.isnan(jrc):  # scanned walls: no surfaces tell their means
+        if np.isnan(jrc):  # scanned walls: the means of their covariates are unknown
             continue
         if i and jrc == study.jrc.values[i - 1] and (study.seed[i] == study.seed[i - 1]).all():
             values[i] = values[i - 1]
@@ -76,12 +78,12 @@ def measure_covariates(study: xr.Dataset, grid: Grid, surface: Surface) -> np.nd
 
 
 def known_covariates(surfaces: int, root_seed: int, grid: Grid, surface: Surface) -> Known:
-    """What surfaces of their own, of no study, tell of the covariates.
+    """Estimate the means of the covariates from separate surfaces that belong to no study.
 
     Parameters
     ----------
     surfaces : int
-        How many.
+        Number of surfaces.
     root_seed : int
     grid : Grid
     surface : Surface
@@ -92,7 +94,7 @@ def known_covariates(surfaces: int, root_seed: int, grid: Grid, surface: Surface
 
 
 def as_dataset(covariates: Covariates, study: xr.Dataset) -> xr.Dataset:
-    """Covariates of a study, to be written; `from_dataset` is the way back."""
+    """Convert covariates of a study to a dataset; `from_dataset` is the inverse."""
     unit = {"units": "m", "long_name": "covariate, over the RMS slope of the JRC"}
     known = covariates.known
     return xr.Dataset(
@@ -111,7 +113,7 @@ def as_dataset(covariates: Covariates, study: xr.Dataset) -> xr.Dataset:
 
 
 def from_dataset(dataset: xr.Dataset) -> Covariates:
-    """Covariates as they were written by `as_dataset`."""
+    """Read covariates from a dataset made by `as_dataset`."""
     known = Known(
         dataset.known_mean.values, dataset.known_covariance.values, int(dataset.attrs["surfaces"])
     )

@@ -1,4 +1,4 @@
-"""Hydraulic apertures of a study's cases as a table."""
+"""Table of the hydraulic apertures of a study's cases."""
 
 import numpy as np
 import pandas as pd
@@ -8,7 +8,7 @@ from jointclosure.ensemble.aggregation import succeeded
 
 
 def flow_table(study: xr.Dataset) -> pd.DataFrame:
-    """Apertures of every case against stress, over the realisations that succeeded.
+    """Tabulate apertures of every case over stress, for the successful realisations.
 
     Parameters
     ----------
@@ -18,10 +18,11 @@ def flow_table(study: xr.Dataset) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        For each case, cycle, branch, direction and stress: ``samples`` that reach the stress,
-        ``blocked`` of them without any flow, ``mean`` and ``standard_deviation`` of the
-        ``mean_aperture`` and the ``hydraulic_aperture`` [mm], and of the ``ratio`` of the latter
-        to the former; NaN where nothing reaches the stress.
+        For each case, cycle, branch, direction and stress: ``samples``, the number of
+        realisations that reach the stress, ``blocked``, the number of these without any flow,
+        and ``mean`` and ``standard_deviation`` of the ``mean_aperture``, of the
+        ``hydraulic_aperture`` [mm], and of the ``ratio`` of the latter to the former. NaN if no
+        realisation reaches the stress.
     """
     good = study.where(succeeded(study))
     apertures = xr.Dataset(

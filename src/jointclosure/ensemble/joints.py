@@ -1,4 +1,4 @@
-"""Many joints closed under the same conditions, without a workflow."""
+"""Closure of many joints under the same conditions, without a workflow."""
 
 import os
 import warnings
@@ -23,7 +23,7 @@ from jointclosure.parameters import Choices, Effects, Numerics, Rock
 from jointclosure.surface.plausibility import doubts
 
 NOT_SIMULATED = 2 * max(FLAGS)
-"""Bit of the status of a joint that could not be closed at all; its ``error`` says why."""
+"""Status bit of a joint that could not be closed; its ``error`` states the reason."""
 
 Walls = tuple[np.ndarray, np.ndarray]
 
@@ -46,13 +46,13 @@ def simulate_ensemble(
     workers: int | None = None,
     progress: bool = False,
 ) -> xr.Dataset:
-    """Close many joints of the same rock under the same load, as a study closes those of a case.
+    """Close many joints of the same rock under the same load, as a study does for a case.
 
     Parameters
     ----------
     walls : iterable of (upper, lower), or callable
-        Pairs of walls as `jointclosure.simulate` takes them; or a rule that gives the pair
-        of a seed, as ``lambda seed: jc.wall_pair(8, (50, 50), 0.25e-3, seed)``.
+        Pairs of walls as for `jointclosure.simulate`; or a function that returns the pair
+        of a seed, such as ``lambda seed: jc.wall_pair(8, (50, 50), 0.25e-3, seed)``.
     spacing : float
         Grid spacing [m].
     rock : str, Rock or (Rock, Rock)
@@ -60,29 +60,32 @@ def simulate_ensemble(
     max_normal_stress, cycles, seating_stress, effects, choices, numerics, unusual_values, flow
         As for `jointclosure.simulate`.
     seeds : iterable of int
-        Of the rule; not used where walls are given.
+        Arguments of the function; not used if pairs of walls are given.
     stress_points : int
-        Evenly spaced stresses, from 0 to the largest, at which curves are read; at least 2.
+        Number of evenly spaced stresses, from 0 to the largest, at which curves are stored; at
+        least 2.
     workers : int, optional
-        Processes, by default as many as this one may use processors. Their number changes
-        nothing but ``timing_simulation`` [s].
+        Number of processes, by default that of the processors available to this process. It
+        affects only ``timing_simulation`` [s].
     progress : bool
-        Whether a bar shows how far it is, on a terminal.
+        Whether to show a progress bar on a terminal.
 
     Returns
     -------
     Dataset
         Over ``realization``, ``cycle``, ``branch`` and ``stress`` [Pa], with the variables of
-        a study's case: ``closure`` [m] from first touch, ``bulk_indentation`` [m], by cycle
-        ``max_closure``, ``residual_closure`` [m] and others, ``status``. Coordinate ``seed`` (of
-        walls that were given, their place), and ``error``: why a joint could not be closed, else
-        empty. Such a joint has status `NOT_SIMULATED` and NaN, spoils no other, and is named in a
-        warning. One whose process was killed is closed once more first.
+        a study's case: ``closure`` [m] from first touch, ``bulk_indentation`` [m], for each cycle
+        ``max_closure``, ``residual_closure`` [m] and others, ``status``. Coordinate ``seed`` is
+        the seed, or the position of a given pair. ``error`` states why a joint could not be
+        closed, and is empty otherwise. Such a joint has status `NOT_SIMULATED` and NaN, does not
+        affect other joints, and is named in a warning. A joint whose process was killed is first
+        tried once more.
 
     Raises
     ------
     InputError
-        Nothing to close, or none of the joints could be closed: what the first one said.
+        If there is nothing to close, or if no joint could be closed; the message is that of the
+        first joint.
     """
     check_number("stress_points", stress_points, whole=True)
     if stress_points < 2:
@@ -105,7 +108,7 @@ def simulate_ensemble(
 
 
 def _rows(tasks: list[tuple], labels: np.ndarray, workers: int, progress: bool) -> list:
-    """Rows of all joints; those whose process ended before it was done are closed once more."""
+    """Return rows of all joints; joints whose process was lost are tried once more."""
     rows: list[Any] = [None] * len(tasks)
     with _shown(progress, len(tasks)) as show:
         for place, row in shared(_closed, tasks, workers):
@@ -114,14 +117,14 @@ def _rows(tasks: list[tuple], labels: np.ndarray, workers: int, progress: bool) 
     lost = [i for i, row in enumerate(rows) if _lost(row)]
     if lost:
         _warn(f"closing again: seeds {labels[lost].tolist()}: {rows[lost[0]].error}")
-        # fewer at a time, as it is most often memory that was short; never in this process
+        # fewer at a time, because the usual reason is lack of memory; never in this process
         for place, row in shared(_closed, [tasks[i] for i in lost], min(workers, 2)):
             rows[lost[place]] = row
     failed = [i for i, row in enumerate(rows) if isinstance(row, Failed)]
     if failed and len(failed) < len(rows):
         _warn(
-            f"{len(failed)} of {len(rows)} joints are not closed and NaN: seeds "
-            f"{labels[failed].tolist()}; `error` has the reasons, the first is "
+            f"{len(failed)} of {len(rows)} joints could not be closed and are NaN: seeds "
+            f"{labels[failed].tolist()}; `error` states the reasons, the first is "
             f"{rows[failed[0]].error}"
         )
     return rows
@@ -136,7 +139,7 @@ def _warn(message: str) -> None:
 
 
 def _pairs(walls, seeds: Iterable[int]) -> tuple[np.ndarray, list[Walls]]:
-    """Seeds and pairs of walls; made here, so that a rule need not reach another process."""
+    """Return seeds and pairs of walls, made in this process so that functions are not pickled."""
     if callable(walls):
         numbers = list(seeds)
         pairs = [walls(number) for number in numbers]
@@ -149,13 +152,13 @@ def _pairs(walls, seeds: Iterable[int]) -> tuple[np.ndarray, list[Walls]]:
 
 
 def _closed(upper, lower, stresses: np.ndarray, conditions: Conditions) -> dict:
-    """A joint closed as those of a study; walls that cannot be are its own failure."""
+    """Close a joint as those of a study; invalid walls make only this joint fail."""
     walls = checked_walls(upper, lower, conditions.spacing)
     return close_pair(*walls, stresses, conditions)
 
 
 def _doubts(pairs: list[Walls], labels: np.ndarray, spacing: float) -> str:
-    """What looks like a slip in some of the pairs; those that are no walls fail by themselves."""
+    """Describe probable errors in pairs of walls; invalid pairs are skipped and fail later."""
     doubtful = {}
     for label, (upper, lower) in zip(labels, pairs, strict=True):
         try:
@@ -184,7 +187,7 @@ def _workers(workers: int | None) -> int:
 
 @contextmanager
 def _shown(progress: bool, total: int) -> Iterator[Callable[[], None]]:
-    """What counts the joints that are done, on a bar if one is wanted."""
+    """Yield a function that counts finished joints, on a progress bar if requested."""
     if not progress:
         yield lambda: None
         return
@@ -217,7 +220,7 @@ def _together(rows: list, seeds: np.ndarray, cycles: int, stresses: np.ndarray) 
 
 
 def _nothing(row: dict) -> dict:
-    """A row like another of what was not simulated."""
+    """Return a row of a joint that was not simulated, in the form of another row."""
     empty = {
         name: (dimensions, np.full(np.shape(values), np.nan))
         for name, (dimensions, values) in row.items()

@@ -1,4 +1,4 @@
-"""Scanned walls of a rock: brought to the joint's grid, and cut into joints."""
+"""Scanned walls of a rock, interpolated on the joint's grid and cut into joints."""
 
 import json
 from collections.abc import Iterator
@@ -27,31 +27,32 @@ def prepared_walls(
     jrc_relation: str,
     unusual_values: bool = False,
 ) -> xr.Dataset:
-    """Scanned walls on the grid of the joint, as large as they were scanned.
+    """Put scanned walls on the grid of the joint, in full size.
 
     Parameters
     ----------
     scans : dict
-        Of "upper", "lower" or both.
+        Scans by wall: "upper", "lower" or both.
     settings : Walls
     spacing : float
         Grid spacing of the joint [m].
     jrc_relation : str
-        Key of `jointclosure.surface.roughness.RELATIONS`: the JRC that is reported.
+        Key of `jointclosure.surface.roughness.RELATIONS`, for the reported JRC.
     unusual_values : bool
-        Whether walls are taken that look like a slip: as for
-        `jointclosure.surface.registration.registered`, and for walls that lie as they are given.
+        Whether to accept walls that are probably wrong, as for
+        `jointclosure.surface.registration.registered`. It also applies to walls that are not
+        registered.
 
     Returns
     -------
     Dataset
         ``upper``, ``lower`` or both over (y, x) [m], heights towards the other wall, with slope,
-        Hurst exponent and JRC of each, and the shares of cells that were missing.
+        Hurst exponent, JRC and share of missing cells of each wall.
 
     Raises
     ------
     InputError
-        Walls that cannot be brought to the grid, or look like a slip.
+        If walls cannot be put on the grid, or are probably wrong.
     """
     walls = xr.Dataset(attrs={"spacing_m": spacing, "partner": ""})
     if settings.bring_together:
@@ -64,7 +65,7 @@ def prepared_walls(
     if not (unusual_values or settings.bring_together):
         _check_plausible({side: wall for side, (wall, _) in heights.items()}, settings, spacing)
     for side, (wall, share) in heights.items():
-        # the relations and the synthesis know no H beyond 1, where walls are smooth at the grid
+        # relations and synthesis are valid up to H = 1; beyond, walls are smooth at the spacing
         z2, hurst = _slope(wall, spacing), float(np.clip(hurst_of(wall), 0.05, 1.0))
         about = {
             "units": "m",
@@ -75,7 +76,7 @@ def prepared_walls(
             "jrc": jrc_of_z2(z2, spacing, hurst, jrc_relation),
             "jrc_relation": jrc_relation,
         }
-        if scans[side].remarks:  # what was left out in reading is told beside the results
+        if scans[side].remarks:  # what reading left out is stored with the results
             about["remarks"] = "; ".join(scans[side].remarks)
         walls[side] = (("y", "x"), wall, about)
     missing = {"upper", "lower"} - set(scans)
@@ -85,11 +86,13 @@ def prepared_walls(
 
 
 def _check_plausible(walls: dict[str, np.ndarray], settings: Walls, spacing: float) -> None:
-    """Raise `InputError` where walls look like a slip of units or of orientation."""
+    """Raise `InputError` if units or orientation of the walls are probably wrong."""
     both = len(walls) == 2
-    found = doubts(**walls, spacing=spacing) if both else slope_doubts(walls, spacing)
-    if found:
-        raise InputError(f"{settings.upper} and {settings.lower}: {'; '.join(found)}; {AS_IT_IS}")
+    problems = doubts(**walls, spacing=spacing) if both else slope_doubts(walls, spacing)
+    if problems:
+        raise InputError(
+            f"{settings.upper} and {settings.lower}: {'; '.join(problems)}; {AS_IT_IS}"
+        )
 
 
 def brought_together(
@@ -99,7 +102,7 @@ def brought_together(
     spacing: float | None,
     unusual_values: bool,
 ) -> RegisteredPair:
-    """Two scans registered as a configuration says; errors name their files."""
+    """Register two scans as configured; error messages name their files."""
     try:
         return registered(
             upper,
@@ -118,7 +121,7 @@ def brought_together(
 def _as_they_lie(
     scans: dict[str, Scan | Cloud], settings: Walls, spacing: float
 ) -> dict[str, tuple[np.ndarray, float]]:
-    """Walls cell by cell, heights towards the other, with the share of cells that were missing."""
+    """Return unregistered walls, heights towards the other wall, with shares of missing cells."""
     bounds = _common_bounds(scans)
     heights: dict[str, tuple[np.ndarray, float]] = {}
     for side, scan in scans.items():
@@ -133,8 +136,8 @@ def _as_they_lie(
             sizes = [*others, wall.shape]
             raise InputError(
                 f"{settings.upper} and {settings.lower}: {sizes[0]} and {sizes[1]} cells "
-                "(y, x) at the grid's spacing; both scans must cover the same, cell by cell "
-                "(bring_together: true finds what both cover)"
+                "(y, x) at the spacing of the grid; both scans must cover the same cells (use "
+                "bring_together: true to find the area that both cover)"
             )
         sign = -1.0 if side in settings.inverted else 1.0
         heights[side] = (sign * wall, share)
@@ -142,7 +145,7 @@ def _as_they_lie(
 
 
 def cutter_of(walls: xr.Dataset, shape: tuple[int, int], order_seed: int, normalise: str) -> Cutter:
-    """What cuts joints out of the walls of `prepared_walls`."""
+    """Return the cutter of joints for the walls of `prepared_walls`."""
     first = next(iter(walls.data_vars.values()))
     measured = MeasuredWalls(
         {str(name): wall.values for name, wall in walls.data_vars.items()},
@@ -155,13 +158,13 @@ def cutter_of(walls: xr.Dataset, shape: tuple[int, int], order_seed: int, normal
 
 
 def cutter_for(walls: xr.Dataset, settings: SurfaceSettings) -> Cutter:
-    """The cutter of the surfaces of a case."""
+    """Return the cutter for the surfaces of a case."""
     order = seed_of(settings.root_seed, *settings.seeds_named_by, "windows")
     return cutter_of(walls, settings.grid.shape, order, settings.surface.normalise)
 
 
 def cut_surfaces(cutter: Cutter, seeds: list[int], first: int = 0) -> Iterator[xr.Dataset]:
-    """Surface pairs as of `ensemble.surfaces.make_surfaces`, cut out of scanned walls.
+    """Cut surface pairs out of scanned walls, in the form of `ensemble.surfaces.make_surfaces`.
 
     Parameters
     ----------
@@ -174,7 +177,7 @@ def cut_surfaces(cutter: Cutter, seeds: list[int], first: int = 0) -> Iterator[x
     Yields
     ------
     Dataset
-        Besides the walls the cells of the scan at which they begin, -1 for a synthetic wall.
+        Walls, and the cells of the scan at which they begin (-1 for a synthetic wall).
     """
     for realization, seed in enumerate(seeds, start=first):
         joint = cutter.joint(realization, seed)
@@ -188,7 +191,7 @@ def cut_surfaces(cutter: Cutter, seeds: list[int], first: int = 0) -> Iterator[x
 
 
 def room(cutter: Cutter) -> dict[str, int]:
-    """How many joints the walls have room for, and how many beside each other, sharing no cell."""
+    """Count the joints that can be cut from the walls, and those that share no cell."""
     return {
         "windows": len(cutter.windows),
         "windows_side_by_side": disjoint(cutter.windows, cutter.shape),
@@ -196,7 +199,7 @@ def room(cutter: Cutter) -> dict[str, int]:
 
 
 def described(walls: dict[str, xr.Dataset]) -> str:
-    """JSON of what is known of the scanned walls of each rock: files, digests, roughness."""
+    """Return JSON of the files, digests and roughness of the scanned walls of each rock."""
     return json.dumps(
         {
             rock: dict(dataset.attrs)
@@ -209,7 +212,7 @@ def described(walls: dict[str, xr.Dataset]) -> str:
 
 
 def _slope(wall: np.ndarray, spacing: float) -> float:
-    """RMS slope of a wall in which cells may be missing."""
+    """Return the RMS slope of a wall, which may have missing cells."""
     if np.isfinite(wall).all():
         return rms_slope(wall, spacing)
     steps = np.concatenate([np.diff(wall, axis=axis).ravel() for axis in (0, 1)])
@@ -217,7 +220,7 @@ def _slope(wall: np.ndarray, spacing: float) -> float:
 
 
 def _common_bounds(scans: dict[str, Scan | Cloud]) -> np.ndarray | None:
-    """Least and largest (x, y) that both clouds of points cover, None for one of them or grids."""
+    """Return the smallest and largest (x, y) that two point clouds share; None for other scans."""
     clouds = [scan.points[:, :2] for scan in scans.values() if isinstance(scan, Cloud)]
     if len(clouds) < 2:
         return None

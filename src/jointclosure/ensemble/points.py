@@ -1,7 +1,7 @@
-"""Joints closed at the points of an experiment, as one table with a row a joint and cycle.
+"""Closure of joints at the points of an experiment, as a table with one row per joint and cycle.
 
-An experiment says which joints are closed, as points; here they are closed, timed and read. The
-table keeps failed joints, with their status and without readings.
+An experiment states as points which joints are closed. This module closes, times and reads them.
+Failed joints stay in the table with their status and without readings.
 """
 
 import time
@@ -31,9 +31,9 @@ class Point(NamedTuple):
     coordinates : dict
         Coordinates of the point in its experiment [SI], columns of the table.
     settings : ClosureSettings
-        Complete before the job starts. One joint is closed for each of its realisations.
+        Settings, complete before the job starts. One joint is closed for each realisation.
     walls : str
-        Maker of the walls, of `jointclosure.ensemble.walls.MAKERS`.
+        Name of the maker of the walls in `jointclosure.ensemble.walls.MAKERS`.
     options : mapping
         Further arguments of the maker.
     """
@@ -45,16 +45,16 @@ class Point(NamedTuple):
 
 
 Jobs = Mapping[str, Sequence[Point]]
-"""Points by the name of the job that closes them; names are never taken apart."""
+"""Points by the name of the job that closes them; names are never parsed."""
 
 
 class JobsOnDemand(Mapping[str, Sequence[Point]]):
-    """Jobs whose points are made when they are asked for, and kept.
+    """Jobs whose points are made when they are first used, and stored.
 
     Parameters
     ----------
     arguments : mapping
-        By the name of the job, the arguments of ``points_of``.
+        Arguments of ``points_of`` by the name of the job.
     points_of : callable
         Makes the points of a job.
     """
@@ -78,14 +78,14 @@ class JobsOnDemand(Mapping[str, Sequence[Point]]):
 
 
 class Sample(NamedTuple):
-    """Points of which one joint is closed to estimate the time of many.
+    """Points whose joints are closed to estimate the time of many joints.
 
     Attributes
     ----------
     points : sequence of Point
-        Alike, so that the mean of their times is that of all joints.
+        Similar points, so that the mean of their times is that of all joints.
     joints : int
-        Number of joints that they stand for.
+        Number of joints that they represent.
     """
 
     points: Sequence[Point]
@@ -93,7 +93,7 @@ class Sample(NamedTuple):
 
 
 Samples = Mapping[str, Sequence[Sample]]
-"""Samples by the row of the estimate that they belong to, a job mostly."""
+"""Samples by the row of the estimate to which they belong, usually a job."""
 
 
 def close_points(
@@ -101,7 +101,7 @@ def close_points(
     quantities: Sequence[str],
     report: Callable[[str], None] = lambda line: None,
 ) -> pd.DataFrame:
-    """Close all joints of some points, and read quantities of them.
+    """Close all joints of the given points and evaluate quantities of them.
 
     Parameters
     ----------
@@ -114,9 +114,9 @@ def close_points(
     Returns
     -------
     DataFrame
-        A row a joint and cycle: the coordinates of its point, ``realization``, ``cycle``,
-        ``status``, processor ``seconds`` of the closure, and the quantities [SI], NaN of a joint
-        that failed.
+        One row per joint and cycle: the coordinates of its point, ``realization``, ``cycle``,
+        ``status``, processor ``seconds`` of the closure, and the quantities [SI], NaN for a
+        failed joint.
     """
     parts = []
     for point in points:
@@ -135,7 +135,7 @@ def close_points(
 
 
 def _numbered(point: Point) -> Iterable[tuple[int, Walls]]:
-    """Walls of a point with the numbers of their realisations."""
+    """Return the walls of a point with the numbers of their realisations."""
     surfaces = point.settings.surfaces
     return enumerate(MAKERS[point.walls](surfaces, **point.options), surfaces.first_realization)
 
@@ -143,7 +143,7 @@ def _numbered(point: Point) -> Iterable[tuple[int, Walls]]:
 def closed_joint(
     point: Point, realization: int, walls: Walls, quantities: Sequence[str]
 ) -> pd.DataFrame:
-    """Close one joint of a point: its rows of the table, one a cycle."""
+    """Close one joint of a point and return its rows of the table, one per cycle."""
     conditions = point.settings.conditions()
     start = time.process_time()
     joint = ClosedJoint(walls, close_walls(*walls, conditions), conditions)
@@ -172,14 +172,14 @@ def samples_of(jobs: Jobs) -> dict[str, list[Sample]]:
         for point in points:
             grid = point.settings.surfaces.grid, tuple(sorted(point.options))
             alike.setdefault(grid, []).append(point)
-        samples[job] = [Sample(each[:1], joints_of(each)) for each in alike.values()]
+        samples[job] = [Sample(group[:1], joints_of(group)) for group in alike.values()]
     return samples
 
 
 def estimated_time(
     samples: Samples, report: Callable[[str], None] = lambda line: None
 ) -> pd.DataFrame:
-    """Estimate processor time, by one joint of each point of some samples.
+    """Estimate processor time by closing one joint of each point of the samples.
 
     Returns
     -------
@@ -219,26 +219,26 @@ def _mean(times: list[float]) -> Estimate:
 
 
 def _seconds_of_one(point: Point) -> float:
-    """Processor time of the first joint of a point [s]."""
+    """Measure the processor time of the first joint of a point [s]."""
     number, walls = next(iter(_numbered(one_joint(point))))
     return float(closed_joint(point, number, walls, ()).seconds.iloc[0])
 
 
 def one_joint(point: Point) -> Point:
-    """The point with its first realisation only."""
+    """Return the point with only its first realisation."""
     surfaces = point.settings.surfaces._replace(realizations=1)
     return point._replace(settings=point.settings._replace(surfaces=surfaces))
 
 
 def joints_of(points: Iterable[Point]) -> int:
-    """Number of joints that are closed at some points."""
+    """Return the number of joints that are closed at some points."""
     return sum(point.settings.surfaces.realizations for point in points)
 
 
 def packed(points: Sequence[Point]) -> dict:
-    """Points as plain data: the settings of the first, and what is changed at each.
+    """Convert points to plain data: the settings of the first, and the changes at the others.
 
-    Parameters of rules are made of this, so that a job of hundreds of points stays small.
+    It keeps the parameters of rules small for a job with hundreds of points.
     """
     first = points[0].settings
     return {
@@ -256,7 +256,7 @@ def packed(points: Sequence[Point]) -> dict:
 
 
 def unpacked(plain: Mapping) -> list[Point]:
-    """The points of `packed`."""
+    """Restore points from the plain data of `packed`."""
     first = from_plain(ClosureSettings, plain["settings"])
     return [
         Point(**dict(point) | {"settings": _changed(first, point["settings"])})
@@ -265,7 +265,7 @@ def unpacked(plain: Mapping) -> list[Point]:
 
 
 def _changes(before: tuple, after: tuple) -> dict:
-    """Fields of nested named tuples of one type that differ, as plain data."""
+    """Return the fields that differ between nested named tuples of one type, as plain data."""
     changes: dict = {}
     for name in after._fields:  # type: ignore[attr-defined]
         old, new = getattr(before, name), getattr(after, name)
@@ -277,7 +277,7 @@ def _changes(before: tuple, after: tuple) -> dict:
 
 
 def _changed(before, changes: dict):
-    """Nested named tuples with the entries of `_changes`."""
+    """Apply the entries of `_changes` to nested named tuples."""
     hints = typing.get_type_hints(type(before)) if changes else {}
     new = {}
     for name, value in changes.items():
@@ -288,21 +288,21 @@ def _changed(before, changes: dict):
 
 
 def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]) -> xr.Dataset:
-    """Put joints on a grid of their coordinates.
+    """Arrange joints on a grid of their coordinates.
 
     Parameters
     ----------
     joints : DataFrame
-        As from `close_points`, with one row for each place of the grid.
+        As from `close_points`, with one row for each node of the grid.
     over : sequence of str
-        Columns, ``realization`` among them.
+        Columns that are the dimensions of the grid, including ``realization``.
     quantities : sequence of str
 
     Returns
     -------
     Dataset
-        The quantities over these columns and the cycle; ``status`` and ``seconds`` over the
-        columns alone.
+        The quantities over these columns and the cycle; ``status`` and ``seconds`` only over
+        the columns.
     """
     grid = joints.set_index([*over, "cycle"])[["status", "seconds", *quantities]].to_xarray()
     for name in ("status", "seconds"):
@@ -311,7 +311,7 @@ def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]
 
 
 def as_dataset(table: pd.DataFrame) -> xr.Dataset:
-    """A table of `close_points` over (entry), with units and titles of its quantities."""
+    """Convert a table of `close_points` to a dataset over (entry), with units and titles."""
     dataset = xr.Dataset({name: ("entry", table[name].to_numpy()) for name in table})
     for name in set(table) & set(QUANTITIES):
         quantity = QUANTITIES[name]
@@ -321,9 +321,9 @@ def as_dataset(table: pd.DataFrame) -> xr.Dataset:
 
 
 def as_table(*datasets: xr.Dataset) -> pd.DataFrame:
-    """The tables of `as_dataset` as one; empty without any."""
+    """Convert datasets of `as_dataset` back to one table; empty without any."""
     tables = (
-        pd.DataFrame({str(name): values.values for name, values in each.data_vars.items()})
-        for each in datasets
+        pd.DataFrame({str(name): values.values for name, values in dataset.data_vars.items()})
+        for dataset in datasets
     )
     return pd.concat(tables, ignore_index=True) if datasets else pd.DataFrame()

@@ -1,4 +1,4 @@
-"""The quantities that are read of a closed joint: one definition, unit, title and symbol each."""
+"""Quantities of a closed joint, with definition, unit, title and symbol."""
 
 from collections.abc import Callable
 from functools import cached_property
@@ -19,7 +19,7 @@ from jointclosure.surface.roughness import rms_slope
 
 
 class ClosedJoint:
-    """A joint that was closed: its pristine walls, its history, and the conditions.
+    """A closed joint: its pristine walls, its history, and the conditions.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class ClosedJoint:
         return float((self.summed.max() - self.summed).mean())
 
     def hyperbola(self, name: str) -> np.ndarray:
-        """A parameter (cycles,) of the hyperbolic law fitted to each loading (`fitted_laws`)."""
+        """Return a parameter (cycles,) of the hyperbolic law of each loading (`fitted_laws`)."""
         cycles = range(1, self.closed.max_closure.size + 1)
         return np.array([parameter(self._laws, cycle, LOADING, name) for cycle in cycles])
 
@@ -67,13 +67,14 @@ class Quantity(NamedTuple):
     Attributes
     ----------
     title : str
-        As it stands in tables and at axes, without unit.
+        Title in tables and at axes, without unit.
     unit : str
-        SI unit; "1" of a ratio.
+        SI unit; "1" for a ratio.
     symbol : str
-        In mathematical notation of matplotlib.
+        Symbol in the mathematical notation of matplotlib.
     rule : callable
-        Of a `ClosedJoint`: an array (cycles,), or a number where it does not depend on the cycle.
+        Function of a `ClosedJoint` that returns an array (cycles,), or a number if the quantity
+        does not depend on the cycle.
     """
 
     title: str
@@ -92,7 +93,7 @@ def _of_history(name: str) -> Callable[[ClosedJoint], np.ndarray]:
 
 def _aperture_at_seating(joint: ClosedJoint) -> np.ndarray:
     cycles = range(1, joint.conditions.cycles + 1)
-    return np.array([seat_of(joint.closed, each, LOADING, "mean_aperture") for each in cycles])
+    return np.array([seat_of(joint.closed, cycle, LOADING, "mean_aperture") for cycle in cycles])
 
 
 QUANTITIES: dict[str, Quantity] = {
@@ -178,4 +179,4 @@ QUANTITIES: dict[str, Quantity] = {
         lambda joint: pair_seconds(),
     ),
 }
-"""All quantities by name, which is their column in tables of points."""
+"""All quantities by name; the name is the column in tables of points."""

@@ -1,4 +1,4 @@
-"""One realisation of a study again, from its settings."""
+"""Repetition of one realisation of a study, from its settings."""
 
 import xarray as xr
 
@@ -16,15 +16,15 @@ def repeated(
     ----------
     settings : ClosureSettings
     realization : int
-        Its number; the settings' block has it.
+        Number of the realisation, which must be in the block of the settings.
     walls : Dataset, optional
-        The surface pair (realization, y, x), one realisation; made from its seed
-        when it is not given.
+        Surface pair (realization, y, x) of this realisation; by default it is made
+        from its seed.
 
     Returns
     -------
     Dataset
-        As a block of `jointclosure.ensemble.closing.close_surfaces`, of one realisation.
+        As from `jointclosure.ensemble.closing.close_surfaces`, with one realisation.
     """
     if walls is None:
         one = settings.surfaces._replace(first_realization=realization, realizations=1)

@@ -1,4 +1,4 @@
-"""What studies of a joint's closure, residual closure and stiffness read of each cycle."""
+"""Responses of each cycle that studies use: closure, residual closure and stiffness."""
 
 import numpy as np
 import xarray as xr
@@ -12,9 +12,9 @@ from jointclosure.joint.protocol import FAILURE
 def cycle_responses(
     walls: tuple[np.ndarray, np.ndarray], conditions: Conditions
 ) -> tuple[int, dict[str, np.ndarray]]:
-    """Close two walls (y, x) [m] to one maximum stress: the status, and `responses_of` its cycles.
+    """Close two walls (y, x) [m] to one maximum stress and return status and `responses_of`.
 
-    All is NaN where the simulation failed.
+    All responses are NaN if the simulation failed.
     """
     closed = close_walls(*walls, conditions)
     status, answer = int(closed.status), responses_of(closed, conditions)
@@ -24,15 +24,15 @@ def cycle_responses(
 
 
 def responses_of(closed: xr.Dataset, conditions: Conditions) -> dict[str, np.ndarray]:
-    """Read each cycle of a joint that was closed to one maximum stress.
+    """Return the responses of each cycle of a joint that was closed to one maximum stress.
 
     Returns
     -------
     dict of array (cycles,)
-        ``closure`` [m], the gross one from the cycle's start, as in the paper; and as read by
+        ``closure`` [m], the gross closure from the start of the cycle, as in the paper; and from
         `jointclosure.engineering.curves.net_responses` ``closure_net``, ``closure_seated_net``,
-        ``residual_seated_net`` [m] and ``stiffness_net`` [Pa/m]. Where breakage jumps over the
-        maximum stress, the last state below it stands for it.
+        ``residual_seated_net`` [m] and ``stiffness_net`` [Pa/m]. If breakage makes the stress
+        jump over the maximum, the last state below the maximum is used.
     """
     net = net_responses(closed, float(np.max(conditions.max_normal_stress)))
     return {

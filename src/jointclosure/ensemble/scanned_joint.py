@@ -1,4 +1,4 @@
-"""The joint whose two walls were scanned: brought together, closed, and described in a line."""
+"""Closure of a joint whose two walls were scanned: registration and simulation."""
 
 import warnings
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError
-from jointclosure.joint.loading import SEATING_STRESS, load_said
+from jointclosure.joint.loading import SEATING_STRESS, describe_load
 from jointclosure.joint.protocol import FAILURE, Report
 from jointclosure.joint.simulation import checked_conditions
 from jointclosure.parameters import Choices, Effects, Numerics, Rock
@@ -22,18 +22,18 @@ from jointclosure.surface.registration import RegisteredPair, registered
 
 
 class ClosedJoint(NamedTuple):
-    """Two scanned walls, brought together and closed.
+    """Two scanned walls after registration and closure.
 
     Attributes
     ----------
     pair : RegisteredPair
-        The walls as they were closed, and in its ``report`` what was found and done.
+        The walls that were closed; its ``report`` describes the registration.
     history : Dataset
         As from `jointclosure.simulate`.
     conditions : Conditions
         Rock, load and model.
     rock_name : str
-        Of `rock_text`; "rock" where it is given by its properties alone.
+        Name for `rock_text`; "rock" if the rock is given only by its properties.
     """
 
     pair: RegisteredPair
@@ -55,7 +55,7 @@ class ClosedJoint(NamedTuple):
             f"<ClosedJoint: {rock_text(self.conditions.rock, self.rock_name)}, {nx} x {ny} cells "
             f"of {step:.4g} mm ({nx * step:.3g} x {ny * step:.3g} mm), closes {net} mm net "
             f"({gross} mm gross) since {seating:g} MPa "
-            f"({load_said(self.conditions.max_normal_stress, self.conditions.cycles)}){failed}>"
+            f"({describe_load(self.conditions.max_normal_stress, self.conditions.cycles)}){failed}>"
         )
 
 
@@ -80,25 +80,26 @@ def close(
     flow: bool = False,
     snapshots: Sequence[float] = (),
 ) -> ClosedJoint:
-    """Bring two scanned walls of a joint together, press them together and release them.
+    """Register two scanned walls of a joint, press them together and release them.
 
     Parameters
     ----------
     upper, lower : path, Scan or Cloud
-        Files that `jointclosure.read_scan` reads, or what it gave (which takes the spacing of a
-        scan that has none, too).
+        Files for `jointclosure.read_scan`, or what it returned. Use it directly if a scan has no
+        spacing, which is an argument of `read_scan`.
     rock : str, Rock or (Rock, Rock)
-        "granite" or another that comes with the package
-        (`jointclosure.config.rocks.named_rock`); or of both walls, or of upper and lower.
+        Name of a rock of the package, such as "granite"
+        (`jointclosure.config.rocks.named_rock`); or the rock of both walls, or the rocks of
+        the upper and the lower wall.
     max_normal_stress, cycles
-        As for `jointclosure.simulate`: a maximum [Pa] and how often, or a load history.
+        As for `jointclosure.simulate`: a maximum [Pa] and number of cycles, or a load history.
     seating_stress : float
-        Where the ``_seated`` closures start to count [Pa].
+        Stress from which the ``_seated`` closures count [Pa].
     units : {"m", "mm", "um", "nm"}, optional
-        Of both files, where these do not say them.
+        Units of both files, if the files do not state them.
     grid_spacing : float, optional
-        Of the joint's grid [m]; by default the larger point distance of the scans. It is a
-        parameter of the model: a cell is an asperity.
+        Spacing of the joint's grid [m], by default the larger point distance of the scans. It is
+        a parameter of the model, because a cell is an asperity.
     orientation, shift, cut_spikes
         As for `jointclosure.surface.registration.registered`.
     unusual_values : bool
@@ -113,9 +114,9 @@ def close(
     Raises
     ------
     InputError
-        A file that cannot be read, units that nobody says, walls of which no orientation is
-        clear or that do not overlap, a pair that is refused as `registered` does, a number out of
-        its range.
+        If a file cannot be read, units are not stated, no orientation of the walls fits clearly
+        best, the walls do not overlap, `registered` refuses the pair, or a number is out of its
+        range.
     """
     intact, load = checked_conditions(
         named_rock(rock) if isinstance(rock, str) else rock, None, max_normal_stress, cycles,
@@ -151,7 +152,7 @@ def closed_pair(
     snapshots: Sequence[float] = (),
     rock_name: str = "rock",
 ) -> ClosedJoint:
-    """Close walls that were brought together, on their own grid, as any other walls."""
+    """Close registered walls on their grid."""
     conditions = conditions._replace(spacing=pair.spacing)
     history = close_walls(pair.upper, pair.lower, conditions, report, snapshots)
     return ClosedJoint(pair, history, conditions, rock_name)
@@ -163,7 +164,7 @@ def read_wall(
     spacing: float | None = None,
     variable: str | None = None,
 ) -> Scan | Cloud:
-    """A scan, read where it is a file; arguments as for `jointclosure.read_scan`."""
+    """Return a scan, read from its file if needed; arguments as for `jointclosure.read_scan`."""
     if isinstance(wall, Scan | Cloud):
         return wall
     if not isinstance(wall, str | Path):

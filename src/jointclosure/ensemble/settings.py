@@ -1,8 +1,8 @@
-"""All that the files of a case depend on, so that a file of other settings is noticed.
+"""Settings that the files of a case depend on; files of other settings are detected.
 
-A file bears its settings as JSON in its attribute ``settings``. Whoever reads it says
-which it should have; `check_settings` names the first one that differs. They are made of a
-configuration by `jointclosure.ensemble.slices`; what closes walls does not depend on how.
+A file stores its settings as JSON in its attribute ``settings``. A reader states the settings that
+it expects, and `check_settings` names the first one that differs. `jointclosure.ensemble.slices`
+makes settings from a configuration; the closure of walls does not depend on a configuration.
 """
 
 import json
@@ -22,16 +22,16 @@ from jointclosure.parameters import (
 
 
 class OtherSettingsError(InputError):
-    """A file that was made with other settings, or by other code."""
+    """Error for a file that was made with other settings, or by other code."""
 
 
 class Case(NamedTuple):
     """One rock with at most one parameter changed; values in SI.
 
-    ``rock`` is its name and ``intact`` its properties; ``effects`` those of the study or
-    the rock's own. ``surface`` is the label of the case whose surfaces this one closes: its
-    own, or with common draws and an unchanged JRC its rock's base case. ``jrc`` is
-    NaN where walls are scanned ones.
+    ``rock`` is the name of the rock and ``intact`` its properties. ``effects`` are those of the
+    study, or those set for the rock. ``surface`` is the label of the case whose surfaces are
+    closed: this case itself, or the base case of the rock if draws are common and JRC is unchanged.
+    ``jrc`` is NaN for scanned walls.
     """
 
     label: str
@@ -46,21 +46,21 @@ class Case(NamedTuple):
     surface: str
 
     def property(self, name: str) -> float:
-        """A property of `jointclosure.parameters.PROPERTIES` [SI]."""
+        """Return a property of `jointclosure.parameters.PROPERTIES` [SI]."""
         return self.jrc if name == "jrc" else getattr(self.intact, name)
 
     def changed(self, name: str, value: float) -> "Case":
-        """The case with another value of a property [SI]."""
+        """Return the case with another value of a property [SI]."""
         if name == "jrc":
             return self._replace(jrc=value)
         return self._replace(intact=self.intact._replace(**{name: value}))
 
 
 class SurfaceSettings(NamedTuple):
-    """What the surface pairs of a case and a block of realisations depend on.
+    """Settings that the surface pairs of a case and a block of realisations depend on.
 
-    ``seeds_named_by`` and ``root_seed`` give their seeds, ``code`` is a digest of the sources
-    that make them; ``sha256`` are digests of the files of measured ``walls``, by side.
+    ``seeds_named_by`` and ``root_seed`` determine the seeds. ``code`` is a digest of the sources
+    that make surfaces. ``sha256`` contains digests of the files of measured ``walls``, by wall.
     """
 
     jrc: float
@@ -76,7 +76,7 @@ class SurfaceSettings(NamedTuple):
 
 
 class Conditions(NamedTuple):
-    """What a joint is told besides its walls: the arguments of `jointclosure.simulate`, in SI."""
+    """Conditions of a closure: arguments of `jointclosure.simulate` without the walls, in SI."""
 
     spacing: float
     rock: Rock | tuple[Rock, Rock]
@@ -90,10 +90,10 @@ class Conditions(NamedTuple):
 
 
 class ClosureSettings(NamedTuple):
-    """What the closures of a case and a block of realisations depend on, in SI.
+    """Settings that the closures of a case and a block of realisations depend on, in SI.
 
-    ``stress_points`` and ``largest_stress`` are those of the common stress axis;
-    ``effects_chosen_to`` is the tolerance by which a pilot chooses among the case's effects.
+    ``stress_points`` and ``largest_stress`` define the common stress axis. ``effects_chosen_to`` is
+    the tolerance by which a pilot selects the effects of the case.
     """
 
     case: Case
@@ -109,7 +109,7 @@ class ClosureSettings(NamedTuple):
     code: str
 
     def conditions(self) -> Conditions:
-        """Those at which the walls of the case are closed."""
+        """Conditions at which the walls of the case are closed."""
         return Conditions(
             self.surfaces.grid.spacing,
             self.case.intact,
@@ -123,38 +123,38 @@ class ClosureSettings(NamedTuple):
         )
 
     def with_effects(self, effects: Effects) -> "ClosureSettings":
-        """The same with other effects."""
+        """Return the settings with other effects."""
         return self._replace(case=self.case._replace(effects=effects))
 
 
 def as_text(settings: SurfaceSettings | ClosureSettings) -> str:
-    """Settings as JSON, the same text for the same settings."""
+    """Convert settings to JSON; equal settings give equal text."""
     return json.dumps(to_plain(settings), sort_keys=True)
 
 
 def check_settings(
     path: str | Path, attributes: dict, expected: SurfaceSettings | ClosureSettings
 ) -> None:
-    """Raise `OtherSettingsError` unless a file's attributes are of the expected settings."""
+    """Raise `OtherSettingsError` unless a file has the expected settings."""
     text = attributes.get("settings")
     if text == as_text(expected):
         return
     if text is None:
-        said = "it does not say which"
+        difference = "it does not state them"
     else:
-        said = _first_difference(json.loads(text), json.loads(as_text(expected)))
+        difference = _first_difference(json.loads(text), json.loads(as_text(expected)))
     raise OtherSettingsError(
-        f"{path}: the file was made with other settings ({said}): "
-        "delete it and start again, what is missing is made anew"
+        f"{path}: the file was made with other settings ({difference}): "
+        "delete it and start again; missing files are made again"
     )
 
 
-def _first_difference(found: dict, expected: dict, prefix: str = "") -> str:
-    for key in sorted({*found, *expected}):
-        one, other = found.get(key), expected.get(key)
+def _first_difference(actual: dict, expected: dict, prefix: str = "") -> str:
+    for key in sorted({*actual, *expected}):
+        one, other = actual.get(key), expected.get(key)
         if json.dumps(one, sort_keys=True) == json.dumps(other, sort_keys=True):
             continue
         if isinstance(one, dict) and isinstance(other, dict):
             return _first_difference(one, other, f"{prefix}{key}.")
-        return f"{prefix}{key} is {one!r} there, and should be {other!r}"
-    return "in their order"
+        return f"{prefix}{key} is {one!r}, must be {other!r}"
+    return "other order of keys"

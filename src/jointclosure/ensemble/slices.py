@@ -1,4 +1,4 @@
-"""The part of a configuration that the files of a case depend on."""
+"""Parts of a configuration that the files of a case depend on."""
 
 from jointclosure.config.typed import Configuration, Walls
 from jointclosure.config.walls import wall_files
@@ -16,11 +16,11 @@ def surface_settings(
     ----------
     configuration : Configuration
     case : Case
-        Whose ``surface`` is its own label.
+        A case that closes its own surfaces: its ``surface`` is its label.
     block : range
-        Of realisations, see `jointclosure.ensemble.cases.blocks_of`.
+        Realisations, see `jointclosure.ensemble.cases.blocks_of`.
     code : str
-        Digest of the sources that make surfaces, for those that go to a file.
+        Digest of the sources that make surfaces, for surfaces that are stored in a file.
     """
     walls = configuration.rocks[case.rock].walls
     return SurfaceSettings(
@@ -38,7 +38,7 @@ def surface_settings(
 
 
 def wall_digests(walls: Walls) -> dict[str, str]:
-    """SHA-256 of the files of scanned walls: their contents count, and not their time."""
+    """SHA-256 of the files of scanned walls, which depends on their content only."""
     return {side: file_digest(file) for side, file in wall_files(walls).items()}
 
 
@@ -52,9 +52,9 @@ def closure_settings(
     configuration : Configuration
     case : Case
     surfaces : SurfaceSettings
-        Of the surface pairs that are closed.
+        Settings of the surface pairs that are closed.
     code : str
-        Digest of the sources that close them, for those that go to a file.
+        Digest of the sources that close them, for closures that are stored in a file.
     """
     return ClosureSettings(
         case=case,
@@ -79,7 +79,7 @@ def block_settings(
     surface_code: str = "",
     solver_code: str = "",
 ) -> ClosureSettings:
-    """`closure_settings` of a case and a block, with those of the surfaces that it closes."""
+    """Return `closure_settings` of a case and a block, with those of its surfaces."""
     case = cases[label]
     surfaces = surface_settings(configuration, cases[case.surface], block, surface_code)
     return closure_settings(configuration, case, surfaces, solver_code)

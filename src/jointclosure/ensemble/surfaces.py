@@ -19,7 +19,7 @@ def make_surfaces(
     surface: Surface,
     first: int = 0,
 ) -> Iterator[xr.Dataset]:
-    """Surface pairs (realization, y, x) of a case, one by one: each has one realisation.
+    """Generate the surface pairs (realization, y, x) of a case, one realisation at a time.
 
     Parameters
     ----------
@@ -40,12 +40,12 @@ def make_surfaces(
 def walls_of_seed(
     seed: int, jrc: float, grid: Grid, surface: Surface
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Upper and lower wall (y, x) [m] of one realisation."""
+    """Make the upper and lower wall (y, x) [m] of one realisation."""
     return wall_pair(jrc, grid.shape, grid.spacing, seed, **surface._asdict())
 
 
 def surface_pair(pair: tuple, realization: int, seed: int, attributes: dict) -> xr.Dataset:
-    """Upper and lower wall (y, x) [m] of one realisation, as `close_surfaces` takes them."""
+    """Make a dataset of the walls (y, x) [m] of one realisation, as `close_surfaces` takes it."""
     return xr.Dataset(
         {
             name: (
@@ -64,7 +64,7 @@ def surface_pair(pair: tuple, realization: int, seed: int, attributes: dict) -> 
 
 
 def seeds_of(settings: SurfaceSettings) -> list[int]:
-    """Seeds of the surface pairs of a block."""
+    """Return the seeds of the surface pairs of a block."""
     first = settings.first_realization
     return [
         seed_of(settings.root_seed, *settings.seeds_named_by, realization)
@@ -73,17 +73,17 @@ def seeds_of(settings: SurfaceSettings) -> list[int]:
 
 
 def surfaces_of(settings: SurfaceSettings) -> Iterator[xr.Dataset]:
-    """Surface pairs of a block, one by one."""
+    """Generate the surface pairs of a block one by one."""
     if settings.walls:
         raise InputError(
             "surfaces of scanned walls are not made from a seed: run the study again, which cuts "
-            "them out of their scans"
+            "them out of the scans"
         )
     first = settings.first_realization
     return make_surfaces(seeds_of(settings), settings.jrc, settings.grid, settings.surface, first)
 
 
 def walls_of(settings: SurfaceSettings) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """`surfaces_of` as pairs of walls (upper, lower), each (y, x) [m]."""
+    """Generate `surfaces_of` as pairs of walls (upper, lower), each (y, x) [m]."""
     for pair in surfaces_of(settings):
         yield pair.upper.values[0], pair.lower.values[0]

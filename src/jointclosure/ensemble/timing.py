@@ -1,4 +1,4 @@
-"""The yardstick of times: an FFT pair, which drifts with the machine as a closure does."""
+"""Unit of time of benchmarks: an FFT pair, whose time varies with the machine as closures do."""
 
 import time
 
@@ -7,7 +7,7 @@ import scipy.fft
 
 
 def pair_seconds(count: int = 5) -> float:
-    """Median processor time [s] of `scipy.fft.rfft2` and `irfft2` of 200 x 200, now."""
+    """Measure the median processor time [s] of `scipy.fft.rfft2` and `irfft2` of 200 x 200."""
     values = np.ones((200, 200))
     times = []
     for _ in range(count):

@@ -16,7 +16,7 @@ Walls = tuple[np.ndarray, np.ndarray]
 
 
 def misaligned(settings: SurfaceSettings, tilt: float, rotation: float) -> Iterator[Walls]:
-    """Walls whose upper one is tilted and whose lower one is rotated [degrees]."""
+    """Generate pairs with a tilted upper wall and a rotated lower wall [degrees]."""
     grid, surface = settings.grid, settings.surface
     wavelength = surface.mismatch_wavelength
     for seed in seeds_of(settings):
@@ -35,11 +35,11 @@ def misaligned(settings: SurfaceSettings, tilt: float, rotation: float) -> Itera
 def nested(
     settings: SurfaceSettings, whole: tuple[int, float], base: float, position: int
 ) -> Iterator[Walls]:
-    """Patches of larger walls: the patch on the diagonal at a position, less its plane.
+    """Generate patches of larger walls: the patch at a position on the diagonal, less its plane.
 
-    The walls of a realisation are the same for all patches and spacings: ``whole`` is the number of
-    their cells along a side and their spacing [m], and they have the Z2 of their JRC at the spacing
-    ``base`` [m]. A coarser grid has every second (or fourth) cell.
+    The walls of a realisation are the same for all patches and spacings. ``whole`` is the number of
+    cells along a side of the walls, and their spacing [m]. They have the Z2 of their JRC at the
+    spacing ``base`` [m]. A coarser grid has every second (or fourth) cell.
     """
     cells, finest = whole
     large = settings._replace(grid=Grid(cells, cells, finest))
@@ -58,4 +58,4 @@ MAKERS: dict[str, Callable[..., Iterator[Walls]]] = {
     "misaligned": misaligned,
     "nested": nested,
 }
-"""By name: from the settings of a block of surfaces, the walls of each of its realisations."""
+"""Makers by name. A maker generates the walls of each realisation from the settings of a block."""

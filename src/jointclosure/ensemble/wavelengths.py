@@ -1,4 +1,4 @@
-"""Labels of the mismatch wavelengths of a study's jobs; independent walls have none (None)."""
+"""Labels of the mismatch wavelengths in job names; independent walls have no wavelength (None)."""
 
 from collections.abc import Iterable
 
@@ -7,5 +7,5 @@ INDEPENDENT = "independent"
 
 
 def labelled_wavelengths(wavelengths: Iterable[float]) -> dict[str, float | None]:
-    """Mismatch wavelengths [m] by label, in micrometres; independent walls last."""
+    """Return mismatch wavelengths [m] by label, in micrometres; independent walls come last."""
     return {f"{1e6 * value:.15g}um": value for value in wavelengths} | {INDEPENDENT: None}

@@ -1,7 +1,7 @@
-"""Work that is shared among processes, one task at a time each.
+"""Work shared among processes, with one task at a time for each process.
 
-A worker is a process of its own that runs `work`: unlike those of `multiprocessing` it never
-runs the caller's script again, and the death of one loses the task that it had and no other.
+A worker is a process that runs `work`. Unlike the workers of `multiprocessing` it never runs the
+script of the caller again, and if it dies only its current task is lost.
 """
 
 import os
@@ -17,11 +17,11 @@ _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NU
 
 
 class ProcessLostError(RuntimeError):
-    """The process of a worker ended before its task was done."""
+    """Error if the process of a worker ended before its task was done."""
 
 
 class Failed(NamedTuple):
-    """What a task raised, or what became of its worker."""
+    """Exception of a task, or the reason why its worker ended."""
 
     error: Exception
 
@@ -34,33 +34,33 @@ def shared(
     Parameters
     ----------
     function : callable
-        Of a module, so that a worker can import it.
+        A function of a module, so that a worker can import it.
     tasks : sequence of tuple
         Arguments, which can be pickled.
     workers : int
-        Processes; 1 is this one.
+        Number of processes; 1 is the current process.
 
     Yields
     ------
     (place of the task, result or `Failed`)
-        As they are done.
+        In the order in which they finish.
     """
     if workers == 1:
         for place, task in enumerate(tasks):
             yield place, _answer(function, task)
         return
-    with _Workers() as own, ThreadPoolExecutor(min(workers, len(tasks))) as threads:
-        waiting = {threads.submit(own.ask, function, task): i for i, task in enumerate(tasks)}
+    with _Workers() as pool, ThreadPoolExecutor(min(workers, len(tasks))) as threads:
+        waiting = {threads.submit(pool.ask, function, task): i for i, task in enumerate(tasks)}
         try:
             for done in as_completed(waiting):
                 yield waiting[done], done.result()
-        finally:  # of what is not taken nothing more is begun
+        finally:  # tasks whose results are not requested are not started
             threads.shutdown(wait=False, cancel_futures=True)
-            own.stop()
+            pool.stop()
 
 
 class _Workers:
-    """A worker for each thread that asks, started when it is needed."""
+    """One worker for each thread that uses it, started when needed."""
 
     def __init__(self) -> None:
         self._of_thread = threading.local()
@@ -74,7 +74,7 @@ class _Workers:
         self.stop()
 
     def ask(self, function: Callable[..., Any], task: tuple) -> Any:
-        """The answer of this thread's worker."""
+        """Return the answer of the worker of this thread."""
         worker = getattr(self._of_thread, "worker", None) or self._start()
         assert worker.stdin is not None  # both are pipes
         assert worker.stdout is not None
@@ -111,7 +111,7 @@ class _Workers:
                 if pipe is not None:
                     try:
                         pipe.close()
-                    except BrokenPipeError:  # what was left to say to it
+                    except BrokenPipeError:  # the worker has already ended
                         continue
 
 
@@ -123,7 +123,7 @@ def _answer(function: Callable[..., Any], task: tuple) -> Any:
 
 
 def work() -> None:
-    """Answer what comes on standard input until it ends; nothing else may write to the answers."""
+    """Answer requests on standard input until it ends; nothing else may write to the output."""
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     while True:

@@ -17,24 +17,25 @@ STATUSES = {
     NOT_SOLVED: "not_solved",
     AT_LEAST: "at_least",
 }
-"""Of a flow: it is found; no open cells join inlet and outlet; it was not found; faces that are
-`CLOSED` may pass a part of it that counts, so that what is found is a lower bound."""
+"""Statuses of a flow: it is solved; no open cells connect inlet and outlet; it is not solved;
+`CLOSED` faces may pass a significant part of it, so that the result is a lower bound."""
 
 CLOSED = 1e-14
-"""A face passes nothing whose conductance is less than this part of all those of one of its cells:
-beyond it a cell's balance cannot be told from rounding. That is an aperture below some 2e-5 of its
-neighbours', as nanometres beside tenths of a millimetre. `AT_LEAST` says where that may count."""
+"""A face is closed if its conductance is less than this share of all conductances of one of its
+cells. Beyond it the balance of a cell is lost in rounding. This corresponds to an aperture below
+about 2e-5 of its neighbours', such as nanometres beside tenths of a millimetre. `AT_LEAST` reports
+if this may be significant."""
 LARGEST_IMBALANCE = 1e-6
-"""Of the cells' mass balances over the inflow, beyond which a flow counts as not solved."""
+"""Largest sum of the cells' mass balances over the inflow for which a flow counts as solved."""
 
 
 class Flow(NamedTuple):
     """Flow along one direction.
 
-    ``hydraulic_aperture`` [as the apertures]: that of parallel plates which pass as much; 0 where
-    blocked, NaN where not solved, a lower bound where `AT_LEAST`. ``status``: of `STATUSES`.
-    ``imbalance``: sum of what cells gain or lose, over the inflow. ``pressure`` (y, x): 1 at the
-    inlet's side, 0 at the outlet's, NaN in cells that no flow reaches.
+    ``hydraulic_aperture`` [unit of the apertures]: aperture of parallel plates that pass the same
+    flow; 0 if blocked, NaN if not solved, a lower bound for `AT_LEAST`. ``status``: a key of
+    `STATUSES`. ``imbalance``: sum of the mass balances of the cells over the inflow. ``pressure``
+    (y, x): 1 at the inlet side, 0 at the outlet side, NaN in cells without flow.
     """
 
     hydraulic_aperture: float
@@ -44,7 +45,7 @@ class Flow(NamedTuple):
 
 
 class _Network(NamedTuple):
-    """Conductances between nodes: the cells in C order, the inlet, and the outlet last.
+    """Conductances between nodes: the cells in C order, then the inlet and the outlet.
 
     ``first`` and ``second`` (n,) are the nodes of each face.
     """
@@ -56,12 +57,12 @@ class _Network(NamedTuple):
 
 
 def flow_along(aperture: np.ndarray, direction: str) -> Flow:
-    """Flow through a joint from one side to the opposite one, no flow through the others.
+    """Compute the flow from one side of a joint to the opposite one, with closed other sides.
 
     Parameters
     ----------
     aperture : array (y, x)
-        Distance of the walls, 0 where they touch; not negative. Cells are square.
+        Distance of the walls, 0 in contact; not negative. Cells are square.
     direction : {"x", "y"}
 
     Returns
@@ -71,8 +72,8 @@ def flow_along(aperture: np.ndarray, direction: str) -> Flow:
     Notes
     -----
     Finite volumes: a cell has one aperture, faces have the harmonic mean of their cells' h^3, and
-    outer faces half a cell's resistance. Exact where apertures vary along the flow only, or across
-    it only. The sparse system is solved directly.
+    outer faces half a cell's resistance. The result is exact if apertures vary only along the
+    flow, or only across it. The sparse system is solved directly.
     """
     field = aperture if direction == "x" else aperture.T
     largest = float(field.max())
@@ -86,7 +87,7 @@ def flow_along(aperture: np.ndarray, direction: str) -> Flow:
         return Flow(0.0, status, 0.0, nowhere)
     try:
         pressures = _pressures(network, joined)
-    except RuntimeError:  # of SuperLU, where rounding leaves a pivot of 0
+    except RuntimeError:  # from SuperLU, if rounding leaves a pivot of 0
         return Flow(np.nan, NOT_SOLVED, np.inf, nowhere)
     outflow, imbalance = _balance(network, pressures)
     if not imbalance <= LARGEST_IMBALANCE:
@@ -101,7 +102,7 @@ def flow_along(aperture: np.ndarray, direction: str) -> Flow:
 
 
 def _networks(transmissivity: np.ndarray) -> tuple[_Network, _Network]:
-    """Open faces between cells (y, x) and to both sides along x; those `CLOSED` that pass any."""
+    """Return open faces between cells (y, x) and to both sides along x, and `CLOSED` ones."""
     rows, columns = transmissivity.shape
     cells = np.arange(rows * columns).reshape(rows, columns)
     inlet, outlet = cells.size, cells.size + 1
@@ -114,7 +115,7 @@ def _networks(transmissivity: np.ndarray) -> tuple[_Network, _Network]:
     first = np.concatenate([first, cells[:, 0], cells[:, -1]])
     second = np.concatenate([second, np.full(rows, inlet), np.full(rows, outlet)])
     conductance = np.concatenate([inner, 2.0 * through[cells[:, 0]], 2.0 * through[cells[:, -1]]])
-    # what a cell has in all, the inlet and the outlet not: they are no cells
+    # total conductance of each cell; inlet and outlet are not cells
     nodes = cells.size + 2
     total = np.bincount(first, conductance, nodes) + np.bincount(second, conductance, nodes)
     total[-2:] = 0.0
@@ -128,7 +129,7 @@ def _networks(transmissivity: np.ndarray) -> tuple[_Network, _Network]:
 
 
 def _together(one: _Network, other: _Network) -> _Network:
-    """The faces of both of two networks of the same nodes."""
+    """Return the faces of two networks of the same nodes."""
     return _Network(
         np.concatenate([one.first, other.first]),
         np.concatenate([one.second, other.second]),
@@ -140,16 +141,17 @@ def _together(one: _Network, other: _Network) -> _Network:
 def _left_out_flow(
     network: _Network, left_out: _Network, joined: np.ndarray, pressure: np.ndarray
 ) -> float:
-    """Upper bound of the flow that faces left out would add, at a pressure fall of 1.
+    """Return an upper bound of the flow through faces left out, for a pressure difference of 1.
 
-    By Dirichlet's principle: the flow is at most what any field of pressures dissipates. The field
-    is the solved one, and one value in each group of cells that open faces join to neither side.
+    By Dirichlet's principle the flow is at most the dissipation of any pressure field. The field
+    used is the solved one, with one value in each group of cells that open faces connect to neither
+    side.
     """
     first, second, conductance, nodes = left_out
     if not first.size:
         return 0.0
     group = _groups(network)
-    # of each such group the mean of the pressures next to it, so that a dead end adds nothing
+    # each such group has the mean of the pressures next to it, so that a dead end adds nothing
     weight, total = np.zeros(nodes), np.zeros(nodes)
     for inside, outside in ((first, second), (second, first)):
         at = joined[outside] & ~joined[inside]
@@ -162,22 +164,22 @@ def _left_out_flow(
 
 
 def _joined(network: _Network) -> np.ndarray | None:
-    """Nodes (n,) that are joined to inlet and outlet; None where these are not."""
+    """Return the nodes (n,) connected to inlet and outlet; None if these are not connected."""
     label = _groups(network)
     return label == label[-1] if label[-1] == label[-2] else None
 
 
 def _groups(network: _Network) -> np.ndarray:
-    """Number (n,) of the group of nodes that each node is joined to."""
+    """Return the number (n,) of the connected group of each node."""
     links = (network.conductance, (network.first, network.second))
     graph = scipy.sparse.coo_array(links, shape=(network.nodes, network.nodes))
     return scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
 
 
 def _pressures(network: _Network, joined: np.ndarray) -> np.ndarray:
-    """Pressures of all nodes (2, n): from 1 at the inlet to 0 at the outlet, and from 0 to 1.
+    """Return pressures of all nodes (2, n): from 1 at the inlet to 0 at the outlet, and reversed.
 
-    Either has its digits where it is small. 0 in nodes not joined.
+    Each one is exact where it is small. 0 in nodes that are not connected.
     """
     unknown = joined.copy()
     unknown[-2:] = False
@@ -186,15 +188,15 @@ def _pressures(network: _Network, joined: np.ndarray) -> np.ndarray:
     diagonal = np.bincount(first, conductance, nodes) + np.bincount(second, conductance, nodes)
     inner = unknown[first] & unknown[second]
     row, column = number[first[inner]], number[second[inner]]
-    beside, own = -conductance[inner], number[unknown]
+    beside, unknowns = -conductance[inner], number[unknown]
     matrix = scipy.sparse.csc_array(
         (
             np.concatenate([beside, beside, diagonal[unknown]]),
-            (np.concatenate([row, column, own]), np.concatenate([column, row, own])),
+            (np.concatenate([row, column, unknowns]), np.concatenate([column, row, unknowns])),
         ),
-        shape=(own.size, own.size),
+        shape=(unknowns.size, unknowns.size),
     )
-    # symmetric, diagonally dominant: no pivoting is needed
+    # symmetric and diagonally dominant: pivoting is not needed
     factors = scipy.sparse.linalg.splu(
         matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
     )
@@ -208,7 +210,7 @@ def _pressures(network: _Network, joined: np.ndarray) -> np.ndarray:
 
 
 def _balance(network: _Network, pressures: np.ndarray) -> tuple[float, float]:
-    """Outflow, and the sum of all cells' imbalances over it; by faces, whatever was solved."""
+    """Return the outflow, and the sum of all cells' imbalances over it, computed from faces."""
     first, second, conductance, nodes = network
     fall, rise = pressures[:, second] - pressures[:, first]
     near_outlet = pressures[0][first] < 0.5

@@ -1,4 +1,4 @@
-"""What is given is checked: numbers, lengths, arrays, words."""
+"""Checks of arguments: numbers, lengths, arrays and words."""
 
 import math
 import sys
@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 LENGTHS = (1e-15, 1e15)
-"""Smallest and largest length [m] that spacings may have, and largest height."""
+"""Smallest and largest allowed spacing [m]; the second is also the largest allowed height."""
 
 UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
-"""Metres of the units of length that a user may state."""
+"""Units of length that a user may state, in metres."""
 SPELT = {
     **{name: name for name in UNITS},
     **dict.fromkeys(("µm", "μm", "micron", "microns", "micrometer", "micrometers"), "um"),
@@ -19,15 +19,21 @@ SPELT = {
     **dict.fromkeys(("millimetre", "millimetres", "millimeter", "millimeters"), "mm"),
     **dict.fromkeys(("nanometre", "nanometres", "nanometer", "nanometers"), "nm"),
 }
-"""Units as files write them."""
+"""Spellings of units of length in files, and the unit that each means."""
 
 
 class InputError(ValueError):
-    """A value that the model cannot take; the message names it."""
+    """Error for a value that is not allowed; its message names the value."""
 
 
 def size_of(units: str) -> float:
-    """Metres of a unit of length; `InputError` names those that are known."""
+    """Return a unit of length in metres.
+
+    Raises
+    ------
+    InputError
+        If the unit is unknown; the message lists the known units.
+    """
     name = SPELT.get(units.strip())
     if name is None:
         raise InputError(f"units = {units!r}: must be one of {', '.join(UNITS)}")
@@ -35,24 +41,24 @@ def size_of(units: str) -> float:
 
 
 def real_array(name: str, values: ArrayLike) -> np.ndarray:
-    """Values as a new float64 array; `InputError` where they are no real numbers.
+    """Convert values to a new float64 array.
 
-    Floats of any size and integers are promoted (or rounded) to float64, in
-    any memory order. Complex, object, boolean, text and masked values are
-    refused, never converted, and so is what is not finite.
+    Floats of any size and integers in any memory order are converted (or rounded) to float64.
+    Complex, object, boolean, text and masked values raise `InputError`, as do values that are not
+    finite.
     """
     if np.ma.is_masked(values):
         raise InputError(f"{name}: has masked values; fill or crop them first")
     try:
-        given = np.asarray(values)
+        array = np.asarray(values)
     except (TypeError, ValueError) as error:
         raise InputError(f"{name}: is not an array of numbers ({error})") from None
-    if given.dtype.kind not in "fiu":
+    if array.dtype.kind not in "fiu":
         raise InputError(
-            f"{name}: values of type {given.dtype}, must be real numbers (floats or integers)"
+            f"{name}: values of type {array.dtype}, must be real numbers (floats or integers)"
         )
     with np.errstate(over="ignore"):  # a long double may not fit, and is then not finite
-        numbers = np.array(given, dtype=np.float64, order="C")
+        numbers = np.array(array, dtype=np.float64, order="C")
     bad = np.argwhere(~np.isfinite(numbers))
     if bad.size:
         where = ", ".join(str(index) for index in bad[0])
@@ -62,7 +68,7 @@ def real_array(name: str, values: ArrayLike) -> np.ndarray:
 
 
 def check_number(name: str, value: object, whole: bool = False) -> None:
-    """Raise `InputError` unless a value is a real number (a whole one), and not a boolean."""
+    """Raise `InputError` unless a value is a real (or whole) number that is not a boolean."""
     kinds = (int, np.integer) if whole else (int, float, np.integer, np.floating)
     if isinstance(value, bool | np.bool_) or not isinstance(value, kinds):
         raise InputError(f"{name} = {value!r}: must be a {'whole ' if whole else ''}number")
@@ -71,7 +77,7 @@ def check_number(name: str, value: object, whole: bool = False) -> None:
 
 
 def check_seed(name: str, value: int) -> None:
-    """Raise `InputError` unless a seed is a whole number from 0 on."""
+    """Raise `InputError` unless a seed is a whole number and not negative."""
     check_number(name, value, whole=True)
     if value < 0:
         raise InputError(f"{name} = {value!r}: must be 0 or above")
@@ -82,8 +88,8 @@ def check_length(name: str, value: float) -> None:
     check_positive(name, value, "m")
     if not LENGTHS[0] <= value <= LENGTHS[1]:
         raise InputError(
-            f"{name} = {value!r} m: must lie in [{LENGTHS[0]:g}, {LENGTHS[1]:g}] m; the "
-            "curvature's twelfth powers of lengths do not fit in double precision beyond"
+            f"{name} = {value!r} m: must lie in [{LENGTHS[0]:g}, {LENGTHS[1]:g}] m; beyond, "
+            "the twelfth power of a length in the curvature does not fit in double precision"
         )
 
 

@@ -1,4 +1,4 @@
-"""Optional dependencies: what an extra is for, and one line where it is missing."""
+"""Optional dependencies: the modules of each extra, and one clear error if one is missing."""
 
 import importlib.util
 from collections.abc import Iterator
@@ -14,24 +14,24 @@ EXTRAS: dict[str, tuple[str, ...]] = {
     "walls": ("SurfaceTopography", "tifffile", "trimesh"),
     "workflow": ("mpmath", "snakemake"),
 }
-"""Modules that each extra adds to those of the library."""
+"""Modules that each extra adds to the dependencies of the library."""
 
 
 @contextmanager
 def needs(extra: str, what: str) -> Iterator[None]:
-    """Around the imports of an extra's modules.
+    """Wrap the imports of the modules of an extra and explain how to install them if missing.
 
     Parameters
     ----------
     extra : str
         A name of `EXTRAS`.
     what : str
-        What the modules are for, the first word of the message.
+        Purpose of the modules, at the start of the message.
 
     Raises
     ------
     InputError
-        A module is not installed; names it, and how to install the extra.
+        If a module is not installed; names the module and how to install the extra.
     """
     try:
         yield
@@ -45,5 +45,5 @@ def needs(extra: str, what: str) -> Iterator[None]:
 
 
 def installed(extra: str) -> bool:
-    """Whether all modules of an extra are there."""
+    """Return whether all modules of an extra are installed."""
     return all(importlib.util.find_spec(module) is not None for module in EXTRAS[extra])

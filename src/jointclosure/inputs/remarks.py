@@ -1,24 +1,27 @@
-"""Remarks on what was read and found, and their levels: what warns is known by its type."""
+"""Remarks on input and results. Warnings among them have a type of their own, `Caution`."""
 
 from collections.abc import Iterable
 
 
 class Caution(str):
-    """A remark that warns. It reads as any other, and stands again below what it is about."""
+    """Remark that is a warning.
+
+    It is text like any other remark. Reports repeat it below the result that it concerns.
+    """
 
     __slots__ = ()
 
 
 def caution(text: str, about: str = "") -> Caution:
-    """A warning, behind what it is about."""
+    """Make a warning, preceded by the name of its subject."""
     return Caution(f"{about}Warning: {text}")
 
 
 def prefixed(prefix: str, remark: str) -> str:
-    """A remark of the same level behind a prefix."""
+    """Put a prefix before a remark and keep its type."""
     return type(remark)(prefix + remark)
 
 
 def cautions(remarks: Iterable[str]) -> list[Caution]:
-    """Remarks that warn."""
+    """Return the warnings among remarks."""
     return [remark for remark in remarks if isinstance(remark, Caution)]

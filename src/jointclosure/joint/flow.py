@@ -35,7 +35,7 @@ COORDINATE = {
 
 
 class FlowAlongHistory:
-    """An `Observer` that finds the flow along x and along y at every step."""
+    """`Observer` that computes the flow along x and along y at every step."""
 
     def __init__(self) -> None:
         self._flows: list[tuple[Flow, ...]] = []
@@ -43,7 +43,10 @@ class FlowAlongHistory:
         self._of_walls: dict[float, tuple[Flow, ...]] = {}
 
     def __call__(self, joint: Joint, step: Step) -> None:
-        """Find the flow at a step; the same walls at the same closure have the same."""
+        """Compute the flow at a step.
+
+        The same walls at the same closure have the same flow, which is computed once.
+        """
         walls = joint.upper, joint.lower
         if not (self._walls and all(map(np.array_equal, walls, self._walls))):
             self._walls = joint.upper.copy(), joint.lower.copy()
@@ -60,7 +63,7 @@ class FlowAlongHistory:
         self._flows.append(flows)
 
     def added_to(self, closed: xr.Dataset) -> xr.Dataset:
-        """A history with what was found at its steps, along ``step`` and ``direction``."""
+        """Return a history with the flow at its steps, along ``step`` and ``direction``."""
         read = {
             "hydraulic_aperture": ("hydraulic_aperture", np.float64),
             "flow_status": ("status", np.int8),

@@ -1,8 +1,8 @@
-"""What a simulation will take at least, foreseen before it starts.
+"""Lower bounds of the steps of a simulation, computed before it starts.
 
-Two kinds of joints run practically for ever: those whose closure is very many
-displacement steps long, and those whose rock is crushed to powder by resolved
-breakage. Both show before anything breaks.
+Two kinds of joints run for practically unlimited time: joints whose closure takes a very large
+number of displacement steps, and joints whose rock is crushed to powder by resolved breakage. Both
+can be recognised before anything breaks.
 """
 
 import math
@@ -17,17 +17,18 @@ from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import Joint
 
 _CRUSHING = 3e6
-"""Breakage steps for each cell that crushing to powder took with resolved breakage: 1.3e9 on
-20 x 20 cells of dolerite at 3 MPa with a largest radius of 1 mm, in 93 s; 6e3 with 1.5 mm."""
+"""Breakage steps over the number of cells needed to crush a rock to powder with resolved breakage.
+Measured: 1.3e9 steps on 20 x 20 cells of dolerite at 3 MPa with a largest radius of 1 mm, in 93 s;
+6e3 steps with 1.5 mm."""
 
 
 def check_foreseen(joint: Joint, numerics: Numerics, max_normal_stress: float, cycles: int) -> None:
-    """Refuse a simulation that would take more steps than `Numerics` allows.
+    """Refuse a simulation that needs more steps than `Numerics` allows.
 
     Parameters
     ----------
     joint : Joint
-        Unloaded, its walls pristine.
+        Unloaded, with pristine walls.
     numerics : Numerics
     max_normal_stress : float
         [Pa].
@@ -37,7 +38,7 @@ def check_foreseen(joint: Joint, numerics: Numerics, max_normal_stress: float, c
     Raises
     ------
     InputError
-        Naming what asks for the steps, and the bound.
+        If a bound would be exceeded; names the argument that causes the steps and the bound.
     """
     steps, closure = displacement_steps(joint, numerics, max_normal_stress, cycles)
     if steps > numerics.most_steps:
@@ -45,30 +46,30 @@ def check_foreseen(joint: Joint, numerics: Numerics, max_normal_stress: float, c
         raise InputError(
             f"displacement_step = {numerics.displacement_step!r} m: the elastic closure alone, "
             f"{closure:.3g} m, takes {steps:.3g} steps, most_steps = {numerics.most_steps:g}; must "
-            f"be at least {least:.3g} m, and later_displacement_step as much, or most_steps larger"
+            f"be at least {least:.3g} m, and later_displacement_step too, or most_steps larger"
         )
     strength = largest_strength(joint, numerics)
     radius = joint.choices.largest_radius
     if radius and strength < max_normal_stress and numerics.most_breakage_steps < _CRUSHING:
         least = radius * math.sqrt(max_normal_stress / strength)
         raise InputError(
-            f"largest_radius = {radius!r} m: all cells together bear "
-            f"{strength:.3g} Pa at such radii, less than max_normal_stress = "
-            f"{max_normal_stress:g} Pa, and resolved breakage takes practically for ever to crush "
-            f"them; must be at least {least:.2g} m (or None, or breakage = 'fixed_step', or "
-            f"most_breakage_steps from {_CRUSHING:g} on)"
+            f"largest_radius = {radius!r} m: with this radius all cells together carry "
+            f"{strength:.3g} Pa, less than max_normal_stress = {max_normal_stress:g} Pa, and "
+            "resolved breakage would take practically unlimited time to crush them; must be at "
+            f"least {least:.2g} m (or None, or breakage = 'fixed_step', or most_breakage_steps "
+            f"at least {_CRUSHING:g})"
         )
 
 
 def displacement_steps(
     joint: Joint, numerics: Numerics, max_normal_stress: float, cycles: int
 ) -> tuple[float, float]:
-    """Displacement steps that an elastic history takes at least, and the closure [m] behind it.
+    """Estimate the displacement steps of an elastic history and its closure [m].
 
-    That of contacts that neither break nor feel each other, which is less than the closure of
-    the joint's first loading. Later branches are shorter where asperities broke: of four
-    dolerite joints of the default study, which take 63 to 72, it foresees 93 to 121; of joints
-    without roll-off, which took 118, 98.
+    The estimate is for contacts that neither break nor interact, so its closure is less than that
+    of the joint's first loading. Later branches are shorter where asperities broke. Measured: four
+    dolerite joints of the default study take 63 to 72 steps, and 93 to 121 were estimated; joints
+    without roll-off took 118, and 98 were estimated.
     """
     reach = float(np.ptp(joint.upper + joint.lower))
     cells, overlap, _, compliance = joint.overlapping(math.nextafter(reach, math.inf))
@@ -83,10 +84,10 @@ def displacement_steps(
 
 
 def largest_strength(joint: Joint, numerics: Numerics) -> float:
-    """Stress [Pa] that all cells together bear without being locked, at the largest radii.
+    """Return the stress [Pa] that all cells together carry unlocked, at the largest radii.
 
-    Infinite where radii have no bound, or breakage is not resolved, or makes no gouge
-    that could lock a pair.
+    It is infinite if radii are not bounded, if breakage is not resolved, or if breakage makes no
+    gouge that could lock a pair.
     """
     law = joint.law
     resolved = numerics.breakage == "resolved" and joint.effects.gouge

@@ -1,4 +1,4 @@
-"""The two walls that a caller gives, as arrays (y, x) that belong together."""
+"""Checks of the two walls that a caller gives as arrays (y, x)."""
 
 import warnings
 
@@ -10,29 +10,29 @@ from jointclosure.inputs import LENGTHS, InputError, real_array, size_of
 from jointclosure.surface.plausibility import doubts
 
 _SAME_PLACE = 1e-6
-"""By what two walls' coordinates may differ, over their spacing."""
+"""Largest allowed difference between the coordinates of the two walls, over their spacing."""
 _SAME_STEP = 1e-3
-"""By what the steps of coordinates may differ from the spacing, over it."""
+"""Largest allowed difference between steps of coordinates and the spacing, over the spacing."""
 
 
 def checked_walls(upper, lower, spacing: float | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Heights (y, x) [m] of two walls of one shape, as new arrays.
+    """Return the heights (y, x) [m] of two walls of one shape, as new arrays.
 
     Parameters
     ----------
     upper, lower : array_like or xarray.DataArray
-        Heights [m]. An `xarray.DataArray` is taken by the names of its dimensions: those
-        named y and x are brought into this order, others into that of the upper wall. Of a
-        `pandas.DataFrame` the index is y and the columns are x, unless they are named otherwise.
+        Heights [m]. The dimensions of an `xarray.DataArray` are used by name: dimensions y and x
+        are brought into this order, others into the order of the upper wall. The index of a
+        `pandas.DataFrame` is y and its columns are x, unless they have other names.
     spacing : float, optional
-        Grid spacing [m]: where it is given, coordinates must have it. They are in m unless their
-        attribute ``units`` says otherwise; whole numbers that count the cells are none.
+        Grid spacing [m] that coordinates must have. Coordinates are in m unless their attribute
+        ``units`` says otherwise. Whole numbers that count the cells are not coordinates.
 
     Raises
     ------
     InputError
-        Heights that are not real, not finite, too few or too large; shapes, names of
-        dimensions or coordinates in which the walls differ.
+        If heights are not real, not finite, too few or too large, or if the walls differ in
+        shape, names of dimensions or coordinates.
     """
     walls = []
     for name, wall in zip(("upper", "lower"), _aligned(upper, lower), strict=True):
@@ -55,12 +55,12 @@ def checked_walls(upper, lower, spacing: float | None = None) -> tuple[np.ndarra
 
 
 def _aligned(upper, lower) -> tuple:
-    """Both walls with their dimensions in one order, where they have names."""
+    """Return both walls with named dimensions in the same order."""
     for name, wall in (("upper", upper), ("lower", lower)):
         if isinstance(wall, xr.Dataset):
             raise InputError(
                 f"{name}: is an xarray.Dataset of {', '.join(map(str, wall.data_vars))}; must be "
-                "an array, such as one of these"
+                "an array, for example one of these variables"
             )
     upper, lower = (_by_names(wall) for wall in (upper, lower))
     if not (isinstance(upper, xr.DataArray) and isinstance(lower, xr.DataArray)):
@@ -75,7 +75,7 @@ def _aligned(upper, lower) -> tuple:
 
 
 def warn_of_doubts(upper: np.ndarray, lower: np.ndarray, spacing: float) -> None:
-    """Warn (`UserWarning`) the caller's caller of what looks like a slip of units or orientation.
+    """Warn the caller's caller (`UserWarning`) of a probable error of units or orientation.
 
     Parameters
     ----------
@@ -89,7 +89,10 @@ def warn_of_doubts(upper: np.ndarray, lower: np.ndarray, spacing: float) -> None
 
 
 def _by_names(wall):
-    """A wall over (y, x) where its dimensions have these names; a DataFrame with its labels."""
+    """Return a wall with dimensions (y, x), if it has dimensions of these names.
+
+    A DataFrame becomes a DataArray with its labels as coordinates.
+    """
     if isinstance(wall, pd.DataFrame):
         labels = wall.index, wall.columns
         names = [str(label.name) for label in labels]
@@ -107,7 +110,7 @@ def _by_names(wall):
 
 
 def _check_steps(name: str, wall: xr.DataArray, spacing: float) -> None:
-    """Raise `InputError` where a wall's coordinates are not a grid of the spacing [m]."""
+    """Raise `InputError` if a wall's coordinates are not a grid of the given spacing [m]."""
     for axis in wall.dims:
         if axis not in wall.coords or wall[axis].size < 2 or wall[axis].dtype.kind not in "fiu":
             continue
@@ -129,14 +132,14 @@ def _check_steps(name: str, wall: xr.DataArray, spacing: float) -> None:
 
 
 def _check_coordinates(name: str, above: np.ndarray, below: np.ndarray) -> None:
-    """Raise `InputError` unless the coordinates of both walls are the same places."""
+    """Raise `InputError` unless the coordinates of both walls are equal."""
     if above.shape != below.shape:
         return  # the shapes are compared later
     if above.dtype.kind not in "fiu" or below.dtype.kind not in "fiu":
         if not np.array_equal(above, below):
             raise InputError(f"upper and lower: their labels {name} differ; must be equal")
         return
-    above, below = (real_array(f"coordinate {name}", each) for each in (above, below))
+    above, below = (real_array(f"coordinate {name}", values) for values in (above, below))
     spacing = float(np.abs(np.diff(above)).min()) if above.size > 1 else 0.0
     apart = float(np.abs(above - below).max())
     if apart > _SAME_PLACE * spacing:

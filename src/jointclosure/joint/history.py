@@ -1,6 +1,6 @@
-"""What is read off a history: closures per cycle, and at given stresses.
+"""Closures of a history: per cycle, and at given stresses.
 
-Seating never changes the history; it is a way of reading it.
+The seating stress never changes the history, only how it is read.
 """
 
 import numpy as np
@@ -10,17 +10,17 @@ import xarray as xr
 from jointclosure.joint.protocol import LOADING, UNLOADING
 
 NET, GROSS = "closure_net", "closure"
-"""Names of the two closures of a history: without and with the elastic indentation of the
-half-spaces. The joint's is the net one (`read_along`)."""
+"""Names of the two closures of a history. The net closure, without the elastic indentation of the
+half-spaces, is that of the joint (`read_along`); the gross closure contains the indentation."""
 
 
 def read_along(history: xr.Dataset, of: str = NET) -> np.ndarray:
-    """Read a variable at each step of a history (steps,), by default the closure of the joint.
+    """Read a variable at each step of a history (steps,), by default the net closure.
 
-    Net closure is the gross closure less ``bulk_indentation``, by which the half-spaces of intact
-    rock give way under the loaded patch as a whole (docs/model.md, "Interaction"). It is what
-    laboratories report, who subtract the deformation of the intact rock, and what a program
-    needs that computes the deformation of the rock itself. Gross closure has both.
+    Net closure is the gross closure less ``bulk_indentation``, the displacement of the half-spaces
+    of intact rock under the loaded patch as a whole (docs/model.md, "Interaction"). Laboratories
+    report net closure, because they subtract the deformation of the intact rock. A program that
+    computes the deformation of the rock itself also needs net closure.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def read_along(history: xr.Dataset, of: str = NET) -> np.ndarray:
     Returns
     -------
     array (steps,)
-        Closure counts from first touch [m]; other variables have their own unit.
+        Closure from first touch [m]; other variables in the unit of the history.
     """
     if of == NET:
         return history.closure.values - history.bulk_indentation.values
@@ -40,9 +40,9 @@ def read_along(history: xr.Dataset, of: str = NET) -> np.ndarray:
 
 
 def branch_of(cycle: np.ndarray, branch: np.ndarray, number: int, name: str) -> np.ndarray:
-    """Indices of the steps (n,) on one branch of one cycle, its start included.
+    """Return indices of the steps (n,) on one branch of one cycle, including its start.
 
-    The start is the last step before the branch, where there is one.
+    The start is the last step before the branch, if there is one.
     """
     here = np.flatnonzero((cycle == number) & (branch == name))
     if here.size and here[0] > 0:
@@ -53,12 +53,12 @@ def branch_of(cycle: np.ndarray, branch: np.ndarray, number: int, name: str) -> 
 def _is_complete(
     loading: np.ndarray, unloading: np.ndarray, stress: np.ndarray, minimum: float
 ) -> bool:
-    """Whether a cycle was loaded, and unloaded to its minimum [Pa]."""
+    """Return whether a cycle was loaded, and then unloaded to its minimum [Pa]."""
     return loading.size > 1 and unloading.size > 1 and float(stress[unloading[-1]]) <= minimum
 
 
 def first_crossing(stress: np.ndarray, closure: np.ndarray, level: float) -> float:
-    """Closure [m] where the stress (n,) [Pa] first reaches a level; NaN if never."""
+    """Return the closure [m] where the stress (n,) [Pa] first reaches a level; NaN if never."""
     reached = np.flatnonzero(stress >= level)
     if reached.size == 0:
         return float("nan")
@@ -69,7 +69,7 @@ def first_crossing(stress: np.ndarray, closure: np.ndarray, level: float) -> flo
 
 
 def last_crossing(stress: np.ndarray, closure: np.ndarray, level: float) -> float:
-    """Closure [m] where the stress (n,) [Pa] was at a level for the last time; NaN if never."""
+    """Return the closure [m] where the stress (n,) [Pa] was last at a level; NaN if never."""
     reached = np.flatnonzero(stress >= level)
     if reached.size == 0:
         return float("nan")
@@ -88,9 +88,9 @@ def _between(
 
 
 def at_seating(values: np.ndarray, stress: np.ndarray, branch: str, seating: float) -> float:
-    """Read values of a branch (n,) at the seating stress [Pa], in their own unit.
+    """Read values of a branch (n,) at the seating stress [Pa], in their unit.
 
-    On loading where it is first reached, on unloading where it is had for the last time; NaN where
+    They are read where loading first reaches the stress, and where unloading last has it. NaN if
     the branch does not pass it.
     """
     if stress.size and stress.min() > seating:
@@ -106,24 +106,24 @@ def cycle_closures(
     minima: np.ndarray,
     seating_stress: float,
 ) -> dict[str, np.ndarray]:
-    """Closures per cycle (cycles,) [m]; NaN for cycles that were not completed.
+    """Compute the closures of each cycle (cycles,) [m]; NaN for incomplete cycles.
 
     Parameters
     ----------
     closure, stress, cycle, branch : array (steps,)
-        The history, closure [m] from first touch and stress [Pa].
+        History: closure [m] from first touch, stress [Pa], cycle and branch.
     minima : array (cycles,)
-        Stress at or below which each cycle that was asked for is unloaded [Pa]; 0 is last contact.
+        Stress [Pa] down to which each requested cycle is unloaded; 0 is last contact.
     seating_stress : float
-        [Pa]. The ``_seated`` closures count from the first point of that cycle's loading that
-        reaches it, and are NaN where its loading starts, or its unloading ends, above it.
+        [Pa]. The ``_seated`` closures count from the first point of the cycle's loading that
+        reaches it. They are NaN if loading starts, or unloading ends, above it.
 
     Returns
     -------
     dict
-        ``max_closure`` from the cycle's own start (Bandis), ``max_closure_seated``;
-        ``residual_closure``, at the cycle's end from first touch, and
-        ``residual_closure_seated``, which is what a laboratory calls residual: closure at the
+        ``max_closure`` from the start of the cycle (Bandis) and ``max_closure_seated``;
+        ``residual_closure``, at the end of the cycle from first touch; and
+        ``residual_closure_seated``, the residual closure of laboratories: closure at the
         seating stress on unloading less that on the loading of the same cycle.
     """
     names = ("max_closure", "residual_closure", "max_closure_seated", "residual_closure_seated")
@@ -152,13 +152,13 @@ def unloading_excess(
     branch: np.ndarray,
     minima: np.ndarray,
 ) -> np.ndarray:
-    """Largest stress by which unloading exceeds loading at equal closure (cycles,) [Pa].
+    """Return the largest excess of unloading over loading stress at equal closure (cycles,) [Pa].
 
-    Read at the steps of unloading, with loading a monotone cubic between its
-    own (chords of these convex curves would be off by more than what is
-    sought) and 0 below where it starts from no stress; below a start at a stress
-    there is nothing to compare with. 0 where unloading nowhere exceeds
-    loading, NaN for cycles that were not completed; ``minima`` as for `cycle_closures`.
+    It is evaluated at the steps of unloading. The loading curve is interpolated between its steps
+    by a monotone cubic, because the error of chords of these convex curves would be larger than the
+    excess. Loading that starts without stress counts as 0 below its start; below a start at a
+    stress nothing is compared. The excess is 0 if unloading nowhere exceeds loading, and NaN for
+    incomplete cycles. ``minima`` is as for `cycle_closures`.
     """
     excess = np.full(len(minima), np.nan)
     for index, minimum in enumerate(minima):
@@ -166,13 +166,13 @@ def unloading_excess(
         unloading = branch_of(cycle, branch, index + 1, UNLOADING)
         if not _is_complete(loading, unloading, stress, minimum):
             continue
-        # of steps at one closure the last
+        # keep the last of several steps at one closure
         at, last = np.unique(closure[loading][::-1], return_index=True)
         loaded = stress[loading][::-1][last]
         after = closure[unloading[1:]]
         common = np.searchsorted(at, after)
         if np.array_equal(at[np.minimum(common, at.size - 1)], after):
-            below = loaded[common]  # one curve: nothing to interpolate
+            below = loaded[common]  # both branches have the same steps: no interpolation
         elif at.size > 1:
             below = scipy.interpolate.PchipInterpolator(at, loaded)(np.clip(after, at[0], at[-1]))
         else:
@@ -191,12 +191,11 @@ def closure_at_stresses(
     levels: np.ndarray,
     tolerance: float = 0.0,
 ) -> np.ndarray:
-    """Closure (cycles, 2, levels) [m] on loading and unloading at given stresses.
+    """Return closures (cycles, 2, levels) [m] on loading and unloading at given stresses.
 
-    The first crossing on loading, the last on unloading, interpolated between
-    steps; NaN where a level was not reached. A maximum that was landed on
-    within a relative ``tolerance`` below a level counts as having reached it, and so does a
-    minimum above it.
+    It is read at the first crossing on loading and at the last on unloading, interpolated between
+    steps; NaN if a level was not reached. A maximum within a relative ``tolerance`` below a level
+    counts as reaching it, and so does a minimum within this tolerance above it.
     """
     answer = np.full((cycles, 2, levels.size), np.nan)
     for index in range(cycles):

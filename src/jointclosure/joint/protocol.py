@@ -1,6 +1,6 @@
-"""The history of a joint: load cycles under displacement control.
+"""Load cycles of a joint under displacement control.
 
-Works with any solver of the registry. See docs/decisions/0005-protocol.md.
+The protocol works with any solver of the registry. See docs/decisions/0005-protocol.md.
 """
 
 from collections.abc import Callable, Sequence
@@ -43,34 +43,35 @@ FLAG_OF_OUTCOME = {
     RIGID_CONTACT: 4 * FAILURE,
 }
 LARGEST_UNBREAKABLE_SHARE = 0.1
-"""Beyond this share of force on contacts that cannot break the model is out of its range."""
+"""Largest share of the force on contacts that cannot break for which the model is valid."""
 
 LOADING, UNLOADING = "loading", "unloading"
 Observer = Callable[[Joint, "Step"], None]
-"""Is shown the joint as it is at every step of the history, in order; must not change it."""
+"""Called with the joint at every step of the history, in order; must not change the joint."""
 Report = Callable[[int, str, float], None]
-"""Is told of every accepted step: its cycle, its branch, and its force over the cycle's maximum."""
+"""Called at every accepted step with its cycle, branch, and force over the cycle's maximum."""
 
 _SMALLEST_STEP = 1e-6
-"""Fraction of a displacement step below which a jump of the stress is accepted as one, and of
-the closure reached, where that is less: a step may be far longer than all that is needed."""
+"""Share of a displacement step, or of the closure reached if that is less, below which a jump of
+the stress is accepted. A displacement step may be far longer than the whole closure."""
 
 _FEWEST_CONTACTS = 300
-"""Cells in contact, at a pressure of the compressive strength, that a maximum must call for if the
-interaction is to be left out before it: of fewer each decides what the second cycle is."""
+"""Smallest number of cells in contact at the maximum, at a pressure of the compressive strength,
+for leaving out the interaction. With fewer contacts each one affects the second cycle."""
 _MOST_CRUSHED = 0.4
-"""Share of the compressive strength that a maximum stress may have for it: beyond, nearly all of
-the time goes into what breaks, and a joint that began without interaction breaks no less."""
+"""Largest maximum stress over compressive strength for leaving out the interaction. Above it
+breakage takes nearly all of the time, and leaving out the interaction does not reduce breakage."""
 _MOST_SECANTS = 2
 _MISLED = 0.1
-"""Part of the step that passed a target in which it is no longer sought, where all shorter steps
-fell short of it."""
+"""Share of the step that passed a target below which the target is no longer searched for, if all
+shorter steps stayed below it."""
 
 
 class Step(NamedTuple):
-    """One accepted point of the history: what was settled, and where in it.
+    """One accepted point of the history, with its cycle and branch.
 
-    ``mean_height`` is that of both walls together [m]: it falls where what breaks vanishes.
+    ``mean_height`` is the mean height of both walls together [m]. It falls if broken material
+    vanishes.
     """
 
     cycle: int
@@ -80,10 +81,10 @@ class Step(NamedTuple):
 
 
 class History(NamedTuple):
-    """All accepted steps in order, the status bits, the total effort, and cycles replayed.
+    """All accepted steps in order, status bits, total effort, and number of replayed cycles.
 
-    ``idle_steps`` of the first loading are without interaction, which would displace no contact by
-    more than ``idle_displacement`` of the closure there.
+    ``idle_steps`` is the number of steps of the first loading without interaction. There the
+    interaction would displace no contact by more than ``idle_displacement`` of the closure.
     """
 
     steps: list[Step]
@@ -95,7 +96,7 @@ class History(NamedTuple):
 
 
 class _Run:
-    """Mutable bookkeeping of `run_cycles`."""
+    """Mutable state of `run_cycles`."""
 
     def __init__(
         self,
@@ -108,11 +109,11 @@ class _Run:
     ):
         self.joint, self.solver, self.numerics = joint, solver, numerics
         self.report, self.observers = report, observers
-        self.target_force = cycles[0].maximum  # of the cycle that runs
+        self.target_force = cycles[0].maximum  # of the current cycle
         self.closure, self.total_force = 0.0, 0.0
         self.cycle_start = 0.0
         self.steps: list[Step] = []
-        self.forces: list[np.ndarray] = []  # from the last maximum on, for observers
+        self.forces: list[np.ndarray] = []  # since the last maximum, for observers
         self.status = 0
         self.effort = Effort()
         self.closure_limit = closure_limit(joint, max(cycle.maximum for cycle in cycles))
@@ -131,7 +132,7 @@ class _Run:
         return self.status >= FAILURE
 
     def settle(self, closure: float, breakage_step: float) -> Settled:
-        """Bring the joint to rest at a closure [m]; a failure is noted in the status."""
+        """Bring the joint to rest at a closure [m] and record a failure in the status."""
         settled = self.solver.settle(self.joint, closure, breakage_step)
         self.effort = self.effort.plus(settled.effort)
         if settled.outcome != CONVERGED:
@@ -143,18 +144,18 @@ class _Run:
         return settled
 
     def predict(self, step: float, residual: float) -> float:
-        """Force [N] after a displacement step [m] before anything breaks; see `Solver.predict`."""
+        """Predict the force [N] after a step [m] without breakage; see `Solver.predict`."""
         assert self.solver.predict is not None
         force, effort = self.solver.predict(self.joint, self.closure + step, residual)
         self.effort = self.effort.plus(effort)
         return force
 
     def is_idle(self, settled: Settled) -> bool:
-        """Whether a state of the first loading that was settled without interaction may stand.
+        """Return whether a state settled without interaction may be kept in the first loading.
 
-        The certificate is `Joint.interaction_left_out`: with the interaction this state's force
-        would be reached at a closure further by that displacement at most. At the maximum the
-        interaction acts in any case, as later cycles are shorter than the first.
+        The bound is `Joint.interaction_left_out`: with interaction the same force would be reached
+        at a closure larger by at most that displacement. At the maximum the interaction always
+        acts, because later cycles are shorter than the first.
         """
         displaced = self.joint.interaction_left_out() / settled.closure
         if settled.total_force >= self.target_force or displaced > self.numerics.idle_interaction:
@@ -164,7 +165,7 @@ class _Run:
         return True
 
     def resume_interaction(self) -> None:
-        """Leave the interaction out no longer."""
+        """Switch the interaction on for all further states."""
         self.joint.resume_interaction()
         self.leaves_interaction_out = False
 
@@ -195,24 +196,24 @@ def run_cycles(
     Parameters
     ----------
     joint : Joint
-        Unloaded at first touch; left as the history leaves it.
+        Unloaded at first touch; changed to its state at the end of the history.
     solver : Solver
     numerics : Numerics
-        Steps of the first loading and of the branches after it.
+        Steps of the first loading and of later branches.
     cycles : sequence of LoadCycle
-        In forces [N]: nominal stress times nominal area.
+        Turns as forces [N]: nominal stress times nominal area.
     extra_force : float
-        A force [N] below the maxima to stop at on an elastic curve, besides
-        its evenly spaced ones, such as that of seating; 0 for none.
+        Additional force [N] below the maxima at which an elastic curve has a point,
+        such as the seating force; 0 for none.
     report : Report, optional
-        Told of every step but those of an elastic curve, which is solved at once.
+        Called at every step, except on an elastic curve, which is solved at once.
     observers : sequence of Observer
 
     Returns
     -------
     History
-        Starts with first touch at closure 0. Ends early with a failure's bit
-        in the status.
+        Starts with first touch at closure 0. After a failure it ends early, with the bit of
+        the failure in the status.
     """
     if not joint.effects.breakage and solver.elastic_curve is not None:
         history = _elastic_cycles(joint, solver, numerics, cycles, extra_force)
@@ -250,7 +251,7 @@ def run_cycles(
 
 
 def _elastic_cycles(joint, solver, numerics, cycles, extra_force) -> History:
-    """Up and down one curve, as nothing breaks: solved once, at given forces."""
+    """Solve the cycles of a joint without breakage: one curve, loaded and unloaded."""
     start = _untouched(joint)
     forces = _elastic_forces(numerics, cycles, extra_force)
     curve = solver.elastic_curve(joint, forces[1:])
@@ -268,7 +269,7 @@ def _elastic_cycles(joint, solver, numerics, cycles, extra_force) -> History:
         to = int(np.abs(forces - force).argmin())
         way = range(at + 1, to + 1) if branch == LOADING else range(at - 1, to - 1, -1)
         steps += [Step(cycle, branch, known[i], height) for i in way if i < len(known)]
-        if to >= len(known):  # the curve failed before
+        if to >= len(known):  # the solution failed at a smaller force
             break
         at = to
     if not failed and at == 0:
@@ -282,10 +283,10 @@ def _elastic_cycles(joint, solver, numerics, cycles, extra_force) -> History:
 
 
 def _elastic_forces(numerics, cycles, extra_force) -> np.ndarray:
-    """Forces of an elastic curve from 0 on [N]: evenly spaced, at seating and at each turn."""
+    """Return the forces of an elastic curve [N]: evenly spaced from 0, at seating and at turns."""
     largest = max(cycle.maximum for cycle in cycles)
     forces = largest * np.arange(numerics.curve_points + 1) / numerics.curve_points
-    # a turn, or seating, that is one of them but for rounding would be a step of no length
+    # skip a turn or seating that equals one of them up to rounding: its step would have no length
     turns = {force for cycle in cycles for force in cycle}
     if 0.0 < extra_force < largest:
         turns.add(extra_force)
@@ -296,7 +297,10 @@ def _elastic_forces(numerics, cycles, extra_force) -> np.ndarray:
 def _show_elastic(
     joint: Joint, solver: Solver, history: History, observers: Sequence[Observer]
 ) -> None:
-    """Show every step: its forces are solved again, as a curve keeps those of its end only."""
+    """Show every step of an elastic history to the observers.
+
+    The forces are solved again, because a curve keeps only those at its end.
+    """
     assert solver.elastic_curve is not None
     ended, forces = joint.force.copy(), {0.0: np.zeros(joint.force.shape)}
     for step in history.steps:
@@ -311,10 +315,10 @@ def _show_elastic(
 
 
 def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float) -> None:
-    """Close by steps until the force passes the target, then land on it.
+    """Close by steps until the force passes the target, then approach the target.
 
-    No step jumps over a former maximum that is known to hold: beyond it breakage can let the force
-    fall, so that a maximum that was reached before would be missed.
+    No step passes a former maximum at which all contacts are known to hold. Beyond it breakage can
+    reduce the force, so that the former maximum would be missed.
     """
     held = run.joint.held_to
     near = run.numerics.stress_tolerance * run.target_force
@@ -333,7 +337,7 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
         if control:
             step = control.fitting(step, run.total_force, run.predict)
         taken, closure = step, run.closure + step
-        if run.closure < held <= closure:  # this step alone is shorter
+        if run.closure < held <= closure:  # only this step is shortened
             taken, closure = held - run.closure, held
         settled = run.settle(closure, breakage_step)
         if run.failed:
@@ -361,15 +365,15 @@ def _load(run: _Run, cycle: int, displacement_step: float, breakage_step: float)
 
 
 def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
-    """Repeat the step that passed the target, smaller, until the force is within tolerance.
+    """Repeat the step that passed the target with smaller steps until the force is in tolerance.
 
-    Where the force jumps over the target, the last state below it. Whether the loading is at its
-    end: with resolved breakage it may turn out that in shorter steps the force reaches the target
-    further on only.
+    If the force jumps over the target, the last state below it is kept. Return whether the loading
+    has ended: with resolved breakage shorter steps may show that the force reaches the target only
+    at a larger closure.
     """
     near = run.numerics.stress_tolerance * run.target_force
     above, passed_again, short_again = passed, 0, 0
-    further = passed  # the one before of those above the target
+    further = passed  # previous state above the target
     misled = 0.0
     if run.numerics.breakage == "resolved":
         misled = _MISLED * (passed.closure - run.closure)
@@ -385,7 +389,7 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
         resolved = float(np.spacing(abs(run.joint.first_touch) + above.closure))
         if room < _SMALLEST_STEP * min(displacement_step, reached) or room <= resolved:
             break
-        # between two states the forces lie, where they follow the closure
+        # interpolation parameter of the forces between two states
         run.joint.restore(before, rates=run.numerics.breakage == "fixed_step")
         if above is passed and room < misled:
             return False
@@ -400,7 +404,7 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
             run.accept(cycle, LOADING, trial)
             before = run.joint.snapshot()
     run.joint.restore(before)
-    # where even the first force is beyond the target no state below it carries any
+    # if even the first force exceeds the target, no state below the target carries force
     run.status |= TARGET_JUMPED if run.total_force > 0.0 else 8 * FAILURE
     return True
 
@@ -408,13 +412,14 @@ def _land(run, cycle, before, passed, displacement_step, breakage_step) -> bool:
 def _part_to_target(
     run: _Run, above: Settled, further: Settled, passed_again: int, short_again: int
 ) -> float:
-    """How much of the way from the last state below the target to the last one above to go.
+    """Return the share of the step from the last state below the target to the last above.
 
-    ``further`` is the state above before the last one. With fixed steps of breakage half of the
-    secant step, less for each in a row that passed the target again and more for each that fell
-    short: the force rises at once and then hardly depends on the step, and what a large step breaks
-    costs time. With resolved breakage the force follows the closure: the secant of the states
-    above, or false position (Illinois) where there is one only or they do not come nearer.
+    ``further`` is the previous state above the target. With fixed breakage steps the share is half
+    of the secant step. It is reduced for each consecutive step that passed the target again, and
+    increased for each one that stayed below it, because the force jumps and then hardly depends on
+    the step, and breakage in a large step costs time. With resolved breakage the force follows the
+    closure: the share is from the secant of the two states above the target, or by false position
+    (Illinois) if there is only one or if they do not approach the target.
     """
     missing, beyond = run.target_force - run.total_force, above.total_force - run.target_force
     room = above.closure - run.closure
@@ -436,9 +441,10 @@ def _part_to_target(
 def _interpolate(
     run: _Run, cycle: int, branch: str, force: float, before: tuple, passed: Settled
 ) -> None:
-    """The paper's last step: walls, closure and forces between the last two states.
+    """Interpolate walls, closure and forces between the last two states, as in the paper.
 
-    Between two equilibria this is none; the residual told is that of the later one.
+    The interpolated state is not an equilibrium. Its residual is reported as that of the later
+    state.
     """
     part = (force - run.total_force) / (passed.total_force - run.total_force)
     joint = run.joint
@@ -455,12 +461,12 @@ def _interpolate(
         name: getattr(last, name) + part * (getattr(passed, name) - getattr(last, name))
         for name in ("closure", "mean_interaction", "locked_share", "flat_share")
     }
-    joint.closure[...] = values["closure"]  # from which the next step counts
+    joint.closure[...] = values["closure"]  # start of the next step
     run.accept(cycle, branch, passed._replace(total_force=force, **values))
 
 
 def _unload(run: _Run, cycle: int, minimum: float) -> None:
-    """Open by steps; the last one is shortened to land on the minimum, or on last contact."""
+    """Open by steps; shorten the last one to end at the minimum or at last contact."""
     step = run.numerics.later_displacement_step
     while True:
         before = run.joint.snapshot() if minimum else ()
@@ -480,10 +486,11 @@ def _unload(run: _Run, cycle: int, minimum: float) -> None:
 
 
 def _land_below(run: _Run, cycle: int, minimum: float, before: tuple, passed: Settled) -> None:
-    """Repeat the step that fell below the minimum, shorter, until the force is within tolerance.
+    """Repeat the step that fell below the minimum with shorter steps until it is in tolerance.
 
-    By the secant between the states about the minimum, kept off both. Where breakage lets the
-    force jump over it, the state below.
+    The closure comes from the secant between the states above and below the minimum, with a
+    distance from both. If breakage makes the force jump over the minimum, the state below it is
+    kept.
     """
     near = run.numerics.stress_tolerance * minimum
     high, high_force, low = run.closure, run.total_force, passed
@@ -508,21 +515,21 @@ def _land_below(run: _Run, cycle: int, minimum: float, before: tuple, passed: Se
 
 
 def _is_elastic_from_here(run: _Run, broken: int) -> bool:
-    """Whether nothing broke since ``broken`` breakage steps, from a maximum at rest.
+    """Return whether nothing broke since ``broken`` breakage steps, from a maximum at rest.
 
-    The certificate that below this maximum the joint is elastic, and breakage idle: the walls are
+    If so, the joint is elastic below this maximum, and a cycle to it breaks nothing: the walls are
     those at rest at the maximum, equilibrium at each closure is unique, and at every state of the
-    unloading it was solved for and all contacts were found to hold. Coming back through these
-    states nothing can break. Steps to other closures would prove the same of these only.
+    unloading equilibrium was solved and all contacts held. Loading through the same states cannot
+    break anything. Steps to other closures would prove the same only for those closures.
     """
     at_rest = run.numerics.target == "equilibrate" and not run.status & TARGET_JUMPED
     return at_rest and run.effort.breakage_steps == broken
 
 
 def _note_held(run: _Run, cycle: int, maximum: float) -> None:
-    """Remember the closure [m] up to which the joint is elastic, -inf for none.
+    """Store the closure [m] up to which the joint is elastic, -inf if there is none.
 
-    That of an earlier and larger maximum stays where nothing broke in this cycle.
+    The closure of an earlier and larger maximum is kept if nothing broke in this cycle.
     """
     intact = not any(s.settled.effort.breakage_steps for s in run.steps if s.cycle == cycle)
     earlier = run.joint.held_to if intact else -np.inf
@@ -530,7 +537,7 @@ def _note_held(run: _Run, cycle: int, maximum: float) -> None:
 
 
 class _Loop(NamedTuple):
-    """States of an unloading from the maximum on, and their forces where observers want them."""
+    """States of an unloading from the maximum on, with their forces if observers need them."""
 
     settled: list[Settled]
     forces: tuple[np.ndarray, ...]
@@ -542,9 +549,9 @@ def _loop_of(run: _Run, cycle: int) -> _Loop:
 
 
 def _repeat_elastic(run: _Run, cycle: int, loop: _Loop) -> None:
-    """A cycle like the one before, whose unloading broke nothing: up and down the same curve.
+    """Append a cycle equal to the one before, whose unloading broke nothing.
 
-    Its states are those of the unloading, by the certificate of `_is_elastic_from_here`.
+    Its states are those of the unloading curve, up and down; `_is_elastic_from_here` says why.
     """
     opened = len(loop.settled) - 1
     up, down = range(opened - 1, -1, -1), range(1, opened + 1)
@@ -573,19 +580,19 @@ def _mean_height(joint: Joint) -> float:
 
 
 def _pays_without_interaction(joint: Joint, largest: float) -> bool:
-    """Whether a history to a largest force [N] may begin without the interaction.
+    """Return whether a history to a largest force [N] may begin without interaction.
 
-    By the cells that carry it at a pressure of the compressive strength: neither a few nor a large
-    share of all (docs/effects.md).
+    The criterion is the number of cells that carry the force at a pressure of the compressive
+    strength: neither few nor a large share of all (docs/effects.md).
     """
     cells = largest / (joint.compressive_strength * joint.law.spacing**2)
     return _FEWEST_CONTACTS <= cells <= _MOST_CRUSHED * joint.upper.size
 
 
 def closure_limit(joint: Joint, target_force: float) -> float:
-    """A closure that no joint needs [m]: beyond it the target is out of reach.
+    """Return a closure [m] that no joint exceeds: beyond it the target cannot be reached.
 
-    Twice the depth of all voids and the elastic approach of a full contact.
+    It is twice the depth of all voids plus the elastic approach of a full contact.
     """
     summed = joint.upper + joint.lower
     per_cell = target_force / summed.size

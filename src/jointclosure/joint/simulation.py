@@ -134,40 +134,43 @@ def simulate(
     ----------
     upper, lower : array (ny, nx)
         Heights towards the other wall [m], real and finite; not changed. Any
-        float or integer type is promoted to float64, which does not bring
-        back digits: single precision resolves heights of 1e-3 m to 6e-11 m,
-        a thousandth of the overlap at which a flank breaks. Complex, object,
-        boolean and masked heights are refused. Of an `xarray.DataArray` the
-        dimensions count by name, and both walls' coordinates have to agree.
+        float or integer type is converted to float64. Note that single precision
+        resolves heights of 1e-3 m to 6e-11 m only, a thousandth of the overlap at
+        which the flank of an asperity breaks. Complex, object, boolean and masked
+        heights are refused. The dimensions of an `xarray.DataArray` are used by
+        name, and the coordinates of both walls have to agree.
     spacing : float
         Grid spacing h [m].
     rock : Rock or (Rock, Rock)
-        Of both walls, or of the upper and the lower one.
+        Rock of both walls, or of the upper and the lower wall.
     max_normal_stress : float or sequence of float
-        Maximum of every cycle [Pa]. Or the load history: the stresses at which the load turns, a
-        maximum first, then a minimum, a maximum and so on, as in ``[10e6, 2e6, 20e6]``; 0 is
-        last contact, and after a maximum that comes last the joint is unloaded to it.
+        Maximum of every cycle [Pa]. Or the load history: the stresses at which the load turns,
+        alternately a maximum and a minimum, starting with a maximum, as in
+        ``[10e6, 2e6, 20e6]``. 0 is last contact. If a maximum comes last, the joint is then
+        unloaded to 0.
     cycles : int, optional
-        Load cycles, at least 1: by default 2, or those of the load history.
+        Number of load cycles, at least 1: by default 2, or that of the load history.
     seating_stress : float
-        Where the ``_seated`` closures start to count [Pa], from 0 to below
-        the least maximum; they are NaN in a cycle whose loading starts above it. It
-        changes what is read, never what happens.
+        Stress from which the ``_seated`` closures count [Pa], at least 0 and below
+        the smallest maximum. They are NaN in a cycle whose loading starts above it.
+        It does not change the history.
     effects : Effects
     choices : Choices
     numerics : Numerics
     unusual_values : bool
-        Whether numbers may be far from what is usual of rock: a modulus of 78 Pa is
-        refused otherwise, as it is more often one of 78 GPa. Nor are then `UserWarning` s given
-        of rough walls that look upside down, turned round, or in another unit than the spacing.
+        Whether values that are unusual for rock are accepted. Otherwise a modulus of 78 Pa,
+        for example, is refused, because 78 GPa was probably meant, and a `UserWarning` is
+        given for rough walls that seem to be upside down, turned, or in another unit than the
+        spacing.
     report : callable, optional
-        Told of every step, with its cycle, its branch ("loading" or "unloading") and
-        its stress over the cycle's maximum.
+        Called at every step with its cycle, its branch ("loading" or "unloading") and
+        its stress over the maximum of the cycle.
     flow : bool
-        Whether hydraulic apertures are found too (docs/flow.md). It changes nothing else.
+        Whether to compute hydraulic apertures (docs/flow.md). It changes no other result.
     snapshots : sequence of float
-        Stresses from 0 to the largest [Pa] at which the joint's state is kept, on each branch:
-        where it first passes them, that of the nearer step. It changes nothing else.
+        Stresses from 0 to the largest [Pa] at which the state of the joint is stored, on each
+        branch: where the branch first passes the stress, the state of the nearer step is
+        stored. It changes no other result.
 
     Returns
     -------
@@ -176,32 +179,32 @@ def simulate(
         touch, ``normal_stress`` [Pa], ``contact_fraction``,
         ``bulk_indentation`` [m], ``mean_aperture`` [m] (the mean distance of the deformed walls,
         negative where asperities are pressed into each other), ``equilibrium_residual``, with
-        coordinates ``cycle`` and ``branch``. Along ``cycle``: ``max_closure``,
-        ``residual_closure`` [m], both ``_seated`` too
+        coordinates ``cycle`` and ``branch``. Along ``cycle``: ``max_closure`` and
+        ``residual_closure`` [m], both also ``_seated``
         (`jointclosure.joint.history.cycle_closures`), ``locked_share`` and
-        ``flat_share`` of the force at the maximum, ``unloading_excess`` [Pa], by
-        which stress on unloading exceeds that on loading. The walls as they ended,
-        ``status`` (bits, below 16 a success; see its attributes), and counts.
+        ``flat_share`` of the force at the maximum, ``unloading_excess`` [Pa], the largest
+        excess of the stress on unloading over that on loading. The walls at the end,
+        ``status`` (bits, below 16 a success; see its attributes), and counts of the effort.
         Effects, choices and numerics are attributes, as JSON. With ``flow`` also, along
         ``step`` and ``direction``: ``hydraulic_aperture`` [m], ``flow_status`` and
         ``flow_imbalance``. With ``snapshots``, along ``snapshot``: ``snapshot_upper``,
         ``snapshot_lower`` [m], ``snapshot_force`` [N], ``snapshot_gap`` [m] (negative where walls
-        are pressed together) and ``snapshot_broken_volume`` [m3], with the stress that was
-        asked for, cycle, branch and step as coordinates; and the walls at first touch.
+        are pressed together) and ``snapshot_broken_volume`` [m3], with the requested stress,
+        cycle, branch and step as coordinates; and the walls at first touch.
 
     Raises
     ------
     InputError
-        An argument out of its range, or more steps to be foreseen than ``numerics``
-        allows, before any computing.
+        If an argument is out of its range, or more steps are foreseen than ``numerics``
+        allows. It is raised before the simulation starts.
 
     Notes
     -----
-    The model is that of Rezaei Niya & Selvadurai as read in docs/model.md;
-    a cycle's ``max_closure`` is the closure at its maximum less that at its
-    start, and its ``residual_closure`` the closure at its end. Without
-    breakage there is no history: the steps are then ``Numerics.curve_points``
-    stresses (and the seating stress) up and down one curve.
+    The model is that of Rezaei Niya & Selvadurai, see docs/model.md.
+    The ``max_closure`` of a cycle is the closure at its maximum less that at its
+    start, and its ``residual_closure`` is the closure at its end. Without
+    breakage the closure does not depend on the history: the steps are then
+    ``Numerics.curve_points`` stresses (and the seating stress) up and down one curve.
     """
     if not unusual_values:
         check_length("spacing", spacing)
@@ -243,7 +246,7 @@ def simulate_by(
     flow: bool = False,
     snapshots: Sequence[float] = (),
 ) -> xr.Dataset:
-    """`simulate` with a solver of one's own: ``solver_of`` its name gives it."""
+    """Simulate with a solver that ``solver_of`` makes from its name, otherwise as `simulate`."""
     check_length("spacing", spacing)
     upper, lower = checked_walls(upper, lower, spacing)
     rock, load = checked_conditions(
@@ -283,7 +286,7 @@ def simulate_by(
 def _observers(
     flow: bool, snapshots: Sequence[float], tolerance: float, datums: tuple[float, float]
 ) -> "list[Reader]":
-    """What is shown every step: nothing unless asked for, and then it is imported."""
+    """Return the observers that are requested; their modules are imported only then."""
     observers: list[Reader] = []
     if flow:
         from jointclosure.joint.flow import FlowAlongHistory
@@ -297,11 +300,11 @@ def _observers(
 
 
 def height_datum(wall: np.ndarray) -> float:
-    """Height [m] that a wall (y, x) is counted from, so that its offset costs no digits.
+    """Return a datum [m] for the heights of a wall (y, x), so that an offset costs no digits.
 
-    0 where the middle of its range is within four times the range. Beyond, the middle as a
-    whole multiple of the next power of two above the range: every height then lies within
-    a factor of two of it, and the difference is exact (Sterbenz).
+    It is 0 if the middle of the range of heights is within four times the range. Otherwise it is
+    the middle, rounded to a multiple of the next power of two above the range. Every height is then
+    within a factor of two of it, and the difference is exact (Sterbenz).
     """
     low, high = float(wall.min()), float(wall.max())
     middle, reach = 0.5 * low + 0.5 * high, high - low
@@ -324,14 +327,14 @@ def checked_conditions(
     numerics: Numerics,
     unusual_values: bool,
 ) -> tuple[tuple[Rock, Rock], tuple[LoadCycle, ...]]:
-    """Rocks of both walls and cycles of the load, of arguments of `simulate` that are checked.
+    """Check arguments of `simulate`, and return the rocks of both walls and the load cycles.
 
-    ``spacing`` is None where it is not known before the walls are.
+    ``spacing`` is None if it is not known before the walls are.
 
     Raises
     ------
     InputError
-        An argument out of its range; the walls are not needed to know it.
+        If an argument is out of its range; the walls are not needed for these checks.
     """
     pair = both_walls(rock)
     check_scene(effects)
@@ -366,17 +369,17 @@ def equilibrium(
     numerics: Numerics = Numerics(),
     unusual_values: bool = False,
 ) -> xr.Dataset:
-    """Forces between two walls at a closure, without breakage.
+    """Compute the forces between two walls at a closure, without breakage.
 
     Parameters
     ----------
     upper, lower, spacing, rock, choices, numerics, unusual_values
         As for `simulate`.
     closure : float
-        Approach from first touch [m]. Refused as unusual beyond what the joint would reach under
-        the largest usual stress, at twice the depth of all voids and the elastic approach.
+        Approach from first touch [m]. It is refused as unusual if it exceeds twice the depth of
+        all voids plus the elastic approach under the largest usual stress.
     effects : Effects
-        Breakage and gouge are left out, whatever is given.
+        Breakage and gouge are always left out.
 
     Returns
     -------
@@ -388,8 +391,8 @@ def equilibrium(
     Raises
     ------
     InputError
-        An argument out of its range, before any computing; a closure that takes a stress beyond
-        what is usual.
+        If an argument is out of its range, or the closure takes a stress beyond what is usual;
+        the first is raised before the computation starts.
     """
     check_length("spacing", spacing)
     upper, lower = checked_walls(upper, lower, spacing)
@@ -412,8 +415,8 @@ def equilibrium(
     largest_force = largest_stress * upper.size * spacing**2
     if not unusual_values and closure > closure_limit(joint, largest_force):
         raise InputError(
-            f"closure = {closure!r} m: not usual of this joint, which no usual stress closes by "
-            f"more than {closure_limit(joint, largest_force):.3g} m; is the unit right? {AS_IT_IS}"
+            f"closure = {closure!r} m: not usual of this joint; usual stresses close it by at "
+            f"most {closure_limit(joint, largest_force):.3g} m; is the unit right? {AS_IT_IS}"
         )
     run = solver_named(numerics.solver).settle(joint, closure, numerics.breakage_step)
     fields = fields_of(joint, closure)
@@ -421,8 +424,8 @@ def equilibrium(
     stress = run.total_force / (upper.size * spacing**2)
     if not unusual_values and stress > largest_stress:
         raise InputError(
-            f"closure = {closure!r} m: takes a normal stress of {stress:.3g} Pa, beyond the "
-            f"{largest_stress:g} Pa that are usual; is the unit right? {AS_IT_IS}"
+            f"closure = {closure!r} m: takes a stress of {stress:.3g} Pa, must be at most the "
+            f"usual {largest_stress:g} Pa; is the unit right? {AS_IT_IS}"
         )
     variables = {
         "force": (("y", "x"), joint.force),
@@ -499,12 +502,14 @@ def _history_dataset(
         "cycle": ("step", cycle, {"long_name": "load cycle of the step"}),
         "branch": ("step", branch, {"long_name": "branch of the load cycle"}),
     }
-    turns = [stress for each in load for stress in each]
-    told = {} if load == (LoadCycle(load[0].maximum),) * cycles else {"load_history_Pa": turns}
+    turns = [stress for turn in load for stress in turn]
+    attributes = (
+        {} if load == (LoadCycle(load[0].maximum),) * cycles else {"load_history_Pa": turns}
+    )
     return xr.Dataset(
         variables,
         coords=coordinates | _grid(joint.upper.shape, joint.law.spacing),
-        attrs=told
+        attrs=attributes
         | {
             "title": "closure of a rough joint",
             "seating_stress_Pa": seating_stress,
@@ -518,7 +523,7 @@ def _history_dataset(
 def _at_maxima(
     settled: list[Settled], cycle: np.ndarray, branch: np.ndarray, cycles: int
 ) -> Callable[[str], np.ndarray]:
-    """Reader of a field of `Settled` at the maxima (cycles,), NaN where not reached."""
+    """Return a function that reads a field of `Settled` at the maxima (cycles,), or NaN."""
     where = []
     for number in range(1, cycles + 1):
         unloading = np.flatnonzero((cycle == number) & (branch == UNLOADING))
@@ -538,7 +543,7 @@ def _grid(shape: tuple[int, int], spacing: float) -> dict[str, Any]:
 
 
 def _check_steps(upper: np.ndarray, lower: np.ndarray, numerics: Numerics) -> None:
-    """Refuse displacement steps that rounding of the heights would swallow."""
+    """Refuse displacement steps smaller than the rounding of the heights."""
     resolution = float(np.spacing(np.abs(upper).max() + np.abs(lower).max()))
     for name in ("displacement_step", "later_displacement_step"):
         if getattr(numerics, name) < 4.0 * resolution:
@@ -553,6 +558,6 @@ def _check_seating(seating_stress: float, load: Sequence[LoadCycle]) -> None:
     least = min(cycle.maximum for cycle in load)
     if not 0.0 <= seating_stress < least:
         raise InputError(
-            f"seating_stress = {seating_stress!r} Pa: must be from 0 to below the least maximum of "
-            f"max_normal_stress, {least!r} Pa"
+            f"seating_stress = {seating_stress!r} Pa: must be at least 0 and below the smallest "
+            f"maximum of max_normal_stress, {least!r} Pa"
         )

@@ -1,4 +1,4 @@
-"""The state of a joint at given stresses: walls, forces, gap, and what has broken."""
+"""States of a joint at given stresses: walls, forces, gap, and broken volume."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -26,7 +26,7 @@ _PLACES = {
 
 
 class _State(NamedTuple):
-    """A joint at a step, by its number; fields (y, x) are copies."""
+    """State of a joint at a step, with the number of the step; fields (y, x) are copies."""
 
     step: int
     normal_stress: float
@@ -38,16 +38,16 @@ class _State(NamedTuple):
 
 
 class Snapshots:
-    """An `Observer` that keeps the joint where each branch first passes given stresses.
+    """`Observer` that stores the joint where each branch first passes given stresses.
 
     Parameters
     ----------
     stresses : sequence of float
         In any order [Pa]; 0 is first touch, and the end of each unloading.
     tolerance : float
-        Relative distance at which a stress counts as met: that of landing on the maximum.
+        Relative distance at which a stress counts as reached, as for the maximum.
     datums : (upper, lower)
-        Heights that the joint's walls are counted from [m].
+        Datums of the heights of the joint's walls [m].
     """
 
     def __init__(
@@ -60,7 +60,7 @@ class Snapshots:
         self._kept: dict[tuple[float, int, str], _State] = {}
 
     def __call__(self, joint: Joint, step: Step) -> None:
-        """Keep this state, or that before, where the step passes a stress."""
+        """Store this state, or the one before, if the step passes a stress."""
         state = self._state(joint, step)
         self._first = self._first or state
         before = self._last or state._replace(normal_stress=-np.inf)
@@ -68,7 +68,7 @@ class Snapshots:
             place = (stress, step.cycle, step.branch)
             passed = self._passes(stress, before.normal_stress, state.normal_stress, step.branch)
             if passed and place not in self._kept:  # breakage can lower the stress on loading
-                nearer = min(before, state, key=lambda each: abs(each.normal_stress - stress))
+                nearer = min(before, state, key=lambda kept: abs(kept.normal_stress - stress))
                 self._kept[place] = nearer
         self._last = state
 
@@ -94,7 +94,7 @@ class Snapshots:
         return now <= (1.0 + self._tolerance) * stress < before
 
     def added_to(self, closed: xr.Dataset) -> xr.Dataset:
-        """A history with its snapshots along ``snapshot``, in the order in which they came."""
+        """Return a history with its snapshots along ``snapshot``, in order of time."""
         shape = (closed.sizes["y"], closed.sizes["x"])
         states = list(self._kept.values())
         variables: dict[str, Any] = {}

@@ -1,4 +1,4 @@
-"""What a joint is at one step: the fields that follow from its walls and forces."""
+"""Fields of a joint at one step, computed from its walls and forces."""
 
 from typing import NamedTuple
 
@@ -9,9 +9,10 @@ from jointclosure.solvers.joint import Joint
 
 
 class Fields(NamedTuple):
-    """Of the cells (y, x) [m]: displacement by all other contacts, and overlap of the walls.
+    """Fields on the cells (y, x) [m]: displacement by all other contacts, and overlap of the walls.
 
-    ``overlap`` is delta_S, negative where the walls are apart: there it is the aperture.
+    ``overlap`` is delta_S. It is negative where the walls are apart; its size is the aperture
+    there.
     """
 
     displacement: np.ndarray
@@ -19,12 +20,12 @@ class Fields(NamedTuple):
 
     @property
     def aperture(self) -> np.ndarray:
-        """Distance of the walls (y, x) [m], 0 where they are pressed together."""
+        """Distance of the walls (y, x) [m], 0 where they are in contact."""
         return np.maximum(-self.overlap, 0.0)
 
 
 def fields_of(joint: Joint, closure: float) -> Fields:
-    """Fields of a joint at rest at a closure [m], from its walls and forces."""
+    """Compute the fields of a joint at rest at a closure [m] from its walls and forces."""
     if joint.interaction_acts:
         displacement = interaction_field(joint.influence, joint.force)
     else:

@@ -11,37 +11,38 @@ from jointclosure.parameters import Numerics
 from jointclosure.solvers.joint import Settled
 
 _CORRECTION, _RISE = 40.0, 10.0
-"""What a step may miss its predicted force by, and raise the force by, both relative and over
-`Numerics.tolerance`."""
+"""Allowed relative error of the predicted force of a step, and allowed relative rise of the force
+in a step, both over `Numerics.tolerance`."""
 LARGEST_STEP, _SMALLEST_STEP = 4.0, 1.0 / 64.0
-"""Bounds of a step over the given one."""
+"""Largest and smallest step over the configured step."""
 _AIM = 0.8
-"""What a next step aims at, over what is allowed."""
+"""Target of the next step, as a share of what is allowed."""
 _RETRY = 0.4
-"""A step is taken again where the next would be this much shorter."""
+"""A step is repeated if the next step would be shorter than this share of it."""
 _MOST_LOST = 0.75
-"""Share of a predicted rise of the force that breakage is expected to take at most."""
+"""Largest share of a predicted rise of the force that breakage is expected to remove."""
 _RESIDUAL, _LOOSEST = 0.25, 0.04
-"""Relative residual of a prediction over the rise that it may have, and the largest."""
+"""Relative residual of a prediction over the allowed rise, and its upper bound."""
 _NEAR = 0.97
-"""What a step that is to land aims at, over the predicted rise that it may have."""
+"""Target of a step that should reach the end of the loading, as a share of the allowed rise."""
 _HARDLY_LESS, _MUCH_SHORTER = 0.8, 0.35
-"""Where a shorter step's predicted rise is so much of the longer one's, the next is so short."""
+"""If the predicted rise of a shorter step exceeds the first share of that of the longer step, the
+next step is at most the second share of the shorter one."""
 _MOST_SHORTENED = 4
 
 
 class StepControl:
-    """Chooses the displacement steps of one loading [m].
+    """Selection of the displacement steps of one loading [m].
 
     Parameters
     ----------
     numerics : Numerics
     given : float
-        The displacement step that is configured [m].
+        Configured displacement step [m].
     target_force : float
         Force [N] at which the loading ends.
     may_lengthen : bool
-        Whether steps may become longer than the given one: on the first loading.
+        Whether steps may become longer than the configured one, as on the first loading.
     """
 
     def __init__(
@@ -55,24 +56,24 @@ class StepControl:
         self._predicted = self._slope = self._lost = 0.0
 
     def fitting(self, step: float, force: float, predict: Callable[[float, float], float]) -> float:
-        """The step, or a shorter one, before anything breaks in it [m].
+        """Return the step [m], shortened if necessary, before anything breaks in it.
 
-        It lands on the target, should the force go on rising as it did in the step before; and its
-        predicted force rises so little that it need not be taken again.
+        The step reaches the target if the force continues to rise as in the step before. Its
+        predicted force rises so little that the step need not be repeated.
 
         Parameters
         ----------
         step : float
             [m].
         force : float
-            Before the step [N].
+            Force before the step [N].
         predict : callable
-            The force after a step [m], if nothing broke in it [N], to a relative residual.
+            Returns the force [N] after a step [m] without breakage, to a relative residual.
         """
         missing, smallest = self._target - force, self._smallest
         if self._slope * step > missing:
             step = missing / self._slope
-        # the shorter a step the more of its predicted rise is lost, where much is
+        # the share of the predicted rise that is lost increases as the step gets shorter
         landing = missing * (1.0 + self._lost) / (1.0 - self._lost)
         allowed, aim = _AIM / _RETRY * self._most_rise, _AIM * self._most_rise
         if landing < allowed:
@@ -92,12 +93,12 @@ class StepControl:
         return step
 
     def following(self, step: float, force: float, settled: Settled) -> float:
-        """The step [m] that the error of the last one, from a force [N] on, allows.
+        """Return the next step [m] that the error of the last one, from a force [N] on, allows.
 
-        What breaks in a step changes the contacts, so that the force misses the one
-        predicted; the miss grows with the step. It is kept in proportion to the
-        tolerance, of the force and a twentieth of the target; and so is the rise of
-        the force, as what a step jumps over breaks at the end of it.
+        Breakage in a step changes the contacts, so that the force differs from the prediction; the
+        difference grows with the step. It is kept proportional to the tolerance times the force
+        plus a twentieth of the target. The rise of the force is kept proportional to the tolerance
+        too, because contacts that exceed their strength within a step break only at its end.
         """
         rise = settled.total_force - force
         self._slope = rise / step
@@ -113,5 +114,5 @@ class StepControl:
 
     @staticmethod
     def must_repeat(step: float, following: float) -> bool:
-        """Whether a step was so long that it is to be taken again."""
+        """Return whether a step was so long that it must be repeated."""
         return following < _RETRY * step

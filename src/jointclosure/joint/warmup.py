@@ -1,7 +1,7 @@
-"""Compile kernels before processes fan out.
+"""Compilation of kernels before parallel processes start.
 
-Two processes that fill a cold cache at once can swap each other's machine
-code, so one process compiles all that the others will need.
+Two processes that compile into an empty cache at the same time can store each other's machine code.
+Therefore one process first compiles all kernels that the others need.
 """
 
 from collections.abc import Iterable
@@ -23,12 +23,12 @@ from jointclosure.surface.synthesis import wall_pair
 def kernels_of(
     settings: Iterable[tuple[Effects, Choices, Numerics]],
 ) -> list[list[str]]:
-    """What the kernels of some settings depend on: scene, peaks, solver and breakage, each once."""
-    found = {
+    """Return the distinct settings that kernels depend on: scene, peaks, solver and breakage."""
+    distinct = {
         (scene_name(effects), choices.peaks, numerics.solver, numerics.breakage)
         for effects, choices, numerics in settings
     }
-    return [list(each) for each in sorted(found)]
+    return [list(kernel) for kernel in sorted(distinct)]
 
 
 def compile_kernels(
@@ -37,7 +37,7 @@ def compile_kernels(
     solver: str,
     breakage: Literal["fixed_step", "resolved"],
 ) -> None:
-    """Close a small joint in a scene, which compiles what it needs."""
+    """Close a small joint in a scene, to compile the kernels that it needs."""
     spacing, rock = 0.25e-3, Rock(78e9, 0.2, 165e6)
     walls = wall_pair(8.0, (24, 24), spacing, seed=1)
     numerics = Numerics(solver=solver, breakage=breakage)
@@ -51,7 +51,7 @@ def compile_kernels(
         choices=choices,
         numerics=numerics,
     )
-    # of a figure
+    # kernels that a figure uses
     strength_factor(rock.poisson_ratio)
     von_mises_on_axis(0.5, rock.poisson_ratio)
     if not effects.breakage:

@@ -1,1 +1,1 @@
-"""Curves of a laboratory held against a study."""
+"""Measured closure curves of laboratories: comparison with a study, and fit of a joint."""

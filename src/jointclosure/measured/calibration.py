@@ -1,8 +1,8 @@
-"""The mismatch wavelength, and strength, of the joint whose closure was measured.
+"""Likelihood of mismatch wavelength, and strength, from a measured closure curve.
 
-Joints of a rock and roughness are closed at mismatch wavelengths from mates to independent
-walls, and at strengths where these are asked for. A measured curve is one draw of them: its
-readings are held against the mean and the scatter of theirs.
+Joints of a rock and roughness are closed at mismatch wavelengths from mated to independent walls,
+and at several strengths if these are fitted too. A measured curve is one draw of them: its readings
+are compared with the mean and the scatter of theirs.
 """
 
 from collections.abc import Callable
@@ -21,18 +21,18 @@ from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.parameters import both_walls
 
 PARTS = (0.25, 0.5, 1.0)
-"""Of the stress range above seating at which closures of a loading are read."""
+"""Stresses at which closures of a loading are read, as shares of the range above seating."""
 CONFIDENCE = 0.95
 _STEPS = 161
-"""Wavelengths, and strengths, at which the likelihood is found."""
+"""Number of wavelengths, and of strengths, at which the likelihood is computed."""
 _SAME_LOAD = 0.02
-"""By what the largest stresses of cycles may differ, relatively."""
+"""Largest allowed relative difference of the largest stresses of cycles."""
 
 
 class Readings(NamedTuple):
-    """What is read of a curve: closures since seating on loading, recovered on unloading.
+    """Readings of a curve: closures since seating on loading, and recovered closures on unloading.
 
-    ``cycles`` were measured from the first on, ``unloaded`` of them back to seating;
+    ``cycles`` were measured, from the first on; ``unloaded`` are those unloaded back to seating.
     ``levels`` [Pa] are the stresses of the loadings; ``seating`` [Pa]; ``values`` (n,) [m].
     """
 
@@ -43,18 +43,18 @@ class Readings(NamedTuple):
     values: np.ndarray
 
     def names(self) -> list[str]:
-        """What each value is, in words."""
-        found = []
+        """Return a description of each value."""
+        names = []
         for cycle in range(1, self.cycles + 1):
-            found += [
+            names += [
                 f"closure of cycle {cycle} at {1e-6 * level:.3g} MPa" for level in self.levels
             ]
-            found += [f"closure recovered in cycle {cycle}"] * (cycle in self.unloaded)
-        return found
+            names += [f"closure recovered in cycle {cycle}"] * (cycle in self.unloaded)
+        return names
 
 
 class Interval(NamedTuple):
-    """An estimate, and the ends of its 95 % interval."""
+    """Estimate, and the ends of its 95 % interval."""
 
     value: float
     low: float
@@ -64,10 +64,10 @@ class Interval(NamedTuple):
 class Likelihood(NamedTuple):
     """Likelihood of a curve over mismatch wavelengths [m] and strengths [Pa].
 
-    ``log`` (wavelengths, strengths) is the log likelihood; ``means`` (wavelengths, strengths,
-    readings) and ``scatter`` (wavelengths, readings) are the mean and the standard deviation of
-    the logarithms of the readings; ``p_value`` is how often a joint of the likeliest wavelength
-    and strength is as far from their mean as the measured one.
+    ``log`` (wavelengths, strengths) is the log likelihood. ``means`` (wavelengths, strengths,
+    readings) and ``scatter`` (wavelengths, readings) are mean and standard deviation of the
+    logarithms of the readings. ``p_value`` is the probability that a joint of the most likely
+    wavelength and strength is at least as far from their mean as the measured one.
     """
 
     wavelengths: np.ndarray
@@ -78,47 +78,47 @@ class Likelihood(NamedTuple):
     p_value: float
 
     def least_distances(self, measured: Readings) -> np.ndarray:
-        """Compute each reading's least distance (readings,) from a mean, in standard deviations."""
+        """Compute each reading's smallest distance (readings,) from a mean, over its scatter."""
         distances = np.abs(np.log(measured.values) - self.means) / self.scatter[:, None, :]
         return distances.min(axis=(0, 1))
 
     def interval(self, axis: int) -> Interval:
-        """Find that of the wavelength (axis 0) or strength (1), by the profile of the likelihood.
+        """Compute the interval of the wavelength (axis 0) or strength (1) by profile likelihood.
 
-        The ends of the wavelengths stand for mates and independent walls, 0 and infinite.
+        The ends of the wavelengths represent mated and independent walls, 0 and infinity.
         """
         values = (self.wavelengths, self.strengths)[axis]
         profile = self.log.max(axis=1 - axis)
         best = int(profile.argmax())
         threshold = profile[best] - 0.5 * scipy.stats.chi2.ppf(CONFIDENCE, 1)
         within = np.flatnonzero(profile >= threshold)
-        found = [float(values[i]) for i in (best, within[0], within[-1])]
-        if axis == 0:  # the ends of what was closed stand for all beyond them
+        estimate = [float(values[i]) for i in (best, within[0], within[-1])]
+        if axis == 0:  # the ends of the simulated wavelengths represent all beyond
             ends = {0: 0.0, values.size - 1: np.inf}
-            found = [
+            estimate = [
                 ends.get(int(i), value)
-                for i, value in zip((best, within[0], within[-1]), found, strict=True)
+                for i, value in zip((best, within[0], within[-1]), estimate, strict=True)
             ]
-        return Interval(*found)
+        return Interval(*estimate)
 
 
 def readings_of_curve(curve: MeasuredCurve, seating_stress: float) -> Readings:
-    """What is read of a measured curve, whose cycles must be 1, 2, ... to one largest stress.
+    """Read a measured curve, whose cycles must be 1, 2, ... to one largest stress.
 
     Raises
     ------
     InputError
-        Cycles that are missing, that are loaded to other stresses, or that do not close.
+        If cycles are missing, are loaded to different stresses, or do not close.
     """
     cycles = curve.cycles
     if cycles != list(range(1, len(cycles) + 1)):
-        raise InputError(f"cycles {cycles}: must be 1, 2 and so on, none left out")
+        raise InputError(f"cycles {cycles}: must be 1, 2 and so on without gaps")
     largest = [float(curve.branches(cycle)[LOADING][0].max()) for cycle in cycles]
     for cycle, stress in zip(cycles, largest, strict=True):
         if abs(stress - largest[0]) > _SAME_LOAD * largest[0]:
             raise InputError(
                 f"cycle {cycle} is loaded to {1e-6 * stress:g} MPa and cycle 1 to "
-                f"{1e-6 * largest[0]:g} MPa: they must be the same"
+                f"{1e-6 * largest[0]:g} MPa: must be the same"
             )
     levels = seating_stress + np.array(PARTS) * (min(largest) - seating_stress)
     unloaded = tuple(
@@ -129,17 +129,14 @@ def readings_of_curve(curve: MeasuredCurve, seating_stress: float) -> Readings:
     asked = Readings(len(cycles), unloaded, levels, seating_stress, np.empty(0))
     values = readings_of_history(_as_history(curve), asked)
     if not np.all(values > 0.0):
-        raise InputError(
-            "the curve does not close: closure must grow with stress on loading, and shrink on "
-            "unloading"
-        )
+        raise InputError("closure must increase with stress on loading, and decrease on unloading")
     return asked._replace(values=values)
 
 
 def _as_history(curve: MeasuredCurve) -> xr.Dataset:
-    """A measured curve as steps, so that it is read as a joint that was closed.
+    """Convert a measured curve to a history, to be read like that of a simulated joint.
 
-    It has no bulk indentation: the deformation of the intact rock was subtracted from it.
+    It has no bulk indentation, because the deformation of the intact rock was subtracted.
     """
     branches = [
         (cycle, branch, *points)
@@ -159,7 +156,7 @@ def _as_history(curve: MeasuredCurve) -> xr.Dataset:
 
 
 def readings_of_history(history: xr.Dataset, asked: Readings) -> np.ndarray:
-    """Read the same of a joint that was closed, net of bulk indentation; NaN where not read."""
+    """Return the same readings of a simulated joint, net of bulk indentation; NaN if missing."""
     stresses = np.append(asked.seating, asked.levels)
     values = []
     for cycle, (loading, unloading) in enumerate(closures_at(history, stresses), start=1):
@@ -178,39 +175,39 @@ def simulated_readings(
     surfaces: int,
     report: Callable[[float], None] = lambda share: None,
 ) -> np.ndarray:
-    """Logarithms of the readings of joints (wavelengths, strengths, surfaces, readings).
+    """Return logarithms of readings of joints (wavelengths, strengths, surfaces, readings).
 
     Parameters
     ----------
     walls : callable
-        Upper and lower wall (y, x) [m] of a number and a mismatch wavelength [m]; every joint
-        has a number of its own, so that all scatter independently.
+        Returns upper and lower wall (y, x) [m] of a number and a mismatch wavelength [m]. Every
+        joint has a different number, so that all scatter independently.
     conditions : Conditions
-        Whose rock is that of both walls, and whose strength is replaced.
+        Conditions with the rock of both walls, whose strength is replaced.
     asked : Readings
     wavelengths, strengths : array
         [m] and [Pa].
     surfaces : int
-        Joints at each pair of these.
+        Number of joints at each pair of wavelength and strength.
     report : callable
-        Told the share that is done.
+        Called with the finished share.
 
     Returns
     -------
     array
-        NaN for all readings of a joint of which one is missing.
+        All readings of a joint are NaN if one is missing.
     """
     shape = (len(wavelengths), len(strengths), surfaces)
     intact = both_walls(conditions.rock)[0]
-    found = np.full((*shape, asked.values.size), np.nan)
+    logs = np.full((*shape, asked.values.size), np.nan)
     for count, (i, j, k) in enumerate(np.ndindex(shape), start=1):
         rock = intact._replace(compressive_strength=float(strengths[j]))
         closed = close_walls(*walls(count, float(wavelengths[i])), conditions._replace(rock=rock))
         values = readings_of_history(closed, asked)
         if closed.status < FAILURE and np.all(values > 0.0):
-            found[i, j, k] = np.log(values)
+            logs[i, j, k] = np.log(values)
         report(count / np.prod(shape))
-    return found
+    return logs
 
 
 def likelihood_of(
@@ -220,7 +217,7 @@ def likelihood_of(
     strengths: np.ndarray,
     error: float,
 ) -> Likelihood:
-    """Likelihood of a measured curve, from joints that were closed.
+    """Compute the likelihood of a measured curve from simulated joints.
 
     Parameters
     ----------
@@ -228,22 +225,22 @@ def likelihood_of(
     simulated : array (wavelengths, strengths, surfaces, readings)
         As from `simulated_readings`.
     wavelengths, strengths : array
-        At which these were closed.
+        Values at which these were closed.
     error : float
         Relative error of measured closures, one standard deviation.
 
     Raises
     ------
     InputError
-        Too few joints could be read.
+        If too few joints could be read.
 
     Notes
     -----
     The mean of the log readings is a polynomial of the logarithms of wavelength (cubic) and
     strength (quadratic), fitted to all joints. The scatter about it, of surfaces, is the
     covariance of the residuals, pooled over neighbouring wavelengths by a Gaussian weight as
-    wide as their distance; the measured curve is one more draw, so that its distance has a
-    multivariate t distribution (synthetic likelihood with a covariance that was estimated).
+    wide as their distance. The measured curve is one more draw, so that its distance has a
+    multivariate t distribution (synthetic likelihood with an estimated covariance).
     """
     x, y = _scaled(wavelengths), _scaled(strengths)
     at = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
@@ -274,8 +271,8 @@ def likelihood_of(
         spread[i] = np.sqrt(np.diag(scatter))
         apart = np.log(measured.values) - means[i]
         squares = np.einsum("ij,ij->i", apart @ np.linalg.inv(scatter), apart)
-        own = 0.5 * (freedom + size)
-        log[i] = -0.5 * np.linalg.slogdet(scatter)[1] - own * np.log1p(squares / freedom)
+        half_sum = 0.5 * (freedom + size)
+        log[i] = -0.5 * np.linalg.slogdet(scatter)[1] - half_sum * np.log1p(squares / freedom)
         distances[i] = scipy.stats.f.sf(squares / size, size, freedom)
     best = np.unravel_index(int(log.argmax()), log.shape)
     return Likelihood(
@@ -289,7 +286,7 @@ def likelihood_of(
 
 
 def _scaled(values: np.ndarray) -> np.ndarray:
-    """Logarithms of rising values, from 0 to 1."""
+    """Return logarithms of ascending values, scaled from 0 to 1."""
     logs = np.log(np.asarray(values, dtype=float))
     return (logs - logs[0]) / max(logs[-1] - logs[0], np.finfo(float).tiny)
 
@@ -300,7 +297,7 @@ def _unscaled(part: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def _terms(rows: np.ndarray) -> np.ndarray:
-    """Terms of the mean: cubic in the first column, and of the second where it varies."""
+    """Return terms of the mean: cubic in the first column, and of the second if it varies."""
     x, y = rows.T
     terms = [np.ones_like(x), x, x**2, x**3]
     if y.any():

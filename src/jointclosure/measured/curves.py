@@ -1,9 +1,9 @@
-"""Measured closure curves: read from text, and the realisations that fit them best.
+"""Measured closure curves: read from text, and compared with realisations of a study.
 
-A curve is a CSV of stress, closure and cycle, in the order in which it was
-measured; docs/own_rock.md shows one. Every cycle counts from where its
-loading reaches the seating stress, measured and modelled alike, so that
-the zero of the measured closures does not matter.
+A curve is a CSV of stress, closure and cycle, in the order in which it was measured;
+docs/own_rock.md shows one. The closure of every cycle counts from the point where its loading
+reaches the seating stress, for measured and simulated curves, so that the zero of the measured
+closures does not matter.
 """
 
 import csv
@@ -49,11 +49,11 @@ class MeasuredCurve(NamedTuple):
 
     @property
     def cycles(self) -> list[int]:
-        """Cycles that were measured, ascending."""
+        """Return the measured cycles, ascending."""
         return np.unique(self.cycle).tolist()
 
     def branches(self, cycle: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Stress and closure of a cycle, up to its largest stress and from there on."""
+        """Return stress and closure of a cycle, up to its largest stress and beyond it."""
         here = self.cycle == cycle
         stress, closure = self.stress[here], self.closure[here]
         top = int(np.argmax(stress))
@@ -63,7 +63,7 @@ class MeasuredCurve(NamedTuple):
         }
 
     def since_seating(self, cycle: int, seating_stress: float):
-        """(branch, stress [Pa], closure [m]) of a cycle: what counts, from its own seating."""
+        """Return (branch, stress [Pa], closure [m]) of a cycle, with closure since its seating."""
         branches = self.branches(cycle)
         zero = first_crossing(*branches[LOADING], seating_stress)
         for branch, (stress, closure) in branches.items():
@@ -72,7 +72,7 @@ class MeasuredCurve(NamedTuple):
 
 
 class CurveSettings(NamedTuple):
-    """What the measured curve of a rock is checked against: [SI], and its file."""
+    """Settings for the check of the measured curve of a rock [SI], and its file."""
 
     measured: MeasuredFile
     max_normal_stress: float
@@ -81,7 +81,7 @@ class CurveSettings(NamedTuple):
 
 
 def curve_settings(configuration: Configuration) -> dict[str, CurveSettings]:
-    """Settings of the measured curves of those of the study's rocks that have one, by rock."""
+    """Return settings of the measured curves by rock, for rocks of the study that have one."""
     return {
         name: CurveSettings(
             rock.measured,
@@ -97,20 +97,20 @@ def curve_settings(configuration: Configuration) -> dict[str, CurveSettings]:
 def measured_curves(
     settings: dict[str, CurveSettings], read: Callable[[str], str]
 ) -> dict[str, MeasuredCurve]:
-    """Measured curves by rock, checked; ``read`` gives a file's text.
+    """Read and check measured curves by rock; ``read`` returns the text of a file.
 
     Raises
     ------
     InputError
-        Naming file, line and value, or the key of a file that is not there.
+        If a curve is not valid; names file, line and value, or the key of a missing file.
     """
     curves = {}
-    for name, told in settings.items():
-        file, *units = told.measured
+    for name, curve_of_rock in settings.items():
+        file, *units = curve_of_rock.measured
         if not Path(file).is_file():
-            raise InputError(f"rocks.{name}.measured.file = {file!r}: there is no such file")
+            raise InputError(f"rocks.{name}.measured.file = {file!r}: file not found")
         curves[name] = parsed_curve(read(file), file, *units)
-        _check_curve(curves[name], name, told)
+        _check_curve(curves[name], name, curve_of_rock)
     return curves
 
 
@@ -122,7 +122,7 @@ def parsed_curve(
     *,
     cycle: int | None = None,
 ) -> MeasuredCurve:
-    """A curve from the text of a CSV file.
+    """Read a curve from the text of a CSV file.
 
     Parameters
     ----------
@@ -131,16 +131,16 @@ def parsed_curve(
         order, are ``stress`` and ``closure`` with their units (``stress_MPa``,
         ``closure_mm``) and ``cycle``.
     name : str
-        Of the file, for messages.
+        Name of the file, for messages.
     stress_unit, closure_unit : str, optional
         Units of columns whose header has none.
     cycle : int, optional
-        Of all rows, where there is no such column; by default there must be one.
+        Cycle of all rows, if there is no such column; by default the column is needed.
 
     Raises
     ------
     InputError
-        Naming file, line, value and what is allowed.
+        If the text is not valid; names file, line, value and what is allowed.
     """
     lines = [
         (number, line)
@@ -177,18 +177,18 @@ def parsed_curve(
 def _columns(
     header: list[str], where: str, units: dict, needs_cycle: bool
 ) -> dict[str, tuple[int, str]]:
-    """Position and unit of stress, closure and cycle, in that order."""
-    found: dict[str, tuple[int, str]] = {}
+    """Return position and unit of stress, closure and cycle, in that order."""
+    columns: dict[str, tuple[int, str]] = {}
     for position, cell in enumerate(header):
         quantity, _, unit = cell.partition("_")
         allowed = {"stress": STRESS_UNITS, "closure": CLOSURE_UNITS, "cycle": ("",)}.get(quantity)
         if allowed is None:
             raise InputError(
                 f"{where}: column {cell!r}: must be stress, closure or cycle, separated by commas, "
-                "as in stress_MPa,closure_mm,cycle"
+                "such as stress_MPa,closure_mm,cycle"
             )
-        if quantity in found:
-            raise InputError(f"{where}: column {cell!r}: there are two of {quantity}")
+        if quantity in columns:
+            raise InputError(f"{where}: column {cell!r}: must be the only one of {quantity}")
         unit = unit or units.get(quantity) or ""
         if unit not in allowed:
             raise InputError(
@@ -196,14 +196,14 @@ def _columns(
                 + (f"unit {unit!r} must be" if unit else "has no unit; write or configure")
                 + f" one of {', '.join(filter(None, allowed)) or 'none'}"
             )
-        found[quantity] = position, unit
+        columns[quantity] = position, unit
     needed = ("stress", "closure", *(["cycle"] if needs_cycle else []))
-    missing = [name for name in needed if name not in found]
+    missing = [name for name in needed if name not in columns]
     if missing:
         raise InputError(
             f"{where}: lacks {', '.join(missing)} (columns are stress_MPa,closure_mm,cycle)"
         )
-    return {name: found[name] for name in ("stress", "closure", "cycle") if name in found}
+    return {name: columns[name] for name in ("stress", "closure", "cycle") if name in columns}
 
 
 def _number(cell: str, where: str, quantity: str) -> float:
@@ -216,13 +216,13 @@ def _number(cell: str, where: str, quantity: str) -> float:
     if quantity == "stress" and value < 0.0:
         raise InputError(f"{where}: stress = {cell.strip()}: must be 0 or above (compression)")
     if quantity == "cycle" and not (value >= 1.0 and value.is_integer()):
-        raise InputError(f"{where}: cycle = {cell.strip()}: must be a whole number from 1 on")
+        raise InputError(f"{where}: cycle = {cell.strip()}: must be a whole number of at least 1")
     return value
 
 
-def _check_curve(curve: MeasuredCurve, rock: str, told: CurveSettings) -> None:
-    """Refuse a curve that the study cannot be held against."""
-    name, cycles, largest = told.measured.file, told.cycles, told.max_normal_stress
+def _check_curve(curve: MeasuredCurve, rock: str, settings: CurveSettings) -> None:
+    """Refuse a curve that cannot be compared with the study."""
+    name, cycles, largest = settings.measured.file, settings.cycles, settings.max_normal_stress
     for i in range(curve.stress.size):
         where = f"{name}, line {curve.line[i]}"
         if curve.cycle[i] > cycles:
@@ -234,11 +234,11 @@ def _check_curve(curve: MeasuredCurve, rock: str, told: CurveSettings) -> None:
                 f"{where}: stress = {1e-6 * curve.stress[i]:g} MPa: must be at most "
                 f"rocks.{rock}.max_normal_stress_MPa = {1e-6 * largest:g}"
             )
-    check_loadings(curve, name, told.seating_stress)
+    check_loadings(curve, name, settings.seating_stress)
 
 
 def check_loadings(curve: MeasuredCurve, name: str, seating: float) -> None:
-    """Raise `InputError` unless cycles rise, each loaded from below the seating stress [Pa] on.
+    """Raise `InputError` unless cycles ascend and are loaded from below the seating stress [Pa].
 
     ``name`` is that of the file, for messages.
     """
@@ -264,7 +264,7 @@ def check_loadings(curve: MeasuredCurve, name: str, seating: float) -> None:
 
 
 def misfits(base: xr.Dataset, curve: MeasuredCurve, seating_stress: float) -> dict[int, np.ndarray]:
-    """Squared differences (realization, points) [m2] of every measured cycle.
+    """Compute squared differences (realization, points) [m2] of every measured cycle.
 
     Parameters
     ----------
@@ -272,28 +272,28 @@ def misfits(base: xr.Dataset, curve: MeasuredCurve, seating_stress: float) -> di
         Base case of the rock, over (realization, cycle, branch, stress).
     curve : MeasuredCurve
     seating_stress : float
-        From which each cycle's loading counts [Pa].
+        Stress from which closure of each cycle counts [Pa].
 
     Returns
     -------
     dict
-        By cycle; NaN where a realisation failed, or did not reach a stress.
+        By cycle; NaN if a realisation failed, or did not reach a stress.
     """
     good = succeeded(base).values
     from_touch = seats(base)
-    found = {}
+    by_cycle = {}
     for cycle in curve.cycles:
         columns = []
         for branch, stress, closure in curve.since_seating(cycle, seating_stress):
             model = base.closure.sel(cycle=cycle, branch=branch) - from_touch.sel(cycle=cycle)
             modelled = np.array([_at(model.stress.values, row, stress) for row in model.values])
             columns.append(np.square(modelled - closure).reshape(good.size, stress.size))
-        found[cycle] = np.where(good[:, np.newaxis], np.concatenate(columns, axis=1), np.nan)
-    return found
+        by_cycle[cycle] = np.where(good[:, np.newaxis], np.concatenate(columns, axis=1), np.nan)
+    return by_cycle
 
 
 def _at(axis: np.ndarray, closure: np.ndarray, stress: np.ndarray) -> np.ndarray:
-    """Closure at stresses, by a monotone cubic through the points that were reached."""
+    """Return the closure at stresses, by a monotone cubic through the reached points."""
     reached = np.isfinite(closure)
     if reached.sum() < 2:
         return np.full(stress.shape, np.nan)
@@ -306,18 +306,18 @@ def _at(axis: np.ndarray, closure: np.ndarray, stress: np.ndarray) -> np.ndarray
 def fit_table(
     study: xr.Dataset, curves: dict[str, MeasuredCurve], seating_stress: float
 ) -> pd.DataFrame:
-    """Best-fitting realisation of each rock, for each measured cycle and for all together.
+    """Tabulate the best-fitting realisation of each rock, for each measured cycle and for all.
 
-    Of the study, which may be a file, only what is needed of one rock is read at a time.
+    Only the data of one rock are read at a time, so that the study may be a large file.
 
     Returns
     -------
     DataFrame
-        One row per rock and cycle ("all" too). ``misfit`` is the root mean square
-        difference of closures at the measured stresses, loading and unloading
-        alike, in mm and in percent of the cycle's ``largest_closure_mm``;
-        ``samples`` those realisations that reach all these stresses, and
-        ``median_misfit_mm`` what is usual among them.
+        One row per rock and cycle, and "all" cycles. ``misfit`` is the root mean square
+        difference of closures at the measured stresses, for loading and unloading,
+        in mm and in percent of the cycle's ``largest_closure_mm``;
+        ``samples`` is the number of realisations that reach all these stresses, and
+        ``median_misfit_mm`` the median of their misfits.
     """
     rows = []
     for rock, curve in curves.items():
@@ -361,7 +361,7 @@ def _fit(rock: str, cycle, squares: np.ndarray, largest: float, base: xr.Dataset
 
 
 def best_fits(table: pd.DataFrame, rock: str) -> Iterator[tuple[int, int, float, float]]:
-    """(cycle, realisation, misfit [mm], misfit [%]) of each cycle of a rock that has a fit."""
+    """Generate (cycle, realisation, misfit [mm], misfit [%]) of each fitted cycle of a rock."""
     part = table[(table.rock == rock) & (table.cycle.astype(str) != "all")]
     for row in part[part.best_realization.notna()].itertuples():
         yield int(row.cycle), int(row.best_realization), row.misfit_mm, row.misfit_percent

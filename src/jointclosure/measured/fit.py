@@ -1,4 +1,4 @@
-"""A joint fitted to its measured closure: mismatch wavelength, and strength if asked for."""
+"""Fit of a joint to its measured closure: mismatch wavelength, and strength if requested."""
 
 import math
 from collections.abc import Callable
@@ -28,34 +28,34 @@ from jointclosure.storage.text import read_text
 from jointclosure.surface.synthesis import ROLL_OFF, wall_pair
 
 WAVELENGTHS, STRENGTHS = 8, 4
-"""How many of each joints are closed at."""
+"""Number of wavelengths, and of strengths, at which joints are closed."""
 STRENGTH_RANGE = (0.5, 2.0)
-"""Of the strength that was given: where another is looked for."""
+"""Range of fitted strengths, over the given strength."""
 DOUBTFUL = 0.01
-"""Below this p-value no mismatch wavelength makes the curve likely."""
+"""Smallest p-value for which a mismatch wavelength explains the curve."""
 _FAR = 3.0
-"""Standard deviations of joints from which a reading is missed."""
+"""Distance of a reading from all joints, in standard deviations, from which it counts as missed."""
 
 
 class Fit(NamedTuple):
-    """A joint fitted to a measured curve.
+    """Fit of a joint to a measured curve.
 
     Attributes
     ----------
     mismatch_wavelength : Interval
-        [m], with the ends of its 95 % interval; 0 where mates are not excluded, infinite where
-        independent walls are not.
+        [m], with the ends of its 95 % interval; 0 if mated walls are not excluded, infinite if
+        independent walls are not excluded.
     compressive_strength : Interval or None
-        [Pa]; None where it was not asked for.
+        [Pa]; None if it was not fitted.
     p_value : float
-        How often a joint of these is as far from their mean as the measured one.
+        Probability that such a joint is at least as far from their mean as the measured one.
     measured : Readings
-        What was read of the curve.
+        Readings of the curve.
     simulated : array (wavelengths, strengths, joints, readings)
-        The logarithm of the same of the joints that were closed.
+        Logarithms of the same readings of the simulated joints.
     likelihood : Likelihood
     assumed : str
-        The joints that were closed, from `assumptions`: intervals hold for these alone.
+        Description of the simulated joints from `assumptions`; intervals are valid only for these.
     """
 
     mismatch_wavelength: Interval
@@ -68,11 +68,11 @@ class Fit(NamedTuple):
 
     @property
     def interval_holds(self) -> bool:
-        """Whether the model makes such curves, so that intervals mean something."""
+        """Whether the model explains the curve, so that intervals are valid."""
         return self.p_value >= DOUBTFUL
 
     def sentences(self) -> list[str]:
-        """Describe the estimates, or that the model misses the curve, and what was assumed."""
+        """Describe the estimates, or that the model does not explain the curve, and assumptions."""
         if not self.interval_holds:
             nearest = f"nearest are {_near(self.mismatch_wavelength.value)}"
             return [*self._missed(), nearest, f"assumed: {self.assumed}"]
@@ -84,28 +84,28 @@ class Fit(NamedTuple):
         if math.isinf(self.mismatch_wavelength.high):
             lines.append("independent walls are not excluded")
         if self.mismatch_wavelength.low == 0.0:
-            lines.append("mates are not excluded")
+            lines.append("mated walls are not excluded")
         lines.append(f"{100.0 * self.p_value:.2g} % of such joints are as far from their mean")
-        return [*lines, f"this holds for the assumed joint alone: {self.assumed}"]
+        return [*lines, f"valid only for the assumed joint: {self.assumed}"]
 
     def _missed(self) -> list[str]:
-        """Warn that the model hardly makes the curve, and name the reading that no joint gives."""
+        """Warn that the model does not explain the curve, and name a reading that no joint has."""
         often = self.p_value > 1e-3
         seldom = f"about 1 in {1.0 / self.p_value:.0f}" if often else "fewer than 1 in 1000"
         warning = caution(
-            f"the model hardly makes this curve: {seldom} of its joints are as far "
-            "from their mean, and no interval holds; check rock, roughness, roll-off, size and "
+            f"the model does not explain this curve: {seldom} of its joints are as far "
+            "from their mean, and no interval is valid; check rock, roughness, roll-off, size and "
             "units"
         )
         least = self.likelihood.least_distances(self.measured)
         worst = int(least.argmax())
         if least[worst] < _FAR:
-            return [warning, "each reading is made by some joints, and all of them by none"]
+            return [warning, "some joints have each single reading, but no joint has all of them"]
         means = self.likelihood.means[..., worst]
         low, high = (1e3 * np.exp(end(means)) for end in (np.min, np.max))
         return [
             warning,
-            f"no mismatch wavelength gives the {self.measured.names()[worst]}: measured "
+            f"no mismatch wavelength explains the {self.measured.names()[worst]}: measured "
             f"{1e3 * self.measured.values[worst]:.3g} mm, joints of the model {low:.3g} to "
             f"{high:.3g} mm in the mean",
         ]
@@ -135,43 +135,43 @@ def fit(
     numerics: Numerics = Numerics(),
     report: Callable[[float], None] = lambda share: None,
 ) -> Fit:
-    """Find the mismatch wavelength of the joint whose closure was measured.
+    """Estimate the mismatch wavelength of a joint from its measured closure.
 
     Parameters
     ----------
     curve : path or MeasuredCurve
-        CSV with columns stress and closure, in units that their names have (stress_MPa,
-        closure_mm) or that are given here, in the order of measurement; and cycle, where there
-        are several, all to one largest stress. Closures are those of the joint, from which the
-        deformation of the intact rock is subtracted.
+        CSV with columns stress and closure, in the units of their names (stress_MPa, closure_mm)
+        or in those given here, in the order of measurement; and cycle, if there are several, all
+        to one largest stress. Closures are those of the joint, without the deformation of the
+        intact rock.
     rock : str or Rock
-        Of both walls, by its name (`jointclosure.config.rocks.named_rock`) or properties.
+        Rock of both walls, by name (`jointclosure.config.rocks.named_rock`) or properties.
     jrc : float
         Joint roughness coefficient of both walls.
     shape : (ny, nx)
-        Cells of the joints that are closed, as long as the measured joint if that can be
-        afforded: closure depends on the size.
+        Cells of the simulated joints. They should be as large as the measured joint if the time
+        allows, because closure depends on the size.
     spacing : float
         Grid spacing [m].
     seating_stress : float
-        From which closures count [Pa]; the curve must start at or below it.
+        Stress from which closures count [Pa]; the curve must start at or below it.
     fit_strength : bool
-        Whether the compressive strength is found too, from half to twice the rock's.
+        Whether to fit the compressive strength too, from half to twice that of the rock.
     stress_unit, closure_unit : str, optional
-        Where the columns' names have none: Pa, MPa or GPa; m, mm or um.
+        Units, if the names of the columns have none: Pa, MPa or GPa; m, mm or um.
     surfaces : int
-        Joints that are closed at each of 8 mismatch wavelengths, from two spacings to the shorter
-        side, and 4 strengths if asked for.
+        Number of joints at each of 8 mismatch wavelengths, from two spacings to the shorter
+        side, and of 4 strengths if these are fitted.
     closure_error : float
         Relative error of measured closures, one standard deviation; at most 1.
     seed : int
-        Of the joints.
+        Seed of the joints.
     hurst, roll_off
         As for `jointclosure.wall_pair`.
     effects, choices, numerics
         As for `jointclosure.simulate`.
     report : callable
-        Told the share of joints that are closed.
+        Called with the share of finished joints.
 
     Returns
     -------
@@ -180,13 +180,14 @@ def fit(
     Raises
     ------
     InputError
-        A file that cannot be read as a curve, or a number out of its range.
+        If a file cannot be read as a curve, or a number is out of its range.
 
     Notes
     -----
-    See `jointclosure.measured.calibration`: the scatter of joints is the likelihood, as
-    if the model were right and rock, roughness and size were known. Closures of the model are net
-    of the indentation of the half-spaces (`jointclosure.joint.history.read_along`).
+    See `jointclosure.measured.calibration`: the likelihood is from the scatter of joints, and
+    assumes that the model is right and that rock, roughness and size are known. Closures of the
+    model are net of the indentation of the half-spaces
+    (`jointclosure.joint.history.read_along`).
     """
     intact = named_rock(rock) if isinstance(rock, str) else rock
     check_rock(intact)
@@ -212,10 +213,18 @@ def fit(
     simulated = simulated_readings(
         walls, conditions, measured, wavelengths, strengths, surfaces, report
     )
-    found = likelihood_of(measured, simulated, wavelengths, strengths, closure_error)
-    strength = found.interval(1) if fit_strength else None
+    likelihood = likelihood_of(measured, simulated, wavelengths, strengths, closure_error)
+    strength = likelihood.interval(1) if fit_strength else None
     assumed = assumptions(intact, jrc, shape, spacing, roll_off, fit_strength)
-    return Fit(found.interval(0), strength, found.p_value, measured, simulated, found, assumed)
+    return Fit(
+        likelihood.interval(0),
+        strength,
+        likelihood.p_value,
+        measured,
+        simulated,
+        likelihood,
+        assumed,
+    )
 
 
 def assumptions(
@@ -226,7 +235,7 @@ def assumptions(
     roll_off: float | None,
     fit_strength: bool = False,
 ) -> str:
-    """Describe the joints that are closed; arguments as for `fit`."""
+    """Describe the simulated joints; arguments as for `fit`."""
     ny, nx = (1e3 * spacing * cells for cells in shape)
     waves = (
         "of all lengths" if roll_off is None else f"weaker beyond {1e3 * roll_off:g} mm (roll-off)"
@@ -247,13 +256,13 @@ def _measured(
     stress_unit: str | None,
     closure_unit: str | None,
 ) -> Readings:
-    """What is read of a curve, checked."""
+    """Read and check a curve."""
     if isinstance(curve, MeasuredCurve):
         name = "curve"
     else:
         name = str(curve)
         if not Path(curve).is_file():
-            raise InputError(f"{name}: there is no such file")
+            raise InputError(f"{name}: file not found")
         curve = parsed_curve(read_text(curve), name, stress_unit, closure_unit, cycle=1)
     check_loadings(curve, name, seating_stress)
     try:
@@ -267,7 +276,7 @@ def _check(
 ) -> None:
     check_number("surfaces", surfaces, whole=True)
     if surfaces < 4:
-        raise InputError(f"surfaces = {surfaces}: must be at least 4, whose scatter is needed")
+        raise InputError(f"surfaces = {surfaces}: must be at least 4, to estimate the scatter")
     check_number("closure_error", closure_error)
     if not 0.0 < closure_error <= 1.0:
         raise InputError(f"closure_error = {closure_error!r}: must be above 0 and at most 1")
@@ -278,24 +287,24 @@ def _check(
 
 
 def _near(value: float) -> str:
-    """Walls of a mismatch wavelength [m], which may be at an end of what was closed."""
+    """Describe walls of a mismatch wavelength [m], which may be at an end of the range."""
     ends = {0.0: "mates", math.inf: "independent walls"}
     return ends.get(value, f"walls of a mismatch wavelength of {1e3 * value:.3g} mm")
 
 
 def _stated(
-    found: Interval, scale: float, unit: str, least: float = 0.0, most: float = math.inf
+    interval: Interval, scale: float, unit: str, least: float = 0.0, most: float = math.inf
 ) -> str:
-    """An estimate with its interval in a unit, and whether it is at an end of what was tried."""
-    value, low, high = (scale * part for part in found)
-    if found.low <= least and found.high >= most:
-        return "is not bounded: nothing that was tried is excluded"
-    at_end = "95 % interval; the likeliest is at the end of what was tried"
-    if found.value <= least:
+    """Format an estimate with its interval in a unit, and whether it is at an end of the range."""
+    value, low, high = (scale * part for part in interval)
+    if interval.low <= least and interval.high >= most:
+        return "is not bounded: no simulated value is excluded"
+    at_end = "95 % interval; the most likely value is at the end of the simulated range"
+    if interval.value <= least:
         return f"below {high:.3g} {unit} ({at_end})"
-    if found.value >= most:
+    if interval.value >= most:
         return f"above {low:.3g} {unit} ({at_end})"
-    lower = f"{low:.3g} or less" if 0.0 < found.low <= least else f"{low:.3g}"
-    upper = f"{high:.3g} or more" if found.high >= most else f"{high:.3g}"
+    lower = f"{low:.3g} or less" if 0.0 < interval.low <= least else f"{low:.3g}"
+    upper = f"{high:.3g} or more" if interval.high >= most else f"{high:.3g}"
     upper = upper if math.isfinite(high) else "no end"
     return f"{value:.3g} {unit} (95 % interval {lower} to {upper})"

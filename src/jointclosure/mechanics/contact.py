@@ -1,12 +1,12 @@
-"""One pair of asperities on its substrates: Hertz contact, Eqs. (3) to (12).
+"""Hertz contact of one pair of asperities on their substrates, Eqs. (3) to (12).
 
 The paper solves for the asperity deformation delta_a and prints a cubic,
 Eq. (13), with the wrong sign under its root. Here the force is the unknown,
 
     A F + B F^(2/3) = delta_S,
 
-with the compliance A of the substrates (0 without) and B of the asperities.
-It has one positive root for every delta_S > 0 and stays regular for flat
+with the compliance A of the substrates (0 without them) and B of the asperities.
+The equation has one positive root for every delta_S > 0 and is regular for flat
 contacts (B = 0) and without substrate (A = 0). See
 docs/decisions/0001-contact-cubic.md.
 """
@@ -20,10 +20,10 @@ from jointclosure.compilation.kernels import kernel
 
 @kernel
 def cube_root(x):
-    """x^(1/3), x >= 0, such that 8^k x has exactly the 2^k-fold root.
+    """Compute x^(1/3), x >= 0, so that the result for 8^k x is exactly 2^k times as large.
 
-    The C library's rounds differently on either side of 1; here it only sees
-    numbers from 1/2 to 4. So a joint scaled by a power of 64 breaks the same.
+    The C library rounds differently on either side of 1; here it is only called for numbers from
+    1/2 to 4. A joint scaled by a power of 64 therefore breaks identically.
     """
     mantissa, exponent = math.frexp(x)
     part = exponent % 3
@@ -32,19 +32,19 @@ def cube_root(x):
 
 @kernel
 def plane_strain_modulus(youngs_modulus, poisson_ratio):
-    """E* = E / (1 - nu^2) of one wall [Pa], as used in Eqs. (6) and (7)."""
+    """Compute E* = E / (1 - nu^2) of one wall [Pa], as used in Eqs. (6) and (7)."""
     return youngs_modulus / (1.0 - poisson_ratio**2)
 
 
 @kernel
 def equivalent_modulus(upper_modulus, lower_modulus):
-    """E_a* [Pa] of two walls from their plane-strain moduli [Pa], Eq. (4)."""
+    """Compute E_a* [Pa] of two walls from their plane-strain moduli [Pa], Eq. (4)."""
     return 1.0 / (1.0 / upper_modulus + 1.0 / lower_modulus)
 
 
 @kernel
 def substrate_compliance(base_radius, equivalent_modulus):
-    """A = (delta_t + delta_b) / F [m/N] of both substrates, Eqs. (6) and (7).
+    """Compute A = (delta_t + delta_b) / F [m/N] of both substrates, Eqs. (6) and (7).
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def substrate_compliance(base_radius, equivalent_modulus):
 
 @kernel
 def asperity_compliance(curvature, asperity_modulus):
-    """B = delta_a / F^(2/3) [m N^(-2/3)] of the asperities, Eq. (5) inverted.
+    """Compute B = delta_a / F^(2/3) [m N^(-2/3)] of the asperities, Eq. (5) inverted.
 
     Parameters
     ----------
@@ -72,19 +72,19 @@ def asperity_compliance(curvature, asperity_modulus):
 
 @kernel
 def overlap_of_force(force, substrate, asperity):
-    """delta_S [m] under a force F >= 0 [N], Eqs. (5) to (10)."""
+    """Compute delta_S [m] under a force F >= 0 [N], Eqs. (5) to (10)."""
     root = cube_root(force)
     return substrate * force + asperity * root * root
 
 
 @kernel
 def force_of_overlap(overlap, substrate, asperity):
-    """Force of one contact and its slope at a given overlap, Eqs. (10) to (12).
+    """Compute the force of one contact and its slope at a given overlap, Eqs. (10) to (12).
 
     Parameters
     ----------
     overlap : float
-        delta_S [m]; no contact where it is not positive.
+        delta_S [m]; there is no contact unless it is positive.
     substrate, asperity : float
         Compliances A [m/N] and B [m N^(-2/3)].
 
@@ -92,13 +92,13 @@ def force_of_overlap(overlap, substrate, asperity):
     -------
     force, slope : float
         F [N] and dF/d(delta_S) [N/m]. Both are infinite for a rigid contact
-        (A = B = 0), which the callers refuse.
+        (A = B = 0), which callers refuse.
 
     Notes
     -----
     With t = F^(1/3), f(t) = A t^3 + B t^2 - delta_S is convex for t > 0 and
-    has one root, bounded from above by the root without either term: Newton
-    from there falls onto it monotonically, in five steps at most.
+    has one root. The roots without one of the two terms are upper bounds; Newton's
+    method converges monotonically from there, in at most five steps.
     """
     if not overlap > 0.0:
         return 0.0, 0.0
@@ -110,7 +110,7 @@ def force_of_overlap(overlap, substrate, asperity):
     if asperity > 0.0:
         t = math.sqrt(overlap / asperity)
         if substrate * t * t * t > overlap:
-            t = cube_root(overlap / substrate)  # the lower of both bounds
+            t = cube_root(overlap / substrate)  # the smaller of both bounds
         t = fall_to_root(overlap, substrate, asperity, t)
     else:
         t = cube_root(overlap / substrate)
@@ -119,7 +119,7 @@ def force_of_overlap(overlap, substrate, asperity):
 
 @kernel
 def fall_to_root(overlap, substrate, asperity, above):
-    """F^(1/3) by Newton from a value not below it; see `force_of_overlap`."""
+    """Compute F^(1/3) by Newton's method from an upper bound; see `force_of_overlap`."""
     t = above
     for _ in range(20):
         excess = (substrate * t + asperity) * t * t - overlap
@@ -127,17 +127,17 @@ def fall_to_root(overlap, substrate, asperity, above):
         if not shorter < t:
             break
         if t - shorter < 1e-9 * t:
-            return shorter  # the next step would change the last digit at most
+            return shorter  # the next step would change at most the last digit
         t = shorter
     return t
 
 
 @kernel
 def force_near(overlap, substrate, asperity, start):
-    """`force_of_overlap` from a guess of F^(1/3), which saves most of the work.
+    """Compute `force_of_overlap` from a guess of F^(1/3), which saves most of the work.
 
-    A step of Newton from below the root lands above it; where it goes far, the
-    guess was poor and is dropped.
+    A Newton step from below the root ends above it. If the step is large, the guess was poor and is
+    not used.
     """
     if overlap > 0.0 and start > 0.0 and asperity > 0.0:
         excess = (substrate * start + asperity) * start * start - overlap

@@ -1,4 +1,4 @@
-"""The contact law that the equations make of two rocks, on a grid."""
+"""Contact law of two rocks on a grid, from the equations of the model."""
 
 from typing import NamedTuple
 
@@ -16,14 +16,14 @@ from jointclosure.parameters import Choices, Effects, Rock, strength_of
 class ContactLaw(NamedTuple):
     """Constants of every pair of cells, derived from rock, choices and grid.
 
-    The arrays have four entries, by the pair's state: 2 x (upper cell is a
-    soft peak) + (lower cell is one).
+    The arrays have four entries, indexed by the state of the pair: 2 x (upper cell is a soft peak)
+    + (lower cell is a soft peak).
     """
 
     spacing: float
     base_radius: float
     least_curvature: float
-    concave: float  # what a concave profile's curvature counts: 1 as a convex one's, 0 not
+    concave: float  # weight of the curvature of a concave profile: 1 as a convex one, or 0
     substrate_modulus: float  # 1/(1/E_t* + 1/E_b*) [Pa]
     substrate: float  # compliance A [m/N], 0 without substrate
     asperity_modulus: np.ndarray  # E_a* [Pa], Eq. (4)
@@ -34,7 +34,7 @@ class ContactLaw(NamedTuple):
 def contact_law(
     spacing: float, rock: tuple[Rock, Rock], effects: Effects, choices: Choices
 ) -> ContactLaw:
-    """Constants of the contact law of both walls on a grid of this spacing [m]."""
+    """Compute the constants of the contact law of both walls on a grid of this spacing [m]."""
     moduli = [plane_strain_modulus(wall.youngs_modulus, wall.poisson_ratio) for wall in rock]
     ratio = choices.peak_modulus_ratio if effects.soft_peaks else 1.0
     softness = [(1.0, 1.0), (1.0, ratio), (ratio, 1.0), (ratio, ratio)]

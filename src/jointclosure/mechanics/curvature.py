@@ -7,29 +7,29 @@ from jointclosure.compilation.kernels import kernel
 
 @kernel
 def gaussian_curvature(west, east, south, north, here, concave, spacing):
-    """Inverse of the Gaussian radius of an asperity, 1/R = sqrt(1/(Rx Ry)).
+    """Compute the inverse of the Gaussian radius of an asperity, 1/R = sqrt(1/(Rx Ry)).
 
     Parameters
     ----------
     west, east, south, north, here : float
         Heights of the four edge neighbours and of the cell [m].
     concave : float
-        What a concave profile counts: 1 as a convex one of its size, 0 as a straight one.
+        Weight of a concave profile: 1 as a convex one of the same size, 0 as a straight one.
     spacing : float
         Grid spacing h [m].
 
     Returns
     -------
     float
-        1/R_at or 1/R_ab [1/m]; 0 where either profile is straight, or counts as such.
+        1/R_at or 1/R_ab [1/m]; 0 if either profile is straight, or counts as straight.
 
     Notes
     -----
     Eqs. (1) and (2) in curvatures: those of the circles through three points in x
-    and y by Menger's formula, 4 area / (product of the sides), under one root, as
-    this is the innermost operation of the breakage loop. A valley has the curvature of
-    the peak that mirrors it; what it counts is choice ``concave``: "magnitude" is 1 and
-    "flat" 0 (docs/decisions/0002-curvature.md).
+    and y by Menger's formula, 4 area / (product of the sides). Both are under one root,
+    because this is the innermost operation of the breakage loop. A valley has the
+    curvature of the mirrored peak, times the weight of the choice ``concave``:
+    "magnitude" is 1 and "flat" 0 (docs/decisions/0002-curvature.md).
     """
     area = spacing * spacing
     second_x, second_y = (west - here) + (east - here), (south - here) + (north - here)

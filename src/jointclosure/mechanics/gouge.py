@@ -1,8 +1,8 @@
-"""Where the material of a broken asperity goes (Section 3 of the paper).
+"""Distribution of the material of a broken asperity (Section 3 of the paper).
 
-All kernels work on one wall's cell and its eight neighbours in the order
-(-1,-1) (-1,0) (-1,1) (0,-1) (0,1) (1,-1) (1,0) (1,1) of (y, x) offsets; a
-neighbour outside the grid has infinite height, so that nothing flows there.
+All kernels work on a cell of one wall and its eight neighbours in the order (-1,-1) (-1,0) (-1,1)
+(0,-1) (0,1) (1,-1) (1,0) (1,1) of (y, x) offsets. A neighbour outside the grid has infinite height,
+so that it receives no gouge.
 """
 
 import math
@@ -12,10 +12,9 @@ from jointclosure.compilation.kernels import kernel
 
 @kernel
 def upper_share(upper_curvature, lower_curvature):
-    """Share of the upper wall in a height reduction.
+    """Compute the share of the upper wall in a height reduction.
 
-    The sharper asperity loses more: (1/R_t) / (1/R_t + 1/R_b), a half where
-    both are flat.
+    The sharper asperity loses more: (1/R_t) / (1/R_t + 1/R_b), a half if both are flat.
     """
     total = upper_curvature + lower_curvature
     if total == 0.0:
@@ -25,7 +24,7 @@ def upper_share(upper_curvature, lower_curvature):
 
 @kernel
 def passed_share(share, total_upper, total_lower):
-    """Share of the upper wall where a wall without lower neighbours passes its on.
+    """Return the upper wall's share if a wall without lower neighbours passes its share on.
 
     Parameters
     ----------
@@ -43,14 +42,14 @@ def passed_share(share, total_upper, total_lower):
 
 @kernel
 def fall(here, there, tie_tolerance):
-    """Height difference to a neighbour if it is lower, else 0 [m]."""
+    """Return the height difference to a neighbour if it is lower, otherwise 0 [m]."""
     drop = here - there
     return drop if drop > tie_tolerance else 0.0
 
 
 @kernel
 def drops(height, neighbours, tie_tolerance, out):
-    """Height differences to the lower neighbours.
+    """Compute height differences to the lower neighbours.
 
     Parameters
     ----------
@@ -79,22 +78,22 @@ def drops(height, neighbours, tie_tolerance, out):
 
 @kernel
 def shed(neighbours, loss, differences, total, least):
-    """Lay the loss of a cell on its lower neighbours, in proportion to the drop.
+    """Distribute the loss of a cell on its lower neighbours, in proportion to the drop.
 
     Parameters
     ----------
     neighbours : array (8,)
-        Heights [m], lifted in place.
+        Heights [m], raised in place.
     loss : float
-        Height that the cell is to lose [m], positive.
+        Height that the cell should lose [m], positive.
     differences, total, least
         As from `drops`, total positive.
 
     Returns
     -------
     float
-        The loss, cut so that no neighbour is lifted above the lowered cell:
-        the closest one, ``least`` below, then ends level with it [m].
+        The loss [m], limited so that no neighbour is raised above the lowered cell:
+        at the limit the closest one, ``least`` below, is level with it.
     """
     if loss * (total + least) > least * total:
         rate = least / (total + least)

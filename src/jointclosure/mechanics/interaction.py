@@ -1,4 +1,4 @@
-"""What a loaded asperity does to its neighbours, Eqs. (17) to (20)."""
+"""Displacement of neighbours by a loaded asperity, Eqs. (17) to (20)."""
 
 import math
 
@@ -7,7 +7,7 @@ from jointclosure.compilation.kernels import kernel
 
 @kernel
 def far_field_factor(ratio):
-    """Displacement by a Hertz pressure over that by a point force.
+    """Compute the displacement by a Hertz pressure over that by a point force.
 
     Parameters
     ----------
@@ -23,9 +23,10 @@ def far_field_factor(ratio):
     -----
     Eqs. (17) and (18) (Johnson 1985, Eq. 3.42b) with Eqs. (19) and (20) are
     the hypergeometric series 2F1(1/2, 1/2; 5/2; (r/zeta)^2). The printed form
-    subtracts equal numbers far away; the series has positive terms only, so
-    it serves up to r/zeta = 0.9 and the printed form beyond, where 1 - (r/zeta)^2
-    is written as a product: next to the rim its rounding would cost three digits.
+    subtracts nearly equal numbers far away, and the series has positive terms only.
+    Therefore the series is used up to r/zeta = 0.9 and the printed form above. There
+    1 - (r/zeta)^2 is written as a product, because near the rim its rounding would
+    cost three digits.
     """
     square = ratio * ratio
     if ratio > 0.9:
@@ -44,7 +45,7 @@ def far_field_factor(ratio):
 
 @kernel
 def interaction_displacement(distance, base_radius, equivalent_modulus):
-    """Approach of both half-spaces per unit force [m/N], Eqs. (17) to (20).
+    """Compute the approach of both half-spaces per unit force [m/N], Eqs. (17) to (20).
 
     Parameters
     ----------

@@ -7,7 +7,7 @@ from jointclosure.compilation.kernels import kernel
 
 @kernel
 def von_mises_on_axis(depth, poisson_ratio):
-    """Equivalent stress over p0 on the axis of a Hertz pressure, Eq. (21).
+    """Compute the equivalent stress over p0 on the axis of a Hertz pressure, Eq. (21).
 
     Parameters
     ----------
@@ -22,13 +22,13 @@ def von_mises_on_axis(depth, poisson_ratio):
 
 @kernel
 def strength_factor(poisson_ratio):
-    """c(nu) = sigma_V,max / p0, the paper's fit Eq. (23) to Eq. (21)."""
+    """Compute c(nu) = sigma_V,max / p0 by Eq. (23), the paper's fit to Eq. (21)."""
     return 0.1251 * poisson_ratio**2 - 0.536 * poisson_ratio + 0.7695
 
 
 @kernel
 def critical_indentation(pressure_limit, asperity_modulus):
-    """Critical indentation ratio q = delta_break / R_a, at which p0_a reaches its limit.
+    """Compute the indentation ratio q = delta_break / R_a at which p0_a reaches its limit.
 
     From Eq. (22), p0_a = 2/pi E_a* sqrt(delta_a / R_a).
 
@@ -44,7 +44,7 @@ def critical_indentation(pressure_limit, asperity_modulus):
 
 @kernel
 def is_overstressed(overlap, curvature, critical, breaking_force, substrate):
-    """Whether a pair at this overlap is beyond its strength, Eqs. (5), (10), (22).
+    """Return whether a pair at this overlap exceeds its strength, Eqs. (5), (10), (22).
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def is_overstressed(overlap, curvature, critical, breaking_force, substrate):
     Notes
     -----
     delta_break = q/kappa and F_break = 4/3 E_a* q^(3/2)/kappa^2 give the
-    overlap at breakage; multiplied by kappa^2 it needs neither root nor
+    overlap at breakage. Multiplied by kappa^2 the condition needs neither root nor
     division, and a flat contact (kappa = 0) never breaks.
     """
     return overlap * curvature * curvature > critical * curvature + substrate * breaking_force

@@ -1,4 +1,4 @@
-"""What a simulation is told: rocks, effects, choices and numerics, all in SI."""
+"""Parameters of a simulation in SI units: rocks, effects, choices and numerics."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import wraps
@@ -10,13 +10,14 @@ from jointclosure.inputs import InputError, check_length, check_number, check_on
 from jointclosure.parameters.properties import Property, properties_of
 
 SMALLEST_TOLERANCE = 1e-14
-"""Of what is to be met relatively: about fifty roundings."""
+"""Smallest relative tolerance that can be met: about fifty rounding errors."""
 
 
 class Rock(NamedTuple):
-    """Intact rock of a wall [SI]: all that is known of a property stands with its field.
+    """Properties of the intact rock of a wall [SI].
 
-    A property with a default may be left out of a configuration, and of ``Rock(...)``.
+    The annotation of each field states its unit, range, symbol and title. A property with a default
+    may be left out of a configuration, and of ``Rock(...)``.
     """
 
     youngs_modulus: Annotated[float, Property("Young's modulus", "GPa", "E", usual=(1e8, 3e11))]
@@ -30,27 +31,30 @@ class Rock(NamedTuple):
 
 
 OF_ROCK = properties_of(Rock)
-"""What is known of the properties of a `Rock`, by name."""
+"""Units, ranges, symbols and titles of the properties of a `Rock`, by name."""
 _JRC = Property("JRC", "1", "JRC", (0.0, 20.0), heading="Joint roughness coefficient (JRC)")
 _FIRST = ("poisson_ratio", "youngs_modulus", "compressive_strength", "jrc")
 """Rows of the paper's Table 3, in its order."""
 PROPERTIES = {name: (OF_ROCK | {"jrc": _JRC})[name] for name in dict.fromkeys((*_FIRST, *OF_ROCK))}
-"""All properties that a study can vary, by name: those of the paper first, in its order."""
+"""All properties that a study can vary, by name. Those of the paper come first, in its order."""
 
 
 def key_of(name: str) -> str:
-    """The key of a property in a configuration, with its unit."""
+    """Return the configuration key of a property, which ends in its unit."""
     unit = PROPERTIES[name].unit
     return name if unit == "1" else f"{name}_{unit}"
 
 
 def rock_of(values: Mapping[str, float]) -> Rock:
-    """The rock of properties by name [SI]; others are ignored, and defaults stand for missing."""
+    """Make a `Rock` from properties by name [SI].
+
+    Names that are not properties of a `Rock` are ignored. Missing properties take their defaults.
+    """
     return Rock(**{name: values[name] for name in OF_ROCK if name in values})
 
 
 def strength_of(wall: Rock) -> float:
-    """Compressive strength that a wall has for the model [Pa]: equations take it from here."""
+    """Return the compressive strength of a wall [Pa] that all equations use."""
     return wall.compressive_strength
 
 
@@ -59,16 +63,16 @@ USUAL = {name: (*about.usual, about.si_unit) for name, about in OF_ROCK.items() 
     "spacing": (1e-6, 0.1, "m"),
     "side_of_scan": (5e-3, 10.0, "m"),
 }
-"""Least and largest values that are usual of rock and its joints, and their unit: what lies
-beyond is more often a slip of units."""
+"""Smallest and largest usual values for rock and its joints, and their unit. A value outside of
+this range is probably in a wrong unit."""
 AS_IT_IS = (
     "unusual_values=True (on the command line --set study.unusual_values=allow) takes it as it is"
 )
-"""How a caller goes on all the same, at the end of what refuses an unusual value."""
+"""Advice on accepting an unusual value: the last part of the messages that refuse one."""
 
 
 class Effects(NamedTuple):
-    """Which effects act; `check_scene` says which combinations are well-posed."""
+    """Effects that a simulation includes; `check_scene` refuses ill-posed combinations."""
 
     substrate: bool = True
     interaction: bool = True
@@ -78,30 +82,30 @@ class Effects(NamedTuple):
 
 
 AUTO_TOLERANCE = 0.02
-"""Change of a mean maximum closure below which `effects: auto` leaves an effect out [1]."""
+"""Relative change of mean maximum closure below which `effects: auto` leaves out an effect [1]."""
 
 
 def scene_name(effects: Effects) -> str:
-    """Name of a scene: its effects joined by hyphens, or "hertz_only" where it has none."""
+    """Return the name of a scene: its effects joined by hyphens, or "hertz_only" if it has none."""
     return "-".join(name for name, on in effects._asdict().items() if on) or "hertz_only"
 
 
 def scene_of(name: str) -> Effects:
-    """The scene of a name that `scene_name` gave."""
+    """Return the scene that has a name made by `scene_name`."""
     return Effects(*(effect in name.split("-") for effect in Effects._fields))
 
 
 class Choices(NamedTuple):
-    """What the paper leaves open.
+    """Decisions that the paper leaves open.
 
-    ``base_radius_in_cells`` is r/h in (0, 1]; ``peak_modulus_ratio`` the
-    modulus of a peak over the rock's; ``concave`` how valleys and saddles
-    count: by the size of their curvature ("magnitude"), or as "flat", which a wall then is
-    where either of its profiles is not convex; ``peaks`` whether peaks are those of the "pristine"
-    or of the "current" walls; ``largest_radius`` [m] bounds each wall's
-    Gaussian radius from above (None: unbounded, as in the paper);
-    ``tie_tolerance`` is the difference in height that counts as lower, over
-    the roughness (rms of both walls; about 1e-12 m for the paper's walls).
+    ``base_radius_in_cells`` is r/h in (0, 1]. ``peak_modulus_ratio`` is the modulus of a peak over
+    that of the rock. ``concave`` decides how valleys and saddles are treated: "magnitude" uses the
+    absolute value of their curvature; "flat" sets the curvature of a wall to zero where one of its
+    two profiles is not convex. ``peaks`` decides whether peaks are those of the "pristine" or of
+    the "current" walls. ``largest_radius`` [m] is the upper bound of each wall's Gaussian radius
+    (None: unbounded, as in the paper). ``tie_tolerance`` is the smallest difference in height that
+    makes a cell lower than its neighbour, over the roughness (rms of both walls); it is about 1e-12
+    m for the walls of the paper.
     """
 
     base_radius_in_cells: float = 0.5
@@ -113,37 +117,38 @@ class Choices(NamedTuple):
 
 
 class Numerics(NamedTuple):
-    """Steps [m] and tolerances; ``later_``: every branch after the first loading.
+    """Steps [m] and tolerances of a simulation.
 
-    ``breakage`` is the paper's "fixed_step", by which every contact that breaks
-    is lowered, or "resolved": a contact loses what brings it back to its
-    strength, and the displacement steps, from the given ones on, follow an
-    estimate of their error. ``tolerance`` then is what mean closures may be off
-    by (docs/decisions/0010-resolved-breakage.md), in (0, 0.1]; the breakage
-    steps are not used.
+    The ``later_`` steps apply to every branch after the first loading.
 
-    ``force_tolerance`` is the relative residual of equilibrium that the fast
-    solver reaches; ``sweep_tolerance`` the largest relative change of a force
-    between two sweeps at which the reference stops (the paper's 1 %, which is
-    no bound of the error). ``stress_tolerance`` is the relative distance to the
-    target stress that ends a loading when ``target`` is "equilibrate";
-    "interpolate" is the paper's linear interpolation.
+    ``breakage`` is "fixed_step", as in the paper, where each broken contact loses the breakage
+    step, or "resolved", where a contact loses only the height that brings it back to its strength.
+    With "resolved" the displacement steps start from those given and follow an estimate of their
+    error; ``tolerance``, in (0, 0.1], is the accepted relative error of mean closures
+    (docs/decisions/0010-resolved-breakage.md); and the breakage steps are not used.
 
-    Without breakage the fast solver takes no steps: it solves for
-    ``curve_points`` evenly spaced stresses up to the maximum, to a residual of
-    1e-10 or the ``force_tolerance``, whichever is smaller.
+    ``force_tolerance`` is the relative residual of equilibrium that the fast solver reaches.
+    ``sweep_tolerance`` is the largest relative change of a force between two sweeps at which the
+    reference solver stops (1 % in the paper, which does not bound the error). ``target`` is
+    "equilibrate", where a loading ends within the relative distance ``stress_tolerance`` of the
+    target stress, or "interpolate", the linear interpolation of the paper.
 
-    With ``replay`` a cycle like the one before is the curve of that one's unloading, up and down,
-    where that broke nothing (docs/decisions/0005-protocol.md); without, every state of it is solved
-    for and searched for breakage again.
+    Without breakage the fast solver takes no steps. It solves for ``curve_points`` evenly spaced
+    stresses up to the maximum, to a residual of 1e-10 or the ``force_tolerance``, whichever is
+    smaller.
 
-    With an ``idle_interaction`` above 0 the interaction is left out of the first loading as long as
-    it would displace no contact by more than this share of the closure (docs/effects.md).
+    With ``replay``, a cycle that repeats the load of the cycle before is copied from the unloading
+    curve of that cycle if nothing broke on it (docs/decisions/0005-protocol.md). Without, every
+    state is solved and checked for breakage again.
 
-    A simulation ends with a status that says so beyond ``most_steps`` displacement
-    steps, or ``most_breakage_steps`` breakage steps for each of its cells. Where it can
-    be foreseen that it will, it is refused; infinity lifts a bound. By default they are
-    some thousand times what the paper's joints take.
+    With an ``idle_interaction`` above 0, the first loading is solved without interaction as long as
+    the interaction would displace no contact by more than this share of the closure
+    (docs/effects.md).
+
+    ``most_steps`` bounds the number of displacement steps, and ``most_breakage_steps`` the number
+    of breakage steps over the number of cells. A simulation that exceeds a bound ends with a status
+    that says so. One that is foreseen to exceed it is refused before it starts. Infinity means no
+    bound. The defaults are about a thousand times what the joints of the paper need.
     """
 
     displacement_step: float = 12.5e-6
@@ -168,10 +173,10 @@ _Settings = TypeVar("_Settings", Rock, Choices, Numerics)
 
 
 def in_double(settings: _Settings) -> _Settings:
-    """A `Rock`, `Choices` or `Numerics` with its numbers as Python's own.
+    """Convert the numbers of a `Rock`, `Choices` or `Numerics` to Python's float and int.
 
-    A numpy.float32 in it would otherwise make single precision of all that it
-    meets, as numpy lets a Python float give way to it.
+    A numpy.float32 would otherwise reduce all computations with it to single precision, because
+    numpy converts Python floats to the type of a NumPy scalar.
     """
     kinds = {np.floating: float, np.integer: int}
     return settings._replace(
@@ -185,12 +190,12 @@ def in_double(settings: _Settings) -> _Settings:
 
 
 def both_walls(rock: Rock | Sequence[Rock]) -> tuple[Rock, Rock]:
-    """(upper, lower) rocks, from one rock or a pair of rocks.
+    """Return the rocks of the upper and the lower wall, from one rock or a pair of rocks.
 
     Raises
     ------
     InputError
-        Not a rock, or a property out of its range.
+        If an argument is not a rock, or a property is out of its range.
     """
     pair = (rock, rock) if isinstance(rock, Rock) else rock
     if (
@@ -205,22 +210,22 @@ def both_walls(rock: Rock | Sequence[Rock]) -> tuple[Rock, Rock]:
 
 
 def check_rock(rock: Rock) -> None:
-    """Raise `InputError` where a property of the rock is out of its range."""
+    """Raise `InputError` if a property of the rock is out of its range."""
     for name, about in OF_ROCK.items():
         about.check(name, getattr(rock, name))
 
 
 def check_usual(rocks: tuple[Rock, ...], **values: float) -> None:
-    """Raise `InputError` where a number is not usual of rock and its joints, see `USUAL`.
+    """Raise `InputError` if a value is unusual for rock and its joints, see `USUAL`.
 
     Parameters
     ----------
     rocks : tuple of Rock
     **values : float
-        Others by name, [SI].
+        Other values by name [SI].
     """
-    for given in (*(rock._asdict() for rock in rocks), values):
-        for name, value in given.items():
+    for values_by_name in (*(rock._asdict() for rock in rocks), values):
+        for name, value in values_by_name.items():
             low, high, unit = USUAL.get(name, (-np.inf, np.inf, ""))
             if not low <= value <= high and not np.isinf(value):
                 raise InputError(
@@ -230,14 +235,14 @@ def check_usual(rocks: tuple[Rock, ...], **values: float) -> None:
 
 
 def check_scene(effects: Effects) -> None:
-    """Refuse the combinations of effects that have no answer.
+    """Raise `InputError` if effects are ill-posed.
 
     Raises
     ------
     InputError
-        Interaction without substrate: the operator is indefinite, so that
-        equilibrium need not exist nor be unique. Gouge without breakage:
-        nothing makes it.
+        If interaction is on without substrate: the operator is then indefinite, and
+        equilibrium may not exist or may not be unique. If gouge is on without breakage:
+        gouge forms only by breakage.
     """
     if not isinstance(effects, Effects):
         raise InputError(f"effects = {effects!r}: must be an Effects")
@@ -246,15 +251,15 @@ def check_scene(effects: Effects) -> None:
             raise InputError(f"effects: {name} = {value!r}: must be True or False")
     if effects.interaction and not effects.substrate:
         raise InputError(
-            "effects: interaction = True needs substrate = True; without the substrate's own "
-            "compliance the interaction operator is indefinite and equilibrium is not unique"
+            "effects: interaction = True needs substrate = True; without the compliance of the "
+            "substrate the interaction operator is indefinite and equilibrium is not unique"
         )
     if effects.gouge and not effects.breakage:
         raise InputError("effects: gouge = True needs breakage = True, which makes the gouge")
 
 
 def well_posed_scenes() -> Iterator[Effects]:
-    """The combinations of effects that have an answer."""
+    """Generate all well-posed combinations of effects."""
     for substrate, interaction in ((False, False), (True, False), (True, True)):
         for breakage, gouge in ((False, False), (True, False), (True, True)):
             for soft_peaks in (False, True):
@@ -262,10 +267,11 @@ def well_posed_scenes() -> Iterator[Effects]:
 
 
 def check_choices(choices: Choices, spacing: float = 0.0) -> None:
-    """Raise `InputError` where a choice is not among those allowed on a grid of a spacing [m].
+    """Raise `InputError` if a choice is out of its range for a grid spacing [m].
 
-    Radii may not be bounded below the spacing: an asperity is a cell; of sharper ones
-    strength is next to none, and resolved breakage takes them down in ever smaller losses.
+    The bound of radii may not be smaller than the spacing, because an asperity is a cell. Sharper
+    asperities have almost no strength, and resolved breakage would remove them in ever smaller
+    steps.
     """
     if not isinstance(choices, Choices):
         raise InputError(f"choices = {choices!r}: must be a Choices")
@@ -273,8 +279,8 @@ def check_choices(choices: Choices, spacing: float = 0.0) -> None:
         check_number(name, getattr(choices, name))
     if not 0.0 < choices.base_radius_in_cells <= 1.0:
         raise InputError(
-            f"base_radius_in_cells = {choices.base_radius_in_cells!r}: must lie in (0, 1]; beyond "
-            "a cell the neighbour lies under the base, where Eqs. (17) and (18) do not hold"
+            f"base_radius_in_cells = {choices.base_radius_in_cells!r}: must lie in (0, 1]; with "
+            "larger bases a neighbour lies on the base, where Eqs. (17) and (18) do not hold"
         )
     if not 0.0 < choices.peak_modulus_ratio <= 1.0:
         raise InputError(f"peak_modulus_ratio = {choices.peak_modulus_ratio!r}: must be in (0, 1]")
@@ -292,7 +298,7 @@ def check_choices(choices: Choices, spacing: float = 0.0) -> None:
 
 
 def check_numerics(numerics: Numerics, solvers: tuple[str, ...] | None = None) -> None:
-    """Raise `InputError` where a step or tolerance is out of its range; of solvers, where given."""
+    """Raise `InputError` if a step or tolerance, or the solver if given, is out of its range."""
     if not isinstance(numerics, Numerics):
         raise InputError(f"numerics = {numerics!r}: must be a Numerics")
     for prefix in ("", "later_"):
@@ -314,11 +320,13 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...] | None = None) -
         raise InputError(f"tolerance = {numerics.tolerance!r}: must lie in (0, 0.1]")
     if numerics.breakage == "resolved" and numerics.solver != "fast":
         raise InputError(
-            f"breakage = 'resolved': not with solver = {numerics.solver!r}, which is the paper's "
-            "own loop; use the fast solver"
+            f"breakage = 'resolved': not with solver = {numerics.solver!r}, which is the loop of "
+            "the paper; use solver = 'fast'"
         )
     if numerics.breakage == "resolved" and numerics.target != "equilibrate":
-        raise InputError("breakage = 'resolved': not with target = 'interpolate'; use equilibrate")
+        raise InputError(
+            "breakage = 'resolved': not with target = 'interpolate'; use 'equilibrate'"
+        )
     check_one_of("target", numerics.target, ("equilibrate", "interpolate"))
     if not isinstance(numerics.replay, bool | np.bool_):
         raise InputError(f"replay = {numerics.replay!r}: must be True or False")

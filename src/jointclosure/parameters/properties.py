@@ -1,4 +1,4 @@
-"""Physical properties: units, ranges, titles and symbols, stated once beside their fields."""
+"""Metadata of physical properties: unit, range, title and symbol, stated beside each field."""
 
 import unicodedata
 from typing import Any, NamedTuple, get_type_hints
@@ -8,18 +8,18 @@ import numpy as np
 from jointclosure.inputs import InputError, check_number, check_positive
 
 SI_FACTORS = {"GPa": 1e9, "MPa": 1e6, "mm": 1e-3, "um": 1e-6, "m": 1.0, "Pa": 1.0}
-"""Units that a configuration writes, in SI."""
+"""Units that a configuration may use, in SI."""
 
 
 class Property(NamedTuple):
-    """A property that a configuration gives and a study can vary.
+    """Metadata of a property that a configuration gives and a study can vary.
 
-    ``Annotated[float, Property(...)]`` states it with its field. ``long_name`` is its name within a
-    sentence; ``unit`` the one in which it is shown and configured ("1" for none); ``symbol`` its
-    ASCII spelling ("sigma_c"); ``interval`` the closed range [SI] in which it must lie, None for
-    any positive number, infinity too if ``may_be_infinite``; ``usual`` the range [SI] beyond which
-    a value is more often a slip of units; ``heading`` the title of its row in tables, where this
-    is not title and symbol.
+    It annotates a field: ``Annotated[float, Property(...)]``. ``long_name`` is the name within a
+    sentence. ``unit`` is the unit in tables and configurations ("1" for none). ``symbol`` is the
+    ASCII spelling of the symbol ("sigma_c"). ``interval`` is the closed range of allowed values
+    [SI]; None allows any positive number, and infinity too if ``may_be_infinite``. ``usual`` is the
+    range [SI] outside of which a value is probably in a wrong unit. ``heading`` is the heading of
+    its row in tables, where this is not title and symbol.
     """
 
     long_name: str
@@ -32,22 +32,22 @@ class Property(NamedTuple):
 
     @property
     def size(self) -> float:
-        """The unit in SI."""
+        """Size of the unit in SI."""
         return SI_FACTORS.get(self.unit, 1.0)
 
     @property
     def si_unit(self) -> str:
-        """The unit that it has in a dataset."""
+        """Unit of the property in a dataset."""
         return {"GPa": "Pa", "MPa": "Pa", "mm": "m", "um": "m"}.get(self.unit, self.unit)
 
     @property
     def in_brackets(self) -> str:
-        """The unit behind a title: " (GPa)", or nothing."""
+        """Unit in brackets behind a title, such as " (GPa)"; empty for a number without unit."""
         return "" if self.unit == "1" else f" ({self.unit})"
 
     @property
     def title(self) -> str:
-        """Its name at the head of a column."""
+        """Name of the property as the heading of a column."""
         return self.long_name[0].upper() + self.long_name[1:]
 
     @property
@@ -58,7 +58,7 @@ class Property(NamedTuple):
 
     @property
     def label(self) -> str:
-        """The head of its row in a table, with symbol and unit."""
+        """Heading of the row of the property in a table, with symbol and unit."""
         return self.heading or f"{self.title} {self.shown_symbol}{self.in_brackets}"
 
     @property
@@ -70,14 +70,14 @@ class Property(NamedTuple):
 
     @property
     def bounds(self) -> dict[str, float]:
-        """Bounds of a key in its unit, as `pydantic.Field` takes them."""
+        """Bounds of the key in its unit, in the form that `pydantic.Field` takes."""
         if self.interval is None:
             return {"gt": 0}
         named = zip(("ge", "le"), self.interval, strict=True)
         return {name: end / self.size for name, end in named if np.isfinite(end)}
 
     def check(self, name: str, value: Any) -> None:
-        """Raise `InputError` unless a value [SI] is one that the property may have."""
+        """Raise `InputError` unless a value [SI] is allowed for the property."""
         if self.interval is None:
             unit = "" if self.unit == "1" else self.si_unit
             check_positive(name, value, unit, may_be_infinite=self.may_be_infinite)
@@ -89,24 +89,25 @@ class Property(NamedTuple):
 
 
 def properties_of(fields: type) -> dict[str, Property]:
-    """Properties of the fields of a named tuple, by name.
+    """Return the properties of the fields of a named tuple, by name.
 
     Raises
     ------
     TypeError
-        A field without one.
+        If a field is not annotated by one `Property`.
     """
-    found = {}
+    properties = {}
     for name, hint in get_type_hints(fields, include_extras=True).items():
-        known = [each for each in getattr(hint, "__metadata__", ()) if isinstance(each, Property)]
+        annotations = getattr(hint, "__metadata__", ())
+        known = [item for item in annotations if isinstance(item, Property)]
         if len(known) != 1:
             raise TypeError(f"{fields.__name__}.{name}: must be annotated by one Property")
-        found[name] = known[0]
-    return found
+        properties[name] = known[0]
+    return properties
 
 
 def _greek(letter: str) -> str:
-    """The Greek letter of a name, "" where it is none."""
+    """Return the Greek letter of a name, or "" if there is none."""
     try:
         return unicodedata.lookup(f"GREEK SMALL LETTER {letter.upper()}")
     except KeyError:

@@ -1,4 +1,4 @@
-"""Figures: datasets and tables in, figures out; no files, no computing of what a study means."""
+"""Figures from datasets and tables; they read no files and compute no results of a study."""
 
 from jointclosure.inputs.extras import needs
 

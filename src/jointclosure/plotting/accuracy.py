@@ -1,4 +1,4 @@
-"""Error against time: work-precision figures of an accuracy study."""
+"""Work-precision figures of an accuracy study: error over time."""
 
 import numpy as np
 import pandas as pd
@@ -24,24 +24,24 @@ KNOB_TITLES = {
     "force_tolerance": "residual of equilibrium",
     "paper_tolerances": "tight tolerances",
     "stress_tolerance": "landing on the maximum",
-    "sweep_tolerance": "the paper's own loop, change of a sweep",
+    "sweep_tolerance": "the paper's loop, change of a sweep",
 }
 SCENE_TITLES = {
-    "contacts_alone": "contacts that do not feel each other",
+    "contacts_alone": "contacts without interaction",
     "elastic": "nothing breaks",
     "full": "the model as stated",
     "regularised": "radii bounded",
     "paper_size": "the paper's size and stress",
 }
-_FRONT = "none is faster and more exact; hollow marks count as alike"
+_FRONT = "none is faster and more exact; hollow marks count as equal"
 _FLOOR = 0.01
 _HARDLY_SEEN = 1.0
-"""Percent below which a bar bears its value."""
+"""Percentage below which a bar is labelled with its value."""
 
 
 @styled
 def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
-    """Error of the mean maximum closure against time, for one variant of the model.
+    """Draw the error of the mean maximum closure over time, for one variant of the model.
 
     Parameters
     ----------
@@ -53,12 +53,12 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
 
     Notes
     -----
-    A panel for each rock and cycle. A hollow mark's confidence interval
-    includes zero: its error is not told from none. Errors below a hundredth of a
-    percent are drawn there. The finest setting, which the others are held against, is not
-    drawn. The grey line is what no setting beats in both: as errors that are not told from none
-    have no order, it ends at the fastest hollow mark. Values of a knob stand beside its marks
-    where there is room.
+    There is a panel for each rock and cycle. Hollow marks have a confidence interval that
+    includes zero: their error is not significantly different from zero. Errors below a hundredth
+    of a percent are drawn there. The finest setting, which is the reference, is not drawn. The
+    grey line is the Pareto front. Errors that are not significantly different from zero have no
+    order, so that it ends at the fastest hollow mark. Marks are labelled with the value of the
+    setting if there is room.
     """
     shown = costs[~costs.other_joints]
     rocks, cycles = shown.rock.unique(), sorted(shown.cycle.unique())
@@ -84,11 +84,11 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
     for row in panels:
         row[0].set_ylabel("error of mean max. closure (%)")
     entries: dict[str, Artist] = {}
-    for axes in panels.flat:  # a panel may lack a knob that others have
+    for axes in panels.flat:  # a panel may lack a setting that others have
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
     entries[paper] = Line2D([], [], ls="", marker="*", color="k", ms=13)
-    entries["not told from no error"] = Line2D(
+    entries["not significantly different from zero"] = Line2D(
         [], [], ls="", marker="o", color="0.3", mfc="w", ms=5
     )
     figure.legend(
@@ -102,7 +102,7 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
 
 
 def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> list[Label]:
-    """Draw a panel; the values of its marks."""
+    """Draw a panel and return the labels of its marks."""
     size = part.mean_error_percent.abs().clip(lower=_FLOOR)
     part = part.assign(size=size, known=(part.mean_low > 0.0) | (part.mean_high < 0.0))
     base = part[part.knob == BASE].iloc[0]
@@ -111,7 +111,7 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> list[Lab
         line = part[(part.knob == knob) & (part.mean_error_percent != 0.0)]
         if line.empty:
             continue
-        # settings with names of their own are in no order, and named in the table
+        # named settings have no order; the table lists them
         numbers = pd.to_numeric(line["value"], errors="coerce").notna().all()
         axes.plot(
             line.relative_time,
@@ -134,9 +134,9 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> list[Lab
         [base.relative_time], [base["size"]], "k*", ms=13, mfc="k" if base.known else "w", zorder=4,
         label=paper,
     )  # fmt: skip
-    # the finest is what the others are held against: its error is not known from here
+    # the finest setting is the reference: its error is unknown here
     part = part[part.mean_error_percent != 0.0]
-    exact = part["size"].where(part.known, 0.0)  # errors that are not told from none are alike
+    exact = part["size"].where(part.known, 0.0)  # insignificant errors count as equal
     best = part.iloc[front(part.relative_time.to_numpy(), exact.to_numpy())]
     axes.plot(
         best.relative_time, best["size"], drawstyle="steps-post", color="0.6", lw=4, alpha=0.5,
@@ -152,7 +152,7 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> list[Lab
 
 @styled
 def error_sources(sources: pd.DataFrame, title: str) -> Figure:
-    """The error of the paper's own setting, split by its sources.
+    """Draw the error of the paper's setting, split by its sources.
 
     Parameters
     ----------
@@ -192,6 +192,6 @@ def error_sources(sources: pd.DataFrame, title: str) -> Figure:
 
 
 def _span(row) -> tuple[float, float]:
-    """Ends of the interval of an error without its sign; from 0 where it includes none."""
+    """Return the ends of the interval of the size of an error; from 0 if it includes zero."""
     low, high = sorted((abs(row.low), abs(row.high)))
     return (0.0 if row.low * row.high < 0.0 else low), high

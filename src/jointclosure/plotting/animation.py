@@ -1,4 +1,4 @@
-"""A joint being crushed, as moving pictures: a section, what broke, and the curve."""
+"""Animation of a joint being crushed: a section, broken volume, and the curve."""
 
 import numpy as np
 import seaborn as sns
@@ -15,38 +15,38 @@ from jointclosure.plotting.snapshots import change_of_height, reach_of
 from jointclosure.plotting.style import StyledFigure, styled
 
 STRESSES = 16
-"""Snapshots of a branch that a smooth animation takes."""
+"""Number of snapshots of a branch for a smooth animation."""
 _PAUSE = 300
-"""Milliseconds that a picture stays."""
+"""Duration of a frame in milliseconds."""
 
 
 def animated_stresses(largest: float) -> list[float]:
-    """Stresses [Pa] at which an animation to a largest one [Pa] takes snapshots.
+    """Return stresses [Pa] at which an animation up to a largest stress [Pa] has snapshots.
 
-    They grow as squares, as joints close fast at low stress.
+    They are spaced quadratically, because joints close fast at low stress.
     """
     return [float(largest * share**2) for share in np.linspace(0.0, 1.0, STRESSES + 1)]
 
 
 @styled
 def crushing_animation(closed: xr.Dataset, title: str) -> FuncAnimation:
-    """A picture for each snapshot: the walls along x, what both have lost, and the curve so far.
+    """Animate the walls along x, the change of their heights, and the curve up to each snapshot.
 
     Parameters
     ----------
     closed : Dataset
-        As from `jointclosure.simulate` with ``snapshots``, of `animated_stresses` say.
+        As from `jointclosure.simulate` with ``snapshots``, such as `animated_stresses`.
     title : str
 
     Returns
     -------
     FuncAnimation
-        ``save("joint.gif", writer="pillow")`` writes it; `jointclosure.storage.figures` too.
+        Write it by ``save("joint.gif", writer="pillow")``, or by `jointclosure.storage.figures`.
 
     Raises
     ------
     InputError
-        The joint has no snapshots.
+        If the joint has no snapshots.
     """
     if not closed.sizes.get("snapshot"):
         raise InputError("an animation needs snapshots: simulate(..., snapshots=[...])")
@@ -88,7 +88,7 @@ def _curve(axes, closed: xr.Dataset):
 
 
 def _map(axes, closed: xr.Dataset):
-    """What both walls lost or gained, with contacts black."""
+    """Draw the change of height of both walls, with contacts in black."""
     change = 1e3 * change_of_height(closed)
     reach, extent = reach_of(np.abs(change)), map_extent(change.shape[1:], spacing_of(closed))
     drawn = {"origin": "lower", "interpolation": "nearest", "extent": extent}
@@ -109,7 +109,7 @@ def _map(axes, closed: xr.Dataset):
 
 
 def _walls(axes, closed: xr.Dataset):
-    """Both walls along the row that loses most, the upper one at its gap above the lower one."""
+    """Draw both walls along the row that loses most, the upper one at its gap to the lower one."""
     row = int(np.abs(change_of_height(closed)[-1]).sum(axis=1).argmax())
     lower = 1e3 * closed.snapshot_lower.values[:, row]
     upper = lower + 1e3 * np.maximum(closed.snapshot_gap.values[:, row], 0.0)
@@ -133,5 +133,5 @@ def _walls(axes, closed: xr.Dataset):
         parts.extend(axes.plot(x[force], lower[frame][force], "o", color="black", ms=4))
 
     where = 1e3 * float(closed.y.values[row])
-    axes.set_title(f"walls at y = {where:.3g} mm; dotted: the lower one before; dots: contacts")
+    axes.set_title(f"walls at y = {where:.3g} mm; dotted: lower wall before; dots: contacts")
     return draw

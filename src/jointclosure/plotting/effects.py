@@ -1,4 +1,4 @@
-"""What each effect adds to closure, against what it costs in time."""
+"""Figures of the change of closure due to each effect, and its cost in time."""
 
 import numpy as np
 import pandas as pd
@@ -13,13 +13,13 @@ from jointclosure.plotting.style import styled, subplots
 
 _FLOOR = 0.1
 _WIDE = 5.0
-"""Ratio of times above which an axis has room for few labels only."""
+"""Ratio of times above which an axis has room for only few labels."""
 _LEAST_ERROR = 0.01
 
 
 @styled
 def effect_figure(table: pd.DataFrame) -> Figure:
-    """Change of the maximum closure by each effect, against the time that it takes.
+    """Draw the change of the maximum closure due to each effect over its time.
 
     Parameters
     ----------
@@ -28,8 +28,8 @@ def effect_figure(table: pd.DataFrame) -> Figure:
 
     Notes
     -----
-    A column for each effect, a row for each cycle, a mark for each roughness and stress, which
-    are its size and colour: the median over the rocks, and a line from the least to the largest
+    There is a column for each effect and a row for each cycle. A mark for each roughness (size)
+    and stress (colour) is the median over the rocks, with a line from the smallest to the largest
     change. Changes below a tenth of a percent are drawn there.
     """
     shown = _over_rocks(table)
@@ -96,12 +96,12 @@ def effect_figure(table: pd.DataFrame) -> Figure:
 
 
 def _mark_size(jrc):
-    """Area of a mark [points squared]."""
+    """Return the area of a mark [points squared]."""
     return 8.0 + 4.0 * jrc
 
 
 def _over_rocks(table: pd.DataFrame) -> pd.DataFrame:
-    """Median time ratio and change [%] of the maximum closure over the rocks, and the extremes."""
+    """Return median, smallest and largest time ratio and change [%] over the rocks."""
     size = table.max_closure_added_percent.abs().clip(lower=_FLOOR)
     about = ["effect", "cycle", "jrc", "stress_MPa"]
     grouped = table.assign(size=size).groupby(about, sort=False)
@@ -115,7 +115,7 @@ def _over_rocks(table: pd.DataFrame) -> pd.DataFrame:
 
 @styled
 def choice_figure(table: pd.DataFrame) -> Figure:
-    """Error of the selected effects against stress, and the time that the selection saves.
+    """Draw the error of the selected effects over stress, and the time that the selection saves.
 
     Parameters
     ----------
@@ -124,9 +124,9 @@ def choice_figure(table: pd.DataFrame) -> Figure:
 
     Notes
     -----
-    A column for each tolerance. Grey conditions run every effect: they have no error, are counted
-    instead of drawn above, and lose the time of the pilot only. Errors below a hundredth of a
-    percent are drawn there.
+    There is a column for each tolerance. Grey conditions keep all effects: they have no error,
+    are counted in the upper panels instead of drawn, and lose only the time of the pilot. Errors
+    below a hundredth of a percent are drawn there.
     """
     tolerances = sorted(table.tolerance.unique())
     figure, panels = subplots(
@@ -167,7 +167,7 @@ def choice_figure(table: pd.DataFrame) -> Figure:
             axis.set_major_formatter(StrMethodFormatter("{x:g}"))
         lower.set_ylim(table.saved_percent.min() - 5.0, 105.0)
     panels[0, 0].set_ylabel("change of mean\nmax. closure (%)")
-    panels[1, 0].set_ylabel("time saved,\npilot counted (%)")
+    panels[1, 0].set_ylabel("time saved,\nincluding pilot (%)")
     handles = [
         Line2D([], [], ls="", marker="o", color=colours[name], label=_left_out(name))
         for name in names
@@ -178,7 +178,7 @@ def choice_figure(table: pd.DataFrame) -> Figure:
 
 
 def _left_out(scene: str) -> str:
-    """What a scene goes without, in words."""
+    """Describe the effects that a scene leaves out."""
     full, left = scene_name(Effects()).split("-"), scene.split("-")
     missing = [name for name in full if name not in left]
     words = " or ".join(name.replace("_", " ") for name in missing)

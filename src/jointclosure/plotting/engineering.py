@@ -1,4 +1,4 @@
-"""A closed joint as engineers look at it: closure since seating, stiffness, aperture."""
+"""Engineering figure of a closed joint: closure since seating, stiffness, aperture."""
 
 import numpy as np
 import seaborn as sns
@@ -16,7 +16,7 @@ from jointclosure.plotting.style import BRANCH_LINES, above, styled, subplots
 def engineering_figure(history: xr.Dataset, title: str) -> Figure:
     """Draw net closure since seating with the fitted laws, net stiffness and apertures.
 
-    The last panel, of hydraulic apertures, is there for a history with flow.
+    For a history with flow there is a further panel of hydraulic apertures.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def engineering_figure(history: xr.Dataset, title: str) -> Figure:
 
 
 def _draw_closure(axes, history: xr.Dataset) -> None:
-    """Loading of each cycle, from its own seating, and the laws that were fitted to it."""
+    """Draw loading of each cycle from its seating, and the fitted laws."""
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
     fits = fitted_laws(history)
     for (cycle, branch), (stress, closure) in law_curves(history).items():
@@ -49,8 +49,8 @@ def _draw_closure(axes, history: xr.Dataset) -> None:
             continue
         axes.plot(closure, stress, color=f"C{cycle - 1}", lw=2.2, label=f"cycle {cycle}")
         for style, name in zip((":", "-.", "--"), LAWS, strict=True):
-            own = fits[(fits.cycle == cycle) & (fits.branch == branch) & (fits.law == name)]
-            law = LAWS[name].closure(stress, seating, *own.value)
+            rows = fits[(fits.cycle == cycle) & (fits.branch == branch) & (fits.law == name)]
+            law = LAWS[name].closure(stress, seating, *rows.value)
             axes.plot(law, stress, style, color="0.25", lw=1.0)
     for style, name in zip((":", "-.", "--"), LAWS, strict=True):
         axes.plot([], [], style, color="0.25", lw=1.0, label=name.replace("_", "-"))
@@ -62,17 +62,17 @@ def _draw_closure(axes, history: xr.Dataset) -> None:
 
 
 def _draw_aperture(axes, history: xr.Dataset) -> None:
-    """Mean aperture over stress from seating on, which leaves out what touches first."""
+    """Draw mean aperture over stress from seating on, which leaves out the first contacts."""
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
     table = curve_table(history)
     top = 0.0
-    for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
+    for (cycle, branch), rows in table.groupby(["cycle", "branch"], sort=False):
         axes.plot(
-            own.normal_stress_MPa, own.mean_aperture_mm, BRANCH_LINES[branch],
+            rows.normal_stress_MPa, rows.mean_aperture_mm, BRANCH_LINES[branch],
             color=f"C{cycle - 1}", label=f"cycle {cycle}, {branch}",
             zorder=above(cycle, branch),
         )  # fmt: skip
-        loaded = own[own.normal_stress_MPa >= 0.5 * seating].mean_aperture_mm
+        loaded = rows[rows.normal_stress_MPa >= 0.5 * seating].mean_aperture_mm
         top = max(top, float(np.nanmax(loaded)) if len(loaded) else 0.0)
     axes.set(
         title="mean aperture", xlim=0.0, ylim=(0.0, 1.15 * top or None),
@@ -82,12 +82,12 @@ def _draw_aperture(axes, history: xr.Dataset) -> None:
 
 
 def _draw_flow(axes, history: xr.Dataset) -> None:
-    """Hydraulic apertures over stress by direction: loading thick, unloading thin."""
-    for (cycle, branch), own in curve_table(history).groupby(["cycle", "branch"], sort=False):
+    """Draw hydraulic apertures over stress by direction: loading thick, unloading thin."""
+    for (cycle, branch), rows in curve_table(history).groupby(["cycle", "branch"], sort=False):
         for direction, style in (("x", "-"), ("y", ":")):
             label = f"cycle {cycle}, along {direction}" if branch == LOADING else None
             axes.plot(
-                own.normal_stress_MPa, own[f"hydraulic_aperture_{direction}_mm"], style,
+                rows.normal_stress_MPa, rows[f"hydraulic_aperture_{direction}_mm"], style,
                 color=f"C{cycle - 1}", label=label, lw=2.2 if branch == LOADING else 0.9,
                 zorder=above(cycle, branch),
             )  # fmt: skip

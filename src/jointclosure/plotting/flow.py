@@ -1,4 +1,4 @@
-"""Hydraulic apertures of a study over stress."""
+"""Figure of the hydraulic apertures of a study over stress."""
 
 import numpy as np
 import pandas as pd
@@ -20,16 +20,16 @@ _QUANTITIES = {
 
 @styled
 def flow_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], seating_stress: float) -> Figure:
-    """Mean hydraulic aperture and its ratio to the mean aperture, of each rock's base case.
+    """Draw mean hydraulic aperture and its ratio to the mean aperture for each rock's base case.
 
     Parameters
     ----------
     table : DataFrame
         As from `jointclosure.ensemble.flow_table.flow_table`.
     rocks : dict
-        By name, in order: a row of panels each.
+        Rocks by name, in order; each has a row of panels.
     seating_stress : float
-        From which curves are drawn [Pa].
+        Smallest stress of the curves [Pa].
     """
     directions = list(dict.fromkeys(table.direction))
     kinds = [(name, direction) for name in _QUANTITIES for direction in directions]
@@ -39,9 +39,9 @@ def flow_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], seating_stress
     )  # fmt: skip
     base = table[(table.parameter == "base") & (table.stress_MPa >= 1e-6 * seating_stress)]
     for row, (name, rock) in zip(panels, rocks.items(), strict=True):
-        own = base[base.rock == name]
+        rows = base[base.rock == name]
         for axes, (quantity, direction) in zip(row, kinds, strict=True):
-            _draw(axes, own[own.direction == direction], quantity)
+            _draw(axes, rows[rows.direction == direction], quantity)
             axes.set(
                 title=f"{rock.title}, flow along {direction}", xlabel="normal stress (MPa)",
                 ylabel=_QUANTITIES[quantity][1], xlim=(0.0, 1e-6 * rock.max_normal_stress),
@@ -68,20 +68,20 @@ def flow_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], seating_stress
 
 
 def _draw(axes, table: pd.DataFrame, quantity: str) -> None:
-    """Mean of each cycle's branches over the realisations, with a band about loading."""
+    """Draw the mean of each cycle's branches over the realisations, with a band about loading."""
     unit = _QUANTITIES[quantity][0]
-    # a mean over the few that were pressed farthest is not that of the joints
+    # the mean over only those joints that reach a stress would not represent all joints
     table = table[table.samples == table.samples.max()]
-    for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
-        colour, stress = f"C{cycle - 1}", own.stress_MPa.to_numpy()
-        mean = own[f"{quantity}_mean{unit}"].to_numpy()
+    for (cycle, branch), rows in table.groupby(["cycle", "branch"], sort=False):
+        colour, stress = f"C{cycle - 1}", rows.stress_MPa.to_numpy()
+        mean = rows[f"{quantity}_mean{unit}"].to_numpy()
         axes.plot(
             stress, mean, BRANCH_LINES[branch], color=colour, lw=2.0, zorder=above(cycle, branch)
         )
         if branch == UNLOADING:
             continue
-        spread = np.nan_to_num(own[f"{quantity}_standard_deviation{unit}"].to_numpy())
+        spread = np.nan_to_num(rows[f"{quantity}_standard_deviation{unit}"].to_numpy())
         low, high = np.maximum(mean - spread, 0.0), mean + spread
         axes.fill_between(stress, low, high, color=colour, alpha=0.18, lw=0)
         if quantity == "hydraulic_aperture":
-            axes.plot(stress, own.mean_aperture_mean_mm, ":", color=colour, lw=1.2)
+            axes.plot(stress, rows.mean_aperture_mean_mm, ":", color=colour, lw=1.2)

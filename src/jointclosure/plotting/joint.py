@@ -1,4 +1,4 @@
-"""Curves of one joint."""
+"""Closure and stiffness curves of one joint."""
 
 import matplotlib.ticker
 import numpy as np
@@ -44,8 +44,8 @@ def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = 
     closed : Dataset
         As from `jointclosure.simulate`.
     since : {"touch", "seating", "cycle"}
-        Where closure counts from: first touch, the seating stress on each cycle's loading, or
-        each cycle's start.
+        Zero of closure: first touch, the seating stress on each cycle's loading, or the start of
+        each cycle.
     of : {"closure_net", "closure"}
         Net closure, or gross, as for `jointclosure.joint.history.read_along`.
     """
@@ -79,9 +79,9 @@ def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = 
 def draw_stiffness(axes: Axes, closed: xr.Dataset) -> None:
     """Draw net normal stiffness by chords against stress; chords of the landing as open circles."""
     table = stiffness_table(closed)
-    for (cycle, branch), own in table.groupby(["cycle", "branch"], sort=False):
+    for (cycle, branch), rows in table.groupby(["cycle", "branch"], sort=False):
         colour, order = f"C{cycle - 1}", above(cycle, branch)
-        for landing, part in own.groupby("landing"):
+        for landing, part in rows.groupby("landing"):
             label = "landing on the maximum" if landing else f"cycle {cycle}, {branch}"
             axes.plot(
                 part.normal_stress_MPa, part.normal_stiffness_net_MPa_per_mm,
@@ -96,7 +96,7 @@ def draw_stiffness(axes: Axes, closed: xr.Dataset) -> None:
 
 
 def _zero_of(closed: xr.Dataset, cycle: int, since: str, of: str) -> float:
-    """Closure [m] that counts as none in a cycle."""
+    """Return the closure [m] from which closures of a cycle count."""
     if since == "seating":
         return seat_of(closed, cycle, LOADING, of)
     if since == "cycle":
@@ -108,7 +108,7 @@ def _zero_of(closed: xr.Dataset, cycle: int, since: str, of: str) -> float:
 def _from_seating(
     closed: xr.Dataset, branch: str, seat: float, closure: np.ndarray, stress: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The part of a branch above the seating stress, its point at that stress included."""
+    """Return the part of a branch above the seating stress, including its point at that stress."""
     seating = float(closed.attrs["seating_stress_Pa"])
     above_it = stress > seating
     end = 0 if branch == LOADING else int(above_it.sum())

@@ -1,4 +1,4 @@
-"""Labels beside marks, none of which covers a mark or another label."""
+"""Labels beside marks that cover neither marks nor other labels."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -16,13 +16,13 @@ _PLACES = (
     ((0, 5), "center", "bottom"),
     ((0, -5), "center", "top"),
 )
-"""Offsets [points] from a mark's middle that are tried in turn, and what stands there."""
+"""Offsets [points] from a mark's middle that are tried in turn, and the alignment of text there."""
 _STAR = 6.0
-"""Half the width of a large mark [points]."""
+"""Half-width of a large mark [points]."""
 
 
 class Label(NamedTuple):
-    """A text and the mark (data coordinates) that it belongs to."""
+    """Text, and the mark (data coordinates) to which it belongs."""
 
     text: str
     x: float
@@ -31,19 +31,19 @@ class Label(NamedTuple):
 
 
 def label_marks(axes: Axes, labels: Sequence[Label], size: float = 6.0) -> None:
-    """Write labels beside their marks, where there is room; leave out those that have none.
+    """Write labels beside their marks; labels without room are left out.
 
     Parameters
     ----------
     axes : Axes
-        With all of its marks, its limits and its layout.
+        Axes with all marks, limits and layout.
     labels : sequence of Label
     size : float
-        Of the font [points].
+        Font size [points].
 
     Notes
     -----
-    A place has room if it lies within the axes and meets no mark and no label that is written.
+    A position has room if it lies within the axes and overlaps no mark and no other label.
     """
     figure = axes.get_figure(root=True)
     assert figure is not None
@@ -68,12 +68,12 @@ def label_marks(axes: Axes, labels: Sequence[Label], size: float = 6.0) -> None:
 
 
 def _marks(axes: Axes, scale: float) -> list[Bbox]:
-    """The boxes [pixels] of all marks; ``scale`` pixels are a point."""
-    found = []
+    """Return the boxes [pixels] of all marks; ``scale`` is the number of pixels of a point."""
+    boxes = []
     for line in axes.lines:
         if line.get_marker() in ("", "None", None):
             continue
         half = scale * (_STAR if line.get_marker() == "*" else 0.5 * line.get_markersize())
         for x, y in axes.transData.transform(np.column_stack(line.get_data())):
-            found.append(Bbox([[x - half, y - half], [x + half, y + half]]))
-    return found
+            boxes.append(Bbox([[x - half, y - half], [x + half, y + half]]))
+    return boxes

@@ -1,4 +1,4 @@
-"""Measured closure curves in a panel of the closure figure, and what fits them best."""
+"""Measured closure curves and best-fitting realisations in a panel of the closure figure."""
 
 from collections.abc import Collection, Mapping
 from types import MappingProxyType
@@ -24,12 +24,12 @@ class Measurements(NamedTuple):
 
     @property
     def cycles(self) -> int:
-        """The last cycle that was measured, 0 where none was."""
+        """Return the last measured cycle, 0 if there is none."""
         return max((curve.cycles[-1] for curve in self.curves.values()), default=0)
 
     @property
     def best(self) -> list[int]:
-        """Realisations that fit some curve best: these are drawn, however many there are."""
+        """Return the realisations that fit a curve best, which are always drawn."""
         return self.fits.best_realization.dropna().astype(int).tolist()
 
 
@@ -41,7 +41,7 @@ def draw_measured(
     seating_stress: float,
     cycles: Collection[int],
 ) -> str:
-    """Draw a rock's measured curve and each cycle's best realisation; what to say of its misfit.
+    """Draw a rock's measured curve and each cycle's best realisation, and describe the misfit.
 
     Parameters
     ----------
@@ -49,18 +49,18 @@ def draw_measured(
         Closure [mm] since seating, and stress [MPa].
     measured : Measurements
     rock : str
-        Draws nothing for one without a measured curve.
+        Nothing is drawn for a rock without a measured curve.
     base : Dataset
         The rock's base case, over (realization, cycle, branch, stress).
     seating_stress : float
-        From which each cycle's loading counts [Pa].
+        Stress from which closure of each cycle counts [Pa].
     cycles : collection of int
-        Which are drawn.
+        Cycles that are drawn.
 
     Returns
     -------
     str
-        A line for the title, empty where nothing was measured.
+        A line for the title, empty without a measured curve.
     """
     if rock not in measured.curves:
         return ""
@@ -71,9 +71,9 @@ def draw_measured(
             closures += closure.tolist()
             stresses += stress.tolist()
         axes.plot([1e3 * c for c in closures], [1e-6 * s for s in stresses], "k-", lw=1.6, zorder=5)
-    seated, said = seats(base), []
+    seated, misfits = seats(base), []
     for cycle, realization, misfit, percent in best_fits(measured.fits, rock):
-        said.append(f"cycle {cycle} {misfit:.2g} mm ({_percent(percent)} %)")
+        misfits.append(f"cycle {cycle} {misfit:.2g} mm ({_percent(percent)} %)")
         if cycle not in cycles:
             continue
         best = base.closure.sel(cycle=cycle, realization=realization)
@@ -85,13 +85,13 @@ def draw_measured(
                 1e-6 * base.stress.values[shown],
                 **_style(cycle),
             )
-    if not said:
+    if not misfits:
         return "\nno realisation reaches all measured stresses"
-    return f"\nRMS misfit of the best: {', '.join(said)}"
+    return f"\nRMS misfit of the best: {', '.join(misfits)}"
 
 
 def _percent(value: float) -> str:
-    """Two figures, of large numbers all."""
+    """Format with two digits, large numbers with all digits."""
     return f"{value:.2g}" if value < 99.5 else f"{value:.0f}"
 
 
@@ -107,7 +107,7 @@ def _style(cycle: int) -> dict:
 
 
 def measured_handles(measured: Measurements) -> list:
-    """Entries of the legend: nothing where nothing was measured."""
+    """Return entries of the legend; none without measured curves."""
     if not measured.curves:
         return []
     cycles = range(1, measured.cycles + 1)

@@ -1,4 +1,4 @@
-"""Closure, stiffness, what stays and hysteresis from mates to independent walls."""
+"""Figure of closure, stiffness, residual and hysteresis from mated to independent walls."""
 
 import numpy as np
 import pandas as pd
@@ -20,7 +20,7 @@ _CYCLES = ("C0", "C1", "C2", "C4")
 
 @styled
 def mismatch_figure(table: pd.DataFrame) -> Figure:
-    """What mismatch does without a shift (left), and a shift to the first cycle (right).
+    """Draw the effect of mismatch without a shift (left), and of a shift on cycle 1 (right).
 
     Parameters
     ----------
@@ -29,8 +29,8 @@ def mismatch_figure(table: pd.DataFrame) -> Figure:
 
     Notes
     -----
-    Bars and the grey band are standard errors over surfaces. Mates and independent walls stand at
-    the ends of the left axes; the grey line is independent walls.
+    Bars and the grey band are standard errors over surfaces. Mated and independent walls are at
+    the ends of the left axes; the grey line is that of independent walls.
     """
     table = table[table.rock == table.rock.iloc[0]]
     figure, panels = subplots(
@@ -42,7 +42,7 @@ def mismatch_figure(table: pd.DataFrame) -> Figure:
         row[0].set_ylabel(title)
         if column == "normal_stiffness_net_MPa_per_mm":
             row[0].set_yscale("log")
-        elif column == "hysteresis":  # that of mates is unresolved, and may be far below
+        elif column == "hysteresis":  # that of mated walls is unresolved, and may be far below
             row[0].set_ylim(-0.1, 1.05)
         else:
             row[0].set_ylim(bottom=min(0.0, 1.05 * table[column].min()))
@@ -60,7 +60,7 @@ def mismatch_figure(table: pd.DataFrame) -> Figure:
 
 
 def _against_mismatch(axes: Axes, table: pd.DataFrame, column: str) -> None:
-    """A quantity of each cycle against the mismatch wavelength, mates first."""
+    """Draw a quantity of each cycle over the mismatch wavelength, mated walls first."""
     wavelengths = np.sort(table.wavelength_mm.unique())
     inner = wavelengths[(wavelengths > 0.0) & np.isfinite(wavelengths)]
     ends = (0.6 * inner[0], 1.7 * inner[-1]) if inner.size else (0.5, 2.0)
@@ -80,7 +80,7 @@ def _against_mismatch(axes: Axes, table: pd.DataFrame, column: str) -> None:
 
 
 def _against_shift(axes: Axes, table: pd.DataFrame, column: str) -> None:
-    """A quantity of one cycle against the shift, a line for each mismatch wavelength."""
+    """Draw a quantity of one cycle over the shift, with a line for each mismatch wavelength."""
     free = table[np.isinf(table.wavelength_mm)]
     mean, error = free[column].iloc[0], free[f"{column}_error"].iloc[0]
     axes.axhspan(mean - error, mean + error, color="0.9", lw=0.0)

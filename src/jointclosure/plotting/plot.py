@@ -1,7 +1,7 @@
-"""Pictures for notebooks: each function draws on matplotlib axes, and gives them back.
+"""Figures for notebooks: each function draws on matplotlib axes and returns them.
 
 ``import jointclosure as jc`` and ``jc.plot.curves(joint)``. Without ``axes`` a new figure of pyplot
-is made, as notebooks show it. Lengths are drawn in mm and stresses in MPa.
+is made, which notebooks show. Lengths are drawn in mm and stresses in MPa.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -14,7 +14,7 @@ from jointclosure.inputs.extras import needs
 from jointclosure.joint.history import GROSS, NET
 from jointclosure.plotting.joint import draw_curves, draw_stiffness
 from jointclosure.plotting.scanned_joint import draw_section, map_extent
-from jointclosure.plotting.snapshots import MAPS, draw_contacts, draw_map, state_said
+from jointclosure.plotting.snapshots import MAPS, describe_state, draw_contacts, draw_map
 from jointclosure.plotting.style import BRANCH_LINES, styled
 
 with needs("figures", "jointclosure.plotting.plot"):
@@ -41,23 +41,23 @@ def curves(
     since: str = "touch",
     gross: bool = False,
 ) -> Axes:
-    """Draw normal stress against closure: loading full, unloading dashed, a colour a cycle.
+    """Draw normal stress over closure: loading solid, unloading dashed, a colour for each cycle.
 
     Parameters
     ----------
     joint : Dataset or ClosedJoint
         As from `jointclosure.simulate` or `jointclosure.close`; or from
-        `jointclosure.simulate_ensemble`: then each joint is a thin line and their mean a thick one.
+        `jointclosure.simulate_ensemble`, where joints are thin lines and their mean a thick one.
     axes : Axes, optional
     since : {"touch", "seating", "cycle"}
-        Where closure counts from; ensembles count from first touch.
+        Zero of closure; that of ensembles is first touch.
     gross : bool
-        With the elastic indentation of the half-spaces, which the net closure does not contain.
+        Whether to draw gross closure, with the elastic indentation of the half-spaces.
 
     Raises
     ------
     InputError
-        Another ``since``.
+        If ``since`` is another word.
     """
     check_one_of("since", since, _SINCE)
     history, axes = _history(joint), _axes(axes)
@@ -89,7 +89,7 @@ def _ensemble_curves(axes: Axes, ensemble: xr.Dataset, gross: bool) -> None:
 
 @styled
 def stiffness(joint: "xr.Dataset | ClosedJoint", axes: Axes | None = None) -> Axes:
-    """Draw net normal stiffness kn [MPa/mm] against stress, by chords between even stresses.
+    """Draw net normal stiffness kn [MPa/mm] over stress, by chords between evenly spaced stresses.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def stiffness(joint: "xr.Dataset | ClosedJoint", axes: Axes | None = None) -> Ax
 
 @styled
 def wall(heights: np.ndarray, spacing: float, axes: Axes | None = None) -> Axes:
-    """A map of heights.
+    """Draw a map of heights.
 
     Parameters
     ----------
@@ -129,27 +129,27 @@ def walls(
     upper: Any, lower: np.ndarray | None = None, *, spacing: float | None = None,
     axes: Axes | None = None,
 ) -> Axes:  # fmt: skip
-    """Both walls at first touch, in a section along x through it.
+    """Draw both walls at first touch, in a section along x through the first contact.
 
     Parameters
     ----------
     upper, lower : array (y, x)
-        Heights towards the other wall [m]; or a `ClosedJoint` or `RegisteredPair` in the place of
-        ``upper``, whose walls and spacing are taken.
+        Heights towards the other wall [m]; or only ``upper``, a `ClosedJoint` or `RegisteredPair`
+        with walls and spacing.
     spacing : float
-        Grid spacing [m], with arrays.
+        Grid spacing [m], needed with arrays.
     axes : Axes, optional
 
     Raises
     ------
     InputError
-        Arrays without the other wall or the spacing.
+        If arrays are given without the other wall or the spacing.
     """
     pair = getattr(upper, "pair", upper)
     if lower is None and hasattr(pair, "spacing") and hasattr(pair, "lower"):
         upper, lower, spacing = pair.upper, pair.lower, pair.spacing
     if lower is None or spacing is None:
-        raise InputError("walls: give upper, lower and spacing=, or a joint that has them")
+        raise InputError("walls: must be upper, lower and spacing=, or a joint that has them")
     check_length("spacing", spacing)
     axes = _axes(axes)
     draw_section(axes, np.asarray(upper), np.asarray(lower), spacing)
@@ -161,20 +161,20 @@ def walls(
 def aperture(
     joint: "xr.Dataset | ClosedJoint", snapshot: int = -1, axes: Axes | None = None
 ) -> Axes:
-    """The distance of the deformed walls in a snapshot, with contacts red.
+    """Draw the distance of the deformed walls in a snapshot, with contacts in red.
 
     Parameters
     ----------
     joint : Dataset or ClosedJoint
-        Closed with ``snapshots``.
+        Joint closed with ``snapshots``.
     snapshot : int
-        Which of them, by its place; by default the last.
+        Index of the snapshot, by default the last.
     axes : Axes, optional
 
     Raises
     ------
     InputError
-        The joint has no such snapshot.
+        If the joint has no such snapshot.
     """
     axes = _axes(axes)
     _state_map(axes, joint, snapshot, "aperture")
@@ -187,7 +187,7 @@ def aperture(
 def contacts(
     joint: "xr.Dataset | ClosedJoint", snapshot: int = -1, axes: Axes | None = None
 ) -> Axes:
-    """The stress of the cells in contact in a snapshot; arguments as for `aperture`."""
+    """Draw the stress of the cells in contact in a snapshot; arguments as for `aperture`."""
     axes = _axes(axes)
     _state_map(axes, joint, snapshot, "stress")
     return axes
@@ -195,7 +195,7 @@ def contacts(
 
 @styled
 def damage(joint: "xr.Dataset | ClosedJoint", snapshot: int = -1, axes: Axes | None = None) -> Axes:
-    """By what both walls' heights changed since first touch; arguments as for `aperture`."""
+    """Draw the change of both walls' heights since first touch; arguments as for `aperture`."""
     axes = _axes(axes)
     _state_map(axes, joint, snapshot, "change")
     return axes
@@ -207,12 +207,12 @@ def _state_map(axes: Axes, joint: "xr.Dataset | ClosedJoint", snapshot: int, nam
     if not -count <= snapshot < count:
         raise InputError(
             f"snapshot = {snapshot!r}: the joint has {count}; simulate(..., snapshots=[...]) and "
-            "close(..., snapshots=[...]) keep them"
+            "close(..., snapshots=[...]) store them"
         )
     drawn = MAPS[name](history)
     image = draw_map(axes, history, drawn, snapshot)
-    said = dict(zip(MAPS, state_said(history.isel(snapshot=snapshot)), strict=True))
-    title = said["aperture"] if name == "aperture" else f"{said['aperture']}, {said[name]}"
+    titles = dict(zip(MAPS, describe_state(history.isel(snapshot=snapshot)), strict=True))
+    title = titles["aperture"] if name == "aperture" else f"{titles['aperture']}, {titles[name]}"
     axes.set_title(title)
     _finish_map(axes, image, drawn.label, drawn.beyond)
 

@@ -1,4 +1,4 @@
-"""Pictures of two scanned walls that were brought together."""
+"""Figures of two registered scanned walls."""
 
 import matplotlib.ticker
 import numpy as np
@@ -11,7 +11,7 @@ from jointclosure.surface.registration import CLEAR, RegisteredPair
 
 @styled
 def pair_figure(pair: RegisteredPair, title: str) -> Figure:
-    """Both walls, the aperture and a section at first touch, how they mate, and how they lie.
+    """Draw both walls, aperture and section at first touch, correlation, and orientations.
 
     Parameters
     ----------
@@ -19,27 +19,27 @@ def pair_figure(pair: RegisteredPair, title: str) -> Figure:
     title : str
     """
     figure, panels = subplots(2, 3, figsize=(13.5, 8.2), layout="constrained")
-    # z upwards on both, so that mates look alike
+    # z upwards on both, so that mated walls look equal
     _draw_wall(panels[0, 0], -pair.upper, pair, "upper wall, seen from above")
     _draw_wall(panels[0, 1], pair.lower, pair, "lower wall, seen from above")
     _draw_aperture(panels[0, 2], pair)
     _draw_section(panels[1, 0], pair)
     _draw_mating(panels[1, 1], pair)
     _draw_orientations(panels[1, 2], pair)
-    figure.suptitle(title, parse_math=False)  # a file's name is no formula
+    figure.suptitle(title, parse_math=False)  # a file's name is not a formula
     for axes in panels[1]:
         sns.despine(ax=axes)
     return figure
 
 
 def map_extent(pair_shape: tuple[int, int], spacing: float) -> tuple[float, float, float, float]:
-    """Edges (left, right, bottom, top) [mm] of a map of cells (y, x)."""
+    """Return edges (left, right, bottom, top) [mm] of a map of cells (y, x)."""
     ny, nx = pair_shape
     return 0.0, 1e3 * nx * spacing, 0.0, 1e3 * ny * spacing
 
 
 def _place(pair: RegisteredPair) -> tuple[float, float]:
-    """x and y of the middle of the cell of first touch [mm]."""
+    """Return x and y of the middle of the cell of first touch [mm]."""
     y, x = pair.first_touch
     return 1e3 * (x + 0.5) * pair.spacing, 1e3 * (y + 0.5) * pair.spacing
 
@@ -62,17 +62,19 @@ def _draw_aperture(axes, pair: RegisteredPair) -> None:
     axes.figure.colorbar(image, ax=axes, label="aperture (mm)", shrink=0.85, extend="max")
     x, y = _place(pair)
     axes.plot(x, y, "o", ms=11, mfc="none", mec="red", mew=1.8)
-    axes.set(title="aperture at first touch (circle: where)", xlabel="x (mm)", ylabel="y (mm)")
+    axes.set(
+        title="aperture at first touch (circle: first contact)", xlabel="x (mm)", ylabel="y (mm)"
+    )
 
 
 def _draw_section(axes, pair: RegisteredPair) -> None:
-    """Both walls along x through first touch, the gap between them shaded."""
+    """Draw both walls along x through first touch, with the gap between them shaded."""
     draw_section(axes, pair.upper, pair.lower, pair.spacing)
     axes.legend(frameon=False, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.16))
 
 
 def draw_section(axes, upper: np.ndarray, lower: np.ndarray, spacing: float) -> None:
-    """Walls (y, x) [m] at first touch, along x through it, the gap between them shaded."""
+    """Draw walls (y, x) [m] at first touch, along x through it, with the gap shaded."""
     aperture = float((upper + lower).max()) - upper - lower
     row, column = np.unravel_index(int(aperture.argmin()), aperture.shape)
     below = 1e3 * lower[row]
@@ -87,13 +89,13 @@ def draw_section(axes, upper: np.ndarray, lower: np.ndarray, spacing: float) -> 
 
 
 def _draw_mating(axes, pair: RegisteredPair) -> None:
-    """Correlation over wavelength, with one standard error; mismatch wavelength and interval."""
-    found = pair.mating
-    error = (1.0 - found.correlation**2) / np.sqrt(found.modes)
-    wavelengths = 1e3 * found.wavelengths
+    """Draw correlation over wavelength, with one standard error, and the mismatch wavelength."""
+    mating = pair.mating
+    error = (1.0 - mating.correlation**2) / np.sqrt(mating.modes)
+    wavelengths = 1e3 * mating.wavelengths
     axes.axhline(0.0, color="0.7", lw=0.8)
     axes.errorbar(
-        wavelengths, found.correlation, error, fmt="o-", color="C0", ms=4, lw=1.1, capsize=2
+        wavelengths, mating.correlation, error, fmt="o-", color="C0", ms=4, lw=1.1, capsize=2
     )
     limit = pair.mismatch.wavelength
     if 0.0 < limit < np.inf:
@@ -105,9 +107,9 @@ def _draw_mating(axes, pair: RegisteredPair) -> None:
             fontsize=9,
         )  # fmt: skip
     axes.set(
-        xscale="log", ylim=(min(-0.3, 1.1 * (found.correlation - error).min()), 1.05),
-        title="how well the walls mate", xlabel="wavelength (mm)",
-        ylabel="correlation (1: mates, 0: independent)",
+        xscale="log", ylim=(min(-0.3, 1.1 * (mating.correlation - error).min()), 1.05),
+        title="correlation of the walls", xlabel="wavelength (mm)",
+        ylabel="correlation (1: mated, 0: independent)",
     )  # fmt: skip
     axes.xaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
@@ -115,7 +117,7 @@ def _draw_mating(axes, pair: RegisteredPair) -> None:
 
 
 def _draw_orientations(axes, pair: RegisteredPair) -> None:
-    """Correlation of slopes in each orientation, the one that was taken in colour."""
+    """Draw the correlation of slopes in each orientation, with the one used in colour."""
     fits = pair.fits[::-1]
     colours = ["C0" if fit.orientation == pair.orientation else "0.75" for fit in fits]
     axes.barh([fit.orientation for fit in fits], [fit.correlation for fit in fits], color=colours)
@@ -123,6 +125,6 @@ def _draw_orientations(axes, pair: RegisteredPair) -> None:
     if second > 0.0:
         axes.axvline(CLEAR * second, color="0.3", lw=1.0, ls="--")
     axes.set(
-        title="how the upper scan lies",
+        title="orientation of the upper scan",
         xlabel=f"correlation of slopes (line: {CLEAR:g} times the second)",
     )

@@ -1,4 +1,4 @@
-"""Figures of what a sensitivity study would publish, and along the closure curve."""
+"""Figures of predicted publications of a sensitivity study, and along the closure curve."""
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -12,9 +12,9 @@ from jointclosure.config.typed import StudyRock
 
 _OURS, _NULL = "#2a6f97", "0.82"
 _RANGE = (0.5, 500.0)
-"""Percent of the rock's own value that is shown."""
+"""Range of the axis, in percent of the rock's value."""
 _DASH = 900.0
-"""Place of the column of dashes on that axis, beyond the range."""
+"""Position of the column of dashes on that axis, beyond the range."""
 _BINS = np.geomspace(*_RANGE, 61)
 _TICKS = (1, 3, 10, 30, 100, 300)
 _STYLES = ("-", "--", "-.", ":")
@@ -23,18 +23,18 @@ _STYLES = ("-", "--", "-.", ":")
 def predictive_figure(
     drawn: xr.Dataset, paper: pd.DataFrame, rocks: dict[str, StudyRock], draws: int
 ) -> Figure:
-    """What repetitions of the study would publish, the null, and what the paper did.
+    """Draw predicted lengths over repetitions of the study, of the null model, and of the paper.
 
     Parameters
     ----------
     drawn : Dataset
-        As of `jointclosure.sensitivity.predictive.lengths_dataset`.
+        As from `jointclosure.sensitivity.predictive.lengths_dataset`.
     paper : DataFrame
         The paper's Table 3.
     rocks : dict
-        Of the study, by name, in order.
+        Rocks of the study by name, in order.
     draws : int
-        Surfaces of a study per level.
+        Number of surfaces of a study per level.
     """
     parameters = [p for p in PARAMETER_TITLES if p in set(drawn.parameter.values.tolist())]
     cycles = sorted(set(drawn.cycle.values.tolist()))
@@ -69,7 +69,7 @@ def predictive_figure(
             axes.set_ylim(-len(names) + 0.38, 0.62)
             _scale(axes)
     for axes in panels[-1]:
-        axes.set_xlabel("interval, % of the rock's own value")
+        axes.set_xlabel("interval, % of the rock's value")
     figure.legend(
         handles=_handles(draws, bool(len(published.index.intersection(_keys(drawn))))),
         loc="outside lower center",
@@ -86,7 +86,7 @@ def _keys(drawn: xr.Dataset) -> list[tuple]:
 
 
 def _draw_entry(axes, y: float, ours: np.ndarray, null: np.ndarray) -> None:
-    """One rock's row: density of both, median and 90 % range of ours, and shares of dashes."""
+    """Draw one rock's row: densities, median and 90 % range of the model, and shares of dashes."""
     centres = np.sqrt(_BINS[:-1] * _BINS[1:])
     for values, style, zorder in (
         (null, {"color": _NULL, "lw": 0}, 1),
@@ -147,27 +147,27 @@ def _handles(draws: int, compared: bool) -> list:
             lw=1.1,
             label=f"studies of {draws} draws, unpaired t test",
         ),
-        plt.Line2D([], [], color=_OURS, lw=3.2, label="their 5 to 95 %; upright: the median"),
+        plt.Line2D([], [], color=_OURS, lw=3.2, label="their 5 to 95 % range; upright: median"),
         plt.Rectangle((0, 0), 1, 1, fc=_NULL, lw=0, label="if the property had no effect"),
     ]
     if compared:
         handles.append(
             plt.Line2D([], [], marker="D", color="k", mec="w", ms=7.5, ls="", label="the paper")
         )
-    text = "column –: no real root (share of ours)"
+    text = "column –: no real root (share in this study)"
     handles.append(plt.Line2D([], [], marker="", ls="", color=_OURS, label=text))
     return handles
 
 
 def along_curve_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], what: str) -> Figure:
-    """Elasticities, or lengths of intervals, against stress, for each parameter and cycle.
+    """Draw elasticities, or lengths of intervals, over stress, for each parameter and cycle.
 
     Parameters
     ----------
     table : DataFrame
-        As of `jointclosure.sensitivity.along_curve.along_curve`.
+        As from `jointclosure.sensitivity.along_curve.along_curve`.
     rocks : dict
-        Of the study, by name, in order.
+        Rocks of the study by name, in order.
     what : {"elasticities", "intervals"}
     """
     parameters = [p for p in PARAMETER_TITLES if p in set(table.parameter)]

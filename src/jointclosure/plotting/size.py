@@ -1,4 +1,4 @@
-"""Closure, residual closure and stiffness against patch length and spacing."""
+"""Figure of closure, residual closure and stiffness over patch length and spacing."""
 
 import pandas as pd
 import seaborn as sns
@@ -20,7 +20,7 @@ _MARKERS = "osD^vP*X"
 
 @styled
 def size_figure(table: pd.DataFrame) -> Figure:
-    """Ratios to the base's joints: against patch length (left) and spacing (right).
+    """Draw ratios to the joints of the base: over patch length (left) and spacing (right).
 
     Parameters
     ----------
@@ -29,8 +29,8 @@ def size_figure(table: pd.DataFrame) -> Figure:
 
     Notes
     -----
-    Bars are standard errors over realisations, of pairs of the same walls. Both axes are
-    logarithmic: a power is a straight line.
+    Bars are standard errors over realisations, of ratios for the same walls. Both axes are
+    logarithmic, so that a power law is a straight line.
     """
     table = table[table.rock == table.rock.iloc[0]]
     base = table[(table.closure_mm_ratio == 1.0) & (table.closure_mm_error == 0.0)].iloc[0]
@@ -38,10 +38,10 @@ def size_figure(table: pd.DataFrame) -> Figure:
         len(_ROWS), 2, figsize=(9.0, 14.0), layout="constrained", sharey="row", sharex="col"
     )
     for row, (column, cycle, title) in zip(panels, _ROWS, strict=True):
-        own = table[table.cycle == cycle]
+        rows = table[table.cycle == cycle]
         lines = (
-            ("patch_mm", own[own.spacing_mm == base.spacing_mm]),
-            ("spacing_mm", own[own.patch_mm == base.patch_mm]),
+            ("patch_mm", rows[rows.spacing_mm == base.spacing_mm]),
+            ("spacing_mm", rows[rows.patch_mm == base.patch_mm]),
         )
         for axes, (along, part) in zip(row, lines, strict=True):
             _against(axes, part, along, column)
@@ -59,7 +59,7 @@ def size_figure(table: pd.DataFrame) -> Figure:
 
 
 def _against(axes: Axes, table: pd.DataFrame, along: str, column: str) -> None:
-    """Ratios of a reading over patch lengths or spacings, a line for each spectrum."""
+    """Draw ratios of a reading over patch lengths or spacings, with a line for each spectrum."""
     spectra = list(dict.fromkeys(table.spectrum))
     colours = sns.color_palette("colorblind", len(spectra))
     axes.axhline(1.0, color="0.8", lw=0.8)

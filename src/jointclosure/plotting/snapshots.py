@@ -1,4 +1,4 @@
-"""Maps of a joint at the stresses that were asked for: aperture, contact forces, damage."""
+"""Maps of a joint at the requested stresses: aperture, contact forces, damage."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -19,7 +19,7 @@ _MAP: dict[str, Any] = {"origin": "lower", "interpolation": "nearest"}
 
 @styled
 def snapshot_figure(closed: xr.Dataset, title: str) -> Figure:
-    """A row for each snapshot: aperture with contacts, stress of the cells, change of the walls.
+    """Draw a row for each snapshot: aperture with contacts, stress of cells, change of the walls.
 
     Parameters
     ----------
@@ -29,8 +29,8 @@ def snapshot_figure(closed: xr.Dataset, title: str) -> Figure:
 
     Notes
     -----
-    Colours mean the same in all rows; few cells may be beyond their ends. The stress
-    is that of a whole cell; contacts are smaller.
+    Colour scales are the same in all rows; a few cells may be beyond their ends. The stress
+    is the mean over a whole cell; contacts are smaller.
     """
     number = closed.sizes["snapshot"]
     figure, panels = subplots(
@@ -47,8 +47,8 @@ def snapshot_figure(closed: xr.Dataset, title: str) -> Figure:
         )  # fmt: skip
     for k, row in enumerate(panels):
         draw_contacts(row[0], closed, k)
-        for axes, said in zip(row, state_said(closed.isel(snapshot=k)), strict=True):
-            axes.set_title(said, fontsize=9)
+        for axes, title_of_map in zip(row, describe_state(closed.isel(snapshot=k)), strict=True):
+            axes.set_title(title_of_map, fontsize=9)
         row[0].set_ylabel("y (mm)")
     for axes in panels[-1]:
         axes.set_xlabel("x (mm)")
@@ -67,7 +67,7 @@ class StateMap(NamedTuple):
 
 
 def aperture_map(closed: xr.Dataset) -> StateMap:
-    """Distance of the deformed walls [mm], 0 in contact."""
+    """Return maps of the distance of the deformed walls [mm], 0 in contact."""
     gap = 1e3 * np.maximum(closed.snapshot_gap.values, 0.0)
     return StateMap(
         "aperture (mm), contacts red", gap, "mako", Normalize(0.0, reach_of(gap)), "max"
@@ -75,7 +75,7 @@ def aperture_map(closed: xr.Dataset) -> StateMap:
 
 
 def stress_map(closed: xr.Dataset) -> StateMap:
-    """Stress of the cells in contact [MPa], of the whole cell."""
+    """Return maps of the stress of the cells in contact [MPa], averaged over the cell."""
     stresses = 1e-6 * closed.snapshot_force.values / spacing_of(closed) ** 2
     shown = np.ma.masked_equal(stresses, 0.0)
     return StateMap(
@@ -84,7 +84,7 @@ def stress_map(closed: xr.Dataset) -> StateMap:
 
 
 def change_map(closed: xr.Dataset) -> StateMap:
-    """Change of both walls' heights together since first touch [mm]."""
+    """Return maps of the change of both walls' heights together since first touch [mm]."""
     change = 1e3 * change_of_height(closed)
     reach = reach_of(np.abs(change))
     scale = Normalize(-reach, reach)
@@ -99,22 +99,22 @@ MAPS: dict[str, Callable[[xr.Dataset], StateMap]] = {
 
 
 def draw_map(axes: Axes, closed: xr.Dataset, drawn: StateMap, snapshot: int) -> AxesImage:
-    """A map of one snapshot on axes of millimetres."""
+    """Draw a map of one snapshot on axes in millimetres."""
     extent = map_extent(drawn.fields.shape[1:], spacing_of(closed))
     field = drawn.fields[snapshot]
     return axes.imshow(field, cmap=drawn.colours, norm=drawn.norm, extent=extent, **_MAP)
 
 
 def draw_contacts(axes: Axes, closed: xr.Dataset, snapshot: int) -> None:
-    """The cells in contact, red."""
+    """Draw the cells in contact in red."""
     force = closed.snapshot_force.values[snapshot]
     contacts = np.ma.masked_where(force == 0.0, np.ones_like(force))
     extent = map_extent(force.shape, spacing_of(closed))
     axes.imshow(contacts, cmap="autumn", extent=extent, **_MAP)
 
 
-def state_said(snapshot: xr.Dataset) -> tuple[str, str, str]:
-    """What stands over the maps of a snapshot."""
+def describe_state(snapshot: xr.Dataset) -> tuple[str, str, str]:
+    """Describe a snapshot by one title for each map."""
     stress = 1e-6 * float(snapshot.normal_stress[int(snapshot.snapshot_step)])
     contacts = 100.0 * float((snapshot.snapshot_force > 0.0).mean())
     broken = 1e9 * float(snapshot.snapshot_broken_volume)
@@ -123,18 +123,18 @@ def state_said(snapshot: xr.Dataset) -> tuple[str, str, str]:
 
 
 def change_of_height(closed: xr.Dataset) -> np.ndarray:
-    """Change of both walls' heights together (snapshot, y, x) since first touch [m]."""
+    """Return the change of both walls' heights together (snapshot, y, x) since first touch [m]."""
     now = closed.snapshot_upper.values + closed.snapshot_lower.values
     return now - (closed.upper_first.values + closed.lower_first.values)
 
 
 def _stress_norm(stresses: np.ndarray) -> LogNorm:
-    """Four decades up to the largest stress of a cell."""
+    """Return a scale of four decades up to the largest stress of a cell."""
     largest = float(stresses.max()) or 1.0
     return LogNorm(1e-4 * largest, largest)
 
 
 def reach_of(values: np.ndarray) -> float:
-    """What all but one in two hundred of those that are not 0 reach, so that few hide none."""
+    """Return the 99.5 % quantile of the values that are not 0, to ignore a few outliers."""
     some = values[values > 0.0]
     return float(np.quantile(some, 0.995)) if some.size else 1.0

@@ -1,4 +1,4 @@
-"""Figures of a study. What it means is computed in `jointclosure.sensitivity`."""
+"""Figures of a study; results are computed in `jointclosure.sensitivity`."""
 
 from typing import Any
 
@@ -23,9 +23,9 @@ from jointclosure.sensitivity.tables import UNPAIRED_TEST, roughness_title, test
 
 _CYCLE_COLOURS = dict(enumerate(sns.color_palette("colorblind", 8), start=1))
 MOST_DRAWN = 500
-"""Surfaces whose curves are drawn; of a larger study the first ones."""
+"""Largest number of surfaces whose curves are drawn; of a larger study the first ones."""
 _FEW_LINES = 20
-"""Curves of which each can be seen; more are fainter, so that the mean is seen through them."""
+"""Largest number of curves that can be distinguished; more are drawn fainter, behind the mean."""
 _OUTLINE = [withStroke(linewidth=3.5, foreground="white")]
 
 
@@ -36,7 +36,7 @@ def _surfaces(study: xr.Dataset) -> str:
 
 @styled
 def equivalent_stress() -> Figure:
-    """The maximum of Eq. (21) against Poisson's ratio, with Eq. (23) on it."""
+    """Draw the maximum of Eq. (21) over Poisson's ratio, with Eq. (23)."""
     ratios = np.linspace(0.0, 0.5, 101)
     depths = np.linspace(0.2, 0.8, 6001)
     along = np.array([[von_mises_on_axis(z, nu) for z in depths] for nu in ratios[::5]])
@@ -54,7 +54,7 @@ def equivalent_stress() -> Figure:
 
 @styled
 def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title: str) -> Figure:
-    """Both walls (y, x) [m], and their summed height: where they touch first."""
+    """Draw both walls (y, x) [m], and the opening at first touch."""
     ny, nx = upper.shape
     extent = (0.0, 1e3 * nx * spacing, 0.0, 1e3 * ny * spacing)
     figure, panels = subplots(1, 3, figsize=(10.5, 4.3), layout="constrained", sharey=True)
@@ -83,9 +83,9 @@ def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title
 
 
 def closest_to_mean(study: xr.Dataset, case: str, seating_stress: float) -> int:
-    """Realisation of least RMS distance to the mean curve of the first cycle, since seating.
+    """Return the realisation closest (RMS) to the mean curve of the first cycle, since seating.
 
-    The first where no curve has a point beyond the seating stress.
+    It is the first realisation if no curve has a point beyond the seating stress.
     """
     base = study.sel(case=case).where(succeeded(study).sel(case=case))
     curves = (base.closure - seats(base)).isel(cycle=0)
@@ -102,7 +102,7 @@ def closure_figure(
     strength_ratio: float,
     measured: Measurements = Measurements(),
 ) -> Figure:
-    """Closure curves of each rock's base case, as in the paper's Fig. 5.
+    """Draw closure curves of each rock's base case, as in the paper's Fig. 5.
 
     Parameters
     ----------
@@ -111,9 +111,9 @@ def closure_figure(
     rocks : dict
         By name, in order.
     seating_stress : float
-        From which each cycle's loading counts [Pa].
+        Stress from which closure of each cycle counts [Pa].
     strength_ratio : float
-        sigma_c/JCS of the Barton-Bandis law, drawn where it holds.
+        sigma_c/JCS of the Barton-Bandis law, drawn if it is valid.
     measured : Measurements
         Measured curves, and the realisations that fit them best.
     """
@@ -126,7 +126,7 @@ def closure_figure(
         rows, len(widths), figsize=(5.6 * columns, 4.2 * rows), layout="constrained",
         squeeze=False, width_ratios=widths, sharey="row",
     )  # fmt: skip
-    for part in range(len(split)):  # one range of closure for all rocks
+    for part in range(len(split)):  # the same range of closure for all rocks
         for axes in panels[:, part :: len(split)].flat[1:]:
             axes.sharex(panels[0, part])
     for axes in panels.flat[len(rocks) * len(split) :]:
@@ -135,12 +135,12 @@ def closure_figure(
     for number, (name, rock) in enumerate(rocks.items()):
         first = divmod(number, columns)
         lawful |= law_holds(rock.jrc) and not rock.walls
-        for part, own in enumerate(split):
+        for part, shown in enumerate(split):
             axes = panels[first[0], first[1] * len(split) + part]
-            said = _draw_rock(
-                axes, study, name, rock, own, seating_stress, strength_ratio, measured
+            title = _draw_rock(
+                axes, study, name, rock, shown, seating_stress, strength_ratio, measured
             )
-            axes.set_title(said if part == 0 else _cycles_said(own))
+            axes.set_title(title if part == 0 else _cycles_in_words(shown))
             if part:
                 axes.set(xlabel="the same (mm)", ylabel="")
             axes.tick_params(labelleft=part == 0)
@@ -166,7 +166,7 @@ def closure_figure(
         handles.append(Line2D([], [], color="0.2", lw=1.2, ls=(0, (1, 1.5)), label=label))
     handles += measured_handles(measured)
     place: dict[str, Any] = {"loc": "outside lower center", "ncols": 3}
-    if columns == 1:  # one rock: the legend has the place of the second
+    if columns == 1:  # one rock: the legend is in the place of a second rock
         figure.set_figwidth(2 * figure.get_figwidth())
         place = {"loc": "outside right center"}
     figure.legend(handles=handles, frameon=False, **place)
@@ -178,7 +178,7 @@ def _draw_rock(
     axes, study: xr.Dataset, name: str, rock: StudyRock, cycles: list[int],
     seating_stress: float, strength_ratio: float, measured: Measurements,
 ) -> str:  # fmt: skip
-    """Some cycles of a rock's base case in a panel; what its title says."""
+    """Draw some cycles of a rock's base case in a panel, and return its title."""
     case = study.case[(study.rock == name) & (study.parameter == "base")].item()
     chosen = closest_to_mean(study, case, seating_stress)
     base = study.sel(case=case).where(succeeded(study).sel(case=case))
@@ -195,15 +195,17 @@ def _draw_rock(
         ylim=(0.0, 1.02 * 1e-6 * rock.max_normal_stress),
         xlabel=f"closure since {1e-6 * seating_stress:g} MPa (mm)", ylabel="normal stress (MPa)",
     )  # fmt: skip
-    return f"{rock.title}, {roughness_title(rock)}, {_cycles_said(cycles)}{_assumed(rock)}{fitted}"
+    return (
+        f"{rock.title}, {roughness_title(rock)}, {_cycles_in_words(cycles)}{_assumed(rock)}{fitted}"
+    )
 
 
-def _cycles_said(cycles: list[int]) -> str:
+def _cycles_in_words(cycles: list[int]) -> str:
     return f"cycle {cycles[0]}" if len(cycles) == 1 else f"cycles {cycles[0]} to {cycles[-1]}"
 
 
 def _draw_cycle(axes, base: xr.Dataset, cycle: int, chosen: int, seating_stress: float) -> None:
-    """Every surface, the band, and the one that is closest to the mean, from seating on."""
+    """Draw every surface, the band, and the surface closest to the mean, from seating on."""
     faint = 0.25 * min(1.0, _FEW_LINES / base.sizes["realization"]) ** 0.5
     stress = 1e-6 * base.stress.values
     curves = base.closure.sel(cycle=cycle) - seats(base).sel(cycle=cycle)
@@ -213,7 +215,7 @@ def _draw_cycle(axes, base: xr.Dataset, cycle: int, chosen: int, seating_stress:
         shown = (stress > 1e-6 * seating_stress) & np.isfinite(every.values).any(axis=0)
         x, y = every.values[:, shown], stress[shown]
         line = every.sel(realization=chosen).values[shown]
-        if branch == "loading":  # which starts at the seating, by definition
+        if branch == "loading":  # starts at seating by definition
             x = np.column_stack([np.zeros(len(x)), x])
             line, y = np.append(0.0, line), np.append(1e-6 * seating_stress, y)
             mean, spread = np.nanmean(x, axis=0), np.nanstd(x, axis=0, ddof=1)
@@ -231,7 +233,7 @@ def _assumed(rock: StudyRock) -> str:
 
 @styled
 def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
-    """Indifference intervals, ours against the paper's where it has any, by parameter and cycle."""
+    """Draw indifference intervals of this study and of the paper, by parameter and cycle."""
     parameters = list(dict.fromkeys(table.parameter))
     cycles = sorted(table.cycle.unique())
     figure, panels = subplots(
@@ -264,7 +266,7 @@ def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
         ),
         Line2D([], [], marker="s", ls="", color="C2", ms=4, label="net of bulk indentation"),
         Line2D([], [], marker="x", ls="", color="0.4", label="no real root"),
-        Line2D([], [], marker="^", ls="-", color="C0", label="the bar goes on beyond the panel"),
+        Line2D([], [], marker="^", ls="-", color="C0", label="bar extends beyond the panel"),
     ]
     if "paper_length" in table:
         label = f"the paper, {UNPAIRED_TEST}"
@@ -290,7 +292,7 @@ def _draw_intervals(axes, part: pd.DataFrame) -> None:
             axes.plot(
                 [i - 0.12] * 2, [row.length_low, min(row.length_high, top)], color="C0", lw=1.0
             )
-            if row.length_high > top:  # the bar goes on
+            if row.length_high > top:  # the bar extends beyond the panel
                 axes.plot(i - 0.12, top, "^", color="C0", ms=6, clip_on=False, zorder=3)
             fill = "none" if row.extrapolated else "C0"
             axes.plot(i - 0.12, row.length, "o", color="C0", mfc=fill, ms=6)
@@ -302,16 +304,16 @@ def _draw_intervals(axes, part: pd.DataFrame) -> None:
 
 @styled
 def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, StudyRock]) -> Figure:
-    """Mean maximum closure against each parameter, relative to the base case.
+    """Draw mean maximum closure over each parameter, relative to the base case.
 
     Parameters
     ----------
     closures : DataFrame
         As from `jointclosure.sensitivity.responses.max_closure_table`.
     study : Dataset
-        Gives the parameters of the cases.
+        Study with the parameters of the cases.
     rocks : dict
-        By name, in order.
+        Rocks by name, in order.
     """
     parameters = [p for p in PARAMETER_TITLES if (closures.parameter == p).any()]
     cycles = sorted(closures.cycle.unique())
@@ -344,7 +346,7 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
                 axes.plot(at[order] / base, net, "--", color=f"C{i}", lw=1.0)
             axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=9)
             if cycle == cycles[-1]:
-                axes.set_xlabel("value / the rock's own")
+                axes.set_xlabel("value / the rock's value")
         row[0].set_ylabel("mean maximum closure (mm)")
     handles, labels = panels[0][0].get_legend_handles_labels()
     handles.append(Line2D([], [], color="0.4", ls="--", lw=1.0))

@@ -1,7 +1,7 @@
-"""How all figures look. The style holds where a figure is made and where it is drawn.
+"""Style of all figures, applied where a figure is made and where it is drawn.
 
-Nothing of it is set for the whole process: a notebook that imports this package keeps its
-backend and its own style.
+It is never set for the whole process: a notebook that imports this package keeps its backend and
+its style.
 """
 
 import functools
@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from jointclosure.joint.protocol import LOADING, UNLOADING
 
 BRANCH_LINES = {LOADING: "-", UNLOADING: "--"}
-"""Line style of a branch in every figure."""
+"""Line style of each branch in every figure."""
 
 _STYLE = {
     **sns.plotting_context("paper", font_scale=1.1),
@@ -30,7 +30,7 @@ _STYLE = {
 
 
 class StyledFigure(Figure):
-    """A figure whose parts that matplotlib makes while drawing (ticks) have the style too."""
+    """Figure that also applies the style to parts that matplotlib makes while drawing (ticks)."""
 
     def draw(self, renderer):
         """As `Figure.draw`."""
@@ -47,7 +47,7 @@ _Drawn = TypeVar("_Drawn")
 
 
 def styled(draw: Callable[..., _Drawn]) -> Callable[..., _Drawn]:
-    """A function that makes a figure or draws on one, in the style."""
+    """Decorate a function that makes a figure, or draws on one, to apply the style."""
 
     @functools.wraps(draw)
     def drawn(*arguments, **settings) -> _Drawn:
@@ -58,11 +58,11 @@ def styled(draw: Callable[..., _Drawn]) -> Callable[..., _Drawn]:
 
 
 def subplots(rows: int = 1, columns: int = 1, *, figsize, layout=None, **settings) -> tuple:
-    """A figure and its axes, as ``pyplot.subplots``, which pyplot does not keep."""
+    """Return a figure and its axes like ``pyplot.subplots``, but unknown to pyplot."""
     figure = StyledFigure(figsize=figsize, layout=layout)
     return figure, figure.subplots(rows, columns, **settings)
 
 
 def above(cycle: int, branch: str) -> float:
-    """Order of drawing: unloading on the next cycle's loading, which nearly is the same curve."""
+    """Return the drawing order: unloading above the next cycle's nearly equal loading."""
     return 2.0 if branch == LOADING else 3.0 - 0.01 * cycle

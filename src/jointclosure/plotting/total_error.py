@@ -1,4 +1,4 @@
-"""The work-precision diagram: total error against core-minutes, for every way to a result."""
+"""Work-precision diagram: total error over core-minutes, for every method."""
 
 import pandas as pd
 import seaborn as sns
@@ -12,14 +12,14 @@ from jointclosure.statistics.total_error import front
 
 _TITLES = {"mean": "Mean closure", "interval": "Indifference interval"}
 _RANGE = (0.3, 1000.0)
-"""Errors [%] that are drawn, the same in every panel."""
+"""Range of errors [%], the same in every panel."""
 _MARKED = (2, 20, 200, 2000)
-"""Surfaces that are marked on plain lines."""
+"""Numbers of surfaces that are marked on solid lines."""
 
 
 @styled
 def total_error_figure(points: pd.DataFrame) -> Figure:
-    """Total error against core-minutes, a panel for each response and cycle.
+    """Draw total error over core-minutes, with a panel for each response and cycle.
 
     Parameters
     ----------
@@ -28,10 +28,10 @@ def total_error_figure(points: pd.DataFrame) -> Figure:
 
     Notes
     -----
-    A line is a method, with more and more surfaces; of those with control variates (dashed), the
-    best number of measured surfaces at each time. Grey: what no way beats in both, the best split
-    of each budget. A method of which no split is within the range of the axis is named in the
-    title of the panel.
+    A line is a method with an increasing number of surfaces; with control variates (dashed) it
+    has the best number of measured surfaces at each time. Grey is the Pareto front, the best split
+    of each budget. A method without any split within the range of the axis is named in the title
+    of the panel.
     """
     shown = list(points.groupby(["response", "cycle"], sort=False))
     methods = list(points.method.unique())
@@ -58,7 +58,7 @@ def total_error_figure(points: pd.DataFrame) -> Figure:
 
 
 def _draw(axes: Axes, part: pd.DataFrame, colours: dict, most: float) -> list[str]:
-    """Lines of a panel up to an error [%]; the methods that are beyond it."""
+    """Draw lines of a panel up to an error [%], and return the methods that are beyond it."""
     shown = part[part.total_percent <= most]
     best = shown[shown.best].sort_values("core_minutes")
     axes.plot(
@@ -67,10 +67,10 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, most: float) -> list[st
     )  # fmt: skip
     missing = []
     for method, colour in colours.items():
-        own = shown[shown.method == method]
-        if own.empty and (part.method == method).any():
+        line_of_method = shown[shown.method == method]
+        if line_of_method.empty and (part.method == method).any():
             missing.append(method)
-        for adjusted, line in own.groupby("control_variates"):
+        for adjusted, line in line_of_method.groupby("control_variates"):
             kept = front(line.core_minutes.to_numpy(), line.total_percent.to_numpy())
             line = line.iloc[kept]
             axes.plot(
@@ -84,7 +84,7 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, most: float) -> list[st
 
 
 def _nearest(line: pd.DataFrame) -> pd.DataFrame:
-    """Points of a line that are nearest to the numbers of surfaces that are marked."""
+    """Return points of a line nearest to the marked numbers of surfaces."""
     near = [(line.surfaces / count - 1.0).abs() for count in _MARKED]
     return line.loc[[off.idxmin() for off in near if off.min() < 0.15]]
 
@@ -100,7 +100,7 @@ def _style(axes: Axes, points: pd.DataFrame) -> None:
 
 
 def _key(colours: dict) -> list[Line2D]:
-    """Entries of the key, outside of the panels."""
+    """Return entries of the legend, outside of the panels."""
     entries = [Line2D([], [], color=colour, label=name) for name, colour in colours.items()]
     marks = ", ".join(f"{count:g}" for count in _MARKED)
     return [

@@ -1,4 +1,4 @@
-"""Pictures of scanned walls."""
+"""Figures of scanned walls."""
 
 import matplotlib.ticker
 import numpy as np
@@ -11,16 +11,18 @@ from jointclosure.surface.measures import Increments
 
 
 @styled
-def roughness_figure(heights: np.ndarray, spacing: float, found: Increments, title: str) -> Figure:
-    """A wall (y, x) [m]: its map, profiles, and rms height differences over distance.
+def roughness_figure(
+    heights: np.ndarray, spacing: float, increments: Increments, title: str
+) -> Figure:
+    """Draw a wall (y, x) [m]: its map, profiles, and rms height differences over distance.
 
     Parameters
     ----------
     heights : array (y, x)
-        Plane-detrended heights [m], NaN where missing: left white.
+        Plane-detrended heights [m]; NaN where missing, drawn white.
     spacing : float
         Grid spacing [m].
-    found : Increments
+    increments : Increments
         As from `jointclosure.surface.measures.increments`.
     title : str
     """
@@ -37,8 +39,8 @@ def roughness_figure(heights: np.ndarray, spacing: float, found: Increments, tit
     figure.colorbar(image, ax=panels[0], label="height (mm)", shrink=0.85)
     panels[0].set(title="heights, mean plane removed", xlabel="x (mm)", ylabel="y (mm)")
     _draw_profiles(panels[1], heights, spacing)
-    _draw_increments(panels[2], found)
-    figure.suptitle(title, parse_math=False)  # a file's name is no formula
+    _draw_increments(panels[2], increments)
+    figure.suptitle(title, parse_math=False)  # a file's name is not a formula
     sns.despine(figure)
     layout = figure.get_layout_engine()
     if isinstance(layout, ConstrainedLayoutEngine):
@@ -47,7 +49,7 @@ def roughness_figure(heights: np.ndarray, spacing: float, found: Increments, tit
 
 
 def _draw_profiles(axes, heights: np.ndarray, spacing: float) -> None:
-    """Three profiles along each axis, one above the other, at the scale of the heights."""
+    """Draw three profiles along each axis, shifted, at the scale of the heights."""
     gap = 4e3 * np.nanstd(heights)
     for number, part in enumerate((0.25, 0.5, 0.75)):
         for axis, colour in (("x", "C0"), ("y", "C1")):
@@ -62,16 +64,16 @@ def _draw_profiles(axes, heights: np.ndarray, spacing: float) -> None:
     axes.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.18), fontsize=8)
 
 
-def _draw_increments(axes, found: Increments) -> None:
-    distances = 1e3 * found.distances
+def _draw_increments(axes, increments: Increments) -> None:
+    distances = 1e3 * increments.distances
     for values, marker, colour, label in (
-        (found.x, "o", "C0", "of two heights along x"),
-        (found.y, "o", "C1", "of two heights along y"),
-        (found.second_x, "^", "C0", "second differences along x"),
-        (found.second_y, "^", "C1", "second differences along y"),
+        (increments.x, "o", "C0", "of two heights along x"),
+        (increments.y, "o", "C1", "of two heights along y"),
+        (increments.second_x, "^", "C0", "second differences along x"),
+        (increments.second_y, "^", "C1", "second differences along y"),
     ):
         axes.loglog(distances, 1e3 * values, marker, color=colour, ms=4, mfc="none", label=label)
-    both = 1e3 * np.sqrt(0.5 * (found.second_x**2 + found.second_y**2))
+    both = 1e3 * np.sqrt(0.5 * (increments.second_x**2 + increments.second_y**2))
     slope, offset = np.polyfit(np.log(distances[1:]), np.log(both[1:]), 1)
     line = np.exp(offset) * distances[1:] ** slope
     axes.loglog(distances[1:], line, color="0.3", lw=1.2, label=f"H = {slope:.2f}")

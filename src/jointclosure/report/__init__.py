@@ -1,1 +1,1 @@
-"""A study as one page to read: frames and datasets in, HTML that needs nothing else out."""
+"""Page on a study: HTML without external parts, made from frames and datasets."""

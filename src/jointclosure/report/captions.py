@@ -1,8 +1,8 @@
-"""Captions of figures, in the form that Snakemake's own report reads too.
+"""Captions of figures, in the form that Snakemake's report reads too.
 
-A caption is a page of reStructuredText, with Jinja's braces for what the
-configuration says. Title and alternative text are comments in it, which
-no reader of the text itself sees: ``.. title: ...`` and ``.. alt: ...``.
+A caption is a page of reStructuredText, with Jinja expressions for values of the configuration.
+Title and alternative text are comments in it, which readers of the text do not see: ``.. title:
+...`` and ``.. alt: ...``.
 """
 
 from typing import NamedTuple
@@ -21,7 +21,7 @@ _SETTINGS = {
 
 
 class Caption(NamedTuple):
-    """Title and alternative text, plain; the caption itself, its paragraphs plain."""
+    """Title and alternative text, as plain text, and the plain paragraphs of the caption."""
 
     title: str
     alternative: str
@@ -29,24 +29,24 @@ class Caption(NamedTuple):
 
 
 def read_caption(text: str, configuration: dict) -> Caption:
-    """A caption of a study with that configuration.
+    """Return a caption for a study with this configuration.
 
     Raises
     ------
     ValueError
-        Where title, alternative text or the caption itself is missing.
+        If title, alternative text or the caption itself is missing.
     """
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined)
     filled = environment.from_string(text).render(snakemake={"config": configuration})
     document = docutils.core.publish_doctree(filled, settings_overrides=_SETTINGS)
-    said = {}
+    comments = {}
     for comment in document.findall(docutils.nodes.comment):
         key, _, value = comment.astext().partition(":")
-        said[key.strip()] = " ".join(value.split())
+        comments[key.strip()] = " ".join(value.split())
     paragraphs = [
         " ".join(node.astext().split()) for node in document.findall(docutils.nodes.paragraph)
     ]
-    missing = [key for key in ("title", "alt") if not said.get(key)]
+    missing = [key for key in ("title", "alt") if not comments.get(key)]
     if missing or not paragraphs:
         raise ValueError(f"a caption lacks {', '.join(missing) or 'its text'}: {text[:60]!r}")
-    return Caption(said["title"], said["alt"], paragraphs)
+    return Caption(comments["title"], comments["alt"], paragraphs)

@@ -1,4 +1,4 @@
-"""What the page says: a study and its tables become the names that the template fills in."""
+"""Content of the page: values for the template, from a study and its tables."""
 
 import json
 from typing import NamedTuple
@@ -17,17 +17,16 @@ from jointclosure.report.page import Picture
 
 
 class Material(NamedTuple):
-    """All that a page is made from.
+    """Material of a page.
 
-    ``study``: the dataset, of which curves are read case by case; ``closures``, ``checks``,
-    ``intervals``, ``claims`` with their ``margins``, ``predictive``, ``joint``,
-    ``elasticities``: the study's tables, all but the first two None where a study has none;
-    ``paper``: the paper's Table 3; ``default`` and ``schema``: the paper's configuration, and what
-    keys mean; ``pictures``; ``benchmarks``: of the workflow's jobs; ``measured``: fits of measured
-    curves, None where there are none; ``accuracy``: the table of `make accuracy`, None where
-    it was not made; ``presets``: what the presets of the numerics were found to be off by;
-    ``flow``: hydraulic apertures, None of a study without; ``conclusions``: the table of `make
-    conclusions`, None where it was not made.
+    ``study``: the dataset, whose curves are read case by case. ``closures``, ``checks``,
+    ``intervals``, ``claims`` with their ``margins``, ``predictive``, ``joint``, ``elasticities``:
+    tables of the study; all except the first two are None if a study has none. ``paper``: the
+    paper's Table 3. ``default`` and ``schema``: the paper's configuration, and descriptions of
+    keys. ``pictures``. ``benchmarks``: those of the workflow's jobs. ``measured``: fits of measured
+    curves, or None. ``accuracy``: the table of `make accuracy`, or None. ``presets``: errors of the
+    presets of the numerics. ``flow``: hydraulic apertures, or None for a study without flow.
+    ``conclusions``: the table of `make conclusions`, or None.
     """
 
     study: xr.Dataset
@@ -52,7 +51,7 @@ class Material(NamedTuple):
 
 
 def content(material: Material) -> dict:
-    """Names and values for the template."""
+    """Return names and values for the template."""
     study = material.study
     keys = json.loads(study.attrs["configuration"])
     configuration = resolved(keys)
@@ -61,10 +60,10 @@ def content(material: Material) -> dict:
     rows = settings.setting_rows(keys, material.default, material.schema)
     explored = explorer_data(study, titles, configuration.seating_stress)
     numbers = summary.summary_sheet(study, material.closures, titles)
-    found = outcome(study)
+    counts = outcome(study)
     return {
         "finding": summary.finding(numbers, material.elasticities, configuration),
-        "validity": summary.validity(configuration, found),
+        "validity": summary.validity(configuration, counts),
         "first_pictures": [
             picture
             for picture in material.pictures
@@ -73,7 +72,7 @@ def content(material: Material) -> dict:
         "configuration": configuration,
         "rocks": configuration.rocks,
         "cases": study.sizes["case"],
-        "outcome": found,
+        "outcome": counts,
         "verdicts": {} if material.claims is None else _counts(_of_paper(material.claims).verdict),
         "tolerance": TOLERANCE,
         "compared": [titles[name] for name in titles if name in of_paper],
@@ -91,7 +90,7 @@ def content(material: Material) -> dict:
 
 
 def outcome(study: xr.Dataset) -> dict:
-    """Counts of simulations: all, used, failed, and of each remark or failure."""
+    """Count simulations: all, used, failed, and those with each remark or failure."""
     good = succeeded(study)
     flags = {
         name: int(((study.status & mask) > 0).sum())
@@ -109,7 +108,7 @@ def outcome(study: xr.Dataset) -> dict:
 
 
 def _of_paper(claims: pd.DataFrame) -> pd.DataFrame:
-    """Without variants that are ours."""
+    """Return the claims of the paper, without variants added here."""
     return claims[claims.said_in != OURS] if "said_in" in claims else claims
 
 
@@ -118,7 +117,7 @@ def _counts(words: pd.Series) -> dict[str, int]:
 
 
 def _sheets(material: Material, titles: dict, of_paper: set, rows: pd.DataFrame) -> dict:
-    """All tables of the page by name."""
+    """Return all tables of the page by name."""
     study, intervals = material.study, material.intervals
     sheets = [
         findings.closure_sheet(material.closures, titles),

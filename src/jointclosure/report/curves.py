@@ -1,4 +1,4 @@
-"""Closure curves for the figure that can be explored: numbers that a script of the page draws."""
+"""Closure curves for the interactive figure of the page, as numbers for its script."""
 
 import math
 
@@ -9,16 +9,16 @@ from jointclosure.config.properties import PARAMETER_TITLES, PARAMETERS, PROPERT
 from jointclosure.ensemble.aggregation import succeeded
 
 MOST_JOINTS = 20
-"""Joints of a case whose own curves are in the page; means are over all of them."""
+"""Largest number of joints of a case whose curves are in the page; means are over all joints."""
 
 _MM = 1e3
 _BLOCK = 512
-"""Joints in memory at a time."""
+"""Number of joints in memory at a time."""
 _READ = ("closure", "max_closure", "max_closure_seated", "residual_closure")
 
 
 def explorer_data(study: xr.Dataset, titles: dict[str, str], seating_stress: float) -> dict:
-    """Curves of all cases, for JSON: closures in mm, stresses in MPa, absent numbers as None.
+    """Return curves of all cases for JSON: closures in mm, stresses in MPa, None if missing.
 
     Parameters
     ----------
@@ -27,26 +27,26 @@ def explorer_data(study: xr.Dataset, titles: dict[str, str], seating_stress: flo
     titles : dict
         Titles of the rocks, in order.
     seating_stress : float
-        From which each cycle's loading can be counted [Pa].
+        Stress from which closure of each cycle can count [Pa].
 
     Returns
     -------
     dict
-        ``cycles``, ``seating``, and ``rocks``: each a name, its ``stress`` axis up to its maximum,
-        its ``parameters`` and its ``cases`` (see `_case`).
+        ``cycles``, ``seating``, and ``rocks``: for each rock its name, ``stress`` axis up to its
+        maximum, ``parameters`` and ``cases`` (see `_case`).
     """
     rocks = []
     for rock, title in titles.items():
-        own = study.isel(case=np.flatnonzero(study.rock.values == rock))
-        largest = float(own.max_normal_stress.max()) * (1.0 + 1e-9)
-        own = own.sel(stress=study.stress[study.stress <= largest])
-        varied = [p for p in PARAMETERS if p in own.parameter.values]
+        of_rock = study.isel(case=np.flatnonzero(study.rock.values == rock))
+        largest = float(of_rock.max_normal_stress.max()) * (1.0 + 1e-9)
+        of_rock = of_rock.sel(stress=study.stress[study.stress <= largest])
+        varied = [p for p in PARAMETERS if p in of_rock.parameter.values]
         rocks.append(
             {
                 "title": title,
-                "stress": np.round(1e-6 * own.stress.values, 6).tolist(),
+                "stress": np.round(1e-6 * of_rock.stress.values, 6).tolist(),
                 "parameters": [{"name": p, "title": PARAMETER_TITLES[p]} for p in varied],
-                "cases": [_case(own.sel(case=case), varied) for case in own.case.values],
+                "cases": [_case(of_rock.sel(case=case), varied) for case in of_rock.case.values],
             }
         )
     return {
@@ -57,12 +57,12 @@ def explorer_data(study: xr.Dataset, titles: dict[str, str], seating_stress: flo
 
 
 def _case(case: xr.Dataset, varied: list[str]) -> dict:
-    """One case: its values of the parameters, means, deviations, and curves of single joints.
+    """Return one case: its values of the parameters, means, deviations, and curves of joints.
 
     ``mean`` and ``deviation`` are [origin][cycle][branch][stress], with closures from first touch
-    (origin 0), from seating (1) or from the cycle's start (2), absent where a joint that is used
-    has no state at that stress; ``joints`` have a ``number``, ``curves`` [cycle][branch][stress]
-    from first touch and the closures ``seats`` [cycle] at seating and ``starts`` [cycle].
+    (origin 0), from seating (1) or from the start of the cycle (2). They are missing if a joint has
+    no state at that stress. ``joints`` have a ``number``, ``curves`` [cycle][branch][stress] from
+    first touch, and the closures ``seats`` [cycle] at seating and ``starts`` [cycle].
     """
     used = np.flatnonzero(succeeded(case).values)
     moments = [_Moments(), _Moments(), _Moments()]
@@ -91,13 +91,13 @@ def _case(case: xr.Dataset, varied: list[str]) -> dict:
 
 
 def _seats(block: xr.Dataset) -> xr.DataArray:
-    """Closures (realization, cycle) from first touch at which cycles' loadings seat [m]."""
+    """Return closures (realization, cycle) [m] from first touch at the seating of cycles."""
     seats = _starts(block) + block.max_closure - block.max_closure_seated
     return seats.transpose("realization", "cycle")
 
 
 def _starts(block: xr.Dataset) -> xr.DataArray:
-    """Closures (realization, cycle) from first touch at which cycles start [m]."""
+    """Return closures (realization, cycle) [m] from first touch at the start of cycles."""
     start = block.residual_closure.shift(cycle=1, fill_value=0.0)
     return start.transpose("realization", "cycle")
 
@@ -112,48 +112,48 @@ def _joint(closure: xr.DataArray, seats: xr.DataArray, starts: xr.DataArray, dig
 
 
 class _Moments:
-    """Mean and standard deviation over joints that come in blocks, NaN where one lacks a number."""
+    """Mean and standard deviation over joints in blocks, NaN where a joint lacks a number."""
 
     def __init__(self):
         self.count, self.known, self.centre, self.squares = 0, True, 0.0, 0.0
 
     def add(self, block: np.ndarray) -> None:
-        """Take in curves (joint, ...), at least one, by the rule of Chan, Golub & LeVeque 1983."""
+        """Add curves (joint, ...), at least one, by the rule of Chan, Golub & LeVeque 1983."""
         self.known = self.known & np.isfinite(block).all(axis=0)
         block = np.where(self.known, block, 0.0)
-        own, size = block.mean(axis=0), len(block)
+        mean, size = block.mean(axis=0), len(block)
         total = self.count + size
-        step = own - self.centre
-        self.squares += np.square(block - own).sum(axis=0)
+        step = mean - self.centre
+        self.squares += np.square(block - mean).sum(axis=0)
         self.squares += np.square(step) * self.count * size / total
         self.centre += step * size / total
         self.count = total
 
     def mean(self, shape: tuple) -> np.ndarray:
-        """Mean, of a shape that is needed where there was nothing."""
+        """Return the mean; the shape is used if there are no curves."""
         return np.where(self.known, self.centre, np.nan) if self.count else np.full(shape, np.nan)
 
     def deviation(self, shape: tuple) -> np.ndarray:
-        """Standard deviation of a sample, NaN of fewer than two."""
+        """Return the sample standard deviation, NaN for fewer than two curves."""
         if self.count < 2:
             return np.full(shape, np.nan)
         return np.where(self.known, np.sqrt(self.squares / (self.count - 1)), np.nan)
 
 
 def _value(parameter: str, value: float) -> str:
-    """A parameter's value with its unit, as Table 1 has it."""
+    """Format a parameter's value with its unit, as in Table 1."""
     unit, size = PROPERTIES[parameter].unit, PROPERTIES[parameter].size
     return f"{value / size:.6g}" + ("" if unit == "1" else f" {unit}")
 
 
 def _digits(values: np.ndarray) -> int:
-    """Decimals that keep five figures of the largest number."""
+    """Return the decimals that keep five digits of the largest number."""
     largest = np.max(np.abs(values), initial=0.0, where=np.isfinite(values))
     return 4 - math.floor(math.log10(largest)) if largest > 0.0 else 0
 
 
 def _listed(values: np.ndarray, digits: int | None) -> list:
-    """Nested lists of rounded numbers, None for what is not known."""
+    """Return nested lists of rounded numbers, with None for unknown ones."""
     rounded = np.round(values, digits or 0).astype(object)
     unknown = np.array(None, dtype=object)
     return np.where(np.isfinite(values), rounded, unknown).tolist()

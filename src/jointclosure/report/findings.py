@@ -1,4 +1,4 @@
-"""What a study found: closures, intervals and claims, as tables of the page."""
+"""Tables of the page on results of a study: closures, intervals and claims."""
 
 import numpy as np
 import pandas as pd
@@ -13,7 +13,7 @@ _WITH_UNITS = {name: about.title + about.in_brackets for name, about in PROPERTI
 
 
 def closure_sheet(closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
-    """Maximum closure of each rock as it is."""
+    """Tabulate the maximum closure of each rock's base case."""
     base = closures[closures.parameter == "base"]
     columns = {
         "rock": "Rock",
@@ -28,15 +28,15 @@ def closure_sheet(closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
     }
     return sheet(
         "closures",
-        "Maximum closure of each rock as it is; a cycle's counts from the cycle's start, "
-        "residual closure from first touch",
+        "Maximum closure of each rock's base case, from the start of the cycle; residual closure "
+        "is from first touch",
         base.assign(rock=base.rock.map(titles)),
         columns,
     )
 
 
 def flow_sheet(flow: pd.DataFrame, titles: dict[str, str]) -> Sheet:
-    """Apertures of each rock as it is, at the largest stress that all of its joints reach."""
+    """Tabulate apertures of each rock's base case at the largest stress that all joints reach."""
     loading = flow[(flow.parameter == "base") & (flow.branch == "loading")]
     groups = loading.groupby(["rock", "cycle", "direction"], sort=False)
     reached = loading[loading.samples == groups.samples.transform("max")]
@@ -57,7 +57,7 @@ def flow_sheet(flow: pd.DataFrame, titles: dict[str, str]) -> Sheet:
     }
     return sheet(
         "flow",
-        "Hydraulic aperture of each rock as it is, by Reynolds' equation, at the largest stress "
+        "Hydraulic aperture of each rock's base case, by Reynolds' equation, at the largest stress "
         "of loading that all of its joints reach; means over the joints",
         at.assign(rock=at.rock.map(titles)),
         columns,
@@ -65,7 +65,7 @@ def flow_sheet(flow: pd.DataFrame, titles: dict[str, str]) -> Sheet:
 
 
 def ranking_sheet(elasticities: pd.DataFrame, titles: dict[str, str]) -> Sheet:
-    """Elasticities of each rock and cycle, the largest first."""
+    """Tabulate elasticities of each rock and cycle, the largest first."""
     rows = []
     for (rock, cycle), part in elasticities.groupby(["rock", "cycle"], sort=False):
         order = part.elasticity.abs().sort_values(ascending=False).index
@@ -79,15 +79,15 @@ def ranking_sheet(elasticities: pd.DataFrame, titles: dict[str, str]) -> Sheet:
     columns = {"rock": "Rock", "cycle": "Cycle", "ranked": "Elasticities, the largest first"}
     return sheet(
         "ranking",
-        "Elasticities of the mean maximum closure, with standard errors: what 1 % more of the "
-        "property does, in %. The claims say which differences count",
+        "Elasticities of the mean maximum closure, with standard errors: change in % for a change "
+        "of the property by 1 %. The claims state which differences are significant",
         pd.DataFrame(rows, columns=list(columns)),
         columns,
     )
 
 
 def layout_sheet(intervals: pd.DataFrame, titles: dict[str, str], of_paper: set[str]) -> Sheet:
-    """Table 3 in the paper's layout, the paper's length below ours where it has the rock."""
+    """Tabulate Table 3 in the paper's layout, with the paper's lengths below those of the study."""
     ours = table_3(intervals, titles)
     theirs = table_3(intervals, titles, "paper_") if of_paper else None
     with_paper = {titles[rock] for rock in of_paper}
@@ -108,16 +108,16 @@ def layout_sheet(intervals: pd.DataFrame, titles: dict[str, str], of_paper: set[
 
 
 def _percent(intervals, titles, parameter, cycle, title) -> float | str:
-    found = intervals[
+    values = intervals[
         (intervals.parameter == parameter)
         & (intervals.cycle == cycle)
         & (intervals.rock.map(titles) == title)
     ].percent.dropna()
-    return float(found.iloc[0]) if len(found) else ""
+    return float(values.iloc[0]) if len(values) else ""
 
 
 def interval_sheet(intervals: pd.DataFrame, titles: dict[str, str], of_paper: set[str]) -> Sheet:
-    """Every indifference interval with its confidence interval, and the paper's."""
+    """Tabulate every indifference interval with its confidence interval, and the paper's."""
     table = intervals.assign(
         rock=intervals.rock.map(titles),
         base=intervals.base.map(given),
@@ -128,11 +128,11 @@ def interval_sheet(intervals: pd.DataFrame, titles: dict[str, str], of_paper: se
         "parameter": "Parameter",
         "cycle": "Cycle",
         "samples": "Joints used (n)",
-        "base": "The rock's own value",
+        "base": "The rock's value",
         "length": "Length",
         "length_low": "From",
         "length_high": "To",
-        "percent": "% of own value",
+        "percent": "% of the rock's value",
         "length_net": "Net of bulk indentation",
     }
     if is_paired(intervals):
@@ -145,9 +145,9 @@ def interval_sheet(intervals: pd.DataFrame, titles: dict[str, str], of_paper: se
             for row in intervals.itertuples()
         ]  # fmt: skip
         table["ratio"] = intervals.length / intervals.paper_length
-        columns |= {"paper": "The paper's length (unpaired)", "ratio": "Ours over the paper's"}
+        columns |= {"paper": "The paper's length (unpaired)", "ratio": "This study over the paper"}
         if is_paired(intervals):
-            del columns["ratio"]  # of two tests
+            del columns["ratio"]  # a ratio of lengths by different tests
     columns["status"] = "Remark"
     return sheet(
         "intervals",
@@ -159,7 +159,7 @@ def interval_sheet(intervals: pd.DataFrame, titles: dict[str, str], of_paper: se
 
 
 def measured_sheet(fits: pd.DataFrame, titles: dict[str, str]) -> Sheet:
-    """How well the joints fit the measured curves."""
+    """Tabulate the fit of the joints to the measured curves."""
     columns = {
         "rock": "Rock",
         "cycle": "Cycle",
@@ -173,16 +173,16 @@ def measured_sheet(fits: pd.DataFrame, titles: dict[str, str]) -> Sheet:
     }
     return sheet(
         "measured",
-        "Measured closure curves: the joint that fits best, and how far it is off",
+        "Measured closure curves: the joint that fits best, and its misfit",
         fits.assign(rock=fits.rock.map(titles)),
         columns,
     )
 
 
 def claim_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
-    """The paper's claims with both answers, and the paper's where it has the rocks."""
+    """Tabulate the paper's claims with both judgements, and the paper's if it has the rocks."""
     columns = {"number": "No.", "claim": "Claim", "verdict": "True of the model"}
-    columns |= {"found": "Studies that find it", "found_here": "Found by this one"}
+    columns |= {"found": "Studies that find it", "found_here": "Found by this study"}
     if compared and "paper" in claims:
         columns["said_in"] = "Said in"
         columns["paper_finds"] = "Found in the paper's Table 3"
@@ -192,23 +192,28 @@ def claim_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
             for row in claims.itertuples()
         ]
     )
-    return sheet("claims", "The paper's claims: true of the model, and found?", shown, columns)
+    return sheet(
+        "claims",
+        "The paper's claims: truth in the model, and studies that find them",
+        shown,
+        columns,
+    )
 
 
 def evidence_sheet(
     claims: pd.DataFrame, margins: pd.DataFrame, titles: dict[str, str], compared: bool
 ) -> Sheet:
-    """A row for each number that decides a claim: of the model by rock, and of the paper."""
+    """Tabulate the numbers that decide claims, for the model by rock, and for the paper."""
     rows = []
     for claim in claims.itertuples():
         about = {"number": claim.number, "verdict": claim.verdict}
-        own = margins[(margins.number == claim.number) & margins.decides]
+        deciding = margins[(margins.number == claim.number) & margins.decides]
         rows += [
             about
             | {"by": "the model", "where": titles[row.rock], "cycle": row.cycle}
             | {"quantity": row.quantity}
             | {"value": Cell(rounded(row.value, row.standard_error), row.value)}
-            for row in own.itertuples()
+            for row in deciding.itertuples()
         ]
         if compared and isinstance(getattr(claim, "paper", None), str):
             rows.append(about | {"by": "the paper", "where": "", "value": claim.paper})
@@ -219,7 +224,7 @@ def evidence_sheet(
 
 
 def conclusion_sheet(conclusions: pd.DataFrame) -> Sheet:
-    """What each claim rests on, and what is left of it (`make conclusions`)."""
+    """Tabulate the evidence for each claim, and the conclusion (`make conclusions`)."""
     columns = {
         "number": "No.",
         "claim": "Claim",
@@ -244,12 +249,12 @@ def conclusion_sheet(conclusions: pd.DataFrame) -> Sheet:
         }
         for row in conclusions.to_dict("records")
     ]
-    caption = "What is left of each claim under readings and choices that the paper leaves open"
+    caption = "Conclusion on each claim under readings and choices that the paper leaves open"
     return sheet("conclusions", caption, pd.DataFrame(shown), columns)
 
 
 def moved_sheet(conclusions: pd.DataFrame) -> Sheet:
-    """What moves the verdict on each claim, of those that something was found to move."""
+    """Tabulate what changes the verdict on claims, for those with such a reading or input."""
     widest = conclusions.jrc_half_width.max()
     columns = {
         "number": "No.",
@@ -259,8 +264,8 @@ def moved_sheet(conclusions: pd.DataFrame) -> Sheet:
         "moved_by": "Over the open choices it varies most with",
         "jrc_found": f"Studies that find it, JRC known to ±{widest:g}",
     }
-    told = conclusions.fillna({"opposed_by": "", "opened_by": "", "moved_by": ""})
-    moved = told[(told.opposed_by + told.opened_by + told.moved_by) != ""]
+    filled = conclusions.fillna({"opposed_by": "", "opened_by": "", "moved_by": ""})
+    moved = filled[(filled.opposed_by + filled.opened_by + filled.moved_by) != ""]
     shown = [
         row._asdict()
         | {
@@ -270,20 +275,20 @@ def moved_sheet(conclusions: pd.DataFrame) -> Sheet:
         }
         for row in moved.itertuples()
     ]
-    caption = "What moves a verdict: readings, and the input that a claim's margin goes with"
+    caption = "Causes of a changed verdict: readings, and the input with most effect on a margin"
     return sheet(
-        "moved", caption, pd.DataFrame(shown, columns=[*told.columns, "jrc_found"]), columns
+        "moved", caption, pd.DataFrame(shown, columns=[*filled.columns, "jrc_found"]), columns
     )
 
 
 NOT_TRIED = "not tried"
-"""Of a claim that readings or choices were not asked about."""
+"""Entry for a claim without readings or choices."""
 
 
 def _tried(counts: list[float]) -> str:
     if pd.isna(counts[0]):
         return NOT_TRIED
-    return ", ".join(f"{each:.0f}" for each in counts) if sum(counts) else "none"
+    return ", ".join(f"{count:.0f}" for count in counts) if sum(counts) else "none"
 
 
 def _percents(share: float) -> str:
@@ -291,7 +296,7 @@ def _percents(share: float) -> str:
 
 
 def probability(value: float, error: float) -> Cell:
-    """A probability with its standard error; "< 0.001" where it is less with its error."""
+    """Format a probability with its standard error; "< 0.001" if it is smaller with its error."""
     if pd.isna(value):
         return cell(None)
     small = value < LEAST_SHOWN and not error >= LEAST_SHOWN
@@ -299,13 +304,13 @@ def probability(value: float, error: float) -> Cell:
 
 
 LEAST_SHOWN = 0.001
-"""Probability below which none is told from another."""
+"""Smallest probability that is shown as a number."""
 
 
 def percent_text(share: float, error: float, low: float = np.nan, high: float = np.nan) -> str:
-    """A share and its standard error in percent; where that is 0, the interval from low to high.
+    """Format a share and its standard error in percent; with an error of 0, its interval.
 
-    Nothing of a share that is not known.
+    Empty for an unknown share.
     """
     if pd.isna(share):
         return ""
@@ -316,7 +321,7 @@ def percent_text(share: float, error: float, low: float = np.nan, high: float = 
 
 
 def predictive_sheet(predictive: pd.DataFrame, titles: dict[str, str], compared: bool) -> Sheet:
-    """Each entry of Table 3 over repetitions of the study, and the paper's among them."""
+    """Tabulate each entry of Table 3 over repetitions of the study, with the paper's value."""
     table = predictive.assign(
         rock=predictive.rock.map(titles),
         parameter=predictive.parameter.map(_WITH_UNITS),
@@ -341,15 +346,15 @@ def predictive_sheet(predictive: pd.DataFrame, titles: dict[str, str], compared:
         table = table.assign(
             **{
                 name: [
-                    probability(*each)
-                    for each in zip(table[name], table[f"{name}_error"], strict=True)
+                    probability(*pair)
+                    for pair in zip(table[name], table[f"{name}_error"], strict=True)
                 ]
                 for name in ("p", "null_p")
             }
         )
     return sheet(
         "predictive",
-        "What repetitions of this study would publish, lengths by the unpaired t test on "
+        "Predicted results of repetitions of this study, lengths by the unpaired t test on "
         "independent draws; p: of the paper's entry, two-sided; without "
         "effect: probability that noise alone gives a length as short",
         table,
@@ -358,7 +363,7 @@ def predictive_sheet(predictive: pd.DataFrame, titles: dict[str, str], compared:
 
 
 def joint_sheet(joint: pd.DataFrame) -> Sheet:
-    """Whether the paper's entries together are a draw of this model, or of noise alone."""
+    """Tabulate joint tests of whether the paper's entries are a draw of this model, or of noise."""
     columns = {
         "entries": "Entries",
         "number": "Number",
@@ -370,24 +375,24 @@ def joint_sheet(joint: pd.DataFrame) -> Sheet:
     }
     table = joint.assign(
         **{
-            name: [shown(*each) for each in zip(joint[name], joint[f"{name}_error"], strict=True)]
+            name: [shown(*pair) for pair in zip(joint[name], joint[f"{name}_error"], strict=True)]
             for prefix in ("", "null_")
             for name, shown in (
                 (f"{prefix}p", probability),
-                (f"{prefix}log_likelihood", lambda *each: Cell(rounded(*each), each[0])),
+                (f"{prefix}log_likelihood", lambda *pair: Cell(rounded(*pair), pair[0])),
             )
         }
     )
     caption = (
-        "Joint tests of the paper's Table 3, dashes included; errors are of repetitions and, of p, "
-        "of the pool's surfaces. The p without any effect hardly depends on the model: where it is "
-        "small, the table excludes that these properties have none, and supports no model"
+        "Joint tests of the paper's Table 3, including dashes; errors are due to repetitions and, "
+        "for p, to the pool's surfaces. The p without any effect hardly depends on the model; if "
+        "it is small, the table shows that these properties have an effect, but supports no model"
     )
     return sheet("joint", caption, table, columns)
 
 
 def elasticity_sheet(elasticities: pd.DataFrame, titles: dict[str, str]) -> Sheet:
-    """Elasticities of the mean maximum closure, with their standard errors."""
+    """Tabulate elasticities of the mean maximum closure, with their standard errors."""
     table = elasticities.assign(
         rock=elasticities.rock.map(titles),
         parameter=elasticities.parameter.map(PARAMETER_TITLES),
@@ -403,7 +408,8 @@ def elasticity_sheet(elasticities: pd.DataFrame, titles: dict[str, str]) -> Shee
     }
     return sheet(
         "elasticities",
-        "Elasticities, d ln(mean closure)/d ln(property): what 1 % more of the property does, in %",
+        "Elasticities, d ln(mean closure)/d ln(property): change in % for a change of the property "
+        "by 1 %",
         table,
         columns,
     )

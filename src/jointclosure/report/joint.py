@@ -1,4 +1,4 @@
-"""The page of a single joint: what `jointclosure close` found, as one file to read."""
+"""Page on a single joint, from the results of `jointclosure close`."""
 
 from typing import NamedTuple
 
@@ -13,14 +13,14 @@ from jointclosure.report.sheets import Sheet, number_text, sheet
 
 
 class JointMaterial(NamedTuple):
-    """``history`` as from `jointclosure.simulate`, and the ``record`` of joint.json."""
+    """Material of the page: ``history`` of `simulate`, and ``record`` of joint.json."""
 
     history: xr.Dataset
     record: dict
 
 
 def joint_content(material: JointMaterial) -> dict:
-    """Names and values for the template ``joint.html.j2``."""
+    """Return names and values for the template ``joint.html.j2``."""
     history, record = material.history, material.record
     cycles, stiffness = cycle_table(history), stiffness_table(history)
     return {
@@ -30,7 +30,7 @@ def joint_content(material: JointMaterial) -> dict:
         "warnings": record.get("warnings", []),
         "found": record["found"],
         "status": record["status"],
-        "sheets": {each.name: each for each in _sheets(cycles, stiffness, history)},
+        "sheets": {sheet.name: sheet for sheet in _sheets(cycles, stiffness, history)},
         "digests": record["sha256"],
         "versions": {
             name: value
@@ -41,7 +41,7 @@ def joint_content(material: JointMaterial) -> dict:
 
 
 def joint_finding(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dataset) -> str:
-    """Write how far the joint closed, what stayed and how stiff it is, net and gross."""
+    """Describe closure, residual closure and stiffness of the joint, net and gross."""
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
     first = cycles.iloc[0]
     closes = number_text(first.closure_net_since_seating_mm, 3)
@@ -56,11 +56,11 @@ def joint_finding(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dat
     if len(known):
         middle = known.normal_stress_MPa.unique()[known.normal_stress_MPa.nunique() // 2]
         here = known[known.normal_stress_MPa == middle].drop_duplicates("cycle")
-        told = " and ".join(
+        stiffness_words = " and ".join(
             f"{number_text(row.normal_stiffness_net_MPa_per_mm, 3)} MPa/mm in cycle {row.cycle}"
             for row in here.iloc[[0, -1] if len(here) > 1 else [0]].itertuples()
         )
-        text += f"; its normal stiffness at {middle:.3g} MPa is {told}"
+        text += f"; its normal stiffness at {middle:.3g} MPa is {stiffness_words}"
     gross = number_text(first.closure_gross_since_seating_mm, 3)
     return (
         f"{text}. These are net; with the elastic indentation of the half-spaces, which is no "
@@ -69,7 +69,7 @@ def joint_finding(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dat
 
 
 def _by_stress(stiffness: pd.DataFrame, kind: str) -> pd.DataFrame:
-    """Stiffness of `stiffness_table`, net or gross, with a row a stress and a column a branch."""
+    """Arrange stiffness, net or gross, by stress (rows) and branch (columns)."""
     branch = "Cycle " + stiffness.cycle.astype(str) + ", " + stiffness.branch
     known = stiffness[f"normal_stiffness_{kind}_MPa_per_mm"].where(~stiffness.landing)
     columns = {name: known[branch == name].to_numpy() for name in branch.unique()}
@@ -81,7 +81,7 @@ def _stiffness_sheet(stiffness: pd.DataFrame, kind: str) -> Sheet:
     return sheet(
         f"stiffness-{kind}",
         f"{kind.capitalize()} normal stiffness kn (MPa/mm) by chords between stresses; a dash "
-        "where loading lands on its maximum by small steps, which break less",
+        "near the maximum of loading, where small steps break less",
         by_stress,
         {name: name for name in by_stress},
     )
@@ -105,8 +105,8 @@ def _sheets(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dataset) 
         "parameter": "Parameter",
         "value": "Value",
         "standard_error": "Standard error",
-        "rms_mm": "Off by (mm rms)",
-        "holds_from_MPa": "Holds from (MPa)",
+        "rms_mm": "Error (mm rms)",
+        "holds_from_MPa": "Valid from (MPa)",
         "holds_to_MPa": "to (MPa)",
     }
     return [

@@ -1,7 +1,7 @@
-"""The page itself: sections and figures put into the template, with all that it needs inside.
+"""Rendering of the page: sections and figures in the template, without external parts.
 
-Scripts are named by their digests in the page's content security policy, which
-forbids everything else, the network above all.
+Scripts are identified by their digests in the page's content security policy, which forbids
+everything else, in particular the network.
 """
 
 import base64
@@ -29,7 +29,7 @@ _TONES = {
 
 
 class Picture(NamedTuple):
-    """A figure: its name, the bytes of its PNG, and its caption."""
+    """Figure: its name, the bytes of its PNG, and its caption."""
 
     name: str
     png: bytes
@@ -37,7 +37,7 @@ class Picture(NamedTuple):
 
     @property
     def source(self) -> str:
-        """The picture as a data address."""
+        """Figure as a data URL."""
         return "data:image/png;base64," + base64.b64encode(self.png).decode()
 
     @property
@@ -47,19 +47,19 @@ class Picture(NamedTuple):
 
 
 def render(content: dict) -> str:
-    """The page as HTML.
+    """Render the page as HTML.
 
     Parameters
     ----------
     content : dict
-        What ``templates/page.html.j2`` names, see `jointclosure.report.content.content`.
+        Values for ``templates/page.html.j2``, see `jointclosure.report.content.content`.
     """
     scripts = [get_plotlyjs(), _text("tables.js"), _text("explorer.js")]
     return _rendered("page.html.j2", content, scripts)
 
 
 def render_joint(content: dict, pictures: list[Picture]) -> str:
-    """The page of a single joint as HTML.
+    """Render the page on a single joint as HTML.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def _rendered(template: str, content: dict, scripts: list[str]) -> str:
 
 
 def template_digest() -> str:
-    """Digest of the templates: what a page depends on besides the package's Python."""
+    """Return the digest of the templates, which a page depends on besides the package's Python."""
     digest = hashlib.sha256()
     templates = resources.files("jointclosure.report").joinpath("templates")
     for file in sorted(templates.iterdir(), key=lambda file: file.name):
@@ -102,5 +102,5 @@ def _text(name: str) -> str:
 
 
 def _digest(script: str) -> str:
-    """As a content security policy names a script: base64 of its SHA-256."""
+    """Return the base64 SHA-256 of a script, as in a content security policy."""
     return "sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()

@@ -1,4 +1,4 @@
-"""How a study ran: checks, failures, errors, timing and provenance, as tables of the page."""
+"""Tables of the page on the run of a study: checks, failures, errors, timing and provenance."""
 
 import hashlib
 import json
@@ -20,11 +20,11 @@ from jointclosure.joint.protocol import FAILURE
 from jointclosure.report.sheets import Sheet, given, sheet
 
 MOST_FAILURES = 500
-"""Failed simulations that are listed one by one."""
+"""Largest number of failed simulations that are listed."""
 
 
 def check_sheet(checks: pd.DataFrame) -> Sheet:
-    """What must hold of the results, and what was found."""
+    """Tabulate the checks of the results."""
     verdict = np.where(checks.passed, "passed", "FAILED")
     verdict = np.where(checks.required == "reported only", "reported only", verdict)
     columns = {name: name.capitalize() for name in ("ensemble", "check", "required", "found")}
@@ -33,11 +33,11 @@ def check_sheet(checks: pd.DataFrame) -> Sheet:
 
 
 def accuracy_sheet(costs: pd.DataFrame) -> Sheet:
-    """Error against time of each setting that `make accuracy` tried."""
+    """Tabulate error and time of each setting of `make accuracy`."""
     columns = {
         "scene": "Variant of the model",
         "rock": "Rock",
-        "knob": "What is turned",
+        "knob": "Setting",
         "value": "Value",
         "cycle": "Cycle",
         "mean_error_percent": "Error of the mean closure (%)",
@@ -49,14 +49,14 @@ def accuracy_sheet(costs: pd.DataFrame) -> Sheet:
 
 
 def preset_sheet(measured: pd.DataFrame, configuration: dict, default: dict) -> Sheet:
-    """What the presets of the numerics were off by, and which of them a study runs at.
+    """Tabulate errors of the presets of the numerics, and mark the preset of the study.
 
     Parameters
     ----------
     measured : DataFrame
         As from `jointclosure.experiments.accuracy.presets_table.setting_table`.
     configuration, default : dict
-        Of the study, and the paper's.
+        Configuration of the study, and that of the paper.
     """
     mine = numerics_in_full(configuration)
     changed = {key: value for key, value in mine.items() if value != default["numerics"][key]}
@@ -64,7 +64,7 @@ def preset_sheet(measured: pd.DataFrame, configuration: dict, default: dict) -> 
     rows = measured[measured.scene.isin(SCENES.values()) & measured.preset.fillna("").ne("")]
     radius = configuration["choices"]["largest_radius_mm"]
     bounded = np.array([radius_of(scene) == radius for scene in rows.scene], dtype=bool)
-    same = rows.numerics.map(json.loads).map(lambda each: each == changed)
+    same = rows.numerics.map(json.loads).map(lambda numerics: numerics == changed)
     errors = ["error_percent", "bound_percent", "relative_time"]
     columns = {
         "scene": "Radii",
@@ -76,7 +76,7 @@ def preset_sheet(measured: pd.DataFrame, configuration: dict, default: dict) -> 
     }
     return sheet(
         "presets",
-        "Presets of the numerics, and what the study of accuracy found them off by",
+        "Presets of the numerics, with their errors from the study of accuracy",
         rows.assign(
             scene=rows.scene.map(radii_words),
             mine=np.where(bounded & same & breaks, "yes", ""),
@@ -98,18 +98,18 @@ _IN_WORDS = {
 
 
 def in_words(name: str) -> str:
-    """A status as people say it (docs/statuses.md)."""
+    """Return the text of a status (docs/statuses.md)."""
     return _IN_WORDS.get(name, name.replace("_", " ").capitalize())
 
 
 def flag_names(study: xr.Dataset) -> dict[int, str]:
-    """Names of the bits of a status."""
+    """Return the names of the bits of a status."""
     about = study.status.attrs
     return dict(zip(map(int, about["flag_masks"]), about["flag_meanings"].split(), strict=True))
 
 
 def status_sheet(study: xr.Dataset, titles: dict[str, str]) -> Sheet:
-    """How the simulations of each case ended."""
+    """Tabulate the statuses of the simulations of each case."""
     good = succeeded(study)
     frame = pd.DataFrame(
         {
@@ -133,7 +133,7 @@ def status_sheet(study: xr.Dataset, titles: dict[str, str]) -> Sheet:
 
 
 def failure_sheet(study: xr.Dataset) -> Sheet:
-    """Every simulation that failed, with the seed of its walls."""
+    """Tabulate every failed simulation, with the seed of its walls."""
     flags = flag_names(study)
     rows = []
     statuses = study.status.transpose("case", "realization").values
@@ -160,7 +160,7 @@ def failure_sheet(study: xr.Dataset) -> Sheet:
 
 
 def simulation_time_sheet(study: xr.Dataset, titles: dict[str, str]) -> Sheet:
-    """Wall-clock time of the simulations of each rock."""
+    """Tabulate the wall-clock time of the simulations of each rock."""
     rows = []
     for rock, title in titles.items():
         seconds = study.timing_simulation.values[study.rock.values == rock].ravel()
@@ -176,7 +176,7 @@ def simulation_time_sheet(study: xr.Dataset, titles: dict[str, str]) -> Sheet:
 
 
 def job_time_sheet(benchmarks: pd.DataFrame) -> Sheet:
-    """Time and memory of the workflow's jobs, by rule.
+    """Tabulate time and memory of the workflow's jobs, by rule.
 
     Parameters
     ----------
@@ -201,7 +201,7 @@ def job_time_sheet(benchmarks: pd.DataFrame) -> Sheet:
 
 
 def provenance_rows(study: xr.Dataset) -> list[tuple[str, str]]:
-    """Where the numbers come from: terms and what holds."""
+    """Return terms and values on the provenance of the results."""
     about = study.attrs
     configuration = about["configuration"]
     digest = hashlib.sha256(configuration.encode()).hexdigest()[:16]

@@ -1,4 +1,4 @@
-"""The configuration of a study, held against the paper's."""
+"""Configuration of a study, compared with the paper's."""
 
 import json
 
@@ -7,18 +7,18 @@ import pandas as pd
 from jointclosure.report.sheets import Sheet, sheet
 
 _LEFT_OUT = ("accuracy", "ablation")
-"""Sections of other targets."""
+"""Sections of other targets, which are left out."""
 
 
 def setting_rows(configuration: dict, paper: dict, schema: dict) -> pd.DataFrame:
-    """Every key of a study with its value, the paper's, and what it is.
+    """Tabulate every key of a study with its value, the paper's value, and its description.
 
     Parameters
     ----------
     configuration, paper : dict
-        Merged configurations; of the first, rocks that are not in the study are left out.
+        Merged configurations; rocks that are not in the study are left out of the first.
     schema : dict
-        Whose descriptions are shown.
+        Schema with the descriptions.
 
     Returns
     -------
@@ -44,19 +44,19 @@ def setting_rows(configuration: dict, paper: dict, schema: dict) -> pd.DataFrame
 
 
 def departures(rows: pd.DataFrame) -> list[str]:
-    """Keys in which a study differs from the paper's, its name aside."""
+    """Return the keys in which a study differs from the paper's, without its name."""
     return rows[rows.differs & (rows.key != "study.name")].key.tolist()
 
 
 def setting_sheet(rows: pd.DataFrame) -> Sheet:
-    """The configuration as a table."""
+    """Make the table of the configuration."""
     titles = {"key": "Key", "value": "This study", "paper": "The paper's study"}
     titles |= {"differs": "Differs", "meaning": "What it is"}
     return sheet("configuration", "Every key of this study", rows, titles)
 
 
 def _leaves(value: dict, schema: dict, path: str):
-    """(key, (value, description)) of all that is not a section itself."""
+    """Generate (key, (value, description)) of everything that is not a section."""
     known = schema.get("properties", {})
     extra = schema.get("additionalProperties")
     order = {name: place for place, name in enumerate(known)}

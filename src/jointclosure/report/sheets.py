@@ -1,4 +1,4 @@
-"""Tables of the page: frames become cells, each with what it is sorted by."""
+"""Tables of the page: frames become cells with text and sort key."""
 
 import math
 from numbers import Integral, Real
@@ -12,14 +12,14 @@ ABSENT = "–"
 
 
 class Cell(NamedTuple):
-    """What is shown, and what the cell is sorted by: a number, a text, or "" for nothing."""
+    """Text of a cell, and its sort key: a number, a text, or "" for an empty cell."""
 
     text: str
     key: float | str
 
 
 class Sheet(NamedTuple):
-    """A table with its caption; ``name`` is its id, the first cell of a row its heading."""
+    """Table with its caption; ``name`` is its id, and the first cell of a row is its heading."""
 
     name: str
     caption: str
@@ -28,19 +28,19 @@ class Sheet(NamedTuple):
 
     @property
     def kinds(self) -> list[str]:
-        """How each column is set: "number", "word" (kept on one line) or "text"."""
+        """Kind of each column: "number", "word" (kept on one line) or "text"."""
         return [_kind([row[i] for row in self.rows]) for i in range(len(self.titles))]
 
 
 def sheet(name: str, caption: str, frame: pd.DataFrame, titles: dict[str, str]) -> Sheet:
-    """Columns of a frame as a table.
+    """Make a table of columns of a frame.
 
     Parameters
     ----------
     name, caption : str
     frame : DataFrame
     titles : dict
-        Heading of each column that is shown, in order.
+        Headings of the columns that are shown, in order.
     """
     shown = frame[list(titles)].astype(object)
     rows = [[cell(value) for value in row] for row in shown.itertuples(index=False)]
@@ -48,7 +48,7 @@ def sheet(name: str, caption: str, frame: pd.DataFrame, titles: dict[str, str]) 
 
 
 def cell(value: object) -> Cell:
-    """A value as it is read: numbers to four figures, what is absent as a dash."""
+    """Format a value for reading: numbers to four digits, missing values as a dash."""
     if isinstance(value, Cell):
         return value
     if isinstance(value, bool) or value is None or not isinstance(value, Real):
@@ -62,7 +62,7 @@ def cell(value: object) -> Cell:
 
 
 def number_text(value: float, figures: int = 4) -> str:
-    """A measured number to so many significant figures."""
+    """Format a measured number with a given number of significant digits."""
     if math.isinf(value):
         return "∞" if value > 0.0 else "−∞"
     if value == 0.0:
@@ -73,12 +73,12 @@ def number_text(value: float, figures: int = 4) -> str:
 
 
 def given(value: float) -> Cell:
-    """A number that somebody chose, as short as it is."""
+    """Format a configured number in its shortest form."""
     return Cell(f"{value:.6g}", float(value))
 
 
 _LONGEST_WORD = 28
-"""Characters up to which a column's texts are not broken over lines."""
+"""Number of characters up to which texts of a column are kept on one line."""
 
 
 def _kind(cells: list[Cell]) -> str:

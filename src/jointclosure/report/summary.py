@@ -1,4 +1,4 @@
-"""The first screen of a study's page: the finding in a sentence, its numbers, its validity."""
+"""First screen of a study's page: result in a sentence, numbers, and validity."""
 
 import numpy as np
 import pandas as pd
@@ -23,22 +23,25 @@ FIRST_PICTURES = {
     "independent": ("fig_5_closure", "table_3_intervals"),
     "common": ("fig_5_closure", "along_curve_elasticities"),
 }
-"""Shown on the first screen by a study's draws, those of them that it has."""
+"""Tables of the first screen by the draws of a study; missing ones are left out."""
 
 
 STAYS = "Of it since seating, net, stays (%)"
 
 
 def summary_sheet(study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
-    """Tabulate closure, what stays of it and net normal stiffness of each rock as it is."""
+    """Tabulate closure, residual share and net normal stiffness of each rock's base case."""
     base = closures[closures.parameter == "base"]
     rows = []
-    for rock, own in base.groupby("rock", sort=False):
-        own = own.set_index("cycle")
-        stays = own.residual_closure_seated_net_mean_mm[1] / own.max_closure_seated_net_mean_mm[1]
+    for rock, of_rock in base.groupby("rock", sort=False):
+        of_rock = of_rock.set_index("cycle")
+        stays = (
+            of_rock.residual_closure_seated_net_mean_mm[1]
+            / of_rock.max_closure_seated_net_mean_mm[1]
+        )
         row = {"rock": titles[rock], "stays": 100.0 * stays}
-        for cycle in own.index:
-            row[f"closure_{cycle}"] = own.max_closure_mean_mm[cycle]
+        for cycle in of_rock.index:
+            row[f"closure_{cycle}"] = of_rock.max_closure_mean_mm[cycle]
             row[f"kn_{cycle}"] = 1e-9 * mean_stiffness(study, rock, cycle)
         rows.append(row)
     cycles = [int(cycle) for cycle in study.cycle.values]
@@ -47,39 +50,41 @@ def summary_sheet(study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, s
     columns |= {"stays": STAYS}
     columns |= {f"kn_{cycle}": f"Net kn, cycle {cycle} (MPa/mm)" for cycle in cycles}
     caption = (
-        "Mean maximum closure of each rock as it is, share of the first cycle's net closure since "
-        "seating that stays at seating, and net normal stiffness kn on loading from half of the "
-        "maximum stress to where joints begin to land on it by small steps"
+        "Mean maximum closure of each rock's base case, share of the first cycle's net closure "
+        "since seating that remains at seating, and net normal stiffness kn on loading from half "
+        "of the maximum stress to the small steps before the maximum"
     )
     return sheet("in-short", caption, pd.DataFrame(rows), columns)
 
 
 def mean_stiffness(study: xr.Dataset, rock: str, cycle: int) -> float:
-    """Net normal stiffness of a rock's mean loading curve [Pa/m] (`harmonic_mean` over joints)."""
+    """Return the net normal stiffness of a rock's mean loading curve [Pa/m] (`harmonic_mean`)."""
     case = study.case.values[(study.rock.values == rock) & (study.parameter.values == "base")][0]
-    own = study.sel(case=case)
-    return harmonic_mean(own.stiffness_net.sel(cycle=cycle).values[succeeded(own).values]).value
+    of_case = study.sel(case=case)
+    return harmonic_mean(
+        of_case.stiffness_net.sel(cycle=cycle).values[succeeded(of_case).values]
+    ).value
 
 
 def finding(numbers: Sheet, elasticities: pd.DataFrame | None, configuration: Configuration) -> str:
-    """Closures of the first and last cycle and what they are sensitive to, in sentences."""
+    """Describe closures of the first and last cycle, and their sensitivity, in sentences."""
     named = dict(zip(numbers.titles, zip(*numbers.rows, strict=True), strict=True))
     rocks = named.pop("Rock")
-    said = {name: _range([cell.key for cell in cells]) for name, cells in named.items()}
+    ranges = {name: _range([cell.key for cell in cells]) for name, cells in named.items()}
     stresses = _range([1e-6 * rock.max_normal_stress for rock in configuration.rocks.values()])
     who = (
         f"Joints of {rocks[0].text.lower()}" if len(rocks) == 1 else f"Joints of {len(rocks)} rocks"
     )
-    first = said["Closure, cycle 1 (mm)"]
+    first = ranges["Closure, cycle 1 (mm)"]
     text = f"{who} close {first} mm when they are first loaded to {stresses} MPa"
-    if "Closure, cycle 2 (mm)" in said:
-        text += f", and {said['Closure, cycle 2 (mm)']} mm when they are loaded again"
-    text += f"; {said[STAYS]} % of the first net closure since seating stays."
+    if "Closure, cycle 2 (mm)" in ranges:
+        text += f", and {ranges['Closure, cycle 2 (mm)']} mm when they are loaded again"
+    text += f"; {ranges[STAYS]} % of the first net closure since seating stays."
     return f"{text} {sensitivity_sentence(elasticities)}".strip()
 
 
 def sensitivity_sentence(elasticities: pd.DataFrame | None) -> str:
-    """The property that the last cycle's closure is most sensitive to, where that can be told."""
+    """State the property with the largest effect on the last cycle's closure, if it is clear."""
     if elasticities is None or not len(elasticities):
         return ""
     last = elasticities[elasticities.cycle == elasticities.cycle.max()]
@@ -104,19 +109,20 @@ def sensitivity_sentence(elasticities: pd.DataFrame | None) -> str:
 
 
 def most_sensitive(elasticities: pd.DataFrame, parameter: str) -> str:
-    """Verdict on a property being the most sensitive one in all rocks, of one cycle.
+    """Return the verdict on a property having the largest elasticity in all rocks, for one cycle.
 
-    Errors of elasticities are taken as independent. The intervals of all differences between
-    their sizes hold together with 95 %; sizes within `TOLERANCE` are alike.
+    Errors of elasticities are treated as independent. The intervals of all differences between
+    their magnitudes are simultaneous with 95 %. Magnitudes that differ by less than `TOLERANCE`
+    count as equal.
     """
     lows, highs = [], []
     differences = len(elasticities) - elasticities.rock.nunique()
     confidence = 1.0 - 0.05 / differences
-    for _, own in elasticities.groupby("rock"):
-        own = own.set_index("parameter")
-        if parameter not in own.index:
+    for _, of_rock in elasticities.groupby("rock"):
+        of_rock = of_rock.set_index("parameter")
+        if parameter not in of_rock.index:
             return CANNOT_BE_TOLD
-        first, others = own.loc[parameter], own.drop(parameter)
+        first, others = of_rock.loc[parameter], of_rock.drop(parameter)
         for other in others.itertuples():
             error = np.hypot(first.elasticity_standard_error, other.elasticity_standard_error)
             difference = abs(first.elasticity) - abs(other.elasticity)
@@ -127,7 +133,7 @@ def most_sensitive(elasticities: pd.DataFrame, parameter: str) -> str:
 
 
 def _lower(title: str) -> str:
-    """A property's title within a sentence: names keep their capitals."""
+    """Return a property's title within a sentence: names keep their capitals."""
     return title if title.startswith(("Young", "Poisson", "JRC")) else title[0].lower() + title[1:]
 
 
@@ -140,23 +146,25 @@ def _range(values: list) -> str:
 
 
 def validity(configuration: Configuration, outcome: dict) -> list[str]:
-    """What the numbers hold for, in sentences."""
-    surface, said = configuration.surface, []
+    """Describe the validity of the numbers, in sentences."""
+    surface, sentences = configuration.surface, []
     if any(rock.walls is None for rock in configuration.rocks.values()):
         mated = surface.correlation > 0.0 or surface.mismatch_wavelength is not None
-        said.append(
+        sentences.append(
             "Walls are random and mated in part, as the configuration says."
             if mated
             else "Walls are random and independent of each other. Natural joints mate in part, "
             "close less and are stiffer: the numbers are not theirs."
         )
-    said.append("No fluid pressure acts on walls, and no shear; a cell of the grid is an asperity.")
+    sentences.append(
+        "No fluid pressure acts on walls, and no shear; a cell of the grid is an asperity."
+    )
     if any(rock.max_normal_stress_is_assumed for rock in configuration.rocks.values()):
-        said.append("Maximum stresses are assumptions.")
+        sentences.append("Maximum stresses are assumptions.")
     flagged = outcome["flags"]["outside_model_range"]
     if flagged or outcome["failed"]:
-        said.append(
+        sentences.append(
             f"{flagged} of {outcome['simulations']} simulations are outside of the model's range, "
             f"{outcome['failed']} failed."
         )
-    return said
+    return sentences

@@ -1,4 +1,4 @@
-"""What the file of a scanned wall says."""
+"""Content of the file of a scanned wall."""
 
 import math
 from typing import NamedTuple
@@ -8,15 +8,16 @@ import numpy as np
 from jointclosure.inputs import InputError
 
 LARGEST_SCAN = 100_000_000
-"""Heights of a file: 10,000 x 10,000 take 0.8 GB. A damaged or hostile file may declare more."""
+"""Largest number of heights of a file: 10,000 x 10,000 take 0.8 GB. A damaged or malicious file may
+declare more."""
 
 
 class Contents(NamedTuple):
-    """Heights (y, x) on a grid of a spacing (dy, dx), or points (n, 3); each in its own units.
+    """Heights (y, x) on a grid of a spacing (dy, dx), or points (n, 3), in the file's units.
 
-    Rows are those of growing y. Units are as the file writes them ("mm", "micrometre"), None where
-    it does not. ``origin`` is (y, x) of the first cell, None where the file does not place its
-    grid; ``remarks`` are sentences on what was passed over in reading.
+    Rows are in order of increasing y. Units are as written in the file ("mm", "micrometre"), or
+    None if it states none. ``origin`` is the (y, x) of the first cell, None if the file does not
+    place its grid. ``remarks`` are sentences on what reading skipped.
     """
 
     heights: np.ndarray | None = None
@@ -29,7 +30,7 @@ class Contents(NamedTuple):
 
 
 def check_size(shape: tuple[int, ...]) -> None:
-    """Raise `InputError` where an array of a shape is larger than `LARGEST_SCAN`."""
+    """Raise `InputError` if an array of a shape is larger than `LARGEST_SCAN`."""
     if math.prod(shape) > LARGEST_SCAN:
         size = " x ".join(map(str, shape))
-        raise InputError(f"declares {size} values: at most {LARGEST_SCAN:,} are read")
+        raise InputError(f"declares {size} values: must be at most {LARGEST_SCAN:,}")

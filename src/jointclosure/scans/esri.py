@@ -1,4 +1,4 @@
-"""ESRI ASCII grids (.asc): a head of words and numbers, then rows from the largest y downwards."""
+"""ESRI ASCII grids (.asc): a header of words and numbers, then rows from the largest y down."""
 
 from pathlib import Path
 
@@ -13,40 +13,42 @@ _KNOWN = (*_NEEDED, "xllcorner", "yllcorner", "xllcenter", "yllcenter", "nodata_
 
 
 def read_asc(path: Path, variable: str | None) -> Contents:
-    """An ESRI grid, without units; other files of this suffix as `instruments.read_any` does.
+    """Read an ESRI grid, without units; other files of this suffix as `instruments.read_any`.
 
     Raises
     ------
     InputError
-        A head that lacks a word or has one that is no number, or more or fewer heights than it
-        declares.
+        If a word is missing in the header or has no number, or the number of heights is not the
+        declared one.
     """
     with path.open("rb") as file:
         if not file.read(64).lstrip().lower().startswith(b"ncols"):
             return read_any(path, variable)
     if variable is not None:
-        raise InputError(f"variable = {variable!r}: the format has one array without a name")
+        raise InputError(
+            f"variable = {variable!r}: must be left out; the format has one array without a name"
+        )
     words = path.read_text(encoding="latin-1").split()
     head: dict[str, float] = {}
     while 2 * len(head) + 1 < len(words) and words[2 * len(head)].lower() in _KNOWN:
         key, value = words[2 * len(head)].lower(), words[2 * len(head) + 1]
         if key in head:
-            raise InputError(f"{key}: is twice in the head")
+            raise InputError(f"{key}: must be only once in the header")
         head[key] = _number(key, value)
     if missing := [key for key in _NEEDED if key not in head]:
-        raise InputError(f"its head lacks {', '.join(missing)}")
+        raise InputError(f"its header lacks {', '.join(missing)}")
     shape = _count("nrows", head), _count("ncols", head)
     check_size(shape)
     values = words[2 * len(head) :]
     if len(values) != shape[0] * shape[1]:
         raise InputError(
-            f"declares {shape[0]} rows of {shape[1]} heights, {shape[0] * shape[1]}, and holds "
-            f"{len(values)}: is it cut off?"
+            f"declares {shape[0]} rows of {shape[1]} heights, {shape[0] * shape[1]}, and contains "
+            f"{len(values)}: is the file incomplete?"
         )
     try:
         heights = np.array(values, dtype=float).reshape(shape)[::-1].copy()
     except ValueError as error:
-        raise InputError(f"a height that is no number ({error})") from None
+        raise InputError(f"has a height that is not a number ({error})") from None
     heights[heights == head.get("nodata_value", -9999.0)] = np.nan
     step = head["cellsize"]
     return Contents(heights, (step, step), origin=_origin(head, step))
@@ -61,12 +63,12 @@ def _number(key: str, value: str) -> float:
 
 def _count(key: str, head: dict[str, float]) -> int:
     if not (head[key] >= 1.0 and head[key].is_integer()):
-        raise InputError(f"{key} = {head[key]:g}: must be a whole number from 1")
+        raise InputError(f"{key} = {head[key]:g}: must be a whole number of at least 1")
     return int(head[key])
 
 
 def _origin(head: dict[str, float], step: float) -> tuple[float, float] | None:
-    """(y, x) of the first cell's middle, None where the file does not place it."""
+    """Return (y, x) of the middle of the first cell, None if the file does not place it."""
     places = []
     for axis in "yx":
         if f"{axis}llcenter" in head:

@@ -1,6 +1,6 @@
 """Heights on a regular grid: npy, npz, netCDF, TIFF and GeoTIFF.
 
-Arrays are (y, x), row by row. In npz files and text headers a name may end in its unit, as
+Arrays are (y, x), row by row. In npz files and text headers a name may end with its unit, as
 everywhere in this project: ``Z_mm``, ``spacing_mm``.
 """
 
@@ -24,22 +24,22 @@ _METRE, _LINEAR, _VERTICAL = 9001, "ProjLinearUnitsGeoKey", "VerticalUnitsGeoKey
 
 
 def read_npy(path: Path, variable: str | None) -> Contents:
-    """One array, without units or spacing."""
+    """Read one array, without units or spacing."""
     _no_variable(variable)
     with _opened(path) as file:
         if _start(file).startswith(b"PK"):
-            raise InputError("is an archive of arrays and no single one; call it .npz")
+            raise InputError("is an archive of arrays, not a single array; rename it to .npz")
         return Contents(heights=_array(file))
 
 
 def read_npz(path: Path, variable: str | None) -> Contents:
-    """An array of an archive; its spacing by a number ``spacing``, ``h`` or ``dx``.
+    """Read an array of an archive; its spacing is a number ``spacing``, ``h`` or ``dx``.
 
-    Of the archive's arrays the heads are read, and no other array than these two.
+    Only the headers of the other arrays are read.
     """
     with _opened(path) as file:
         if _start(file) == np.lib.format.MAGIC_PREFIX:
-            raise InputError("is a single array and no archive of them; call it .npy")
+            raise InputError("is a single array, not an archive; rename it to .npy")
         with zipfile.ZipFile(file) as archive:
             members = {name.removesuffix(".npy"): name for name in archive.namelist()}
             shapes = {key: _shape(archive, name) for key, name in members.items()}
@@ -61,7 +61,7 @@ def read_npz(path: Path, variable: str | None) -> Contents:
 
 
 def _start(file: IO[bytes]) -> bytes:
-    """The first bytes of a file, of which its format is known."""
+    """Return the first bytes of a file, which identify its format."""
     start = file.read(len(np.lib.format.MAGIC_PREFIX))
     file.seek(0)
     return start
@@ -72,13 +72,13 @@ def _is_spacing(name: str) -> bool:
 
 
 def _shape(archive: zipfile.ZipFile, name: str) -> tuple[int, ...]:
-    """Shape of an archive's array by its head."""
+    """Return the shape of an archive's array from its header."""
     with archive.open(name) as member:
         return _head(member)[0]
 
 
 def _head(file: IO[bytes]) -> tuple[tuple[int, ...], np.dtype]:
-    """Shape and type that the head of an array declares."""
+    """Return the shape and type that the header of an array declares."""
     version = np.lib.format.read_magic(file)
     read = np.lib.format.read_array_header_1_0
     shape, _, kind = (read if version == (1, 0) else np.lib.format.read_array_header_2_0)(file)
@@ -86,7 +86,7 @@ def _head(file: IO[bytes]) -> tuple[tuple[int, ...], np.dtype]:
 
 
 def _array(file: IO[bytes]) -> np.ndarray:
-    """An array that is not too large, pickles refused."""
+    """Read an array up to the largest size; pickles are refused."""
     shape, _ = _head(file)
     check_size(shape)
     file.seek(0)
@@ -94,12 +94,12 @@ def _array(file: IO[bytes]) -> np.ndarray:
 
 
 def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
-    """A variable over y and x by the names of its dimensions, with the units of its attribute.
+    """Read a variable over y and x by the names of its dimensions, with units from its attribute.
 
-    Spacing and place are those of its coordinates.
+    Spacing and origin are those of its coordinates.
     """
     try:
-        # a file of others: it does not bear the seal of ours
+        # a file from outside, which has no seal of this project
         with xr.open_dataset(path, engine="netcdf4", cache=False) as dataset:
             fields = [str(name) for name, field in dataset.data_vars.items() if field.ndim == 2]
             name = _chosen(variable, fields, {str(key): None for key in dataset.variables})
@@ -137,30 +137,32 @@ _AXES = {
     "y": ("y", "lat", "latitude", "northing", "row", "rows", "projection_y_coordinate"),
     "x": ("x", "lon", "longitude", "easting", "column", "columns", "projection_x_coordinate"),
 }
-"""Names of dimensions and standard names of coordinates that say which axis they are."""
+"""Names of dimensions, and standard names of coordinates, that identify an axis."""
 
 
 def _by_axes(field: xr.DataArray) -> xr.DataArray:
-    """A variable over (y, x) by what its dimensions are called; as written where that says nothing.
+    """Return a variable over (y, x) by the names of its dimensions.
+
+    If the names do not identify the axes, the order in the file is kept.
 
     Raises
     ------
     InputError
-        Both dimensions are the same axis.
+        If both dimensions are the same axis.
     """
     axes = [_axis_of(field, str(dimension)) for dimension in field.dims]
     if axes[0] is not None and axes[0] == axes[1]:
-        raise InputError(f"dimensions {field.dims}: are both {axes[0]}, must be y and x")
+        raise InputError(f"dimensions {field.dims}: must be y and x, both are {axes[0]}")
     return field.transpose() if axes[0] == "x" or axes[1] == "y" else field
 
 
 def _says_axes(field: xr.DataArray) -> bool:
-    """Whether the name or an attribute of a dimension names an axis."""
+    """Return whether the name or an attribute of a dimension identifies an axis."""
     return any(_axis_of(field, str(dimension)) for dimension in field.dims)
 
 
 def _axis_of(field: xr.DataArray, dimension: str) -> str | None:
-    """The axis of a dimension by its name and its coordinate's attributes, None without either."""
+    """Return the axis of a dimension by its name and its coordinate's attributes, or None."""
     about = field[dimension].attrs if dimension in field.coords else {}
     words = (about.get("axis"), about.get("standard_name"), split_name(dimension)[0])
     for word in (str(word).lower() for word in words if word):
@@ -171,7 +173,7 @@ def _axis_of(field: xr.DataArray, dimension: str) -> str | None:
 
 
 def read_tiff(path: Path, variable: str | None) -> Contents:
-    """The first page of a TIFF; of a GeoTIFF its pixel size, its units and what is no data."""
+    """Read the first page of a TIFF; of a GeoTIFF also pixel size, units and missing value."""
     _no_variable(variable)
     with needs("walls", "TIFF"):
         import tifffile
@@ -183,10 +185,10 @@ def read_tiff(path: Path, variable: str | None) -> Contents:
             nothing = page.tags.valueof("GDAL_NODATA")
     except InputError:
         raise
-    except Exception as error:  # of a damaged file the library raises what its bytes lead to
+    except Exception as error:  # for a damaged file the library raises various errors
         raise InputError(f"cannot be read as TIFF ({error})") from None
     if heights.ndim != 2 or heights.dtype.kind not in "fiu":
-        raise InputError(f"a picture {heights.shape} of {heights.dtype}: must be heights (y, x)")
+        raise InputError(f"has an image {heights.shape} of {heights.dtype}: must be heights (y, x)")
     heights = heights.astype(float)
     if (value := _no_data(nothing)) is not None:
         heights[heights == value] = np.nan
@@ -205,9 +207,9 @@ def read_tiff(path: Path, variable: str | None) -> Contents:
 
 
 def _last_row(tie, spacing: tuple[float, float], rows: int) -> tuple[float, float] | None:
-    """(y, x) of the first pixel of a GeoTIFF's last row, where y is least, from its tie point.
+    """Return (y, x) of the first pixel of a GeoTIFF's last row, with the smallest y.
 
-    None where there is not just one.
+    It is computed from the tie point; None unless there is exactly one.
     """
     if tie is None or len(tie) != 6:
         return None
@@ -216,7 +218,7 @@ def _last_row(tie, spacing: tuple[float, float], rows: int) -> tuple[float, floa
 
 
 def _no_data(written) -> float | None:
-    """The value of pixels without a height, None where the file declares none."""
+    """Return the value of pixels without a height, None if the file declares none."""
     word = str("" if written is None else written).strip("\0 ")
     if word.lower() in ("", "none", "null"):
         return None
@@ -228,7 +230,7 @@ def _no_data(written) -> float | None:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[IO[bytes]]:
-    """A file of numpy, of which one clear error is made where it is damaged."""
+    """Open a file of numpy and raise one clear error if it is damaged."""
     try:
         with path.open("rb") as file:
             yield file
@@ -245,7 +247,7 @@ def _chosen(variable: str | None, fields: list[str], all_names: dict) -> str:
         return variable
     if len(fields) != 1:
         listed = ", ".join(fields) or "none"
-        raise InputError(f"arrays over (y, x): {listed}; choose one by its name (variable)")
+        raise InputError(f"has arrays over (y, x): {listed}; variable must name one of them")
     return fields[0]
 
 
@@ -257,5 +259,5 @@ def _no_variable(variable: str | None) -> None:
 def _step(name: str, values: np.ndarray) -> float:
     steps = np.abs(np.diff(values.astype(float)))
     if not steps.size or np.ptp(steps) > 1e-4 * steps.mean():
-        raise InputError(f"the coordinate {name!r} is not evenly spaced")
+        raise InputError(f"the coordinate {name!r} must be evenly spaced")
     return float(steps.mean())

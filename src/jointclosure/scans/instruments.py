@@ -1,4 +1,4 @@
-"""What surface scanners write, by SurfaceTopography, which knows some forty formats."""
+"""Files of surface scanners, read by SurfaceTopography, which supports about forty formats."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from jointclosure.scans.contents import Contents, check_size
 
 
 def read_any(path: Path, variable: str | None) -> Contents:
-    """A channel of a scanner's file: by default that of the file, or the one of a name."""
+    """Read a channel of a scanner's file, by default the default channel of the file."""
     with needs("walls", f"{path.suffix or 'a file without suffix'}: a scanner's format"):
         from SurfaceTopography.IO import open_topography
     try:
@@ -27,12 +27,12 @@ def read_any(path: Path, variable: str | None) -> Contents:
             given = {} if sizes is None else {"physical_sizes": sizes}
             surface = reader.topography(channel_index=index, **given)
             if surface.dim != 2:
-                raise InputError("holds a profile and no surface")
+                raise InputError("contains a profile, must be a surface")
             heights = np.ma.filled(np.ma.asarray(surface.heights()).astype(float), np.nan)
             pixels, units = surface.pixel_size, surface.unit
     except InputError:
         raise
-    except Exception as error:  # of a damaged file the library raises what its bytes lead to
+    except Exception as error:  # for a damaged file the library raises various errors
         raise InputError(
             f"cannot be read by SurfaceTopography ({type(error).__name__}: {error})"
         ) from None

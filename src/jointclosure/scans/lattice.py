@@ -1,4 +1,4 @@
-"""Points that lie on a regular grid, whatever their order, gaps and repeats; one height a place."""
+"""Points on a regular grid in any order, with gaps and repetitions; one height for each node."""
 
 from typing import NamedTuple
 
@@ -7,23 +7,27 @@ import numpy as np
 from jointclosure.inputs import InputError
 
 LARGEST_OFFSET = 0.05
-"""Distance of a point from its node, over the step of the grid: places are written rounded."""
+"""Largest distance of a point from its node, over the step of the grid, due to rounding in
+files."""
 LEAST_NEIGHBOURS = 0.5
-"""Share of the points whose next node is a point too, along each axis: what has fewer is scattered
-or staggered."""
+"""Smallest share of points whose next node has a point too, along both axes; points with less are
+scattered or staggered."""
 MOST_CELLS_PER_POINT = 20
-"""Nodes of a grid for each point: sparser points are scattered."""
+"""Largest number of nodes of a grid for each point; sparser points are scattered."""
 SAME_HEIGHT = 1e-6
-"""Difference of repeated heights over the range of all heights."""
+"""Largest difference of repeated heights, over the range of all heights."""
 MOST_AMBIGUOUS = 0.01
-"""Share of the places that may have several heights: these are left out, more are an error."""
+"""Largest share of places with several heights; these are left out, and more are an error."""
 _DIGITS = 7
-"""Significant digits of a step: single precision has as many, and files of it the same grid."""
+"""Significant digits of a step: those of single precision, so that files in single precision give
+the same grid."""
 
 
 class Lattice(NamedTuple):
-    """Heights (y, x) on a grid of a spacing (dy, dx), NaN at nodes without a point, and the place
-    (y, x) of the first node."""
+    """Heights (y, x) on a grid of a spacing (dy, dx), NaN at nodes without a point.
+
+    The last field is the place (y, x) of the first node.
+    """
 
     heights: np.ndarray
     spacing: tuple[float, float]
@@ -32,18 +36,18 @@ class Lattice(NamedTuple):
 
 
 def lattice_of(points: np.ndarray) -> Lattice | None:
-    """The regular grid along x and y on whose nodes all points (n, 3) lie, None without one.
+    """Find the regular grid along x and y on whose nodes all points (n, 3) lie, None without one.
 
-    Heights may be NaN. Nodes may lack a point, and points may be repeated.
+    Heights may be NaN. Nodes may have no point, and points may be repeated.
 
     Raises
     ------
     InputError
-        More than `MOST_AMBIGUOUS` of the nodes have points of several heights.
+        If more than `MOST_AMBIGUOUS` of the nodes have several heights.
     """
     if len(points) < 9:
         return None
-    # levels of a coordinate closer than this are one: a twentieth of the mean distance of points
+    # coordinates closer than a twentieth of the mean distance of points count as equal
     apart = 0.05 * float(np.sqrt(np.prod(np.ptp(points[:, :2], axis=0)) / len(points)))
     axes = [_axis_of(values, apart) for values in points[:, :2].T]
     if axes[0] is None or axes[1] is None:
@@ -68,12 +72,12 @@ def lattice_of(points: np.ndarray) -> Lattice | None:
 
 
 def merged_points(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Points (n, 3) with one height a place, and what was left out.
+    """Return points (n, 3) with one height for each place, and remarks on what was left out.
 
     Raises
     ------
     InputError
-        More than `MOST_AMBIGUOUS` of the places have several heights.
+        If more than `MOST_AMBIGUOUS` of the places have several heights.
     """
     numbers = np.unique(points[:, :2], axis=0, return_inverse=True)[1].ravel()
     if not len(points) or numbers.max() + 1 == len(points):
@@ -85,7 +89,7 @@ def merged_points(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
 
 
 class _Axis(NamedTuple):
-    """Number of each point's node along an axis, distance of the nodes and place of the first."""
+    """Number of each point's node along an axis, distance of the nodes, and place of the first."""
 
     node: np.ndarray
     step: float
@@ -111,9 +115,9 @@ def _axis_of(values: np.ndarray, apart: float) -> _Axis | None:
 def _merged(
     numbers: np.ndarray, points: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
-    """Numbers of the places that have a height, these heights, and what was left out.
+    """Return numbers of the places with a height, these heights, and remarks on what was left out.
 
-    A place of several heights has NaN.
+    A place with several heights has NaN.
     """
     known = np.flatnonzero(np.isfinite(points[:, 2]))
     known = known[np.argsort(numbers[known], kind="stable")]
@@ -127,14 +131,14 @@ def _merged(
         at = int(np.argmax(high - low))
         x, y = points[known[start[at]], :2]
         raise InputError(
-            f"{int(several.sum())} of {len(places)} places have several heights, as (x, y) = "
-            f"({x:g}, {y:g}) has {low[at]:g} and {high[at]:g}: a wall has one height at each; a "
-            "solid or both walls in one file must be cut to one wall"
+            f"{int(several.sum())} of {len(places)} places have several heights, such as (x, y) = "
+            f"({x:g}, {y:g}) with {low[at]:g} and {high[at]:g}: a wall has one height at each "
+            "place; a solid or both walls in one file must be cut to one wall"
         )
     remarks = []
     repeated = len(known) - len(places) - int((np.diff([*start, len(known)])[several] - 1).sum())
     if repeated:
-        remarks.append(f"{repeated} repeated points were passed over")
+        remarks.append(f"{repeated} repeated points were skipped")
     if several.any():
-        remarks.append(f"{int(several.sum())} places of several heights were taken as missing")
+        remarks.append(f"{int(several.sum())} places with several heights were treated as missing")
     return places, np.where(several, np.nan, heights[start]), tuple(remarks)

@@ -1,4 +1,4 @@
-"""Triangulated scans: STL, of which the vertices are the points of the wall."""
+"""Triangulated scans: STL files, whose vertices are the points of the wall."""
 
 from pathlib import Path
 
@@ -11,40 +11,40 @@ from jointclosure.scans.contents import Contents
 from jointclosure.scans.points import contents_of
 
 LARGEST_COVER = 1.05
-"""Area of the triangles in the plan over that of the points' convex hull: 2 of a solid."""
+"""Largest area of the triangles in the plan over that of the points' convex hull; a solid has 2."""
 
 
 def read_stl(path: Path, variable: str | None) -> Contents:
-    """Vertices of an STL file, binary or text; the format knows no units."""
+    """Read the vertices of an STL file, binary or text; the format has no units."""
     if variable is not None:
-        raise InputError(f"variable = {variable!r}: an STL file has none")
+        raise InputError(f"variable = {variable!r}: must be left out; an STL file has no variables")
     with needs("walls", "STL"):
         import trimesh
     try:
         with path.open("rb") as file:
             mesh = trimesh.load_mesh(file, file_type="stl")
         points = np.array(mesh.vertices, dtype=float)
-    except Exception as error:  # of a damaged file the library raises what its bytes lead to
+    except Exception as error:  # for a damaged file the library raises various errors
         raise InputError(f"cannot be read as STL ({error})") from None
     if len(points) < 4:
-        raise InputError(f"an STL file of {len(points)} vertices: too few for a wall")
+        raise InputError(f"has {len(points)} vertices: too few for a wall")
     _check_single_sheet(points, np.asarray(mesh.faces))
     return contents_of(points)
 
 
 def _check_single_sheet(points: np.ndarray, faces: np.ndarray) -> None:
-    """Raise `InputError` where triangles (n, 3) of points lie over each other in the plan.
+    """Raise `InputError` if triangles (n, 3) of points overlap in the plan.
 
-    Their areas in the plan add up to more than that of the points' convex hull.
+    The sum of their areas in the plan is then larger than the area of the points' convex hull.
     """
     one, other = (points[faces[:, corner], :2] - points[faces[:, 0], :2] for corner in (1, 2))
     area = 0.5 * float(np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]).sum())
     try:
         hull = scipy.spatial.ConvexHull(points[:, :2]).volume
     except (scipy.spatial.QhullError, ValueError):
-        return  # they lie on one line, of which `point_distance` says so
+        return  # they lie on one line, which `point_distance` reports
     if area > LARGEST_COVER * hull:
         raise InputError(
-            f"the surface lies over itself: its triangles cover {area / hull:.3g} times the plan "
+            f"the surface overlaps itself: its triangles cover {area / hull:.3g} times the plan "
             "of its points; a solid or both walls in one file must be cut to one wall"
         )

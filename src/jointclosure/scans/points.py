@@ -1,4 +1,4 @@
-"""Points x, y, z in text: csv, xyz, txt."""
+"""Points x, y, z in text files: csv, xyz, txt."""
 
 from pathlib import Path
 
@@ -7,22 +7,22 @@ import numpy as np
 from jointclosure.inputs import InputError
 from jointclosure.scans.contents import Contents
 from jointclosure.scans.lattice import lattice_of, merged_points
-from jointclosure.scans.sentinels import missing_heights, missing_values, said
+from jointclosure.scans.sentinels import missing_heights, missing_sentence, missing_values
 from jointclosure.scans.text import Table, read_table
 from jointclosure.scans.units import size_of, split_name
 from jointclosure.surface.outliers import strays
 
 NAMED = 3
-"""Stray points that are told by their places."""
+"""Largest number of stray points whose places are listed."""
 
 
 def read_text(path: Path, variable: str | None) -> Contents:
-    """Points from lines of x, y and z, separated by commas, semicolons, tabs or blanks.
+    """Read points from lines of x, y and z, separated by commas, semicolons, tabs or blanks.
 
-    Lines of names may say the columns' units ("x_mm", "z (um)"); ``variable`` names three
-    columns, or counts them from 1 ("x,y,height", "1,2,4"), where they are not named x, y and z.
-    What is missing, stray or passed over is told in the remarks. Points that are all cells of a
-    regular grid are returned as that grid.
+    Lines of names may state the units of columns ("x_mm", "z (um)"). ``variable`` names three
+    columns, or numbers them from 1 ("x,y,height", "1,2,4"), if they are not named x, y and z. The
+    remarks describe missing, stray and skipped values. Points that are all nodes of a regular grid
+    are returned as that grid.
     """
     try:
         table = read_table(path)
@@ -35,17 +35,19 @@ def read_text(path: Path, variable: str | None) -> Contents:
     x, y, z = (_unit_of(table, column) for column in columns)
     if x != y:
         raise InputError(f"x is in {x} and y in {y}: must be in the same units")
-    found = contents_of(values)
-    return found._replace(height_units=z, length_units=x, remarks=table.remarks + found.remarks)
+    contents = contents_of(values)
+    return contents._replace(
+        height_units=z, length_units=x, remarks=table.remarks + contents.remarks
+    )
 
 
 def contents_of(points: np.ndarray) -> Contents:
-    """Points (n, 3) as the regular grid on which they lie, else as points; without units.
+    """Return points (n, 3) as the regular grid on which they lie, otherwise as points.
 
     Raises
     ------
     InputError
-        A point has a height and lacks its place, or places have several heights.
+        If a point has a height but no place, or places have several heights.
     """
     points, remarks = cleaned(points)
     lattice = lattice_of(points)
@@ -59,21 +61,23 @@ def contents_of(points: np.ndarray) -> Contents:
 
 
 def _unit_of(table: Table, column: int) -> str | None:
-    """The unit of a column by its name or by the line of units below the names."""
+    """Return the unit of a column from its name or from the line of units below the names."""
     name = table.names[column] if table.names else ""
     by_name, by_line = split_name(name)[1], table.units[column] if table.units else None
     if by_name and by_line and size_of(by_name) != size_of(by_line):
-        raise InputError(f"the column {name!r} is in {by_line!r} by the line of units")
+        raise InputError(
+            f"the column {name!r} has the unit {by_line!r} in the line of units; must be the same"
+        )
     return by_name or by_line
 
 
 def cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Points (n, 3) of a wall, NaN where a height is missing, and what was left out of them.
+    """Return points (n, 3) of a wall, NaN where a height is missing, and remarks.
 
     Raises
     ------
     InputError
-        A point has a height and lacks its place.
+        If a point has a height but no place.
     """
     points = points.astype(float)
     places, sentinels = zip(*(missing_values(column) for column in points[:, :2].T), strict=True)
@@ -81,7 +85,7 @@ def cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     missing = np.column_stack([*places, without_height])
     if missing[:, :2].any():
         count, values = int(missing[:, :2].any(axis=1).sum()), np.unique(np.concatenate(sentinels))
-        remarks += (said(count, values, "places"),)
+        remarks += (missing_sentence(count, values, "places"),)
     points[missing] = np.nan
     points[~np.isfinite(points)] = np.nan
     placed = np.isfinite(points[:, :2]).all(axis=1)
@@ -89,7 +93,7 @@ def cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     if nowhere.size:
         raise InputError(f"{nowhere.size} points lack x or y, the first is number {nowhere[0] + 1}")
     if not placed.all():
-        remarks += (f"{int((~placed).sum())} lines without a place were passed over",)
+        remarks += (f"{int((~placed).sum())} lines without a place were skipped",)
         points = points[placed]
     stray = strays(points)
     if stray.any():
@@ -105,7 +109,7 @@ def cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
 
 
 def _columns(table: Table, variable: str | None) -> list[int]:
-    """Numbers of the columns of x, y and z."""
+    """Return the numbers of the columns of x, y and z."""
     width = table.values.shape[1]
     bare = [split_name(name)[0].lower() for name in table.names]
     if variable is not None:
@@ -113,31 +117,31 @@ def _columns(table: Table, variable: str | None) -> list[int]:
     if table.names:
         if not {"x", "y", "z"} <= set(bare):
             raise InputError(
-                f"columns {', '.join(table.names)}: must name x, y and z, or say which they are "
-                "(variable: 1,2,3)"
+                f"columns {', '.join(table.names)}: must be named x, y and z, or variable must "
+                "state them, such as 1,2,3"
             )
         return [bare.index(axis) for axis in "xyz"]
     if width != 3:
         raise InputError(
-            f"{width} columns without names: must be three, x, y and z, or say which they are "
-            "(variable: 1,2,3)"
+            f"{width} columns without names: must be three, x, y and z, or variable must state "
+            "them, such as 1,2,3"
         )
     return [0, 1, 2]
 
 
 def _stated_columns(names: list[str], bare: list[str], width: int, variable: str) -> list[int]:
-    found = []
+    columns = []
     for word in (word.strip() for word in variable.split(",")):
         if word.isdecimal() and 1 <= int(word) <= width:
-            found.append(int(word) - 1)
+            columns.append(int(word) - 1)
         elif word in names:
-            found.append(names.index(word))
+            columns.append(names.index(word))
         elif word.lower() in bare:
-            found.append(bare.index(word.lower()))
-    if len(found) != 3 or len(set(found)) != 3 or len(variable.split(",")) != 3:
+            columns.append(bare.index(word.lower()))
+    if len(columns) != 3 or len(set(columns)) != 3 or len(variable.split(",")) != 3:
         allowed = ", ".join(names) if names else f"numbers from 1 to {width}"
         raise InputError(
             f"variable = {variable!r}: must be three columns for x, y and z, as in 1,2,3; "
             f"there are {allowed}"
         )
-    return found
+    return columns

@@ -1,4 +1,4 @@
-"""Tables of numbers in text as instruments and people write them."""
+"""Tables of numbers in text files, in the forms that instruments and people write."""
 
 import io
 import re
@@ -17,10 +17,10 @@ _DECIMAL_COMMA = re.compile(r"[-+]?\d+(,\d+)?([eE][-+]?\d+)?")
 
 
 class Table(NamedTuple):
-    """Numbers (rows, columns), NaN where missing; names of the columns, empty where none are given.
+    """Numbers (rows, columns), NaN where missing, and names of the columns, empty without any.
 
-    ``units`` are those of the columns by a line of units below the names, None of a column that has
-    none, empty without such a line; ``remarks`` say what was passed over.
+    ``units`` are those of the columns from a line of units below the names: None for a column
+    without a unit, empty without such a line. ``remarks`` describe what was skipped.
     """
 
     values: np.ndarray
@@ -30,21 +30,21 @@ class Table(NamedTuple):
 
 
 class _Form(NamedTuple):
-    """How a line is cut into words."""
+    """Rules for splitting a line into words."""
 
     separator: str | None
     decimal: str
 
 
 def read_table(path: Path) -> Table:
-    """A table of numbers: separators, decimal commas, names and comments as they are found.
+    """Read a table of numbers; separators, decimal commas, names and comments are detected.
 
     Raises
     ------
     InputError
-        No line of numbers, or a word among the numbers that is none.
+        If there is no line of numbers, or a word among the numbers is not a number.
     ValueError
-        Lines that pandas cannot read.
+        If pandas cannot read the lines.
     """
     lines = _decoded(path.read_bytes()).splitlines()
     start = next((i for i, line in enumerate(lines) if _is_data(line)), None)
@@ -66,14 +66,16 @@ def read_table(path: Path) -> Table:
     )
     frame, repeated = _numbers(frame, names, form.decimal)
     if repeated:
-        remarks.append(f"{repeated} repeated lines of names were passed over")
-    # a separator at the end of every line makes a column of nothing
+        remarks.append(f"{repeated} repeated lines of names were skipped")
+    # a separator at the end of every line makes an empty column
     while width > len(names or "xyz") and frame[width - 1].isna().all():
         width -= 1
     if names and len(names) != width:
         raise InputError(f"{len(names)} names ({', '.join(names)}) of {width} columns")
     if len(units) > width:
-        raise InputError(f"{len(units)} words in the line of units of {width} columns")
+        raise InputError(
+            f"has {len(units)} words in the line of units, must be {width}, one for each column"
+        )
     if units:
         units += [None] * (width - len(units))
     values = frame.iloc[:, :width].to_numpy(dtype=float)
@@ -86,7 +88,7 @@ def _decoded(content: bytes) -> str:
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
-        return content.decode("latin-1")  # has the micro sign of older instruments
+        return content.decode("latin-1")  # for the micro sign of older instruments
 
 
 def _form_of(line: str) -> _Form:
@@ -105,7 +107,7 @@ def _words(line: str, form: _Form) -> list[str]:
 
 
 def _is_data(line: str) -> bool:
-    """Whether a line holds two numbers or more, and else nothing but words for none."""
+    """Return whether a line has at least two numbers, and otherwise only missing values."""
     if not line.strip() or line.lstrip().startswith(COMMENTS):
         return False
     form = _form_of(line)
@@ -124,9 +126,9 @@ def _is_number(word: str) -> bool:
 
 
 def _names(head: list[str]) -> tuple[list[str], list[str | None], list[str]]:
-    """Names of the columns, their units by a line of units, remarks on other lines of the head.
+    """Return names of the columns, their units, and remarks on other lines of the header.
 
-    A comment counts where it names x, y and z.
+    A comment is used if it names x, y and z.
     """
     names: list[str] = []
     units: list[str | None] = []
@@ -147,7 +149,7 @@ def _names(head: list[str]) -> tuple[list[str], list[str | None], list[str]]:
         elif not comment and len(words) > 2:
             fields = words
         elif not comment:
-            remarks.append(f"line {number} was passed over: {bare[:60]!r}")
+            remarks.append(f"line {number} was skipped: {bare[:60]!r}")
     return names or fields, units, remarks
 
 
@@ -175,7 +177,7 @@ def _without_comments(lines: list[str]) -> list[str]:
 
 
 def _numbers(frame: pd.DataFrame, names: list[str], decimal: str) -> tuple[pd.DataFrame, int]:
-    """The numbers without lines that repeat the names, and how many did; `InputError` for words."""
+    """Return the numbers without repeated lines of names, and the number of these lines."""
     repeated = np.zeros(len(frame), bool)
     numbers = {}
     for column in frame.columns:
@@ -189,7 +191,7 @@ def _numbers(frame: pd.DataFrame, names: list[str], decimal: str) -> tuple[pd.Da
         wrong = np.flatnonzero(values.isna() & known & ~name)
         if wrong.size:
             raise InputError(
-                f"{words.iloc[wrong[0]]!r} in line {wrong[0] + 1} of the numbers is no number"
+                f"{words.iloc[wrong[0]]!r} in line {wrong[0] + 1} of the numbers is not a number"
             )
         repeated |= (values.isna() & name).to_numpy()
         numbers[column] = values.astype(float)

@@ -1,4 +1,4 @@
-"""Units of length that files and users write, and what follows from both."""
+"""Units of length stated by files and by users, and their combination."""
 
 import re
 
@@ -8,12 +8,12 @@ from jointclosure.parameters import USUAL
 
 
 def is_unit(word: str) -> bool:
-    """Whether a word is a unit of length that is known here."""
+    """Return whether a word is a known unit of length."""
     return word.strip() in SPELT
 
 
 def plausible(sides: tuple[float, float] | None) -> str:
-    """Which units make a wall of sides in the file's units one of a laboratory or an outcrop."""
+    """Describe which units give a wall with sides in the file's units a plausible size."""
     if sides is None:
         return ""
     fitting = [
@@ -26,7 +26,7 @@ def plausible(sides: tuple[float, float] | None) -> str:
 
 
 def doubted(units: str, sides: tuple[float, float] | None) -> tuple[str, ...]:
-    """A warning where units of its sides make a wall that no laboratory or outcrop has."""
+    """Return a warning if units of the sides give an implausible size of the wall."""
     if sides is None or _is_plausible(size_of(units), sides):
         return ()
     return (caution(f"unusual in {units}{plausible(sides)}"),)
@@ -37,34 +37,34 @@ def _is_plausible(size: float, sides: tuple[float, float]) -> bool:
     return size * min(sides) >= smallest and size * max(sides) <= largest
 
 
-def settled(what: str, own: str | None, stated: str | None, sides=None) -> str:
-    """The units of heights or distances, from the file's own and those stated by the user.
+def settled(what: str, of_file: str | None, stated: str | None, sides=None) -> str:
+    """Return the units of heights or distances, from the file's units and those of the user.
 
-    ``sides`` of the wall in the file's units tell which ones would be plausible where none are
-    known; they are never assumed.
+    ``sides`` of the wall in the file's units are used to name plausible units in the message if
+    none are known; units are never assumed.
 
     Raises
     ------
     InputError
-        Neither are there, or they contradict each other.
+        If neither states units, or if they contradict each other.
     """
     if stated is not None:
         size_of(stated)
-    if own is None:
+    if of_file is None:
         if stated is None:
             raise InputError(
-                f"does not say the units of its {what}: give them (units; --units "
-                f"on the command line){plausible(sides)}"
+                f"does not state the units of its {what}: give units (--units on the command "
+                f"line){plausible(sides)}"
             )
         return stated
-    if stated is not None and size_of(own) != size_of(stated):
-        raise InputError(f"units = {stated!r}: the file says that its {what} are in {own!r}")
-    return own
+    if stated is not None and size_of(of_file) != size_of(stated):
+        raise InputError(f"units = {stated!r}: the {what} of the file are in {of_file!r}")
+    return of_file
 
 
 def split_name(name: str) -> tuple[str, str | None]:
-    """("Z", "mm") of "Z_mm", "Z (mm)" or "Z [mm]"; ("Z", None) of a name without units."""
-    found = re.fullmatch(r"\s*(.*?)(?:_|\s*[(\[])([a-zµμ]+)[)\]]?\s*", name)
-    if found and found[2] in SPELT:
-        return found[1], found[2]
+    """Return ("Z", "mm") for "Z_mm", "Z (mm)" or "Z [mm]"; ("Z", None) for a name without units."""
+    match = re.fullmatch(r"\s*(.*?)(?:_|\s*[(\[])([a-zµμ]+)[)\]]?\s*", name)
+    if match and match[2] in SPELT:
+        return match[1], match[2]
     return name.strip(), None

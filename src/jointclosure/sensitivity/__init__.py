@@ -1,1 +1,1 @@
-"""Which rock properties matter: responses, indifference intervals, claims."""
+"""Sensitivity to rock properties: responses, indifference intervals, claims."""

@@ -1,15 +1,15 @@
 """Elasticities and indifference intervals along the closure curve, from seating to the maximum.
 
-The paper's limits (iii) and (v): do the conclusions depend on the stress that is chosen? The
-closure of a cycle at a stress is that of its loading branch, counted from the cycle's start,
-as the maximum closure is; the last point is the maximum closure itself.
+They show whether the conclusions depend on the selected stress, the paper's limits (iii) and (v).
+The closure of a cycle at a stress is that of its loading branch, from the start of the cycle, like
+the maximum closure; the last point is the maximum closure itself.
 """
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.claims.found import TARGET
+from jointclosure.claims.findings import TARGET
 from jointclosure.sensitivity.intervals import UNPAIRED
 from jointclosure.sensitivity.responses import (
     RockSample,
@@ -23,7 +23,7 @@ from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import elasticity, rounded, variation_of
 
 POINTS = 10
-"""Stresses of each rock, evenly spaced among those of the stored curves."""
+"""Number of stresses for each rock, evenly spaced among those of the stored curves."""
 COLUMNS = (
     "rock", "parameter", "cycle", "stress_MPa", "samples", "elasticity",
     "elasticity_standard_error", "elasticity_shown", "variation", "variation_standard_error",
@@ -39,16 +39,16 @@ def along_curve(
     repetitions: int,
     root_seed: int,
 ) -> pd.DataFrame:
-    """Elasticity, scatter, and what studies would publish, at stresses of the closure curves.
+    """Compute elasticity, scatter and published lengths at stresses of the closure curves.
 
     Parameters
     ----------
     ensemble : Dataset
-        The pool; without one, the study itself.
+        The pool, or the study itself if it has none.
     seating_stress : float
-        Where it begins [Pa].
+        Smallest stress [Pa].
     design : Design
-        Of a study of independent draws.
+        Design of a study with independent draws.
     repetitions : int
     root_seed : int
 
@@ -56,8 +56,8 @@ def along_curve(
     -------
     DataFrame
         By rock, parameter, cycle and stress: elasticity and S/mean (``variation``) with standard
-        errors; median, 5 and 95 % of the published length in percent of the rock's own value,
-        infinite for no root, by the ``test``.
+        errors; median, 5 and 95 % quantiles of the published length in percent of the rock's
+        value, infinite for no root, by the ``test``.
     """
     rows = []
     for rock in rocks_of(ensemble):
@@ -84,9 +84,9 @@ def _rows(
         row = {"rock": sample.rock, "parameter": parameter, "cycle": cycle}
         row |= {"stress_MPa": 1e-6 * stresses[int(name)], "samples": values.shape[1]}
         if levels.base != 0.0:
-            found = elasticity(levels.values, values, levels.base, sample.paired)
-            row["elasticity"], row["elasticity_standard_error"] = found
-            row["elasticity_shown"] = rounded(*found)
+            estimate = elasticity(levels.values, values, levels.base, sample.paired)
+            row["elasticity"], row["elasticity_standard_error"] = estimate
+            row["elasticity_shown"] = rounded(*estimate)
             lengths = length_distribution(100.0 * drawn.lengths[:, i] / abs(levels.base))
             row |= {"percent_median": lengths.median, "percent_low_90": lengths.low_90}
             row |= {"percent_high_90": lengths.high_90}
@@ -100,9 +100,9 @@ def _rows(
 def _curve_sample(
     ensemble: xr.Dataset, rock: str, seating_stress: float
 ) -> tuple[list[float], RockSample]:
-    """Stresses [Pa], and closures of a rock's cases at them: the variables are their places."""
-    own = (ensemble.rock == rock).values
-    largest = float(ensemble.max_normal_stress.values[own][0])
+    """Return stresses [Pa], and closures of a rock's cases at them as variables by index."""
+    of_rock = (ensemble.rock == rock).values
+    largest = float(ensemble.max_normal_stress.values[of_rock][0])
     axis = ensemble.stress.values
     between = np.flatnonzero((axis > 0.0) & (axis >= seating_stress) & (axis < largest))
     if between.size > POINTS - 1:

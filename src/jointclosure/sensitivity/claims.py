@@ -1,13 +1,14 @@
-"""The paper's claims, each with two answers: is it true of the model, and would a study find it?
+"""Judgement of the paper's claims: their truth in the model, and confirmation by a study.
 
 True of the model: margins (`jointclosure.claims.statements`) with confidence intervals, from
-surfaces on which all cases are closed (the pool; without one, the study's own). A claim *stands*
-where all margins lie where it is true in all rocks, and *falls* where one lies elsewhere; of a
-comparison there is *no difference* where the smallest margin is within the tolerance; else it
-*cannot be told*. The intervals of one claim hold together with a confidence of 95 % (Bonferroni).
+surfaces on which all cases are closed (the pool, or the study itself if it has none). A claim
+*stands* if all margins are in the range where it is true, in all rocks, and *falls* if one is
+outside. For a comparison there is *no difference* if the smallest margin is within the tolerance.
+Otherwise the verdict is *cannot be told*. The intervals of one claim are simultaneous with a
+confidence of 95 % (Bonferroni).
 
-Found: the share of repetitions of the study, n independent draws at every level, in which the
-claim holds for all rocks when judged as the paper judges, by point estimates.
+Confirmed by a study: the share of repetitions of the study, with n independent draws at every
+level, in which the claim is true for all rocks by point estimates, as in the paper.
 """
 
 from typing import NamedTuple
@@ -17,7 +18,7 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.claims.found import LOOP, NET, TARGET, Findings
+from jointclosure.claims.findings import LOOP, NET, TARGET, Findings
 from jointclosure.claims.table import CLAIMS, OURS, TABLE_3, Claim
 from jointclosure.config.properties import PROPERTIES
 from jointclosure.sensitivity.closed_model import SQUARE, ClosedModel, estimated
@@ -53,7 +54,7 @@ from jointclosure.statistics.verdicts import (
 CONFIDENCE = 0.95
 YES, NO = "yes", "no"
 _ROUNDING = 1e-12
-"""Of a closure: a loop below is none."""
+"""Loop over closure below which the loop is due to rounding."""
 COLUMNS = (
     "number", "claim", "said_in", "paper", "paper_finds", "verdict", "remark",
     "found_here", "found_share", "found_error", "found_low", "found_high",
@@ -66,11 +67,11 @@ MARGIN_COLUMNS = (
 
 
 class Evidence(NamedTuple):
-    """What claims are judged by.
+    """Data from which claims are judged.
 
-    ``study``: as made, which finds or does not find; ``pool``: of which it is asked what is
-    true, the study itself where there is none; ``design``: of a study's repetitions;
-    ``resampled_pools``: for the error of the pool, of shares that studies find.
+    ``study``: the real study, which confirms a claim or not. ``pool``: data for what is true, the
+    study itself if it has no pool. ``design``: that of repetitions of the study.
+    ``resampled_pools``: number of pools for the error of confirmed shares due to the pool.
     """
 
     study: xr.Dataset
@@ -82,18 +83,20 @@ class Evidence(NamedTuple):
 
 
 class _Judged(NamedTuple):
-    """The pool's rocks and their margins by claim, how often repetitions find a claim, the study,
-    the paper's own table."""
+    """Rocks of the pool with their margins by claim, and frequencies of confirmation.
+
+    ``study`` and ``paper`` are the real study and the paper's table.
+    """
 
     samples: list[RockSample]
     margins: dict[str, dict[str, dict[tuple[str, int], Estimate]]]
-    found: dict[str, Frequency]
+    confirmed: dict[str, Frequency]
     study: Findings
     paper: Findings
 
 
 def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """All claims with the paper's figures and both answers, and the margins that decide them.
+    """Judge all claims by both criteria, and return the margins that decide them.
 
     Parameters
     ----------
@@ -104,28 +107,28 @@ def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame,
     Returns
     -------
     claims : DataFrame
-        ``said_in``: where the paper has it, or `OURS`. ``verdict``: whether it is true of the
-        model. ``found_share``: of the repetitions, with a standard error that contains the
-        pool's, and its 95 % interval; ``found_here``: whether the study as made finds it;
-        ``paper_finds``: whether the paper's own Table 3 does. In a study of other rocks only,
-        `OF_PAPER` is left out, and so are claims that cannot be judged.
+        ``said_in``: sections of the paper, or `OURS`. ``verdict``: whether it is true of the
+        model. ``found_share``: share of the repetitions that confirm it, with a standard error
+        that includes that of the pool, and its 95 % interval; ``found_here``: whether the real
+        study confirms it; ``paper_finds``: whether the paper's Table 3 does. In a study of other
+        rocks only, `OF_PAPER` and claims that cannot be judged are left out.
     margins : DataFrame
         A row for each number of the model by which a claim is judged: ``number`` of the claim,
         ``rock``, ``cycle``, ``quantity``, ``value``, ``standard_error``, the ends of its interval
-        (those of a claim hold together with `CONFIDENCE`), and whether of its claim and rock it
-        is the one that ``decides``.
+        (simultaneous for a claim, with `CONFIDENCE`), and whether it ``decides`` its claim and
+        rock.
     """
     judged = _judged(evidence, paper)
     rows, margins = [], []
     for claim in CLAIMS:
         row: dict = {"number": claim.number, "claim": claim.text, "said_in": claim.said_in}
         row |= {"paper": _papers_figures(claim, paper, judged.samples), "remark": claim.remark}
-        word, own = _true(claim, judged)
+        word, claim_margins = _true(claim, judged)
         row |= {"verdict": word} | _found(claim, judged)
         if claim.shown == TABLE_3 and claim.said_in != OURS:
             row["paper_finds"] = _yes(claim.found_in(judged.paper))
         rows.append(row)
-        margins += own
+        margins += claim_margins
     table = pd.DataFrame(rows, columns=list(COLUMNS))
     of_model = pd.DataFrame(margins, columns=list(MARGIN_COLUMNS))
     if not judged.paper.drawn:
@@ -143,58 +146,58 @@ def _judged(evidence: Evidence, paper: pd.DataFrame) -> _Judged:
         {sample.rock: _margins(sample, critical) for sample in samples},
         _frequencies(evidence, samples),
         as_found(_samples(evidence.study), design.significance),
-        _papers_own(paper, samples),
+        _paper_as_study(paper, samples),
     )
 
 
 def _frequencies(evidence: Evidence, samples: list[RockSample]) -> dict[str, Frequency]:
-    """How often repetitions find each claim that can be judged, the pool's error included."""
+    """Return how often repetitions confirm each claim that can be judged, with the pool's error."""
     pools = sensitivities([sample for sample in samples if sample.levels])
     names = samples[0].names if samples else ()
 
-    def found(drawn) -> dict[str, np.ndarray]:
+    def confirmed(drawn) -> dict[str, np.ndarray]:
         by_claim = {claim.number: claim.found_in(Findings(drawn, names)) for claim in CLAIMS}
-        return {number: each for number, each in by_claim.items() if each is not None}
+        return {number: finds for number, finds in by_claim.items() if finds is not None}
 
     random = generator(seed_of(evidence.root_seed, "claims"))
-    once = found(draw_studies(pools, evidence.design, evidence.repetitions, random))
+    once = confirmed(draw_studies(pools, evidence.design, evidence.repetitions, random))
     errors = dict.fromkeys(once, 0.0)
     if evidence.resampled_pools and once:
         random = generator(seed_of(evidence.root_seed, "claims", "pools"))
         times = repetitions_of_pool(evidence.repetitions)
         shares = []
-        for own in resampled_pools(pools, random, evidence.resampled_pools):
-            again = found(draw_studies(own, evidence.design, times, random))
-            shares.append([each.mean() for each in again.values()])
+        for resampled in resampled_pools(pools, random, evidence.resampled_pools):
+            again = confirmed(draw_studies(resampled, evidence.design, times, random))
+            shares.append([finds.mean() for finds in again.values()])
         errors = dict(zip(once, pool_error(shares, times).tolist(), strict=True))
-    return {number: frequency(each, errors[number]) for number, each in once.items()}
+    return {number: frequency(finds, errors[number]) for number, finds in once.items()}
 
 
 def _samples(dataset: xr.Dataset) -> list[RockSample]:
     variables = {TARGET: dataset[TARGET], NET: dataset[NET], LOOP: _loops(dataset)}
-    found = [rock_sample(dataset, rock, variables) for rock in rocks_of(dataset)]
-    return [sample for sample in found if sample.values.shape[-1] > 1]
+    samples = [rock_sample(dataset, rock, variables) for rock in rocks_of(dataset)]
+    return [sample for sample in samples if sample.values.shape[-1] > 1]
 
 
 def _loops(dataset: xr.Dataset) -> xr.DataArray:
-    """Closure of unloading less that of loading at half the maximum stress of each case."""
+    """Return unloading less loading closure at half the maximum stress of each case."""
     parts = []
     for case in dataset.case.values:
         one = dataset.sel(case=[case])
         half = one.closure.sel(stress=0.5 * float(one.max_normal_stress[0]), method="nearest")
         up, down = half.sel(branch="loading"), half.sel(branch="unloading")
-        # branches that are one curve, read to and fro, differ by rounding
+        # branches of one curve, read in both directions, differ by rounding
         loop = (down - up).where(np.abs(down - up) > _ROUNDING * up, 0.0)
         parts.append(loop.drop_vars(["stress", "branch"], errors="ignore"))
     return xr.concat(parts, "case", coords="minimal", compat="override")
 
 
 def _with_squares(sample: RockSample) -> RockSample:
-    """A sample with the squared deviations of its closures, whose means are their variances."""
+    """Add the squared deviations of a sample's closures, whose means are their variances."""
     n = sample.values.shape[-1]
     cycles = [cycle for variable, cycle in sample.names if variable == TARGET]
-    own = sample.values[[sample.target(TARGET, cycle) for cycle in cycles]]
-    squares = (own - own.mean(axis=2, keepdims=True)) ** 2 * n / (n - 1)
+    closures = sample.values[[sample.target(TARGET, cycle) for cycle in cycles]]
+    squares = (closures - closures.mean(axis=2, keepdims=True)) ** 2 * n / (n - 1)
     return sample._replace(
         names=(*sample.names, *((SQUARE, cycle) for cycle in cycles)),
         values=np.concatenate([sample.values, squares]),
@@ -202,7 +205,7 @@ def _with_squares(sample: RockSample) -> RockSample:
 
 
 def _margins(sample: RockSample, critical: float) -> dict[str, dict[tuple[str, int], Estimate]]:
-    """Margins of a rock by claim, and by name and cycle; of claims on what varies there."""
+    """Return the margins of a rock by claim, and by name and cycle, for properties that vary."""
     asked = {
         claim: cycles
         for claim in CLAIMS
@@ -219,24 +222,25 @@ def _margins(sample: RockSample, critical: float) -> dict[str, dict[tuple[str, i
             for name, value in claim.margins(model, cycles).items()
         }
 
-    found: dict[str, dict] = {}
+    by_claim: dict[str, dict] = {}
     for (number, *name), estimate in estimated(numbers, whole).items():
-        found.setdefault(number, {})[tuple(name)] = estimate
-    return found
+        by_claim.setdefault(number, {})[tuple(name)] = estimate
+    return by_claim
 
 
 def _true(claim: Claim, judged: _Judged) -> tuple[str, list[dict]]:
-    """Verdict on the model, and the margins of all rocks."""
-    asked = {rock: own[claim.number] for rock, own in judged.margins.items() if claim.number in own}
+    """Return the verdict on the model, and the margins of all rocks."""
+    by_rock = judged.margins.items()
+    asked = {rock: claims[claim.number] for rock, claims in by_rock if claim.number in claims}
     if not asked:
         return CANNOT_BE_TOLD, []
-    confidence = 1.0 - (1.0 - CONFIDENCE) / sum(len(each) for each in asked.values())
+    confidence = 1.0 - (1.0 - CONFIDENCE) / sum(len(margins) for margins in asked.values())
     sizes = {sample.rock: sample.values.shape[-1] for sample in judged.samples}
     rows, intervals = [], []
     for rock, estimates in asked.items():
-        own = [t_interval(each, sizes[rock], confidence) for each in estimates.values()]
-        intervals += own
-        rows += _margin_rows(claim, rock, estimates, own)
+        of_rock = [t_interval(margin, sizes[rock], confidence) for margin in estimates.values()]
+        intervals += of_rock
+        rows += _margin_rows(claim, rock, estimates, of_rock)
     least = claim.judged_by.least_interval(intervals)
     answer = verdict(least, (claim.judged_by.true_above(), np.inf), claim.judged_by.alike)
     if claim.negated:
@@ -245,15 +249,15 @@ def _true(claim: Claim, judged: _Judged) -> tuple[str, list[dict]]:
 
 
 def _margin_rows(
-    claim: Claim, rock: str, estimates: dict[tuple[str, int], Estimate], own: list[Interval]
+    claim: Claim, rock: str, estimates: dict[tuple[str, int], Estimate], intervals: list[Interval]
 ) -> list[dict]:
-    """Margins of a rock; the one decides that is least, in standard errors, where it is true."""
+    """Return margins of a rock; the smallest, in standard errors, decides."""
     inside = [
-        (claim.judged_by.least_interval([Interval(each.value, each.value)]).low
+        (claim.judged_by.least_interval([Interval(margin.value, margin.value)]).low
          - claim.judged_by.true_above())
-        for each in estimates.values()
+        for margin in estimates.values()
     ]  # fmt: skip
-    errors = [each.standard_error for each in estimates.values()]
+    errors = [margin.standard_error for margin in estimates.values()]
     least = np.argmin(
         [
             far / error if error else np.copysign(np.inf, far)
@@ -263,31 +267,31 @@ def _margin_rows(
     return [
         {
             "number": claim.number, "rock": rock, "cycle": cycle, "quantity": quantity,
-            "value": found.value, "standard_error": found.standard_error,
+            "value": estimate.value, "standard_error": estimate.standard_error,
             "low": interval.low, "high": interval.high, "decides": i == least,
         }
-        for i, (((quantity, cycle), found), interval) in enumerate(
-            zip(estimates.items(), own, strict=True)
+        for i, (((quantity, cycle), estimate), interval) in enumerate(
+            zip(estimates.items(), intervals, strict=True)
         )
     ]  # fmt: skip
 
 
 def _found(claim: Claim, judged: _Judged) -> dict:
-    """How often repetitions of the study find the claim, and whether the study does."""
+    """Return how often repetitions confirm the claim, and whether the study does."""
     row: dict = {"found_here": _yes(claim.found_in(judged.study))}
-    often = judged.found.get(claim.number)
+    often = judged.confirmed.get(claim.number)
     if often is not None:
         row |= {"found_share": often.share, "found_error": often.standard_error}
         row |= {"found_low": often.low, "found_high": often.high}
     return row
 
 
-def _yes(found: np.ndarray | None) -> str | None:
-    return None if found is None else YES if found[0] else NO
+def _yes(finds: np.ndarray | None) -> str | None:
+    return None if finds is None else YES if finds[0] else NO
 
 
 def as_found(samples: list[RockSample], significance: float) -> Findings:
-    """A study that was made, as one of many: its own means, and lengths as published."""
+    """Return a real study as one of many: its means, and lengths as published."""
     drawn = {}
     for sample in samples:
         for parameter, levels in sample.levels.items():
@@ -306,8 +310,8 @@ def as_found(samples: list[RockSample], significance: float) -> Findings:
     return Findings(drawn, samples[0].names if samples else ())
 
 
-def _papers_own(paper: pd.DataFrame, samples: list[RockSample]) -> Findings:
-    """The paper's Table 3 as a study: lengths without means."""
+def _paper_as_study(paper: pd.DataFrame, samples: list[RockSample]) -> Findings:
+    """Return the paper's Table 3 as a study: lengths without means."""
     cycles = sorted({int(cycle) for cycle in paper.cycle})
     drawn = {}
     for sample in samples:
@@ -325,12 +329,13 @@ def _papers_own(paper: pd.DataFrame, samples: list[RockSample]) -> Findings:
 
 
 def _papers_figures(claim: Claim, paper: pd.DataFrame, samples: list[RockSample]) -> str:
-    """The entries of the paper's Table 3 that a claim is about, or where else it is shown."""
+    """Return entries of the paper's Table 3 on a claim, or where else the paper shows it."""
     if claim.shown != TABLE_3:
         return claim.shown
     rocks = {sample.rock for sample in samples}
     part = paper[(paper.parameter == claim.parameter) & paper.rock.isin(rocks)]
-    part = part[part.cycle.isin({c for each in claim.cycles for c in claim.judged_by.cycles(each)})]
+    needed = {c for cycle in claim.cycles for c in claim.judged_by.cycles(cycle)}
+    part = part[part.cycle.isin(needed)]
     return "; ".join(
         f"cycle {cycle}: " + ", ".join(_entry(row) for row in rows.itertuples())
         for cycle, rows in part.groupby("cycle")

@@ -1,11 +1,11 @@
-"""A rock's model as a study knows it: mean closures of its cases, and what claims ask of them."""
+"""Model of a rock from a study: mean closures of its cases, and numbers that claims need."""
 
 from collections.abc import Callable, Hashable, Mapping
 from typing import TypeVar
 
 import numpy as np
 
-from jointclosure.claims.found import LOOP, TARGET
+from jointclosure.claims.findings import LOOP, TARGET
 from jointclosure.sensitivity.responses import RockSample
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
 from jointclosure.statistics.standard_errors import Estimate
@@ -21,8 +21,8 @@ Name = TypeVar("Name", bound=Hashable)
 class ClosedModel:
     """Mean closures of all cases of a rock, as `jointclosure.claims.statements.Closed`.
 
-    ``critical``: t sqrt(2/n) of a study's test, by which a mean must change in standard
-    deviations of a closure to be significant.
+    ``critical`` is t sqrt(2/n) of a study's test: the smallest significant change of a mean in
+    standard deviations of a closure.
     """
 
     def __init__(self, sample: RockSample, means: Means, critical: float) -> None:
@@ -32,12 +32,12 @@ class ClosedModel:
         self._fits: dict[tuple[str, int, str], Quadratic] = {}
 
     def elasticity(self, parameter: str, cycle: int, variable: str = TARGET) -> float:
-        """d ln(closure)/d ln(parameter) at the rock's own value, of the quadratic of Eq. (24)."""
+        """Return d ln(closure)/d ln(parameter) at the rock's value, from Eq. (24)."""
         fit = self._fit(parameter, cycle, variable)
         return fit.c / fit.d * self.sample.levels[parameter].base / fit.half_range
 
     def slopes(self, parameter: str, cycle: int, variable: str = TARGET) -> list[float]:
-        """Elasticity from each level to the next, about their middle."""
+        """Return the elasticities between neighbouring levels, about their middle."""
         levels, target = self.sample.levels[parameter], self.sample.target(variable, cycle)
         means = self.means[target, levels.cases]
         return [
@@ -48,16 +48,16 @@ class ClosedModel:
         ]
 
     def change(self, parameter: str, cycle: int, change: float) -> float:
-        """Relative change of the mean closure with a change of the parameter [SI]."""
+        """Return the relative change of the mean closure with a change of the parameter [SI]."""
         fit = self._fit(parameter, cycle, TARGET)
         return float(fit.at(self.sample.levels[parameter].base + change) / fit.d - 1.0)
 
     def loop(self, cycle: int) -> float:
-        """Mean loop over the mean closure, of the rock as it is."""
+        """Return the mean loop over the mean closure of the base case."""
         return float(self._at_base(LOOP, cycle) / self._at_base(TARGET, cycle))
 
     def significant(self, cycle: int) -> float:
-        """Relative change of a mean that a study finds, of joints that scatter as the rock's."""
+        """Return the relative change of a mean that is significant with the scatter of the rock."""
         return float(
             self.critical * np.sqrt(self._at_base(SQUARE, cycle)) / self._at_base(TARGET, cycle)
         )
@@ -77,10 +77,10 @@ class ClosedModel:
 def estimated(
     numbers: Callable[[Means], Mapping[Name, float]], sample: RockSample
 ) -> dict[Name, Estimate]:
-    """Numbers that follow from means, with their standard errors.
+    """Return numbers that depend on means, with their standard errors.
 
-    The errors are to first order in those of the means, whose covariance is that over surfaces:
-    what surfaces of a pool have in common at all levels cancels in differences.
+    The errors are to first order in the errors of the means, whose covariance is that over
+    surfaces: contributions of a surface equal at all levels cancel in differences.
     """
     targets, cases, n = sample.values.shape
     means = sample.values.mean(axis=2)
@@ -89,8 +89,8 @@ def estimated(
         same_case = np.tile(np.eye(cases, dtype=bool), (targets, targets))
         covariance = np.where(same_case, covariance, 0.0)
     errors = np.sqrt(np.diag(covariance))
-    found = numbers(means)
-    gradients = np.zeros((len(found), errors.size))
+    values_by_name = numbers(means)
+    gradients = np.zeros((len(values_by_name), errors.size))
     for i in np.flatnonzero(errors):
         step = np.zeros(errors.size)
         step[i] = 0.1 * errors[i]
@@ -102,5 +102,5 @@ def estimated(
     variances = np.einsum("qi,ij,qj->q", gradients, covariance, gradients)
     return {
         name: Estimate(float(value), float(np.sqrt(max(variance, 0.0))))
-        for (name, value), variance in zip(found.items(), variances, strict=True)
+        for (name, value), variance in zip(values_by_name.items(), variances, strict=True)
     }

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.claims.found import NET, TARGET
+from jointclosure.claims.findings import NET, TARGET
 from jointclosure.config.properties import PROPERTIES
 from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.ensemble.covariates import Covariates
@@ -50,11 +50,11 @@ _ADJUSTED = [f"elasticity_adjusted{what}" for what in _WHAT]
 
 
 def max_closure_table(study: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
-    """Mean, standard deviation and n of the maximum closures, per case and cycle, with errors.
+    """Tabulate mean, standard deviation and n of maximum closures by case and cycle, with errors.
 
-    ``max_closure_shown`` is the mean rounded to its standard error [mm]; ``variation`` is
-    S/mean of the maximum closure. Columns with ``adjusted`` are by the study's covariates, NaN
-    where there are none.
+    ``max_closure_shown`` is the mean rounded to its standard error [mm]; ``variation`` is S/mean of
+    the maximum closure. Columns with ``adjusted`` are adjusted by the study's covariates, NaN
+    without covariates.
     """
     good = succeeded(study).values
     rows = []
@@ -74,7 +74,7 @@ def max_closure_table(study: xr.Dataset, covariates: Covariates | None = None) -
 
 
 def _scatter(target: str, values: np.ndarray) -> dict:
-    """Mean and standard deviation [mm] of a target, and their standard errors."""
+    """Return mean and standard deviation [mm] of a target, and their standard errors."""
     mean, deviation = f"{target}_mean_mm", f"{target}_standard_deviation_mm"
     row = dict.fromkeys((mean, f"{mean}_standard_error"), np.nan)
     row |= dict.fromkeys((deviation, f"{deviation}_standard_error"), np.nan)
@@ -91,23 +91,30 @@ def _scatter(target: str, values: np.ndarray) -> dict:
 
 
 def _adjusted(values: np.ndarray, covariates: Covariates | None) -> dict:
-    """Adjusted mean and standard deviation [mm] of the maximum closure, with standard errors."""
-    found = dict.fromkeys(("mean", "standard_deviation"), Estimate(np.nan, np.nan))
+    """Return adjusted mean and standard deviation [mm] of maximum closure, with standard errors."""
+    estimates = dict.fromkeys(("mean", "standard_deviation"), Estimate(np.nan, np.nan))
     if covariates is not None:
-        own, known, tell_scatter = covariates
-        found["mean"] = adjusted_means(values[None], own, known, paired=False).estimate(0)
-        deviations, errors = adjusted_deviations(values[None], own, known, tell_scatter)
-        found["standard_deviation"] = Estimate(float(deviations[0]), float(errors[0]))
+        values_of_covariates, known, tell_scatter = covariates
+        estimates["mean"] = adjusted_means(
+            values[None], values_of_covariates, known, paired=False
+        ).estimate(0)
+        deviations, errors = adjusted_deviations(
+            values[None], values_of_covariates, known, tell_scatter
+        )
+        estimates["standard_deviation"] = Estimate(float(deviations[0]), float(errors[0]))
     row: dict[str, float] = {}
-    for what, estimate in found.items():
+    for what, estimate in estimates.items():
         name = f"{TARGET}_adjusted_{what}_mm"
         row |= {name: estimate.value, f"{name}_standard_error": estimate.standard_error}
     return row
 
 
 def correlation_table(study: xr.Dataset) -> pd.DataFrame:
-    """Coefficients of Eqs. (24) and (26) with standard errors: closures in mm, parameters as in
-    Table 1. With more than three levels ``lack_of_fit_p`` tests the quadratic."""
+    """Tabulate coefficients of Eqs. (24) and (26) with standard errors.
+
+    Closures are in mm, parameters in the units of Table 1. With more than three levels
+    ``lack_of_fit_p`` tests the quadratic.
+    """
     rows = []
     for response in responses(study, TARGET):
         if response.samples.shape[1] < 2:
@@ -141,11 +148,11 @@ def _coefficients(response: Response, size: float) -> dict:
 
 
 def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
-    """d ln(mean maximum closure)/d ln(parameter) at each rock's own value, with standard errors.
+    """Tabulate d ln(mean maximum closure)/d ln(parameter) at each rock's value, with errors.
 
-    One row per rock, parameter and cycle, with and without bulk indentation. Of a pool the
-    surfaces are the same at all levels, and their errors are those of differences. Columns
-    with ``adjusted`` are by the ensemble's covariates, NaN where there are none.
+    There is one row per rock, parameter and cycle, with and without bulk indentation. In a pool the
+    surfaces are the same at all levels, and errors are those of differences. Columns with
+    ``adjusted`` are adjusted by the ensemble's covariates, NaN without covariates.
     """
     rows = []
     both = (responses(ensemble, target, covariates) for target in (TARGET, NET))
@@ -153,23 +160,23 @@ def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None)
         row = {"rock": gross.rock, "parameter": gross.parameter, "cycle": gross.cycle}
         row |= {"samples": gross.samples.shape[1], "paired": gross.paired}
         for suffix, response in (("", gross), ("_net", net)):
-            found = (np.nan, np.nan)
+            estimate = (np.nan, np.nan)
             if response.samples.shape[1] > 1 and response.base != 0.0:
-                found = elasticity(
+                estimate = elasticity(
                     response.levels, response.samples, response.base, response.paired
                 )
             row |= {
-                f"elasticity{suffix}": found[0],
-                f"elasticity{suffix}_standard_error": found[1],
-                f"elasticity{suffix}_shown": rounded(*found),
+                f"elasticity{suffix}": estimate[0],
+                f"elasticity{suffix}_standard_error": estimate[1],
+                f"elasticity{suffix}_shown": rounded(*estimate),
             }
-        found = (np.nan, np.nan)
+        estimate = (np.nan, np.nan)
         if gross.covariates is not None and gross.base != 0.0:
-            own, known, _ = gross.covariates
-            found = adjusted_elasticity(
-                gross.levels, gross.samples, own, known, gross.base, gross.paired
+            values, known, _ = gross.covariates
+            estimate = adjusted_elasticity(
+                gross.levels, gross.samples, values, known, gross.base, gross.paired
             )
-        row |= dict(zip(_ADJUSTED, (*found, rounded(*found)), strict=True))
+        row |= dict(zip(_ADJUSTED, (*estimate, rounded(*estimate)), strict=True))
         rows.append(row)
     columns = ["rock", "parameter", "cycle", "samples", "paired"]
     columns += [f"elasticity{suffix}{what}" for suffix in ("", "_net") for what in _WHAT]

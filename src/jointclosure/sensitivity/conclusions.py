@@ -1,31 +1,33 @@
-"""Which of the paper's conclusions stand, which fall, and which hang on what it leaves open."""
+"""Conclusions of the paper that stand, fall, or depend on what the paper leaves open."""
 
 import numpy as np
 import pandas as pd
 
-from jointclosure.claims.found import NET, TARGET
+from jointclosure.claims.findings import NET, TARGET
 from jointclosure.claims.table import CLAIMS
 from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, NO_DIFFERENCE, STANDS
 
 DEPENDS = "depends on what is unstated"
-"""Said of a conclusion that is true under some readings or choices, and false under others."""
-ONLY_CONFIGURED = {each: f"{each} as configured" for each in (STANDS, FALLS, NO_DIFFERENCE)}
-"""Said of one that no reading of all rocks and no choice tried: not trying is no agreement."""
+"""Conclusion that is true under some readings or choices, and false under others."""
+ONLY_CONFIGURED = {
+    verdict: f"{verdict} as configured" for verdict in (STANDS, FALLS, NO_DIFFERENCE)
+}
+"""Conclusions for which no reading of all rocks and no choice was tried, which is no agreement."""
 JUDGED_ELSEWHERE = "judged elsewhere"
-"""Said of one that a sensitivity study has nothing on."""
+"""Conclusion that a sensitivity study cannot judge."""
 UNJUDGED = frozenset(claim.number for claim in CLAIMS if claim.statement is None)
-"""Numbers of such claims."""
+"""Numbers of claims that a sensitivity study cannot judge."""
 
 NEARLY_ALL = 0.9
-"""Share of the open choices for which a verdict must hold to be said without them."""
+"""Share of the open choices that must agree with a verdict for it to be independent of them."""
 
 FOUND = ("found_share", "found_error", "found_low", "found_high")
-"""Columns on how often studies find a claim: share, standard error, 95 % interval."""
+"""Columns of the share of studies that confirm a claim: share, standard error, 95 % interval."""
 SHARES = ("share", "share_error", "share_low", "share_high")
-"""Columns of the share of choices; ``choices_share`` and so on here."""
+"""Columns of the share of choices, here with the prefix ``choices_``."""
 COUNTS = {"stand": STANDS, "fall": FALLS, "equal": NO_DIFFERENCE, "open": CANNOT_BE_TOLD}
 _RANKS = {FALLS: 0, NO_DIFFERENCE: 1, STANDS: 2}
-"""Of two verdicts on a claim, that on more rocks is never the higher one."""
+"""Order of verdicts on a claim: the verdict on more rocks never has the higher rank."""
 
 _MOST_NAMED = 3
 
@@ -37,34 +39,34 @@ def conclusion_table(
     choices: pd.DataFrame | None = None,
     margins: pd.DataFrame | None = None,
 ) -> pd.DataFrame:
-    """What each claim rests on, and what is left of it.
+    """Tabulate the evidence for each claim, and the conclusion.
 
     Parameters
     ----------
     claims : DataFrame
-        The study's, as from `jointclosure.sensitivity.claims`.
+        Claims of the study, as from `jointclosure.sensitivity.claims`.
     jrc_range : DataFrame
-        How often studies find each claim where a JRC is known to a range (`jrc_range_tables`).
+        How often studies confirm each claim if a JRC is known to a range (`jrc_range_tables`).
     readings : DataFrame, optional
-        Table of `make readings`. Those that the paper's text rules out do not count. One that
-        closed some rocks only can contradict a claim about all, and not confirm it.
+        Table of `make readings`. Readings that contradict the paper's text do not count. A
+        reading of only some rocks can contradict a claim about all rocks, but not confirm it.
     choices, margins : DataFrame, optional
-        Shares of the open choices of `make global-sensitivity`, and what margins go with.
+        Shares of the open choices of `make global-sensitivity`, and inputs that affect margins.
 
     Returns
     -------
     DataFrame
-        A row a claim: ``number``, ``claim``, ``said_in``, ``verdict`` as configured, `FOUND` of
+        A row per claim: ``number``, ``claim``, ``said_in``, ``verdict`` as configured, `FOUND` of
         studies by the paper's protocol, ``jrc_half_width`` and the same at the largest one;
-        numbers of readings by verdict (`COUNTS`) that closed all rocks (``readings_stand`` and so
-        on) and that closed some (``partial_stand`` and so on, of these rocks); ``opposed_by`` and
-        ``opened_by`` (titles of readings that contradict the verdict, and that leave it open);
-        ``choices_share`` with its error and interval (in all rocks at once); ``moved_by``, the
-        input with which the margin varies most, and its share of the margin's variance; and the
-        ``conclusion``: the verdict, where no reading is opposed and at least `NEARLY_ALL` of the
-        choices agree by the whole of their interval; `DEPENDS`, where one is opposed or fewer
-        agree by all of it; "cannot be told" where the verdict is that, or the interval has
-        `NEARLY_ALL` within; `ONLY_CONFIGURED` where neither was tried.
+        numbers of readings by verdict (`COUNTS`) of all rocks (``readings_stand`` and so on) and
+        of some rocks (``partial_stand`` and so on); ``opposed_by`` and ``opened_by`` (titles of
+        readings that contradict the verdict, and that leave it open); ``choices_share`` with its
+        error and interval (in all rocks at once); ``moved_by``, the input with the largest effect
+        on the margin, and its share of the margin's variance; and the ``conclusion``. This is the
+        verdict if no reading contradicts it and the interval of the share of agreeing choices is
+        above `NEARLY_ALL`; `DEPENDS` if a reading contradicts it or this interval is below
+        `NEARLY_ALL`; "cannot be told" if this is the verdict, or the interval contains
+        `NEARLY_ALL`; and `ONLY_CONFIGURED` if neither readings nor choices were tried.
     """
     rows = []
     for claim in claims.itertuples():
@@ -78,14 +80,14 @@ def conclusion_table(
 
 
 def _of_jrc(number: str, jrc_range: pd.DataFrame) -> dict:
-    own = jrc_range[(jrc_range.number == number) & (jrc_range.half_width > 0.0)]
-    widest = own.sort_values("half_width").reindex(columns=["half_width", *FOUND])
-    found = widest.iloc[-1] if len(widest) else pd.Series(np.nan, widest.columns)
-    return {f"jrc_{name}": found[name] for name in widest.columns}
+    rows = jrc_range[(jrc_range.number == number) & (jrc_range.half_width > 0.0)]
+    widest = rows.sort_values("half_width").reindex(columns=["half_width", *FOUND])
+    last = widest.iloc[-1] if len(widest) else pd.Series(np.nan, widest.columns)
+    return {f"jrc_{name}": last[name] for name in widest.columns}
 
 
 def _of_readings(claim, readings: pd.DataFrame | None) -> dict:
-    """Verdicts of the readings that the paper allows."""
+    """Return verdicts of the readings that the paper allows."""
     column = f"claim {claim.number}"
     if readings is None or column not in readings:
         counts = [f"{kind}_{name}" for kind in ("readings", "partial") for name in COUNTS]
@@ -97,8 +99,8 @@ def _of_readings(claim, readings: pd.DataFrame | None) -> dict:
     opposed = (there < here) | (whole & (there > here))
     opened = (verdicts == CANNOT_BE_TOLD) & (claim.verdict != CANNOT_BE_TOLD)
     return {
-        f"{kind}_{name}": int((verdicts[own] == verdict).sum())
-        for kind, own in (("readings", whole), ("partial", ~whole))
+        f"{kind}_{name}": int((verdicts[selected] == verdict).sum())
+        for kind, selected in (("readings", whole), ("partial", ~whole))
         for name, verdict in COUNTS.items()
     } | {
         "opposed_by": _named(allowed.title[opposed].tolist()),
@@ -113,10 +115,10 @@ def _named(titles: list[str]) -> str:
 
 
 def _of_choices(number: str, choices: pd.DataFrame | None, margins: pd.DataFrame | None) -> dict:
-    """Share of the choices for which a claim is true in all rocks at once."""
+    """Return the share of the choices for which a claim is true in all rocks at once."""
     where = _in_choices(number)
-    own = _rows_of(choices, where)
-    (row,) = own[own.rock == "all"].to_dict("records") or [dict.fromkeys(SHARES, np.nan)]
+    rows = _rows_of(choices, where)
+    (row,) = rows[rows.rock == "all"].to_dict("records") or [dict.fromkeys(SHARES, np.nan)]
     moved = _rows_of(margins, where).dropna(subset="share")
     answer: dict = {f"choices_{name}": row[name] for name in SHARES} | {"moved_by": ""}
     if len(moved):
@@ -127,8 +129,8 @@ def _of_choices(number: str, choices: pd.DataFrame | None, margins: pd.DataFrame
 
 
 def _in_choices(number: str) -> tuple[str, str, int] | None:
-    """Number, response and cycle under which the study of global sensitivity has a claim."""
-    claim = next(each for each in CLAIMS if each.number == number)
+    """Return number, response and cycle of a claim in the study of global sensitivity."""
+    claim = next(claim for claim in CLAIMS if claim.number == number)
     if claim.statement is None or not claim.statement.of_elasticities or claim.negated:
         return None
     (cycle,) = claim.cycles

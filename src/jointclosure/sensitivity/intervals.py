@@ -1,8 +1,8 @@
-"""Table 3 of a study: its indifference intervals, by the t test that its draws call for.
+"""Table 3 of a study: its indifference intervals, by the t test for its draws.
 
-Independent draws have the unpaired test of Eqs. (28) and (29), as published. With common draws
-the same surfaces are closed at every level; what they have in common then cancels in the
-differences between levels, which the unpaired test does not see and the paired one does.
+For independent draws this is the unpaired test of Eqs. (28) and (29), as published. With common
+draws the same surfaces are closed at every level. Contributions equal at all levels then cancel in
+the differences between levels; the paired test uses this, the unpaired one does not.
 """
 
 from typing import Any, NamedTuple
@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.claims.found import NET, TARGET
+from jointclosure.claims.findings import NET, TARGET
 from jointclosure.config.properties import PROPERTIES
 from jointclosure.config.typed import Statistics
 from jointclosure.ensemble.covariates import Covariates
@@ -45,15 +45,15 @@ _FOUND = (
     "unpaired_percent",
     "monotone_length",
 )
-"""Columns of an interval, with the suffix ``_net`` those net of bulk indentation."""
+"""Columns of an interval; those with the suffix ``_net`` are net of bulk indentation."""
 _ENDS = ("p_of_ends", "unpaired_p_of_ends")
 _ADJUSTED = tuple(
     f"adjusted_{name}" for name in ("length", "percent", "low", "high", "standard_error")
 )
 
 
-class _Found(NamedTuple):
-    """An interval by one of the tests [SI]."""
+class _Tested(NamedTuple):
+    """Interval by one of the tests [SI]."""
 
     length: float
     root: float
@@ -68,28 +68,28 @@ def indifference_table(
     root_seed: int,
     covariates: Covariates | None = None,
 ) -> pd.DataFrame:
-    """Indifference intervals of all rocks, parameters and cycles, as a frame.
+    """Tabulate the indifference intervals of all rocks, parameters and cycles.
 
     Parameters
     ----------
     study : Dataset
-        As from `jointclosure.ensemble.aggregation.join_cases`; its seeds say whether a
+        As from `jointclosure.ensemble.aggregation.join_cases`; its seeds show whether a
         realisation is the same surface in all cases of a rock.
     statistics : Statistics
     root_seed : int
-        Of the study; the bootstrap has a stream of its own.
+        Root seed of the study; the bootstrap has a separate stream.
     covariates : Covariates, optional
-        Of the study.
+        Covariates of the study.
 
     Returns
     -------
     DataFrame
-        ``test`` is "paired" or "unpaired"; ``length`` and what belongs to it is that test's,
-        ``unpaired_length`` the published test's whatever the draws. With more than three levels
-        ``monotone_length`` is that of isotonic regression, by the table's test. ``p_of_ends`` is
-        the p value of the difference between the lowest and the highest level, by both tests.
-        ``adjusted_length`` is the published test's, of independent draws, from means and deviations
-        adjusted by the covariates; NaN where there are none.
+        ``test`` is "paired" or "unpaired"; ``length`` and related columns are by this test, and
+        ``unpaired_length`` by the published test for any draws. With more than three levels
+        ``monotone_length`` is that of isotonic regression, by ``test``. ``p_of_ends`` is the p
+        value of the difference between the lowest and the highest level, by both tests.
+        ``adjusted_length`` is by the published test for independent draws, from means and
+        deviations adjusted by the covariates; NaN without covariates.
     """
     rows = []
     both = (responses(study, target, covariates) for target in (TARGET, NET))
@@ -123,7 +123,7 @@ def _interval(
     response: Response, size: float, statistics: Statistics, root_seed: int, suffix: str
 ) -> dict:
     unpaired = _unpaired(response, statistics.significance)
-    found = _paired(response, statistics.significance) if response.paired else unpaired
+    interval = _paired(response, statistics.significance) if response.paired else unpaired
     resampled = _bootstrap(response, statistics, root_seed, suffix)
     monotone = np.nan
     if response.levels.size > 3:
@@ -135,16 +135,16 @@ def _interval(
             response.paired,
         ).length
     row = {
-        "length": found.length / size,
-        "percent": 100.0 * found.length / response.base,
-        "root": found.root / size,
-        "extrapolated": found.extrapolated,
-        "status": found.status,
+        "length": interval.length / size,
+        "percent": 100.0 * interval.length / response.base,
+        "root": interval.root / size,
+        "extrapolated": interval.extrapolated,
+        "status": interval.status,
         "length_low": resampled.low / size,
         "length_high": resampled.high / size,
         "standard_error": resampled.standard_error / size,
         "share_without_root": resampled.share_without_root,
-        "linear_length": found.linear_length / size,
+        "linear_length": interval.linear_length / size,
         "unpaired_length": unpaired.length / size,
         "unpaired_percent": 100.0 * unpaired.length / response.base,
         "monotone_length": monotone / size,
@@ -153,9 +153,9 @@ def _interval(
 
 
 def _bootstrap(response: Response, statistics: Statistics, root_seed: int, suffix: str):
-    """Bootstrap of the length by the table's test."""
+    """Compute the bootstrap interval of the length by the table's test."""
     name = ("bootstrap", response.rock, response.parameter, response.cycle, suffix)
-    told: dict[str, Any] = {
+    settings: dict[str, Any] = {
         "base": response.base,
         "resamples": statistics.bootstrap_resamples,
         "confidence": statistics.bootstrap_confidence,
@@ -163,20 +163,20 @@ def _bootstrap(response: Response, statistics: Statistics, root_seed: int, suffi
     }
     arguments = (response.levels, response.samples, generator(seed_of(root_seed, *name)))
     if response.paired:
-        return bootstrap_paired_length(*arguments, **told)
-    return bootstrap_length(*arguments, **told, paired=False)
+        return bootstrap_paired_length(*arguments, **settings)
+    return bootstrap_length(*arguments, **settings, paired=False)
 
 
 def _adjusted(response: Response, size: float, statistics: Statistics, root_seed: int) -> dict:
-    """The interval from adjusted means and deviations."""
+    """Compute the interval from adjusted means and deviations."""
     if response.covariates is None or response.paired:
         return {}
-    own, known, tell_scatter = response.covariates
+    values, known, tell_scatter = response.covariates
     name = ("adjusted", response.rock, response.parameter, response.cycle)
-    found = adjusted_length(
+    interval = adjusted_length(
         response.levels,
         response.samples,
-        own,
+        values,
         known,
         generator(seed_of(root_seed, *name)),
         base=response.base,
@@ -186,16 +186,16 @@ def _adjusted(response: Response, size: float, statistics: Statistics, root_seed
         tell_scatter=tell_scatter,
     )
     return {
-        "adjusted_length": found.length / size,
-        "adjusted_percent": 100.0 * found.length / response.base,
-        "adjusted_low": found.scatter.low / size,
-        "adjusted_high": found.scatter.high / size,
-        "adjusted_standard_error": found.scatter.standard_error / size,
+        "adjusted_length": interval.length / size,
+        "adjusted_percent": 100.0 * interval.length / response.base,
+        "adjusted_low": interval.scatter.low / size,
+        "adjusted_high": interval.scatter.high / size,
+        "adjusted_standard_error": interval.scatter.standard_error / size,
     }
 
 
-def _unpaired(response: Response, significance: float) -> _Found:
-    found = indifference_interval(
+def _unpaired(response: Response, significance: float) -> _Tested:
+    interval = indifference_interval(
         response.levels,
         response.means,
         response.deviations,
@@ -204,31 +204,33 @@ def _unpaired(response: Response, significance: float) -> _Found:
         response.base,
     )
     status = "interval"
-    if np.isnan(found.length):
+    if np.isnan(interval.length):
         status = "no real root"
-    elif found.negative_deviation:
+    elif interval.negative_deviation:
         status = "fitted deviation is negative at the root"
-    elif found.extrapolated:
+    elif interval.extrapolated:
         status = "extrapolated"
-    linear = _linear_length(response, found)
-    return _Found(found.length, found.root, found.extrapolated, status, linear)
+    linear = _linear_length(response, interval)
+    return _Tested(interval.length, interval.root, interval.extrapolated, status, linear)
 
 
-def _linear_length(response: Response, found: IndifferenceInterval) -> float:
-    """t sqrt(2/n) S/|slope|, what the length is where mean and deviation are straight lines."""
+def _linear_length(response: Response, interval: IndifferenceInterval) -> float:
+    """Return t sqrt(2/n) S/|slope|: the length if mean and deviation are straight lines."""
     mean = fit_quadratic(response.levels, response.means, response.base)
     deviation = fit_quadratic(response.levels, response.deviations, response.base).d
     slope, n = mean.c / mean.half_range, response.samples.shape[1]
-    return found.critical_value * np.sqrt(2.0 / n) * deviation / abs(slope) if slope else np.inf
+    return interval.critical_value * np.sqrt(2.0 / n) * deviation / abs(slope) if slope else np.inf
 
 
-def _paired(response: Response, significance: float) -> _Found:
-    found = paired_indifference_interval(
+def _paired(response: Response, significance: float) -> _Tested:
+    interval = paired_indifference_interval(
         response.levels, response.samples, significance, response.base
     )
     status = "interval"
-    if np.isnan(found.length):
+    if np.isnan(interval.length):
         status = "no real root"
-    elif found.extrapolated:
+    elif interval.extrapolated:
         status = "extrapolated"
-    return _Found(found.length, found.root, found.extrapolated, status, found.linear_length)
+    return _Tested(
+        interval.length, interval.root, interval.extrapolated, status, interval.linear_length
+    )

@@ -1,4 +1,4 @@
-"""How many surfaces a wish needs, from what a finished study found, and what they cost here."""
+"""Number of surfaces needed for a goal, from a finished study, and their cost on this machine."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -8,7 +8,7 @@ import pandas as pd
 import scipy.stats
 import xarray as xr
 
-from jointclosure.claims.found import TARGET
+from jointclosure.claims.findings import TARGET
 from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.inputs import InputError, check_number
 from jointclosure.sensitivity.responses import (
@@ -22,9 +22,9 @@ from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import elasticity, mean_covariance, quadratic_errors
 
 MOST = 1_000_000
-"""Surfaces beyond which a wish counts as out of reach."""
+"""Largest number of surfaces; goals that need more count as unreachable."""
 RESAMPLES = 40
-"""Resamples of an ensemble's surfaces: how far the number of surfaces is known."""
+"""Number of resamples of an ensemble's surfaces, for the uncertainty of the number of surfaces."""
 _NORMAL_95 = 1.96
 
 
@@ -42,18 +42,18 @@ _COLUMNS = (
 
 
 _LARGEST = {"length": 1e3, "width": 10.0, "standard-error": 1.0, "elasticity-error": 10.0}
-"""Largest amount of each kind of wish that any study could miss; powers are below 1."""
+"""Largest allowed amount of each kind of goal, which any study reaches; powers are below 1."""
 
 
-class Wish(NamedTuple):
-    """What a study is to reach: its kind, one of `WISHES`, and how much of it."""
+class Goal(NamedTuple):
+    """Goal of a study: its kind, a key of `GOALS`, and its amount."""
 
     kind: str
     amount: float
 
 
-WISHES = {
-    "length": "length of the indifference interval, in percent of the rock's own value",
+GOALS = {
+    "length": "length of the indifference interval, in percent of the rock's value",
     "width": "width of the 95 % confidence interval of that length, over the length",
     "standard-error": "standard error of the mean closure of a case, over the mean",
     "elasticity-error": "standard error of the elasticity",
@@ -62,36 +62,35 @@ WISHES = {
 
 
 def plan(
-    ensemble: xr.Dataset, wish: Wish, significance: float = 0.05, paired: bool = False
+    ensemble: xr.Dataset, goal: Goal, significance: float = 0.05, paired: bool = False
 ) -> pd.DataFrame:
-    """Surfaces per case that a wish needs, for every rock, parameter and cycle.
+    """Compute the surfaces per case that a goal needs, for every rock, parameter and cycle.
 
     Parameters
     ----------
     ensemble : Dataset
         A finished study or, better, its pool.
-    wish : Wish
+    goal : Goal
     significance : float
-        Of the t test.
+        Significance level of the t test.
     paired : bool
-        Whether the new study closes the same surfaces in all cases (common draws) or draws
-        others for each; the former needs an ensemble of common surfaces.
+        Whether the new study closes the same surfaces in all cases (common draws), which needs
+        an ensemble of common surfaces, or draws surfaces for each case.
 
     Returns
     -------
     DataFrame
-        ``surfaces`` per case, infinite where over a million; ``low_68`` and ``high_68``, the
-        central 68 % of what other surfaces of the same number would tell (bootstrap);
-        ``simulations`` of all levels of the parameter, and ``core_minutes`` by the mean times
-        recorded in the ensemble.
+        ``surfaces`` per case, infinite if more than a million; ``low_68`` and ``high_68``, the
+        central 68 % of the numbers from resampled surfaces (bootstrap); ``simulations`` of all
+        levels of the parameter, and ``core_minutes`` by the mean times recorded in the ensemble.
 
     Raises
     ------
     InputError
-        A wish or significance out of its range, or paired tests of an ensemble of independent
-        draws.
+        If the goal or the significance is out of its range, or paired tests are requested for
+        independent draws.
     """
-    _check(wish)
+    _check(goal)
     check_number("significance", significance)
     if not 0.0 < significance < 1.0:
         raise InputError(f"significance = {significance!r}: must be between 0 and 1 (0.05 is 5 %)")
@@ -99,11 +98,11 @@ def plan(
     for response in responses(ensemble, TARGET):
         if paired and not response.paired:
             raise InputError(
-                "paired: this study has other surfaces in every case; plan from one with a pool "
-                "(study.pool) or common draws"
+                "paired: this study has different surfaces in every case; must be a study with a "
+                "pool (study.pool) or common draws"
             )
-        n = surfaces_for(response, wish, significance, paired)
-        low, high = _known_to(response, wish, significance, paired)
+        n = surfaces_for(response, goal, significance, paired)
+        low, high = _known_to(response, goal, significance, paired)
         seconds = _seconds(ensemble, response)
         row = {"rock": response.rock, "parameter": response.parameter, "cycle": response.cycle}
         row |= {"test": "paired" if paired else "unpaired", "surfaces": n}
@@ -114,16 +113,16 @@ def plan(
 
 
 def surfaces_for(
-    response: Response, wish: Wish, significance: float, paired: bool, within: float = 0.0
+    response: Response, goal: Goal, significance: float, paired: bool, within: float = 0.0
 ) -> float:
-    """The smallest number of surfaces per case with which the wish is expected to be met.
+    """Return the smallest number of surfaces per case that is expected to reach the goal.
 
-    ``within``: relative error that is allowed of it.
+    ``within`` is the allowed relative error of this number.
     """
-    met = _criteria(response._replace(paired=paired), significance)[wish.kind]
+    met = _criteria(response._replace(paired=paired), significance)[goal.kind]
 
     def enough(n: int) -> bool:
-        return met(n, wish.amount)
+        return met(n, goal.amount)
 
     high = 2
     while not enough(high):
@@ -137,37 +136,37 @@ def surfaces_for(
     return high
 
 
-def _known_to(response: Response, wish: Wish, significance: float, paired: bool):
-    """Central 68 % of `surfaces_for` over resampled surfaces."""
+def _known_to(response: Response, goal: Goal, significance: float, paired: bool):
+    """Return the central 68 % of `surfaces_for` over resampled surfaces."""
     random = generator(seed_of(0, "plan", response.rock, response.parameter, response.cycle))
     k, n = response.samples.shape
-    found = []
+    numbers = []
     for _ in range(RESAMPLES):
         index = random.integers(n, size=(1, n) if response.paired else (k, n))
         index = np.broadcast_to(index, (k, n))
         drawn = response._replace(samples=np.take_along_axis(response.samples, index, axis=1))
-        found.append(surfaces_for(drawn, wish, significance, paired, within=0.05))
-    return np.quantile(found, (0.16, 0.84), method="inverted_cdf")
+        numbers.append(surfaces_for(drawn, goal, significance, paired, within=0.05))
+    return np.quantile(numbers, (0.16, 0.84), method="inverted_cdf")
 
 
 def _criteria(response: Response, significance: float) -> dict[str, Callable[[int, float], bool]]:
-    """For each kind of wish, whether n surfaces meet an amount."""
+    """Return for each kind of goal whether n surfaces reach an amount."""
     had = response.samples.shape[1]
     variation = response.deviations / response.means
-    own = variation[response.levels == response.base][0]
+    at_base = variation[response.levels == response.base][0]
 
     def length(n: int, amount: float) -> bool:
-        found = _length(response, n, significance)
-        return 100.0 * found / abs(response.base) <= amount  # no root: NaN, not met
+        expected = _length(response, n, significance)
+        return 100.0 * expected / abs(response.base) <= amount  # no root: NaN, not reached
 
     def elasticity_error(n: int, amount: float) -> bool:
-        found = elasticity(response.levels, response.samples, response.base, response.paired)
-        return found.standard_error * np.sqrt(had / n) <= amount
+        estimate = elasticity(response.levels, response.samples, response.base, response.paired)
+        return estimate.standard_error * np.sqrt(had / n) <= amount
 
     return {
         "length": length,
         "width": lambda n, amount: 2.0 * _NORMAL_95 * length_error(response, n) <= amount,
-        "standard-error": lambda n, amount: own / np.sqrt(n) <= amount,
+        "standard-error": lambda n, amount: at_base / np.sqrt(n) <= amount,
         "elasticity-error": elasticity_error,
         "power": lambda n, amount: power_of_ends(response, n, significance) >= amount,
     }
@@ -185,20 +184,23 @@ def _length(response: Response, n: int, significance: float) -> float:
 
 
 def length_error(response: Response, n: int) -> float:
-    """Relative standard error of a length, taken as scatter over slope, both of n surfaces."""
+    """Return the relative standard error of a length from n surfaces.
+
+    The length is approximated by scatter over slope.
+    """
     k, had = response.samples.shape
     mean = fit_quadratic(response.levels, response.means, response.base)
     covariance = mean_covariance(response.samples, response.paired)
     slope_error = quadratic_errors(response.levels, covariance, response.base).reduced[1]
     if mean.c == 0.0:
         return np.inf
-    # the scatter: S at the base; or sigma, of what a line of each surface's own leaves
+    # the scatter is S at the base, or sigma of the residuals from a line for each surface
     freedom = (n - 1) * (k - 2) if response.paired else n - 1
     return float(np.sqrt((slope_error / mean.c) ** 2 * had / n + 0.5 / freedom))
 
 
 def power_of_ends(response: Response, n: int, significance: float) -> float:
-    """Power of the t test between the lowest and the highest level with n surfaces each."""
+    """Return the power of the t test between the lowest and highest level, with n surfaces each."""
     low, high = response.samples[0], response.samples[-1]
     if response.paired:
         scatter, freedom = (high - low).std(ddof=1), n - 1
@@ -208,7 +210,7 @@ def power_of_ends(response: Response, n: int, significance: float) -> float:
     if not np.isfinite(shift):
         return 1.0
     critical = scipy.stats.t.ppf(1.0 - 0.5 * significance, freedom)
-    # beyond a shift of 30 the noncentral t is as good as normal, and cannot be evaluated
+    # beyond a shift of 30 the noncentral t is practically normal, and cannot be evaluated
     if shift > 30.0:
         return float(scipy.stats.norm.sf(critical - shift))
     above = scipy.stats.nct.sf(critical, freedom, shift)
@@ -216,18 +218,18 @@ def power_of_ends(response: Response, n: int, significance: float) -> float:
 
 
 def _seconds(ensemble: xr.Dataset, response: Response) -> float:
-    """Mean time [s] of one simulation of every level of a response, added up."""
+    """Return the sum over levels of a response of the mean time [s] of a simulation."""
     cases = (ensemble.rock == response.rock).values
     cases &= np.isin(ensemble.parameter.values, [response.parameter, "base"])
     times = ensemble.timing_simulation.where(succeeded(ensemble))[cases]
     return float(times.mean("realization").sum())
 
 
-def _check(wish: Wish) -> None:
-    if wish.kind not in WISHES:
-        raise InputError(f"wish = {wish.kind!r}: must be one of {', '.join(WISHES)}")
-    check_number(wish.kind, wish.amount)
-    largest = _LARGEST.get(wish.kind)
-    if not wish.amount > 0.0 or not (wish.amount <= largest if largest else wish.amount < 1.0):
+def _check(goal: Goal) -> None:
+    if goal.kind not in GOALS:
+        raise InputError(f"goal = {goal.kind!r}: must be one of {', '.join(GOALS)}")
+    check_number(goal.kind, goal.amount)
+    largest = _LARGEST.get(goal.kind)
+    if not goal.amount > 0.0 or not (goal.amount <= largest if largest else goal.amount < 1.0):
         allowed = f"above 0 and at most {largest:g}" if largest else "between 0 and 1"
-        raise InputError(f"{wish.kind} = {wish.amount!r}: must be {allowed}")
+        raise InputError(f"{goal.kind} = {goal.amount!r}: must be {allowed}")

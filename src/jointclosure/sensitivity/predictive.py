@@ -1,7 +1,7 @@
-"""What repetitions of the study would publish in Table 3, and whether the paper's is one of them.
+"""Predicted distributions of Table 3 over repetitions of the study, and tests of the paper's table.
 
 Repetitions are drawn from a pool (`jointclosure.statistics.drawn_studies`): n surfaces for every
-level, independently, as the paper did. The null is a rock whose parameters have no effect at all:
+level, independently, as in the paper. The null model is a rock whose parameters have no effect:
 every level draws from the base case.
 """
 
@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.claims.found import TARGET
+from jointclosure.claims.findings import TARGET
 from jointclosure.config.properties import PARAMETERS, PROPERTIES
 from jointclosure.sensitivity.intervals import UNPAIRED
 from jointclosure.sensitivity.responses import (
@@ -38,22 +38,22 @@ Entry = tuple[str, str, int]
 """Rock, parameter, cycle."""
 
 _NOISY = ("poisson_ratio", "youngs_modulus", "compressive_strength")
-"""Parameters whose first-cycle entries are tested together: is anything seen but noise?"""
+"""Parameters whose first-cycle entries are tested together for any effect beyond noise."""
 
 
 class Resampled(NamedTuple):
-    """Lengths [SI] (R,) by entry from one resampled pool, as of `Predictive`."""
+    """Lengths [SI] (R,) by entry from one resampled pool, as in `Predictive`."""
 
     lengths: dict[Entry, np.ndarray]
     null: dict[Entry, np.ndarray]
 
 
 class Predictive(NamedTuple):
-    """Lengths [SI] (R,) of repetitions by entry; of the model, and of one without any effect.
+    """Lengths [SI] (R,) of repetitions by entry, of the model and of the null model.
 
-    ``bases``: the rock's own value [SI] of each entry. ``pool``: surfaces of each rock that they
-    were drawn from. ``resampled``: fewer repetitions from pools of other surfaces, by which
-    probabilities and medians bear the error of the pool.
+    ``bases``: the rock's value [SI] for each entry. ``pool``: number of surfaces of each rock in
+    the pool. ``resampled``: fewer repetitions from resampled pools, for the error of probabilities
+    and medians due to the pool.
     """
 
     lengths: dict[Entry, np.ndarray]
@@ -63,7 +63,7 @@ class Predictive(NamedTuple):
     resampled: list[Resampled]
 
     def pools(self) -> list[Resampled]:
-        """Lengths from the pool itself, and from resampled ones."""
+        """Return lengths from the pool itself, and from resampled pools."""
         return [Resampled(self.lengths, self.null), *self.resampled]
 
 
@@ -79,14 +79,14 @@ def predictive(
     Parameters
     ----------
     ensemble : Dataset
-        The pool; without one, the study itself.
+        The pool, or the study itself if it has none.
     design : Design
-        How many surfaces a study draws, and its test.
+        Number of surfaces that a study draws, and its test.
     repetitions : int
     root_seed : int
-        Of the study; the draws have streams of their own.
+        Root seed of the study; the draws have separate streams.
     pools : int
-        Pools of other surfaces, resampled from this one.
+        Number of pools resampled from this one.
     """
     samples = maximum_closures(ensemble)
     pool = sensitivities(samples)
@@ -100,40 +100,44 @@ def predictive(
 
     random, times = stream("pools"), repetitions_of_pool(repetitions)
     resampled = [
-        Resampled(drawn(own, times, random), drawn(without_effect(own), times, random))
-        for own in resampled_pools(pool, random, pools)
+        Resampled(drawn(sample, times, random), drawn(without_effect(sample), times, random))
+        for sample in resampled_pools(pool, random, pools)
     ]
     return Predictive(
         drawn(pool, repetitions, stream("model")),
         drawn(without_effect(pool), repetitions, stream("null")),
-        {(*key, cycle): each.base for key, each in pool.items() for cycle in cycles},
+        {(*key, cycle): varied.base for key, varied in pool.items() for cycle in cycles},
         {sample.rock: sample.values.shape[-1] for sample in samples},
         resampled,
     )
 
 
-def median_pool_error(found: Predictive, entry: Entry) -> float:
-    """Standard error of a median length [SI] from the pool's surfaces; NaN where it is infinite."""
-    medians = [length_distribution(each.lengths[entry]).median for each in found.resampled]
+def median_pool_error(lengths: Predictive, entry: Entry) -> float:
+    """Return the standard error of a median length [SI] due to the pool; NaN if infinite."""
+    medians = [
+        length_distribution(resampled.lengths[entry]).median for resampled in lengths.resampled
+    ]
     return float(np.std(medians, ddof=1)) if medians and np.isfinite(medians).all() else np.nan
 
 
 def _with_pool(error: float, shares: list[float], repetitions: int) -> float:
-    """Standard error of a probability: of the repetitions, and of the pool."""
+    """Return the standard error of a probability, due to the repetitions and the pool."""
     of_pool = float(pool_error(shares, repetitions)) if len(shares) > 1 else 0.0
     return float(np.hypot(error, of_pool))
 
 
 def maximum_closures(ensemble: xr.Dataset) -> list[RockSample]:
-    """Maximum closures of all rocks of which two surfaces or more succeeded in every case."""
-    found = [rock_sample(ensemble, rock, {TARGET: ensemble[TARGET]}) for rock in rocks_of(ensemble)]
-    return [sample for sample in found if sample.levels and sample.values.shape[-1] > 1]
+    """Return maximum closures of all rocks with at least two successful surfaces in every case."""
+    samples = [
+        rock_sample(ensemble, rock, {TARGET: ensemble[TARGET]}) for rock in rocks_of(ensemble)
+    ]
+    return [sample for sample in samples if sample.levels and sample.values.shape[-1] > 1]
 
 
 def entries(
     drawn: dict[tuple[str, str], DrawnResponse], cycles: list[int]
 ) -> dict[Entry, np.ndarray]:
-    """Lengths (R,) by entry of Table 3; the first targets are the maximum closures by cycle."""
+    """Return lengths (R,) by entry of Table 3; the first targets are maximum closures by cycle."""
     return {
         (rock, parameter, cycle): response.lengths[:, i]
         for (rock, parameter), response in drawn.items()
@@ -141,18 +145,18 @@ def entries(
     }
 
 
-def lengths_dataset(found: Predictive) -> xr.Dataset:
-    """All lengths drawn (entry, repetition) in percent of the rock's own value, for figures.
+def lengths_dataset(lengths: Predictive) -> xr.Dataset:
+    """Return all drawn lengths (entry, repetition) in percent of the rock's value, for figures.
 
-    ``percent`` of the model, ``null_percent`` without any effect; infinite where no root.
+    ``percent`` is that of the model, ``null_percent`` that of the null model; infinite for no root.
     """
-    keys = list(found.lengths)
+    keys = list(lengths.lengths)
     variables = {}
     for name, drawn, text in (
-        ("percent", found.lengths, "length of the indifference interval"),
-        ("null_percent", found.null, "the same where no parameter has an effect"),
+        ("percent", lengths.lengths, "length of the indifference interval"),
+        ("null_percent", lengths.null, "the same where no parameter has an effect"),
     ):
-        rows = [100.0 * drawn[key] / abs(found.bases[key]) for key in keys]
+        rows = [100.0 * drawn[key] / abs(lengths.bases[key]) for key in keys]
         repetitions = next(iter(drawn.values())).size if keys else 0
         values = np.array(rows).reshape(len(keys), repetitions).astype(np.float32)
         about = {"long_name": f"{text}, of the rock's own value", "units": "percent"}
@@ -165,56 +169,62 @@ def lengths_dataset(found: Predictive) -> xr.Dataset:
     return xr.Dataset(variables, coords=coordinates)
 
 
-def predictive_table(found: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
-    """Each entry's distribution over repetitions, with the paper's value in it.
+def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
+    """Tabulate each entry's distribution over repetitions, with the paper's value.
 
     Parameters
     ----------
-    found : Predictive
+    lengths_of_studies : Predictive
     paper : DataFrame
         The paper's Table 3.
 
     Returns
     -------
     DataFrame
-        In the units of Table 1; ``test`` of the lengths. Ends of ranges are infinite where too
-        many repetitions have no root. ``median_error`` is from the number of repetitions,
-        ``median_pool_error`` from that of the pool's surfaces, which the ranges contain. ``p``:
-        two-sided, of the paper's entry; ``null_p``: probability of a length as short as the
-        paper's where the parameter has no effect. Errors of probabilities are of repetitions and
-        of the pool's surfaces
-        together. Without these for other rocks.
+        In the units of Table 1; ``test`` of the lengths. Ends of ranges are infinite if too
+        many repetitions have no root. ``median_error`` is due to the number of repetitions,
+        ``median_pool_error`` due to that of the pool's surfaces; the ranges include the latter.
+        ``p``: two-sided, of the paper's entry; ``null_p``: probability of a length as short as
+        the paper's if the parameter has no effect. Errors of probabilities are due to both
+        repetitions and pool. Other rocks have no columns of the paper.
     """
     published = _published(paper)
     rows = []
-    for entry, lengths in found.lengths.items():
+    for entry, lengths in lengths_of_studies.lengths.items():
         rock, parameter, cycle = entry
-        unit, own = PROPERTIES[parameter], found.bases[entry]
+        unit, base = PROPERTIES[parameter], lengths_of_studies.bases[entry]
         summary = length_distribution(lengths)._asdict()
         share = summary.pop("share_without_root")
         row = {"rock": rock, "parameter": parameter, "cycle": cycle, "unit": unit.unit}
         row["test"] = UNPAIRED
-        row |= {"base": own / unit.size, "pool": found.pool[rock], "repetitions": lengths.size}
+        row |= {
+            "base": base / unit.size,
+            "pool": lengths_of_studies.pool[rock],
+            "repetitions": lengths.size,
+        }
         row |= {name: value / unit.size for name, value in summary.items()}
-        row["median_percent"] = 100.0 * summary["median"] / own if own else np.nan
+        row["median_percent"] = 100.0 * summary["median"] / base if base else np.nan
         row["median_error"] = _median_error(lengths) / unit.size
-        row["median_pool_error"] = median_pool_error(found, entry) / unit.size
-        shares = [float(np.isinf(each.lengths[entry]).mean()) for each in found.resampled]
-        times = found.resampled[0].lengths[entry].size if shares else 0
+        row["median_pool_error"] = median_pool_error(lengths_of_studies, entry) / unit.size
+        shares = [
+            float(np.isinf(resampled.lengths[entry]).mean())
+            for resampled in lengths_of_studies.resampled
+        ]
+        times = lengths_of_studies.resampled[0].lengths[entry].size if shares else 0
         error = _with_pool(_error(share, lengths.size), shares, times)
         row |= {"share_without_root": share, "share_error": error}
-        row["null_share_without_root"] = float(np.mean(np.isinf(found.null[entry])))
+        row["null_share_without_root"] = float(np.mean(np.isinf(lengths_of_studies.null[entry])))
         if entry in published:
-            row |= _of_paper(published[entry], entry, found, unit.size)
+            row |= _of_paper(published[entry], entry, lengths_of_studies, unit.size)
         rows.append(row)
     return pd.DataFrame(rows, columns=None if rows else ["rock", "parameter", "cycle"])
 
 
-def _of_paper(length: float, entry: Entry, found: Predictive, size: float) -> dict:
+def _of_paper(length: float, entry: Entry, lengths_of_studies: Predictive, size: float) -> dict:
     row = {"paper_length": length}
     for prefix, probability in (("", two_sided_p), ("null_", share_as_short)):
         of_model, *resampled = (
-            (each.null if prefix else each.lengths)[entry] for each in found.pools()
+            (each.null if prefix else each.lengths)[entry] for each in lengths_of_studies.pools()
         )
         p = probability(of_model, length * size)
         again = [probability(each, length * size) for each in resampled]
@@ -225,15 +235,17 @@ def _of_paper(length: float, entry: Entry, found: Predictive, size: float) -> di
     return row
 
 
-def joint_table(found: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
-    """Joint tests of the paper's entries: each row, each cycle, and the whole table.
+def joint_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
+    """Tabulate joint tests of the paper's entries: each row, each cycle, and the whole table.
 
-    ``p`` is the share of repetitions that are as unlikely or more, ``null_p`` the same where no
-    parameter has an effect; dashes count with their probability. Errors of both are of repetitions
-    and of the pool's surfaces together. Empty without the paper's rocks.
+    ``p`` is the share of repetitions that are equally or less likely, ``null_p`` the same for the
+    null model; dashes count with their probability. Errors of both are due to repetitions and pool
+    together. The table is empty without rocks of the paper.
     """
     published = {
-        entry: length for entry, length in _published(paper).items() if entry in found.lengths
+        entry: length
+        for entry, length in _published(paper).items()
+        if entry in lengths_of_studies.lengths
     }
     rows = []
     for group, chosen in _groups(list(published)).items():
@@ -242,9 +254,9 @@ def joint_table(found: Predictive, paper: pd.DataFrame) -> pd.DataFrame:
         for prefix in ("", "null_"):
             lengths, *resampled = (
                 np.stack([(each.null if prefix else each.lengths)[e] for e in chosen], axis=1)
-                for each in found.pools()
+                for each in lengths_of_studies.pools()
             )
-            if np.any(lengths == 0.0):  # a closure without any scatter: nothing is drawn
+            if np.any(lengths == 0.0):  # a closure without any scatter cannot be tested
                 continue
             test = joint_test(lengths, observed)
             again = [
@@ -281,7 +293,7 @@ def _groups(published: list[Entry]) -> dict[str, list[Entry]]:
 
 
 def _published(paper: pd.DataFrame) -> dict[Entry, float]:
-    """The paper's lengths in the units of Table 1, NaN for a dash."""
+    """Return the paper's lengths in the units of Table 1, NaN for a dash."""
     return {
         (row.rock, row.parameter, int(row.cycle)): float(row.paper_length)
         for row in paper.itertuples()
@@ -293,7 +305,7 @@ def _error(share: float, repetitions: int) -> float:
 
 
 def _median_error(lengths: np.ndarray) -> float:
-    """Half the range between the quantiles one standard deviation of a rank off the middle."""
+    """Return half the range between quantiles one standard deviation of rank from the median."""
     off = 0.5 / np.sqrt(lengths.size)
     low, high = np.quantile(lengths, [0.5 - off, min(0.5 + off, 1.0)], method="nearest")
     return float(0.5 * (high - low)) if np.isfinite(high) else np.inf

@@ -1,4 +1,4 @@
-"""What a study has reached of the accuracy that was wanted, and how many surfaces are missing."""
+"""Accuracy that a study has reached, and number of missing surfaces."""
 
 from collections.abc import Iterator
 
@@ -7,11 +7,11 @@ import pandas as pd
 import scipy.stats
 import xarray as xr
 
-from jointclosure.claims.found import TARGET
+from jointclosure.claims.findings import TARGET
 from jointclosure.config.wanted import BLOCK, Wanted
 from jointclosure.ensemble.covariates import Covariates
 from jointclosure.sensitivity.closures import max_closure_table
-from jointclosure.sensitivity.planning import Wish, length_error, surfaces_for
+from jointclosure.sensitivity.planning import Goal, length_error, surfaces_for
 from jointclosure.sensitivity.responses import (
     responses,
 )
@@ -30,35 +30,37 @@ def reached_table(
     significance: float,
     known_at: str,
 ) -> pd.DataFrame:
-    """Total error of each mean, or of each interval, of a study.
+    """Tabulate the total error of each mean, or of each interval, of a study.
 
     Parameters
     ----------
     study : Dataset
     covariates : Covariates or None
-        Of the study, where means are adjusted.
+        Covariates of the study, if means are adjusted.
     wanted : Wanted
     biases : dict
-        What the preset is off by in each cycle that is known.
+        Errors of the preset in each known cycle.
     significance : float
-        Of the intervals.
+        Significance level of the intervals.
     known_at : str
-        Where that was measured, in words.
+        Conditions at which these were measured, in words.
 
     Returns
     -------
     DataFrame
-        For each case or parameter and cycle whose bias is known: surfaces that it has, the bias of
-        the preset with its standard error, half the 95 % confidence interval that the study itself
-        finds (Student's t), the total error of both (`jointclosure.statistics.total_error`),
-        whether it is ``met``, and how many ``surfaces_needed`` are expected to meet it, infinite
-        where none do.
+        For each case or parameter and cycle with known bias: number of surfaces, the bias of the
+        preset with its standard error, half the 95 % confidence interval of the study itself
+        (Student's t), the total error of both (`jointclosure.statistics.total_error`), whether
+        the accuracy is ``met``, and ``surfaces_needed``, the expected number for it, infinite if
+        there is none.
     """
-    found = _of_means if wanted.of == "mean" else _of_intervals
+    errors_of = _of_means if wanted.of == "mean" else _of_intervals
     rows = []
-    for about, surfaces, sampling, needed in found(study, covariates, wanted, biases, significance):
+    for about, surfaces, sampling, needed in errors_of(
+        study, covariates, wanted, biases, significance
+    ):
         bias = biases[about["cycle"]]
-        # few surfaces tell their scatter roughly
+        # the scatter of few surfaces is known only roughly
         sampling *= scipy.stats.t.ppf(0.975, surfaces - 1) / REACH
         total = bias.total(sampling)
         rows.append(
@@ -91,31 +93,34 @@ def _of_intervals(study, covariates, wanted: Wanted, biases, significance) -> It
             continue
         surfaces = response.samples.shape[1]
         room = biases[response.cycle].room(wanted.within)
-        wish = Wish("width", 2.0 * room)
-        needed = surfaces_for(response, wish, significance, response.paired) if room > 0 else np.inf
+        goal = Goal("width", 2.0 * room)
+        needed = surfaces_for(response, goal, significance, response.paired) if room > 0 else np.inf
         about = {"rock": response.rock, "parameter": response.parameter, "level": ""}
         sampling = REACH * length_error(response, surfaces)
         yield about | {"cycle": response.cycle}, surfaces, sampling, needed
 
 
 def surfaces_next(table: pd.DataFrame, wanted: Wanted) -> int | None:
-    """Surfaces a case to go on with: None where all is met, or where there are the most."""
+    """Return the number of surfaces per case to continue with; None if finished.
+
+    It is None if the accuracy is reached, or the largest number of surfaces is reached.
+    """
     missing = table[~table.met]
     had = int(table.surfaces.max()) if len(table) else 0
     if missing.empty or had >= wanted.most:
         return None
-    # a failed realisation is in no count: whole blocks, and one at least
+    # failed realisations are not counted: whole blocks, at least one
     had = BLOCK * int(np.ceil(had / BLOCK))
     needed = min(float(missing.surfaces_needed.max()), wanted.most)
     return int(min(max(BLOCK * np.ceil(needed / BLOCK), had + BLOCK), wanted.most))
 
 
-def told(table: pd.DataFrame, wanted: Wanted) -> str:
-    """What was reached, in words."""
+def describe_reached(table: pd.DataFrame, wanted: Wanted) -> str:
+    """Describe the reached accuracy in words."""
     if table.empty:
-        return f"accuracy: no {wanted.of} of this study has an error that is known"
+        return f"accuracy: no {wanted.of} of this study has a known error"
     worst = table.loc[table.total_percent.idxmax()]
-    # the base case's parameter and level are both "base"
+    # parameter and level of the base case are both "base"
     parts = dict.fromkeys(str(part) for part in worst[["rock", "parameter", "level"]] if part)
     name = " ".join(parts)
     reached = (

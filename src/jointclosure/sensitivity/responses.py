@@ -1,4 +1,4 @@
-"""What a study's dataset says of the response of a closure to the parameters of a rock."""
+"""Responses of closures to the parameters of a rock, from a study's dataset."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -15,11 +15,11 @@ from jointclosure.statistics.drawn_studies import Pool, Sensitivity
 
 
 class Response(NamedTuple):
-    """A target (level, realization) [m] against one parameter of one rock, in SI.
+    """Target (level, realization) [m] as a function of one parameter of one rock, in SI.
 
     Realisations that failed at any level are left out at all levels. ``paired``: whether a
     realisation is the same surface at all levels. ``covariates`` (level, realization, covariate)
-    are those by which means and deviations can be adjusted, or None.
+    are those for the adjustment of means and deviations, or None.
     """
 
     rock: str
@@ -41,9 +41,9 @@ class Response(NamedTuple):
 
 
 class Levels(NamedTuple):
-    """The levels (k,) of one parameter of one rock [SI], ascending, and the cases that have them.
+    """Levels (k,) of one parameter of one rock [SI], ascending, and the cases that have them.
 
-    ``cases`` (k,) are the indices of the cases in the dataset; ``base`` the rock's own value.
+    ``cases`` (k,) are the indices of the cases in the dataset; ``base`` is the rock's value.
     """
 
     values: np.ndarray
@@ -52,11 +52,11 @@ class Levels(NamedTuple):
 
 
 class RockSample(NamedTuple):
-    """Some targets (targets, cases, n) [m] of all cases of one rock.
+    """Targets (targets, cases, n) [m] of all cases of one rock.
 
     Realisations that failed, or lack a target, in any of its cases are left out. ``names``
-    (targets) are pairs of a variable and a cycle; ``levels`` has the parameters that are
-    varied, their indices among these cases. ``paired`` as of `Response`.
+    (targets) are pairs of a variable and a cycle. ``levels`` contains the varied parameters, with
+    their indices among these cases. ``paired`` as in `Response`.
     """
 
     rock: str
@@ -66,60 +66,60 @@ class RockSample(NamedTuple):
     paired: bool
 
     def target(self, variable: str, cycle: int) -> int:
-        """The place of a target among `names`."""
+        """Return the index of a target in `names`."""
         return self.names.index((variable, cycle))
 
 
 def rocks_of(study: xr.Dataset) -> list[str]:
-    """The rocks of a dataset, in its order."""
+    """Return the rocks of a dataset, in its order."""
     return list(dict.fromkeys(study.rock.values.tolist()))
 
 
 def levels_of(study: xr.Dataset, rock: str) -> dict[str, Levels]:
-    """The levels of every parameter of a rock that is varied, in the order of Table 3."""
-    own = (study.rock == rock).values
-    base_case = own & (study.parameter == BASE).values
-    found = {}
+    """Return the levels of every varied parameter of a rock, in the order of Table 3."""
+    of_rock = (study.rock == rock).values
+    base_case = of_rock & (study.parameter == BASE).values
+    levels = {}
     for parameter in PARAMETERS:
-        varied = own & (study.parameter == parameter).values
+        varied = of_rock & (study.parameter == parameter).values
         if varied.any():
             index = np.flatnonzero(base_case | varied)
             values = study[parameter].values[index]
             order = np.argsort(values)
             base = float(study[parameter].values[base_case][0])
-            found[parameter] = Levels(values[order], index[order], base)
-    return found
+            levels[parameter] = Levels(values[order], index[order], base)
+    return levels
 
 
 def same_surfaces(study: xr.Dataset, rock: str) -> bool:
-    """Whether a realisation is of the same random numbers in all cases: its seeds say so."""
+    """Return whether a realisation has the same seed, thus the same surface, in all cases."""
     seeds = study.seed.values[(study.rock == rock).values]
     return seeds.ndim == 2 and bool((seeds == seeds[0]).all())
 
 
 def adjustment(covariates: Covariates | None, chosen: tuple, cycle: int) -> Covariates | None:
-    """Covariates of some values of a cycle; None where there are none, or too few values.
+    """Select covariates for a cycle; None if there are none, or too few values.
 
     Parameters
     ----------
     covariates : Covariates or None
-        Of a whole study.
+        Covariates of a whole study.
     chosen : tuple
         Indices of cases and realisations, as for `numpy.ix_`.
     cycle : int
     """
     if covariates is None:
         return None
-    own = covariates.of_cycle(cycle)
-    values = own.values[chosen]
+    of_cycle = covariates.of_cycle(cycle)
+    values = of_cycle.values[chosen]
     enough = values.shape[-2] >= fewest_surfaces(values.shape[-1])
-    return own._replace(values=values) if enough and np.isfinite(values).all() else None
+    return of_cycle._replace(values=values) if enough and np.isfinite(values).all() else None
 
 
 def responses(
     study: xr.Dataset, target: str, covariates: Covariates | None = None
 ) -> Iterator[Response]:
-    """All responses of a target (a variable over case, realization, cycle).
+    """Generate all responses of a target (a variable over case, realization, cycle).
 
     ``covariates`` are those of the same study.
     """
@@ -138,14 +138,14 @@ def responses(
 
 
 def rock_sample(study: xr.Dataset, rock: str, variables: dict[str, xr.DataArray]) -> RockSample:
-    """Targets of all cases of a rock, on the realisations that have them in all of these.
+    """Return targets of all cases of a rock, for realisations with all of them.
 
     Parameters
     ----------
     study : Dataset
     rock : str
     variables : dict
-        Each over (case, realization, cycle) of the dataset.
+        Variables over (case, realization, cycle) of the dataset.
     """
     cases = np.flatnonzero((study.rock == rock).values)
     names, values = [], []
@@ -157,8 +157,8 @@ def rock_sample(study: xr.Dataset, rock: str, variables: dict[str, xr.DataArray]
     kept &= np.isfinite(values).all(axis=(0, 1))
     place = {int(case): i for i, case in enumerate(cases)}
     levels = {
-        parameter: each._replace(cases=np.array([place[i] for i in each.cases.tolist()]))
-        for parameter, each in levels_of(study, rock).items()
+        parameter: levels._replace(cases=np.array([place[i] for i in levels.cases.tolist()]))
+        for parameter, levels in levels_of(study, rock).items()
     }
     return RockSample(
         rock, tuple(names), levels, np.stack(values)[..., kept], same_surfaces(study, rock)
@@ -166,16 +166,16 @@ def rock_sample(study: xr.Dataset, rock: str, variables: dict[str, xr.DataArray]
 
 
 def sensitivities(samples: list[RockSample]) -> dict[tuple[str, str], Sensitivity]:
-    """Pools to draw studies from, by (rock, parameter); all targets of a case go together.
+    """Return pools for drawing studies, by (rock, parameter); targets of a case stay together.
 
-    Cases on the same surfaces have pools of one name, and so are resampled together.
+    Cases on the same surfaces have pools of one name, and are therefore resampled together.
     """
-    found = {}
+    by_parameter = {}
     for sample in samples:
         for parameter, levels in sample.levels.items():
             pools = tuple(
                 Pool(sample.values[:, i], sample.rock if sample.paired else f"{sample.rock} {i}")
                 for i in levels.cases
             )
-            found[sample.rock, parameter] = Sensitivity(levels.values, levels.base, pools)
-    return found
+            by_parameter[sample.rock, parameter] = Sensitivity(levels.values, levels.base, pools)
+    return by_parameter

@@ -1,6 +1,6 @@
-"""Tables of a study: frames and texts, no computing and no files.
+"""Tables of a study as frames and texts; they compute nothing and write no files.
 
-Titles are the user's words: each kind of table shows them as they are, whatever they look like.
+Titles are words of the user: each kind of table escapes them.
 """
 
 import re
@@ -16,16 +16,16 @@ from jointclosure.statistics.standard_errors import rounded
 
 
 def rock_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None) -> pd.DataFrame:
-    """The paper's Table 1: rocks and their properties, with the maximum stress.
+    """Make the paper's Table 1: rocks and their properties, with the maximum stress.
 
-    With the table of maximum closures, the means [mm] of every cycle with their standard errors.
+    With a table of maximum closures it has the means [mm] of every cycle with standard errors.
     """
     rows = []
     for name, rock in rocks.items():
         row: dict[str, object] = {"rock": name, "title": rock.title}
         row |= {
-            key_of(each): in_unit(getattr(rock.intact, each), PROPERTIES[each].unit)
-            for each in Rock._fields
+            key_of(field): in_unit(getattr(rock.intact, field), PROPERTIES[field].unit)
+            for field in Rock._fields
         }
         if not rock.walls:
             row["jrc"] = in_unit(rock.jrc, "1")
@@ -40,18 +40,18 @@ def rock_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None
 
 
 def roughness_title(rock: StudyRock) -> str:
-    """What a rock's walls are, for a figure: their JRC, or that they were measured."""
+    """Describe a rock's walls for a figure: their JRC, or measured walls."""
     return "scanned walls" if rock.walls else f"JRC {rock.jrc:g}"
 
 
 def case_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None) -> pd.DataFrame:
-    """The paper's Table 2, one row per rock, parameter and level; closures as in Table 1."""
+    """Make the paper's Table 2, one row per rock, parameter and level; closures as in Table 1."""
     rows = []
     for name, rock in rocks.items():
-        for parameter in (each for each in PARAMETERS if each in rock.levels):
+        for parameter in (name for name in PARAMETERS if name in rock.levels):
             levels, unit = rock.levels[parameter], PROPERTIES[parameter].unit
-            own = base_case(name, rock).property(parameter)
-            for level, value in zip(level_names(levels, own), levels, strict=True):
+            base = base_case(name, rock).property(parameter)
+            for level, value in zip(level_names(levels, base), levels, strict=True):
                 about = {"rock": name, "parameter": parameter, "level": level}
                 row = about | {"value": in_unit(value, unit), "unit": unit}
                 of = BASE if level == BASE else parameter
@@ -61,7 +61,7 @@ def case_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None
 
 
 def _closures_of(closures: pd.DataFrame | None, rock: str, parameter: str, level: str) -> dict:
-    """Mean maximum closures [mm] of a case by cycle, rounded to their standard errors."""
+    """Return mean maximum closures [mm] of a case by cycle, rounded to their standard errors."""
     if closures is None:
         return {}
     case = (closures.rock == rock) & (closures.parameter == parameter) & (closures.level == level)
@@ -72,9 +72,9 @@ def _closures_of(closures: pd.DataFrame | None, rock: str, parameter: str, level
 
 
 def with_paper(intervals: pd.DataFrame, paper: pd.DataFrame) -> pd.DataFrame:
-    """Intervals with the paper's lengths beside them, and whether it has that row.
+    """Add the paper's lengths to intervals, and whether it has that row.
 
-    A study of other rocks only is given back as it is, without such columns.
+    A table of other rocks only is returned without such columns.
     """
     keys = ["rock", "parameter", "cycle"]
     beside = intervals.merge(
@@ -90,10 +90,10 @@ def with_paper(intervals: pd.DataFrame, paper: pd.DataFrame) -> pd.DataFrame:
 def interval_text(
     length: float, percent: float, mark: str = "", standard_error: float = float("nan")
 ) -> str:
-    """An interval as the paper prints it: number and percentage, and a mark.
+    """Format an interval as in the paper: number and percentage, and a mark.
 
-    The number is rounded to its standard error, which it bears; to three figures without one,
-    and to two where it is infinite.
+    The number is rounded to its standard error, which is shown; to three digits without an error,
+    and to two if the error is infinite.
     """
     if pd.isna(length):
         return "–"
@@ -104,8 +104,11 @@ def interval_text(
 
 
 def _mark(row: pd.Series, column: str) -> str:
-    """Asterisk for a root outside the levels, dagger where the fitted deviation is negative;
-    double dagger where the confidence interval has no upper end."""
+    """Return the mark of an interval: asterisk, dagger or double dagger.
+
+    Asterisk for a root outside the levels, dagger for a negative fitted deviation, double dagger
+    for a confidence interval without upper end.
+    """
     if column in ("paper_", "unpaired_"):
         return ""
     endless = "‡" if row.get(f"length_high{column}", 0.0) == float("inf") else ""
@@ -115,7 +118,7 @@ def _mark(row: pd.Series, column: str) -> str:
 
 
 def closure_lines(closures: pd.DataFrame) -> list[str]:
-    """Mean net closure since seating of each rock, a sentence a rock, from `max_closure.csv`."""
+    """Describe mean net closures since seating, one sentence per rock, from `max_closure.csv`."""
     name = "max_closure_seated_net_mean_mm"
     base = closures[closures.parameter == BASE]
     return [
@@ -130,7 +133,7 @@ def closure_lines(closures: pd.DataFrame) -> list[str]:
 
 
 def significant(value: float, figures: int) -> str:
-    """A number with so many significant figures, without an exponent."""
+    """Format a number with the given number of significant digits, without an exponent."""
     if value == 0.0:
         return "0"
     rounded = float(f"{value:.{figures - 1}e}")
@@ -139,7 +142,7 @@ def significant(value: float, figures: int) -> str:
 
 
 def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd.DataFrame:
-    """Indifference intervals in the paper's layout: parameters by cycles and rocks.
+    """Arrange indifference intervals in the paper's layout: parameters by cycles and rocks.
 
     Parameters
     ----------
@@ -148,15 +151,15 @@ def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd
     titles : dict
         Titles of the rocks, in order.
     column : str
-        "" for ours, "_net" for ours net of bulk indentation, "unpaired_" for ours by the
-        published test whatever the draws, "paper_" for the paper's.
+        "" for this study, "_net" for this study net of bulk indentation, "unpaired_" for this
+        study by the published test for any draws, "paper_" for the paper.
     """
     length, percent = (
         (f"{column}length", f"{column}percent")
         if column.endswith("_")
         else (f"length{column}", f"percent{column}")
     )
-    found = {(row.parameter, row.cycle, row.rock): row for _, row in table.iterrows()}
+    row_of = {(row.parameter, row.cycle, row.rock): row for _, row in table.iterrows()}
     cycles = sorted(table.cycle.unique())
     rows: dict[str, dict[tuple[int, str], str]] = {}
     for parameter in PARAMETERS:
@@ -165,7 +168,7 @@ def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd
         rows[parameter] = {}
         for cycle in cycles:
             for rock, title in titles.items():
-                row = found.get((parameter, cycle, rock))
+                row = row_of.get((parameter, cycle, rock))
                 rows[parameter][cycle, title] = (
                     ""
                     if row is None
@@ -180,7 +183,7 @@ def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd
 
 
 def elasticities_markdown(elasticities: pd.DataFrame, titles: dict[str, str]) -> list[str]:
-    """Lines of a table of elasticities with their standard errors, rocks and cycles as columns."""
+    """Return lines of a table of elasticities with standard errors, rocks and cycles as columns."""
     frame = elasticities.assign(rock=elasticities.rock.map(titles)).set_index(
         ["parameter", "cycle", "rock"]
     )
@@ -202,9 +205,10 @@ def elasticities_markdown(elasticities: pd.DataFrame, titles: dict[str, str]) ->
 def table_3_markdown(
     table: pd.DataFrame, titles: dict[str, str], elasticities: pd.DataFrame | None = None
 ) -> str:
-    """Table 3 of ours, ours net of bulk indentation, and the paper's, in Markdown.
+    """Return Table 3 of the study, the same net of bulk indentation, and the paper's, in Markdown.
 
-    With common draws elasticities come first and say why, and ours by the unpaired test is beside.
+    With common draws elasticities come first, with the reason, and the table by the unpaired test
+    is added.
     """
     if table.empty:
         return "No parameter is varied in this study: there is no indifference interval.\n"
@@ -230,7 +234,7 @@ def table_3_markdown(
 
 
 def markdown_rows(frame: pd.DataFrame) -> list[str]:
-    """Rows in Markdown of a table of parameters by (cycle, rock)."""
+    """Return rows in Markdown of a table of parameters by (cycle, rock)."""
     names = [f"{_plain_markdown(title)}, cycle {cycle}" for cycle, title in frame.columns]
     lines = ["| Parameter | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
     for parameter, row in frame.iterrows():
@@ -239,7 +243,7 @@ def markdown_rows(frame: pd.DataFrame) -> list[str]:
 
 
 def table_3_latex(table: pd.DataFrame, titles: dict[str, str]) -> str:
-    """Table 3 in the paper's layout, as a LaTeX table (booktabs)."""
+    """Return Table 3 in the paper's layout, as a LaTeX table (booktabs)."""
     if table.empty:
         return "% No parameter is varied in this study: there is no indifference interval.\n"
     titles = {rock: title for rock, title in titles.items() if (table.rock == rock).any()}
@@ -275,7 +279,7 @@ def table_3_latex(table: pd.DataFrame, titles: dict[str, str]) -> str:
 
 
 def _plain_latex(title: str) -> str:
-    """A title as text, whatever commands of LaTeX it may look like."""
+    """Escape a title for LaTeX."""
     special = {character: f"\\{character}" for character in "&%$#_{}"}
     special |= {"~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
     special |= {"\\": r"\textbackslash{}", "|": r"\textbar{}"}
@@ -284,12 +288,12 @@ def _plain_latex(title: str) -> str:
 
 
 def _plain_markdown(title: str) -> str:
-    """A title as text in a cell of a table, whatever marks of Markdown or HTML it may hold."""
+    """Escape a title for a cell of a Markdown table."""
     return re.sub(r"([\\`*_{}\[\]<>|#&~$!])", r"\\\1", _one_line(title))
 
 
 def _plain_csv(cell):
-    """A cell that no spreadsheet takes for a formula: an apostrophe is put before such a text."""
+    """Prefix a text that a spreadsheet would read as a formula with an apostrophe."""
     if isinstance(cell, str) and cell.startswith(("=", "+", "-", "@", "\t", "\r")):
         return "'" + cell
     return cell
@@ -321,19 +325,19 @@ PAIRED_NOTE = (
     "and sees far less on such draws; its lengths stand beside because the paper's test is "
     "unpaired, on independent draws."
 )
-"""Why a table of common draws has the paired test."""
+"""Reason for the paired test in a table of common draws."""
 
 
 UNPAIRED_TEST = "unpaired t test"
 
 
 def test_name(table: pd.DataFrame) -> str:
-    """The test by which a table's lengths are, as it is named beside them."""
+    """Return the name of the test of a table's lengths, for its title."""
     return "paired t test on common surfaces" if is_paired(table) else UNPAIRED_TEST
 
 
 def is_paired(table: pd.DataFrame) -> bool:
-    """Whether the intervals of a table are those of the paired test."""
+    """Return whether the intervals of a table are those of the paired test."""
     return "test" in table and bool((table.test == "paired").any())
 
 
@@ -358,12 +362,12 @@ def _note(table: pd.DataFrame, root: str) -> str:
 
 
 def measure_table(measures: list) -> pd.DataFrame:
-    """Measures of a wall (`jointclosure.surface.measures.Measure`) as a frame."""
+    """Return measures of a wall (`jointclosure.surface.measures.Measure`) as a frame."""
     return pd.DataFrame(measures, columns=["measure", "value", "low", "high", "unit", "remark"])
 
 
 def measures_text(measures: list, title: str, wall, spacing: float) -> str:
-    """Measures of a wall (y, x) [m] to be read, with its size and what is missing of it."""
+    """Format measures of a wall (y, x) [m] for reading, with its size and missing cells."""
     ny, nx = wall.shape
     gaps = int(pd.isna(wall).sum())
     missing = f", {gaps} of them without a height" if gaps else ""

@@ -1,9 +1,8 @@
-"""What control variates are worth: the plain simulations that would give the same errors.
+"""Efficiency of control variates: the number of plain simulations with the same errors.
 
-Studies are drawn again and again from an ensemble's surfaces, as if these were all there are;
-each is evaluated plainly and adjusted, the means of the covariates being as uncertain as they are.
-So what the estimates scatter by is measured, and how often their intervals have the
-ensemble's own value.
+Studies are drawn repeatedly from an ensemble's surfaces, as if these were all surfaces. Each is
+evaluated without and with adjustment, with the uncertainty of the covariates' means. This gives the
+scatter of the estimates, and how often their intervals contain the value of the ensemble.
 """
 
 from collections.abc import Iterator
@@ -14,7 +13,7 @@ import pandas as pd
 import scipy
 import xarray as xr
 
-from jointclosure.claims.found import TARGET
+from jointclosure.claims.findings import TARGET
 from jointclosure.ensemble.covariates import Covariates
 from jointclosure.sensitivity.responses import (
     Response,
@@ -32,7 +31,7 @@ from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import deviations_of, fit_matrix
 
 REPETITIONS = 1000
-"""Studies drawn for each response: an error is known to 2 %, a coverage to 1 %."""
+"""Number of studies drawn for each response: an error is known to 2 %, a coverage to 1 %."""
 _CONFIDENCE = 0.95
 _COLUMNS: tuple[str, ...] = (
     "rock",
@@ -48,9 +47,11 @@ _COLUMNS += ("adjusted_error", "worth", "plain_simulations", "plain_coverage", "
 
 
 class _Drawn(NamedTuple):
-    """Studies drawn: samples (R, k, n), covariates (R, k, n, m) about their known means, of which
-    ``known`` has only what they scatter by; ``paired``: common draws; ``tell_scatter`` as of
-    `Covariates`."""
+    """Drawn studies: samples (R, k, n) and covariates (R, k, n, m) about their known means.
+
+    ``known`` contains only the errors of these means; ``paired``: common draws; ``tell_scatter`` as
+    in `Covariates`.
+    """
 
     samples: np.ndarray
     covariates: np.ndarray
@@ -60,7 +61,7 @@ class _Drawn(NamedTuple):
 
 
 class _Estimates(NamedTuple):
-    """Estimates (R,) of drawn studies, their standard errors (R,) and what they estimate."""
+    """Estimates (R,) of drawn studies, their standard errors (R,) and the true value."""
 
     values: np.ndarray
     errors: np.ndarray
@@ -75,18 +76,18 @@ def variance_reduction(
     root_seed: int,
     repetitions: int = REPETITIONS,
 ) -> pd.DataFrame:
-    """Errors of plain and of adjusted estimates, for every rock, parameter and cycle.
+    """Tabulate errors of plain and adjusted estimates, for every rock, parameter and cycle.
 
     Parameters
     ----------
     ensemble : Dataset
         A study or, better, its pool.
     covariates : Covariates or None
-        Of the ensemble; None: there are no rows.
+        Covariates of the ensemble; there are no rows without them.
     surfaces : int
-        Of each case of the studies that are drawn; no rows for fewer than `fewest_surfaces`.
+        Surfaces of each case in drawn studies; no rows for fewer than `fewest_surfaces`.
     significance : float
-        Of the indifference intervals.
+        Significance level of the indifference intervals.
     root_seed : int
     repetitions : int
 
@@ -95,12 +96,12 @@ def variance_reduction(
     DataFrame
         ``response``: the mean and the standard deviation at the base (parameter "base"), the
         difference between the highest and lowest level, the slope at the base and the
-        indifference interval; ``draws`` of the studies, common ones only where the ensemble's
-        are. ``value``: the ensemble's own; ``plain_error`` and ``adjusted_error`` are root mean
-        squares of the difference from it over studies, in m or m per SI unit of the parameter; of
-        intervals those of 1/length, 0 where there is no root, in 1 over that unit. ``worth``: how
-        many plain simulations one adjusted one replaces, and ``plain_simulations`` so many a case;
-        coverage is that of 95 % intervals.
+        indifference interval. ``draws`` of the studies: common only if those of the ensemble are.
+        ``value``: that of the ensemble; ``plain_error`` and ``adjusted_error``: root mean squares
+        of the difference from it over studies, in m or m per SI unit of the parameter. Errors of
+        intervals are those of 1/length, 0 without a root, in 1 over that unit. ``worth``: number
+        of plain simulations that one adjusted one replaces; ``plain_simulations``: the same per
+        case. Coverage is that of 95 % intervals.
     """
     rows: list[dict] = []
     seen = set()
@@ -116,7 +117,7 @@ def variance_reduction(
             drawn = _draw(response, surfaces, repetitions, draws == "common", random)
             for parameter, name, pair in _estimates(response, drawn, significance):
                 key = (response.rock, parameter, name, response.cycle, draws)
-                if key in seen:  # the base is that of all parameters
+                if key in seen:  # the base is the same for all parameters
                     continue
                 seen.add(key)
                 rows.append(
@@ -128,21 +129,24 @@ def variance_reduction(
 
 
 def _draw(response: Response, n: int, repetitions: int, paired: bool, random) -> _Drawn:
-    """Studies of n surfaces, and covariates off by what is not known of their means."""
+    """Draw studies of n surfaces, with errors of the covariates' means."""
     values, (_, covariance, known_from), tell_scatter = response.covariates  # type: ignore[misc]
     k, size = response.samples.shape
     m = values.shape[-1]
     index = random.integers(size, size=(repetitions, 1 if paired else k, n))
     different = 1 + (np.diff(np.sort(index, axis=2), axis=2) > 0).sum(axis=2)
-    # to few different surfaces nothing can be fitted: such studies are left out
+    # studies with too few different surfaces for a fit are left out
     index = index[(different >= 2 * m + 3).all(axis=1)]
     repetitions = len(index)
     index = np.broadcast_to(index, (repetitions, k, n))
     samples = np.take_along_axis(response.samples[None], index, axis=2)
-    # of these surfaces, which are all there are, means and covariances are to be the known ones
+    # shift and scale covariates, so that their means and covariances over these surfaces are the
+    # known ones
     centred = values - values.mean(axis=1, keepdims=True)
-    own = np.cov(np.concatenate(centred).T, ddof=0).reshape(m, m)
-    centred = centred @ np.linalg.solve(np.linalg.cholesky(own).T, np.linalg.cholesky(covariance).T)
+    covariance_here = np.cov(np.concatenate(centred).T, ddof=0).reshape(m, m)
+    centred = centred @ np.linalg.solve(
+        np.linalg.cholesky(covariance_here).T, np.linalg.cholesky(covariance).T
+    )
     chosen = np.take_along_axis(centred[None], index[..., None], axis=2)
     off = random.multivariate_normal(np.zeros(m), covariance / known_from, size=repetitions)
     known = Known(np.zeros(m), covariance, known_from)
@@ -152,7 +156,7 @@ def _draw(response: Response, n: int, repetitions: int, paired: bool, random) ->
 def _estimates(
     response: Response, drawn: _Drawn, significance: float
 ) -> Iterator[tuple[str, str, tuple[_Estimates, _Estimates]]]:
-    """Parameter, name, and the plain and adjusted estimates of every response."""
+    """Generate parameter, name, and the plain and adjusted estimates of every response."""
     levels, base = response.levels, response.base
     adjusted, coefficients = adjusted_and_coefficients(
         drawn.samples, drawn.covariates, drawn.known.means
@@ -174,7 +178,7 @@ def _estimates(
 
 
 def _contrast(samples, coefficients, weights, drawn: _Drawn) -> tuple[np.ndarray, np.ndarray]:
-    """Sum of weights (k,) times means, and its standard error: (R,) each."""
+    """Return the sum of weights (k,) times means, and its standard error: (R,) each."""
     n = samples.shape[2]
     if drawn.paired:
         variance = np.einsum("k,rkn->rn", weights, samples).var(axis=1, ddof=1) / n
@@ -188,7 +192,7 @@ def _contrast(samples, coefficients, weights, drawn: _Drawn) -> tuple[np.ndarray
 
 
 def _of_deviations(response: Response, drawn: _Drawn, means, significance):
-    """Standard deviation at the base, and the length of the indifference interval."""
+    """Return the standard deviation at the base, and the length of the indifference interval."""
     n, levels, base = drawn.samples.shape[2], response.levels, response.base
     here = int(np.flatnonzero(levels == base)[0])
     plain, plain_errors = deviations_of(drawn.samples)
@@ -205,11 +209,11 @@ def _of_deviations(response: Response, drawn: _Drawn, means, significance):
         ),
     )
     of = {"samples": n, "significance": significance, "base": base}
-    own = response.samples.mean(axis=1), response.samples.std(axis=1)
+    of_ensemble = response.samples.mean(axis=1), response.samples.std(axis=1)
     drawn_means = drawn.samples.mean(axis=2)
     expected, first, second = (
-        np.nan_to_num(1.0 / indifference_lengths(levels, *found, **of))
-        for found in (own, (drawn_means, plain), (means, adjusted))
+        np.nan_to_num(1.0 / indifference_lengths(levels, *moments, **of))
+        for moments in (of_ensemble, (drawn_means, plain), (means, adjusted))
     )
     unknown = np.full(first.size, np.nan)
     truth = float(expected)
@@ -218,15 +222,15 @@ def _of_deviations(response: Response, drawn: _Drawn, means, significance):
 
 
 def _compared(name, surfaces, plain: _Estimates, adjusted: _Estimates, response, draws) -> dict:
-    """Both errors, and what their ratio is worth."""
+    """Return both errors, and the worth from their ratio."""
     levels = 1 if name in ("mean", "standard deviation") else 2
     freedom = surfaces - 1 if draws == "common" else levels * (surfaces - 1)
     reach = float(scipy.stats.t.ppf(0.5 + 0.5 * _CONFIDENCE, freedom))
     row: dict[str, float] = {"value": plain.truth}
-    for kind, found in (("plain", plain), ("adjusted", adjusted)):
-        off = np.abs(found.values - found.truth)
+    for kind, estimates in (("plain", plain), ("adjusted", adjusted)):
+        off = np.abs(estimates.values - estimates.truth)
         row[f"{kind}_error"] = float(np.sqrt(np.mean(off**2)))
         if name != "interval":
-            row[f"{kind}_coverage"] = float(np.mean(off <= reach * found.errors))
+            row[f"{kind}_coverage"] = float(np.mean(off <= reach * estimates.errors))
     gain = worth(row["plain_error"], row["adjusted_error"])
     return row | {"worth": gain, "plain_simulations": surfaces * gain}

@@ -1,1 +1,1 @@
-"""Equilibrium and breakage at one closure: `fast`, and `reference` as in the paper."""
+"""Solvers for equilibrium and breakage at one closure: `fast`, and `reference` as in the paper."""

@@ -1,18 +1,18 @@
-"""Breakage to rest at fixed closure and fixed interaction.
+"""Breakage until rest at fixed closure and fixed interaction.
 
-An overstressed pair is lowered until it holds, has lost contact or is
-locked, its gouge laid on its neighbours. Pairs are coloured so that the
-neighbourhoods of one colour do not overlap. The colours take turns:
+An overstressed pair is lowered until it holds, has lost contact or is locked, and its
+gouge is distributed on its neighbours. Pairs are coloured so that the neighbourhoods of
+one colour do not overlap. The colours are processed in turn:
 
-1. of the pairs of a colour that wait, `BATCH` at a time, the overstressed are picked out;
-2. these break together, up to `_MOST_PASSES` steps in a row, as
-   `jointclosure.solvers.pair_batch` says;
-3. they are written back; whoever still breaks waits for the colour's next turn, and each
-   neighbour that overlaps for its own.
+1. from the waiting pairs of a colour, `BATCH` at a time, the overstressed ones are selected;
+2. these break together, up to `_MOST_PASSES` steps in a row
+   (`jointclosure.solvers.pair_batch`);
+3. they are written back. Pairs that still break wait for the next turn of this colour, and
+   overlapping neighbours for the turn of their colour.
 
-When none waits all overlapping pairs are looked at again, until nothing breaks. The
-order of breakage is not prescribed by the model: docs/decisions/0006-order-of-breakage.md
-measures what it is worth.
+When no pair waits, all overlapping pairs are checked again, until nothing breaks. The
+model does not prescribe the order of breakage: docs/decisions/0006-order-of-breakage.md
+measures its effect.
 """
 
 import math
@@ -41,18 +41,18 @@ from jointclosure.solvers.pair_batch import (
 )
 
 _MARGIN = 2
-"""Cells around the grid, infinitely high and never in contact: no edge to watch for."""
+"""Width in cells of the margin around the grid, infinitely high and never in contact."""
 _COLOURS = 9
-"""Every third cell in each direction: their neighbours are not shared."""
+"""Number of colours: every third cell in both directions, so that neighbours are not shared."""
 _MOST_PASSES = 4
-"""Steps in a row of one pair, before it waits for its next turn."""
+"""Largest number of consecutive steps of one pair before it waits for its next turn."""
 
 
 class Cells(NamedTuple):
-    """A joint as flat arrays with a margin around it, rows of ``stride``.
+    """A joint as flat arrays with a margin around it, with rows of ``stride``.
 
-    Heights and ``approach`` [m] as in `jointclosure.solvers.pair_batch`; ``kind``, the
-    state of a pair as from `jointclosure.solvers.cells.peak_map`.
+    Heights and ``approach`` [m] as in `jointclosure.solvers.pair_batch`; ``kind`` is the state of a
+    pair from `jointclosure.solvers.cells.peak_map`.
     """
 
     upper: np.ndarray
@@ -64,7 +64,7 @@ class Cells(NamedTuple):
 
 
 class Turns(NamedTuple):
-    """Who waits: by cell its colour and 1 or 0, by colour a list of cells and their count."""
+    """Waiting cells: colour and waiting flag by cell, list of cells and their count by colour."""
 
     colour: np.ndarray
     waits: np.ndarray
@@ -74,7 +74,7 @@ class Turns(NamedTuple):
 
 @kernel
 def padded(field, outside):
-    """A field (y, x) with a margin around it, as one flat array."""
+    """Return a field (y, x) with a margin around it, as one flat array."""
     ny, nx = field.shape
     stride = nx + 2 * _MARGIN
     flat = np.full((ny + 2 * _MARGIN) * stride, outside)
@@ -98,15 +98,15 @@ def unpad(flat, field):
 
 @kernel
 def neighbour_offsets(stride):
-    """Offsets of the eight neighbours of a cell in a flat array, (8,)."""
+    """Return the offsets (8,) of the eight neighbours of a cell in a flat array."""
     return np.array([-stride - 1, -stride, -stride + 1, -1, 1, stride - 1, stride, stride + 1])
 
 
 @kernel
 def strength_limits(upper, lower, cells, curvature, compliance, peaks, law, gouge, tie, band):
-    """Forces (n,) [N] that the contacts at the cells can carry; see `breakage_kernel`.
+    """Return the largest forces (n,) [N] of the contacts at the cells; see `breakage_kernel`.
 
-    Infinite where a pair cannot break: flat, or locked on both walls.
+    Infinite if a pair cannot break: flat, or locked on both walls.
     """
     nx = upper.shape[1]
     around, falls = np.empty(8), np.empty(8)
@@ -123,7 +123,7 @@ def strength_limits(upper, lower, cells, curvature, compliance, peaks, law, goug
             kind = peaks[y, x]
             square = curvature[i] * curvature[i]
             strength = law.critical_indentation[kind] / curvature[i]
-            if law.substrate > 0.0:  # 0 times an infinite force is not a number
+            if law.substrate > 0.0:  # 0 times an infinite force would be NaN
                 strength += law.substrate * law.breaking_force[kind] / square
             limit[i] = force_of_overlap(
                 (1.0 + 0.5 * band) * strength, law.substrate, compliance[i]
@@ -133,7 +133,7 @@ def strength_limits(upper, lower, cells, curvature, compliance, peaks, law, goug
 
 @kernel
 def colour_map(ny, nx):
-    """Colours (y, x): cells of one colour are three apart both ways."""
+    """Return colours (y, x): cells of one colour are three apart in both directions."""
     colours = np.empty((ny, nx), np.int64)
     for y in range(ny):
         for x in range(nx):
@@ -143,7 +143,7 @@ def colour_map(ny, nx):
 
 @kernel
 def padded_cells(upper, lower, approach, peaks):
-    """`Cells` of walls, approach [m] and states of the pairs (y, x)."""
+    """Make `Cells` of walls, approach [m] and states of the pairs (y, x)."""
     ny, nx = upper.shape
     return Cells(
         padded(upper, math.inf),
@@ -157,7 +157,7 @@ def padded_cells(upper, lower, approach, peaks):
 
 @kernel
 def new_turns(ny, nx):
-    """`Turns` of a grid in which nobody waits."""
+    """Return `Turns` of a grid without waiting cells."""
     return Turns(
         padded(colour_map(ny, nx), 0),
         padded(np.zeros((ny, nx), np.int64), 1),
@@ -168,54 +168,54 @@ def new_turns(ny, nx):
 
 @kernel
 def let_overlapping_wait(cells, turns):
-    """All cells that overlap wait; before, none did."""
+    """Make all overlapping cells wait; no cell may be waiting before."""
     for cell in range(cells.upper.size):
         if cells.upper[cell] + cells.lower[cell] + cells.approach[cell] > 0.0:
-            own = turns.colour[cell]
-            turns.lists[own, turns.counts[own]] = cell
-            turns.counts[own] += 1
+            colour = turns.colour[cell]
+            turns.lists[colour, turns.counts[colour]] = cell
+            turns.counts[colour] += 1
             turns.waits[cell] = 1
 
 
 @kernel
 def let_neighbours_wait(cells, turns, cell, beside):
-    """The neighbours of a cell wait, where they overlap and do not wait yet."""
+    """Make the neighbours of a cell wait if they overlap and do not wait yet."""
     for k in range(8):
         near = cell + beside[k]
-        own = turns.colour[near]
+        colour = turns.colour[near]
         overlap = cells.upper[near] + cells.lower[near] + cells.approach[near]
-        # without a branch, which could not be predicted
+        # without a branch, because it would be unpredictable
         new = (1 - turns.waits[near]) & (overlap > 0.0)
-        turns.lists[own, turns.counts[own]] = near
-        turns.counts[own] += new
+        turns.lists[colour, turns.counts[colour]] = near
+        turns.counts[colour] += new
         turns.waits[near] |= new
 
 
 @kernel
 def set_laws(batch, n, some, kind, law):
-    """Strength of the pairs at some cells (n,), by whether their cells are soft peaks."""
+    """Set the strength of the pairs at some cells (n,), which depends on soft peaks."""
     for i in range(n):
-        own = kind[some[i]]
-        batch.critical_indentation[i] = law.critical_indentation[own]
-        batch.substrate_strength[i] = law.substrate * law.breaking_force[own]
+        state = kind[some[i]]
+        batch.critical_indentation[i] = law.critical_indentation[state]
+        batch.substrate_strength[i] = law.substrate * law.breaking_force[state]
 
 
 @kernel
 def find_peaks(batch, n, some, kind):
-    """Which cells of the pairs are peaks of the walls as they are."""
+    """Determine which cells of the pairs are peaks of the current walls."""
     around = np.empty(8)
     for i in range(n):
-        own = 0
+        state = 0
         for wall in (UPPER, LOWER):
             for k in range(8):
                 around[k] = batch.heights[wall, k + (k >= CENTRE), i]
-            own = 2 * own + is_peak(batch.heights[wall, CENTRE, i], around)
-        kind[some[i]] = own
+            state = 2 * state + is_peak(batch.heights[wall, CENTRE, i], around)
+        kind[some[i]] = state
 
 
 @kernel
 def pick_overstressed(batch, n, looked_at, cells, turns, overstressed):
-    """Those of the cells looked at (n,) whose pairs break, and how many; none waits any more."""
+    """Select the cells (n,) whose pairs break, return their number, and clear waiting flags."""
     m = 0
     for i in range(n):
         turns.waits[looked_at[i]] = 0
@@ -227,7 +227,7 @@ def pick_overstressed(batch, n, looked_at, cells, turns, overstressed):
 
 @kernel
 def count_breaking(batch, n):
-    """How many pairs of a batch break in this step."""
+    """Count the pairs of a batch that break in this step."""
     count = 0
     for i in range(n):
         count += int(batch.breaks[i])
@@ -236,40 +236,40 @@ def count_breaking(batch, n):
 
 @kernel
 def note_locked(batch, n, some, locked):
-    """Mark the cells (n,) whose pairs turned out to be locked."""
+    """Mark the cells (n,) whose pairs are locked."""
     for i in range(n):
         locked[some[i]] |= batch.locked[i] > 0.0
 
 
 @kernel
 def write_back(batch, n, some, still_breaking, cells, turns, beside):
-    """Write pairs that broke back to the walls; they, if they still do, and neighbours wait."""
+    """Write broken pairs back to the walls; pairs that still break and their neighbours wait."""
     for i in range(n):
         if batch.steps[i] == 0.0:
             continue
         cell = some[i]
         scatter(batch, i, cell, cells.upper, cells.lower, cells.stride)
         if still_breaking:
-            own = turns.colour[cell]
+            colour = turns.colour[cell]
             turns.waits[cell] = 1
-            turns.lists[own, turns.counts[own]] = cell
-            turns.counts[own] += 1
+            turns.lists[colour, turns.counts[colour]] = cell
+            turns.counts[colour] += 1
         let_neighbours_wait(cells, turns, cell, beside)
 
 
 @lru_cache(maxsize=None)
 def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
-    """Kernel that breaks all pairs to rest at a fixed interaction.
+    """Return the kernel that breaks all pairs until rest at a fixed interaction.
 
     The kernel's signature is ``(upper, lower, offset, interaction, peaks, law,
     breakage_step, band, tie_tolerance, most_steps, memory) -> (steps, locked)``:
     walls (y, x) [m] changed in place, the offset as in `overlapping_cells` [m],
-    the interaction (y, x) [m]; the number of breakage steps taken
-    (``most_steps`` or more where it did not come to rest) and a map (y, x) of
-    locked pairs. A pair loses ``breakage_step`` [m] at a time; ``resolved``,
-    what brings it back to its strength, which it may then exceed by half the
-    ``band`` before it breaks again. ``memory``, from
-    `jointclosure.solvers.pair_batch.batch_memory`, is room to work in. An effect that
+    the interaction (y, x) [m]. It returns the number of breakage steps
+    (``most_steps`` or more if it did not come to rest) and a map (y, x) of
+    locked pairs. A pair loses ``breakage_step`` [m] at a time. If ``resolved``,
+    it loses the height that brings it back to its strength, and may then exceed
+    the strength by half the ``band`` before it breaks again. ``memory``, from
+    `jointclosure.solvers.pair_batch.batch_memory`, is working memory. An effect that
     is off is not compiled.
     """
 
@@ -298,11 +298,11 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
         taken = np.empty(ny * nx, np.int64)
         some = np.empty(BATCH + 1, np.int64)
         steps = 0
-        seen = -1  # steps when all cells were last looked at
+        seen = -1  # steps when all cells were last checked
         colour = 0
         while steps < most_steps:
             if turns.counts.sum() == 0:
-                # what broke changes curvatures up to two cells away: look at all again
+                # breakage changes curvatures up to two cells away: check all cells again
                 if seen == steps:
                     break
                 seen = steps
@@ -314,7 +314,7 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
             for first in range(0, number, BATCH):
                 looked_at = taken[first : min(first + BATCH, number)]
                 n = looked_at.size
-                # most that are looked at again still hold
+                # most checked cells still hold
                 gather(
                     batch,
                     n,

@@ -1,8 +1,7 @@
 """Cells of the grid: their neighbours, curvatures, peaks and contacts.
 
-Walls are arrays (y, x) of heights towards the other wall. For curvature a
-neighbour outside the grid is the mirror image of the one inside; for gouge
-and peaks there is none.
+Walls are arrays (y, x) of heights towards the other wall. For curvature a neighbour outside the
+grid is the mirror image of the one inside; for gouge and peaks it does not exist.
 """
 
 import math
@@ -16,9 +15,9 @@ from jointclosure.mechanics.curvature import gaussian_curvature
 
 @kernel
 def neighbourhood(heights, y, x, out):
-    """Heights of the eight neighbours of a cell, infinite outside the grid.
+    """Copy the heights of the eight neighbours of a cell, infinite outside the grid.
 
-    In the order of `jointclosure.mechanics.gouge`.
+    The order is that of `jointclosure.mechanics.gouge`.
     """
     ny, nx = heights.shape
     if 0 < y < ny - 1 and 0 < x < nx - 1:
@@ -39,7 +38,7 @@ def neighbourhood(heights, y, x, out):
 
 @kernel
 def wall_curvature(height, neighbours, least_curvature, concave, spacing):
-    """Gaussian curvature of a wall's cell from its neighbours' heights [1/m].
+    """Compute the Gaussian curvature of a wall's cell from its neighbours' heights [1/m].
 
     Parameters
     ----------
@@ -50,7 +49,7 @@ def wall_curvature(height, neighbours, least_curvature, concave, spacing):
     least_curvature : float
         1 / largest radius, or 0 [1/m].
     concave : float
-        What concave profiles count, see `gaussian_curvature`.
+        Weight of concave profiles, see `gaussian_curvature`.
     spacing : float
         Grid spacing [m].
     """
@@ -65,13 +64,13 @@ def wall_curvature(height, neighbours, least_curvature, concave, spacing):
         north = south
     if west == math.inf or south == math.inf:
         return least_curvature  # a single cell in this direction is straight
-    found = gaussian_curvature(west, east, south, north, height, concave, spacing)
-    return max(found, least_curvature)
+    curvature = gaussian_curvature(west, east, south, north, height, concave, spacing)
+    return max(curvature, least_curvature)
 
 
 @kernel
 def is_peak(height, neighbours):
-    """Whether a cell is strictly higher than all its neighbours in the grid."""
+    """Return whether a cell is strictly higher than all its neighbours in the grid."""
     count = 0
     for k in range(8):
         if neighbours[k] != math.inf:
@@ -83,7 +82,7 @@ def is_peak(height, neighbours):
 
 @kernel
 def peak_map(upper, lower):
-    """State of every pair: 2 x (upper is a peak) + (lower is one), int64 (y, x)."""
+    """Return the state of every pair: 2 x (upper is a peak) + (lower is one), int64 (y, x)."""
     ny, nx = upper.shape
     state = np.empty((ny, nx), np.int64)
     around = np.empty(8)
@@ -98,7 +97,7 @@ def peak_map(upper, lower):
 
 @kernel
 def overlapping_cells(upper, lower, offset, peaks, law):
-    """Cells whose walls overlap before any interaction, and their contacts.
+    """Find the cells whose walls overlap before any interaction, and their contacts.
 
     Parameters
     ----------

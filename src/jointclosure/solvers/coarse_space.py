@@ -1,9 +1,9 @@
-"""A preconditioner of the interaction: patches of cells that are displaced as one.
+"""Preconditioner of the interaction from patches of cells with a common displacement.
 
-What makes the conjugate gradients of `jointclosure.solvers.newton` slow is
-smooth: many contacts displace each other over long distances. Patches of some
-cells each, whose contacts share one overlap, take most of that away: a small
-dense system between the patches, solved once and applied many times.
+The conjugate gradients of `jointclosure.solvers.newton` are slow for smooth fields, where many
+contacts displace each other over long distances. Patches of several cells, whose contacts share one
+overlap, remove most of these: a small dense system between the patches is solved once and applied
+many times.
 """
 
 from typing import NamedTuple
@@ -15,11 +15,11 @@ from jointclosure.solvers.interaction_operator import Influence
 from jointclosure.solvers.products import symmetric_inverse, symmetric_times
 
 _FEWEST_CONTACTS = 100
-"""Below, so many plain steps are cheaper than the patches."""
+"""Smallest number of contacts for patches; with fewer, plain steps are cheaper."""
 
 
 class CoarseSpace(NamedTuple):
-    """Patch (n,) of each contact, -1 of none, and the inverse (c, c) of the patches' system."""
+    """Patch (n,) of each contact, -1 for none, and the inverse (c, c) of the patches' system."""
 
     patch: np.ndarray
     inverse: np.ndarray
@@ -27,13 +27,13 @@ class CoarseSpace(NamedTuple):
 
 @kernel
 def no_coarse_space(n):
-    """A `CoarseSpace` of contacts (n,) without patches: its preconditioner changes nothing."""
+    """Return a `CoarseSpace` of contacts (n,) without patches, which changes nothing."""
     return CoarseSpace(np.full(n, -1), np.empty((0, 0)))
 
 
 @kernel
 def coarse_space(influence: Influence, cells, stiffness):
-    """Patches of contacts, and the inverse of the system between them.
+    """Make patches of contacts, and the inverse of the system between them.
 
     Parameters
     ----------
@@ -41,19 +41,19 @@ def coarse_space(influence: Influence, cells, stiffness):
     cells : int64 array (n,)
         Flat indices of the contacts.
     stiffness : array (n,)
-        k [N/m], the slopes of the contacts' laws; 0 where there is no contact.
+        k [N/m], the slopes of the contacts' laws; 0 without contact.
 
     Returns
     -------
     CoarseSpace
-        Without patches (c = 0) where the contacts are few or the influence has none.
+        Without patches (c = 0) if the contacts are few or the influence has no patches.
 
     Notes
     -----
     In y = d / sqrt(k) the system is A = I + W K W, W = sqrt(k). With
     z_P = W 1_P / sqrt(s_P), s_P the stiffness of a patch, Z^T A Z is
-    I + sqrt(s_P s_Q) K_PQ, K_PQ the mean influence between two patches: that
-    of all their cells is taken instead of that of their contacts.
+    I + sqrt(s_P s_Q) K_PQ, K_PQ the mean influence between two patches, which is
+    approximated by the mean over all their cells instead of their contacts.
     """
     n = cells.size
     if n < _FEWEST_CONTACTS or influence.patch_table.size == 0:
@@ -62,22 +62,22 @@ def coarse_space(influence: Influence, cells, stiffness):
     nx = influence.table.shape[1]
     side = influence.patch
     rows, columns = influence.patch_table.shape
-    own = np.empty(n, np.int64)
+    of_contact = np.empty(n, np.int64)
     stiff = np.zeros(rows * columns, np.bool_)
     for i in range(n):
         y, x = divmod(cells[i], nx)
-        own[i] = (y // side) * columns + x // side
-        stiff[own[i]] |= stiffness[i] > 0.0
+        of_contact[i] = (y // side) * columns + x // side
+        stiff[of_contact[i]] |= stiffness[i] > 0.0
     number = np.full(rows * columns, -1)
     place = np.empty((rows * columns, 2), np.int64)
     count = 0
     for i in range(n):
-        # a patch without a contact is coupled with no other
-        if number[own[i]] < 0 and stiff[own[i]]:
-            number[own[i]] = count
-            place[count, 0], place[count, 1] = divmod(own[i], columns)
+        # a patch without contacts is not coupled with others
+        if number[of_contact[i]] < 0 and stiff[of_contact[i]]:
+            number[of_contact[i]] = count
+            place[count, 0], place[count, 1] = divmod(of_contact[i], columns)
             count += 1
-        patch[i] = number[own[i]]
+        patch[i] = number[of_contact[i]]
     total = np.zeros(count)
     for i in range(n):
         if patch[i] >= 0:
@@ -94,7 +94,7 @@ def coarse_space(influence: Influence, cells, stiffness):
 
 @kernel
 def patch_weights(space: CoarseSpace, weight):
-    """The contacts' shares (n,) in their patches: W over its norm in the patch."""
+    """Return the contacts' shares (n,) in their patches: W over its norm in the patch."""
     share = np.zeros(weight.size)
     count = space.inverse.shape[0]
     if count == 0:
@@ -111,7 +111,7 @@ def patch_weights(space: CoarseSpace, weight):
 
 @kernel
 def precondition(space: CoarseSpace, share, residual):
-    """(I + Z (E^-1 - I) Z^T) times a residual (n,), E the patches' system."""
+    """Multiply a residual (n,) by (I + Z (E^-1 - I) Z^T), E the patches' system."""
     answer = residual.copy()
     count = space.inverse.shape[0]
     if count == 0:

@@ -1,4 +1,4 @@
-"""Newton's direction towards equilibrium, by preconditioned conjugate gradients."""
+"""Newton direction towards equilibrium, by preconditioned conjugate gradients."""
 
 import math
 
@@ -21,16 +21,16 @@ def newton_direction(influence, matrix, cells, space, step, secant, shortfall, t
     influence, matrix, cells, scratch
         As for `interaction_product`.
     space : CoarseSpace
-        Of the preconditioner.
+        Coarse space of the preconditioner.
     step : array (n,)
         Answer less force [N].
     secant : array (n,)
         As from `contact_response` [m/N].
     shortfall : float
-        What sum d is to be [N], by choice of the shift; NaN where the shift
-        is given (0).
+        Required sum d [N], which determines the shift; NaN if the shift is
+        given (0).
     tolerance : float
-        Of the residual, relative to where it starts.
+        Tolerance of the residual, relative to its initial value.
 
     Returns
     -------
@@ -39,13 +39,13 @@ def newton_direction(influence, matrix, cells, space, step, secant, shortfall, t
     shift : float
         [m].
     used : int
-        Products with K.
+        Number of products with K.
 
     Notes
     -----
     In y = sqrt(D) d the system is I + W K W, W = D^(-1/2). The condition on
-    sum d keeps y in a plane, on which the residual is projected, and with it
-    the preconditioned one.
+    sum d keeps y in a plane. The residual and the preconditioned residual are
+    projected on this plane.
     """
     n = step.size
     weight = np.zeros(n)
@@ -67,7 +67,7 @@ def newton_direction(influence, matrix, cells, space, step, secant, shortfall, t
         )
         rest -= solution + weight * elastic_displacement
         used += 1
-    # the part of the residual along the normal is the shift's to take away
+    # the shift removes the part of the residual along the normal
     shift = -inner(normal, rest) / size if bound else 0.0
     inside = rest + normal * (shift * size) if bound else rest
     share = patch_weights(space, weight)
@@ -77,7 +77,7 @@ def newton_direction(influence, matrix, cells, space, step, secant, shortfall, t
     search -= across * (inner(normal, search) / depth)
     square = inner(inside, search)
     enough = tolerance * tolerance * inner(inside, inside)
-    # not positive: a plane that is a point, or nothing left but rounding
+    # not positive: the plane is a point, or only rounding errors are left
     while square > 0.0 and inner(inside, inside) > enough and used < MOST_CONJUGATE_GRADIENT_STEPS:
         image, _ = interaction_product(influence, matrix, cells, weight * search, scratch)
         used += 1

@@ -1,6 +1,6 @@
-"""Contacts that may carry force: their laws, their energy, and what they do one by one.
+"""Contacts that may carry force: their laws, their energy, and their separate responses.
 
-The problem that they pose together is in `jointclosure.solvers.equilibrium`.
+The system of all contacts is described in `jointclosure.solvers.equilibrium`.
 """
 
 from typing import NamedTuple
@@ -17,10 +17,10 @@ from jointclosure.mechanics.contact import (
 
 
 class Contacts(NamedTuple):
-    """The cells (n,) that may carry force, and their laws.
+    """Cells (n,) that may carry force, and their laws.
 
-    ``cells`` are flat indices, ``overlap`` g [m], ``compliance`` B
-    [m N^(-2/3)], ``limit`` C [N], ``substrate`` A [m/N].
+    ``cells`` are flat indices, ``overlap`` g [m], ``compliance`` B [m N^(-2/3)], ``limit`` C [N],
+    ``substrate`` A [m/N].
     """
 
     cells: np.ndarray
@@ -32,7 +32,7 @@ class Contacts(NamedTuple):
 
 @kernel
 def contact_response(contacts, shift, elastic_displacement, force, answer, secant):
-    """Forces that answer the overlaps, and secants from the present forces.
+    """Compute the forces for given overlaps, and secants from the present forces.
 
     Parameters
     ----------
@@ -43,8 +43,8 @@ def contact_response(contacts, shift, elastic_displacement, force, answer, secan
         K F [m] and the present forces F [N].
     answer, secant : array (n,)
         Receive min(C, psi(g + D - K F)) [N], and the slope [m/N] of the law
-        between the present force and the answer: the compliance with which a
-        step from F in direction (overlap - phi(F)) meets the answer exactly.
+        between the present force and the answer. With this compliance a
+        step from F in direction (overlap - phi(F)) reaches the answer exactly.
         Infinite for a cell that stays out of contact, or at its limit.
 
     Returns
@@ -59,15 +59,15 @@ def contact_response(contacts, shift, elastic_displacement, force, answer, secan
         overlap = contacts.overlap[i] + shift - elastic_displacement[i]
         compliance = contacts.compliance[i]
         root = cube_root(force[i]) if force[i] > 0.0 else 0.0
-        found, slope = force_near(overlap, substrate, compliance, root)
-        if found > contacts.limit[i]:
-            found = contacts.limit[i]
+        new, slope = force_near(overlap, substrate, compliance, root)
+        if new > contacts.limit[i]:
+            new = contacts.limit[i]
             slope = 0.0
-            overlap = overlap_of_force(found, substrate, compliance)
-        answer[i] = found
-        step = found - force[i]
+            overlap = overlap_of_force(new, substrate, compliance)
+        answer[i] = new
+        step = new - force[i]
         difference += abs(step)
-        total += found
+        total += new
         if abs(step) > 1e-7 * force[i]:
             present = (substrate * root + compliance) * root * root
             secant[i] = (overlap - present) / step
@@ -80,28 +80,28 @@ def contact_response(contacts, shift, elastic_displacement, force, answer, secan
 
 @kernel
 def energy(contacts, shift, elastic_displacement, force):
-    """The energy that equilibrium minimises [J], K F given as ``elastic_displacement``."""
+    """Compute the energy that equilibrium minimises [J], with K F as ``elastic_displacement``."""
     total = 0.0
     for i in range(force.size):
         root = cube_root(force[i])
-        own = 0.5 * contacts.substrate * force[i] + 0.6 * contacts.compliance[i] * root * root
-        total += force[i] * (own + 0.5 * elastic_displacement[i] - contacts.overlap[i] - shift)
+        local = 0.5 * contacts.substrate * force[i] + 0.6 * contacts.compliance[i] * root * root
+        total += force[i] * (local + 0.5 * elastic_displacement[i] - contacts.overlap[i] - shift)
     return total
 
 
 @kernel
 def coordinate_sweep(table, contacts, shift, force):
-    """One pass of exact minimisation contact by contact, in place.
+    """Minimise the energy exactly contact by contact, in one pass and in place.
 
-    Slow and sure: the energy falls with every pass, whatever the start. The
-    paper's sweep (Section 3, steps 3 to 5) is this one, tallest cell first.
+    This is slow and always converges: the energy falls with every pass, from any start. The paper's
+    sweep (Section 3, steps 3 to 5) is this one, tallest cell first.
 
     Parameters
     ----------
     table : array (y, x)
         Influence by distance in cells [m/N], see `Influence`.
     contacts : Contacts
-        Swept in their order.
+        Contacts, in the order of the pass.
     shift : float
         D [m].
     force : array (n,)
@@ -133,7 +133,7 @@ def coordinate_sweep(table, contacts, shift, force):
 
 @kernel
 def separate_equilibrium(contacts, shift):
-    """Forces (n,) [N] of contacts that do not feel each other."""
+    """Compute forces (n,) [N] of contacts that do not interact."""
     force = np.empty(contacts.overlap.size)
     for i in range(force.size):
         answer = force_of_overlap(
@@ -145,15 +145,15 @@ def separate_equilibrium(contacts, shift):
 
 @kernel
 def separate_shift(contacts, target):
-    """Shift D [m] at which contacts that do not feel each other carry a force [N].
+    """Compute the shift D [m] at which contacts without interaction carry a force [N].
 
-    Newton, kept between a shift that is too small and one that is too large;
-    from the latter it converges monotonically, as the force is convex in D.
-    The upper end where the force jumps there (a rigid contact).
+    Newton's method is bounded by a shift that is too small and one that is too large. From the
+    latter it converges monotonically, because the force is convex in D. If the force jumps at the
+    shift (a rigid contact), the upper end is returned.
     """
     tallest = np.argmax(contacts.overlap)
     low = -contacts.overlap[tallest]
-    # alone, the tallest contact would carry the force at
+    # the tallest contact alone would carry the force at
     shift = low + overlap_of_force(target, contacts.substrate, contacts.compliance[tallest])
     high = np.inf
     for _ in range(200):
@@ -183,7 +183,7 @@ def separate_shift(contacts, target):
 
 @kernel
 def are_sound(contacts):
-    """Whether overlaps and compliances are finite, and no limit negative or NaN."""
+    """Return whether overlaps and compliances are finite, and no limit is negative or NaN."""
     sound = np.isfinite(contacts.substrate)
     for i in range(contacts.overlap.size):
         finite = np.isfinite(contacts.overlap[i]) and np.isfinite(contacts.compliance[i])

@@ -1,8 +1,7 @@
-"""Closure at given forces, where nothing breaks.
+"""Closure at given forces without breakage.
 
-Without breakage a joint has no history: each force has one closure, the
-solution of one convex problem, and loading and unloading are one curve. No
-displacement steps are taken.
+Without breakage a joint has no history: each force has one closure, the solution of one convex
+problem, and loading and unloading are one curve. No displacement steps are taken.
 """
 
 from typing import NamedTuple
@@ -27,17 +26,17 @@ from jointclosure.solvers.joint import (
 from jointclosure.solvers.newton import Equilibrium
 
 ELASTIC_TOLERANCE = 1e-10
-"""Relative residual of the forces, also where `Numerics.force_tolerance` asks for less."""
+"""Relative residual of the forces, even if `Numerics.force_tolerance` is larger."""
 _FIRST_CANDIDATES = 48
 _FEW = 0.1
-"""Candidates, over `dense_limit`, up to which all are in the working set."""
+"""Share of `dense_limit` up to which all candidates are in the working set."""
 
 
 class _Point(NamedTuple):
-    """A point of the curve: forces [N], gap [m], closure [m] and total force [N].
+    """Point of the curve: forces [N], gap [m], closure [m] and total force [N].
 
-    Forces and ``gap`` (overlap less interaction) are of all cells (y x,), the gap of those that
-    are far from touching an upper bound, NaN where it is not known.
+    Forces and ``gap`` (overlap less interaction) are those of all cells (y x,). The gap of cells
+    far from contact is an upper bound, or NaN if it is unknown.
     """
 
     force: np.ndarray
@@ -47,17 +46,18 @@ class _Point(NamedTuple):
 
 
 class _Candidates:
-    """The cells that may touch up to some closure, and their influence on each other.
+    """Cells that may be in contact up to some closure, and their influence on each other.
 
-    Where they are many, a third of them touch: those push the others away. So the equilibrium
-    is that of a *working set*, and cells outside of it that turn out to touch are added to it.
+    If there are many, a third of them are in contact and push the others away. Therefore
+    equilibrium is solved for a *working set*, and further cells that come into contact are added to
+    it.
     """
 
     def __init__(self, joint: Joint, reach: float):
         self.joint, self.reach = joint, reach
         self.tolerance = min(joint.numerics.force_tolerance, ELASTIC_TOLERANCE)
         cells, overlap, self.curvature, compliance = joint.overlapping(reach)
-        # overlaps at closure 0, none of them positive
+        # overlaps at closure 0, none positive
         self.contacts = joint.contacts(cells, overlap - reach, compliance)
         self.influence, self.matrix = None, None
         self.few = cells.size <= _FEW * dense_limit(joint.upper.shape)
@@ -67,17 +67,17 @@ class _Candidates:
             self.matrix = influence_matrix(table, cells[: cells.size if self.few else 0])
 
     def solve(self, guess: _Point, target: float) -> tuple[Equilibrium, np.ndarray]:
-        """Equilibrium at a total force [N] from a guess, and the gap [m] of the candidates."""
+        """Solve equilibrium at a total force [N]; return it and the gap [m] of the candidates."""
         cells, closure = self.contacts.cells, min(guess.closure, self.reach)
         start = self.contacts._replace(overlap=self.contacts.overlap + closure)
         force = guess.force[cells]
         if self.influence is None or self.few:
-            found = self._solve_all(start, force, target)
+            solution = self._solve_all(start, force, target)
             gap = np.full(cells.size, np.nan)
         else:
             inside = (force > 0.0) | (guess.gap[cells] > 0.0)
-            found, gap = self._solve_working_set(start, force, inside, target)
-        return found._replace(shift=found.shift + closure), gap
+            solution, gap = self._solve_working_set(start, force, inside, target)
+        return solution._replace(shift=solution.shift + closure), gap
 
     def _solve_all(self, start: Contacts, force: np.ndarray, target: float) -> Equilibrium:
         return solve_equilibrium(self.influence, start, force, target, self.tolerance, self.matrix)
@@ -95,46 +95,49 @@ class _Candidates:
             )
             contacts, matrix = self.joint.with_matrix(some)
             if matrix is None or not some.cells.size:
-                found = self._solve_all(start, force, target)
-                gap = start.overlap + found.shift - found.interaction
+                solution = self._solve_all(start, force, target)
+                gap = start.overlap + solution.shift - solution.interaction
                 break
             slot = near.slots(some.cells)
             guess = np.zeros(contacts.cells.size)
             guess[slot] = force[inside]
-            found = solve_equilibrium(
+            solution = solve_equilibrium(
                 self.influence, contacts, guess, target, self.tolerance, matrix
             )
-            newton_steps, products = newton_steps + found.newton_steps, products + found.products
+            newton_steps, products = (
+                newton_steps + solution.newton_steps,
+                products + solution.products,
+            )
             force = np.zeros(start.cells.size)
-            force[inside] = found.force[slot]
-            gap = start.overlap + found.shift
+            force[inside] = solution.force[slot]
+            gap = start.overlap + solution.shift
             others = np.flatnonzero(~inside & (gap > 0.0))
-            gap[others] -= near.displacement_at(start.cells[others], found.force)
-            gap[inside] -= found.interaction[slot]
-            found = found._replace(force=force, newton_steps=0, products=0)
+            gap[others] -= near.displacement_at(start.cells[others], solution.force)
+            gap[inside] -= solution.interaction[slot]
+            solution = solution._replace(force=force, newton_steps=0, products=0)
             missed = others[gap[others] > 0.0]
             if not missed.size:
                 break
             inside[missed] = True
-        newton_steps, products = newton_steps + found.newton_steps, products + found.products
-        return found._replace(newton_steps=newton_steps, products=products), gap
+        newton_steps, products = newton_steps + solution.newton_steps, products + solution.products
+        return solution._replace(newton_steps=newton_steps, products=products), gap
 
 
 def elastic_curve(joint: Joint, targets: np.ndarray) -> list[Settled]:
-    """Close an elastic joint to each of some total forces.
+    """Close an elastic joint to each of several total forces.
 
     Parameters
     ----------
     joint : Joint
-        In a scene without breakage; its forces are left at the last target.
+        In a scene without breakage; it keeps the forces of the last target.
     targets : array (t,)
         Total forces [N], positive and ascending.
 
     Returns
     -------
     list of Settled
-        One for each target; shorter where a target failed, which the last
-        entry's outcome then says.
+        One for each target. If a target failed the list ends there, and the outcome
+        of its last entry says so.
     """
     candidates = _Candidates(joint, _reach_of(joint, _FIRST_CANDIDATES))
     solved: list[_Point] = []
@@ -142,28 +145,28 @@ def elastic_curve(joint: Joint, targets: np.ndarray) -> list[Settled]:
     for target in targets:
         while True:
             guess = _predicted(solved, target, candidates.contacts, joint.upper.size)
-            found, gap = candidates.solve(guess, target)
-            if not found.shift > candidates.reach or not np.isfinite(found.shift):
+            solution, gap = candidates.solve(guess, target)
+            if not solution.shift > candidates.reach or not np.isfinite(solution.shift):
                 break
-            candidates = _Candidates(joint, 1.3 * found.shift)
-        point = _Point(*_nowhere(joint.upper.size), found.shift, target)
-        point.force[candidates.contacts.cells] = found.force
+            candidates = _Candidates(joint, 1.3 * solution.shift)
+        point = _Point(*_nowhere(joint.upper.size), solution.shift, target)
+        point.force[candidates.contacts.cells] = solution.force
         point.gap[candidates.contacts.cells] = gap
         solved = [*solved[-1:], point]
         joint.force[:] = point.force.reshape(joint.force.shape)
-        settled.append(_settled(joint, candidates, found))
+        settled.append(_settled(joint, candidates, solution))
         if settled[-1].outcome != CONVERGED:
             break
     return settled
 
 
 def _nowhere(size: int) -> tuple[np.ndarray, np.ndarray]:
-    """Forces of no contact, and gaps that are not known."""
+    """Return forces without contact, and unknown gaps."""
     return np.zeros(size), np.full(size, np.nan)
 
 
 def _reach_of(joint: Joint, count: int) -> float:
-    """Closure [m] at which about so many cells overlap, and one at least."""
+    """Return the closure [m] at which about ``count`` cells overlap, at least one."""
     summed = (joint.upper + joint.lower).ravel()
     rank = max(summed.size - count, 0)
     reach = joint.first_touch - float(np.partition(summed, rank)[rank])
@@ -171,7 +174,7 @@ def _reach_of(joint: Joint, count: int) -> float:
 
 
 def _predicted(solved: list[_Point], target: float, contacts: Contacts, size: int) -> _Point:
-    """Point to start from: extrapolated, or that without interaction."""
+    """Return a starting point: extrapolated, or that without interaction."""
     if not solved:
         force, gap = _nowhere(size)
         closure = separate_shift(contacts, target)
@@ -190,22 +193,22 @@ def _predicted(solved: list[_Point], target: float, contacts: Contacts, size: in
     return _Point(np.maximum(force, 0.0), gap, closure, target)
 
 
-def _settled(joint: Joint, candidates: _Candidates, found: Equilibrium) -> Settled:
-    total = float(found.force.sum())
-    outcome = CONVERGED if found.residual <= candidates.tolerance else NOT_CONVERGED
-    if found.residual == np.inf:
+def _settled(joint: Joint, candidates: _Candidates, solution: Equilibrium) -> Settled:
+    total = float(solution.force.sum())
+    outcome = CONVERGED if solution.residual <= candidates.tolerance else NOT_CONVERGED
+    if solution.residual == np.inf:
         outcome = RIGID_CONTACT
-    flat = joint.force_on_flats(candidates.curvature, found.force)
+    flat = joint.force_on_flats(candidates.curvature, solution.force)
     return Settled(
         outcome=outcome,
-        closure=found.shift,
+        closure=solution.shift,
         total_force=total,
-        least_force=float(found.force.min()),
-        contacts=int(np.count_nonzero(found.force)),
+        least_force=float(solution.force.min()),
+        contacts=int(np.count_nonzero(solution.force)),
         mean_interaction=joint.mean_interaction(),
-        residual=found.residual,
+        residual=solution.residual,
         locked_contacts=0,
         locked_share=0.0,
         flat_share=flat / total if total > 0.0 else 0.0,
-        effort=Effort(1, 1, found.newton_steps, found.products),
+        effort=Effort(1, 1, solution.newton_steps, solution.products),
     )

@@ -1,4 +1,4 @@
-"""Forces in equilibrium: a convex complementarity problem.
+"""Equilibrium of forces: a convex complementarity problem.
 
 Find forces 0 <= F <= C such that, with the geometric overlap g, the closure's
 shift D, the interaction K and the law of one contact F = psi(overlap),
@@ -9,12 +9,12 @@ These are the optimality conditions of
 
     min  sum_i (A F_i^2 / 2 + 3/5 B_i F_i^(5/3)) + F.K F / 2 - (g + D).F   over 0 <= F <= C,
 
-strictly convex as A + K is positive definite for a base radius of at most a
-cell (Choices.base_radius_in_cells). So the answer is unique and does not
+strictly convex because A + K is positive definite for a base radius of at most a
+cell (Choices.base_radius_in_cells). Therefore the solution is unique and does not
 depend on the method: docs/decisions/0004-equilibrium.md. The limits C are
-infinite for elastic contacts, and a contact's strength where breakage is resolved.
+infinite for elastic contacts, and the strength of the contacts if breakage is resolved.
 
-Either the shift is given (0), or the total force is, and the shift is its
+Either the shift is given (0), or the total force is given and the shift is its
 Lagrange multiplier: the closure at which the joint carries that force.
 """
 
@@ -44,47 +44,47 @@ def solve_equilibrium(
     matrix: np.ndarray | None = None,
     elastic_displacement: np.ndarray | None = None,
 ) -> Equilibrium:
-    """Forces in equilibrium at the overlapping cells.
+    """Solve the equilibrium of forces at the overlapping cells.
 
     Parameters
     ----------
     influence : Influence or None
-        None in a scene without interaction.
+        None without interaction.
     contacts : Contacts
     start : array (n,)
-        Forces to start from [N]: a guess, of which what is not finite or is
-        negative counts as 0. A guess that leads nowhere is dropped for 0.
+        Initial guess of the forces [N]. Negative values and values that are not
+        finite count as 0. If the guess does not converge, 0 is used instead.
     target : float
-        Total force [N] that the shift is to bring about; NaN for a shift of 0.
+        Total force [N] that determines the shift; NaN for a shift of 0.
     tolerance : float
-        Relative residual to reach; below `ROUNDING` none does.
+        Required relative residual; at least `ROUNDING` can be reached.
     matrix : array (m, m), optional
-        The contacts' `influence_matrix`, in its first n rows and columns, where it is at hand.
+        `influence_matrix` of the contacts in its first n rows and columns, if available.
     elastic_displacement : array (n,), optional
-        The interaction [m] of the forces to start from, or about that, where it is
-        at hand: saves a product.
+        Interaction [m] of the initial forces, exact or approximate, if available; it
+        saves a product.
 
     Returns
     -------
     Equilibrium
-        Converged where its residual is at most the tolerance. Infinite forces
-        where a rigid contact (flat, without substrate) overlaps. A residual of
-        NaN where no equilibrium was found, or there can be none: an overlap or
-        a compliance that is not finite, a negative limit, a target that is not
-        positive and finite; then all forces are NaN.
+        Converged if its residual is at most the tolerance. Forces are infinite
+        if a rigid contact (flat, without substrate) overlaps. The residual and all
+        forces are NaN if no equilibrium was obtained or none exists: an overlap or
+        a compliance is not finite, a limit is negative, or the target is not
+        positive and finite.
     """
     n = contacts.cells.size
     if not are_sound(contacts) or target <= 0.0 or math.isinf(target):
         nowhere = np.full(n, np.nan)
         return Equilibrium(nowhere, nowhere.copy(), np.empty((0, 0)), math.nan, math.nan, 0, 0)
     if influence is None or n == 0:
-        found = _separate(contacts, float(target))
-        return found._replace(residual=max(found.residual, ROUNDING if n else 0.0))
+        solution = _separate(contacts, float(target))
+        return solution._replace(residual=max(solution.residual, ROUNDING if n else 0.0))
     if matrix is None:
         dense = n <= dense_limit(influence.table.shape)
         matrix = influence_matrix(influence.table, contacts.cells[: n if dense else 0])
     usable = np.where(np.isfinite(start) & (start > 0.0), start, 0.0)
-    # an interaction that belongs to a guess which was not taken is of no use
+    # the interaction of a guess that is not used is discarded
     if (
         elastic_displacement is None
         or not np.isfinite(elastic_displacement).all()
@@ -92,21 +92,21 @@ def solve_equilibrium(
     ):
         elastic_displacement = np.empty(0)
     problem, sought = (influence, matrix, contacts), (float(target), float(tolerance))
-    found = interacting_equilibrium(*problem, usable, elastic_displacement, *sought)
-    if not found.residual <= tolerance and usable.any():
+    solution = interacting_equilibrium(*problem, usable, elastic_displacement, *sought)
+    if not solution.residual <= tolerance and usable.any():
         again = interacting_equilibrium(*problem, 0.0 * usable, np.empty(0), *sought)
-        steps = found.newton_steps + again.newton_steps
-        products = found.products + again.products
-        found = again if not found.residual <= again.residual else found
-        found = found._replace(newton_steps=steps, products=products)
-    if not math.isnan(target) and not found.residual <= tolerance:
-        found = _bracketed(*problem, *sought, found)
-    # how well forces answer their overlaps is not known better than this
-    return found._replace(residual=max(found.residual, ROUNDING))
+        steps = solution.newton_steps + again.newton_steps
+        products = solution.products + again.products
+        solution = again if not solution.residual <= again.residual else solution
+        solution = solution._replace(newton_steps=steps, products=products)
+    if not math.isnan(target) and not solution.residual <= tolerance:
+        solution = _bracketed(*problem, *sought, solution)
+    # the residual cannot be computed more exactly than this
+    return solution._replace(residual=max(solution.residual, ROUNDING))
 
 
 def _separate(contacts: Contacts, target: float) -> Equilibrium:
-    """Contacts without interaction: one equation for the shift, if any."""
+    """Solve contacts without interaction: one equation for the shift, if it is unknown."""
     given = math.isnan(target) or contacts.cells.size == 0
     shift = 0.0 if given else separate_shift(contacts, target)
     force = separate_equilibrium(contacts, shift)
@@ -119,7 +119,7 @@ def _separate(contacts: Contacts, target: float) -> Equilibrium:
 
 
 def _bracketed(influence, matrix, contacts, target, tolerance, start: Equilibrium) -> Equilibrium:
-    """The shift as a root of the total force at a given shift, which rises with it."""
+    """Solve for the shift as a root of the total force, which increases with the shift."""
     best, steps, products = start, start.newton_steps, start.products
     if math.isnan(start.residual):
         best = start._replace(force=np.zeros(start.force.size))
@@ -127,13 +127,13 @@ def _bracketed(influence, matrix, contacts, target, tolerance, start: Equilibriu
     def at(shift: float) -> float:
         nonlocal best, steps, products
         moved = contacts._replace(overlap=contacts.overlap + shift)
-        found = interacting_equilibrium(
+        solution = interacting_equilibrium(
             influence, matrix, moved, best.force, np.empty(0), np.nan, 0.1 * tolerance
         )
-        steps += found.newton_steps
-        products += found.products
-        best = found._replace(shift=shift)
-        return float(found.force.sum()) - target
+        steps += solution.newton_steps
+        products += solution.products
+        best = solution._replace(shift=shift)
+        return float(solution.force.sum()) - target
 
     low = -float(contacts.overlap.max())
     high = max(start.shift if math.isfinite(start.shift) else low, 0.5 * low)

@@ -1,28 +1,30 @@
-"""The fast solver: breakage to rest and equilibrium in turn.
+"""Fast solver: alternates breakage until rest and equilibrium.
 
 The paper returns to the detection of contacts after every single breakage. Here a
-joint is brought to rest at a closure in *rounds*, each of two halves:
+joint is brought to rest at a closure in *rounds*, each with two parts:
 
 - breakage: with the interaction held, pairs break until all are within their strength;
 - equilibrium: with the walls held, forces and their interaction are solved for.
 
-Rounds go on until an equilibrium breaks nothing. To find what breaks next a rough
-solution will do, so the residual is reduced in *stages*: `PROVISIONAL_TOLERANCES`, then
-what is asked for. A stage ends with the first of its equilibria that breaks nothing.
+Rounds are repeated until an equilibrium breaks nothing. An approximate solution is sufficient to
+determine what breaks next. Therefore the residual is reduced in *stages*: first
+`PROVISIONAL_TOLERANCES`, then the required one. A stage ends with its first equilibrium that
+breaks nothing.
 
 The first round begins in one of three ways:
 
-- nothing can break: one equilibrium, solved as exactly as asked, and no breakage;
-- fixed breakage steps: breakage, at the interaction that is extrapolated from the steps
-  before. Where nothing breaks, the joint opens, or it is closed again to where it is known to hold
-  (`Joint.held_to`: an extrapolation may be too low, and break what holds), the step is elastic: the
-  forces are extrapolated too, and the equilibrium is solved as exactly as asked;
-- resolved breakage: an equilibrium in which no contact carries more than its strength, from forces
-  and interaction that are extrapolated, docs/decisions/0010-resolved-breakage.md. By how much the
-  force at rest misses its force is the measure of the step's error.
+- nothing can break: one equilibrium to the required residual, without breakage;
+- fixed breakage steps: breakage at the interaction extrapolated from the steps before. The step
+  is elastic if nothing breaks, if the joint opens, or if it is closed again up to a closure where
+  all contacts are known to hold (`Joint.held_to`; there an extrapolated interaction may be too
+  small, so that contacts that hold would break). Then the forces are extrapolated too, and the
+  equilibrium is solved to the required residual;
+- resolved breakage: an equilibrium in which no contact exceeds its strength, from extrapolated
+  forces and interaction, docs/decisions/0010-resolved-breakage.md. The difference between its
+  force and the force at rest measures the error of the step.
 
-At last the residual is computed anew from walls and forces alone. Where it exceeds what
-was asked for, the solution is tightened, and where that is of no avail it has failed.
+Finally the residual is recomputed from walls and forces alone. If it exceeds the required one,
+the solution is refined; if that does not help, it has failed.
 """
 
 import numpy as np
@@ -45,21 +47,21 @@ from jointclosure.solvers.newton import ROUNDING
 from jointclosure.solvers.pair_batch import batch_memory
 
 PROVISIONAL_TOLERANCES = (1e-2, 1e-4)
-"""Residuals that suffice to find what breaks next, stage by stage."""
+"""Residuals that are sufficient to determine what breaks next, stage by stage."""
 BAND = 10.0
-"""Width of the band about its strength in which a contact rests, over `Numerics.tolerance`."""
+"""Width of the band about its strength in which a contact is at rest, over `Numerics.tolerance`."""
 MOST_ROUNDS = 1000
 _CLEAR_OF_STRENGTH = 0.98
-"""Share of its strength below which a contact whose force is roughly known is taken to hold."""
+"""Share of its strength below which a contact with an approximate force is assumed to hold."""
 
 
 class FastSolver:
-    """Solver of production; see the module's text and `Solver`."""
+    """Default solver; see the module and `Solver`."""
 
     elastic_curve = staticmethod(elastic_curve)
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
-        """Bring the joint to rest at a closure [m]; breakage in steps [m]."""
+        """Bring the joint to rest at a closure [m]; breakage steps in [m]."""
         asked = finest = joint.numerics.force_tolerance
         before = joint.interaction.copy(), joint.force.copy()
         step = closure - float(joint.closure)
@@ -89,13 +91,12 @@ class FastSolver:
         return settled
 
     def predict(self, joint: Joint, closure: float, residual: float) -> tuple[float, Effort]:
-        """Total force [N] at a closure [m] before anything breaks there (resolved breakage).
+        """Predict the total force [N] at a closure [m] before anything breaks (resolved breakage).
 
-        Solved to a relative residual, which need not be below that of the joint's numerics.
-
-        Walls, forces and interaction of the joint stay; its rates become those of the prediction,
-        from which the next prediction or the step itself begins. Infinite where no equilibrium was
-        found.
+        The prediction has a relative residual that may be larger than that of the joint's numerics.
+        Walls, forces and interaction of the joint are not changed. Its rates become those of the
+        prediction, from which the next prediction or the step itself begins. The force is infinite
+        if no equilibrium was obtained.
         """
         path = _PathToRest(joint, closure, np.nan)
         before = joint.interaction.copy(), joint.force.copy()
@@ -112,17 +113,17 @@ class FastSolver:
 
 
 class _GivenUp(Exception):
-    """A joint that does not come to rest, with the outcome that says why."""
+    """Raised if a joint does not come to rest, with the outcome that states the reason."""
 
     def __init__(self, outcome: int):
         self.outcome = outcome
 
 
 class _PathToRest:
-    """A joint on its way to rest at a closure [m], and what that took so far.
+    """Joint on its way to rest at a closure [m], and the effort so far.
 
-    ``locked`` is the map (y, x) of pairs that could not break in the last breakage,
-    ``solved_to`` the residual to which the present forces were solved.
+    ``locked`` is the map (y, x) of pairs that could not break in the last breakage. ``solved_to``
+    is the residual of the present forces.
     """
 
     def __init__(self, joint: Joint, closure: float, breakage_step: float):
@@ -131,23 +132,23 @@ class _PathToRest:
         self.solved_to = np.inf
         self.rounds = self.newton_steps = self.products = self.breakage_steps = 0
         self._memory = batch_memory()
-        # kept as long as the walls are: only breakage changes them on the way
+        # valid until breakage changes the walls
         self._overlapping: tuple | None = None
         self._may_carry: Contacts | None = None
 
     def described(self, outcome: int) -> Settled:
-        """The joint as it is now."""
+        """Describe the present state of the joint."""
         effort = Effort(1, self.rounds, self.newton_steps, self.products, self.breakage_steps)
         if self._overlapping is None:
             self._overlapping = self.joint.overlapping(self.closure)
         return self.joint.describe(self.closure, outcome, self.locked, effort, self._overlapping)
 
     def begin_extrapolated(self, step: float, asked: float) -> None:
-        """First round with fixed breakage steps, a closure ``step`` [m] after the last one."""
+        """Do the first round with fixed breakage steps, ``step`` [m] after the last closure."""
         joint = self.joint
-        # that of the step before is too low while the joint closes, and too much breaks
+        # the interaction of the step before is too small on closing, and too much would break
         joint.interaction += step * joint.interaction_rate
-        # elsewhere what might break is seen once the forces are solved for
+        # otherwise breakage is checked after the forces are solved
         if step > 0.0 and self.closure > joint.held_to and self.break_to_rest() > 0:
             self.solve(_stages(asked)[0])
         else:
@@ -155,20 +156,22 @@ class _PathToRest:
             self.solve(asked)
 
     def begin_within_strength(self, step: float, asked: float) -> float:
-        """First equilibrium with resolved breakage, a closure ``step`` [m] after the last one; the
-        total force [N] that it predicts."""
+        """Solve the first equilibrium with resolved breakage, ``step`` [m] after the last closure.
+
+        Return the predicted total force [N].
+        """
         self.extrapolate(step)
         may_break = step > 0.0 and self.closure > self.joint.held_to
         return float(self.solve(_stages(asked)[0] if may_break else asked).force.sum())
 
     def extrapolate(self, step: float) -> None:
-        """Forces and interaction a closure ``step`` [m] after the last one, by their rates."""
+        """Extrapolate forces and interaction by their rates, ``step`` [m] from the last closure."""
         joint = self.joint
         joint.interaction += step * joint.interaction_rate
         np.maximum(joint.force + step * joint.force_rate, 0.0, out=joint.force)
 
     def alternate(self, asked: float) -> None:
-        """Rounds until an equilibrium to the residual that is asked for breaks nothing."""
+        """Repeat rounds until an equilibrium with the required residual breaks nothing."""
         stages = _stages(asked)
         stage = 0
         while True:
@@ -179,7 +182,7 @@ class _PathToRest:
             self.solve(stages[stage])
 
     def tighten(self, finer: float) -> None:
-        """Solve to a smaller residual than before, and break what that breaks."""
+        """Solve to a smaller residual than before, and break what exceeds its strength."""
         if not finer >= ROUNDING:
             raise _GivenUp(NOT_CONVERGED)
         self.solve(finer)
@@ -187,7 +190,7 @@ class _PathToRest:
             self.alternate(finer)
 
     def break_to_rest(self) -> int:
-        """Breakage at the present interaction; how many breakage steps that took."""
+        """Break pairs at the present interaction until rest; return the breakage steps."""
         joint = self.joint
         kernel = breakage_kernel(
             joint.effects.gouge, joint.choices.peaks == "current", _resolved(joint)
@@ -214,7 +217,7 @@ class _PathToRest:
         return steps
 
     def solve(self, tolerance: float) -> Equilibrium:
-        """Equilibrium of the walls as they are: forces and interaction of the joint."""
+        """Solve the equilibrium of the present walls; set forces and interaction of the joint."""
         if self.rounds >= MOST_ROUNDS:
             raise _GivenUp(NOT_AT_REST)
         joint = self.joint
@@ -227,7 +230,7 @@ class _PathToRest:
             np.nan,
             tolerance,
             matrix,
-            # the interaction of those forces, or what it is expected to become
+            # the interaction of those forces, or its extrapolation
             elastic_displacement=joint.interaction.ravel()[cells],
         )
         joint.force[:] = 0.0
@@ -246,9 +249,9 @@ class _PathToRest:
         return answer
 
     def _is_clear_of_strength(self) -> bool:
-        """Whether no contact is near its strength, so that a finer solution breaks nothing either.
+        """Return whether no contact is near its strength, so that a finer solution breaks nothing.
 
-        Only a guess, which saves a stage: what the finer solution breaks is seen all the same.
+        This is a guess that saves a stage; breakage is still checked after the finer solution.
         """
         if not _resolved(self.joint):
             return False
@@ -257,7 +260,7 @@ class _PathToRest:
         return not bool((force > _CLEAR_OF_STRENGTH * contacts.limit).any())
 
     def _contacts(self) -> Contacts:
-        """What may carry force; with resolved breakage no more than it can bear."""
+        """Return the contacts; with resolved breakage their force is limited by their strength."""
         joint = self.joint
         if self._may_carry is None:
             self._overlapping = joint.overlapping(self.closure)
@@ -281,20 +284,20 @@ class _PathToRest:
 
 
 def _stages(asked: float) -> tuple[float, ...]:
-    """Residuals to solve to, one after the other, the last the one that is asked for."""
-    return (*(each for each in PROVISIONAL_TOLERANCES if each > asked), asked)
+    """Return the residuals of the stages; the last is the required one."""
+    return (*(rough for rough in PROVISIONAL_TOLERANCES if rough > asked), asked)
 
 
 def _most_breakage_steps(joint: Joint) -> int:
-    """Breakage steps beyond which a closure is given up."""
+    """Return the number of breakage steps after which a closure is given up."""
     return int(min(joint.numerics.most_breakage_steps * joint.upper.size, 2.0**62))
 
 
 def _note_rates(joint: Joint, before: tuple[np.ndarray, np.ndarray], step: float) -> None:
-    """Rates of interaction and force, per closure, to extrapolate the next step by.
+    """Store rates of interaction and force per closure, to extrapolate the next step.
 
-    Where much broke in a small step the quotient of the interaction says
-    nothing; the elastic rate lies within the bounds.
+    If much broke in a small step the difference quotient of the interaction is meaningless; the
+    elastic rate lies within the bounds.
     """
     interaction, force = before
     np.clip((joint.interaction - interaction) / step, 0.0, 1.0, out=joint.interaction_rate)
@@ -302,10 +305,10 @@ def _note_rates(joint: Joint, before: tuple[np.ndarray, np.ndarray], step: float
 
 
 def _resolved(joint: Joint) -> bool:
-    """Whether contacts lose what brings them back to their strength, not a fixed step."""
+    """Return whether breakage is resolved."""
     return joint.numerics.breakage == "resolved"
 
 
 def _band(joint: Joint) -> float:
-    """Width of the band about its strength in which a contact rests."""
+    """Return the width of the band about its strength in which a contact is at rest."""
     return float(BAND * joint.numerics.tolerance)

@@ -1,6 +1,6 @@
-"""The interaction of all contacts of a grid: a convolution, Eqs. (17) to (20).
+"""Interaction of all contacts of a grid: a convolution, Eqs. (17) to (20).
 
-Kernels call `scipy.fft` through rocket-fft, which makes it known to Numba.
+Kernels call `scipy.fft` through rocket-fft, which makes it available in Numba.
 """
 
 import math
@@ -14,20 +14,20 @@ from jointclosure.mechanics.interaction import interaction_displacement
 from jointclosure.solvers.products import symmetric_times
 
 LARGEST_DENSE = 4000
-"""Contacts of the largest dense matrix, 128 MB."""
+"""Number of contacts of the largest dense matrix, 128 MB."""
 _PATCH, _PATCHES_ACROSS = 7, 20
-"""Cells along a patch of the preconditioner, and patches along a large grid."""
+"""Cells along a patch of the preconditioner, and number of patches along a large grid."""
 
 
 class Influence(NamedTuple):
     """Displacements by unit forces [m/N] on a grid of (ny, nx) cells.
 
-    ``table`` (ny, nx) by distance in cells, 0 at itself: a contact does not
-    act on itself here, that is the substrate's term. ``spectrum`` is the
+    ``table`` (ny, nx) is indexed by distance in cells, with 0 at distance 0: the
+    displacement of a contact by itself is the substrate's term. ``spectrum`` is the
     transform of the table wrapped around a grid of (rows, columns), large
-    enough that nothing comes in from the other side. ``patch_table`` is the mean
+    enough to avoid periodic images. ``patch_table`` is the mean
     influence between square patches of ``patch`` cells by distance in patches.
-    Spectrum and patches are empty where they are not wanted.
+    Spectrum and patches are empty if they are not needed.
     """
 
     table: np.ndarray
@@ -40,7 +40,7 @@ class Influence(NamedTuple):
 
 @kernel
 def influence_table(ny, nx, base_radius, substrate_modulus, spacing):
-    """Displacement per unit force [m/N] at a distance of (y, x) cells; 0 at itself."""
+    """Compute displacements per unit force [m/N] at distances of (y, x) cells; 0 at distance 0."""
     table = np.zeros((ny, nx))
     for y in range(ny):
         for x in range(nx):
@@ -52,10 +52,10 @@ def influence_table(ny, nx, base_radius, substrate_modulus, spacing):
 
 @kernel
 def influence_by_place(table):
-    """Influence [m/N] by the difference of two places, flat, and the index of no difference.
+    """Return influence [m/N] by the difference of two places, flat, and the index of difference 0.
 
-    The place of a cell (y, x) is y (2 nx - 1) + x (`places`): then the influence between two
-    cells is found by the difference of their places alone.
+    The place of a cell (y, x) is y (2 nx - 1) + x (`places`), so that the influence between two
+    cells depends only on the difference of their places.
     """
     ny, nx = table.shape
     stride = 2 * nx - 1
@@ -68,17 +68,17 @@ def influence_by_place(table):
 
 @kernel
 def places(cells, nx):
-    """Places (n,) of cells (n,) given by flat index, see `influence_by_place`."""
-    found = np.empty(cells.size, np.int64)
+    """Return places (n,) of cells (n,) given by flat index, see `influence_by_place`."""
+    place = np.empty(cells.size, np.int64)
     for i in range(cells.size):
         y, x = divmod(cells[i], nx)
-        found[i] = y * (2 * nx - 1) + x
-    return found
+        place[i] = y * (2 * nx - 1) + x
+    return place
 
 
 @kernel
 def fill_influence(matrix, wide, middle, place, known):
-    """Influences [m/N] between cells at places (n,); the first ``known`` are in the matrix."""
+    """Fill in influences [m/N] between cells at places (n,), after the first ``known`` ones."""
     n = place.size
     for i in range(known):
         row, at = matrix[i], middle + place[i]
@@ -92,7 +92,7 @@ def fill_influence(matrix, wide, middle, place, known):
 
 @kernel
 def influence_matrix(table, cells):
-    """Dense influence matrix (n, n) [m/N] between cells given by flat index."""
+    """Compute the dense influence matrix (n, n) [m/N] between cells given by flat index."""
     matrix = np.empty((cells.size, cells.size))
     wide, middle = influence_by_place(table)
     fill_influence(matrix, wide, middle, places(cells, table.shape[1]), 0)
@@ -101,9 +101,9 @@ def influence_matrix(table, cells):
 
 @kernel
 def displacement_between(wide, middle, place, sources, force):
-    """Displacements (m,) [m] at places (m,) by forces (n,) [N] at the places of ``sources``.
+    """Compute displacements (m,) [m] at places (m,) by forces (n,) [N] at ``sources``.
 
-    ``wide`` and ``middle`` as from `influence_by_place`.
+    ``sources`` are places. ``wide`` and ``middle`` as from `influence_by_place`.
     """
     answer = np.zeros(place.size)
     for j in range(sources.size):
@@ -115,13 +115,12 @@ def displacement_between(wide, middle, place, sources, force):
 
 
 class Neighbours:
-    """Cells that overlapped lately, and the influence between them, which grows with them.
+    """Cells that overlapped recently, and the influence matrix between them.
 
-    From round to round of a joint nearly the same cells overlap. Their matrix is kept, with rows
-    for those that are new; where over a quarter of it is no longer wanted it is begun anew.
-
-    ``cells`` (n,) are flat indices in the order in which they came, ``matrix`` (m, m) has the
-    influences between them in its first n rows and columns.
+    From round to round of a joint nearly the same cells overlap. Their matrix is stored, and rows
+    are added for new cells. If over a quarter of it is unused, it is started again. ``cells`` (n,)
+    are flat indices in order of their first use. ``matrix`` (m, m) has the influences between them
+    in its first n rows and columns.
     """
 
     def __init__(self, table: np.ndarray):
@@ -132,7 +131,7 @@ class Neighbours:
         self.matrix = np.empty((0, 0))
 
     def slots(self, cells: np.ndarray) -> np.ndarray:
-        """Where the given cells (k,) are among `cells`, after those that were not yet."""
+        """Return the indices of the given cells (k,) in `cells`, after adding new ones."""
         slot = self._slot[cells]
         new = cells[slot < 0]
         if self.cells.size + new.size > 1.25 * cells.size:
@@ -145,7 +144,7 @@ class Neighbours:
         return slot
 
     def displacement_at(self, cells: np.ndarray, force: np.ndarray) -> np.ndarray:
-        """Displacements (k,) [m] at other cells (k,) by forces (n,) [N] at `cells`."""
+        """Compute displacements (k,) [m] at other cells (k,) by forces (n,) [N] at `cells`."""
         place = places(cells, self._table.shape[1])
         return displacement_between(self._wide, self._middle, place, self._place, force)
 
@@ -164,7 +163,7 @@ class Neighbours:
 
 @kernel
 def patch_influence(table, side):
-    """Mean influence [m/N] between patches of side x side cells, by distance in patches."""
+    """Compute mean influence [m/N] between patches of side x side cells, by distance in patches."""
     ny, nx = table.shape
     means = np.zeros(((ny + side - 1) // side, (nx + side - 1) // side))
     for p in range(means.shape[0]):
@@ -178,9 +177,9 @@ def patch_influence(table, side):
 
 @kernel
 def interaction_field(influence, force):
-    """Displacements (y, x) [m] by forces (y, x) [N], Eqs. (17) and (18) summed.
+    """Compute displacements (y, x) [m] by forces (y, x) [N], Eqs. (17) and (18) summed.
 
-    Axis by axis, as the rows of the padding are known to be zero or not wanted.
+    The transform is done axis by axis, because rows of the padding are zero or not needed.
     """
     ny, nx = force.shape
     wave = scipy.fft.rfft(force, influence.columns, 1)
@@ -192,11 +191,11 @@ def interaction_field(influence, force):
 
 @kernel
 def interaction_product(influence, matrix, cells, values, force):
-    """Displacements (n,) [m] at cells by forces (n,) [N] at the same cells.
+    """Compute displacements (n,) [m] at cells by forces (n,) [N] at the same cells.
 
-    By the dense matrix where it is given (its size is not 0), else by the
-    convolution with ``force`` (y, x) as scratch, zero away from the cells;
-    this also gives the displacements (y, x) at all cells, which are empty else.
+    The dense matrix is used if it is given (its size is not 0), otherwise the convolution with
+    ``force`` (y, x) as working memory, zero away from the cells. The convolution also gives the
+    displacements (y, x) at all cells, which are empty otherwise.
     """
     if matrix.size > 0:
         return symmetric_times(matrix, values), force[:, :0]
@@ -212,23 +211,23 @@ def interaction_product(influence, matrix, cells, values, force):
 
 
 def mean_displacement(table: np.ndarray) -> np.ndarray:
-    """Mean displacement of all cells by a unit force at each (ny, nx) [m/N].
+    """Compute the mean displacement of all cells by a unit force at each (ny, nx) [m/N].
 
     Parameters
     ----------
     table : array (ny, nx)
-        As from `influence_table`: a sum over its rectangles, no convolution.
+        As from `influence_table`. Sums over its rectangles replace a convolution.
     """
     for axis in (0, 1):
         summed = np.cumsum(table, axis)
-        own = np.take(table, [0], axis)
-        # those at and after the cell, and those before it
-        table = summed + np.flip(summed, axis) - own
+        first = np.take(table, [0], axis)
+        # cells from this one on, and cells before it
+        table = summed + np.flip(summed, axis) - first
     return table / table.size
 
 
 def influence_of(table: np.ndarray) -> Influence:
-    """The interaction on a grid, from its `influence_table` (ny, nx)."""
+    """Make the interaction on a grid from its `influence_table` (ny, nx)."""
     ny, nx = table.shape
     rows, columns = (scipy.fft.next_fast_len(2 * n - 1, real=True) for n in table.shape)
     wrapped = np.zeros((rows, columns))
@@ -243,14 +242,14 @@ def influence_of(table: np.ndarray) -> Influence:
 
 
 def dense_limit(shape: tuple[int, int]) -> int:
-    """Contacts up to which a dense product is cheaper than a convolution of the grid.
+    """Return the number of contacts up to which a dense product is cheaper than a convolution.
 
-    Measured: 800 on 100 x 100 cells; both costs go as the number of cells if
-    the limit goes as its root.
+    Measured: 800 on 100 x 100 cells. Both costs are proportional to the number of cells if the
+    limit is proportional to its root.
     """
     return min(int(8.0 * math.sqrt(shape[0] * shape[1])), LARGEST_DENSE)
 
 
 def dense_influence(table: np.ndarray) -> Influence:
-    """The interaction for few contacts, whose products are dense and cheap: the table alone."""
+    """Make the interaction for few contacts, with cheap dense products: only the table."""
     return Influence(table, np.zeros((0, 0), np.complex128), 0, 0, 0, np.zeros((0, 0)))

@@ -1,4 +1,4 @@
-"""The state of a joint, and what a solver makes of it at one closure."""
+"""State of a joint, and the interface of solvers."""
 
 import math
 from collections.abc import Callable
@@ -22,23 +22,24 @@ from jointclosure.solvers.interaction_operator import (
 )
 
 FLATTEST = 1e-6
-"""Curvature times spacing [1] below which a contact counts as flat. Rounding of heights some
-millimetres about cells of a tenth leaves up to 1e-7; the flattest grain of rock has 1e-3."""
+"""Curvature times spacing [1] up to which a contact counts as flat. With cells of a tenth of a
+millimetre, rounding of heights of some millimetres leaves up to 1e-7; the flattest grain of rock
+has 1e-3."""
 
 CONVERGED, NOT_CONVERGED, NOT_AT_REST, RIGID_CONTACT = range(4)
 """Outcomes of `Solver.settle`."""
 
 
 _RATES = 2
-"""How many fields of a snapshot are rates; they are its last."""
+"""Number of fields of a snapshot that are rates; they come last."""
 
 
 class Effort(NamedTuple):
-    """What settling took, in counts that do not depend on the machine.
+    """Effort of settling a joint, in counts that do not depend on the machine.
 
-    ``settled`` states, those thrown away included; ``rounds``, equilibria solved, as each
-    time after breakage; ``newton_steps``; ``products`` with the interaction (the reference:
-    sweeps); ``breakage_steps``, one pair lowered once.
+    ``settled`` states, including discarded ones; ``rounds``, equilibria solved, one after each
+    breakage; ``newton_steps``; ``products`` with the interaction (reference solver: sweeps);
+    ``breakage_steps``, the number of times that a pair was lowered.
     """
 
     settled: int = 0
@@ -48,18 +49,17 @@ class Effort(NamedTuple):
     breakage_steps: int = 0
 
     def plus(self, other: "Effort") -> "Effort":
-        """Both efforts together."""
-        return Effort(*(own + more for own, more in zip(self, other, strict=True)))
+        """Return the sum of both efforts."""
+        return Effort(*(count + more for count, more in zip(self, other, strict=True)))
 
 
 class Settled(NamedTuple):
-    """A joint at rest: in equilibrium, every contact held or locked.
+    """Joint at rest: in equilibrium, with every contact held or locked.
 
-    Shares are those of the total force on locked contacts (beyond their
-    strength, with nowhere to put their gouge) and on flat ones (no curvature,
-    or what rounding leaves of none, so that Eq. (22) gives next to no stress).
-    ``correction`` [N] is by how much the total force missed what was predicted
-    before anything broke (resolved breakage): the measure of a step's error.
+    Shares are those of the total force on locked contacts (beyond their strength, without lower
+    neighbours for their gouge) and on flat ones (no curvature, or only due to rounding, so that Eq.
+    (22) gives almost no stress). ``correction`` [N] is the difference between the total force and
+    its prediction before anything broke (resolved breakage), a measure of the error of a step.
     """
 
     outcome: int
@@ -77,7 +77,7 @@ class Settled(NamedTuple):
 
 
 class Joint:
-    """Two walls, what they are made of, and the forces between them.
+    """Two walls, their material, and the forces between them.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class Joint:
         Grid spacing [m].
     rock : (upper, lower) of Rock
     effects, choices, numerics
-        Checked by the caller.
+        They must be checked by the caller.
     """
 
     def __init__(
@@ -111,9 +111,9 @@ class Joint:
         self.peaks = peak_map(self.upper, self.lower)
         self.force = np.zeros(self.upper.shape)
         self.interaction = np.zeros(self.upper.shape)
-        self.closure = np.zeros(())  # at which it was last settled
-        self.held_to = -math.inf  # closure [m] up to which it is known that nothing breaks
-        # per closure, since the last but one
+        self.closure = np.zeros(())  # of the last settled state
+        self.held_to = -math.inf  # closure [m] up to which nothing is known to break
+        # rates per closure, since the last but one state
         self.interaction_rate, self.force_rate = np.zeros((2, *self.upper.shape))
 
     @cached_property
@@ -126,7 +126,7 @@ class Joint:
 
     @property
     def influence(self) -> Influence | None:
-        """The interaction as a convolution; None where it does not act."""
+        """Interaction as a convolution, None if it does not act."""
         return self._influence if self.interaction_acts else None
 
     @cached_property
@@ -134,23 +134,23 @@ class Joint:
         return influence_of(self.influence_table)
 
     def resume_interaction(self) -> None:
-        """Have the interaction act again: at first, that of the present forces."""
+        """Switch the interaction on, starting from that of the present forces."""
         self.interaction_acts = self.effects.interaction
         self.interaction[:] = interaction_field(self._influence, self.force)
 
     def interaction_left_out(self) -> float:
-        """Largest displacement [m] of a contact by the interaction of the present forces.
+        """Return the largest displacement [m] of a contact by the interaction of present forces.
 
-        While the interaction is left out this is a bound of what it would be on these walls at this
-        closure: it moves contacts apart, so that with it each carries less, and displaces the
-        others less.
+        While the interaction is left out this is an upper bound of its effect on these walls at
+        this closure: the interaction moves contacts apart, so that each one carries less and
+        displaces the others less.
         """
         field = interaction_field(self._influence, self.force)
         return float(field[self.force > 0.0].max(initial=0.0))
 
     @cached_property
     def neighbours(self) -> Neighbours:
-        """Cells that overlapped lately, and their influence on each other."""
+        """Cells that overlapped recently, and their influence on each other."""
         return Neighbours(self.influence_table)
 
     @cached_property
@@ -159,19 +159,19 @@ class Joint:
 
     @property
     def last_touch(self) -> float:
-        """Closure at which the walls as they are now only just touch [m]: nothing overlaps."""
+        """Return the closure at which the present walls just touch [m], without any overlap."""
         highest = float((self.upper + self.lower).max())
         closure = self.first_touch - highest
-        while highest + (closure - self.first_touch) > 0.0:  # by a rounding
+        while highest + (closure - self.first_touch) > 0.0:  # due to rounding
             closure = math.nextafter(closure, -math.inf)
         return closure
 
     def snapshot(self) -> tuple[np.ndarray, ...]:
-        """Copies of all that changes, for `restore`."""
+        """Return copies of the whole state, for `restore`."""
         return tuple(field.copy() for field in self._state())
 
     def restore(self, snapshot: tuple[np.ndarray, ...], *, rates: bool = True) -> None:
-        """Go back to a snapshot, which stays valid; without ``rates`` these stay as they are."""
+        """Restore a snapshot, which stays valid; without ``rates`` the rates are not changed."""
         kept = None if rates else -_RATES
         for field, saved in zip(self._state()[:kept], snapshot[:kept], strict=True):
             field[...] = saved
@@ -181,7 +181,7 @@ class Joint:
         return (*fields, self.closure, self.interaction_rate, self.force_rate)
 
     def overlapping(self, closure: float):
-        """Cells that overlap at a closure [m] without interaction: see `overlapping_cells`."""
+        """Return the cells that overlap at a closure [m] without interaction."""
         if self.choices.peaks == "current":
             self.peaks[:] = peak_map(self.upper, self.lower)
         return overlapping_cells(
@@ -189,15 +189,15 @@ class Joint:
         )
 
     def contacts(self, cells, overlap, compliance) -> Contacts:
-        """Elastic contacts of these cells, without a limit of their forces."""
+        """Return elastic contacts of these cells, without a limit of their forces."""
         limit = np.full(cells.size, np.inf)
         return Contacts(cells, overlap, compliance, limit, self.law.substrate)
 
     def with_matrix(self, contacts: Contacts) -> tuple[Contacts, np.ndarray | None]:
-        """Contacts among all `neighbours`, in their order, and the influence between these.
+        """Return contacts among all `neighbours`, in their order, and the influence between these.
 
-        Cells that are not given have an overlap that no force answers. Where a dense matrix does
-        not pay, the contacts as they are and None.
+        Cells that are not given have an overlap that never leads to contact. If a dense matrix is
+        not worth its cost, return the contacts unchanged and None.
         """
         if self.influence is None or contacts.cells.size > dense_limit(self.upper.shape):
             return contacts, None
@@ -210,13 +210,13 @@ class Joint:
         return Contacts(near.cells, overlap, compliance, limit, contacts.substrate), near.matrix
 
     def mean_interaction(self) -> float:
-        """Mean displacement of all cells by the interaction: the bulk indentation [m]."""
+        """Return the bulk indentation [m]: mean displacement of all cells by the interaction."""
         if not self.interaction_acts:
             return 0.0
         return float(np.sum(self._mean_displacement * self.force))
 
     def force_on_flats(self, curvature: np.ndarray, force: np.ndarray) -> float:
-        """Force [N] on contacts (n,) that are flat: `FLATTEST` and below, by curvature [1/m]."""
+        """Return the force [N] on flat contacts (n,), with a curvature [1/m] up to `FLATTEST`."""
         return float(force[curvature * self.law.spacing < FLATTEST].sum())
 
     def describe(
@@ -227,12 +227,10 @@ class Joint:
         effort: Effort,
         overlapping: tuple | None = None,
     ) -> Settled:
-        """Sum up the present state; ``locked`` is a map (y, x).
+        """Summarise the present state; ``locked`` is a map (y, x).
 
-        ``overlapping`` is what `overlapping` gives of the walls as they are, where it is at hand.
-
-        The residual is recomputed here from walls and forces alone, whatever
-        the solver believes to have reached.
+        ``overlapping`` is the result of `overlapping` for the present walls, if available. The
+        residual is recomputed here from walls and forces alone, independently of the solver.
         """
         total = float(self.force.sum())
         share = 1.0 / total if total > 0.0 else 0.0
@@ -261,28 +259,27 @@ class Joint:
 
 
 class Solver(Protocol):
-    """Brings a joint to rest at a closure, whatever its state was before.
+    """Interface of solvers, which bring a joint to rest at a closure from any state.
 
-    ``elastic_curve(joint, targets)`` closes an elastic joint to total forces
-    (t,) [N] without steps, see `jointclosure.solvers.elastic`; None where a
-    solver can only step. ``predict(joint, closure, residual)`` gives the total force [N]
-    at a closure [m] before anything breaks there, to a relative residual, and what that took: for
-    resolved breakage, None where a solver has none. It leaves the walls as they are, and other
-    forces.
+    ``elastic_curve(joint, targets)`` closes an elastic joint to total forces (t,) [N] without
+    steps, see `jointclosure.solvers.elastic`; it is None if a solver can only take steps.
+    ``predict(joint, closure, residual)`` returns the total force [N] at a closure [m] before
+    anything breaks, to a relative residual, and its effort. It is needed for resolved breakage, and
+    None if a solver has none. It does not change the walls, but the forces.
     """
 
     @property
     def elastic_curve(self) -> Callable[["Joint", np.ndarray], list[Settled]] | None:
-        """See above."""
+        """Function that solves an elastic curve, or None, see `Solver`."""
 
     @property
     def predict(self) -> Callable[["Joint", float, float], tuple[float, Effort]] | None:
-        """See above."""
+        """Function that predicts a force, or None, see `Solver`."""
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
         """Change the joint's walls and forces so that it rests at the closure [m]."""
 
 
 def roughness(upper: np.ndarray, lower: np.ndarray) -> float:
-    """Root mean square height of both walls about their means [m]."""
+    """Compute the root mean square height of both walls about their means [m]."""
     return float(np.sqrt(0.5 * (np.var(upper) + np.var(lower))))

@@ -16,17 +16,17 @@ _MOST_POOR_STEPS = 8
 _SWEEPS = 3
 _HALVINGS = 4
 ROUNDING = 2.0**-52
-"""Residual [1] below which none is known in double precision."""
+"""Smallest residual [1] that can be determined in double precision."""
 
 
 class Equilibrium(NamedTuple):
-    """Forces [N] and interaction [m] at the cells (n,), and how they came about.
+    """Forces [N] and interaction [m] at the cells (n,), with residual and effort.
 
-    ``shift`` D [m] is 0 where it was given. ``residual`` is sum |F - G| / sum G with
-    the answers G = min(C, psi(g + D - K F)) to the forces returned, and with a given
-    total force T at least |sum F - T| / sum G. ``products`` counts
-    the products with the interaction. ``field`` is the interaction (y, x) [m]
-    at all cells of the grid where it came with those of the contacts, or empty.
+    ``shift`` D [m] is 0 if it was given. ``residual`` is sum |F - G| / sum G with the answers G =
+    min(C, psi(g + D - K F)) to the returned forces F, and for a given total force T at least |sum F
+    - T| / sum G. ``products`` counts the products with the interaction. ``field`` is the
+    interaction (y, x) [m] at all cells of the grid if it was computed with that of the contacts,
+    otherwise empty.
     """
 
     force: np.ndarray
@@ -39,10 +39,10 @@ class Equilibrium(NamedTuple):
 
 
 class Problem(NamedTuple):
-    """What is to be solved: see `jointclosure.solvers.equilibrium.solve_equilibrium`.
+    """Problem of `jointclosure.solvers.equilibrium.solve_equilibrium`.
 
-    ``target`` is NaN where the shift is given. ``answer`` and ``secant`` (n,)
-    and ``grid`` (y, x), all zero, are room to work in.
+    ``target`` is NaN if the shift is given. ``answer`` and ``secant`` (n,) and ``grid`` (y, x), all
+    zero, are working memory.
     """
 
     influence: Influence
@@ -55,10 +55,10 @@ class Problem(NamedTuple):
 
 
 class Iterate(NamedTuple):
-    """Forces (n,) [N], their interaction (n,) and (y, x) [m], and how far from equilibrium.
+    """Forces (n,) [N], their interaction (n,) and (y, x) [m], and distance from equilibrium.
 
-    ``difference`` is sum |F - answer| and ``total`` sum answer [N], ``missing``
-    what lacks to the target [N].
+    ``difference`` is sum |F - answer| and ``total`` sum answer [N]. ``missing`` is the difference
+    to the target [N].
     """
 
     force: np.ndarray
@@ -72,7 +72,7 @@ class Iterate(NamedTuple):
 
 @kernel
 def _judged(problem, force, elastic_displacement, field, shift):
-    """An iterate from forces and their interaction; `Problem.answer` and `secant` are its own."""
+    """Make an iterate from forces and their interaction; set `Problem.answer` and `secant`."""
     difference, total = contact_response(
         problem.contacts, shift, elastic_displacement, force, problem.answer, problem.secant
     )
@@ -82,7 +82,7 @@ def _judged(problem, force, elastic_displacement, field, shift):
 
 @kernel
 def _iterate(problem, force, shift):
-    """An iterate from forces: one product with the interaction."""
+    """Make an iterate from forces, with one product with the interaction."""
     elastic_displacement, field = interaction_product(
         problem.influence, problem.matrix, problem.contacts.cells, force, problem.grid
     )
@@ -96,8 +96,8 @@ def _misfit(state):
 
 @kernel
 def _newton_step(problem, space, state, tolerance):
-    """The iterate after a step of Newton, and the products that it took."""
-    # as exact as Newton's own error calls for, and no more than is asked for
+    """Return the iterate after a Newton step, and the number of products."""
+    # as exact as the error of Newton's method requires, and not beyond the tolerance
     ratio = _misfit(state) / state.total if state.total > 0.0 else np.inf
     direction, moved, used = newton_direction(
         problem.influence,
@@ -111,15 +111,18 @@ def _newton_step(problem, space, state, tolerance):
         problem.grid,
     )
     force = np.minimum(np.maximum(state.force + direction, 0.0), problem.contacts.limit)
-    # a leaving contact's last digits, which the others' rounding would hide
+    # last digits of a contact that opens, which rounding of the others would hide
     force[(problem.answer == 0.0) & (force < ROUNDING * state.total)] = 0.0
     return _iterate(problem, force, state.shift + moved), used + 1
 
 
 @kernel
 def _lowered(problem, state, trial):
-    """The trial where it lowers the energy, or a part of the way to it that does, else
-    coordinate by coordinate; and the products, of which a part takes none."""
+    """Return an iterate with a lower energy than the state, and the number of products.
+
+    It is the trial if that lowers the energy, otherwise a part of the step that does, which needs
+    no product, otherwise a result of coordinate minimisation.
+    """
     contacts, shift = problem.contacts, state.shift
     before = energy(contacts, shift, state.elastic_displacement, state.force)
     if energy(contacts, shift, trial.elastic_displacement, trial.force) < before:
@@ -144,13 +147,13 @@ def _lowered(problem, state, trial):
 def interacting_equilibrium(
     influence, matrix, contacts, start, elastic_displacement, target, tolerance
 ):
-    """`solve_equilibrium` with interaction; the same parameters.
+    """Solve `solve_equilibrium` with interaction; the parameters are the same.
 
-    Newton on the convex problem, in the contacts that carry or are about to,
-    with secants for the contact law and conjugate gradients inside. Where a
-    step does not halve the residual: at a given shift it has to lower the
-    energy, or sweeps of exact coordinate minimisation do, which always can; at
-    a given force there is no energy to fall back on, and the caller brackets.
+    Newton's method is applied to the convex problem of the contacts that carry force or are about
+    to, with secants for the contact law and conjugate gradients inside. If a step does not halve
+    the residual at a given shift, it has to lower the energy, or sweeps of exact coordinate
+    minimisation do so, which is always possible. At a given force there is no energy to minimise,
+    and the caller brackets the shift.
     """
     n = start.size
     grid = np.zeros(influence.table.shape)
@@ -169,7 +172,7 @@ def interacting_equilibrium(
         if _misfit(state) <= tolerance * state.total:
             if not given:
                 break
-            # the interaction was given: see whether it is that of the forces
+            # the interaction was given: check whether it is that of the forces
             given = False
             state = _iterate(problem, state.force, state.shift)
             products += 1
@@ -182,7 +185,7 @@ def interacting_equilibrium(
         used = 0
         if not trial.difference * state.total < 0.5 * state.difference * trial.total:
             if given:
-                # what was given misled: begin with the interaction of the forces
+                # it was wrong: start again with the interaction of the forces
                 trial, used = _iterate(problem, state.force, state.shift), 1
             elif math.isnan(target):
                 trial, used = _lowered(problem, state, trial)
@@ -193,7 +196,7 @@ def interacting_equilibrium(
         given = False
         state = trial
         products += used
-    residual = np.nan  # forces that no overlap answers are no equilibrium
+    residual = np.nan  # forces without overlap are no equilibrium
     if state.difference == 0.0 and state.missing == 0.0:
         residual = 0.0
     elif state.total > 0.0 and state.difference < np.inf and abs(state.missing) < np.inf:

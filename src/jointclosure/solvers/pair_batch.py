@@ -1,21 +1,20 @@
-"""Pairs of cells, many at a time: the arithmetic of one breakage step.
+"""Arithmetic of one breakage step for many pairs of cells at a time.
 
-A `Batch` holds up to `BATCH` pairs whose neighbourhoods do not overlap, with all that a
-breakage step needs to know of them. A step is, in this order,
+A `Batch` holds up to `BATCH` pairs whose neighbourhoods do not overlap, with all data that
+a breakage step needs. The parts of a step are
 
-1. `assess`: curvatures, overlap, and which pairs are beyond their strength;
-2. `measure_drops`: how far their neighbours lie below them, where gouge goes (with gouge);
-3. `share_losses`: how a loss of 1 divides between the walls, and which pairs are locked;
-4. `fixed_losses` or `returning_losses`: how much is lost;
+1. `assess`: curvatures, overlap, and which pairs exceed their strength;
+2. `measure_drops`: drops to their lower neighbours, which receive gouge (with gouge);
+3. `share_losses`: shares of the walls in a loss of 1, and which pairs are locked;
+4. `fixed_losses` or `returning_losses`: size of the loss;
 5. `shed_losses`: the cells are lowered, and their neighbours raised by the gouge.
 
-Every field has a value for each pair, those of one kind side by side, and every field of
-the record has a fixed place in one block of memory. So each loop over pairs runs over
-contiguous numbers, without a branch, and LLVM knows that they do not overlap and turns it
-into vector code. What does not apply to a pair is computed all the same and then not
-taken: ``a if condition else b`` is a selection there and no branch.
+Every field has contiguous values for all pairs, and a fixed place in one block of memory.
+Therefore each loop over pairs runs over contiguous numbers, without a branch, and LLVM can
+prove that they do not overlap and generate vector code. Values that do not apply to a pair
+are computed and then not used: ``a if condition else b`` is a selection there, not a branch.
 
-The 3 x 3 heights of a wall are in the order of (y, x) offsets, the cell itself at
+The 3 x 3 heights of a wall are in the order of (y, x) offsets, with the cell itself at
 `CENTRE`; heights outside the grid are infinite.
 """
 
@@ -42,42 +41,41 @@ Batch = np.dtype(
         [
             # the walls, by wall and neighbour [m]
             *_fields("heights", shape=(2, 9)),
-            # closure less the elastic displacement, from first touch [m]: overlap is the
-            # sum of both heights and this
+            # closure less the elastic displacement, from first touch [m]; the overlap is the
+            # sum of both heights and this value
             *_fields("approach", "overlap"),
             # strength: q = delta_break/R_a, and substrate compliance times breaking force
             # times kappa_a^2, see `jointclosure.mechanics.strength.is_overstressed`
             *_fields("critical_indentation", "substrate_strength"),
-            # overlap over that at which the pair breaks
+            # overlap over the overlap at breakage
             *_fields("stress_ratio"),
-            # 1 or 0: breaks in this step; is locked on both walls. And steps taken so far
+            # 1 or 0: breaks in this step; is locked on both walls. Number of steps so far
             *_fields("breaks", "locked", "steps"),
-            # by wall: curvature [1/m], sum and least of the drops to lower neighbours [m],
-            # loss of height (first its share) [m]
+            # by wall: curvature [1/m], sum and smallest of the drops to lower neighbours [m],
+            # loss of height (at first its share) [m]
             *_fields("curvature", "total_drop", "least_drop", "loss", shape=(2,)),
-            # return mapping: the most there is to lose; the bracket of the loss, by what the
-            # stress ratio exceeds its goal at its ends; which end moved last, -1 or 1; the
-            # loss on trial, and whether it is the answer, 1 or 0
-            *_fields("most", "left", "right", "excess", "shortage", "moved", "trial", "found"),
+            # return mapping: largest possible loss; bracket of the loss, and by how much the
+            # stress ratio exceeds its goal at both ends; end that moved last, -1 or 1; trial
+            # loss, and whether it is the solution, 1 or 0
+            *_fields("most", "left", "right", "excess", "shortage", "moved", "trial", "done"),
         ],
     )
 )
 
 
 def batch_memory() -> np.ndarray:
-    """Memory of one batch, (1,): its only element is the batch.
+    """Allocate memory of one batch, (1,): its only element is the batch.
 
-    The caller of a kernel keeps it: a record does not keep the array alive that it lies in.
+    The caller of a kernel keeps a reference, because a record does not keep its array alive.
     """
     return np.zeros(1, Batch)
 
 
 @kernel
 def gather(batch, n, cells, upper, lower, approach, stride, with_corners):
-    """Copy heights around cells (n,) into a batch; those of the corners if asked for.
+    """Copy heights around cells (n,) into a batch, optionally with corners.
 
-    ``upper``, ``lower`` and ``approach`` are flat arrays with margins, rows of
-    ``stride``.
+    ``upper``, ``lower`` and ``approach`` are flat arrays with margins, with rows of ``stride``.
     """
     for i in range(n):
         cell = cells[i]
@@ -115,19 +113,19 @@ def scatter(batch, i, cell, upper, lower, stride):
 
 @kernel
 def curvature_of(here, west, east, south, north, least_curvature, concave, spacing):
-    """`jointclosure.solvers.cells.wall_curvature` without a branch."""
+    """Compute `jointclosure.solvers.cells.wall_curvature` without a branch."""
     left = east if west == math.inf else west
     right = west if east == math.inf else east
     below = north if south == math.inf else south
     above = south if north == math.inf else north
-    found = gaussian_curvature(left, right, below, above, here, concave, spacing)
-    # not a number for a single cell in a direction, which is straight
-    return found if found > least_curvature else least_curvature
+    curvature = gaussian_curvature(left, right, below, above, here, concave, spacing)
+    # NaN for a single cell in a direction, which is straight
+    return curvature if curvature > least_curvature else least_curvature
 
 
 @kernel
 def assess(batch, n, least_curvature, concave, spacing, allowed):
-    """Curvatures, overlap, stress ratio, and whether that exceeds the allowed one."""
+    """Compute curvatures, overlap, stress ratio, and whether it exceeds the allowed one."""
     for i in range(n):
         for wall in range(2):
             batch.curvature[wall, i] = curvature_of(
@@ -153,20 +151,20 @@ def assess(batch, n, least_curvature, concave, spacing, allowed):
 
 @kernel
 def least_of(drop, least):
-    """The smaller of a drop and the least so far, where there is a drop."""
+    """Return the smaller of a drop and the smallest so far; ignore a drop of 0."""
     return drop if 0.0 < drop < least else least
 
 
 @kernel
 def drop_to(batch, wall, neighbour, i, tie_tolerance):
-    """How far a neighbour of pair i lies below its cell [m], 0 where it does not."""
+    """Return the drop from the cell of pair i to a neighbour [m], 0 if it is not lower."""
     here = batch.heights[wall, CENTRE, i]
     return fall(here, batch.heights[wall, neighbour, i], tie_tolerance)
 
 
 @kernel
 def measure_drops(batch, n, wall, tie_tolerance):
-    """Sum and least of the drops to lower neighbours: `jointclosure.mechanics.gouge.drops`."""
+    """Compute sum and smallest of drops to lower neighbours (`mechanics.gouge.drops`)."""
     for i in range(n):
         a = drop_to(batch, wall, 0, i, tie_tolerance)
         b = drop_to(batch, wall, 1, i, tie_tolerance)
@@ -189,10 +187,10 @@ def measure_drops(batch, n, wall, tie_tolerance):
 
 @kernel
 def share_losses(batch, n, gouge):
-    """Both walls' shares of a loss of 1, 0 for a pair that does not break.
+    """Compute both walls' shares of a loss of 1, 0 for a pair that does not break.
 
-    `jointclosure.mechanics.gouge.upper_share` and `passed_share`; marks pairs
-    locked on both walls, which do not break.
+    They are `jointclosure.mechanics.gouge.upper_share` and `passed_share`. Pairs locked on both
+    walls are marked and do not break.
     """
     for i in range(n):
         share = upper_share(batch.curvature[UPPER, i], batch.curvature[LOWER, i])
@@ -211,7 +209,7 @@ def share_losses(batch, n, gouge):
 
 @kernel
 def fixed_losses(batch, n, breakage_step):
-    """The fixed step [m]: both walls lose their shares of it."""
+    """Set losses to the shares of both walls in the fixed step [m]."""
     for i in range(n):
         batch.loss[UPPER, i] *= breakage_step
         batch.loss[LOWER, i] *= breakage_step
@@ -219,7 +217,7 @@ def fixed_losses(batch, n, breakage_step):
 
 @kernel
 def raise_to(batch, wall, neighbour, i, rate, tie_tolerance):
-    """Lay gouge on a neighbour of pair i: this part of its drop below the cell."""
+    """Raise a neighbour of pair i by gouge: this part of its drop below the cell."""
     height = batch.heights[wall, neighbour, i]
     drop = fall(batch.heights[wall, CENTRE, i], height, tie_tolerance)
     batch.heights[wall, neighbour, i] = height + rate * drop
@@ -227,9 +225,9 @@ def raise_to(batch, wall, neighbour, i, rate, tie_tolerance):
 
 @kernel
 def shed_losses(batch, n, wall, tie_tolerance, gouge):
-    """Lower a wall's cells by their losses and lay these on the lower neighbours.
+    """Lower a wall's cells by their losses and distribute these on the lower neighbours.
 
-    `jointclosure.mechanics.gouge.shed`: cut so that no neighbour is lifted above
+    See `jointclosure.mechanics.gouge.shed`: losses are limited so that no neighbour is raised above
     the lowered cell.
     """
     for i in range(n):
@@ -256,7 +254,7 @@ def shed_losses(batch, n, wall, tie_tolerance, gouge):
 
 @kernel
 def curvature_after(batch, i, wall, loss, tie_tolerance, least_curvature, concave, spacing, gouge):
-    """Curvature of a wall's cell once pair i has lost a height [m], its gouge laid around."""
+    """Compute the curvature of a wall's cell after pair i has lost a height [m], with gouge."""
     here = batch.heights[wall, CENTRE, i]
     share = batch.loss[wall, i]
     west = batch.heights[wall, WEST, i]
@@ -277,9 +275,9 @@ def curvature_after(batch, i, wall, loss, tie_tolerance, least_curvature, concav
 
 @kernel
 def ratio_after(batch, i, loss, tie_tolerance, least_curvature, concave, spacing, gouge):
-    """Stress ratio of pair i once it has lost a height [m], its gouge on its neighbours.
+    """Compute the stress ratio of pair i after it has lost a height [m], with gouge.
 
-    ``batch.loss`` holds the shares, drops and overlap are as measured.
+    ``batch.loss`` contains the shares; drops and overlap are those before the loss.
     """
     kappa = curvature_after(
         batch, i, UPPER, loss, tie_tolerance, least_curvature, concave, spacing, gouge
@@ -292,7 +290,7 @@ def ratio_after(batch, i, loss, tie_tolerance, least_curvature, concave, spacing
 
 @kernel
 def level_loss(batch, i, wall):
-    """Loss [m] of pair i at which a wall's cell is level with its closest lower neighbour."""
+    """Return the loss [m] of pair i at which a wall's cell is level with its closest neighbour."""
     share = batch.loss[wall, i]
     total, least = batch.total_drop[wall, i], batch.least_drop[wall, i]
     return least * total / (share * (total + least)) if share > 0.0 else math.inf
@@ -300,7 +298,7 @@ def level_loss(batch, i, wall):
 
 @kernel
 def bracket_losses(batch, n, goal, gouge):
-    """Between what losses the one is that brings a pair to its goal, and the first to try."""
+    """Bracket the losses that bring pairs to their goal, and set the first trial."""
     for i in range(n):
         overlap = batch.overlap[i]
         most = overlap  # until contact is lost
@@ -310,22 +308,22 @@ def bracket_losses(batch, n, goal, gouge):
             level = level_loss(batch, i, LOWER)
             most = level if level < most else most
         ratio = batch.stress_ratio[i]
-        # at an unchanged curvature, this would do
+        # solution for an unchanged curvature
         first = overlap * (1.0 - goal / ratio)
         first = first if first < most else most
         batch.most[i] = most
         batch.left[i] = 0.0
         batch.excess[i] = ratio - goal
         batch.right[i] = most
-        batch.shortage[i] = math.inf  # not known yet
+        batch.shortage[i] = math.inf  # unknown yet
         batch.moved[i] = 0.0
         batch.trial[i] = first
-        batch.found[i] = 1.0 - batch.breaks[i]
+        batch.done[i] = 1.0 - batch.breaks[i]
 
 
 @kernel
 def narrow_losses(batch, n, goal, near, tie_tolerance, least_curvature, concave, spacing, gouge):
-    """One step of false position (Illinois) for every pair; how many are not there yet."""
+    """Do one step of false position (Illinois) for every pair; return the number of unsolved."""
     for i in range(n):
         trial = batch.trial[i]
         answer = (
@@ -336,10 +334,10 @@ def narrow_losses(batch, n, goal, near, tie_tolerance, least_curvature, concave,
         left, right = batch.left[i], batch.right[i]
         excess, shortage = batch.excess[i], batch.shortage[i]
         moved = batch.moved[i]
-        done = batch.found[i] > 0.0
-        found = done or abs(answer) <= near or (answer > 0.0 and trial >= most)
+        done = batch.done[i] > 0.0
+        ends = done or abs(answer) <= near or (answer > 0.0 and trial >= most)
         high = answer > 0.0
-        # an end that stays twice counts half
+        # the value at an end that stays twice is halved
         next_excess = answer if high else (0.5 * excess if moved < 0.0 else excess)
         next_shortage = (0.5 * shortage if moved > 0.0 else shortage) if high else answer
         next_left = trial if high else left
@@ -353,21 +351,21 @@ def narrow_losses(batch, n, goal, near, tie_tolerance, least_curvature, concave,
         batch.excess[i] = next_excess
         batch.shortage[i] = next_shortage
         batch.moved[i] = 1.0 if high else -1.0
-        batch.trial[i] = trial if found else following
-        batch.found[i] = 1.0 if found else 0.0
+        batch.trial[i] = trial if ends else following
+        batch.done[i] = 1.0 if ends else 0.0
     left_over = 0
     for i in range(n):
-        left_over += batch.found[i] == 0.0
+        left_over += batch.done[i] == 0.0
     return left_over
 
 
 @kernel
 def returning_losses(batch, n, band, tie_tolerance, least_curvature, concave, spacing, gouge):
-    """Return mapping: both walls lose what brings a pair back to its strength.
+    """Compute by return mapping the losses of both walls that restore the strength of a pair.
 
-    The smallest loss found at which the stress ratio lies between 1 - 3/4 band
-    and 1 - 1/4 band; where no loss does that, the most that there is: until
-    contact is lost, or a neighbour is level.
+    It is the smallest loss at which the stress ratio lies between 1 - 3/4 band and 1 - 1/4 band. If
+    no loss satisfies this, it is the largest possible loss: until contact is lost, or a neighbour
+    is level.
     """
     goal, near = 1.0 - 0.5 * band, 0.25 * band
     bracket_losses(batch, n, goal, gouge)

@@ -1,8 +1,8 @@
-"""Inner products, and what is made of them, to the same bits on any processor.
+"""Inner products and linear algebra with the same bits on any processor.
 
-A library of linear algebra sums in another order on every kind of processor. The last
-digit then differs, and breakage makes another history of it. These sums have one
-order: eight partial sums, which vector units take side by side, whatever their width.
+Linear algebra libraries sum in a different order on every kind of processor. The last digit then
+differs, and breakage turns this difference into another history. These sums have one order: eight
+partial sums, which vector units of any width compute in parallel.
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ from jointclosure.compilation.kernels import kernel
 
 @kernel
 def inner(one, other):
-    """Sum of the products of two arrays (n,)."""
+    """Compute the sum of the products of two arrays (n,)."""
     n = one.size
     s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = 0.0
     whole = n - n % 8
@@ -33,7 +33,7 @@ def inner(one, other):
 
 @kernel
 def symmetric_times(matrix, vector):
-    """A symmetric matrix (n, n) times a vector (n,): row by row, four at a time."""
+    """Multiply a symmetric matrix (n, n) by a vector (n,): row by row, four at a time."""
     n = vector.size
     answer = np.zeros(n)
     whole = n - n % 4
@@ -51,10 +51,10 @@ def symmetric_times(matrix, vector):
 
 @kernel
 def symmetric_inverse(matrix):
-    """Inverse (n, n) of a symmetric positive definite matrix (n, n): swept pivot by pivot.
+    """Invert a symmetric positive definite matrix (n, n) by sweeping pivot by pivot.
 
-    The sweep operator (Goodnight 1979) on the lower triangle needs no exchange of pivots
-    where the matrix is positive definite.
+    The sweep operator (Goodnight 1979) on the lower triangle needs no pivoting for a positive
+    definite matrix.
     """
     n = matrix.shape[0]
     swept = matrix.copy()

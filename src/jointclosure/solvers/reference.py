@@ -1,8 +1,8 @@
-"""The reference solver: Section 3 of the paper, step by step.
+"""Reference solver: Section 3 of the paper, step by step.
 
-Written to be read and compared with the paper, not to be fast: after every
-breakage it goes back to step 2, the detection of contacts. Numbers in the
-comments are the paper's steps (first list) and its breakage steps (second).
+It is written for comparison with the paper, not for speed: after every breakage it returns to step
+2, the detection of contacts. Numbers in the comments are the paper's steps (first list) and its
+breakage steps (second).
 """
 
 from functools import lru_cache
@@ -28,7 +28,7 @@ MOST_SWEEPS = 100_000
 
 @kernel
 def displacement_by_others(table, force, y, x):
-    """Interaction [m] of all other contacts at a cell, Eqs. (17) and (18)."""
+    """Compute the interaction [m] of all other contacts at a cell, Eqs. (17) and (18)."""
     ny, nx = force.shape
     total = 0.0
     for v in range(ny):
@@ -40,7 +40,7 @@ def displacement_by_others(table, force, y, x):
 
 @lru_cache(maxsize=None)
 def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_peaks: bool):
-    """Kernel of steps 2 to 5 of the paper at one closure.
+    """Return the kernel of steps 2 to 5 of the paper at one closure.
 
     Signature ``(upper, lower, offset, peaks, force, elastic_displacement, table, law,
     breakage_step, tie_tolerance, tolerance, most_sweeps) -> (sweeps, breakage
@@ -173,13 +173,13 @@ def lay_back(heights, y, x, neighbours):
 
 
 class ReferenceSolver:
-    """The paper's own loop; see the module's text and `Solver`."""
+    """Solver with the loop of the paper; see the module and `Solver`."""
 
-    elastic_curve = None  # the paper steps, also where nothing breaks
-    predict = None  # and its breakage is in fixed steps
+    elastic_curve = None  # the paper takes steps even without breakage
+    predict = None  # the paper's breakage is in fixed steps
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
-        """Bring the joint to rest at a closure [m]; breakage in steps [m]."""
+        """Bring the joint to rest at a closure [m]; breakage steps in [m]."""
         effects, law = joint.effects, joint.law
         kernel_ = reference_kernel(
             joint.interaction_acts,
@@ -188,7 +188,7 @@ class ReferenceSolver:
             joint.choices.peaks == "current",
         )
         table = joint.influence_table if joint.interaction_acts else np.zeros((1, 1))
-        # cells that lost contact since the last step carry nothing
+        # cells that lost contact since the last step carry no force
         summed = joint.upper + joint.lower + (closure - joint.first_touch)
         joint.force[summed <= 0.0] = 0.0
         sweeps, broken, converged, locked = kernel_(

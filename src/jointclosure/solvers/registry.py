@@ -1,7 +1,6 @@
-"""The solvers there are, by name: each inherits every test of the registry.
+"""Solvers by name: each inherits every test of the registry.
 
-A solver is imported when it is asked for, so that a job which only checks a name
-does not load Numba.
+A solver is imported when it is used, so that a job that only checks a name does not load Numba.
 """
 
 from collections.abc import Callable
@@ -29,7 +28,7 @@ SOLVERS: dict[str, "Callable[[], Solver]"] = {"fast": _fast, "reference": _refer
 
 
 def solver_named(name: str) -> "Solver":
-    """A solver by its name; `InputError` names those there are."""
+    """Return a solver by its name; `InputError` lists the names."""
     if name not in SOLVERS:
         raise InputError(f"solver = {name!r}: must be one of {', '.join(SOLVERS)}")
     return SOLVERS[name]()

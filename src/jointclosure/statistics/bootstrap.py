@@ -10,11 +10,11 @@ from jointclosure.statistics.paired import paired_indifference_interval
 
 
 class BootstrapInterval(NamedTuple):
-    """Percentile interval of a length, how often there was no root, and a standard error.
+    """Percentile interval of a length, share of resamples without a root, and standard error.
 
-    An absent root counts as an infinite length: `high` is infinite where too
-    many resamples have none. ``standard_error`` is half the central 68.3 % range, which one
-    long length among the resamples does not blow up; infinite where that range has no end.
+    A missing root counts as an infinite length: `high` is infinite if too many resamples have no
+    root. ``standard_error`` is half the central 68.3 % range, which single long lengths do not
+    affect; it is infinite if this range is not bounded.
     """
 
     low: float
@@ -34,14 +34,14 @@ def bootstrap_length(
     significance: float = 0.05,
     paired: bool = True,
 ) -> BootstrapInterval:
-    """Percentile bootstrap of an indifference interval's length.
+    """Compute the percentile bootstrap interval of an indifference interval's length.
 
     Parameters
     ----------
     levels : array (k,)
         Parameter values, ascending.
     samples : array (k, n)
-        The target of every realisation at every level, finite.
+        Target of every realisation at every level, finite.
     random : Generator
     base, significance
         As for `indifference_interval`.
@@ -49,7 +49,7 @@ def bootstrap_length(
     confidence : float
     paired : bool
         Whether a realisation is the same surface at every level (common
-        draws): then realisations are resampled, and not values.
+        draws). If so, realisations are resampled instead of values.
     """
     k, n = samples.shape
     index = random.integers(0, n, size=(resamples, 1 if paired else k, n))
@@ -71,9 +71,9 @@ def bootstrap_paired_length(
     significance: float = 0.05,
     degree: int = 1,
 ) -> BootstrapInterval:
-    """Percentile bootstrap of a `paired_indifference_interval`'s length, over surfaces.
+    """Compute the bootstrap interval of a `paired_indifference_interval`, over surfaces.
 
-    Parameters are as for `bootstrap_length`; ``degree`` as for the interval.
+    Parameters are those of `bootstrap_length`; ``degree`` is that of the interval.
     """
     n = samples.shape[1]
     lengths = np.empty(resamples)
@@ -84,7 +84,10 @@ def bootstrap_paired_length(
 
 
 def interval_of_lengths(lengths: np.ndarray, confidence: float) -> BootstrapInterval:
-    """Percentile interval of resampled lengths (resamples,); NaN, no root, counts as infinite."""
+    """Return the percentile interval of resampled lengths (resamples,).
+
+    NaN means no root and counts as infinite.
+    """
     lengths = np.where(np.isnan(lengths), np.inf, lengths)
     tail = 0.5 * (1.0 - confidence)
     low, high = np.quantile(lengths, [tail, 1.0 - tail], method="higher")

@@ -1,8 +1,9 @@
-"""Powers under which responses at several conditions become one: exponents, and what they remove.
+"""Power laws that collapse responses at several conditions onto one: exponents and their effect.
 
 Responses and predictors are logarithms over (condition, surface). The surfaces are the same at all
-conditions, so each surface's mean over conditions (of its group) is taken off first: what is left
-is the spread between conditions, and the surfaces' own differences in it.
+conditions. Therefore the mean of each surface over the conditions (of its group) is subtracted
+first. What remains is the spread between conditions, which also contains the differences between
+surfaces in it.
 """
 
 from typing import NamedTuple
@@ -13,11 +14,12 @@ from jointclosure.statistics.drawn_studies import jackknife_error
 
 
 class Collapse(NamedTuple):
-    """What a product of powers does to the spread between conditions.
+    """Effect of a product of powers on the spread between conditions.
 
-    ``exponents`` (k,) of the predictors with their ``errors``; ``removed``: share of the mean
-    square spread that is gone on surfaces that were not fitted, and its error; ``left``: root
-    mean square spread that stays there, of a logarithm. Errors by the jackknife over surfaces.
+    ``exponents`` (k,) of the predictors with their ``errors``. ``removed`` is the share of the mean
+    square spread that is removed on surfaces that were not fitted, and its error. ``left`` is the
+    root mean square spread, of a logarithm, that remains there. Errors are from the jackknife over
+    surfaces.
     """
 
     exponents: np.ndarray
@@ -28,19 +30,19 @@ class Collapse(NamedTuple):
 
 
 def centred(logs: np.ndarray, groups: np.ndarray) -> np.ndarray:
-    """Logarithms (..., condition, surface) less each surface's mean over its group's conditions.
+    """Subtract from logarithms (..., condition, surface) each surface's mean over its group.
 
-    ``groups`` (condition,) are their labels.
+    ``groups`` (condition,) are the labels of the groups of conditions.
     """
     answer = np.array(logs, dtype=float)
     for group in np.unique(groups):
-        own = groups == group
-        answer[..., own, :] -= answer[..., own, :].mean(axis=-2, keepdims=True)
+        members = groups == group
+        answer[..., members, :] -= answer[..., members, :].mean(axis=-2, keepdims=True)
     return answer
 
 
 def exponents_of(predictors: np.ndarray, response: np.ndarray) -> np.ndarray:
-    """Least squares exponents (k,) of centred predictors (k, condition, surface)."""
+    """Fit the exponents (k,) of centred predictors (k, condition, surface) by least squares."""
     if not len(predictors):
         return np.zeros(0)
     design = predictors.reshape(len(predictors), -1).T
@@ -48,40 +50,40 @@ def exponents_of(predictors: np.ndarray, response: np.ndarray) -> np.ndarray:
 
 
 def spreads(predictors: np.ndarray, response: np.ndarray) -> tuple[float, float]:
-    """Mean square spread between conditions, before and after, on surfaces that were not fitted.
+    """Return the mean square spread between conditions, before and after, by cross-validation.
 
-    Every second surface is fitted, the others are told of, and the other way round.
+    Half of the surfaces (every second one) are fitted and the others evaluated, and vice versa.
 
     Parameters
     ----------
     predictors : array (k, condition, surface)
     response : array (condition, surface)
-        Both centred.
+        Centred, as the predictors.
 
     Notes
     -----
-    The square of a mean over surfaces is too large by the variance of that mean, which is taken
-    off. What is left over may come out negative where it is lost in the surfaces' noise.
+    The square of a mean over surfaces is too large by the variance of that mean, which is
+    subtracted. The result may be negative if it is smaller than the noise of the surfaces.
     """
     halves = np.arange(response.shape[1]) % 2
     before, after = [], []
     for half in (0, 1):
-        fitted, told = halves != half, halves == half
+        fitted, tested = halves != half, halves == half
         powers = exponents_of(predictors[..., fitted], response[:, fitted])
-        rest = response[:, told] - np.tensordot(powers, predictors[..., told], axes=1)
-        before.append(_mean_square(response[:, told]))
+        rest = response[:, tested] - np.tensordot(powers, predictors[..., tested], axes=1)
+        before.append(_mean_square(response[:, tested]))
         after.append(_mean_square(rest))
     return float(np.mean(before)), float(np.mean(after))
 
 
 def _mean_square(values: np.ndarray) -> float:
-    """Mean over conditions of the squared mean over surfaces, free of the surfaces' noise."""
+    """Return the mean over conditions of squared means over surfaces, corrected for their noise."""
     noise = values.var(axis=1, ddof=1) / values.shape[1]
     return float(np.mean(values.mean(axis=1) ** 2 - noise))
 
 
 def collapse_of(predictors: np.ndarray, response: np.ndarray) -> Collapse:
-    """Exponents and what they remove, with errors; arguments as for `spreads`, 6 surfaces up."""
+    """Fit exponents and evaluate their effect, with errors; arguments as for `spreads`."""
     exponents = exponents_of(predictors, response)
     before, after = spreads(predictors, response)
     drawn, shares = [], []

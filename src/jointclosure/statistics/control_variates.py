@@ -1,12 +1,12 @@
-"""Means and scatters of few simulations, adjusted by what is known of many surfaces.
+"""Means and scatters of few simulations, adjusted by covariates known on many surfaces.
 
-A covariate is a number that is cheap on any surface (a depth of the summed heights) and whose
-mean over surfaces is therefore known. On the few surfaces that
-were simulated its mean is off by chance, and a target that goes with it is off as well:
-that part is taken off, y_i - beta (c_i - mean of c). beta is fitted without surface i
-(cross-fitting, one left out), so that no value shapes its own adjustment and the scatter of the
-adjusted values tells their error, with what fitting beta costs. What is not known of the
-covariates' means, which are of a finite number of surfaces, enters the errors too.
+A covariate is a number that is cheap on any surface (a depth of the summed heights), so that its
+mean over surfaces is known. On the few simulated surfaces the mean of the covariate deviates by
+chance, and a correlated target deviates too. This part is subtracted: y_i - beta (c_i - mean of c).
+beta is fitted without surface i (leave-one-out cross-fitting), so that no value affects its own
+adjustment, and the scatter of the adjusted values gives their error, including the error of beta.
+The errors also contain the uncertainty of the covariates' means, which are from a finite number of
+surfaces.
 """
 
 from typing import NamedTuple
@@ -25,10 +25,10 @@ from jointclosure.statistics.standard_errors import (
 
 
 class Known(NamedTuple):
-    """What many surfaces tell of m covariates.
+    """Means of m covariates, known from many surfaces.
 
     ``means`` (m,); ``covariance`` (m, m) from surface to surface, not of the means; ``surfaces``:
-    how many there were, infinite where the means are known exactly.
+    the number of surfaces, infinite if the means are known exactly.
     """
 
     means: np.ndarray
@@ -43,55 +43,56 @@ class Means(NamedTuple):
     covariance: np.ndarray
 
     def estimate(self, level: int) -> Estimate:
-        """The mean at one level, and its standard error."""
+        """Return the mean at one level, and its standard error."""
         return self.combined(np.eye(self.values.size)[level])
 
     def combined(self, weights) -> Estimate:
-        """Sum of weights (k,) times means: a difference of two levels, say."""
+        """Return the sum of weights (k,) times means, for example a difference of two levels."""
         weights = np.asarray(weights, dtype=float)
         variance = max(float(weights @ self.covariance @ weights), 0.0)
         return Estimate(float(weights @ self.values), float(np.sqrt(variance)))
 
 
 class AdjustedLength(NamedTuple):
-    """Length of an indifference interval, NaN without a root, and what it scatters by."""
+    """Length of an indifference interval, NaN without a root, and its scatter."""
 
     length: float
     scatter: BootstrapInterval
 
 
 def fewest_surfaces(covariates: int) -> int:
-    """Surfaces from which a study's means and standard deviations are adjusted by so many.
+    """Return the smallest number of surfaces for adjustment by a number of covariates.
 
-    Five for each number that is fitted to a mean: with fewer, deviations' errors are not honest.
+    It is five for each number that is fitted to a mean. With fewer surfaces the errors of standard
+    deviations are too small.
     """
     return 5 * (covariates + 1)
 
 
 def plain_means(samples, paired: bool) -> Means:
-    """Means of samples (k, n) without any covariate; `adjusted_means` has the arguments."""
+    """Compute means of samples (k, n) without covariates; arguments as for `adjusted_means`."""
     samples = np.asarray(samples, dtype=float)
     return Means(samples.mean(axis=1), mean_covariance(samples, paired))
 
 
 def adjusted_means(samples, covariates, known: Known, paired: bool) -> Means:
-    """Means of a target at several levels, adjusted by covariates.
+    """Compute means of a target at several levels, adjusted by covariates.
 
     Parameters
     ----------
     samples : array (k, n)
-        The target at every level on every surface.
+        Target at every level on every surface.
     covariates : array (k, n, m)
-        On the same surfaces; see `adjusted_values`.
+        Covariates on the same surfaces; see `adjusted_values`.
     known : Known
     paired : bool
-        Whether a column is the same surface at every level; else levels are independent.
+        Whether a column is the same surface at every level; otherwise levels are independent.
 
     Returns
     -------
     Means
-        Unbiased but for the correlation of fitting with the covariates, of order 1/n^2. What is
-        not known of the covariates' means is common to all levels, paired or not.
+        Unbiased except for an error of order 1/n^2, because the fit correlates with the
+        covariates. The error of the covariates' means is common to all levels, paired or not.
 
     Raises
     ------
@@ -106,18 +107,18 @@ def adjusted_means(samples, covariates, known: Known, paired: bool) -> Means:
 
 
 def adjusted_values(values, covariates, known_means) -> np.ndarray:
-    """Values (..., n) whose mean is the adjusted mean, and whose scatter is what is unexplained.
+    """Compute values (..., n) with the adjusted mean, whose scatter is the unexplained part.
 
-    Not for standard deviations of the target: these are `adjusted_deviation`.
+    Do not use them for standard deviations of the target, which `adjusted_deviation` estimates.
 
     Parameters
     ----------
     values : array (..., n)
-        The target on each surface that was simulated; rows are adjusted one by one.
+        Target on each simulated surface; rows are adjusted separately.
     covariates : array (..., n, m)
-        On the same surfaces; no column constant or made of others.
+        Covariates on the same surfaces; no column may be constant or depend on others.
     known_means : array (m,)
-        Over all surfaces.
+        Means over all surfaces.
 
     Returns
     -------
@@ -126,16 +127,16 @@ def adjusted_values(values, covariates, known_means) -> np.ndarray:
     Raises
     ------
     InputError
-        Shapes that do not fit, values not finite, fewer than m + 3 surfaces, covariates that
-        depend on each other.
+        If shapes do not fit, values are not finite, there are fewer than m + 3 surfaces, or
+        covariates depend on each other.
 
     Notes
     -----
-    With two covariates and 20 surfaces its 95 % t intervals covered 95 % where the relation is
-    linear, also where the scatter about it grows with the covariate; 88 to 95 % where it bends by
-    0.3 c^2 (88 where what covariates cannot explain at all is 0.05 of a slope of 1, 93 at 0.3, 95
-    at 1); and 86 to 91 % of a target that is the exponential of such a relation, by half (plain
-    ones: 91 to 93 %). With 10 surfaces they covered 94, 82 to 94 and 81 to 89 %.
+    Measured coverage of 95 % t intervals with two covariates and 20 surfaces: 95 % for a linear
+    relation, also if the scatter about it grows with the covariate; 88 to 95 % with a curvature
+    of 0.3 c^2 (88 % if the unexplained scatter is 0.05 of a slope of 1, 93 % at 0.3, 95 % at 1);
+    and 86 to 91 % for a target that is the exponential of half of such a relation (without
+    covariates: 91 to 93 %). With 10 surfaces: 94, 82 to 94 and 81 to 89 %.
 
     With the least-squares coefficients beta of all surfaces, residuals e and leverages h, those
     without surface i are beta - (X'X)^-1 x_i e_i/(1 - h_i).
@@ -144,9 +145,9 @@ def adjusted_values(values, covariates, known_means) -> np.ndarray:
 
 
 def adjusted_and_coefficients(values, covariates, known_means) -> tuple[np.ndarray, np.ndarray]:
-    """`adjusted_values` (..., n), and coefficients (..., n, m) fitted without each surface."""
+    """Compute `adjusted_values` (..., n), and coefficients (..., n, m) without each surface."""
     values, covariates = _checked(values, covariates, known_means)
-    # scaled, so that the rank of the columns does not depend on their units
+    # scale columns, so that their rank does not depend on their units
     scale = covariates.std(axis=-2, keepdims=True)
     if not np.all(scale > 0.0):
         raise InputError("covariates: a column is constant")
@@ -156,26 +157,26 @@ def adjusted_and_coefficients(values, covariates, known_means) -> tuple[np.ndarr
     size = np.linalg.norm(design, axis=(-2, -1))
     rank = np.linalg.matrix_rank(design, tol=1e-9 * size)
     if np.any(rank < design.shape[-1]):
-        raise InputError("covariates: a column is made of others")
+        raise InputError("covariates: a column is a combination of others")
     inverse = np.linalg.pinv(design)
     coefficients = inverse @ values[..., None]
     residuals = values - (design @ coefficients)[..., 0]
     leverages = np.einsum("...ij,...ji->...i", design, inverse)
     if np.any(leverages > 1.0 - 1e-9):
-        raise InputError("covariates: a column is constant but for one surface")
+        raise InputError("covariates: a column is constant except on one surface")
     without_one = coefficients - inverse * (residuals / (1.0 - leverages))[..., None, :]
     fitted = np.swapaxes(without_one[..., 1:, :], -1, -2) / scale
     return values - np.sum(fitted * (covariates - known_means), axis=-1), fitted
 
 
 def adjusted_deviation(values, covariates, known: Known) -> Estimate:
-    """Standard deviation of a target, adjusted by covariates of known means and variances.
+    """Estimate the standard deviation of a target, adjusted by covariates of known moments.
 
     Parameters
     ----------
     values : array (n,)
     covariates : array (n, m)
-        As for `adjusted_values`; 2 m + 3 surfaces or more, and better `fewest_surfaces`.
+        As for `adjusted_values`; at least 2 m + 3 surfaces, better `fewest_surfaces`.
     known : Known
 
     Returns
@@ -185,11 +186,12 @@ def adjusted_deviation(values, covariates, known: Known) -> Estimate:
 
     Notes
     -----
-    S^2 is the mean of (y_i - m)^2 + S_a^2/n, a mean like any other: m is the adjusted mean,
-    S_a the scatter of the adjusted values, which makes up for fitting m. (About the plain mean
-    it is biased, since that goes with the covariates.) The covariates are c and the squares
-    (c - mean of c)^2, whose means are the known variances. The error takes these for known: with
-    a hundred times as many surfaces as were simulated they add a percent.
+    S^2 is the mean of (y_i - m)^2 + S_a^2/n, where m is the adjusted mean and S_a the scatter of
+    the adjusted values, which corrects for the fit of m. (With the plain mean it would be biased,
+    because the plain mean correlates with the covariates.) This mean is adjusted by the
+    covariates c and the squares (c - mean of c)^2, whose means are the known variances. The error
+    neglects the uncertainty of these means: with a hundred times as many surfaces as were
+    simulated it would add a percent.
     """
     deviations, errors = adjusted_deviations(
         np.asarray(values)[None], np.asarray(covariates)[None], known
@@ -200,9 +202,10 @@ def adjusted_deviation(values, covariates, known: Known) -> Estimate:
 def adjusted_deviations(
     samples, covariates, known: Known, tell_scatter: bool = True
 ) -> tuple[np.ndarray, np.ndarray]:
-    """`adjusted_deviation` of many rows (..., n) with covariates (..., n, m): S, and its error.
+    """Compute `adjusted_deviation` and its error for many rows (..., n).
 
-    Without ``tell_scatter`` they are the plain ones, as of `deviation_of`.
+    Covariates are (..., n, m). Without ``tell_scatter`` deviations are not adjusted, as in
+    `deviation_of`.
     """
     samples, covariates = _checked(samples, covariates, known.means)
     if not tell_scatter:
@@ -214,7 +217,7 @@ def adjusted_deviations(
     wider = np.concatenate([covariates, (covariates - means) ** 2], axis=-1)
     expected = np.concatenate([means, np.diag(np.atleast_2d(known.covariance))])
     adjusted = adjusted_values(squares, wider, expected)
-    # more taken off than was there: the covariates do not help
+    # a negative variance after adjustment: the covariates do not help
     helped = adjusted.mean(axis=-1, keepdims=True) > 0.0
     adjusted = np.where(helped, adjusted, squares)
     deviations = np.sqrt(adjusted.mean(axis=-1))
@@ -226,7 +229,7 @@ def adjusted_deviations(
 
 
 def adjusted_elasticity(levels, samples, covariates, known: Known, base: float, paired: bool):
-    """`elasticity` from adjusted means; arguments as there and for `adjusted_means`."""
+    """Compute the `elasticity` from adjusted means; other arguments as for `adjusted_means`."""
     return elasticity_of(levels, *adjusted_means(samples, covariates, known, paired), base)
 
 
@@ -243,22 +246,23 @@ def adjusted_length(
     significance: float = 0.05,
     tell_scatter: bool = True,
 ) -> AdjustedLength:
-    """Indifference interval of the unpaired test, from adjusted means and deviations.
+    """Compute the indifference interval of the unpaired test from adjusted means and deviations.
 
-    It is the interval of a study of n plain simulations, the same that `indifference_interval`
-    estimates, and not what a test of adjusted values would tell.
+    It estimates the same interval as `indifference_interval`, that of a study of n simulations
+    without adjustment, and not the interval of a test of adjusted values.
 
     Parameters
     ----------
     levels : array (k,)
         Ascending.
     samples, covariates, known
-        As for `adjusted_means`, of independent draws at each level.
+        As for `adjusted_means`, with independent draws at each level.
     random : Generator
     base, significance
         As for `indifference_interval`.
     draws : int
-        Of normal means and deviations with the errors found, which make the length's scatter.
+        Number of normal draws of means and deviations, with their errors, for the scatter of the
+        length.
     confidence : float
     tell_scatter : bool
         Whether deviations are adjusted too.
@@ -280,7 +284,7 @@ def adjusted_length(
 
 
 def worth(plain: float, adjusted: float) -> float:
-    """How many plain simulations one adjusted simulation is worth, from two standard errors."""
+    """Return how many plain simulations one adjusted one replaces, from two standard errors."""
     return float((plain / adjusted) ** 2)
 
 

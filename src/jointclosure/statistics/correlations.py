@@ -9,23 +9,23 @@ import scipy
 class Quadratic(NamedTuple):
     """value(p) = b u^2 + c u + d in the reduced parameter u = (p - base)/half_range.
 
-    Reduced, the coefficients have the values' own size, and ``d`` is the
+    In the reduced parameter the coefficients have the magnitude of the values, and ``d`` is the
     fitted value at the base level.
     """
 
-    b: Any  # float or array, as the two below
+    b: Any  # float or array, like c and d
     c: Any
     d: Any
     base: float
     half_range: float
 
     def at(self, parameter: float | np.ndarray) -> Any:
-        """Fitted value at a parameter (or an array of them)."""
+        """Return the fitted value at a parameter (or an array of them)."""
         u = (np.asarray(parameter) - self.base) / self.half_range
         return (self.b * u + self.c) * u + self.d
 
     def in_parameter(self) -> tuple[float, float, float]:
-        """The paper's b, c, d: value(p) = b p^2 + c p + d, Eqs. (24) and (26)."""
+        """Return the paper's b, c, d: value(p) = b p^2 + c p + d, Eqs. (24) and (26)."""
         b = self.b / self.half_range**2
         slope = self.c / self.half_range
         return (
@@ -36,23 +36,23 @@ class Quadratic(NamedTuple):
 
 
 def fit_quadratic(levels: np.ndarray, values: np.ndarray, base: float) -> Quadratic:
-    """The quadratic through three levels, or the least-squares one through more.
+    """Fit the quadratic through three levels, or the least-squares one through more.
 
     Parameters
     ----------
     levels : array (k,)
         Parameter values, ascending, k >= 3.
     values : array (k,) or (..., k)
-        Means or standard deviations at the levels; of many studies at once, the
+        Means or standard deviations at the levels. For many studies at once the
         coefficients are arrays (...).
     base : float
-        The one of the levels about which u counts.
+        The level at which u is 0.
 
     Notes
     -----
-    It is fitted to the differences from the base value, which keeps every digit
-    of a response that is small beside its mean. A coefficient b or c that
-    rounding of levels and values alone can make is 0: a straight line stays one.
+    The fit uses differences from the base value, to keep all digits of a response
+    that is small compared with its mean. A coefficient b or c that may result from
+    rounding of levels and values is set to 0, so that a straight line stays straight.
     """
     levels, values = np.asarray(levels, dtype=float), np.asarray(values, dtype=float)
     half_range = 0.5 * (levels[-1] - levels[0])
@@ -89,10 +89,10 @@ def lack_of_fit(
     samples: int,
     quadratic: Quadratic,
 ) -> float:
-    """p value of the hypothesis that the quadratic fits the means of k > 3 levels.
+    """Return the p value of the hypothesis that the quadratic fits the means of k > 3 levels.
 
-    The F test of the misfit against the scatter within the levels, whose
-    draws it takes as independent; NaN for three levels, where the fit is exact.
+    This is the F test of the misfit against the scatter within the levels, for independent draws.
+    NaN for three levels, where the fit is exact.
     """
     freedom = len(levels) - 3
     scatter = float(np.mean(np.square(standard_deviations)))
@@ -103,23 +103,23 @@ def lack_of_fit(
 
 
 def paired_lack_of_fit(levels: np.ndarray, samples: np.ndarray) -> float:
-    """p value of the hypothesis that a quadratic fits the means, of the same surfaces at k levels.
+    """Return the p value that a quadratic fits the means, for the same surfaces at k levels.
 
     Parameters
     ----------
     levels : array (k,)
     samples : array (k, n)
-        The target at every level (rows) on every surface (columns).
+        Target at every level (rows) on every surface (columns).
 
     Returns
     -------
     float
-        NaN for three levels, where the fit is exact, and where n <= k - 3.
+        NaN for three levels, where the fit is exact, and if n <= k - 3.
 
     Notes
     -----
-    Hotelling's T^2 of the k - 3 contrasts between levels that are 0 for every quadratic,
-    taken on each surface: what surfaces have in common at all levels cancels.
+    Hotelling's T^2 of the k - 3 contrasts between levels that are 0 for every quadratic.
+    They are computed on each surface, so that contributions equal at all levels cancel.
     """
     levels, samples = np.asarray(levels, dtype=float), np.asarray(samples, dtype=float)
     k, n = samples.shape

@@ -1,14 +1,13 @@
 """Repetitions of a published study, drawn from pools of closed surfaces.
 
-A study draws n surfaces for every level of every parameter, independently, as the
-paper did, and publishes the lengths of its indifference intervals. Its repetitions
-are drawn here from a pool of N surfaces per case. A pool is itself a sample: a
-repetition therefore first resamples the pool (N of N, with replacement) and draws its
-n from that. To make up for what resampling a finite pool takes from the scatter, values
-are moved away from the pool's mean by the factor N/(N - 1). Then a repetition's mean at
-a level has the variance s^2/n + s^2/(N - 1) about the pool's, which is that of a new
-study's mean about it, with the pool's own error included (s: the pool's standard
-deviation, ddof 1), and the variance within a repetition is s^2.
+A study draws n surfaces for every level of every parameter, independently, as the paper did, and
+publishes the lengths of its indifference intervals. Here repetitions are drawn from a pool of N
+surfaces per case. A pool is itself a sample. Therefore a repetition first resamples the pool (N of
+N, with replacement) and then draws n surfaces from this. Resampling a finite pool reduces the
+scatter; to correct this, values are moved away from the pool's mean by the factor N/(N - 1). The
+mean of a repetition at a level then has the variance s^2/n + s^2/(N - 1) about the mean of the
+pool, where s is the standard deviation of the pool (ddof 1). This is the variance of a new study's
+mean about it, including the error of the pool. The variance within a repetition is s^2.
 """
 
 from collections.abc import Iterator, Mapping
@@ -20,17 +19,17 @@ from jointclosure.inputs import InputError, check_number, real_array
 from jointclosure.statistics.indifference import indifference_lengths
 
 RESAMPLED_POOLS = 40
-"""Resampled pools, of which the error of a probability is known to a ninth of itself."""
+"""Number of resampled pools; the relative error of a probability's error is then a ninth."""
 _FEWEST_REPETITIONS = 100
 Key = TypeVar("Key", bound=tuple[str, ...] | str)
 
 
 class Pool(NamedTuple):
-    """What was found on the surfaces of one case.
+    """Results on the surfaces of one case.
 
-    ``values`` (targets, N): each target (closure of cycle 1, of cycle 2, ...) on each
-    surface. ``surfaces``: the name of the set of surfaces; pools with the same name have
-    the same surfaces in the same order, and are resampled together.
+    ``values`` (targets, N): each target (closure of cycle 1, of cycle 2, ...) on each surface.
+    ``surfaces``: the name of the set of surfaces. Pools with the same name have the same surfaces
+    in the same order, and are resampled together.
     """
 
     values: np.ndarray
@@ -38,9 +37,9 @@ class Pool(NamedTuple):
 
 
 class Sensitivity(NamedTuple):
-    """One parameter of one rock: levels (k,), ascending, and a pool for each.
+    """One parameter of one rock: levels (k,), ascending, and a pool for each level.
 
-    ``base`` is the level that changes depart from.
+    ``base`` is the level from which changes are measured.
     """
 
     levels: np.ndarray
@@ -49,11 +48,11 @@ class Sensitivity(NamedTuple):
 
 
 class Design(NamedTuple):
-    """How a published study is made.
+    """Design of a published study.
 
-    ``draws``: surfaces n per level. ``significance``: of its t test. ``shared_base``:
-    whether the parameters of a rock share the surfaces drawn at the base level (the
-    paper's text leaves it open), or each has its own.
+    ``draws``: number n of surfaces per level. ``significance``: that of its t test.
+    ``shared_base``: whether the parameters of a rock share the surfaces drawn at the base level
+    (the paper does not say), or each has separate ones.
     """
 
     draws: int = 20
@@ -62,10 +61,10 @@ class Design(NamedTuple):
 
 
 class DrawnResponse(NamedTuple):
-    """One parameter in R repetitions of a study.
+    """Results for one parameter in R repetitions of a study.
 
-    ``means`` and ``deviations`` (R, targets, k); ``lengths`` (R, targets) of the
-    indifference intervals, infinite where there is no root.
+    ``means`` and ``deviations`` (R, targets, k); ``lengths`` (R, targets) of the indifference
+    intervals, infinite without a root.
     """
 
     levels: np.ndarray
@@ -81,16 +80,16 @@ def draw_studies(
     repetitions: int,
     random: np.random.Generator,
 ) -> dict[Key, DrawnResponse]:
-    """Draw repetitions of a study of independent draws at every level.
+    """Draw repetitions of a study with independent draws at every level.
 
     Parameters
     ----------
-    sensitivities : mapping from a key, (rock, parameter) say, to `Sensitivity`
-        Those of one mapping are drawn as one study: pools with the same surfaces are
-        resampled together, and all targets of a case are those of the same surfaces.
+    sensitivities : mapping from a key, such as (rock, parameter), to `Sensitivity`
+        They are drawn as one study: pools with the same surfaces are resampled together,
+        and all targets of a case are from the same surfaces.
     design : Design
     repetitions : int
-        R.
+        Number R of repetitions.
     random : Generator
 
     Returns
@@ -100,7 +99,7 @@ def draw_studies(
     Raises
     ------
     InputError
-        Levels, pools or a design that are not what they must be, named by key.
+        If levels, pools or the design are not valid; names the key.
     """
     _check(sensitivities, design, repetitions)
     resampled: dict[str, np.ndarray] = {}
@@ -122,7 +121,7 @@ def draw_studies(
 
 
 def without_effect(sensitivities: Mapping[Key, Sensitivity]) -> dict[Key, Sensitivity]:
-    """The same parameters if they had no effect: every level draws from the base pool."""
+    """Return the parameters without any effect: every level draws from the base pool."""
     changed = {}
     for key, (levels, base, pools) in sensitivities.items():
         at_base = pools[list(levels).index(base)]
@@ -133,34 +132,37 @@ def without_effect(sensitivities: Mapping[Key, Sensitivity]) -> dict[Key, Sensit
 def resampled_pools(
     sensitivities: Mapping[Key, Sensitivity], random: np.random.Generator, pools: int
 ) -> Iterator[dict[Key, Sensitivity]]:
-    """Pools of other surfaces: those of the same surfaces are resampled together (bootstrap)."""
+    """Generate bootstrap samples of pools.
+
+    Pools of the same surfaces are resampled together.
+    """
     for _ in range(pools):
         chosen: dict[str, np.ndarray] = {}
         changed = {}
-        for key, (levels, base, own) in sensitivities.items():
-            for pool in own:
+        for key, (levels, base, pools_of_levels) in sensitivities.items():
+            for pool in pools_of_levels:
                 size = pool.values.shape[1]
                 if pool.surfaces not in chosen:
                     chosen[pool.surfaces] = random.integers(size, size=(size,))
-            resampled = (Pool(p.values[:, chosen[p.surfaces]], p.surfaces) for p in own)
+            resampled = (Pool(p.values[:, chosen[p.surfaces]], p.surfaces) for p in pools_of_levels)
             changed[key] = Sensitivity(levels, base, tuple(resampled))
         yield changed
 
 
 def repetitions_of_pool(repetitions: int) -> int:
-    """Repetitions drawn from each resampled pool."""
+    """Return the number of repetitions drawn from each resampled pool."""
     return max(repetitions // 8, _FEWEST_REPETITIONS)
 
 
 def pool_error(shares, repetitions: int) -> np.ndarray:
-    """Standard errors (...) that the pool's surfaces make of shares of repetitions.
+    """Return standard errors (...) of shares of repetitions due to the surfaces of the pool.
 
     Parameters
     ----------
     shares : array (pools, ...)
-        Of so many repetitions, from each of `resampled_pools`; pools with NaN are left out.
+        Shares from each of `resampled_pools`; pools with NaN are left out.
     repetitions : int
-        Their binomial variance is taken off.
+        Number of repetitions behind each share; their binomial variance is subtracted.
     """
     shares = np.asarray(shares, dtype=float)
     known = np.isfinite(shares).sum(axis=0)
@@ -171,13 +173,13 @@ def pool_error(shares, repetitions: int) -> np.ndarray:
 
 
 def jackknife_error(values) -> float:
-    """Standard error from the G values found without one of G groups each."""
+    """Return the standard error from the G values computed without one of G groups each."""
     values = np.asarray(values, dtype=float)
     return float(np.sqrt((values.size - 1) * np.var(values)))
 
 
 def lengths_table(drawn: Mapping[Key, DrawnResponse]) -> np.ndarray:
-    """All lengths of drawn studies, (R, entries): the targets of the first key, of the next."""
+    """Return all lengths of drawn studies, (R, entries), with targets in the order of keys."""
     return np.concatenate([response.lengths for response in drawn.values()], axis=1)
 
 
@@ -211,14 +213,14 @@ def _check(sensitivities, design, repetitions) -> None:
         if len(levels) != len(pools) or base not in levels:
             raise InputError(
                 f"{key}: {len(pools)} pools for {len(levels)} levels, base = {base!r}: must be "
-                "one for each, and the base one of the levels"
+                "one pool for each level, and base one of the levels"
             )
         for pool in pools:
             values = real_array(f"{key}, pool of {pool.surfaces}", pool.values)
             if values.ndim != 2 or values.shape[1] < 2:
                 raise InputError(
                     f"{key}, pool of {pool.surfaces}: shape {values.shape}, must be (targets, N) "
-                    "with two surfaces or more"
+                    "with at least two surfaces"
                 )
             if sizes.setdefault(pool.surfaces, values.shape[1]) != values.shape[1]:
                 raise InputError(

@@ -1,8 +1,8 @@
-"""Indifference intervals: from the roots of the t test's quartic, Eqs. (28), (29).
+"""Indifference intervals from the roots of the t test's quartic, Eqs. (28), (29).
 
-The quartic is solved in u = (p - p_M)/half-range, where the constant of x
-drops out exactly and the coefficients stay near 1; in the parameter itself
-they span 40 decades. See docs/decisions/0008-quartic.md.
+The quartic is solved in u = (p - p_M)/half-range, where the constant of x cancels exactly and the
+coefficients are near 1; in the parameter itself they span 40 decades. See
+docs/decisions/0008-quartic.md.
 """
 
 from typing import NamedTuple
@@ -17,13 +17,12 @@ from jointclosure.statistics.roots import largest_real_roots, real_roots
 
 
 class IndifferenceInterval(NamedTuple):
-    """Within ``length`` of the base, a change makes no significant difference.
+    """Range about the base value in which a change of the parameter is not significant.
 
-    ``length`` and ``root`` (the closest real root, in the parameter's unit)
-    are NaN where the quartic has no real root. ``extrapolated``: the root lies
-    outside the sampled levels. ``negative_deviation``: the fitted standard
-    deviation is negative there. ``critical_value``: t with 2 n - 2 degrees of
-    freedom.
+    ``length`` and ``root`` (the closest real root, in the parameter's unit) are NaN if the quartic
+    has no real root. ``extrapolated``: the root lies outside the sampled levels.
+    ``negative_deviation``: the fitted standard deviation is negative at the root.
+    ``critical_value``: t with 2 n - 2 degrees of freedom.
     """
 
     length: float
@@ -41,20 +40,20 @@ def indifference_interval(
     significance: float = 0.05,
     base: float | None = None,
 ) -> IndifferenceInterval:
-    """Smallest change of a parameter that a t test tells from none.
+    """Compute the smallest change of a parameter that is significant in a t test.
 
     Parameters
     ----------
     levels : array (k,)
         Parameter values, strictly ascending, k >= 3.
     means, standard_deviations : array (k,)
-        Of the target (maximum closure, say) at the levels; ddof 1.
+        Means and standard deviations (ddof 1) of the target, such as maximum closure.
     samples : int
-        Realisations n per level, at least 2.
+        Number n of realisations per level, at least 2.
     significance : float
-        Of the two-sided t test.
+        Significance level of the two-sided t test.
     base : float, optional
-        The level p_M that a change departs from; the middle one unless given.
+        The level p_M from which changes are measured, by default the middle one.
 
     Returns
     -------
@@ -63,9 +62,10 @@ def indifference_interval(
     Raises
     ------
     InputError
-        Values that are no real finite numbers (floats and integers of any type
-        are promoted to float64), fewer than three levels, levels out of order,
-        a base that is none of them, a negative deviation, fewer than two samples.
+        If values are not real and finite (floats and integers of any type are
+        converted to float64), there are fewer than three levels, levels are out of
+        order, the base is not a level, a deviation is negative, or there are fewer
+        than two samples.
 
     Notes
     -----
@@ -103,20 +103,20 @@ def indifference_lengths(
     significance: float = 0.05,
     base: float | None = None,
 ) -> np.ndarray:
-    """Lengths of many indifference intervals at once, as of `indifference_interval`.
+    """Compute the lengths of many indifference intervals at once, as `indifference_interval`.
 
     Parameters
     ----------
     levels : array (k,)
     means, deviations : arrays (..., k)
-        Of many studies with these levels; finite, deviations not negative.
+        Values of many studies with these levels; finite, deviations not negative.
     samples, significance, base
         As for `indifference_interval`.
 
     Returns
     -------
     array (...)
-        In the parameter's unit, NaN where there is no real root. Nearly double roots may
+        Lengths in the parameter's unit, NaN without a real root. Nearly double roots may
         differ in their last digits from those of `indifference_interval`.
 
     Raises
@@ -146,7 +146,7 @@ def indifference_lengths(
     roots = np.full(scale.size, np.nan)
     varies = (mean.b != 0.0) | (mean.c != 0.0)
     usual = varies & (coefficients[:, 4] < 0.0)
-    # the closest root in u is the largest in 1/u, whose polynomial has the reversed coefficients
+    # the closest root in u is the largest in 1/u, with reversed coefficients
     roots[usual] = 1.0 / largest_real_roots(coefficients[usual, ::-1])
     for i in np.flatnonzero(varies & ~usual):
         roots[i] = closest_to_zero(coefficients[i], scatter_at_zero=False)
@@ -154,7 +154,10 @@ def indifference_lengths(
 
 
 def quartic(mean: Quadratic, deviation: Quadratic, samples: int, critical: float) -> np.ndarray:
-    """Coefficients (5, ...) of Eq. (29) in u, highest power first; positive is significant."""
+    """Return the coefficients (5, ...) of Eq. (29) in u, highest power first.
+
+    The quartic is positive where a change is significant.
+    """
     n, t2 = float(samples), critical * critical
     b, c = mean.b, mean.c
     bs, cs, ds = deviation.b, deviation.c, deviation.d
@@ -170,7 +173,7 @@ def quartic(mean: Quadratic, deviation: Quadratic, samples: int, critical: float
 
 
 def closest_root(mean: Quadratic, deviation: Quadratic, samples: int, critical: float) -> float:
-    """Real root u of `quartic` closest to 0, NaN where there is none."""
+    """Return the real root u of `quartic` closest to 0, NaN without a real root."""
     scale = max(abs(value) for value in (*mean[:2], *deviation[:3]))
     if scale == 0.0 or (mean.b == 0.0 and mean.c == 0.0):
         return float("nan")
@@ -184,10 +187,10 @@ def closest_root(mean: Quadratic, deviation: Quadratic, samples: int, critical: 
 
 
 def closest_to_zero(coefficients: np.ndarray, scatter_at_zero: bool) -> float:
-    """Real root closest to 0 of a quartic that is positive where a change is significant.
+    """Return the real root closest to 0 of a quartic that is positive for significant changes.
 
-    Without scatter at 0 the two lowest coefficients are 0: u = 0 is a double root,
-    which counts where an arbitrarily small change is significant. NaN without a root.
+    Without scatter at 0 the two lowest coefficients are 0 and u = 0 is a double root. It counts as
+    a root if an arbitrarily small change is significant. NaN without a root.
     """
     if not scatter_at_zero:
         coefficients = coefficients[:3]
@@ -195,7 +198,7 @@ def closest_to_zero(coefficients: np.ndarray, scatter_at_zero: bool) -> float:
         odd = coefficients[2] == 0.0 and coefficients[1] != 0.0
         if lowest > 0.0 or odd:
             return 0.0
-        coefficients = np.trim_zeros(coefficients, "b")  # the roots at the base do not count
+        coefficients = np.trim_zeros(coefficients, "b")  # ignore the roots at the base
     roots = real_roots(coefficients)
     return float(roots[np.argmin(np.abs(roots))]) if roots.size else float("nan")
 
@@ -210,7 +213,7 @@ def _checked(
     many: bool = False,
 ) -> float:
     if levels.ndim != 1 or levels.size < 3:
-        raise InputError(f"levels = {levels.tolist()}: needs at least three")
+        raise InputError(f"levels = {levels.tolist()}: must be at least three")
     if not many and means.ndim != 1:
         raise InputError(f"means {means.shape}: must have the shape {levels.shape} of levels")
     if means.shape[-1:] != levels.shape or deviations.shape != means.shape:
@@ -222,7 +225,7 @@ def _checked(
         raise InputError(f"levels = {levels.tolist()}: must be strictly ascending")
     if np.any(deviations < 0.0):
         raise InputError(
-            f"standard_deviations: the lowest is {deviations.min()}, must not be negative"
+            f"standard_deviations: the smallest is {deviations.min()}, must not be negative"
         )
     check_number("samples", samples, whole=True)
     check_number("significance", significance)

@@ -1,10 +1,10 @@
-"""Whether a table of published lengths is a draw from repetitions of a study.
+"""Test whether a table of published lengths is a draw from repetitions of a study.
 
-The statistic is a composite log-likelihood: the sum over the entries of the log of the
-probability of a dash, or of the density of log(length) where there is a root. Entries
-depend on each other (both cycles of a case have the same surfaces), which the sum
-ignores; its distribution is simulated from the repetitions themselves, in which they
-depend on each other as they must, and the p value needs nothing more.
+The statistic is a composite log-likelihood: the sum over the entries of the log of the probability
+of a dash, or of the density of log(length) if there is a root. The sum ignores that entries depend
+on each other (both cycles of a case have the same surfaces). This does not affect the p value,
+because the distribution of the statistic is simulated from the repetitions, whose entries depend on
+each other in the same way.
 """
 
 from typing import NamedTuple
@@ -15,8 +15,8 @@ import scipy
 from jointclosure.inputs import InputError
 
 TAIL_SHARE = 0.01
-"""Share of the density that is a Student t with 3 degrees of freedom and not the kernel
-estimate: a value outside all draws is then unlikely, and not impossible."""
+"""Share of the density that is a Student t with 3 degrees of freedom instead of the kernel
+estimate, so that a value outside all draws is unlikely but not impossible."""
 
 GRID = 512
 FEWEST_ROOTS = 10
@@ -24,10 +24,10 @@ GROUPS = 10
 
 
 class JointTest(NamedTuple):
-    """Composite log-likelihood of a table, and where it lies among repetitions.
+    """Composite log-likelihood of a table, and its rank among repetitions.
 
-    ``standard_error``: of the log-likelihood, from the finite number of repetitions.
-    ``p``: share of repetitions that are as unlikely or more.
+    ``standard_error``: that of the log-likelihood, due to the finite number of repetitions. ``p``:
+    share of repetitions that are equally or less likely.
     """
 
     log_likelihood: float
@@ -41,9 +41,9 @@ def joint_test(lengths, observed) -> JointTest:
     Parameters
     ----------
     lengths : array (R, entries)
-        Of repeated studies (`lengths_table`), infinite where there is no root; R from 100.
+        Lengths of repeated studies (`lengths_table`), infinite without a root; R at least 100.
     observed : array (entries,)
-        The published lengths, in the same unit and order; NaN or infinite for a dash.
+        Published lengths, in the same unit and order; NaN or infinite for a dash.
 
     Returns
     -------
@@ -52,15 +52,16 @@ def joint_test(lengths, observed) -> JointTest:
     Raises
     ------
     InputError
-        Shapes that do not fit, too few repetitions, a length that is not positive.
+        If shapes do not fit, there are too few repetitions, or a length is not positive.
 
     Notes
     -----
     Densities are Gaussian kernel estimates of log(length) (Silverman's bandwidth) with a
-    heavy tail of weight `TAIL_SHARE`. For p, the repetitions are halved, and each half is
-    judged by the densities of the other, as the published table is; so no repetition is
-    judged by a density that it shaped. The log-likelihood itself uses all of them, its
-    standard error is that of a jackknife over `GROUPS` groups of repetitions.
+    heavy tail of weight `TAIL_SHARE`. For p the repetitions are divided into two halves. Each
+    half, and the published table with it, is evaluated with the densities of the other half,
+    so that no repetition is evaluated with a density to which it contributed. The
+    log-likelihood itself uses all repetitions; its standard error is from a jackknife over
+    `GROUPS` groups of repetitions.
     """
     lengths, observed = _checked(lengths, observed)
     group = np.arange(lengths.shape[0]) % GROUPS
@@ -73,31 +74,31 @@ def joint_test(lengths, observed) -> JointTest:
 
 
 def p_of_table(lengths, observed) -> float:
-    """The p of `joint_test` alone."""
+    """Return only the p of `joint_test`."""
     lengths, observed = _checked(lengths, observed)
     halves = lengths[::2], lengths[1::2]
     as_unlikely = 0
-    for own, other in (halves, halves[::-1]):
-        likelihoods = log_likelihoods(other, np.vstack([observed, own]))
+    for half, other in (halves, halves[::-1]):
+        likelihoods = log_likelihoods(other, np.vstack([observed, half]))
         as_unlikely += int(np.count_nonzero(likelihoods[1:] <= likelihoods[0]))
     return float((1 + as_unlikely) / (lengths.shape[0] + 1))
 
 
 def log_likelihoods(lengths: np.ndarray, tables: np.ndarray) -> np.ndarray:
-    """Composite log-likelihoods (m,) of tables (m, entries) under lengths (R, entries)."""
+    """Return composite log-likelihoods (m,) of tables (m, entries) under lengths (R, entries)."""
     total = np.zeros(tables.shape[0])
-    for drawn, found in zip(lengths.T, tables.T, strict=True):
+    for drawn, published in zip(lengths.T, tables.T, strict=True):
         roots = np.isfinite(drawn)
         without = (np.count_nonzero(~roots) + 0.5) / (drawn.size + 1.0)
-        dash = ~np.isfinite(found)
+        dash = ~np.isfinite(published)
         total[dash] += np.log(without)
         total[~dash] += np.log1p(-without)
-        total[~dash] += _log_density(np.log(drawn[roots]), np.log(found[~dash]))
+        total[~dash] += _log_density(np.log(drawn[roots]), np.log(published[~dash]))
     return total
 
 
 def _log_density(draws: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Log of the density of log(length), from its draws; 0 where they are too few to say."""
+    """Return the log density of log(length) from its draws; 0 if there are too few draws."""
     if draws.size < FEWEST_ROOTS or at.size == 0:
         return np.zeros(at.size)
     quarters = np.quantile(draws, [0.25, 0.5, 0.75])

@@ -1,11 +1,11 @@
-"""Indifference intervals without a polynomial: isotonic regression of the means.
+"""Indifference intervals without a polynomial, by isotonic regression of the means.
 
-Means that rise or fall with the parameter are all that is assumed. They are the isotonic
-regression of the level means, in the direction that fits better, with straight lines between
-the levels; there is no curvature to extrapolate, and no length beyond the levels. The
-scatter is that of the t test used: for the unpaired one standard deviations with straight
-lines between the levels, for the paired one S_d^2 of `jointclosure.statistics.paired`.
-It wants more than three levels: five or nine.
+The only assumption is that means increase or decrease monotonically with the parameter. They are
+the isotonic regression of the level means, in the direction that fits better, with straight lines
+between the levels. There is no curvature to extrapolate, and no length beyond the levels. The
+scatter is that of the t test used: for the unpaired test standard deviations with straight lines
+between the levels, for the paired test S_d^2 of `jointclosure.statistics.paired`. The method needs
+more than three levels: five or nine.
 """
 
 from itertools import pairwise
@@ -19,10 +19,10 @@ from jointclosure.statistics.roots import real_roots
 
 
 class MonotoneInterval(NamedTuple):
-    """Within ``length`` of the base no change is significant.
+    """Range about the base value in which no change is significant.
 
-    ``length`` and ``root`` are NaN where none is significant within the levels.
-    ``increasing``: the direction of the regression. ``fitted`` (k,): its means.
+    ``length`` and ``root`` are NaN if no change within the levels is significant. ``increasing``:
+    the direction of the regression. ``fitted`` (k,): its means.
     """
 
     length: float
@@ -38,18 +38,18 @@ def monotone_interval(
     base: float | None = None,
     paired: bool = False,
 ) -> MonotoneInterval:
-    """Smallest change within the levels that a t test tells from none, means being monotone.
+    """Compute the smallest significant change within the levels, for monotone means.
 
     Parameters
     ----------
     levels : array (k,)
         Parameter values, strictly ascending, k >= 3.
     samples : array (k, n)
-        The target at every level (rows); columns are the same surfaces where ``paired``.
+        Target at every level (rows); columns are the same surfaces if ``paired``.
     significance, base
         As for `indifference_interval`.
     paired : bool
-        Which t test: on the same surfaces, or on independent draws as published.
+        Whether to use the t test for the same surfaces, or that for independent draws.
 
     Raises
     ------
@@ -65,11 +65,11 @@ def monotone_interval(
     scatter = difference_scatter(levels, samples, base) if paired else None
     t = scipy.stats.t.ppf(1.0 - 0.5 * significance, n - 1 if paired else 2 * n - 2)
     at_base = int(np.flatnonzero(u == 0.0)[0])
-    found = [
+    roots = [
         _first_significant(u, fitted - fitted[at_base], deviations, scatter, n / t**2, at_base, way)
         for way in (-1, 1)
     ]
-    reached = [root for root in found if not np.isnan(root)]
+    reached = [root for root in roots if not np.isnan(root)]
     root = min(reached, key=abs) if reached else np.nan
     return MonotoneInterval(
         float(abs(root) * half_range), float(base + root * half_range), increasing, fitted
@@ -77,7 +77,7 @@ def monotone_interval(
 
 
 def _isotonic(samples, paired) -> tuple[np.ndarray, bool]:
-    """Level means (k,) that are monotone, and whether they increase."""
+    """Return monotone level means (k,), and whether they increase."""
     means, variances = samples.mean(axis=1), samples.var(axis=1, ddof=1)
     weights = None if paired or not np.all(variances > 0.0) else variances.min() / variances
     fits = [
@@ -91,7 +91,7 @@ def _isotonic(samples, paired) -> tuple[np.ndarray, bool]:
 
 
 def _first_significant(u, rise, deviations, scatter, strength, at_base, way) -> float:
-    """The u closest to the base on one side where strength * rise^2 passes the variance."""
+    """Return the u closest to the base on one side where strength * rise^2 exceeds the variance."""
     i = at_base
     while 0 <= i + way < u.size:
         start, end = u[i], u[i + way]

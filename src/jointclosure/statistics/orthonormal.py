@@ -1,10 +1,10 @@
 """Least squares in functions that are orthonormal over a unit cube, and their variance indices.
 
-An input u is uniform on [0, 1]. Of a quantity that varies continuously the functions are
-Legendre polynomials to the third degree; of one with k values (u falls into one of k equal
-parts) they are k - 1 contrasts. A fit has the functions of each input and products of the first
-functions of two. Its variance indices are sums of squared coefficients, exactly (polynomial
-chaos; Sudret, Reliab. Eng. Syst. Saf. 93, 964, 2008).
+An input u is uniform on [0, 1]. For a continuous quantity the functions are Legendre polynomials up
+to the third degree. For a quantity with k values (u falls into one of k equal parts) they are k - 1
+contrasts. A fit contains the functions of each input, and products of the first functions of two
+inputs. Its variance indices are exact sums of squared coefficients (polynomial chaos; Sudret,
+Reliab. Eng. Syst. Saf. 93, 964, 2008).
 """
 
 import itertools
@@ -16,38 +16,38 @@ _DEGREE = 3
 
 
 class Term(NamedTuple):
-    """A product of functions: (input, number of the function) of each factor."""
+    """Product of functions: (input, number of the function) of each factor."""
 
     factors: tuple[tuple[int, int], ...]
 
     @property
     def inputs(self) -> frozenset[int]:
-        """The inputs that it depends on."""
-        return frozenset(each for each, _ in self.factors)
+        """Inputs that the term depends on."""
+        return frozenset(factor for factor, _ in self.factors)
 
 
 class Fit(NamedTuple):
-    """Terms and their coefficients; ``values`` (d,) are the numbers of values, 0: continuous."""
+    """Terms and coefficients; ``values`` (d,) are the numbers of values (0: continuous input)."""
 
     values: tuple[int, ...]
     terms: tuple[Term, ...]
     coefficients: np.ndarray
 
     def __call__(self, points) -> np.ndarray:
-        """The fitted function at points (..., d) of the unit cube."""
+        """Evaluate the fitted function at points (..., d) of the unit cube."""
         return design_matrix(points, self.values, self.terms) @ self.coefficients
 
     def first(self, one: int) -> float:
-        """Variance by one input alone."""
+        """Return the variance due to one input alone."""
         return self._variance(lambda inputs: inputs == {one})
 
     def total(self, one: int) -> float:
-        """Variance in which an input has a part."""
+        """Return the variance due to an input, including its interactions."""
         return self._variance(lambda inputs: one in inputs)
 
     @property
     def variance(self) -> float:
-        """Of the fitted function over the cube."""
+        """Variance of the fitted function over the cube."""
         return self._variance(bool)
 
     def _variance(self, counts) -> float:
@@ -56,7 +56,7 @@ class Fit(NamedTuple):
 
 
 def terms_of(values: tuple[int, ...]) -> tuple[Term, ...]:
-    """The terms of a fit for inputs with so many values (0: continuous)."""
+    """Return the terms of a fit for inputs with given numbers of values (0: continuous)."""
     terms = [Term(())]
     for one, count in enumerate(values):
         terms += [Term(((one, number),)) for number in range(count - 1 if count else _DEGREE)]
@@ -68,7 +68,7 @@ def terms_of(values: tuple[int, ...]) -> tuple[Term, ...]:
 
 
 def design_matrix(points, values: tuple[int, ...], terms: tuple[Term, ...]) -> np.ndarray:
-    """The terms (..., terms) at points (..., d) of the unit cube."""
+    """Evaluate the terms (..., terms) at points (..., d) of the unit cube."""
     points = np.asarray(points, dtype=float)
     functions = [
         _contrasts(points[..., one], count) if count else _legendre(points[..., one])
@@ -84,14 +84,14 @@ def design_matrix(points, values: tuple[int, ...], terms: tuple[Term, ...]) -> n
 
 
 def fitted(points, response, values: tuple[int, ...]) -> Fit:
-    """Least squares fit of a response (n,) at points (n, d) of the unit cube."""
+    """Fit a response (n,) at points (n, d) of the unit cube by least squares."""
     terms = terms_of(values)
     matrix = design_matrix(points, values, terms)
     return Fit(values, terms, np.linalg.lstsq(matrix, np.asarray(response, float), rcond=None)[0])
 
 
 def part_of(u, count: int):
-    """Into which of ``count`` equal parts of [0, 1] numbers fall, from 0 on."""
+    """Return the index, from 0, of the one of ``count`` equal parts of [0, 1] that contains u."""
     return np.minimum((np.asarray(u) * count).astype(int), count - 1)
 
 
@@ -107,7 +107,7 @@ def _legendre(u: np.ndarray) -> np.ndarray:
 
 
 def _contrasts(u: np.ndarray, count: int) -> np.ndarray:
-    """Helmert contrasts of the parts, of mean 0 and variance 1 over the parts."""
+    """Return Helmert contrasts of the parts, with mean 0 and variance 1 over the parts."""
     contrasts = np.zeros((count, count - 1))
     for number in range(count - 1):
         contrasts[: number + 1, number] = -1.0

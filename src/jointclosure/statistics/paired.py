@@ -1,29 +1,30 @@
-"""The indifference interval of a paired t test: the same surfaces at every level.
+"""Indifference interval of a paired t test, with the same surfaces at every level.
 
-With common draws the scatter that counts is that of the *difference* between a level and
-the base on the same surface, which a paired t test uses; the scatter between surfaces, which
-Eq. (28) uses, cancels. On surface s, with u = (p - p_M)/half-range, a response is taken as
+With common draws a paired t test uses the scatter of the *difference* between a level and
+the base on the same surface; the scatter between surfaces, which Eq. (28) uses, cancels.
+On surface s, with u = (p - p_M)/half-range, a response is modelled as
 
     y_s(u) = a_s + c_s u + b_s u^2 + e_s(u),
 
-a line (or a quadratic) of its own, and an irregular part e_s of variance sigma^2,
-independent from level to level: breakage takes another order after the smallest change. The
-difference from the base then has the mean b u^2 + c u and, at u != 0, the variance
+a line (or a quadratic) with coefficients of this surface, and an irregular part e_s of
+variance sigma^2 that is independent between levels, because the smallest change alters the
+order of breakage. The difference from the base then has the mean b u^2 + c u and, at u != 0,
+the variance
 
     S_d^2(u) = V_cc u^2 + 2 V_bc u^3 + V_bb u^4 + 2 sigma^2,
 
-with V the covariance of c_s and b_s over surfaces. It is critical where, in place of Eq. (29),
+with V the covariance of c_s and b_s over surfaces. In place of Eq. (29) it is critical where
 
     n (b u^2 + c u)^2 = t_cr^2 S_d^2(u),          t_cr with n - 1 degrees of freedom.
 
-Without the irregular part (sigma = 0) u = 0 is a double root on both sides; divided by u^2,
-n (b u + c)^2 = t_cr^2 (V_cc + 2 V_bc u + V_bb u^2), and the length is 0 wherever the mean slope
-is significant: differences that shrink with the change are seen however small it is. What
-limits a paired study is therefore sigma. With three levels it can only be told from V if a
-surface's own response is taken as a line (``degree=1``): then what its three values deviate
-from the common curvature by is irregular. This counts a surface's own curvature as
-irregular, and gives the longer length; ``degree=2`` with three levels leaves nothing
-irregular, and gives the shorter. The truth is between. For a mean that is a line the
+Without the irregular part (sigma = 0) u = 0 is a double root on both sides. Divided by u^2
+this is n (b u + c)^2 = t_cr^2 (V_cc + 2 V_bc u + V_bb u^2), and the length is 0 if the mean
+slope is significant, because differences that decrease with the change are significant for any
+change. Therefore sigma limits a paired study. With three levels sigma can be separated from V
+only if the response of a surface is modelled as a line (``degree=1``): deviations of its three
+values from the common curvature are then irregular. This counts the curvature of single
+surfaces as irregular and gives the longer length; ``degree=2`` with three levels leaves no
+irregular part and gives the shorter length. The true length is between. For a linear mean the
 length is t_cr sqrt(2/n) sigma / sqrt(c^2 - t_cr^2 V_cc/n).
 """
 
@@ -38,7 +39,7 @@ from jointclosure.statistics.indifference import closest_to_zero
 
 
 class DifferenceScatter(NamedTuple):
-    """Variance of the difference from the base on one surface, in u.
+    """Variance of the difference from the base on one surface, as a function of u.
 
     ``slope``, ``covariance``, ``curvature``: V_cc, V_bc, V_bb; ``irregular``: sigma^2.
     """
@@ -49,19 +50,19 @@ class DifferenceScatter(NamedTuple):
     irregular: float
 
     def at(self, u):
-        """S_d^2(u); 0 at the base itself."""
+        """Return S_d^2(u); 0 at the base itself."""
         u = np.asarray(u, dtype=float)
         smooth = u * u * (self.slope + u * (2.0 * self.covariance + u * self.curvature))
         return np.where(u == 0.0, 0.0, smooth + 2.0 * self.irregular)
 
 
 class PairedInterval(NamedTuple):
-    """Within ``length`` of the base, a paired test sees no significant difference.
+    """Range about the base value in which a change is not significant in a paired test.
 
-    ``length``, ``root``, ``extrapolated`` and ``critical_value`` are as of
-    `IndifferenceInterval`, but the root is the base itself where the length is 0.
-    ``linear_length``: what it would be without the mean's curvature, infinite where the slope
-    alone is not significant. ``irregularity``: sigma, in the unit of the samples.
+    ``length``, ``root``, ``extrapolated`` and ``critical_value`` are as in `IndifferenceInterval`,
+    except that the root is the base if the length is 0. ``linear_length``: length without the
+    curvature of the mean, infinite if the slope alone is not significant. ``irregularity``: sigma,
+    in the unit of the samples.
     """
 
     length: float
@@ -80,24 +81,24 @@ def paired_indifference_interval(
     degree: int = 1,
     surfaces: int | None = None,
 ) -> PairedInterval:
-    """Smallest change that a paired t test on the same surfaces tells from none.
+    """Compute the smallest significant change in a paired t test on the same surfaces.
 
     Parameters
     ----------
     levels : array (k,)
         Parameter values, strictly ascending, k >= 3.
     samples : array (k, n)
-        The target at every level (rows) on every surface (columns), n >= 2.
+        Target at every level (rows) on every surface (columns), n >= 2.
     significance : float
-        Of the two-sided test.
+        Significance level of the two-sided test.
     base : float, optional
-        The level that a change departs from; the middle one unless given.
+        The level from which changes are measured, by default the middle one.
     degree : {1, 2}
-        Of the response of one surface: a line or a quadratic of its own. The mean
+        Degree of the response of single surfaces: a line or a quadratic. The mean
         over surfaces is a quadratic in both cases.
     surfaces : int, optional
-        The number n of the test; that of the samples unless given. Another one tells what a study
-        of so many surfaces is expected to find.
+        The number n of the test, by default that of the samples. Another number gives the
+        expected interval of a study with so many surfaces.
 
     Returns
     -------
@@ -106,8 +107,8 @@ def paired_indifference_interval(
     Raises
     ------
     InputError
-        Levels out of order or fewer than three, samples of another shape or not
-        finite, a base that is no level, a degree that is not 1 or 2.
+        If levels are out of order or fewer than three, samples have another shape or are
+        not finite, the base is not a level, or the degree is not 1 or 2.
     """
     levels, samples, base = checked_samples(levels, samples, significance, base)
     mean = fit_quadratic(levels, samples.mean(axis=1), base)
@@ -131,17 +132,17 @@ def paired_indifference_interval(
 
 
 def difference_scatter(levels, samples, base: float, degree: int = 1) -> DifferenceScatter:
-    """Scatter of differences from the base, from responses of single surfaces.
+    """Estimate the scatter of differences from the base, from responses of single surfaces.
 
-    Arguments as for `paired_indifference_interval`.
+    Arguments are those of `paired_indifference_interval`.
 
     Notes
     -----
     Level means are removed; each surface's deviations from them are fitted by a polynomial
     of the degree. Residuals give sigma^2, with (n - 1)(k - degree - 1) degrees of
     freedom, and the covariance of the coefficients, less what sigma^2 alone gives them, gives V.
-    Where that is not positive semi-definite the degree is lowered by one: there is then no
-    sign of a response of a surface's own. With no residuals left (k = degree + 1), sigma = 0.
+    If V is not positive semi-definite, the degree is reduced by one, because the surfaces then
+    show no different responses. Without residuals (k = degree + 1), sigma = 0.
     """
     if degree not in (1, 2):
         raise InputError(f"degree = {degree!r}: must be 1 or 2")
@@ -157,30 +158,30 @@ def difference_scatter(levels, samples, base: float, degree: int = 1) -> Differe
         residual = float(np.sum((deviations - design @ coefficients) ** 2))
         irregular = residual / freedom if freedom else 0.0
         covariance = coefficients @ coefficients.T / (n - 1) - irregular * (inverse @ inverse.T)
-        own = covariance[1:, 1:]
-        if not own.size or np.linalg.eigvalsh(own)[0] >= -1e-12 * np.abs(own).max():
+        varying = covariance[1:, 1:]
+        if not varying.size or np.linalg.eigvalsh(varying)[0] >= -1e-12 * np.abs(varying).max():
             break
     full = np.zeros((2, 2))
-    full[:order, :order] = own
+    full[:order, :order] = varying
     return DifferenceScatter(
         max(float(full[0, 0]), 0.0), float(full[0, 1]), max(float(full[1, 1]), 0.0), irregular
     )
 
 
 def p_of_difference(first, second, paired: bool) -> float:
-    """Two-sided p of the t test that two levels have the same mean.
+    """Return the two-sided p of the t test that two levels have the same mean.
 
     Parameters
     ----------
     first, second : arrays (n,)
-        The target at each level; of the same surfaces in the same order where paired.
+        Target at each level; if paired, of the same surfaces in the same order.
     paired : bool
         Otherwise the unpaired test of Eq. (28), 2 n - 2 degrees of freedom.
     """
     first, second = real_array("first", first), real_array("second", second)
     if first.shape != second.shape or first.ndim != 1 or first.size < 2:
         raise InputError(
-            f"first {first.shape} and second {second.shape}: must be rows of the same n >= 2"
+            f"first {first.shape} and second {second.shape}: must be (n,) with equal n >= 2"
         )
     n = first.size
     change = second - first
@@ -213,7 +214,13 @@ def _closest_root(mean: Quadratic, scatter: DifferenceScatter, n: int, critical:
 
 
 def checked_samples(levels, samples, significance, base):
-    """Levels (k,), samples (k, n) and base as floats; `InputError` names what is wrong."""
+    """Return levels (k,), samples (k, n) and base as floats.
+
+    Raises
+    ------
+    InputError
+        If one of them is not valid.
+    """
     levels, samples = real_array("levels", levels), real_array("samples", samples)
     if levels.ndim != 1 or levels.size < 3 or not np.all(np.diff(levels) > 0.0):
         raise InputError(f"levels = {levels.tolist()}: must be three or more, strictly ascending")

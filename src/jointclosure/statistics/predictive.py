@@ -1,7 +1,7 @@
-"""The distribution of a published length over repetitions of the study.
+"""Distribution of a published length over repetitions of the study.
 
-An interval without a root counts as infinitely long, so that lengths are ordered and
-a dash is one of their values, with a probability of its own.
+An interval without a root counts as infinitely long. Lengths are then ordered, and a dash is one of
+their values, with its probability.
 """
 
 from typing import NamedTuple
@@ -12,10 +12,10 @@ from jointclosure.inputs import InputError
 
 
 class LengthDistribution(NamedTuple):
-    """Median, ranges and the share of repetitions without root (length infinite).
+    """Median, ranges, and share of repetitions without a root (infinite length).
 
-    Ranges leave out the same probability at both ends. Where the share without root is
-    larger than that, the range ends at infinity and covers more than its name says.
+    Ranges leave out the same probability at both ends. If the share without a root is larger than
+    this probability, the range ends at infinity and covers more than its nominal probability.
     """
 
     median: float
@@ -27,7 +27,7 @@ class LengthDistribution(NamedTuple):
 
 
 def length_distribution(lengths) -> LengthDistribution:
-    """Summary of the lengths (R,) of repeated studies, infinite where there is no root."""
+    """Summarise the lengths (R,) of repeated studies, infinite without a root."""
     lengths = _lengths(lengths)
     middle = float(np.quantile(lengths, 0.5, method="inverted_cdf"))
     low = np.quantile(lengths, [0.05, 0.025], method="lower")
@@ -43,26 +43,26 @@ def length_distribution(lengths) -> LengthDistribution:
 
 
 def two_sided_p(lengths, observed: float) -> float:
-    """Two-sided mid-p value of a published length.
+    """Compute the two-sided mid-p value of a published length.
 
     Parameters
     ----------
     lengths : array (R,)
-        Of repeated studies, infinite where there is no root.
+        Lengths of repeated studies, infinite without a root.
     observed : float
         The published length; NaN or infinite for a dash.
 
     Returns
     -------
     float
-        2 min(F, 1 - F), F = P(shorter) + P(equal)/2, the observed length counted as one
-        more repetition, so that it is never 0. A dash has F = 1 - q/2 where q is the share
-        without root, hence p = q; a length far in the upper tail has at least p = 2 q.
+        2 min(F, 1 - F) with F = P(shorter) + P(equal)/2. The observed length counts as one
+        more repetition, so that p is never 0. A dash has F = 1 - q/2, where q is the share
+        without a root, hence p = q; a length far in the upper tail has at least p = 2 q.
 
     Notes
     -----
-    Where q is over 2.5 % nothing at the upper end is ever rare at the level of 5 %, and
-    the test rejects 2.5 % of true tables in place of 5 %: it errs to the safe side.
+    If q exceeds 2.5 %, no length at the upper end is significant at the level of 5 %, and
+    the test rejects 2.5 % of true tables instead of 5 %: it is conservative.
     """
     lengths, observed = _lengths(lengths), _outcome(observed)
     shorter = np.count_nonzero(lengths < observed)
@@ -72,10 +72,10 @@ def two_sided_p(lengths, observed: float) -> float:
 
 
 def share_as_short(lengths, observed: float) -> float:
-    """P(a length as short as the published one or shorter); 1 for a dash.
+    """Return the probability of a length at most as long as the published one; 1 for a dash.
 
-    With the lengths of studies of a parameter `without_effect` it is the probability that
-    noise alone looks as sensitive. Arguments as for `two_sided_p`.
+    With the lengths of studies of a parameter `without_effect` it is the probability that noise
+    alone appears as sensitive. Arguments as for `two_sided_p`.
     """
     lengths, observed = _lengths(lengths), _outcome(observed)
     return float((1 + np.count_nonzero(lengths <= observed)) / (lengths.size + 1))
@@ -92,7 +92,5 @@ def _outcome(observed: float) -> float:
 def _lengths(lengths) -> np.ndarray:
     lengths = np.asarray(lengths, dtype=float)
     if lengths.ndim != 1 or lengths.size == 0 or np.isnan(lengths).any():
-        raise InputError(
-            f"lengths: shape {lengths.shape}, must be one row of numbers, infinite for no root"
-        )
+        raise InputError(f"lengths: shape {lengths.shape}, must be (R,), with infinity for no root")
     return lengths

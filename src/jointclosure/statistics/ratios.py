@@ -6,9 +6,9 @@ from jointclosure.statistics.standard_errors import Estimate, mean_of
 
 
 def ratio_of_means(over: np.ndarray, under: np.ndarray) -> Estimate:
-    """Mean of one row (n,) over that of another, of the same surfaces, and its standard error.
+    """Compute the ratio of the means of two rows (n,) on the same surfaces, and its error.
 
-    NaN pairs are left out; NaN where none is left, or the mean under it is 0.
+    NaN pairs are left out. The result is NaN if none is left, or if the mean ``under`` is 0.
 
     Notes
     -----
@@ -26,9 +26,9 @@ def ratio_of_means(over: np.ndarray, under: np.ndarray) -> Estimate:
 
 
 def harmonic_mean(values: np.ndarray) -> Estimate:
-    """Harmonic mean of values (n,), and its standard error; NaN values are left out.
+    """Compute the harmonic mean of values (n,), and its standard error; NaN are left out.
 
-    Of stiffnesses it is that of the mean curve: one over the mean compliance. An arithmetic mean
-    would be that of the few that are near infinite.
+    For stiffnesses it is the stiffness of the mean curve: one over the mean compliance. The
+    arithmetic mean would be dominated by the few nearly infinite values.
     """
     return ratio_of_means(np.ones(values.size), 1.0 / values)

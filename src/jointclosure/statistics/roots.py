@@ -1,15 +1,15 @@
-"""Real roots of polynomials: of one to the last digits, of many at once."""
+"""Real roots of polynomials: to the last digits for one, or for many at once."""
 
 import numpy as np
 import scipy
 
 
 def real_roots(coefficients: np.ndarray) -> np.ndarray:
-    """Real roots of a polynomial (highest power first), each once, ascending.
+    """Return the distinct real roots of a polynomial (highest power first), ascending.
 
-    Between two neighbouring roots of the derivative a polynomial is monotone
-    and has one root or none, which bisection finds: no threshold on imaginary
-    parts decides whether a nearly double root is real.
+    Between two neighbouring roots of the derivative a polynomial is monotone and has one root or
+    none, which is computed by bisection. No threshold on imaginary parts decides whether a nearly
+    double root is real.
     """
     coefficients = np.trim_zeros(np.asarray(coefficients, dtype=float), "f")
     if coefficients.size < 2:
@@ -41,7 +41,7 @@ def real_roots(coefficients: np.ndarray) -> np.ndarray:
 
 
 def _horner(u: float, coefficients: list[float]) -> float:
-    """`numpy.polyval` of one number, to the last bit, in a tenth of its time."""
+    """Evaluate `numpy.polyval` for one number, to the last bit, in a tenth of its time."""
     value = 0.0
     for coefficient in coefficients:
         value = value * u + coefficient
@@ -49,38 +49,38 @@ def _horner(u: float, coefficients: list[float]) -> float:
 
 
 NEGLIGIBLE_ROOT = 1e-30
-"""A root this small beside the bound of all roots is one of rounding."""
+"""Roots smaller than this share of the bound of all roots are due to rounding."""
 
 ITERATIONS = 200
-"""Newton's method, safeguarded by bisection, ends long before."""
+"""Largest number of iterations of Newton's method with bisection; it needs far fewer."""
 
 
 def largest_real_roots(coefficients: np.ndarray) -> np.ndarray:
-    """The real root of largest size of each of many polynomials.
+    """Return the real root of largest magnitude of each of many polynomials.
 
     Parameters
     ----------
     coefficients : array (m, degree + 1)
-        Highest power first, the first not 0.
+        Highest power first; the first must not be 0.
 
     Returns
     -------
     array (m,)
-        NaN without a real root (other than 0).
+        Roots, NaN without a real root (other than 0).
 
     Notes
     -----
-    As `real_roots`: between neighbouring roots of its derivative a polynomial is
-    monotone, so that signs decide what is a root, and no threshold does.
+    As in `real_roots`, a polynomial is monotone between neighbouring roots of its
+    derivative, so that signs identify roots, without any threshold.
     """
     roots, bound = _all_real_roots(np.asarray(coefficients, dtype=float))
     sizes = np.where(np.abs(roots) > NEGLIGIBLE_ROOT * bound[:, None], np.abs(roots), -np.inf)
-    found = np.take_along_axis(roots, sizes.argmax(axis=1)[:, None], axis=1)[:, 0]
-    return np.where(sizes.max(axis=1) > 0.0, found, np.nan)
+    largest = np.take_along_axis(roots, sizes.argmax(axis=1)[:, None], axis=1)[:, 0]
+    return np.where(sizes.max(axis=1) > 0.0, largest, np.nan)
 
 
 def _all_real_roots(polynomials: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Real roots (m, j), NaN where there are fewer than j, and their bounds (m,)."""
+    """Return real roots (m, j), NaN if there are fewer than j, and their bounds (m,)."""
     degree = polynomials.shape[1] - 1
     powers = 1.0 / np.arange(1, degree + 1)
     # Fujiwara's bound of all roots
@@ -105,7 +105,7 @@ def _all_real_roots(polynomials: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _values(coefficients, u):
-    """Horner's scheme, coefficients along the first axis."""
+    """Evaluate polynomials by Horner's scheme, coefficients along the first axis."""
     value = np.zeros_like(u)
     for coefficient in coefficients:
         value = value * u + coefficient
@@ -113,15 +113,15 @@ def _values(coefficients, u):
 
 
 def _between(polynomials, derivatives, low, high) -> np.ndarray:
-    """The root of each polynomial (columns) between two ends of opposite signs.
+    """Return the root of each polynomial (columns) between two ends of opposite signs.
 
-    Newton's step where it stays inside and halves what the last but one left,
-    bisection elsewhere.
+    Newton's step is used if it stays inside and halves the last but one step, and bisection
+    otherwise.
     """
     rising = _values(polynomials, low) < 0.0
     low, high = np.where(rising, low, high), np.where(rising, high, low)  # f(low) < 0
     root = 0.5 * (low + high)
-    found = root.copy()
+    result = root.copy()
     open_ones = np.arange(root.size)
     before = np.abs(high - low)
     for _ in range(ITERATIONS):
@@ -134,11 +134,11 @@ def _between(polynomials, derivatives, low, high) -> np.ndarray:
         following = np.where(inside & short, newton, 0.5 * (low + high))
         following = np.where(value == 0.0, root, following)
         change = np.abs(following - root)
-        found[open_ones] = following
+        result[open_ones] = following
         going = change > 2.0 * np.finfo(float).eps * np.abs(following)
         if not going.any():
             break
         open_ones, root, before = open_ones[going], following[going], change[going]
         low, high = low[going], high[going]
         polynomials, derivatives = polynomials[:, going], derivatives[:, going]
-    return found
+    return result

@@ -1,14 +1,14 @@
-"""Total error of a mean over surfaces, and what it costs: what a method is off by, and sampling.
+"""Total error of a mean over surfaces, from bias and sampling, and its cost.
 
-A method (a setting of the numerics, say) is off by a bias that more surfaces do not take away, and
-its mean over n surfaces scatters. Control variates explain a share of that scatter by numbers that
-are measured on m surfaces of their own, which cost little. The bias was measured, to a standard
+A method (such as a setting of the numerics) has a bias that more surfaces do not reduce, and
+its mean over n surfaces scatters. Control variates explain a share of that scatter by covariates
+that are measured on m further surfaces at little cost. The bias is measured with a standard
 error e. The total error is
 
     |bias| + 1.96 sqrt(e^2 + s^2 ((1 - rho) / n + rho / m)),
 
 a bound that holds in 95 of 100 studies: s is the relative standard error of one surface, rho the
-share that is explained.
+explained share.
 """
 
 from typing import NamedTuple
@@ -16,33 +16,33 @@ from typing import NamedTuple
 import numpy as np
 
 REACH = 1.96
-"""Standard errors in half a 95 % confidence interval."""
+"""Half-width of a 95 % confidence interval, in standard errors."""
 
 
 class Bias(NamedTuple):
-    """What a method is off by [1], of either sign, and the standard error that this is known to."""
+    """Signed relative error of a method [1], and the standard error of this value."""
 
     value: float
     error: float = 0.0
 
     def total(self, sampling: float) -> float:
-        """Total error [1] with a sampling error of so much: half a 95 % confidence interval."""
+        """Return the total error [1] with a given sampling error, both half 95 % intervals."""
         return abs(self.value) + float(np.hypot(REACH * self.error, sampling))
 
     def room(self, within: float) -> float:
-        """The largest sampling error [1] with which the total error is within a bound, or 0."""
+        """Return the largest sampling error [1] with a total error within a bound, or 0."""
         left, known_to = within - abs(self.value), REACH * self.error
         return float(np.sqrt(left**2 - known_to**2)) if left > known_to else 0.0
 
 
 class Method(NamedTuple):
-    """A way to a result: errors are relative to it, costs are those of one surface.
+    """Method to compute a result, with relative errors and with costs per surface.
 
-    ``bias``: what it is off by. ``scatter``: relative standard error of one
-    surface. ``left``: share of its variance that control variates leave, as told by studies of
-    finite size; ``explained``: the share that they explain; 1 and 0 without any. ``cost``: of a
-    surface that is closed; ``measured_cost``: of one that is only measured [s]. ``least``: surfaces
-    that it takes.
+    ``bias``: relative error that surfaces do not reduce. ``scatter``: relative standard error of
+    one surface. ``left``: share of its variance that control variates leave, from studies of finite
+    size. ``explained``: share that they explain; 1 and 0 without control variates. ``cost``: time
+    of a closed surface, ``measured_cost``: time of a surface that is only measured [s]. ``least``:
+    smallest number of surfaces.
     """
 
     bias: Bias
@@ -54,19 +54,19 @@ class Method(NamedTuple):
     least: int = 2
 
     def sampling(self, surfaces: float, measured: float = np.inf) -> float:
-        """Half the 95 % confidence interval [1] from so many surfaces closed, and measured."""
+        """Return half the 95 % confidence interval [1] for closed and measured surfaces."""
         return REACH * self.scatter * np.sqrt(self.left / surfaces + self.explained / measured)
 
     def total(self, surfaces: float, measured: float = np.inf) -> float:
-        """Total error [1]."""
+        """Return the total error [1]."""
         return self.bias.total(self.sampling(surfaces, measured))
 
     def seconds(self, surfaces: float, measured: float = 0.0) -> float:
-        """Time of so many surfaces closed, and measured [s]."""
+        """Return the time of numbers of closed and measured surfaces [s]."""
         return surfaces * self.cost + measured * self.measured_cost
 
     def surfaces_for(self, within: float, measured: float = np.inf) -> float:
-        """The fewest surfaces whose total error is within a bound; infinite where none is."""
+        """Return the fewest surfaces with a total error within a bound; infinite if none."""
         allowed = (self.bias.room(within) / (REACH * self.scatter)) ** 2 - self.explained / measured
         if allowed <= 0.0:
             return np.inf
@@ -74,7 +74,7 @@ class Method(NamedTuple):
 
 
 def method_of(row) -> Method:
-    """A method from a row of a table with its fields, whose bias is in percent.
+    """Make a method from a row of a table, whose bias is in percent.
 
     The bias has a 95 % confidence interval, ``bias_low`` to ``bias_high``.
     """
@@ -84,24 +84,24 @@ def method_of(row) -> Method:
 
 
 def shares(worth: float, surfaces: float, measured: float) -> tuple[float, float]:
-    """Shares of the variance that control variates leave and explain, by what they were worth.
+    """Return the shares of variance that control variates leave and explain.
 
     Parameters
     ----------
     worth : float
-        Plain variance over adjusted, with so many ``surfaces`` closed and ``measured``.
+        Plain over adjusted variance, for numbers of closed and ``measured`` ``surfaces``.
 
     Returns
     -------
     left, explained : float
-        ``left`` is more than 1 - ``explained`` where fitting costs something.
+        ``left`` exceeds 1 - ``explained`` by the cost of fitting.
     """
     explained = max((1.0 - 1.0 / worth) / (1.0 - surfaces / measured), 0.0)
     return 1.0 / worth - explained * surfaces / measured, explained
 
 
 def front(seconds: np.ndarray, errors: np.ndarray) -> np.ndarray:
-    """Indices of those that no other beats in both, by ascending time: a Pareto front."""
+    """Return indices of the Pareto front of time and error, by ascending time."""
     order = np.lexsort((errors, seconds))
     best = np.minimum.accumulate(errors[order])
     first = np.concatenate([[True], best[1:] < best[:-1]])

@@ -1,17 +1,17 @@
-"""Variance-based indices of a mean over random surfaces, which are noise of every simulation.
+"""Variance-based sensitivity indices of a mean over random surfaces.
 
-A design has N rows of d + 2 points of the unit cube: A, B, and A with one input of B each
-(Saltelli et al., Comput. Phys. Commun. 181, 259, 2010). The two surfaces of a row are the same
-at all its points. With f_s the response on surface s, and m(x) its mean over all surfaces,
-products of two *different* surfaces have no noise in the mean:
+The surfaces are noise in every simulation. A design has N rows of d + 2 points of the unit cube:
+A, B, and A with one input of B each (Saltelli et al., Comput. Phys. Commun. 181, 259, 2010). Two
+surfaces belong to a row, the same at all its points. With f_s the response on surface s, and m(x)
+its mean over all surfaces, products of two *different* surfaces have no noise in the mean:
 
     total variance          V   = E[(A - B)_1 (A - B)_2]/2
     variance by i and more  V_Ti = E[(A - AB_i)_1 (A - AB_i)_2]/2
     variance by i alone     V_i = E[B_1 (AB_i - A)_2 + B_2 (AB_i - A)_1]/2
 
-So these are indices of m, without a surrogate. To know them closer, the same sums over a
-fitted function g are taken off, and its own variances, which are known exactly, are added
-(a control variate; each row's g is fitted to other rows).
+These are indices of m, without a surrogate. To reduce their error, the same sums over a fitted
+function g are subtracted, and the variances of g, which are known exactly, are added (a control
+variate; the g of each row is fitted to other rows).
 """
 
 from collections.abc import Mapping
@@ -27,15 +27,15 @@ from jointclosure.inputs import InputError
 from jointclosure.statistics.orthonormal import Term, design_matrix, fitted, terms_of
 
 FOLDS = 8
-"""Parts of the rows, of which each is left out of the fit that serves it."""
+"""Number of parts of the rows; each part is left out of the fit that is used for it."""
 
 
 class Indices(NamedTuple):
-    """Indices (d,) of the mean over surfaces, and standard errors.
+    """Sensitivity indices (d,) of the mean over surfaces, and standard errors.
 
-    ``first`` and ``total`` over ``variance``, NaN where that is not found above 0; ``surfaces``
-    is the variance that the surfaces bring to a single simulation, over that and ``variance``
-    together; ``fit_share`` how much of the variance the fitted functions have.
+    ``first`` and ``total`` are relative to ``variance``, NaN if that is not estimated above 0.
+    ``surfaces`` is the variance of a single simulation due to the surfaces, over the sum of this
+    and ``variance``. ``fit_share`` is the share of the variance that the fitted functions explain.
     """
 
     first: np.ndarray
@@ -50,9 +50,9 @@ class Indices(NamedTuple):
 
 
 def sampled_rows(inputs: int, rows: int, seed: int) -> np.ndarray:
-    """Design (rows, inputs + 2, inputs): A, B, and A with one input of B each.
+    """Return a design (rows, inputs + 2, inputs): A, B, and A with one input of B each.
 
-    A scrambled Sobol' sequence in twice as many dimensions; a power of 2 of rows is balanced.
+    It is a scrambled Sobol' sequence in twice as many dimensions; a power of 2 of rows is balanced.
     """
     both = qmc.Sobol(2 * inputs, scramble=True, rng=np.random.default_rng(seed)).random(rows)
     a, b = both[:, :inputs], both[:, inputs:]
@@ -64,28 +64,27 @@ def sampled_rows(inputs: int, rows: int, seed: int) -> np.ndarray:
 
 
 def variance_indices(points, responses, values: tuple[int, ...]) -> Indices:
-    """First and total indices of every input.
+    """Estimate first and total indices of every input.
 
     Parameters
     ----------
     points : array (N, d + 2, d)
         From `sampled_rows`.
     responses : array (N, d + 2, 2)
-        On two surfaces, the same ones at all points of a row.
+        Responses on two surfaces, the same at all points of a row.
     values : tuple (d,)
-        How many values an input has, see `jointclosure.statistics.orthonormal`.
+        Number of values of each input, see `jointclosure.statistics.orthonormal`.
 
     Returns
     -------
     Indices
-        Errors by the jackknife over rows, fits included as far as a row changes them: they
-        are those of independent rows, of which a Sobol' sequence has at most as much.
+        Errors are by the jackknife over rows, including the effect of a row on the fits. They
+        are those of independent rows, and upper bounds of those of a Sobol' sequence.
 
     Raises
     ------
     InputError
-        Shapes that do not belong together, numbers that are not finite, or fewer than
-        16 rows.
+        If shapes do not fit, numbers are not finite, or there are fewer than 16 rows.
     """
     points, responses = np.asarray(points, float), np.asarray(responses, float)
     n, columns, d = points.shape
@@ -107,7 +106,7 @@ def variance_indices(points, responses, values: tuple[int, ...]) -> Indices:
     explained = 0.0
     for part, fit in zip(_folds(n), fits, strict=True):
         model = fit(points[part])
-        # the same products of the fit, which has no noise, and what they are on average
+        # the same products of the fit, which has no noise, and their exact means
         both = np.stack([model, model], axis=-1)
         exact = np.array(
             [fit.variance, *map(fit.first, range(d)), *map(fit.total, range(d))], float
@@ -118,7 +117,7 @@ def variance_indices(points, responses, values: tuple[int, ...]) -> Indices:
     whole = terms[:, 0].mean()
     with np.errstate(invalid="ignore", divide="ignore"):
         errors = _jackknifed(terms, noise)
-    if not whole > 0.0:  # lost in the surfaces' noise: there is no share of it
+    if not whole > 0.0:  # below the noise of the surfaces: shares are undefined
         terms[:, 1:], errors[1:-1], explained, whole = np.nan, np.nan, np.nan, max(whole, 0.0)
     joint = whole + noise.mean()
     return Indices(
@@ -140,19 +139,19 @@ def shapley_effects(
     correlations: Mapping[tuple[int, int], float] | None = None,
     draws: int = 2048,
 ) -> np.ndarray:
-    """Shapley effects of fitted functions: shares of their variance that sum to 1.
+    """Compute Shapley effects of fitted functions: shares of their variance that sum to 1.
 
     Parameters
     ----------
     values : tuple (d,)
-        How many values each input has, see `jointclosure.statistics.orthonormal`.
+        Number of values of each input, see `jointclosure.statistics.orthonormal`.
     coefficients : array (terms,) or (terms, m)
-        Of the functions.
+        Coefficients of the functions.
     correlations : mapping, optional
-        Of pairs of inputs, of the normal variables whose ranks they have (a Gaussian copula).
-        Without it inputs are independent, and the effects exact.
+        Correlations of pairs of inputs, of the normal variables that have their ranks (a
+        Gaussian copula). Without them inputs are independent, and the effects exact.
     draws : int
-        Points by which the variance of each subset is estimated where inputs depend.
+        Number of points for the variance of each subset of dependent inputs.
 
     Returns
     -------
@@ -161,14 +160,15 @@ def shapley_effects(
     Raises
     ------
     InputError
-        Correlations that no normal variables have.
+        If no normal variables have these correlations.
 
     Notes
     -----
     Owen and Prieur, SIAM/ASA J. Uncertain. Quantif. 5, 986, 2017. Terms of independent inputs
-    share their variance equally. The others are games of the dependent inputs with what
-    independent ones they stand with: of two such games no variance is common. Where inputs depend
-    the variance by a subset J is the covariance of two responses that share x_J alone.
+    share their variance equally. The other terms are grouped by the independent inputs that they
+    contain; groups have no common variance, and each is a game of its dependent inputs. For
+    dependent inputs the variance due to a subset J is the covariance of two responses that share
+    only x_J.
     """
     d, coefficients = len(values), np.asarray(coefficients, dtype=float)
     bound = frozenset(one for pair in correlations or {} for one in pair)
@@ -189,10 +189,10 @@ def shapley_effects(
 
 
 def _shares(players, values, numbers, coefficients, correlations, draws) -> np.ndarray:
-    """Shapley values (players, ...) of the variance of some terms of these inputs alone."""
+    """Return Shapley values (players, ...) of the variance of terms of these inputs only."""
     place = {one: at for at, one in enumerate(players)}
     terms = terms_of(values)
-    own = tuple(
+    player_terms = tuple(
         Term(tuple((place[one], function) for one, function in terms[number].factors))
         for number in numbers
     )
@@ -200,34 +200,36 @@ def _shares(players, values, numbers, coefficients, correlations, draws) -> np.n
     d = len(players)
     subsets = [frozenset(some) for size in range(d + 1) for some in combinations(range(d), size)]
     counts = tuple(values[one] for one in players)
-    found = dict(_drawn_variances(counts, own, coefficients, among, draws, subsets))
+    variances = dict(_drawn_variances(counts, player_terms, coefficients, among, draws, subsets))
     shares = np.zeros((d, *coefficients.shape[1:]))
     for some in subsets[:-1]:
         weight = factorial(len(some)) * factorial(d - len(some) - 1) / factorial(d)
         for one in set(range(d)) - some:
-            shares[one] += weight * (found[some | {one}] - found[some])
+            shares[one] += weight * (variances[some | {one}] - variances[some])
     return shares
 
 
 def _drawn_variances(values, terms, coefficients, correlations, draws, subsets):
-    """(subset, variance by it) where inputs depend."""
+    """Generate (subset, variance due to it) for dependent inputs."""
     d = len(values)
     matrix = np.eye(d)
     for (one, other), correlation in correlations.items():
         matrix[one, other] = matrix[other, one] = correlation
     if np.linalg.eigvalsh(matrix)[0] <= 0.0:
-        raise InputError(f"correlations {dict(correlations)}: no normal variables have them")
+        raise InputError(
+            f"correlations {dict(correlations)}: must be correlations of normal variables"
+        )
     random = qmc.Sobol(2 * d, scramble=True, rng=np.random.default_rng(0)).random(draws)
     normal, other = ndtri(random[:, :d]), ndtri(random[:, d:])
     first = normal @ np.linalg.cholesky(matrix).T
-    own = design_matrix(ndtr(first), values, terms) @ coefficients
-    centred = own - own.mean(axis=0)
+    response = design_matrix(ndtr(first), values, terms) @ coefficients
+    centred = response - response.mean(axis=0)
     for some in subsets:
-        held, free = sorted(some), [each for each in range(d) if each not in some]
+        held, free = sorted(some), [i for i in range(d) if i not in some]
         if not some or not free:
-            yield some, (centred**2).mean(axis=0) if some else np.zeros(own.shape[1:])
+            yield some, (centred**2).mean(axis=0) if some else np.zeros(response.shape[1:])
             continue
-        # the free ones given those held: mean and covariance of a normal
+        # conditional normal distribution of the free inputs: mean and covariance
         slopes = np.linalg.solve(matrix[np.ix_(held, held)], matrix[np.ix_(held, free)])
         left = matrix[np.ix_(free, free)] - matrix[np.ix_(free, held)] @ slopes
         second = first.copy()
@@ -238,7 +240,7 @@ def _drawn_variances(values, terms, coefficients, correlations, draws, subsets):
 
 
 def _row_terms(responses: np.ndarray) -> np.ndarray:
-    """Of each row V, every V_i, every V_Ti: (N, 1 + 2 d)."""
+    """Return V, every V_i and every V_Ti of each row: (N, 1 + 2 d)."""
     a, b, mixed = responses[:, 0], responses[:, 1], responses[:, 2:]
     change = mixed - a[:, None, :]
     first = 0.5 * (b[:, None, 0] * change[..., 1] + b[:, None, 1] * change[..., 0])
@@ -256,12 +258,12 @@ def _others(n: int) -> list[np.ndarray]:
 
 
 def _jackknifed(terms: np.ndarray, noise: np.ndarray) -> np.ndarray:
-    """Errors of V, of the ratios, and of the surfaces' share."""
+    """Return the errors of V, of the ratios, and of the share of the surfaces."""
     n = noise.size
     left = (terms.sum(axis=0) - terms) / (n - 1)
     quiet = (noise.sum() - noise) / (n - 1)
     whole = left[:, :1]
-    found = np.concatenate(
+    values = np.concatenate(
         [whole, left[:, 1:] / whole, (quiet / (whole[:, 0] + quiet))[:, None]], axis=1
     )
-    return np.sqrt((n - 1) / n * ((found - found.mean(axis=0)) ** 2).sum(axis=0))
+    return np.sqrt((n - 1) / n * ((values - values.mean(axis=0)) ** 2).sum(axis=0))

@@ -1,4 +1,4 @@
-"""Verdicts on claims: whether they are true, and how often a study would find them."""
+"""Verdicts on claims: whether they are true, and how often a study would confirm them."""
 
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
@@ -17,7 +17,7 @@ VERDICTS = (STANDS, FALLS, NO_DIFFERENCE, CANNOT_BE_TOLD)
 
 
 class Interval(NamedTuple):
-    """A confidence interval; its ends may be infinite."""
+    """Confidence interval; its ends may be infinite."""
 
     low: float
     high: float
@@ -37,34 +37,34 @@ def verdict(
     true_between: tuple[float, float],
     alike: float | None = None,
 ) -> str:
-    """Whether a claim about a number is true, from the number's confidence interval.
+    """Decide whether a claim about a number is true, from the number's confidence interval.
 
     Parameters
     ----------
     interval : (low, high)
-        Of the number.
+        Confidence interval of the number.
     true_between : (low, high)
-        The open range of numbers for which the claim is true, declared beforehand: (0, inf)
+        Open range of numbers for which the claim is true, declared in advance: (0, inf)
         for "rises", (-0.1, 0.1) for "has no effect beyond 0.1".
     alike : float, optional
-        The largest difference that counts as none, of a claim that one number is larger than
-        another, whose difference has the interval.
+        For a claim that one number is larger than another, where the interval is that of their
+        difference: the largest difference that counts as none.
 
     Returns
     -------
     str
-        "stands": the whole interval is inside; "falls": all of it is outside, and of a
-        difference below ``-alike``; "no difference": all of it is within ``alike`` of 0; else
-        "cannot be told", and so for an interval with an end that is NaN.
+        "stands": the whole interval is inside the range. "falls": all of it is outside, and for
+        a difference below ``-alike``. "no difference": all of it is within ``alike`` of 0.
+        "cannot be told": otherwise, and if an end of the interval is NaN.
 
     Raises
     ------
     InputError
-        An interval or a range whose ends are in the wrong order.
+        If the ends of the interval or the range are in the wrong order.
     """
     for name, (low, high) in (("interval", interval), ("true_between", true_between)):
         if low > high:
-            raise InputError(f"{name} = ({low!r}, {high!r}): must be (low, high)")
+            raise InputError(f"{name} = ({low!r}, {high!r}): must be (low, high), low <= high")
     (low, high), (least, most) = interval, true_between
     if np.isnan([low, high]).any():
         return CANNOT_BE_TOLD
@@ -78,31 +78,33 @@ def verdict(
 
 
 def t_interval(estimate: tuple[float, float], samples: int, confidence: float = 0.95) -> Interval:
-    """Confidence interval of (value, standard error) from n samples, n - 1 degrees of freedom.
+    """Return the confidence interval of (value, standard error) from n samples.
 
-    For several numbers judged together give confidence 1 - (1 - confidence)/number
-    (Bonferroni).
+    It has n - 1 degrees of freedom. For several numbers that are judged together use the confidence
+    1 - (1 - confidence)/number (Bonferroni).
     """
     value, error = estimate
     reach = float(scipy.stats.t.ppf(0.5 + 0.5 * confidence, samples - 1)) * error
     return Interval(value - reach, value + reach)
 
 
-def frequency(found, pool_error: float = 0.0) -> Frequency:
-    """How often, from one boolean (R,) per repetition; see `frequency_of`."""
-    found = np.asarray(found)
-    if found.dtype != bool or found.ndim != 1 or found.size == 0:
+def frequency(outcomes, pool_error: float = 0.0) -> Frequency:
+    """Return the frequency of true values, one boolean (R,) per repetition, see `frequency_of`."""
+    outcomes = np.asarray(outcomes)
+    if outcomes.dtype != bool or outcomes.ndim != 1 or outcomes.size == 0:
         raise InputError(
-            f"found: {found.dtype} {found.shape}, must be one row of booleans, one a repetition"
+            f"outcomes: {outcomes.dtype} {outcomes.shape}, must be booleans (R,), one for each "
+            "repetition"
         )
-    return frequency_of(int(found.sum()), found.size, pool_error)
+    return frequency_of(int(outcomes.sum()), outcomes.size, pool_error)
 
 
 def frequency_of(count: int, n: int, pool_error: float = 0.0) -> Frequency:
-    """How often, from a count of n repetitions.
+    """Return the frequency from a count of n repetitions.
 
-    ``pool_error``: standard error of the share from the pool that they were drawn from, which is
-    added to the binomial one. The interval is Wilson's, with a pool's error at least two errors.
+    ``pool_error``: standard error of the share due to the pool from which the repetitions were
+    drawn. It is added to the binomial error. The interval is Wilson's, and with a pool's error at
+    least two standard errors.
     """
     share = count / n
     low, high = scipy.stats.binomtest(count, n).proportion_ci(method="wilson")
@@ -115,26 +117,27 @@ def frequency_of(count: int, n: int, pool_error: float = 0.0) -> Frequency:
 def frequency_of_finding(
     judge: Callable[[Mapping[Key, DrawnResponse]], np.ndarray], drawn: Mapping[Key, DrawnResponse]
 ) -> Frequency:
-    """How often a study, judged as it judges itself, finds a claim.
+    """Return how often a study confirms a claim by its criteria.
 
     Parameters
     ----------
     judge : callable
-        From drawn studies (`draw_studies`) to a boolean for each repetition, (R,): whether
-        the claim is found there. Means, deviations and lengths of a repetition have the first
-        axis, so that a judge needs no loop.
+        Function of drawn studies (`draw_studies`) that returns booleans (R,): whether each
+        repetition confirms the claim. The first axis of means, deviations and lengths is that
+        of repetitions, so that no loop is needed.
     drawn : mapping
         Repetitions of the study.
 
     Raises
     ------
     InputError
-        A judge that does not give one boolean for each repetition.
+        If ``judge`` does not return one boolean for each repetition.
     """
-    found = np.asarray(judge(drawn))
+    confirmed = np.asarray(judge(drawn))
     repetitions = next(iter(drawn.values())).lengths.shape[0]
-    if found.shape != (repetitions,):
+    if confirmed.shape != (repetitions,):
         raise InputError(
-            f"judge: gave {found.shape}, must give ({repetitions},), a boolean for each repetition"
+            f"judge: returned shape {confirmed.shape}, must be ({repetitions},), a boolean for "
+            "each repetition"
         )
-    return frequency(found)
+    return frequency(confirmed)

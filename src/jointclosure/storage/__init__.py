@@ -1,5 +1,5 @@
-"""The only place that reads and writes files of results; a module for each kind.
+"""Reading and writing of result files, one module for each kind of file.
 
-They are apart so that a rule's code digest has only the kinds that the rule needs. Files
-of scanned walls, which others wrote, are read by `jointclosure.scans`.
+The modules are separate so that the code digest of a rule contains only the kinds that the rule
+needs. Files of scanned walls are read by `jointclosure.scans`.
 """

@@ -1,21 +1,21 @@
-"""Figures as files: whole or absent, whatever happens meanwhile."""
+"""Figures as files, written completely or not at all."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jointclosure.storage.files import atomically
 
-if TYPE_CHECKING:  # a job that draws nothing does not load it
+if TYPE_CHECKING:  # not loaded by jobs that draw nothing
     from matplotlib.animation import FuncAnimation
     from matplotlib.figure import Figure
 
 
 def save_figure(figure: "Figure", path: str | Path) -> None:
-    """Write a figure in the format of its path, without the time of day in it."""
+    """Write a figure in the format of its path, without a time stamp."""
     metadata = {"CreationDate": None} if Path(path).suffix == ".pdf" else None
     atomically(path, lambda temporary: figure.savefig(temporary, metadata=metadata))
 
 
 def save_animation(animation: "FuncAnimation", path: str | Path) -> None:
-    """Write moving pictures as a GIF."""
+    """Write an animation as a GIF."""
     atomically(path, lambda temporary: animation.save(str(temporary), writer="pillow", dpi=100))

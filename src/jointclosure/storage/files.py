@@ -1,10 +1,9 @@
-"""Files that are whole or absent, and that show when they were changed.
+"""Files that are written completely or not at all, and that reveal changes.
 
-A file is written under a temporary name in its folder, brought to the disk and
-then renamed. The name tells the computer and the process that write it: what a
-killed process left is removed, what a running one writes is not, even where two
-write the same file. A sealed one ends with a digest of all before it, so that one
-changed bit is an error and never a number.
+A file is written under a temporary name in its folder, flushed to the disk and then renamed. The
+temporary name contains the computer and the process that writes it. Files of killed processes are
+removed, those of running ones are not, even if two processes write the same file. A sealed file
+ends with a digest of its content, so that one changed bit is an error and never changes a number.
 """
 
 import errno
@@ -19,31 +18,31 @@ from pathlib import Path
 
 _SEAL = b"\nsha256 of all before this line: "
 END_DIGEST = 64
-"""Bytes at the end of a sealed file that are its digest."""
+"""Length in bytes of the digest at the end of a sealed file."""
 _SEAL_BYTES = len(_SEAL) + END_DIGEST
 
 _READ_BYTES = 1_000_000
-"""Read at a time: mapped whole, a file would count as memory."""
+"""Number of bytes read at a time; a memory-mapped file would count as memory of the process."""
 
 _NOT_OF_SPACE = (errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EROFS, errno.ENAMETOOLONG)
-"""Errors that have nothing to do with a full disk. All others may: of one netCDF says that the
-permission is denied, or a number of its own."""
+"""Errors that a full disk cannot cause. All others may be due to it: netCDF reports a full disk as
+a denied permission, or with a number of its library."""
 
 
 class DamagedFileError(OSError):
-    """A file that is not as it was written."""
+    """Error for a file that is not as it was written."""
 
 
 def atomically(path: str | Path, write: Callable[[Path], object]) -> None:
     """Call ``write`` with a temporary path, then rename it to ``path``.
 
-    Where several processes write the same path, the last one to finish stays.
+    If several processes write the same path, the file of the last one to finish remains.
 
     Raises
     ------
     OSError
-        The file could not be written; says how much room its disk has where that may be the
-        reason. Errors that ``write`` raises otherwise are passed on.
+        If the file could not be written; the message states the free space on the disk if that
+        may be the reason. Other errors of ``write`` are passed on.
     """
     path = Path(path)
     try:
@@ -63,7 +62,7 @@ def atomically(path: str | Path, write: Callable[[Path], object]) -> None:
         _to_disk(temporary)
         os.replace(temporary, path)
         _to_disk(path.parent)
-    except DamagedFileError:  # of a file that was read meanwhile
+    except DamagedFileError:  # from a file that was read by ``write``
         raise
     except OSError as error:
         raise _not_written(path, error) from error
@@ -74,7 +73,7 @@ def atomically(path: str | Path, write: Callable[[Path], object]) -> None:
 def _remove_litter(path: Path) -> None:
     """Remove temporary files for a path whose writers were killed on this computer.
 
-    Those of other computers stay: whether their writers run cannot be seen from here.
+    Files of other computers are kept, because their processes cannot be checked from here.
     """
     written_here = f".{path.stem}.{socket.gethostname()}-"
     for litter in path.parent.glob(f"{glob.escape(written_here)}*-{8 * '?'}{path.suffix}"):
@@ -84,7 +83,7 @@ def _remove_litter(path: Path) -> None:
 
 
 def _runs(pid: int) -> bool:
-    import psutil  # only where there is litter
+    import psutil  # only needed if there are such files
 
     try:
         return psutil.Process(pid).status() not in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)
@@ -103,12 +102,12 @@ def _to_disk(path: Path) -> None:
 
 
 def _not_written(path: Path, error: OSError) -> OSError:
-    """The error to be raised, with the room on the disk where that may be the reason."""
-    said = f"{path}: could not be written ({error})"
+    """Return the error to be raised, with the free space on the disk if that may be the reason."""
+    message = f"{path}: could not be written ({error})"
     if error.errno in _NOT_OF_SPACE:
-        return OSError(said)
+        return OSError(message)
     free = shutil.disk_usage(path.parent).free if path.parent.is_dir() else 0
-    return OSError(f"{said}; {free / 1e6:.1f} MB are free there")
+    return OSError(f"{message}; {free / 1e6:.1f} MB are free there")
 
 
 def seal(path: Path) -> None:
@@ -129,8 +128,8 @@ def check_seal(path: Path) -> None:
             left -= len(part)
         if file.read() != _SEAL + digest.hexdigest().encode():
             raise DamagedFileError(
-                f"{path}: the file is not as jointclosure wrote it (its checksum is not met): "
-                "delete it and start again, what is missing is made anew"
+                f"{path}: the file is not as jointclosure wrote it (wrong checksum): "
+                "delete it and start again; missing files are made again"
             )
 
 

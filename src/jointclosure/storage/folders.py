@@ -1,4 +1,4 @@
-"""Folders of results that several runs may write into: files of an earlier run do not stay."""
+"""Folders of results that several runs may use; files of an earlier run are replaced."""
 
 import json
 import os
@@ -10,21 +10,21 @@ from jointclosure.inputs import InputError
 from jointclosure.storage.text import read_text, write_text
 
 RECORD = "written.json"
-"""File of such a folder with the names of what was written into it, by command."""
+"""File in such a folder with the names of the files that each command wrote."""
 
 
 def replace_files(folder: Path, command: str, write: Callable[[Path], object]) -> list[str]:
-    """Put new files into a folder in place of those that an earlier run of a command wrote there.
+    """Write files into a folder and remove those that an earlier run of a command wrote there.
 
     Parameters
     ----------
     folder : path
-        Made where it does not exist. Files that the record does not name are left alone.
+        Created if it does not exist. Files that the record does not name are kept.
     command : str
         Name of the command, under which the files are recorded.
     write : callable
-        Writes the files into the folder that it is given, an empty one beside them: where it
-        fails, those of the earlier run stay.
+        Writes the files into an empty temporary folder, its argument. If it fails, the files of
+        the earlier run are kept.
 
     Returns
     -------
@@ -34,14 +34,14 @@ def replace_files(folder: Path, command: str, write: Callable[[Path], object]) -
     Raises
     ------
     InputError
-        The folder's record cannot be read.
+        If the folder's record cannot be read.
     """
     folder.mkdir(exist_ok=True)
     earlier = written_files(folder, command)
     with tempfile.TemporaryDirectory(dir=folder, prefix=".unfinished-") as unfinished:
         write(Path(unfinished))
         names = sorted(os.listdir(unfinished))
-        # whatever ends this here, the next run finds all names in the record
+        # if the process ends here, the next run has all names in the record
         _record(folder, command, sorted({*earlier, *names}))
         for name in names:
             os.replace(Path(unfinished) / name, folder / name)
@@ -52,23 +52,23 @@ def replace_files(folder: Path, command: str, write: Callable[[Path], object]) -
 
 
 def add_file(folder: Path, command: str, name: str) -> None:
-    """Record a file that belongs to those of a command, and goes with them."""
+    """Record a file as one of the files of a command, to be replaced with them."""
     _record(folder, command, sorted({*written_files(folder, command), name}))
 
 
 def written_files(folder: Path, command: str) -> list[str]:
-    """Names of the files that the last run of a command wrote into a folder.
+    """Return the names of the files that the last run of a command wrote into a folder.
 
     Raises
     ------
     InputError
-        The folder's record cannot be read.
+        If the folder's record cannot be read.
     """
     return _commands(folder).get(command, [])
 
 
 def check_record(folder: Path) -> None:
-    """Raise `InputError` where the record of a folder cannot be read; one without is fine."""
+    """Raise `InputError` if the record of a folder cannot be read; a missing record is allowed."""
     _commands(folder)
 
 
@@ -83,8 +83,8 @@ def _commands(folder: Path) -> dict[str, list[str]]:
             raise ValueError("a name with a folder")
     except (AttributeError, TypeError, ValueError) as error:
         raise InputError(
-            f"{path}: must be a JSON object of lists of file names, as jointclosure writes it "
-            f"({error}); delete it, and what earlier runs wrote into the folder"
+            f"{path}: must be a JSON object of lists of file names, as written by jointclosure "
+            f"({error}); delete it, and the files of earlier runs in the folder"
         ) from None
     return commands
 

@@ -11,14 +11,14 @@ from jointclosure.storage.files import atomically
 def write_vtu(
     points: np.ndarray, triangles: np.ndarray, cell_fields: dict[str, np.ndarray], path: str | Path
 ) -> None:
-    """Write a triangulated surface, whole or not at all.
+    """Write a triangulated surface, completely or not at all.
 
     Parameters
     ----------
     points : array (n, 3)
         [m].
     triangles : array (m, 3)
-        Numbers of their points.
+        Indices of their points.
     cell_fields : dict
         Values (m,) of each triangle by name.
     path : path

@@ -1,6 +1,6 @@
-"""NetCDF files: whole or absent, whatever happens meanwhile.
+"""NetCDF files, written completely or not at all.
 
-A file ends with a digest of all before it (other readers skip it), see
+A file ends with a digest of its content, which other readers ignore, see
 `jointclosure.storage.files`.
 """
 
@@ -21,7 +21,7 @@ _CHUNK_CACHE = 1_000_000
 
 @contextmanager
 def _netcdf_errors() -> Iterator[None]:
-    """What netCDF raises when it cannot write, a RuntimeError, as the OSError that it is."""
+    """Raise write errors of netCDF, which are RuntimeErrors, as OSErrors."""
     try:
         yield
     except RuntimeError as error:
@@ -29,7 +29,7 @@ def _netcdf_errors() -> Iterator[None]:
 
 
 def write_netcdf(dataset: xr.Dataset, path: str | Path) -> None:
-    """Write a dataset, compressed, whole or not at all."""
+    """Write a dataset, compressed, completely or not at all."""
     dataset = dataset.drop_encoding()
 
     def write(temporary: Path) -> None:
@@ -41,15 +41,15 @@ def write_netcdf(dataset: xr.Dataset, path: str | Path) -> None:
 
 
 def write_netcdf_blocks(blocks: Iterable[xr.Dataset], dimension: str, path: str | Path) -> None:
-    """Write datasets one behind the other, whole or not at all, one in memory at a time.
+    """Append datasets one by one, completely or not at all, with one in memory at a time.
 
     Parameters
     ----------
     blocks : iterable of Dataset
-        At least one. Variables that have the dimension have it first; all others
-        are the first block's.
+        At least one. Variables with the dimension have it first; other variables are
+        taken from the first block.
     dimension : str
-        That along which the blocks follow each other, unlimited in the file.
+        Dimension along which blocks are appended, unlimited in the file.
     path : path
     """
 
@@ -74,19 +74,19 @@ def write_netcdf_regions(
     chunks: dict[str, int],
     path: str | Path,
 ) -> None:
-    """Write a dataset region by region, whole or not at all, one in memory at a time.
+    """Write a dataset region by region, completely or not at all, with one in memory at a time.
 
     Parameters
     ----------
     frame : Dataset
-        Names, types, attributes and all other sizes; one entry along ``dimension``.
+        Names, types, attributes and all other sizes; it has one entry along ``dimension``.
     regions : iterable of (dict, Dataset)
-        Where each goes, by dimension, and its variables without the dimensions
-        whose place is a number. Together they cover the dataset.
+        Position of each region by dimension, and its variables without the dimensions
+        whose position is a number. Together they cover the dataset.
     dimension : str
-        Unlimited in the file.
+        Dimension that is unlimited in the file.
     chunks : dict
-        Entries along its dimensions that are compressed together.
+        Number of entries along each dimension that are compressed together.
     path : path
     """
 
@@ -103,7 +103,7 @@ def write_netcdf_regions(
 def _growing_netcdf(
     first: xr.Dataset, dimension: str, chunks: dict[str, int], path: Path
 ) -> Iterator[netCDF4.Dataset]:
-    """A new file with a first dataset, open for more along a dimension."""
+    """Yield a new file with a first dataset, open for more along a dimension."""
     first = first.drop_encoding()
     encoding = _compression(first)
     for name, variable in first.variables.items():
@@ -118,7 +118,7 @@ def _growing_netcdf(
             stored.set_var_chunk_cache(_CHUNK_CACHE)
         yield file
     except BaseException:
-        with contextlib.suppress(RuntimeError):  # the first error is the one to be told
+        with contextlib.suppress(RuntimeError):  # only the first error is reported
             file.close()
         raise
     with _netcdf_errors():
@@ -126,7 +126,7 @@ def _growing_netcdf(
 
 
 def _put(file: netCDF4.Dataset, region: xr.Dataset, place: dict[str, slice | int]) -> None:
-    """Write those variables of a dataset that have a dimension of its place."""
+    """Write the variables of a dataset that have a dimension of its position."""
     for name, variable in region.variables.items():
         dimensions = file[str(name)].dimensions
         if set(dimensions) & set(place) & set(variable.dims):
@@ -144,12 +144,12 @@ def _compression(dataset: xr.Dataset) -> dict[Any, dict[str, Any]]:
 
 
 def read_netcdf(path: str | Path, without: tuple[str, ...] = ()) -> xr.Dataset:
-    """A dataset but for the variables left out, where it has them; the file closed again.
+    """Read a dataset without the given variables, and close the file.
 
     Raises
     ------
     DamagedFileError
-        The file is not as it was written, in any bit.
+        If the file is not as it was written, in any bit.
     """
     with reading_netcdf(path) as dataset:
         return dataset.drop_vars(without, errors="ignore").load()
@@ -157,7 +157,7 @@ def read_netcdf(path: str | Path, without: tuple[str, ...] = ()) -> xr.Dataset:
 
 @contextmanager
 def reading_netcdf(path: str | Path) -> Iterator[xr.Dataset]:
-    """A dataset of which only what is asked for is read; errors as for `read_netcdf`."""
+    """Open a dataset whose values are read only when used; errors as for `read_netcdf`."""
     check_seal(Path(path))
     with xr.open_dataset(path, engine="netcdf4", cache=False) as dataset:
         yield dataset

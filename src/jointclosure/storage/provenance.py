@@ -1,4 +1,4 @@
-"""Where a dataset comes from: code, versions, machine."""
+"""Provenance of a dataset: code, versions, machine."""
 
 import contextlib
 import importlib.metadata
@@ -14,11 +14,11 @@ from jointclosure.compilation.sources import PACKAGE, package_digest
 
 
 def provenance(configuration: dict[str, Any]) -> dict[str, str]:
-    """Attributes that say where a dataset comes from.
+    """Return attributes on the provenance of a dataset.
 
-    Those with the prefix ``provenance_`` may differ between two runs of the
-    same study; the configuration and the digest of the sources may not. How
-    the work was split over jobs changes no result, and is one of the former.
+    Those with the prefix ``provenance_`` may differ between two runs of the same study, among them
+    the split of work over jobs, which changes no result. The configuration and the digest of the
+    sources may not differ.
     """
     study = dict(configuration["study"])
     split = study.pop("realizations_per_job", None)
@@ -39,16 +39,16 @@ def provenance(configuration: dict[str, Any]) -> dict[str, str]:
 
 
 def versions_of(*packages: str) -> dict[str, str]:
-    """Versions of those of some packages that are installed."""
+    """Return versions of the installed packages among the given ones."""
     versions = {}
     for name in packages:
-        with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # of an extra
+        with contextlib.suppress(importlib.metadata.PackageNotFoundError):  # package of an extra
             versions[name] = importlib.metadata.version(name)
     return versions
 
 
 def _commit() -> str:
-    """Commit of the sources, with a mark where they were edited since."""
+    """Return the commit of the sources, with a mark if they were edited since."""
     command = ["git", "-C", str(PACKAGE), "describe", "--always", "--dirty", "--abbrev=12"]
     try:
         answer = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -58,8 +58,8 @@ def _commit() -> str:
 
 
 def _processor() -> str:
-    """Model and number of the processor's cores, the model where the system tells it."""
+    """Return the model of the processor, if the system states it, and the number of cores."""
     path = Path("/proc/cpuinfo")
-    told = path.read_text(encoding="utf-8") if path.is_file() else ""
-    model = re.search(r"model name\s*: (.*)", told)
+    text = path.read_text(encoding="utf-8") if path.is_file() else ""
+    model = re.search(r"model name\s*: (.*)", text)
     return f"{model[1] if model else platform.processor()}, {os.cpu_count()} cores"

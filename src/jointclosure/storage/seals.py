@@ -1,12 +1,12 @@
-"""Seals: which files a job of the workflow wrote, with what settings, and from which files.
+"""Seals: records of the files that a job of the workflow wrote, its settings and its inputs.
 
-A seal is a JSON file ``results/<study>/seals/<job>.json``, an output of its job like any other:
+A seal is a JSON file ``results/<study>/seals/<job>.json``, an output of its job:
 
 - ``files``: digests of the files that the job wrote, by their paths from the study's folder;
 - ``made_from``: digests of the sealed files that it read;
-- ``settings``: the digest of the rule's parameters, the digest of its code included.
+- ``settings``: the digest of the rule's parameters, including the digest of its code.
 
-Tables stay plain CSV. The digest of a netCDF file is the one that the file ends with.
+Tables are plain CSV. The digest of a netCDF file is the one at the end of the file.
 """
 
 import hashlib
@@ -18,26 +18,27 @@ from pathlib import Path
 from jointclosure.inputs import InputError
 from jointclosure.storage.files import END_DIGEST, atomically
 
-_AGAIN = "delete it and start again, what is missing is made anew"
+_AGAIN = "delete it and start again; missing files are made again"
 _NEED_NO_SEAL = (".nc", ".txt")
-"""Case files bear their settings themselves, and the readers check these; notes are not read."""
+"""Suffixes of files without a seal: case files contain their settings, which readers check, and
+notes are not read."""
 
 
 OTHER_SETTINGS = "the file was made with other settings, or by other code"
 
 
 class ForeignFileError(InputError):
-    """A file that is not the one that its seal, or this configuration, says."""
+    """Error for a file that does not match its seal, or this configuration."""
 
 
 def settings_digest(settings: Mapping) -> str:
-    """Digest of the parameters of a rule."""
+    """Return the digest of the parameters of a rule."""
     text = json.dumps(dict(settings), sort_keys=True, default=str)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 def file_digest(path: str | Path) -> str:
-    """SHA-256 of a file; of netCDF the one at its end, which whoever reads the file checks."""
+    """Return the SHA-256 of a file; for netCDF the one at its end, which readers check."""
     with open(path, "rb") as file:
         if Path(path).suffix == ".nc":
             file.seek(max(os.path.getsize(path) - END_DIGEST, 0))
@@ -48,18 +49,18 @@ def file_digest(path: str | Path) -> str:
 def write_seal(
     seal: str | Path, outputs: Iterable[str], settings: Mapping, inputs: Iterable[str], seals
 ) -> None:
-    """Seal what a job wrote.
+    """Write the seal of a job's files.
 
     Parameters
     ----------
     seal : path
-        In a folder ``seals`` of the study's folder, or below it.
+        Path in the folder ``seals`` of the study's folder, or below it.
     outputs, inputs : iterable of paths
-        What the job wrote, and read.
+        Files that the job wrote, and read.
     settings : mapping
-        What its rule told it.
+        Parameters of its rule.
     seals : iterable of paths
-        Seals of those inputs that have one.
+        Seals of the inputs that have one.
     """
     folder, listed = _folder(seal), _listed(seals)
     read = {path: listed[path] for path in map(os.path.normpath, inputs) if path in listed}
@@ -73,7 +74,7 @@ def write_seal(
 
 
 def check_inputs(inputs: Iterable[str | Path], seals: Iterable[str | Path]) -> None:
-    """Raise `ForeignFileError` unless files are those that their seals list."""
+    """Raise `ForeignFileError` unless files match the seals that list them."""
     paths = [Path(seal) for seal in seals]
     for seal in paths:
         if reason := _reason(seal, paths):
@@ -81,20 +82,20 @@ def check_inputs(inputs: Iterable[str | Path], seals: Iterable[str | Path]) -> N
     listed = _listed(paths)
     for path in map(os.path.normpath, inputs):
         if path not in listed and Path(path).suffix not in _NEED_NO_SEAL:
-            raise ForeignFileError(f"{path}: no seal says what it was made from: {_AGAIN}")
+            raise ForeignFileError(f"{path}: must be listed in a seal: {_AGAIN}")
 
 
 def unmet_seals(
     folder: str | Path, expected: Callable[[Path], str] = lambda seal: ""
 ) -> Iterator[tuple[Path, str]]:
-    """Seals of a study that are not met, each with the reason.
+    """Generate seals of a study that do not match, with the reasons.
 
     Parameters
     ----------
     folder : path
-        Of the study's results.
+        Folder of the study's results.
     expected : callable
-        Gives the `settings_digest` that a seal must have, empty where any will do.
+        Returns the `settings_digest` that a seal must have, empty to accept any.
     """
     seals = sorted((Path(folder) / "seals").rglob("*.json"))
     for seal in seals:
@@ -103,7 +104,7 @@ def unmet_seals(
 
 
 def check_folder(folder: str | Path) -> list[Path]:
-    """Raise `ForeignFileError` unless every sealed file of a study is there and as it was written.
+    """Raise `ForeignFileError` unless every sealed file of a study exists and is as it was written.
 
     Returns
     -------
@@ -115,18 +116,18 @@ def check_folder(folder: str | Path) -> list[Path]:
     files = [Path(path) for path in _listed(sorted((Path(folder) / "seals").rglob("*.json")))]
     for file in files:
         if not file.is_file():
-            raise ForeignFileError(f"{file}: is missing, though a job wrote it: start again")
+            raise ForeignFileError(f"{file}: is missing, but a job wrote it: start again")
     return files
 
 
 def _reason(seal: Path, seals: Iterable[Path], expected: str = "") -> str:
-    """Why a seal is not met, empty if it is."""
+    """Return why a seal does not match, empty if it does."""
     try:
-        said = _content(seal)
-        files, settings = _paths(seal, said["files"]), said["settings"]
-        sources = _paths(seal, said["made_from"])
+        content = _content(seal)
+        files, settings = _paths(seal, content["files"]), content["settings"]
+        sources = _paths(seal, content["made_from"])
     except (ValueError, KeyError, TypeError, AttributeError):
-        return f"{seal}: is no seal of jointclosure: {_AGAIN}"
+        return f"{seal}: must be a seal of jointclosure: {_AGAIN}"
     for path, digest in files.items():
         if os.path.isfile(path) and file_digest(path) != digest:
             return f"{path}: the file is not as jointclosure wrote it: {_AGAIN}"
@@ -145,13 +146,13 @@ def _content(seal: Path) -> dict:
 
 
 def _listed(seals: Iterable[str | Path]) -> dict[str, str]:
-    """Digests of all files that seals list, by path."""
+    """Return digests of all files that seals list, by path."""
     listed: dict[str, str] = {}
     for seal in seals:
         try:
             listed |= _paths(Path(seal), _content(Path(seal))["files"])
         except (ValueError, KeyError, TypeError, AttributeError):
-            continue  # `_reason` says so of that seal
+            continue  # `_reason` reports this seal
     return listed
 
 
@@ -161,5 +162,5 @@ def _paths(seal: str | Path, files: Mapping[str, str]) -> dict[str, str]:
 
 
 def _folder(seal: str | Path) -> Path:
-    """The study's folder of a seal."""
+    """Return the study's folder of a seal."""
     return next(parent.parent for parent in Path(seal).parents if parent.name == "seals")

@@ -1,4 +1,4 @@
-"""Tables as CSV, and texts: whole or absent, whatever happens meanwhile."""
+"""Tables as CSV and texts, written completely or not at all."""
 
 from pathlib import Path
 
@@ -9,24 +9,27 @@ from jointclosure.storage.files import atomically
 
 
 def write_csv(frame: pd.DataFrame, path: str | Path, figures: int | None = None) -> None:
-    """Write a table, whole or not at all; numbers as short as they read back, or to ``figures``."""
+    """Write a table, completely or not at all.
+
+    Numbers have as many digits as needed to read them back, or ``figures`` significant digits.
+    """
     form = None if figures is None else f"%.{figures}g"
     atomically(path, lambda temporary: frame.to_csv(temporary, index=False, float_format=form))
 
 
 def read_csv(path: str | Path) -> pd.DataFrame:
-    """A table written by `write_csv`, or an input in the same form."""
+    """Read a table written by `write_csv`, or an input in the same form."""
     return pd.read_csv(path, comment="#")
 
 
 def read_benchmarks(folder: str | Path) -> pd.DataFrame:
-    """What Snakemake measured of its jobs: all ``.tsv`` files below a folder, one row a job.
+    """Read Snakemake's measurements of jobs: all ``.tsv`` files below a folder, one row per job.
 
     Returns
     -------
     DataFrame
-        Columns rule (file or first folder), job, s [s], max_rss [MB]; jobs too
-        short to be measured have NaN.
+        Columns rule (file or first folder), job, s [s], max_rss [MB]; NaN for jobs too
+        short for a measurement.
     """
     rows = [
         pd.read_csv(path, sep="\t", na_values=["-"], usecols=["s", "max_rss"]).assign(
@@ -39,13 +42,13 @@ def read_benchmarks(folder: str | Path) -> pd.DataFrame:
 
 
 def read_text(path: str | Path) -> str:
-    """A text, such as a log or a CSV; `InputError` where it is no UTF-8."""
+    """Read a text, such as a log or a CSV; raise `InputError` unless it is UTF-8."""
     try:
         return Path(path).read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
-        raise InputError(f"{path}: is no UTF-8 text ({error.reason} at {error.start})") from None
+        raise InputError(f"{path}: must be UTF-8 text ({error.reason} at {error.start})") from None
 
 
 def write_text(text: str, path: str | Path) -> None:
-    """Write a text, whole or not at all."""
+    """Write a text, completely or not at all."""
     atomically(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))

@@ -1,1 +1,1 @@
-"""Rough walls: JRC relations, synthesis, and what a wall has."""
+"""Rough walls: JRC relations, synthesis, and measures of walls."""

@@ -1,25 +1,25 @@
-"""Differences of a wall's heights (y, x): over distances, of slopes, of neighbours; its peaks.
+"""Differences of a wall's heights (y, x): over distances, of slopes, of neighbours; peaks.
 
-NaN stay NaN.
+NaN remain NaN.
 """
 
 import numpy as np
 
 
 def difference(heights: np.ndarray, axis: str, lag: int) -> np.ndarray:
-    """Height of a cell so many cells further along "x" or "y" less its own."""
+    """Return the height of the cell ``lag`` cells further along an axis less that of the cell."""
     if axis == "x":
         return heights[:, lag:] - heights[:, :-lag]
     return heights[lag:] - heights[:-lag]
 
 
 def second_difference(heights: np.ndarray, axis: str, lag: int) -> np.ndarray:
-    """Differences of these differences: z(x + 2 d) - 2 z(x + d) + z(x)."""
+    """Return second differences z(x + 2 d) - 2 z(x + d) + z(x)."""
     return difference(difference(heights, axis, lag), axis, lag)
 
 
 def slope_correlation(heights: np.ndarray, lags: np.ndarray, axis: str) -> np.ndarray:
-    """Correlation of the slopes along an axis with those so many cells further on."""
+    """Return the correlation of slopes along an axis with those ``lags`` cells further."""
     steps = difference(heights, axis, 1)
     if axis == "y":
         steps = steps.T
@@ -30,10 +30,10 @@ def slope_correlation(heights: np.ndarray, lags: np.ndarray, axis: str) -> np.nd
 
 
 def peak_cells(heights: np.ndarray) -> np.ndarray:
-    """Whether a cell (y, x) is higher than its eight neighbours; never at the edge.
+    """Return whether a cell (y, x) is higher than its eight neighbours; never true at the edge.
 
-    Of a scan, whose edge and gaps (NaN) hide what is beyond. The model's joints end at
-    their edge: `jointclosure.solvers.cells.is_peak` is another question.
+    This is for a scan, where heights beyond the edge and in gaps (NaN) are unknown. The joints of
+    the model end at their edge, see `jointclosure.solvers.cells.is_peak`.
     """
     here = heights[1:-1, 1:-1]
     higher = np.ones(here.shape, bool)
@@ -46,7 +46,7 @@ def peak_cells(heights: np.ndarray) -> np.ndarray:
 
 
 def mean_curvature(heights: np.ndarray, spacing: float) -> np.ndarray:
-    """Half of -(z_xx + z_yy) [1/m] by second differences: positive on peaks, NaN at edges."""
+    """Return -(z_xx + z_yy) / 2 [1/m] by second differences: positive on peaks, NaN at edges."""
     curvature = np.full(heights.shape, np.nan)
     curvature[1:-1, 1:-1] = -0.5 * sum(
         (before - 2.0 * heights[1:-1, 1:-1] + after) / spacing**2

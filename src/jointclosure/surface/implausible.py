@@ -1,4 +1,4 @@
-"""Pairs of scans that are more often a slip than meant: refused before a joint is closed."""
+"""Refusal of pairs of scans that are probably wrong, before a joint is closed."""
 
 from typing import NamedTuple
 
@@ -11,32 +11,32 @@ from jointclosure.surface.outliers import points_of
 from jointclosure.surface.plausibility import slope_doubts
 
 _COPY = 1e-6
-"""By what the correlation of heights of two scans of different walls is below 1 at least. At 1e-6
-the rms difference is a thousandth of the rms height, 0.3 um of a typical wall: no two scans of even
-one wall repeat so well."""
+"""Smallest difference from 1 of the correlation of heights of scans of two different walls. At 1e-6
+the rms difference is a thousandth of the rms height, 0.3 um of a typical wall. Even two scans of
+one wall do not repeat so well."""
 _CROSSED = 0.9
-"""Share of the cells in which the upper wall must lie below the lower one for the walls to count as
-interchanged. Of the published walls that this was tried on it is 0.998, and 0.002 in their order;
-where both scans have their zero at their own mean it is about a half."""
+"""Share of cells with the upper wall below the lower one from which the walls count as
+interchanged. For the published walls that were tried it is 0.998 if they are interchanged, and
+0.002 if not. It is about a half if the zero of each scan is at its mean."""
 
 
 class Implausible(NamedTuple):
-    """Refuses what is implausible of two scans, unless it is meant.
+    """Check that refuses implausible pairs of scans, unless they are allowed.
 
-    ``allowed`` is what the caller's ``unusual_values`` says.
+    ``allowed`` is the caller's ``unusual_values``.
     """
 
     allowed: bool
 
     def check_scans(self, upper: Scan | Cloud, lower: Scan | Cloud, spacing: float) -> None:
-        """Raise `InputError` where both scans are one, or have no size of a wall.
+        """Raise `InputError` if both scans are the same, or do not have the size of a wall.
 
         Parameters
         ----------
         upper, lower : Scan or Cloud
             In metres.
         spacing : float
-            Of the joint's grid [m].
+            Spacing of the joint's grid [m].
         """
         if self.allowed:
             return
@@ -49,31 +49,31 @@ class Implausible(NamedTuple):
                 check_usual((), side_of_scan=side)
 
     def check_orientation(self, stated: str, clear: str) -> None:
-        """Raise `InputError` where the stated orientation is not the one that is clear."""
+        """Raise `InputError` if another orientation than the stated one fits clearly better."""
         if not self.allowed and stated != clear:
             raise InputError(
                 f"orientation = {stated!r}: {clear} fits clearly better, and closures of walls "
-                "that lie wrong are several times too large; state that one or leave it out; "
-                f"{AS_IT_IS}"
+                f"in a wrong orientation are several times too large; state {clear} or leave "
+                f"orientation out; {AS_IT_IS}"
             )
 
     def check_slopes(self, upper: np.ndarray, lower: np.ndarray, spacing: float) -> None:
-        """Raise `InputError` where heights (y, x) and spacing [m] are rather of unlike units."""
-        found = slope_doubts({"upper": upper, "lower": lower}, spacing)
-        if found and not self.allowed:
-            raise InputError(f"{'; '.join(found)}; {AS_IT_IS}")
+        """Raise `InputError` if heights (y, x) and spacing [m] are probably in different units."""
+        problems = slope_doubts({"upper": upper, "lower": lower}, spacing)
+        if problems and not self.allowed:
+            raise InputError(f"{'; '.join(problems)}; {AS_IT_IS}")
 
     def check_pair(self, gap: np.ndarray, correlation: float, common_frame: bool) -> None:
-        """Raise `InputError` where walls are interchanged, or one is a copy of the other.
+        """Raise `InputError` if walls are interchanged, or one is a copy of the other.
 
         Parameters
         ----------
         gap : array (y, x)
             Height of the upper wall less that of the lower one as scanned, z upwards [m].
         correlation : float
-            Of the heights of both walls.
+            Correlation of the heights of both walls.
         common_frame : bool
-            Whether both scans have one zero of heights.
+            Whether both scans have the same zero of heights.
         """
         if self.allowed:
             return

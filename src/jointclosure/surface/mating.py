@@ -1,4 +1,4 @@
-"""How two walls fit each other: correlation of slopes over shifts, of heights over wavelengths."""
+"""Fit of two walls: correlation of slopes over shifts, and of heights over wavelengths."""
 
 from typing import Any, NamedTuple
 
@@ -8,15 +8,17 @@ import scipy.fft
 from jointclosure.surface.roughness import detrended
 
 WAVES_FOR_ONE = 4.5
-"""Coefficients of `windowed_waves` that tell as much as one: each is there with its mirror image,
-and the window makes neighbours of four alike (1.5 along each axis)."""
+"""Number of coefficients of `windowed_waves` that contain as much information as one independent
+one: each occurs with its mirror image, and the window correlates neighbours (factor 1.5 along each
+axis)."""
 
 
 class Mating(NamedTuple):
-    """Correlation of two walls over wavelengths, as of `mating`.
+    """Correlation of two walls over wavelengths, from `mating`.
 
-    ``wavelengths`` [m] are the middles of bands of half an octave, longest first; ``modes`` their
-    numbers of independent waves, by which the standard error is (1 - correlation^2) / sqrt(modes).
+    ``wavelengths`` [m] are the middles of bands of half an octave, longest first. ``modes`` are the
+    numbers of independent waves of the bands; the standard error is (1 - correlation^2) /
+    sqrt(modes).
     """
 
     wavelengths: np.ndarray
@@ -25,20 +27,21 @@ class Mating(NamedTuple):
 
 
 def mating(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mating:
-    """Correlation of walls by wavelength: 1 where they mate, 0 where they are independent.
+    """Compute the correlation of walls by wavelength: 1 if they are mated, 0 if independent.
 
     Parameters
     ----------
     upper, lower : array (y, x)
-        Heights [m] towards the other wall, none missing.
+        Heights [m] towards the other wall, without missing cells.
     spacing : float
         Grid spacing [m].
 
     Returns
     -------
     Mating
-        -Re(sum U L*) / sqrt(sum |U|^2 sum |L|^2) over the waves of a band, of the walls' Fourier
-        transforms U and L under a Hann window. Bands with fewer than four waves are left out.
+        -Re(sum U L*) / sqrt(sum |U|^2 sum |L|^2) over the waves of a band, where U and L are the
+        Fourier transforms of the walls with a Hann window. Bands with fewer than four waves are
+        left out.
     """
     ny, nx = upper.shape
     one, other = (windowed_waves(wall) for wall in (upper, lower))
@@ -55,21 +58,21 @@ def mating(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mating:
     power = over_bands(np.abs(one) ** 2) * over_bands(np.abs(other) ** 2)
     modes = over_bands(np.ones(wave.shape)) / WAVES_FOR_ONE
     with np.errstate(invalid="ignore", divide="ignore"):
-        correlation = np.clip(cross / np.sqrt(power), -1.0, 1.0)  # beyond by rounding
+        correlation = np.clip(cross / np.sqrt(power), -1.0, 1.0)  # exceeded only by rounding
     enough = modes >= 4.0
     middles = longest * 2.0 ** (-0.5 * np.arange(count))
     return Mating(middles[enough], correlation[enough], modes[enough])
 
 
 def windowed_waves(wall: np.ndarray) -> Any:
-    """Fourier transform (y, x) of a wall less its plane, under a Hann window."""
+    """Compute the Fourier transform (y, x) of a wall less its plane, with a Hann window."""
     ny, nx = wall.shape
     window = np.outer(np.hanning(ny + 2)[1:-1], np.hanning(nx + 2)[1:-1])
     return scipy.fft.fft2(window * detrended(wall))
 
 
 def wave_numbers(shape: tuple[int, ...], spacing: float) -> np.ndarray:
-    """Of each coefficient (y, x) of `windowed_waves` [1/m]."""
+    """Return the wave number [1/m] of each coefficient (y, x) of `windowed_waves`."""
     wave_y, wave_x = (scipy.fft.fftfreq(n, spacing) for n in shape)
     return np.hypot(wave_y[:, None], wave_x[None, :])
 
@@ -77,23 +80,24 @@ def wave_numbers(shape: tuple[int, ...], spacing: float) -> np.ndarray:
 def slope_correlation_over_shifts(
     fixed: np.ndarray, moved: np.ndarray, least_overlap: float
 ) -> np.ndarray:
-    """Correlation of the slopes of two fields for every shift of one of them.
+    """Compute the correlation of the slopes of two fields for every shift of one of them.
 
-    Slopes, and not heights, since the longest waves correlate by chance: there are few of them.
+    Slopes are used instead of heights, because the few longest waves of heights correlate by
+    chance.
 
     Parameters
     ----------
     fixed, moved : array (y, x)
-        Heights on grids of one spacing, NaN where missing.
+        Heights on grids of equal spacing, NaN where missing.
     least_overlap : float
-        Share of the smaller field's slopes that must meet others.
+        Smallest share of the smaller field's slopes that must overlap the other field.
 
     Returns
     -------
     array
-        Over shifts of ``moved`` in cells, (y, x), negative ones counted from the end as in a
-        discrete Fourier transform; NaN where fields overlap too little. By masked normalised
-        cross-correlation (Padfield 2012).
+        Correlation over shifts of ``moved`` in cells, (y, x), with negative shifts counted from
+        the end as in a discrete Fourier transform; NaN where fields overlap too little. Computed
+        by masked normalised cross-correlation (Padfield 2012).
     """
     cross = fixed_power = moved_power = 0.0
     for one, other in zip(_slopes(fixed), _slopes(moved), strict=True):
@@ -102,14 +106,14 @@ def slope_correlation_over_shifts(
             sums + part for sums, part in zip((cross, fixed_power, moved_power), parts, strict=True)
         )
     with np.errstate(invalid="ignore", divide="ignore"):
-        found = cross / np.sqrt(fixed_power * moved_power)
-    return np.where(np.isfinite(found), found, np.nan)
+        correlation = cross / np.sqrt(fixed_power * moved_power)
+    return np.where(np.isfinite(correlation), correlation, np.nan)
 
 
 def best_shift(correlation: np.ndarray) -> tuple[tuple[int, int], float]:
-    """Shift (y, x) in cells at which an array of all shifts is largest, and its value there.
+    """Return the shift (y, x) in cells with the largest value of an array, and this value.
 
-    The value is NaN where no shift is allowed.
+    The value is NaN if no shift is allowed.
     """
     if not np.isfinite(correlation).any():
         return (0, 0), float("nan")
@@ -123,7 +127,7 @@ def _slopes(field: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _masked_moments(fixed: np.ndarray, moved: np.ndarray, least_overlap: float) -> Any:
-    """Sums of the product and of the squares, less their means, where both are known."""
+    """Return sums of products and of squares, less their means, where both fields are known."""
     size = [
         scipy.fft.next_fast_len(a + b - 1, True)
         for a, b in zip(fixed.shape, moved.shape, strict=True)

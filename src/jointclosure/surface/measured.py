@@ -1,6 +1,6 @@
-"""Scanned walls: from what was scanned to heights on the square grid of a joint.
+"""Conversion of scans to heights on the square grid of a joint.
 
-No files here: `jointclosure.scans` reads them. See docs/measured_walls.md.
+Files are read by `jointclosure.scans`. See docs/measured_walls.md.
 """
 
 from typing import NamedTuple
@@ -11,21 +11,22 @@ import scipy
 from jointclosure.inputs import InputError
 
 LARGEST_TILT = 20.0
-"""Inclination of a scan's mean plane [degrees]: beyond it heights are no longer those of a wall."""
+"""Largest inclination of a scan's mean plane [degrees] for which heights represent a wall."""
 REACH = 2.0
-"""Mean distances of points: a cell farther than that from every point has no height."""
+"""Distance, in mean point distances, within which a cell needs a point to have a height."""
 MOST_CELLS_PER_POINT = 100
-"""Of a grid: more than that, and nearly all of it lies beyond the points."""
+"""Largest number of cells of a grid for each point; with more, nearly all cells are far from
+points."""
 MISSING = ("refuse", "avoid", "nearest", "linear")
 LARGEST_FILLED_SHARE = 0.05
-"""Of the cells of a wall: more than that is not filled unless the user says so."""
+"""Largest share of a wall's cells that is filled unless the user allows more."""
 
 
 class Scan(NamedTuple):
-    """Heights (y, x) [m] on a regular grid, NaN where none was measured; spacing (dy, dx) [m].
+    """Heights (y, x) [m] on a regular grid, NaN where missing, and spacing (dy, dx) [m].
 
-    ``origin`` is (y, x) of the first cell [m], None where it is not known; ``remarks`` are
-    sentences on what was left out in reading.
+    ``origin`` is the (y, x) of the first cell [m], or None if it is unknown. ``remarks`` are
+    sentences on what reading left out.
     """
 
     heights: np.ndarray
@@ -44,7 +45,7 @@ class Scan(NamedTuple):
 
 
 class Cloud(NamedTuple):
-    """Points (n, 3) [m]: x, y and height, in no order; ``remarks`` as of `Scan`."""
+    """Points (n, 3) [m]: x, y and height, in any order; ``remarks`` as for `Scan`."""
 
     points: np.ndarray
     remarks: tuple[str, ...] = ()
@@ -60,12 +61,14 @@ class Cloud(NamedTuple):
 
 
 def point_distance(scan: Scan | Cloud) -> float:
-    """Distance of neighbouring points [m]: the larger of a grid's, the mean one of a cloud.
+    """Return the distance of neighbouring points [m].
+
+    It is the larger of the two spacings of a grid, and the mean distance of a cloud.
 
     Raises
     ------
     InputError
-        A cloud of fewer than four points, or of points on one line.
+        If a cloud has fewer than four points, or all points lie on one line.
     """
     if isinstance(scan, Scan):
         return max(scan.spacing)
@@ -81,18 +84,18 @@ def point_distance(scan: Scan | Cloud) -> float:
 def wall_on_grid(
     scan: Scan | Cloud, spacing: float, bounds: np.ndarray | None = None
 ) -> np.ndarray:
-    """A scan on a square grid, its mean plane removed.
+    """Put a scan on a square grid and remove its mean plane.
 
     Parameters
     ----------
     scan : Scan or Cloud
-        A grid of the same spacing is taken as it is, one whose spacing divides it by
-        leaving cells out, others by cubic splines; points by linear interpolation in the
-        triangles between them.
+        A grid of the same spacing is used unchanged. A grid whose spacing divides that of the
+        joint is thinned. Other grids are interpolated by cubic splines, and points linearly in
+        the triangles between them.
     spacing : float
         Grid spacing of the joint [m].
     bounds : array (2, 2)
-        For points: least and largest (x, y) of the grid [m]; by default those of the points.
+        For points: smallest and largest (x, y) of the grid [m], by default those of the points.
 
     Returns
     -------
@@ -102,7 +105,7 @@ def wall_on_grid(
     Raises
     ------
     InputError
-        A grid finer than the scan, or a scan inclined by more than `LARGEST_TILT`.
+        If the grid is finer than the scan, or the scan is inclined by more than `LARGEST_TILT`.
     """
     distance = point_distance(scan)
     if spacing < (0.99 if isinstance(scan, Scan) else 0.8) * distance:
@@ -121,7 +124,7 @@ def wall_on_grid(
 
 
 def _levelled(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
-    """Heights less their least-squares plane; NaN stay."""
+    """Subtract the least-squares plane from heights; NaN remain."""
     known = np.isfinite(heights)
     if known.sum() < 4:
         raise InputError(f"{int(known.sum())} heights: too few for a wall")
@@ -158,11 +161,11 @@ def _gridded(
 def heights_between(
     places: np.ndarray, heights: np.ndarray, nodes: np.ndarray, reach: float
 ) -> np.ndarray:
-    """Heights at nodes (..., 2), linear in the triangles between places (n, 2) of known heights.
+    """Interpolate heights at nodes (..., 2) linearly in the triangles between places (n, 2).
 
-    NaN beyond all triangles and farther than ``reach`` from every place; all in metres.
+    NaN outside of all triangles and farther than ``reach`` from every place. All in metres.
     """
-    # Delaunay's triangles are found best for coordinates of order one about zero
+    # the triangulation is most robust for coordinates of order one about zero
     centre, scale = places.mean(axis=0), np.ptp(places)
     between = scipy.interpolate.LinearNDInterpolator((places - centre) / scale, heights)
     wall = between((nodes - centre) / scale)
@@ -172,7 +175,7 @@ def heights_between(
 
 def _resampled(scan: Scan, spacing: float) -> np.ndarray:
     heights = scan.heights
-    ratios = [spacing / own for own in scan.spacing]
+    ratios = [spacing / scanned for scanned in scan.spacing]
     steps = [round(ratio) for ratio in ratios]
     if all(abs(ratio - step) < 1e-6 * ratio for ratio, step in zip(ratios, steps, strict=True)):
         return heights[:: steps[0], :: steps[1]].copy()
@@ -193,38 +196,39 @@ def _resampled(scan: Scan, spacing: float) -> np.ndarray:
 def filled(
     wall: np.ndarray, missing: str, largest_share: float = LARGEST_FILLED_SHARE
 ) -> np.ndarray:
-    """A wall (y, x) whose missing cells are treated as told.
+    """Treat the missing cells of a wall (y, x).
 
     Parameters
     ----------
     wall : array (y, x)
         NaN where no height is known.
     missing : {"refuse", "avoid", "nearest", "linear"}
-        An error; left, so that joints are cut where nothing is missing; the height of the
-        nearest cell; or linear between the cells around, beyond them the nearest.
+        "refuse": raise an error. "avoid": leave them, so that joints are cut where no cell is
+        missing. "nearest": use the height of the nearest cell. "linear": interpolate linearly
+        between the surrounding cells, and use the nearest cell outside of them.
     largest_share : float
-        Of the cells that may be filled.
+        Largest share of cells that may be filled.
 
     Raises
     ------
     InputError
-        Cells are missing and are refused, or more are than may be filled.
+        If missing cells are refused, or more cells are missing than may be filled.
     """
     holes = ~np.isfinite(wall)
     if missing not in MISSING:
         raise InputError(f"missing = {missing!r}: must be one of {', '.join(MISSING)}")
     if not holes.any() or missing == "avoid":
         return wall
-    said = f"{int(holes.sum())} of {holes.size} cells have no height"
+    message = f"{int(holes.sum())} of {holes.size} cells have no height"
     if missing == "refuse":
         first = ", ".join(str(index) for index in np.argwhere(holes)[0])
         raise InputError(
-            f"{said}, the first at (y, x) = ({first}); choose missing: avoid (joints are cut "
-            "where none is missing), nearest or linear (they are filled)"
+            f"{message}, the first at (y, x) = ({first}); choose missing: avoid (joints are cut "
+            "where no cell is missing), nearest or linear (missing cells are filled)"
         )
     if holes.mean() > largest_share:
         raise InputError(
-            f"{said}: a share of {holes.mean():.3f}, and at most {largest_share:g} may be filled "
+            f"{message}: a share of {holes.mean():.3f}, at most {largest_share:g} may be filled "
             "(largest_filled_share); choose missing: avoid, or crop the scan"
         )
     near = _nearest(wall)
@@ -238,7 +242,7 @@ def filled(
 
 
 def _nearest(heights: np.ndarray) -> np.ndarray:
-    """Heights with the nearest known one where none is known."""
+    """Replace missing heights by the nearest known height."""
     holes = ~np.isfinite(heights)
     if not holes.any():
         return heights
@@ -247,15 +251,15 @@ def _nearest(heights: np.ndarray) -> np.ndarray:
 
 
 def windows(wall: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Offsets (k, 2) of all windows of a shape in which no cell is missing, row by row.
+    """Return offsets (k, 2) of all windows of a shape without missing cells, row by row.
 
     Raises
     ------
     InputError
-        There is none; the message says what would fit.
+        If there is none; the message states the largest size that fits.
     """
-    found = _full_windows(wall, *shape)
-    if not len(found):
+    offsets = _full_windows(wall, *shape)
+    if not len(offsets):
         size = min(wall.shape)
         while size > 0 and not len(_full_windows(wall, size, size)):
             size -= 1
@@ -263,7 +267,7 @@ def windows(wall: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
             f"no room for {shape[0]} x {shape[1]} cells (y, x): the wall has {wall.shape[0]} x "
             f"{wall.shape[1]} at the grid's spacing, and its largest full square is {size} x {size}"
         )
-    return found
+    return offsets
 
 
 def _full_windows(wall: np.ndarray, ny: int, nx: int) -> np.ndarray:
@@ -276,7 +280,10 @@ def _full_windows(wall: np.ndarray, ny: int, nx: int) -> np.ndarray:
 
 
 def disjoint(offsets: np.ndarray, shape: tuple[int, int]) -> int:
-    """How many of the windows fit side by side, taken in their order: a lower bound of the most."""
+    """Count windows that fit side by side, taken in their order.
+
+    It is a lower bound of the largest number of disjoint windows.
+    """
     count = 0
     while len(offsets):
         apart = np.abs(offsets - offsets[0])

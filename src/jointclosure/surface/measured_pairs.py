@@ -1,4 +1,4 @@
-"""Joints of scanned walls: windows of a scan, and what a single wall is met with."""
+"""Joints of scanned walls: windows of a scan, and the partner of a single wall."""
 
 from typing import NamedTuple
 
@@ -11,19 +11,20 @@ from jointclosure.surface.roughness import detrended
 from jointclosure.surface.synthesis import synthetic_wall
 
 PARTNERS = ("rotated", "mirrored", "synthetic")
-"""What a single wall is met with: itself, turned by 180 degrees in its plane or mirrored in x,
-or a wall drawn with its slope and Hurst exponent, independent of it."""
+"""Partners of a single scanned wall: the wall itself, turned by 180 degrees in its plane or
+mirrored in x, or an independent synthetic wall with its slope and Hurst exponent."""
 
 _SYNTHETIC_STREAM = "matching"
-"""The former word for it, kept as the name of the random stream: another draws other walls."""
+"""Name of the random stream of synthetic partners: a former term, kept because another name would
+give other walls."""
 
 
 class MeasuredWalls(NamedTuple):
-    """Walls of a rock on the joint's grid, as large as they were scanned.
+    """Walls of a rock on the joint's grid, in their full scanned size.
 
-    ``measured`` holds heights (y, x) [m] towards the other wall, NaN where missing, of "upper",
-    "lower" or both, of equal shapes; ``partner`` is one of `PARTNERS` where there is one wall,
-    else "". ``z2`` and ``hurst`` are those of that wall.
+    ``measured`` contains heights (y, x) [m] towards the other wall, NaN where missing, of "upper",
+    "lower" or both, in equal shapes. ``partner`` is one of `PARTNERS` if there is only one wall,
+    otherwise "". ``z2`` and ``hurst`` are those of that wall.
     """
 
     measured: dict[str, np.ndarray]
@@ -34,7 +35,7 @@ class MeasuredWalls(NamedTuple):
 
 
 class Placed(NamedTuple):
-    """A joint's walls (y, x) [m], and the cell of the scan at which each begins, or (-1, -1)."""
+    """Walls (y, x) [m] of a joint, and the cell of the scan where each begins, or (-1, -1)."""
 
     upper: np.ndarray
     lower: np.ndarray
@@ -43,7 +44,7 @@ class Placed(NamedTuple):
 
 
 class Cutter:
-    """Cuts the joints of a study out of scanned walls.
+    """Cutter of the joints of a study from scanned walls.
 
     Parameters
     ----------
@@ -51,15 +52,15 @@ class Cutter:
     shape : (ny, nx)
         Cells of a joint.
     order_seed : int
-        Of the order in which windows are taken: realisation r has the r-th of it, so that no two
-        realisations have the same, and more realisations change none that there were.
+        Seed of the order of windows. Realisation r has the r-th window, so that realisations
+        have different windows, and adding realisations does not change the others.
     normalise : {"wall", "expectation"}
-        Of synthetic partners, see `jointclosure.surface.synthesis.synthetic_wall`.
+        For synthetic partners, see `jointclosure.surface.synthesis.synthetic_wall`.
 
     Raises
     ------
     InputError
-        No room for the shape.
+        If no window of this shape fits.
     """
 
     def __init__(
@@ -74,17 +75,17 @@ class Cutter:
         }
 
     def check(self, realizations: int) -> None:
-        """Raise `InputError` where there are fewer windows than realisations."""
+        """Raise `InputError` if there are fewer windows than realisations."""
         count = len(self.windows)
         if realizations > count and self.walls.partner != "synthetic":
             raise InputError(
-                f"study.realizations = {realizations}: the walls have room for {count} different "
-                f"joints of {self.shape[0]} x {self.shape[1]} cells; at most that many, a smaller "
-                "grid, or synthetic for the other wall"
+                f"study.realizations = {realizations}: must be at most {count}, the number of "
+                f"different joints of {self.shape[0]} x {self.shape[1]} cells that the walls "
+                "contain; or use a smaller grid, or synthetic for the other wall"
             )
 
     def joint(self, realization: int, seed: int) -> Placed:
-        """Walls of a realisation, each plane-detrended, from its number and seed."""
+        """Return the walls of a realisation, each plane-detrended, from its number and seed."""
         names = list(self.walls.measured)
         origin = self._origin("measured", realization)
         cut = {name: self._cut(name, origin) for name in names}

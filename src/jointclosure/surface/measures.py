@@ -1,9 +1,9 @@
-"""What a wall's roughness is, with an uncertainty: slopes, JRC, Hurst exponent, curvature, peaks.
+"""Roughness measures of a wall with uncertainty: slopes, JRC, Hurst exponent, curvature, peaks.
 
-Curvature and peaks are made of means over cells, and these of sums over tiles of the wall. Tiles
-are drawn again and again (a block bootstrap): cells are not independent, tiles nearly are.
-Heights, slopes, JRC and Hurst exponents have a part in what is as long as the wall, of which tiles
-know nothing: synthetic walls of the same slope and exponent tell how they scatter.
+Curvature and peaks are means over cells, computed from sums over tiles of the wall. Tiles are
+resampled (a block bootstrap), because cells are not independent and tiles nearly are. Heights,
+slopes, JRC and Hurst exponents also depend on waves as long as the wall, which tiles do not
+contain. Their scatter is that of synthetic walls of the same slope and exponent.
 """
 
 from typing import Any, NamedTuple
@@ -22,16 +22,17 @@ from jointclosure.surface.roughness import RELATIONS, Relation
 from jointclosure.surface.synthesis import synthetic_wall
 
 TILES = 6
-"""Tiles along the shorter side."""
+"""Number of tiles along the shorter side."""
 SMALLEST_WALL = 24
-"""Cells along the shorter side: four for each tile."""
+"""Smallest number of cells along the shorter side: four for each tile."""
 DRAWS, LARGEST_DRAW = 100, 400
-"""Synthetic walls, and the largest number of cells along their sides: smaller ones scatter more."""
+"""Number of synthetic walls, and largest number of cells along their sides; smaller walls scatter
+more."""
 _SLOPES = ("Z2 along x", "Z2 along y", "Z2, both directions")
 
 
 class Measure(NamedTuple):
-    """A measured quantity with the limits of its confidence interval."""
+    """Measured quantity with the limits of its confidence interval."""
 
     name: str
     value: float
@@ -42,10 +43,10 @@ class Measure(NamedTuple):
 
 
 class Increments(NamedTuple):
-    """RMS differences of heights over distances, all [m]: the root structure function.
+    """RMS differences of heights over distances, all in [m]: the root structure function.
 
-    ``x`` and ``y`` are those of two heights along each axis, ``second_x`` and ``second_y`` second
-    differences, of three heights at equal distances.
+    ``x`` and ``y`` are differences of two heights along each axis. ``second_x`` and ``second_y``
+    are second differences of three heights at equal distances.
     """
 
     distances: np.ndarray
@@ -56,7 +57,7 @@ class Increments(NamedTuple):
 
 
 def lags_of(cells: int) -> np.ndarray:
-    """Distances in cells, about evenly spaced in their logarithm, up to a quarter of the wall."""
+    """Return distances in cells, about evenly spaced in logarithm, up to a quarter of the wall."""
     return np.unique(np.round(np.geomspace(1.0, max(cells // 4, 2), 14)).astype(int))
 
 
@@ -68,7 +69,7 @@ def measure_wall(
     confidence: float = 0.95,
     seed: int = 1,
 ) -> list[Measure]:
-    """All measures of a wall.
+    """Compute all measures of a wall.
 
     Parameters
     ----------
@@ -77,17 +78,17 @@ def measure_wall(
     spacing : float
         Grid spacing [m].
     resamples, confidence, seed
-        Of the block bootstrap.
+        Parameters of the block bootstrap.
 
     Returns
     -------
     list of Measure
-        See docs/measured_walls.md for the definition of each.
+        Measures as defined in docs/measured_walls.md.
 
     Raises
     ------
     InputError
-        Fewer cells along a side than `SMALLEST_WALL`.
+        If a side has fewer than `SMALLEST_WALL` cells.
     """
     if min(heights.shape) < SMALLEST_WALL:
         raise InputError(
@@ -95,7 +96,7 @@ def measure_wall(
             f"measures need at least {SMALLEST_WALL} along each side"
         )
     if not np.nanstd(heights) > 0.0:
-        raise InputError("all heights are the same: there is no roughness to be measured")
+        raise InputError("all heights are equal: the wall has no roughness")
     means = _resampled_means(heights, spacing, resamples, seed)
     tail = 50.0 * (1.0 - confidence)
 
@@ -106,24 +107,24 @@ def measure_wall(
     long = _scaling(heights, spacing)
     scatter = _scatter(long, heights.shape, spacing, seed)
     reach = "over {:g} to {:g} mm".format(*1e3 * spacing * _fitted_lags(heights)[[0, -1]])
-    found = [of("rms height", 1e3 * scatter["rms height"], "mm")]
-    found += [of(name, scatter[name], "1") for name in _SLOPES]
+    measures = [of("rms height", 1e3 * scatter["rms height"], "mm")]
+    measures += [of(name, scatter[name], "1") for name in _SLOPES]
     for name in ("H along x", "H along y", "H, both directions"):
-        found.append(of(name, scatter[name], "1", reach))
+        measures.append(of(name, scatter[name], "1", reach))
     first = scatter["H by first differences"]
-    found.append(of("H by first differences", first, "1", f"{reach}; lower, see the docs"))
+    measures.append(of("H by first differences", first, "1", f"{reach}; lower, see the docs"))
     for name, relation in RELATIONS.items():
         values, remark = _jrc(relation, scatter, spacing, first[0])
-        found.append(of(f"JRC, {name}", values, "1", remark))
+        measures.append(of(f"JRC, {name}", values, "1", remark))
     for axis in "xy":
-        found.append(
+        measures.append(
             of(f"rms curvature along {axis}", 1e-3 * np.sqrt(means["curvature", axis]), "1/mm")
         )
     share = np.where(means["peak"] > 0.0, means["peak"], np.nan)
     density = 1e-6 * means["peak"] / spacing**2
-    found.append(of("peaks", density, "1/mm2", "higher than all eight neighbours"))
+    measures.append(of("peaks", density, "1/mm2", "higher than all eight neighbours"))
     if share[0] > 0.0:
-        found += [
+        measures += [
             of(
                 "mean height of peaks",
                 means["peak height"] / share / np.sqrt(means["square"]),
@@ -131,11 +132,11 @@ def measure_wall(
             ),
             of("mean curvature of peaks", 1e-3 * means["peak curvature"] / share, "1/mm"),
         ]
-    return found
+    return measures
 
 
 def increments(heights: np.ndarray, spacing: float) -> Increments:
-    """RMS height differences of a wall (y, x) [m] over all of `lags_of`."""
+    """Compute RMS height differences of a wall (y, x) [m] over all of `lags_of`."""
     lags = lags_of(min(heights.shape))
     rms = [
         np.array([np.sqrt(np.nanmean(order(heights, axis, lag) ** 2)) for lag in lags])
@@ -146,12 +147,12 @@ def increments(heights: np.ndarray, spacing: float) -> Increments:
 
 
 def hurst_of(heights: np.ndarray) -> float:
-    """Hurst exponent of a wall (y, x), both directions together, by second differences.
+    """Estimate the Hurst exponent of a wall (y, x) from second differences in both directions.
 
     H is the slope of the logarithm of their rms over that of their distance, from two cells to a
-    quarter of the wall. Unlike first differences they know nothing of the plane that was
-    removed, nor of what is longer than the wall, which make H come out low by 0.1 and more
-    (Kent & Wood 1997; docs/measured_walls.md).
+    quarter of the wall. Second differences do not depend on the plane that was removed, nor on
+    waves longer than the wall. These make H from first differences too low by 0.1 and more (Kent &
+    Wood 1997; docs/measured_walls.md).
     """
     return _scaling(heights, 1.0)["H, both directions"]
 
@@ -161,17 +162,19 @@ def _fitted_lags(heights: np.ndarray) -> np.ndarray:
 
 
 def _scaling(heights: np.ndarray, spacing: float) -> dict[str, float]:
-    """Measures of what is as long as the wall: rms height [m], slopes and Hurst exponents."""
-    found = increments(heights, spacing)
-    distances = found.distances[1:]
+    """Return measures that depend on the longest waves: rms height [m], slopes, Hurst exponents."""
+    computed = increments(heights, spacing)
+    distances = computed.distances[1:]
     squares = {
-        "H along x": found.second_x**2,
-        "H along y": found.second_y**2,
-        "H, both directions": found.second_x**2 + found.second_y**2,
-        "H by first differences": found.x**2 + found.y**2,
+        "H along x": computed.second_x**2,
+        "H along y": computed.second_y**2,
+        "H, both directions": computed.second_x**2 + computed.second_y**2,
+        "H by first differences": computed.x**2 + computed.y**2,
     }
     exponents = {name: float(_slope(distances, values[1:])) for name, values in squares.items()}
-    slopes = np.array([found.x[0], found.y[0], np.hypot(found.x[0], found.y[0]) / np.sqrt(2.0)])
+    slopes = np.array(
+        [computed.x[0], computed.y[0], np.hypot(computed.x[0], computed.y[0]) / np.sqrt(2.0)]
+    )
     lengths = {"rms height": float(np.nanstd(heights))}
     lengths |= dict(zip(_SLOPES, (slopes / spacing).tolist(), strict=True))
     for lag in _relation_lags(heights.shape, spacing):
@@ -183,7 +186,7 @@ def _scaling(heights: np.ndarray, spacing: float) -> dict[str, float]:
 def _scatter(
     long: dict[str, Any], shape: tuple[int, int], spacing: float, seed: int
 ) -> dict[str, np.ndarray]:
-    """`_scaling` with its scatter over synthetic walls: (1 + DRAWS,), the wall's own first.
+    """Return `_scaling` with its scatter over synthetic walls: (1 + DRAWS,), the wall itself first.
 
     Heights and slopes scatter by factors, exponents by differences.
     """
@@ -195,16 +198,18 @@ def _scatter(
         wall = synthetic_wall(long[_SLOPES[2]], shape, spacing, hurst, random, "expectation")
         draws.append(_scaling(wall, spacing))
     scatter = {}
-    for name, own in long.items():
+    for name, measured in long.items():
         values = np.array([draw[name] for draw in draws])
         exponent = name.startswith("H")
-        around = own + values - values.mean() if exponent else own * values / values.mean()
-        scatter[name] = np.insert(around, 0, own)
+        around = (
+            measured + values - values.mean() if exponent else measured * values / values.mean()
+        )
+        scatter[name] = np.insert(around, 0, measured)
     return scatter
 
 
 def _fields(heights: np.ndarray, spacing: float) -> Any:
-    """(name, values at cells (y, x), NaN where there is none), one after the other."""
+    """Generate (name, values at cells (y, x), NaN where undefined)."""
     yield "square", (heights - np.nanmean(heights)) ** 2
     for axis in "xy":
         yield ("curvature", axis), (second_difference(heights, axis, 1) / spacing**2) ** 2
@@ -220,7 +225,7 @@ def _fields(heights: np.ndarray, spacing: float) -> Any:
 def _resampled_means(
     heights: np.ndarray, spacing: float, resamples: int, seed: int
 ) -> dict[Any, np.ndarray]:
-    """Means of all fields: (1 + resamples,), the wall's own first."""
+    """Return means of all fields: (1 + resamples,), those of the whole wall first."""
     side = min(heights.shape) // TILES
     rows, columns = (-(-n // side) for n in heights.shape)
     tiles = rows * columns
@@ -241,25 +246,25 @@ def _resampled_means(
 
 
 def _slope(distances: np.ndarray, squares: np.ndarray) -> np.ndarray:
-    """H by least squares: half the slope of log mean square difference over log distance."""
+    """Fit H by least squares: half the slope of log mean square difference over log distance."""
     logs = np.log(distances) - np.mean(np.log(distances))
     return 0.5 * np.tensordot(logs, np.log(np.asarray(squares)), axes=1) / np.sum(logs**2)
 
 
 def _lag(relation: Relation, spacing: float) -> int:
-    """The relation's interval in cells, 0 where it is no whole number of them."""
+    """Return the relation's interval in cells, or 0 if it is not a whole number of cells."""
     ratio = relation.interval / spacing
     return round(ratio) if ratio > 0.5 and abs(ratio - round(ratio)) < 1e-6 * ratio else 0
 
 
 def _relation_lags(shape: tuple[int, int], spacing: float) -> list[int]:
-    """Intervals of the relations that are whole numbers of cells, up to a quarter of the wall."""
-    found = {_lag(relation, spacing) for relation in RELATIONS.values()}
-    return sorted(lag for lag in found if 0 < lag <= lags_of(min(shape))[-1])
+    """Return intervals of relations in whole cells, up to a quarter of the wall."""
+    lags = {_lag(relation, spacing) for relation in RELATIONS.values()}
+    return sorted(lag for lag in lags if 0 < lag <= lags_of(min(shape))[-1])
 
 
 def _jrc(relation: Relation, scatter: dict[str, Any], spacing: float, hurst: float) -> Any:
-    """JRC (n,) by a relation with the scatter of its slope, and how it was come by."""
+    """Return JRC (n,) by a relation with the scatter of its slope, and a remark on its source."""
     lag = _lag(relation, spacing)
     if f"Z2 at {lag}" in scatter:
         slope = scatter[f"Z2 at {lag}"]

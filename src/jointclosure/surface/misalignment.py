@@ -1,7 +1,7 @@
-"""Walls out of alignment: one tilted against the other, or rotated about the joint's normal.
+"""Misaligned walls: one tilted against the other, or rotated about the normal of the joint.
 
-A synthetic wall is a sum of waves, which is known everywhere and not at the cells alone. So a
-rotated wall is that sum at the rotated points: nothing is interpolated, and no wave is damped.
+A synthetic wall is a sum of waves, which can be evaluated at any point and not only at the cells. A
+rotated wall is this sum at the rotated points, so that no interpolation damps any wave.
 """
 
 import numpy as np
@@ -14,9 +14,10 @@ from jointclosure.surface.synthesis import Spectrum, gaussian_field
 
 
 def tilted(wall: np.ndarray, spacing: float, degrees: float) -> np.ndarray:
-    """A wall (y, x) [m] tilted about the axis in its mean plane along y, through its middle.
+    """Tilt a wall (y, x) [m] about the middle axis along y in its mean plane.
 
-    Heights gain x tan(degrees); that cells move by its cosine is left out (4e-5 at 0.5 degrees).
+    Heights increase by x tan(degrees). The displacement of cells by the cosine is neglected (4e-5
+    at 0.5 degrees).
     """
     nx = wall.shape[1]
     x = spacing * (np.arange(nx) - 0.5 * (nx - 1))
@@ -32,21 +33,22 @@ def rotated_pair(
     mismatch_wavelength: float = np.inf,
     rotation: float = 0.0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Upper and lower wall of a joint whose lower wall is rotated about the normal.
+    """Make the two walls of a joint whose lower wall is rotated about the normal.
 
     Parameters
     ----------
     z2 : float
-        RMS slope of both walls pooled, rotated as they are.
+        RMS slope of both walls pooled, after the rotation.
     shape : (n, n)
         Cells.
     spacing : float
         Grid spacing [m].
     spectrum : Spectrum
     seed : int
-        Not negative. Waves are those of `jointclosure.wall_pair` of the same seed.
+        Not negative. Waves are those of `jointclosure.wall_pair` with the same seed.
     mismatch_wavelength : float
-        Waves longer than this [m] mate before the rotation; infinite: independent walls.
+        Longer waves [m] are common to both walls before the rotation; infinite for independent
+        walls.
     rotation : float
         Degrees, about the middle of the wall, anticlockwise.
 
@@ -58,13 +60,13 @@ def rotated_pair(
     Raises
     ------
     InputError
-        A grid that is not square: a rotated wall would need waves of another grid.
+        If the grid is not square: a rotated wall would need the waves of another grid.
 
     Notes
     -----
-    By multiples of 90 degrees cells fall on cells. At other angles the waves of the corners of
-    the grid's square of wave numbers, shorter than two spacings along x or y after the rotation,
-    are sampled as longer ones.
+    At multiples of 90 degrees cells map to cells. At other angles the waves in the corners of
+    the square of wave numbers are shorter than two spacings along x or y after the rotation, and
+    are aliased to longer waves.
     """
     n = shape[0]
     if shape[1] != n:
@@ -85,25 +87,25 @@ def rotated_pair(
             _at_rotated_points(lower, n, rotation),
         )
     ]
-    own = np.sqrt(np.mean([rms_slope(wall, spacing) ** 2 for wall in pair]))
-    return pair[0] * (z2 / own), pair[1] * (z2 / own)
+    slope = np.sqrt(np.mean([rms_slope(wall, spacing) ** 2 for wall in pair]))
+    return pair[0] * (z2 / slope), pair[1] * (z2 / slope)
 
 
 def _wave_numbers(n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Cycles per cell along y (n, 1) and x (1, n // 2 + 1)."""
+    """Return wave numbers in cycles per cell along y (n, 1) and x (1, n // 2 + 1)."""
     return scipy.fft.fftfreq(n)[:, None], scipy.fft.rfftfreq(n)[None, :]
 
 
 def _at_rotated_points(waves: np.ndarray, n: int, degrees: float) -> np.ndarray:
-    """Sum of waves, as of `scipy.fft.rfft2` on twice as many cells, at n by n rotated points."""
+    """Sum waves of `scipy.fft.rfft2` on twice as many cells at n by n rotated points."""
     cosine, sine = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
     middle = 0.5 * (n - 1)
     about = np.arange(n) - middle
     wave_y, wave_x = _wave_numbers(2 * n)
-    # of a real field the waves of negative wave numbers along x are left out, but for their mirror
+    # waves of a real field with negative wave numbers along x are mirror images and not stored
     twice = np.where((wave_x > 0.0) & (wave_x < 0.5), 2.0, 1.0)
     weighted = (waves * twice).T / (2 * n) ** 2
-    # a point is at (middle + cosine x + sine y, middle - sine x + cosine y)
+    # rotated point: (middle + cosine x + sine y, middle - sine x + cosine y)
     of_x = _phases(cosine * about, wave_x), _phases(-sine * about, wave_y.T)
     of_y = _phases(middle + sine * about, wave_x), _phases(middle + cosine * about, wave_y.T)
     rows = []
@@ -114,5 +116,5 @@ def _at_rotated_points(waves: np.ndarray, n: int, degrees: float) -> np.ndarray:
 
 
 def _phases(places: np.ndarray, waves: np.ndarray) -> np.ndarray:
-    """exp(2 pi i f x) of places x [cells] (n,) and wave numbers f (1, waves)."""
+    """Return exp(2 pi i f x) for places x [cells] (n,) and wave numbers f (1, waves)."""
     return np.exp(2j * np.pi * places[:, None] * waves)

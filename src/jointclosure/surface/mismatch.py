@@ -1,7 +1,8 @@
-"""The mismatch wavelength of two walls: longer waves mate, shorter ones do not.
+"""Mismatch wavelength of two walls: longer waves are common, shorter ones independent.
 
-Brown (1995) has one sharp length, Glover et al. (1998) a correlation that falls gradually with
-the wavelength. Here the length is where the correlation falls to 1/2, however gradually it does.
+Brown (1995) uses one sharp length, Glover et al. (1998) a correlation that decreases gradually with
+the wavelength. Here the length is the wavelength at which the correlation is 1/2, however gradual
+the decrease.
 """
 
 import itertools
@@ -13,22 +14,22 @@ import scipy
 from jointclosure.surface.mating import WAVES_FOR_ONE, wave_numbers, windowed_waves
 
 CONFIDENCE = 0.95
-"""Of the interval of a mismatch wavelength."""
+"""Confidence of the interval of a mismatch wavelength."""
 _RESOLUTION = 0.75
-"""Of a wave number, in those of the walls' length: an edge is placed no better than to three
-quarters of the distance of two waves. Of 24 pairs each of 48, 96 and 192 cells a side, H 0.5 and
-0.8, and true wavelengths of 5 to 24 cells, intervals with it held the truth 99 % of the time; at
-worst 87 %, where the wavelength was a third of the side."""
+"""Resolution of the mismatch wave number, in wave numbers of the walls' length: three quarters of
+the distance of two waves. Of 24 pairs each with 48, 96 and 192 cells a side, H 0.5 and 0.8, and
+true wavelengths of 5 to 24 cells, 99 % of the intervals with it contained the true value; the worst
+share was 87 %, for a wavelength of a third of the side."""
 _STEEPNESS = np.geomspace(1.0, 64.0, 25)
 _FLOORS = np.array([3e-4, 1e-3, 4e-3, 1.6e-2, 6e-2, 0.2])
 _TRIED = 600
 
 
 class Mismatch(NamedTuple):
-    """The wavelength [m] at which two walls' correlation falls to 1/2, with a 95 % interval.
+    """Wavelength [m] at which the correlation of two walls is 1/2, with a 95 % interval.
 
-    ``wavelength`` is 0 where the walls mate at all wavelengths of the grid, infinite where at
-    none; ``low`` is 0, or ``high`` infinite, where the walls do not tell.
+    ``wavelength`` is 0 if the walls are mated at all wavelengths of the grid, and infinite if at
+    none. ``low`` is 0, or ``high`` infinite, if the walls do not bound it.
     """
 
     wavelength: float
@@ -37,13 +38,13 @@ class Mismatch(NamedTuple):
 
 
 def measured_mismatch(upper: np.ndarray, lower: np.ndarray, spacing: float) -> Mismatch:
-    """The mismatch wavelength of two walls.
+    """Estimate the mismatch wavelength of two walls.
 
     Parameters
     ----------
     upper, lower : array (y, x)
-        Heights [m] towards the other wall, none missing, where they mate best: a shift of them
-        is a mismatch too.
+        Heights [m] towards the other wall, without missing cells, in the position of best fit,
+        because a shift also causes mismatch.
     spacing : float
         Grid spacing [m].
 
@@ -53,13 +54,13 @@ def measured_mismatch(upper: np.ndarray, lower: np.ndarray, spacing: float) -> M
 
     Notes
     -----
-    Where both walls' waves are of equal power and correlate by c, the powers of the sum and of
-    the difference of both walls are independent and as (1 - c) to (1 + c). So the ratio of their
-    sums over a ring of n wave numbers is that times a variable of F(2n, 2n), whatever the
-    spectrum. Its likelihood is profiled over the wavelength w at which c is a half, where
-    c = (1 - 2 e) Phi(s log(W/w) + q) at a wavelength W, and q makes it a half at w; the steepness
-    s and the floor e (noise of the scans, leakage of the window) are free. The interval is
-    widened by `_RESOLUTION`.
+    If the waves of both walls have equal power and correlation c, the powers of the sum and of
+    the difference of both walls are independent, with a ratio of (1 - c) to (1 + c). The ratio of
+    their sums over a ring of n wave numbers is this ratio times a variable distributed as
+    F(2n, 2n), for any spectrum. The likelihood is profiled over the wavelength w at which c is a
+    half. At a wavelength W the model is c = (1 - 2 e) Phi(s log(W/w) + q), where q makes c a half
+    at w, and the steepness s and the floor e (noise of the scans, leakage of the window) are
+    free. The interval is widened by `_RESOLUTION`.
     """
     length = min(upper.shape) * spacing
     shortest, longest = 2.0 * spacing, 0.5 * length
@@ -71,19 +72,19 @@ def measured_mismatch(upper: np.ndarray, lower: np.ndarray, spacing: float) -> M
     most = wave + np.hypot(most - wave, _RESOLUTION / length)
     least = wave - np.hypot(wave - least, _RESOLUTION / length)
 
-    def told(wave: float) -> float:
-        """The wavelength of a wave number, where the grid has it."""
+    def limited(wave: float) -> float:
+        """Return the wavelength of a wave number, limited to those of the grid."""
         if wave * longest <= 1.0:
             return float("inf")
         return 0.0 if wave * shortest >= 1.0 else float(1.0 / wave)
 
-    return Mismatch(told(wave), told(most), told(least))
+    return Mismatch(limited(wave), limited(most), limited(least))
 
 
 def _rings(
     upper: np.ndarray, lower: np.ndarray, spacing: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Over rings of wave numbers: their mean [1/m], the powers' ratio, and how many waves."""
+    """Return mean wave number [1/m], ratio of powers, and number of waves of rings."""
     apart, along = (np.abs(windowed_waves(wall)) ** 2 for wall in (upper + lower, upper - lower))
     wave = wave_numbers(upper.shape, spacing)
     ring = np.round(wave * min(upper.shape) * spacing).astype(int)
@@ -103,7 +104,7 @@ def _rings(
 def _profile(
     wave: np.ndarray, ratio: np.ndarray, count: np.ndarray, tried: np.ndarray
 ) -> np.ndarray:
-    """Log likelihood of each wavelength tried [m], at the steepness and floor that suit it best."""
+    """Return the log likelihood of each wavelength tried [m] at the best steepness and floor."""
     octaves = -np.log(tried[:, None] * wave[None, :])
     best = np.full(tried.size, -np.inf)
     for steepness, floor in itertools.product(_STEEPNESS, _FLOORS):

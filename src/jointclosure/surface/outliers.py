@@ -1,4 +1,4 @@
-"""Measured points that belong to no wall: stray points beside it, spikes above and below it."""
+"""Measured points that belong to no wall: stray points beside it, and spikes."""
 
 import numpy as np
 import scipy
@@ -7,25 +7,27 @@ import scipy.sparse
 from jointclosure.surface.measured import Cloud, Scan
 
 LINK = 5.0
-"""Median distances of neighbouring points: the cells by which points are joined into patches."""
+"""Size of the cells by which points are joined into patches, in median distances of neighbours."""
 SMALLEST_PATCH = 0.01
-"""Of all points: a patch apart from the largest one that has fewer is stray."""
+"""Share of all points below which a patch apart from the largest one is stray."""
 FARTHEST_HEIGHT = 20.0
-"""From the median height, over the range of the middle 98 %: beyond it a height is stray."""
+"""Distance from the median height, over the range of the middle 98 %, beyond which a height is
+stray."""
 NEIGHBOURS = 8
 SPIKE = 8.0
 """Height of a spike beyond its second highest or lowest neighbour, over the median difference of
-neighbours. Gaussian self-affine walls reach 2 on 36,000 points."""
+neighbours. Gaussian self-affine walls reach 2 with 36,000 points."""
 ROUNDS = 4
-"""Of cutting spikes: those that stood side by side come to light when the highest are gone."""
+"""Largest number of rounds of spike removal: some spikes are visible only after higher ones are
+gone."""
 
 
 def strays(points: np.ndarray) -> np.ndarray:
-    """Which of the points (n, 3) are apart from the wall: bool (n,).
+    """Return which of the points (n, 3) are apart from the wall: bool (n,).
 
-    A point is stray where the patch of points that it is linked to, by cells of `LINK` median
-    distances in x and y, is not the largest and holds less than `SMALLEST_PATCH` of the points; or
-    where its height is farther off than `FARTHEST_HEIGHT`. Heights may be NaN.
+    A point is stray if its patch is not the largest one and contains less than `SMALLEST_PATCH` of
+    the points, where patches are linked by cells of `LINK` median distances in x and y; or if its
+    height is farther off than `FARTHEST_HEIGHT`. Heights may be NaN.
     """
     stray = np.zeros(len(points), bool)
     if len(points) < NEIGHBOURS:
@@ -59,13 +61,13 @@ def _apart(places: np.ndarray) -> np.ndarray:
 
 
 def spikes(points: np.ndarray) -> np.ndarray:
-    """Height of each of the points (n, 3) that is a spike, NaN of the others: (n,).
+    """Return the height of each of the points (n, 3) that is a spike, NaN for others: (n,).
 
-    A spike stands out from all but one of its eight nearest neighbours by more than `SPIKE`
-    median height differences of neighbours, upwards (positive) or downwards. What was found
-    is left out and the rest tried again, up to `ROUNDS` times. Heights must be finite.
+    A spike differs from all but one of its eight nearest neighbours by more than `SPIKE` median
+    height differences of neighbours, upwards (positive) or downwards. Spikes are removed and the
+    search is repeated, up to `ROUNDS` times. Heights must be finite.
     """
-    found = np.full(len(points), np.nan)
+    spike_heights = np.full(len(points), np.nan)
     left = np.arange(len(points))
     for _ in range(ROUNDS):
         if len(left) <= NEIGHBOURS:
@@ -74,19 +76,19 @@ def spikes(points: np.ndarray) -> np.ndarray:
         sharp = np.isfinite(heights)
         if not sharp.any():
             break
-        found[left[sharp]] = heights[sharp]
+        spike_heights[left[sharp]] = heights[sharp]
         left = left[~sharp]
-    return found
+    return spike_heights
 
 
 def without_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
-    """A scan without its `spikes`, missing cells of a grid in their place, and what they are.
+    """Remove the `spikes` of a scan, and describe them; cells of a grid become missing.
 
     Returns
     -------
     scan : Scan or Cloud
-    said : str
-        One sentence; empty where there is no spike.
+    message : str
+        One sentence; empty if there is no spike.
     """
     points = points_of(scan)
     heights = spikes(points)
@@ -95,20 +97,20 @@ def without_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
         return scan, ""
     highest = np.nanargmax(np.abs(heights))
     x, y = 1e3 * points[highest, :2]
-    said = (
+    message = (
         f"{int(cut.sum())} of {len(points)} points are spikes: they stand out from all but one of "
         f"their eight neighbours by {1e3 * np.abs(heights[cut]).min():.3g} mm or more, the "
         f"highest by {1e3 * heights[highest]:.3g} mm at (x, y) = ({x:.4g}, {y:.4g}) mm"
     )
     if isinstance(scan, Cloud):
-        return scan._replace(points=points[~cut]), said
+        return scan._replace(points=points[~cut]), message
     left = scan.heights.copy()
     left[np.isfinite(left)] = np.where(cut, np.nan, points[:, 2])
-    return scan._replace(heights=left), said
+    return scan._replace(heights=left), message
 
 
 def points_of(scan: Scan | Cloud) -> np.ndarray:
-    """Points (n, 3) of a scan [m]: x, y and height; of a grid its known cells, row by row."""
+    """Return points (n, 3) of a scan [m]: x, y and height; known cells of a grid row by row."""
     if isinstance(scan, Cloud):
         return scan.points
     known = np.isfinite(scan.heights)

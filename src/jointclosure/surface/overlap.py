@@ -1,4 +1,4 @@
-"""Two clouds of points in one frame, z upwards: the walls where both are known."""
+"""Overlap of two clouds of points in one frame, z upwards: walls where both are known."""
 
 from typing import Any, NamedTuple
 
@@ -10,15 +10,15 @@ from jointclosure.surface.measured import LARGEST_TILT, REACH, filled, heights_b
 from jointclosure.surface.roughness import detrended
 
 SMALLEST_SIDE = 8
-"""Cells of the walls along each side."""
+"""Smallest number of cells of the walls along each side."""
 
 
 class Overlap(NamedTuple):
     """Walls (y, x) [m] where both are known, less the plane common to both, z upwards.
 
-    ``share`` is that of the smaller scan's area; ``inclination`` of the common plane and
-    ``relative`` one of the walls to each other are in degrees; ``filled_cells`` are those of both
-    walls in holes.
+    ``share`` is the share of the smaller scan's area. ``inclination`` is that of the common plane,
+    and ``relative`` that of the walls to each other, in degrees. ``filled_cells`` is the number of
+    filled cells of both walls in holes.
     """
 
     upper: np.ndarray
@@ -36,22 +36,22 @@ def overlap_of(
     distances: tuple[float, float],
     largest_filled_share: float,
 ) -> Overlap:
-    """The largest rectangle of a grid in which two clouds of points (n, 3) [m] are both known.
+    """Find the largest rectangle of a grid in which two clouds of points (n, 3) [m] are known.
 
     Parameters
     ----------
     upper, lower : array (n, 3)
     spacing : float
-        Of the grid [m].
+        Grid spacing [m].
     distances : (upper, lower)
-        Mean distances of the points [m]: see `jointclosure.surface.measured.REACH`.
+        Mean distances of the points [m], see `jointclosure.surface.measured.REACH`.
     largest_filled_share : float
-        Holes inside both walls are filled linearly where they are no more of the cells.
+        Largest share of cells in holes inside both walls for which holes are filled linearly.
 
     Raises
     ------
     InputError
-        The clouds do not overlap by `SMALLEST_SIDE` cells, or are inclined too much.
+        If the clouds overlap by less than `SMALLEST_SIDE` cells, or are inclined too much.
     """
     corners = [(cloud[:, :2].min(axis=0), cloud[:, :2].max(axis=0)) for cloud in (upper, lower)]
     low = np.maximum(*(least for least, _ in corners))
@@ -87,12 +87,12 @@ def overlap_of(
 
 
 def largest_rectangle(full: np.ndarray) -> tuple[slice, slice]:
-    """Slices (y, x) of the largest rectangle of a mask (y, x) in which all cells are true."""
+    """Return slices (y, x) of the largest rectangle of true cells in a mask (y, x)."""
     best, place = 0, (slice(0, 0), slice(0, 0))
     heights = np.zeros(full.shape[1], int)
     for row, line in enumerate(full):
         heights = np.where(line, heights + 1, 0)
-        # columns of growing height, each with the place from which it reaches back
+        # columns of increasing height, with the first position that each covers
         open_columns: list[tuple[int, int]] = []
         for column, height in enumerate([*heights.tolist(), 0]):
             start = column
@@ -114,7 +114,7 @@ def _check_size(shape: tuple[int, int], spacing: float) -> None:
 
 
 def _plane(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Slopes along x and y, and the height at the origin, of the plane of points in a window."""
+    """Fit slopes along x and y, and height at the origin, of the points in a window."""
     inside = ((points[:, :2] >= low) & (points[:, :2] <= high)).all(axis=1)
     if inside.sum() < 4:
         raise InputError(f"the scans have {int(inside.sum())} points in common: too few for walls")
@@ -126,13 +126,13 @@ def _plane(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
 
 
 def _slope(wall: np.ndarray) -> np.ndarray:
-    """Heights per cell of a wall's plane, along y and x."""
+    """Return the slopes of a wall's plane along y and x, in height per cell."""
     plane = wall - detrended(wall)
     return np.array([plane[1, 0] - plane[0, 0], plane[0, 1] - plane[0, 0]])
 
 
 def _without_holes(walls: list[np.ndarray], largest_share: float) -> Any:
-    """Walls whose holes are filled where they are few enough, and which cells of each were."""
+    """Return walls with holes filled if they are few enough, and masks of the filled cells."""
     filled_walls, holes = [], []
     for wall in walls:
         known = np.isfinite(wall)

@@ -1,23 +1,24 @@
-"""What looks like a slip of units or of orientation in the walls of a joint, in sentences."""
+"""Detection of probable errors of units or orientation in the walls of a joint, in sentences."""
 
 import numpy as np
 
 _STEEPEST, _FLATTEST = 2.0, 1e-3
-"""Rms slopes of rough walls beyond which their heights rather have another unit than the spacing:
-natural ones have 0.1 to 0.6."""
+"""Rms slopes of rough walls outside of which heights and spacing probably have different units.
+Natural walls have 0.1 to 0.6."""
 _ALIKE = 0.5
-"""Correlation of slopes from which two walls count as alike."""
+"""Correlation of slopes from which two walls count as similar."""
 _SUMMITS = 10
-"""From as many on a wall counts as rough: a lens or a lattice may be like its partner."""
+"""Number of summits from which a wall counts as rough. A lens or a lattice may resemble its
+partner."""
 
 
 def slope_doubts(walls: dict[str, np.ndarray], spacing: float) -> list[str]:
-    """Walls whose slopes no rough wall has: their heights and spacing are rather of unlike units.
+    """Describe walls whose slopes no rough wall has, so that their units are probably wrong.
 
     Parameters
     ----------
     walls : dict
-        Heights (y, x) [m] by the wall's name, NaN where missing.
+        Heights (y, x) [m] by wall, NaN where missing.
     spacing : float
         [m].
     """
@@ -28,14 +29,14 @@ def slope_doubts(walls: dict[str, np.ndarray], spacing: float) -> list[str]:
         slope = float(np.sqrt(np.mean([np.nanmean(part**2) for part in _slopes(wall)]))) / spacing
         if not _FLATTEST <= slope <= _STEEPEST:
             doubts.append(
-                f"{name}: its rms slope is {slope:.3g}, and natural walls have 0.1 to 0.6; heights "
-                "and spacing are both in m"
+                f"{name}: its rms slope is {slope:.3g}, natural walls have 0.1 to 0.6; heights "
+                "and spacing must both be in m"
             )
     return doubts
 
 
 def doubts(upper: np.ndarray, lower: np.ndarray, spacing: float) -> list[str]:
-    """What looks like a slip of units or of orientation, in sentences.
+    """Describe probable errors of units or of orientation, in sentences.
 
     Parameters
     ----------
@@ -54,27 +55,26 @@ def doubts(upper: np.ndarray, lower: np.ndarray, spacing: float) -> list[str]:
     }
     if fits[""] > _ALIKE:
         doubts.append(
-            f"the walls are alike (correlation {fits['']:.2f}), where those of a joint are each "
-            "other's negative: heights count towards the other wall, so that of a scanned upper "
-            "wall in the frame of the lower one they are -z"
+            f"the walls are alike (correlation {fits['']:.2f}), but one wall of a joint is the "
+            "negative of the other: heights count towards the other wall, so that the heights of "
+            "an upper wall scanned in the frame of the lower one are -z"
         )
     for axis in ("y", "x"):
         if fits[axis] < -_ALIKE and fits[""] > -0.5 * _ALIKE:
             doubts.append(
-                f"the walls mate where the upper one is turned round along {axis} (correlation "
-                f"{-fits[axis]:.2f}), and not as they are ({-fits['']:.2f}): is it the other "
-                f"way round?"
+                f"the walls fit if the upper one is reversed along {axis} (correlation "
+                f"{-fits[axis]:.2f}), and not as given ({-fits['']:.2f}): is its direction right?"
             )
     return doubts
 
 
 def _slopes(wall: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Differences of neighbours along y and x, on the cells that have both."""
+    """Return differences of neighbours along y and x, on the cells that have both."""
     return np.diff(wall, axis=0)[:, 1:], np.diff(wall, axis=1)[1:]
 
 
 def _likeness(one: np.ndarray, other: np.ndarray) -> float:
-    """Correlation of the slopes of two walls, 0 where one has none."""
+    """Return the correlation of the slopes of two walls, 0 if one has no slopes."""
     a, b = (np.concatenate([part.ravel() for part in _slopes(wall)]) for wall in (one, other))
     known = np.isfinite(a) & np.isfinite(b)
     a, b = a[known], b[known]
@@ -83,7 +83,7 @@ def _likeness(one: np.ndarray, other: np.ndarray) -> float:
 
 
 def _is_rough(wall: np.ndarray) -> bool:
-    """Whether enough inner cells of a wall are higher than their four neighbours."""
+    """Return whether enough inner cells of a wall are higher than their four neighbours."""
     if min(wall.shape) < 3:
         return False
     inner = wall[1:-1, 1:-1]

@@ -1,6 +1,6 @@
-"""Two scans of the walls of a joint, brought together: orientation, shift, overlap, mating.
+"""Registration of the scans of the two walls of a joint: orientation, shift, overlap, mating.
 
-No files here: `jointclosure.scans` reads them. See docs/measured_walls.md.
+Files are read by `jointclosure.scans`. See docs/measured_walls.md.
 """
 
 from typing import NamedTuple
@@ -29,20 +29,21 @@ from jointclosure.surface.overlap import Overlap, overlap_of
 from jointclosure.surface.roughness import detrended
 
 LEAST_OVERLAP = 0.5
-"""Of the smaller wall: shifts that leave less are not tried."""
+"""Smallest share of the smaller wall that must overlap; other shifts are not tried."""
 COMPARED_CELLS = 64
-"""At least so many along the shorter side when orientations are compared: long waves tell them."""
+"""Smallest number of cells along the shorter side for the comparison of orientations, which long
+waves distinguish."""
 CLEAR = 1.5
-"""An orientation is clear where its slopes correlate so many times better than any other's.
-Of 900 pairs of independent walls (64 to 128 cells, H 0.5 to 1) none was clear so by chance, by 1.4
-seven were."""
+"""An orientation is clear if its correlation of slopes is this many times that of any other. Of 900
+pairs of independent walls (64 to 128 cells, H 0.5 to 1) none was clear by chance; with a factor of
+1.4 seven were."""
 
 
 class Orientation(NamedTuple):
-    """How the heights of the upper wall's scan, and its plan, lie in the lower one's frame.
+    """Direction of the heights and of the plan of the upper scan in the frame of the lower one.
 
-    ``sign`` is 1 where they count away from the lower wall's rock, as the lower ones do, -1 where
-    they count towards the lower wall; ``mirrored`` are the axes (y, x) to be reversed.
+    ``sign`` is 1 if heights count away from the lower wall's rock, as those of the lower scan do,
+    and -1 if they count towards the lower wall. ``mirrored`` says which axes (y, x) are reversed.
     """
 
     sign: int
@@ -60,12 +61,12 @@ ORIENTATIONS = {
     "mirrored_x": Orientation(1, (False, True), "z upwards, x reversed"),
     "mirrored_y": Orientation(1, (True, False), "z upwards, y reversed"),
 }
-"""Those of the upper wall's scan that are compared."""
+"""Orientations of the upper wall's scan that are compared."""
 SHIFTS = ("scanned", "mated")
 
 
 class Fit(NamedTuple):
-    """How well the walls fit in an orientation: correlation of slopes at the best shift."""
+    """Fit of the walls in an orientation: correlation of slopes at the best shift."""
 
     orientation: str
     correlation: float
@@ -73,12 +74,12 @@ class Fit(NamedTuple):
 
 
 class RegisteredPair(NamedTuple):
-    """Two walls that were scanned, brought together.
+    """Two registered scanned walls.
 
     Attributes
     ----------
     upper, lower : array (y, x)
-        Heights [m] towards the other wall, each less its plane, no cell missing.
+        Heights [m] towards the other wall, less the plane of the wall, without missing cells.
     spacing : float
         Grid spacing [m].
     aperture : array (y, x)
@@ -90,19 +91,19 @@ class RegisteredPair(NamedTuple):
     fits : list of Fit
         All orientations, the best first.
     shift : (y, x)
-        By which the upper wall was moved [m].
+        Shift that was applied to the upper wall [m].
     mating_shift : (y, x)
-        That mates the walls best [m], moved or not.
+        Shift of best fit [m], whether or not it was applied.
     correlation : float
-        Of the heights of both walls.
+        Correlation of the heights of both walls.
     mating : Mating
-        Their correlation by wavelength.
+        Correlation of the walls by wavelength.
     mismatch : Mismatch
-        Wavelength beyond which they mate, with its interval.
+        Mismatch wavelength of the walls, with its interval.
     overlap : float
         Share of the smaller scan's cells that lie in the walls.
     report : list of str
-        What was found and done, in sentences.
+        Results of the registration, in sentences.
     """
 
     upper: np.ndarray
@@ -122,7 +123,7 @@ class RegisteredPair(NamedTuple):
 
     @property
     def warnings(self) -> list[Caution]:
-        """The sentences of the report that warn."""
+        """Warnings among the sentences of the report."""
         return cautions(self.report)
 
     def __repr__(self) -> str:
@@ -144,26 +145,26 @@ def registered(
     largest_filled_share: float = LARGEST_FILLED_SHARE,
     unusual_values: bool = False,
 ) -> RegisteredPair:
-    """Bring two scans of the walls of one joint together.
+    """Register two scans of the walls of one joint.
 
     Parameters
     ----------
     upper, lower : Scan or Cloud
-        In metres; the lower one's heights count towards the upper wall.
+        In metres; heights of the lower scan count towards the upper wall.
     spacing : float, optional
-        Of the walls' grid [m]; by default the larger point distance of the scans.
+        Grid spacing of the walls [m], by default the larger point distance of the scans.
     orientation : str, optional
-        Key of `ORIENTATIONS`: that of the upper scan. By default it is found, as the one in
-        which the walls' slopes correlate best, if it is clear.
+        Orientation of the upper scan, a key of `ORIENTATIONS`. By default the one with the
+        best correlation of the walls' slopes is used, if it is clear.
     shift : {"scanned", "mated"}, optional
-        Leave the walls where they were scanned, or move the upper one to where they mate best.
-        By default "scanned" in a common frame, else "mated".
+        Leave the walls in their scanned position, or move the upper one to the best fit.
+        By default "scanned" in a common frame, otherwise "mated".
     cut_spikes : bool
-        Leave out spikes (`jointclosure.surface.outliers.without_spikes`).
+        Whether to leave out spikes (`jointclosure.surface.outliers.without_spikes`).
     largest_filled_share : float
-        Of the cells: holes inside the walls are filled linearly up to that.
+        Largest share of the cells in holes inside the walls that are filled linearly.
     unusual_values : bool
-        Whether to go on with what is more often a slip than meant: see Raises.
+        Whether to accept pairs that are probably wrong, see Raises.
 
     Returns
     -------
@@ -172,10 +173,10 @@ def registered(
     Raises
     ------
     InputError
-        No orientation is clear and none is stated, the walls are inclined too much or do not
-        overlap. Unless ``unusual_values``: both scans are one or a copy of each other, the walls
-        are interchanged, the stated orientation is not the one that is clear, or spacing or size
-        are those of no wall.
+        If no orientation is clear and none is stated, or if the walls are inclined too much or
+        do not overlap. Unless ``unusual_values``, also if both scans are the same or copies, the
+        walls are interchanged, another orientation than the stated one is clear, or spacing or
+        size are not those of a wall.
     """
     _check_choices(orientation, shift)
     implausible = Implausible(unusual_values)
@@ -186,8 +187,8 @@ def registered(
     clouds = []
     for side, scan in (("upper", upper), ("lower", lower)):
         report += [prefixed(f"{side} wall: ", remark) for remark in scan.remarks]
-        kept, said = without_spikes(scan) if cut_spikes else (scan, "")
-        report += [f"{side} wall: {said}; they were cut"] if said else []
+        kept, removed = without_spikes(scan) if cut_spikes else (scan, "")
+        report += [f"{side} wall: {removed}; they were cut"] if removed else []
         clouds.append(points_of(kept))
     placed = [_Placed.of(cloud, spacing) for cloud in clouds]
     fits = _compared(placed[0], placed[1], spacing)
@@ -199,18 +200,18 @@ def registered(
     mated = best.whole if whole_cells else best.exact
     moved = shift == "mated" or (shift is None and name != "common_frame")
     applied = mated if moved else (0.0, 0.0)
-    report.append(_shift_said(mated, moved))
+    report.append(_describe_shift(mated, moved))
     turned = _oriented(clouds[0], placed[0], spacing, ORIENTATIONS[name])
     raised = turned + np.array([applied[1], applied[0], 0.0])
-    found = overlap_of(raised, clouds[1], spacing, distances, largest_filled_share)
-    pair = _described(found, spacing, name, fits, applied, mated, report)
+    overlap = overlap_of(raised, clouds[1], spacing, distances, largest_filled_share)
+    pair = _described(overlap, spacing, name, fits, applied, mated, report)
     implausible.check_slopes(pair.upper, pair.lower, spacing)
-    implausible.check_pair(found.upper - found.lower, pair.correlation, name == "common_frame")
+    implausible.check_pair(overlap.upper - overlap.lower, pair.correlation, name == "common_frame")
     return pair
 
 
 class _Placed(NamedTuple):
-    """A wall (y, x) less its plane, NaN where missing, and the place (y, x) of its first cell."""
+    """Wall (y, x) less its plane, NaN where missing, and the place (y, x) of its first cell."""
 
     wall: np.ndarray
     low: np.ndarray
@@ -221,7 +222,7 @@ class _Placed(NamedTuple):
 
 
 class _Shift(NamedTuple):
-    """The shift (y, x) [m] that mates walls best, to a fraction of a cell and by whole cells."""
+    """Shift (y, x) [m] of best fit, to a fraction of a cell and in whole cells."""
 
     exact: tuple[float, float]
     whole: tuple[float, float]
@@ -244,7 +245,7 @@ def _turned(wall: np.ndarray, orientation: Orientation) -> np.ndarray:
 def _oriented(
     points: np.ndarray, placed: _Placed, spacing: float, orientation: Orientation
 ) -> np.ndarray:
-    """Points of the upper wall, reversed as its grid is: about the middle of the grid."""
+    """Reverse points of the upper wall like its grid, about the middle of the grid."""
     turned = points * np.array([1.0, 1.0, orientation.sign])
     for axis, column in ((0, 1), (1, 0)):
         if orientation.mirrored[axis]:
@@ -254,7 +255,7 @@ def _oriented(
 
 
 def _compared(upper: _Placed, lower: _Placed, spacing: float) -> list[Fit]:
-    """The walls in all orientations, on means over blocks of cells; the best first."""
+    """Compare the walls in all orientations, on means over blocks of cells; the best first."""
     cells = max(min(*upper.wall.shape, *lower.wall.shape) // COMPARED_CELLS, 1)
     fixed = _block_means(lower.wall, cells)
     fits = []
@@ -263,14 +264,14 @@ def _compared(upper: _Placed, lower: _Placed, spacing: float) -> list[Fit]:
         shifts = slope_correlation_over_shifts(fixed, moved, LEAST_OVERLAP)
         blocks, correlation = best_shift(shifts)
         if np.isnan(correlation):
-            raise InputError("the scans have too few heights to be compared")
+            raise InputError("the scans have too few heights for a comparison")
         y, x = lower.low - upper.low + spacing * cells * np.array(blocks)
         fits.append(Fit(name, correlation, (float(y), float(x))))
     return sorted(fits, key=lambda fit: -fit.correlation)
 
 
 def _block_means(wall: np.ndarray, cells: int) -> np.ndarray:
-    """Means of the known heights in blocks of cells, NaN where there is none."""
+    """Return means of the known heights in blocks of cells, NaN for blocks without any."""
     ny, nx = (size // cells for size in wall.shape)
     blocks = wall[: ny * cells, : nx * cells].reshape(ny, cells, nx, cells)
     known = np.isfinite(blocks).sum(axis=(1, 3))
@@ -280,14 +281,14 @@ def _block_means(wall: np.ndarray, cells: int) -> np.ndarray:
 def _chosen(
     fits: list[Fit], stated: str | None, implausible: Implausible, report: list[str]
 ) -> str:
-    """The orientation that was stated, or that is clear; `InputError` where none is."""
+    """Return the stated or the clear orientation; raise `InputError` if there is none."""
     best, second = fits[:2]
     clear = best.correlation >= CLEAR * max(second.correlation, 0.0)
     listed = ", ".join(f"{fit.orientation} {fit.correlation:.2f}" for fit in fits)
     if stated is None and not clear:
         raise InputError(
-            f"the orientation of the upper wall is not clear: slopes correlate by {listed}, and "
-            f"the best must be {CLEAR:g} times the second; state it (orientation), or check that "
+            f"the orientation of the upper wall is not clear: slopes correlate by {listed}, but "
+            f"the best must be {CLEAR:g} times the second; state the orientation, or check that "
             "these are the walls of one joint"
         )
     name = best.orientation if stated is None else stated
@@ -301,14 +302,14 @@ def _chosen(
         report.append(
             caution(
                 f"the stated orientation {stated} fits worse than {best.orientation}, which "
-                f"is clear; closures of the wrong one are several times too large"
+                f"is clear; in a wrong orientation closures are several times too large"
             )
         )
     return name
 
 
 def _refined(upper: _Placed, lower: _Placed, spacing: float, fit: Fit) -> _Shift:
-    """The best shift at the grid's own spacing, near that of a comparison of blocks."""
+    """Refine the best shift of a comparison of blocks at the spacing of the grid."""
     orientation = ORIENTATIONS[fit.orientation]
     shifts = slope_correlation_over_shifts(
         lower.wall, _turned(upper.wall, orientation), 0.9 * LEAST_OVERLAP
@@ -330,28 +331,26 @@ _COLUMN, _ROW = np.s_[:3, 1], np.s_[1, :3]
 
 
 def _vertex(values: np.ndarray) -> float:
-    """Place of the top of the parabola through three values at -1, 0 and 1."""
+    """Return the position of the vertex of the parabola through three values at -1, 0 and 1."""
     bend = values[0] - 2.0 * values[1] + values[2]
     if not bend < 0.0:
         return 0.0
     return float(np.clip(0.5 * (values[0] - values[2]) / bend, -0.5, 0.5))
 
 
-def _shift_said(mated: tuple[float, float], moved: bool) -> str:
+def _describe_shift(mated: tuple[float, float], moved: bool) -> str:
     by = f"({1e3 * mated[1]:.3g}, {1e3 * mated[0]:.3g}) mm along (x, y)"
     if moved:
-        return f"the upper wall was moved by {by}, to where the walls mate best"
-    return (
-        f"the walls were left where they were scanned; they mate best with the upper moved by {by}"
-    )
+        return f"the upper wall was moved by {by}, to the position of best fit"
+    return f"the walls were left in their scanned position; best fit with the upper moved by {by}"
 
 
 def _described(
-    found: Overlap, spacing: float, name: str, fits: list[Fit], applied: tuple[float, float],
+    overlap: Overlap, spacing: float, name: str, fits: list[Fit], applied: tuple[float, float],
     mated: tuple[float, float], report: list[str],
 ) -> RegisteredPair:  # fmt: skip
-    """Walls with heights towards each other, seated parallel, and what there is to say of them."""
-    upper, lower = detrended(-found.upper), detrended(found.lower)
+    """Make the registered pair, seated parallel, and add its description to the report."""
+    upper, lower = detrended(-overlap.upper), detrended(overlap.lower)
     together = upper + lower
     aperture = together.max() - together
     ny, nx = upper.shape
@@ -359,22 +358,24 @@ def _described(
     correlation = float(np.corrcoef(upper.ravel(), -lower.ravel())[0, 1])
     mismatch = measured_mismatch(upper, lower, spacing)
     early = float(np.quantile(aperture, 1e-3))
-    gap = float(np.mean(found.upper - found.lower))
-    filled_said = f", {found.filled_cells} of them in holes, filled" if found.filled_cells else ""
+    gap = float(np.mean(overlap.upper - overlap.lower))
+    filled_words = (
+        f", {overlap.filled_cells} of them in holes, filled" if overlap.filled_cells else ""
+    )
     report += [
-        f"overlap: {ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm{filled_said}, "
-        f"{100.0 * found.share:.0f} % of the smaller scan",
-        f"the plane common to both walls, inclined by {found.inclination:.2f} degrees, was "
-        f"removed; the walls were inclined to each other by {found.relative:.3f} degrees and are "
+        f"overlap: {ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm{filled_words}, "
+        f"{100.0 * overlap.share:.0f} % of the smaller scan",
+        f"the plane common to both walls, inclined by {overlap.inclination:.2f} degrees, was "
+        f"removed; the walls were inclined to each other by {overlap.relative:.3f} degrees and are "
         "set parallel",
-        f"heights correlate by {correlation:.3f}; {_mating_said(mismatch)}",
+        f"heights correlate by {correlation:.3f}; {_describe_mating(mismatch)}",
         f"at first touch, at cell (y, x) = ({y}, {x}), the mean aperture is "
         f"{1e3 * aperture.mean():.3g} mm",
     ]
     touches = f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
     stands_out = early > _FAR * aperture.std()
     report.append(caution(_STANDS_OUT, f"{touches}: ") if stands_out else touches)
-    report += [caution(doubt) for doubt in _doubts(found)]
+    report += [caution(doubt) for doubt in _doubts(overlap)]
     if mismatch.wavelength == 0.0 and correlation > _ALIKE:
         report.append(caution(_ONE_WALL))
     if name == "common_frame" and applied == (0.0, 0.0):
@@ -386,62 +387,63 @@ def _described(
         report.append(lies if gap > 0.0 else caution(_BELOW, f"{lies}: "))
     return RegisteredPair(
         upper, lower, spacing, aperture, (y, x), name, fits, applied, mated, correlation,
-        mating(upper, lower, spacing), mismatch, found.share, report,
+        mating(upper, lower, spacing), mismatch, overlap.share, report,
     )  # fmt: skip
 
 
-def _doubts(found: Overlap) -> list[str]:
-    """What is unusual of the overlap and the inclinations of scans of one joint."""
+def _doubts(overlap: Overlap) -> list[str]:
+    """Describe unusual overlap and inclinations of scans of one joint."""
     doubts = []
-    if found.share < LEAST_OVERLAP:
+    if overlap.share < LEAST_OVERLAP:
         doubts.append(
-            f"the walls overlap in {100.0 * found.share:.0f} % of the smaller scan, less than "
-            f"{100.0 * LEAST_OVERLAP:.0f} %: are the scans in one frame? (--shift mated brings "
-            "them together)"
+            f"the walls overlap in {100.0 * overlap.share:.0f} % of the smaller scan, less than "
+            f"{100.0 * LEAST_OVERLAP:.0f} %: are the scans in one frame? (--shift mated moves "
+            "them to the best fit)"
         )
-    if found.inclination > STEEP_PLANE:
+    if overlap.inclination > STEEP_PLANE:
         doubts.append(
-            f"the common plane is inclined by {found.inclination:.1f} degrees, more than "
-            f"{STEEP_PLANE:g}; it was removed along z, so that heights are not normal to it: turn "
+            f"the common plane is inclined by {overlap.inclination:.1f} degrees, more than "
+            f"{STEEP_PLANE:g}; it was removed along z, so that heights are not normal to it; turn "
             "the scans"
         )
-    if found.relative > STEEP_WEDGE:
+    if overlap.relative > STEEP_WEDGE:
         doubts.append(
-            f"the walls are inclined to each other by {found.relative:.1f} degrees, more than "
-            f"{STEEP_WEDGE:g}: walls of one joint are about parallel"
+            f"the walls are inclined to each other by {overlap.relative:.1f} degrees, more than "
+            f"{STEEP_WEDGE:g}; walls of one joint are about parallel"
         )
     return doubts
 
 
 STEEP_PLANE, STEEP_WEDGE = 5.0, 1.0
-"""Inclinations [degrees] beyond which the plane of two scans, and the angle between them, are
-unusual: 5 degrees make heights and lengths wrong by 0.4 %, 1 degree opens 65 mm by 1.1 mm."""
+"""Inclinations [degrees] above which the plane of two scans, and the angle between them, are
+unusual. 5 degrees cause errors of heights and lengths of 0.4 %; 1 degree opens 65 mm by 1.1 mm."""
 _FAR = 1.5
-"""Standard deviations of the aperture by which first touch may lie before the touch of a thousandth
-of the cells. Of 144 Gaussian pairs (64 to 256 cells a side, H 0.5 and 0.8) the largest was 0.95."""
+"""Largest usual distance, in standard deviations of the aperture, between first touch and the touch
+of a thousandth of the cells. Of 144 Gaussian pairs (64 to 256 cells a side, H 0.5 and 0.8) the
+largest was 0.95."""
 _STANDS_OUT = (
-    "what touches first stands out far, perhaps a spike that was left; trust closures "
-    "since seating, not those from first touch"
+    "the first contact stands out far and may be a remaining spike; use closures since "
+    "seating, not those from first touch"
 )
 _ALIKE = 0.99
 """Correlation of heights beyond which walls that fit at all wavelengths may be one wall."""
 _ONE_WALL = (
-    "the walls fit each other at all wavelengths of the grid, as two scans of one wall do: make "
-    "sure that each file is of another wall"
+    "the walls fit each other at all wavelengths of the grid, as two scans of one wall do; check "
+    "that the files are of different walls"
 )
 _BELOW = (
     "if both scans have one zero of heights, the walls are interchanged or heights count downwards"
 )
 
 
-def _mating_said(found: Mismatch) -> str:
-    if found.wavelength == 0.0:
-        return "the walls mate at all wavelengths of the grid"
-    if np.isinf(found.wavelength):
-        return "the walls mate at no wavelength"
-    low = f"{1e3 * found.low:.3g}" if found.low > 0.0 else "the grid's shortest"
-    high = f"{1e3 * found.high:.3g} mm" if np.isfinite(found.high) else "the walls' length"
+def _describe_mating(mismatch: Mismatch) -> str:
+    if mismatch.wavelength == 0.0:
+        return "the walls are mated at all wavelengths of the grid"
+    if np.isinf(mismatch.wavelength):
+        return "the walls are mated at no wavelength"
+    low = f"{1e3 * mismatch.low:.3g}" if mismatch.low > 0.0 else "the grid's shortest"
+    high = f"{1e3 * mismatch.high:.3g} mm" if np.isfinite(mismatch.high) else "the walls' length"
     return (
-        f"the walls mate at wavelengths beyond {1e3 * found.wavelength:.3g} mm (mismatch "
+        f"the walls are mated at wavelengths beyond {1e3 * mismatch.wavelength:.3g} mm (mismatch "
         f"wavelength, where they correlate by 0.5; {100 * CONFIDENCE:g} % interval {low} to {high})"
     )

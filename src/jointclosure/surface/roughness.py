@@ -1,4 +1,4 @@
-"""JRC and the root mean square slope Z2 of profiles, and what a wall has."""
+"""JRC, and the root mean square slope Z2 of profiles."""
 
 from typing import Any, NamedTuple
 
@@ -24,7 +24,10 @@ class Relation(NamedTuple):
     source: str
 
     def jrc(self, z2: float | np.ndarray) -> Any:
-        """JRC of RMS slopes at the relation's interval; it may lie outside its range."""
+        """Return the JRC for RMS slopes at the relation's interval.
+
+        It may lie outside the relation's range.
+        """
         reduced = np.log10(z2) if self.form == "logarithmic" else z2**self.c
         return self.a * reduced + self.b
 
@@ -36,7 +39,7 @@ RELATIONS: dict[str, Relation] = {
     "yu_vayssade_log_0.25mm": Relation(
         "logarithmic", 28.1, 28.43, 1.0, 0.25e-3, 0.0, 20.0, "Yu & Vayssade 1991"
     ),
-    # the two at coarser intervals are quoted from memory and await a check in print
+    # the two at coarser intervals are quoted from memory and not yet checked against the source
     "yu_vayssade_linear_0.5mm": Relation(
         "linear", 61.79, -3.47, 1.0, 0.5e-3, 0.0, 20.0, "Yu & Vayssade 1991 (unchecked)"
     ),
@@ -59,7 +62,7 @@ DEFAULT_RELATION = "yu_vayssade_linear_0.25mm"
 
 
 def z2_of_jrc(jrc: float, spacing: float, hurst: float, relation: str = DEFAULT_RELATION) -> float:
-    """RMS slope at a grid spacing of a wall of given JRC.
+    """Return the RMS slope, at a grid spacing, of a wall of given JRC.
 
     Parameters
     ----------
@@ -80,7 +83,7 @@ def z2_of_jrc(jrc: float, spacing: float, hurst: float, relation: str = DEFAULT_
     Raises
     ------
     InputError
-        Unknown relation, or a JRC outside its range.
+        If the relation is unknown, or the JRC is outside its range.
     """
     rule = relation_of(relation)
     if not rule.smallest_jrc <= jrc <= rule.largest_jrc:
@@ -93,7 +96,7 @@ def z2_of_jrc(jrc: float, spacing: float, hurst: float, relation: str = DEFAULT_
 
 
 def jrc_of_z2(z2: float, spacing: float, hurst: float, relation: str = DEFAULT_RELATION) -> float:
-    """JRC of a wall whose RMS slope at a spacing [m] is Z2; inverse of `z2_of_jrc`.
+    """Return the JRC of a wall whose RMS slope at a spacing [m] is Z2; inverse of `z2_of_jrc`.
 
     The result may lie outside the relation's range; see `RELATIONS`.
     """
@@ -102,24 +105,24 @@ def jrc_of_z2(z2: float, spacing: float, hurst: float, relation: str = DEFAULT_R
 
 
 def relation_of(name: str) -> Relation:
-    """A relation by its key; `InputError` names those there are."""
+    """Return a relation by its key; `InputError` lists the available keys."""
     if name not in RELATIONS:
         raise InputError(f"jrc_relation = {name!r}: must be one of {', '.join(RELATIONS)}")
     return RELATIONS[name]
 
 
 def rms_slope(heights: np.ndarray, spacing: float) -> float:
-    """Z2 of a wall (y, x) [m]: RMS slope of all x and y profiles pooled."""
+    """Compute Z2 of a wall (y, x) [m]: RMS slope of all x and y profiles pooled."""
     slopes = [np.diff(heights, axis=axis).ravel() / spacing for axis in (0, 1)]
     pooled = np.concatenate(slopes)
     return float(np.sqrt(np.mean(pooled**2)))
 
 
 def detrended(heights: np.ndarray) -> np.ndarray:
-    """A wall (y, x) less its least-squares plane [m].
+    """Subtract the least-squares plane from a wall (y, x) [m].
 
-    On a regular grid about its middle the terms of the plane are orthogonal, so that each
-    is a sum; sums have the same bits on any processor, which a solver of linear systems has not.
+    On a regular grid, with coordinates from its middle, the terms of the plane are orthogonal and
+    each is a sum. Sums have the same bits on any processor, unlike solutions of a linear system.
     """
     ny, nx = heights.shape
     y, x = (np.linspace(-1.0, 1.0, n) if n > 1 else np.zeros(1) for n in (ny, nx))

@@ -1,8 +1,8 @@
-"""Random walls of given JRC: a declared reconstruction.
+"""Synthesis of random walls of given JRC.
 
-The compound algorithm of Rezaei Niya & Selvadurai (2019) is not described in
-the paper. Ours is a self-affine Gaussian field, scaled to the RMS slope that
-a published relation gives for the JRC: docs/decisions/0007-surfaces.md.
+The compound algorithm of Rezaei Niya & Selvadurai (2019) is not described in the paper. Here a wall
+is a self-affine Gaussian field, scaled to the RMS slope that a published relation gives for the
+JRC, see docs/decisions/0007-surfaces.md.
 """
 
 import math
@@ -17,9 +17,9 @@ from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.surface.roughness import DEFAULT_RELATION, detrended, rms_slope, z2_of_jrc
 
 RULES = ("self_affine", "walk")
-"""How the long waves of a wall go with the short ones."""
+"""Relations between the long and the short waves of a wall."""
 ROLL_OFF = 3e-3
-"""Wavelength [m] beyond which the power spectrum of a wall is flat, of the default study too
+"""Wavelength [m] beyond which the power spectrum of a wall is flat, also in the default study
 (docs/decisions/0013-readings.md)."""
 
 
@@ -27,9 +27,9 @@ class Spectrum(NamedTuple):
     """Power spectrum of a wall's heights, of arbitrary scale.
 
     ``rule`` "self_affine": power ~ k^(-2 (H + 1)), so that profiles have the Hurst exponent
-    ``hurst``. "walk": independent Gaussian slopes along x and along y between all neighbours,
-    projected on the nearest field of heights; ``hurst`` is not used. ``roll_off`` [cells]: a
-    wavelength beyond which the power is flat; None for none.
+    ``hurst``. "walk": independent Gaussian slopes along x and y between all neighbours, projected
+    on the nearest field of heights; ``hurst`` is not used. ``roll_off`` is the wavelength [cells]
+    beyond which the power is flat, or None.
     """
 
     hurst: float
@@ -43,10 +43,10 @@ def gaussian_field(
     random: np.random.Generator,
     oversize: int = 2,
 ) -> np.ndarray:
-    """Gaussian heights (y, x) of a spectrum and arbitrary scale.
+    """Generate Gaussian heights (y, x) of a spectrum and arbitrary scale.
 
-    Spectral synthesis on a periodic grid ``oversize`` times as long, of which a corner is
-    cropped, so that opposite edges are not neighbours. All spectra filter the same noise.
+    They are synthesised from waves on a periodic grid ``oversize`` times as long, and a corner of
+    it is cropped, so that opposite edges are not neighbours. All spectra filter the same noise.
     """
     size = (oversize * max(shape[0], 2), oversize * max(shape[1], 2))
     waves = _random_waves(size, spectrum, random)
@@ -56,20 +56,20 @@ def gaussian_field(
 def _random_waves(
     size: tuple[int, int], spectrum: Spectrum, random: np.random.Generator
 ) -> np.ndarray:
-    """Fourier coefficients of Gaussian heights on a periodic grid, as of `scipy.fft.rfft2`."""
+    """Return Fourier coefficients of Gaussian heights on a periodic grid, as `scipy.fft.rfft2`."""
     noise = scipy.fft.rfft2(random.standard_normal(size), workers=1)
     return noise * _amplitudes(*size, spectrum)
 
 
 def _wave_numbers(size: tuple[int, int]) -> np.ndarray:
-    """Cycles per cell."""
+    """Return wave numbers in cycles per cell."""
     ny, nx = size
     return np.hypot(scipy.fft.fftfreq(ny)[:, None], scipy.fft.rfftfreq(nx)[None, :])
 
 
 @lru_cache(maxsize=8)
 def _amplitudes(ny: int, nx: int, spectrum: Spectrum) -> np.ndarray:
-    """Amplitudes of the waves (ny, nx // 2 + 1) of a real transform, 0 for the mean."""
+    """Return amplitudes of the waves (ny, nx // 2 + 1) of a real transform, 0 for the mean."""
     amplitudes = power(_squares(ny, scipy.fft.rfftfreq(nx), spectrum), 0.5 * _exponent(spectrum))
     amplitudes[0, 0] = 0.0
     amplitudes.flags.writeable = False
@@ -77,18 +77,19 @@ def _amplitudes(ny: int, nx: int, spectrum: Spectrum) -> np.ndarray:
 
 
 def _exponent(spectrum: Spectrum) -> float:
-    """Of the squared wave number in the power."""
+    """Return the exponent of the squared wave number in the power."""
     return -1.0 if spectrum.rule == "walk" else -(spectrum.hurst + 1.0)
 
 
 def _squares(ny: int, wave_x: np.ndarray, spectrum: Spectrum) -> np.ndarray:
-    """Squared wave numbers (ny, waves along x) [1/cell^2], 1 for the mean; bounded by the roll-off.
+    """Return squared wave numbers (ny, waves along x) [1/cell^2], bounded by the roll-off.
 
     Notes
     -----
-    For a walk, of the differences d between neighbours, |d|^2 = 4 sin^2(pi f) along each axis,
-    over (2 pi)^2. Independent slopes g of variance 1 have white spectra; the heights z that
-    minimise sum (d_x z - g_x)^2 + (d_y z - g_y)^2 are, wave by wave,
+    The value of the mean is 1. For a walk, the squares are those of the differences d between
+    neighbours, |d|^2 = 4 sin^2(pi f) along each axis, over (2 pi)^2. Independent slopes g of
+    variance 1 have white spectra; the heights z that minimise
+    sum (d_x z - g_x)^2 + (d_y z - g_y)^2 are, wave by wave,
     (d_x* g_x + d_y* g_y)/(|d_x|^2 + |d_y|^2), which is Gaussian with power 1/(|d_x|^2 + |d_y|^2).
     """
     wave_y, wave_x = scipy.fft.fftfreq(ny)[:, None], wave_x[None, :]
@@ -102,17 +103,17 @@ def _squares(ny: int, wave_x: np.ndarray, spectrum: Spectrum) -> np.ndarray:
 
 
 def _sines(wave: np.ndarray) -> np.ndarray:
-    """sin(pi f), to the same bits on any processor, as `power`."""
+    """Compute sin(pi f) with the same bits on any processor, as `power`."""
     return np.vectorize(math.sin)(np.pi * wave)
 
 
 def power(base: np.ndarray, exponent: float) -> np.ndarray:
-    """A positive array to a power, to the same bits on any processor.
+    """Raise a positive array to a power, with the same bits on any processor.
 
-    `numpy.power` is another function on processors with other vector units, which differ
-    in the last digit; breakage makes another history of that digit. This one has
-    additions, multiplications and divisions only: log by the series of 2 atanh((m - 1)/(m + 1)),
-    exp by Taylor's; right to some 5e-15.
+    `numpy.power` uses other code on processors with other vector units, whose results differ in the
+    last digit, and breakage turns this difference into another history. This function only adds,
+    multiplies and divides: log by the series of 2 atanh((m - 1)/(m + 1)), exp by Taylor's series.
+    Its relative error is about 5e-15.
     """
     mantissa, two = np.frexp(base)
     small = mantissa < np.sqrt(0.5)
@@ -122,7 +123,7 @@ def power(base: np.ndarray, exponent: float) -> np.ndarray:
     logarithm = np.zeros_like(s)
     for odd in range(25, 0, -2):
         logarithm = logarithm * (s * s) + 2.0 / odd
-    # base^exponent = 2^whole times e^rest
+    # base^exponent = 2^whole * e^rest
     twos = exponent * (two + logarithm * s / _LN2)
     whole = np.rint(twos)
     rest = (twos - whole) * _LN2
@@ -145,7 +146,7 @@ def synthetic_wall(
     rule: str = "self_affine",
     roll_off: float | None = None,
 ) -> np.ndarray:
-    """One wall (y, x) of given RMS slope, plane-detrended [m].
+    """Generate one wall (y, x) [m] of given RMS slope, plane-detrended.
 
     Parameters
     ----------
@@ -158,10 +159,10 @@ def synthetic_wall(
     hurst : float
         Hurst exponent in (0, 1].
     random : Generator
-        Drawn from once.
+        Generator, used once.
     normalise : {"wall", "expectation"}
-        Whether every wall has exactly this Z2, or walls have it on average:
-        then all are scaled by the RMS slope that the spectrum has itself.
+        Whether every wall has exactly this Z2, or walls have it on average. With
+        "expectation" all walls are scaled by the RMS slope of the spectrum.
     rule : {"self_affine", "walk"}
     roll_off : float, optional
         Wavelength [m] beyond which the power is flat; see `wall_pair`.
@@ -189,7 +190,7 @@ def wall_pair(
     rule: str = "self_affine",
     roll_off: float | None = ROLL_OFF,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Upper and lower wall of a joint, heights towards the other wall.
+    """Generate the upper and lower wall of a joint, heights towards the other wall.
 
     Parameters
     ----------
@@ -208,23 +209,22 @@ def wall_pair(
     normalise : {"wall", "expectation"}
         See `synthetic_wall`.
     correlation : float
-        Of the lower wall with the negative of the upper one, in [0, 1]: 0 are
-        independent walls (the paper's), 1 mated ones.
+        Correlation of the lower wall with the negative of the upper one, in [0, 1]: 0 for
+        independent walls (as in the paper), 1 for mated walls.
     shift_in_cells : int
-        Shift of the mated part along x, at least 0.
+        Shift of the common part along x, at least 0.
     mismatch_wavelength : float, optional
-        Waves longer than this [m] mate, shorter ones are independent (Brown 1995; the sharp limit
-        of Glover et al. 1998); 0 are mates. In the place of ``correlation``, which must be 0. Each
-        wall's spectrum is that of independent walls, whatever the wavelength. Under ``normalise``
-        "wall" both walls are scaled alike, so that the long waves mate: their slopes pooled have
-        the Z2 of the JRC.
+        Longer waves [m] are common to both walls, shorter ones independent (Brown 1995; the
+        sharp limit of Glover et al. 1998); 0 for mated walls. It replaces ``correlation``, which
+        must be 0. The spectrum of each wall is that of independent walls, for any wavelength.
+        With ``normalise`` "wall" both walls are scaled by one factor, so that the long waves
+        fit: their pooled slopes have the Z2 of the JRC.
     rule : {"self_affine", "walk"}
-        self_affine: profiles have the Hurst exponent; walk: independent slopes along x and
-        along y, projected on the nearest heights (`Spectrum`). Then ``hurst`` only carries Z2 from
-        the interval of the relation to the spacing.
+        "self_affine": profiles have the Hurst exponent. "walk": independent slopes along x and
+        along y, projected on the nearest heights (`Spectrum`); ``hurst`` is then used only to
+        convert Z2 from the interval of the relation to the spacing.
     roll_off : float, optional
-        Wavelength [m] beyond which the power spectrum is flat; None: walls with waves of all
-        lengths.
+        Wavelength [m] beyond which the power spectrum is flat; None for no limit.
 
     Returns
     -------
@@ -234,7 +234,7 @@ def wall_pair(
     Raises
     ------
     InputError
-        An argument out of its range.
+        If an argument is out of its range.
     """
     for name, value in (
         ("jrc", jrc),
@@ -257,10 +257,10 @@ def wall_pair(
         spectrum = spectrum_of(hurst, rule, roll_off, spacing)
         pair = _partly_mated(wide, spectrum, longest, seed, shift_in_cells)
         if normalise == "wall":
-            own = np.sqrt(np.mean([rms_slope(wall, spacing) ** 2 for wall in pair]))
+            slope = np.sqrt(np.mean([rms_slope(wall, spacing) ** 2 for wall in pair]))
         else:
-            own = _expected_rms_slope(wide, spectrum, spacing)
-        return pair[0] * (z2 / own), pair[1] * (z2 / own)
+            slope = _expected_rms_slope(wide, spectrum, spacing)
+        return pair[0] * (z2 / slope), pair[1] * (z2 / slope)
     upper, lower = (
         synthetic_wall(z2, wide, spacing, hurst, random, normalise, rule, roll_off)
         for random in (generator(seed_of(seed, side)) for side in ("upper", "lower"))
@@ -279,9 +279,10 @@ def wall_pair(
 def _partly_mated(
     wide: tuple[int, int], spectrum: Spectrum, wavelength: float, seed: int, shift: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Walls (y, x) of arbitrary scale whose waves longer than a wavelength [cells] mate.
+    """Generate walls (y, x) of arbitrary scale with common waves beyond a wavelength [cells].
 
-    They are as wide as asked for less the shift, by which the upper wall's waves lie further on.
+    They are narrower than requested by the shift, by which the waves of the upper wall are
+    displaced.
     """
     size = (2 * max(wide[0], 2), 2 * max(wide[1], 2))
     upper, other = (
@@ -295,7 +296,7 @@ def _partly_mated(
 
 
 def check_mismatch(mismatch_wavelength: float | None, correlation: float) -> None:
-    """Raise `InputError` for a bad mismatch wavelength [m], or one beside a correlation."""
+    """Raise `InputError` for an invalid mismatch wavelength [m], or one with a correlation."""
     if mismatch_wavelength is None:
         return
     check_number("mismatch_wavelength", mismatch_wavelength)
@@ -305,7 +306,7 @@ def check_mismatch(mismatch_wavelength: float | None, correlation: float) -> Non
         )
     if correlation != 0.0:
         raise InputError(
-            f"correlation = {correlation!r}: must be 0 where mismatch_wavelength is given"
+            f"correlation = {correlation!r}: must be 0 if mismatch_wavelength is given"
         )
 
 
@@ -338,7 +339,7 @@ def _check(
 
 
 def spectrum_of(hurst: float, rule: str, roll_off: float | None, spacing: float) -> Spectrum:
-    """The spectrum of a wall's settings; `InputError` where one is not allowed."""
+    """Return the spectrum of a wall's settings; raise `InputError` if one is not allowed."""
     check_one_of("rule", rule, RULES)
     if roll_off is None:
         return Spectrum(hurst, rule)
@@ -346,13 +347,13 @@ def spectrum_of(hurst: float, rule: str, roll_off: float | None, spacing: float)
     if roll_off < 2.0 * spacing:
         raise InputError(
             f"roll_off = {roll_off!r} m: must be at least two spacings, {2.0 * spacing!r} m, the "
-            "shortest wave there is (or None: no roll-off)"
+            "shortest wavelength of the grid (or None: no roll-off)"
         )
     return Spectrum(hurst, rule, float(roll_off) / spacing)
 
 
 def _expected_rms_slope(shape: tuple[int, int], spectrum: Spectrum, spacing: float) -> float:
-    """RMS slope of `gaussian_field` over all its draws, from its spectrum."""
+    """Return the expected RMS slope of `gaussian_field`, from its spectrum."""
     ny, nx = (2 * max(n, 2) for n in shape)
     wave_y, wave_x = scipy.fft.fftfreq(ny)[:, None], scipy.fft.fftfreq(nx)[None, :]
     squares = _squares(ny, wave_x[0], spectrum)

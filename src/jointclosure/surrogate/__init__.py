@@ -1,1 +1,1 @@
-"""How far a bearing-area law tells the closure of a first loading."""
+"""Bearing-area law for the closure of a first loading, and its errors."""

@@ -1,4 +1,4 @@
-"""The constants of the bearing-area law, fitted to some closed joints and tested on the others."""
+"""Calibration of the bearing-area law: constants fitted to some joints and tested on others."""
 
 from typing import NamedTuple
 
@@ -19,10 +19,11 @@ from jointclosure.surrogate.estimate import ALL_ROCKS, BearingLaw, WallMeasures,
 RATIOS = (0.01, 0.02, 0.03, 0.05, 0.075, 0.1, 0.125, 0.15)
 """Stresses over compressive strength at which closures are compared, besides the maximum."""
 FITTED_FROM = 0.05
-"""The smallest of them that the constants are fitted to: below, few asperities carry the load."""
+"""Smallest ratio to which the constants are fitted; below, few asperities carry the load."""
 ALLOWED = 4.0
 """Standard deviations about the mean of the joints' walls within which each measure of other walls
-must be for these to be walls of their kind: 99.99 % of such walls are, if measures are normal."""
+must be for these to count as the same kind. 99.99 % of walls of this kind satisfy this if measures
+are normal."""
 _FRACTIONS = np.geomspace(1e-4, 0.6, 200)
 _START = BearingLaw(0.3, 0.8)
 
@@ -31,8 +32,8 @@ class _Joints(NamedTuple):
     """First loadings of one case.
 
     ``ratios`` (s,): stresses over strength; ``closures`` (n, s) [m]; ``depths`` (n, f) [m] of the
-    bearing-area curves at `_FRACTIONS`; ``fitted`` (n,): whether a joint is among those that
-    constants are fitted to; ``walls``: the measures of each joint's walls.
+    bearing-area curves at `_FRACTIONS`; ``fitted`` (n,): whether constants are fitted to a joint;
+    ``walls``: the measures of each joint's walls.
     """
 
     case: int
@@ -43,56 +44,58 @@ class _Joints(NamedTuple):
     walls: list[WallMeasures]
 
     def errors(self, law: BearingLaw, which: np.ndarray, ratios: np.ndarray) -> np.ndarray:
-        """Relative errors (joints, ratios) of the law's closures."""
+        """Return relative errors (joints, ratios) of the law's closures."""
         at = np.log(np.clip(law.fraction(self.ratios[ratios]), _FRACTIONS[0], _FRACTIONS[-1]))
-        told = [np.interp(at, np.log(_FRACTIONS), depths) for depths in self.depths[which]]
-        return np.array(told) / self.closures[np.ix_(which, ratios)] - 1.0
+        estimated = [np.interp(at, np.log(_FRACTIONS), depths) for depths in self.depths[which]]
+        return np.array(estimated) / self.closures[np.ix_(which, ratios)] - 1.0
 
 
 def calibrate(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> pd.DataFrame:
-    """Constants of the bearing-area law, and what it is off by on joints it was not fitted to.
+    """Fit the constants of the bearing-area law, and compute its errors on other joints.
 
     Parameters
     ----------
     ensemble : Dataset
-        Closed joints with walls made from a JRC; a study's pool. Constants are fitted to
-        realisations of even number, and tested on those of odd number.
+        Closed joints with walls synthesised from a JRC, such as a study's pool. Constants are
+        fitted to realisations of even number, and tested on those of odd number.
     grid : Grid
     surface : Surface
-        Of their walls.
+        Settings of their walls.
 
     Returns
     -------
     DataFrame
         A row for each rock and JRC, stress over strength, and constants: those of "all" rocks,
-        fitted to all cases, and the "own" of the rock, fitted to all of its cases. ``rms_percent``
-        and ``mean_percent`` are of the closures' relative errors on ``joints`` single joints.
-        ``roll_off_mm``: of the walls, NaN without. ``least_`` and ``most_`` are what walls of their
-        kind have of a measure, see `ALLOWED`.
+        fitted to all cases, and "own", fitted to all cases of the rock. ``rms_percent``
+        and ``mean_percent`` are those of the relative errors of closures on ``joints`` single
+        joints. ``roll_off_mm``: that of the walls, or NaN. ``least_`` and ``most_`` are the bounds
+        of a measure for walls of this kind, see `ALLOWED`.
 
     Raises
     ------
     InputError
-        No rock with walls made from a JRC.
+        If no rock has walls synthesised from a JRC.
     """
     cases = _cases(ensemble, grid, surface)
     if not cases:
-        raise InputError("surrogate: no rock of the study has walls made from a JRC")
+        raise InputError(
+            "surrogate: at least one rock of the study must have walls made from a JRC"
+        )
     names = ensemble.rock.values
     every = _fitted(cases)
-    own = {
-        rock: _fitted([each for each in cases if names[each.case] == rock])
-        for rock in dict.fromkeys(names[each.case] for each in cases)
+    by_rock = {
+        rock: _fitted([joints for joints in cases if names[joints.case] == rock])
+        for rock in dict.fromkeys(names[joints.case] for joints in cases)
     }
     stiff = ensemble.youngs_modulus.values / ensemble.compressive_strength.values
-    stiff = stiff[[each.case for each in cases]]
+    stiff = stiff[[joints.case for joints in cases]]
     about = {
         "roll_off_mm": np.nan if surface.roll_off is None else 1e3 * surface.roll_off,
         "spacing_m": grid.spacing,
         "length_m": grid.spacing * min(grid.shape),
         "least_modulus_over_strength": stiff.min(),
         "most_modulus_over_strength": stiff.max(),
-    } | _allowed([walls for each in cases for walls in each.walls])
+    } | _allowed([walls for joints in cases for walls in joints.walls])
     rows: list[dict] = []
     for joints in cases:
         case = ensemble.isel(case=joints.case)
@@ -100,7 +103,7 @@ def calibrate(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> pd.DataFram
             continue
         rock, jrc = str(case.rock.values), float(case.jrc)
         slope = z2_of_jrc(jrc, grid.spacing, surface.hurst, surface.jrc_relation)
-        for constants, law in ((ALL_ROCKS, every), ("own", own[rock])):
+        for constants, law in ((ALL_ROCKS, every), ("own", by_rock[rock])):
             row = {"constants": constants, "rock": rock, "jrc": jrc, "rms_slope": slope}
             row |= law._asdict() | about
             rows += _tested(joints, law, row, float(case.compressive_strength))
@@ -108,11 +111,11 @@ def calibrate(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> pd.DataFram
 
 
 def _allowed(walls: list[WallMeasures]) -> dict[str, float]:
-    """Ends of the measures of walls of the joints' kind; those of heights by their logarithm."""
-    heights = np.log([each.height_over_slope for each in walls])
+    """Return the bounds of the measures of walls of the joints' kind; of heights by logarithm."""
+    heights = np.log([measures.height_over_slope for measures in walls])
     ends = {"height_over_slope_m": np.exp(_ends(heights))}
     for name in ("slope_ratio", "correlation"):
-        ends[name] = _ends(np.array([getattr(each, name) for each in walls]))
+        ends[name] = _ends(np.array([getattr(measures, name) for measures in walls]))
     return {
         f"{end}_{name}": float(both[i])
         for name, both in ends.items()
@@ -125,7 +128,7 @@ def _ends(values: np.ndarray) -> np.ndarray:
 
 
 def _tested(joints: _Joints, law: BearingLaw, row: dict, strength: float) -> list[dict]:
-    """Errors on the joints that were not fitted to, at every stress."""
+    """Return errors on the joints that were not fitted, at every stress."""
     others = np.flatnonzero(~joints.fitted)
     errors = 100.0 * joints.errors(law, others, np.arange(joints.ratios.size))
     return [
@@ -142,11 +145,11 @@ def _tested(joints: _Joints, law: BearingLaw, row: dict, strength: float) -> lis
 
 
 def _cases(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> list[_Joints]:
-    """The first loadings of all cases with walls made from a JRC."""
+    """Return the first loadings of all cases with walls synthesised from a JRC."""
     loading = ensemble.closure.sel(cycle=1, branch=LOADING)
     loading = loading.transpose("case", "realization", "stress").values
     highest = ensemble.max_closure.sel(cycle=1).values
-    good, found = succeeded(ensemble).values, []
+    good, cases = succeeded(ensemble).values, []
     known: dict[tuple[str, float], tuple[np.ndarray, WallMeasures]] = {}
     for i, jrc in enumerate(ensemble.jrc.values.tolist()):
         kept = np.flatnonzero(good[i])
@@ -157,26 +160,26 @@ def _cases(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> list[_Joints]:
                 upper, lower = walls_of_seed(int(seed, 16), jrc, grid, surface)
                 depths = bearing_depths(upper + lower, _FRACTIONS)
                 known[seed, jrc] = depths, wall_measures(upper, lower, grid.spacing)
-        own = [known[seed, jrc] for seed in ensemble.seed.values[i, kept]]
-        curves = np.array([curve for curve, _ in own])
+        known_walls = [known[seed, jrc] for seed in ensemble.seed.values[i, kept]]
+        curves = np.array([curve for curve, _ in known_walls])
         strength = float(ensemble.compressive_strength[i])
         maximum = float(ensemble.max_normal_stress[i])
         ratios = np.array([r for r in RATIOS if r < 0.999 * maximum / strength])
         ratios = np.append(ratios, maximum / strength)
         closures = []
         for curve, top in zip(loading[i, kept], highest[i, kept], strict=True):
-            # a maximum that is landed on from below leaves the axis' last point without a closure
+            # a maximum reached from below leaves the last point of the axis without a closure
             read = np.isfinite(curve) & (ensemble.stress.values < maximum)
             stresses = np.append(ensemble.stress.values[read], maximum)
             closures.append(np.interp(ratios * strength, stresses, np.append(curve[read], top)))
         numbers = ensemble.realization.values[kept]
-        walls = [measures for _, measures in own]
-        found.append(_Joints(i, ratios, np.array(closures), curves, numbers % 2 == 0, walls))
-    return found
+        walls = [measures for _, measures in known_walls]
+        cases.append(_Joints(i, ratios, np.array(closures), curves, numbers % 2 == 0, walls))
+    return cases
 
 
 def _fitted(cases: list[_Joints]) -> BearingLaw:
-    """Constants of least squares of the relative errors, of the joints to be fitted to."""
+    """Fit constants by least squares of the relative errors of the joints to be fitted."""
 
     def errors(logs: np.ndarray) -> np.ndarray:
         law = BearingLaw(float(np.exp(logs[0])), float(logs[1]))

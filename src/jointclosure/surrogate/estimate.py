@@ -1,14 +1,14 @@
-"""The closure of a first loading in a tenth of a millisecond, from the bearing-area curve.
+"""Closure of a first loading in a tenth of a millisecond, from the bearing-area curve.
 
-Where asperities break at once, what overlaps is crushed, and the crushed area carries the load.
-So the closure at a nominal stress sigma is about the depth d at which rigid walls overlap in
-the area fraction (docs/accuracy.md)
+If asperities break immediately, all overlapping cells are crushed, and the crushed area carries
+the load. The closure at a nominal stress sigma is then about the depth d at which rigid walls
+overlap in the area fraction (docs/accuracy.md)
 
     A = a (sigma/sigma_c)^b,        d = depth of the highest A of the summed heights,
 
 a bearing-area law (Abbott & Firestone 1933). Its constants are fitted to closed joints by
-`jointclosure.surrogate.calibration`; the table that the package has of them says what the
-law was off by on joints to which it was not fitted.
+`jointclosure.surrogate.calibration`. The package has a table of them, with the errors of the
+law on joints to which it was not fitted.
 """
 
 import csv
@@ -27,9 +27,9 @@ from jointclosure.parameters import Rock, both_walls, strength_of
 from jointclosure.surface.bearing import bearing_depths
 
 ALL_ROCKS = "all"
-"""Name of the constants that serve all rocks."""
+"""Name of the constants for all rocks."""
 _SAME = 1e-6
-"""By what spacings and lengths may differ, relatively, and be the same."""
+"""Largest relative difference of spacings and lengths that count as equal."""
 
 
 class BearingLaw(NamedTuple):
@@ -39,18 +39,18 @@ class BearingLaw(NamedTuple):
     exponent: float
 
     def fraction(self, stress_over_strength: ArrayLike) -> np.ndarray:
-        """The area fraction that is crushed, at most 1."""
+        """Return the crushed area fraction, at most 1."""
         ratio = np.asarray(stress_over_strength, dtype=float)
         return np.minimum(self.at_strength * ratio**self.exponent, 1.0)
 
 
 class Estimate(NamedTuple):
-    """What `estimate` gives; arrays where stresses are an array.
+    """Result of `estimate`, with arrays if stresses are an array.
 
-    ``closure`` [m] from first touch; ``crushed_fraction`` of the area; ``rms_error``: root mean
-    square of the closure's relative error on single joints at such a stress, of the rock and
-    roughness where it was largest; NaN where it was not measured. ``roll_off`` [m]: of the walls
-    whose constants were used; None: of walls with waves of all lengths.
+    ``closure`` [m] from first touch. ``crushed_fraction`` of the area. ``rms_error``: root mean
+    square of the relative error of closures of single joints at such a stress, for the rock and
+    roughness with the largest error; NaN if it was not measured. ``roll_off`` [m]: that of the
+    walls whose constants were used; None for walls with waves of all lengths.
     """
 
     closure: float | np.ndarray
@@ -60,13 +60,14 @@ class Estimate(NamedTuple):
 
 
 class WallMeasures(NamedTuple):
-    """By what walls are told from those of other kinds.
+    """Statistics that identify the kind of walls.
 
-    ``rms_slope``: of both walls together. ``height_over_slope`` [m]: RMS of their summed heights
-    over it; it grows with the length of the waves that the walls do not share, and is infinite
-    where walls are level. ``slope_ratio``: RMS slope at twice the spacing over that at the spacing;
-    it grows with the Hurst exponent, and is less with a roll-off. ``correlation``: of the upper
-    wall's slopes with the negative of the lower one's: 1 of mates, about 0 of independent walls.
+    ``rms_slope``: that of both walls together. ``height_over_slope`` [m]: RMS of their summed
+    heights over it. It grows with the length of the waves that the walls do not share, and is
+    infinite for level walls. ``slope_ratio``: RMS slope at twice the spacing over that at the
+    spacing. It grows with the Hurst exponent, and is smaller with a roll-off. ``correlation``: that
+    of the upper wall's slopes with the negative of the lower wall's: 1 for mated walls, about 0 for
+    independent walls.
     """
 
     rms_slope: float
@@ -76,7 +77,7 @@ class WallMeasures(NamedTuple):
 
 
 class _Range(NamedTuple):
-    """Of what the law was fitted to and tested on: least and largest value of each."""
+    """Smallest and largest values for which the law was fitted and tested."""
 
     stress_over_strength: tuple[float, float]
     rms_slope: tuple[float, float]
@@ -89,7 +90,7 @@ class _Range(NamedTuple):
 
 
 class _Calibration(NamedTuple):
-    """The law of walls of one kind.
+    """Law for walls of one kind.
 
     ``errors``: for each rock and roughness, logarithms of stress over strength, and RMS errors.
     """
@@ -100,7 +101,7 @@ class _Calibration(NamedTuple):
     errors: list[tuple[np.ndarray, np.ndarray]]
 
     def named(self) -> str:
-        """The kind of walls."""
+        """Describe the kind of walls."""
         if self.roll_off is None:
             return "walls without roll-off"
         return f"walls of roll-off {1e3 * self.roll_off:g} mm"
@@ -115,7 +116,7 @@ def estimate(
     max_normal_stress: ArrayLike,
     extrapolate: bool = False,
 ) -> Estimate:
-    """Closure of a joint at stresses of its first loading, by the bearing-area law.
+    """Estimate the closure of a joint at stresses of its first loading, by the bearing-area law.
 
     Parameters
     ----------
@@ -124,11 +125,11 @@ def estimate(
     spacing : float
         Grid spacing h [m].
     rock : Rock
-        Of both walls.
+        Rock of both walls.
     max_normal_stress : float or array
         Nominal normal stress [Pa], positive.
     extrapolate : bool
-        Whether to give a closure, with an error that is NaN, where the law was not tested.
+        Whether to return a closure, with an error of NaN, where the law was not tested.
 
     Returns
     -------
@@ -137,15 +138,15 @@ def estimate(
     Raises
     ------
     InputError
-        Bad walls or numbers; and, unless ``extrapolate``, a stress, roughness, rock, spacing or
-        size beyond those of the joints that the law was tested on, with the range.
+        If walls or numbers are not valid; and, unless ``extrapolate``, if stress, roughness,
+        rock, spacing or size are outside of the range of the joints on which the law was tested.
 
     Notes
     -----
-    It is of the full model with the paper's settings, of independent walls, and of first loading
-    only: it knows no unloading, no second cycle and no change of Young's modulus. Constants are
-    those of walls with a roll-off of 3 mm or of walls without any, whichever the given walls are of
-    by RMS height over slope.
+    The law is for the full model with the paper's settings, for independent walls, and for the
+    first loading only; it does not contain unloading, later cycles or the effect of Young's
+    modulus. Constants are those of walls with a roll-off of 3 mm or without roll-off, selected by
+    the RMS height over slope of the given walls.
     """
     check_length("spacing", spacing)
     upper, lower = checked_walls(upper, lower, spacing)
@@ -162,7 +163,7 @@ def estimate(
     ratio = stresses / strength_of(rock)
     outside = list(_outside(chosen, measures, upper.shape, spacing, rock, ratio))
     if outside and not extrapolate:
-        raise InputError(f"{outside[0]}; extrapolate=True gives a closure without an error")
+        raise InputError(f"{outside[0]}; extrapolate=True returns a closure without an error")
     fraction = chosen.law.fraction(ratio)
     closure = bearing_depths(upper + lower, fraction)
     error = np.full(ratio.shape, np.nan) if outside else _worst(chosen.errors, ratio)
@@ -172,15 +173,15 @@ def estimate(
 
 
 def _one_rock(rock: Rock) -> Rock:
-    """The rock of both walls, checked."""
+    """Check and return the rock of both walls."""
     upper, lower = both_walls(rock)
     if upper != lower:
-        raise InputError(f"rock: {rock!r}: the law was tested on joints of one rock only")
+        raise InputError(f"rock: {rock!r}: must be one Rock, for which the law was tested")
     return upper
 
 
 def wall_measures(upper: np.ndarray, lower: np.ndarray, spacing: float) -> WallMeasures:
-    """What tells walls (y, x) [m] of a grid spacing [m] from those of other kinds."""
+    """Compute statistics that identify the kind of walls (y, x) [m] with a grid spacing [m]."""
     squares, product, doubled = np.zeros(2), 0.0, 0.0  # sums over the profiles along x and along y
     count = further = 0
     for above, below in ((upper, lower), (upper.T, lower.T)):
@@ -203,10 +204,10 @@ def wall_measures(upper: np.ndarray, lower: np.ndarray, spacing: float) -> WallM
 
 
 def _nearest(height_over_slope: float) -> _Calibration:
-    """The constants of walls that have such heights over slope, or whose are nearest."""
+    """Return the constants of walls with such heights over slope, or the nearest ones."""
 
-    def away(each: _Calibration) -> tuple[bool, float]:
-        least, most = each.tested.height_over_slope
+    def away(calibration: _Calibration) -> tuple[bool, float]:
+        least, most = calibration.tested.height_over_slope
         inside = least <= height_over_slope <= most
         ratio = np.clip(height_over_slope, _SAME * least, most / _SAME) / np.sqrt(least * most)
         return not inside, abs(float(np.log(ratio)))
@@ -225,11 +226,11 @@ _NAMES = {
     "correlation": "correlation of the upper wall's slopes with the lower one's negative",
 }
 _CAUSES = {
-    "height_over_slope": "another roll-off or spectrum, or walls that mate",
+    "height_over_slope": "another roll-off or spectrum, or walls that are mated",
     "slope_ratio": "another roll-off, Hurst exponent or filter",
     "correlation": "walls that are not independent",
 }
-"""What is likely where a measure of the walls is not one of those that the law was tested on."""
+"""Probable reasons if a measure of the walls is outside of the tested range."""
 
 
 def _outside(
@@ -240,7 +241,7 @@ def _outside(
     rock: Rock,
     ratio: np.ndarray,
 ) -> Iterator[str]:
-    """What is beyond the joints that the law was tested on, one sentence each."""
+    """Generate a sentence on each value outside of the tested range."""
     given = {name: (value, value) for name, value in walls._asdict().items()} | {
         "stress_over_strength": (ratio.min(), ratio.max()),
         "modulus_over_strength": (rock.youngs_modulus / strength_of(rock),) * 2,
@@ -253,35 +254,35 @@ def _outside(
         slack = _SAME * max(abs(least), abs(most))
         if low < least - slack or high > most + slack:
             value = low if low < least - slack else high
-            told = f"{title} = {value:.4g}: {_ranges(name, chosen)}"
+            message = f"{title} = {value:.4g}: {_ranges(name, chosen)}"
             if name in _CAUSES:
-                told += (
+                message += (
                     f"; likely {_CAUSES[name]}: `.venv/bin/snakemake surrogate` on a study of "
-                    "such walls tells their constants"
+                    "such walls computes their constants"
                 )
-            yield told
+            yield message
 
 
 def _ranges(name: str, chosen: _Calibration) -> str:
-    """Where the law was tested; of heights, which choose the constants, all kinds of walls."""
+    """Describe the tested range; for heights, which select the constants, that of all kinds."""
     kinds = _calibrations() if name == "height_over_slope" else (chosen,)
-    told = []
+    parts = []
     for kind in kinds:
         least, most = getattr(kind.tested, name)
-        told.append(f"from {least:.4g} to {most:.4g} on {kind.named()}")
-    return "the law was tested " + " and ".join(told)
+        parts.append(f"from {least:.4g} to {most:.4g} on {kind.named()}")
+    return "the law was tested " + " and ".join(parts)
 
 
 def _worst(errors: list[tuple[np.ndarray, np.ndarray]], ratio: np.ndarray) -> np.ndarray:
-    """Largest error at the ratios, among rocks that were loaded so far, linear in log ratio."""
+    """Return the largest error at the ratios, among rocks with such loads, linear in log ratio."""
     at = np.log(ratio)
-    found = [np.interp(at, logs, rms, right=np.nan) for logs, rms in errors]
-    return np.nanmax(found, axis=0)
+    errors_of_rocks = [np.interp(at, logs, rms, right=np.nan) for logs, rms in errors]
+    return np.nanmax(errors_of_rocks, axis=0)
 
 
 @lru_cache(maxsize=1)
 def _calibrations() -> tuple[_Calibration, ...]:
-    """The law of all rocks on every kind of walls that it was fitted to."""
+    """Return the law of all rocks for every kind of walls to which it was fitted."""
     return tuple(_read(path) for path in SURROGATES)
 
 
@@ -299,7 +300,7 @@ def _read(path: Path) -> _Calibration:
     errors = []
     kinds = [(row["rock"], row["jrc"]) for row in rows]
     for kind in dict.fromkeys(kinds):
-        here = np.array([each == kind for each in kinds])
+        here = np.array([other == kind for other in kinds])
         logs = np.log(columns["stress_over_strength"][here])
         errors.append((logs, 0.01 * columns["rms_percent"][here]))
     roll_off = rows[0]["roll_off_mm"]

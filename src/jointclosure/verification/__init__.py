@@ -1,1 +1,1 @@
-"""Verification: hard cases, exact arithmetic, and judges that share no code with the solvers."""
+"""Verification: hard cases, exact arithmetic, and oracles that share no code with the solvers."""

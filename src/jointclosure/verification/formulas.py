@@ -1,7 +1,6 @@
-"""Formulas and sweeps as hard cases: rows like those of joints, from what was measured of them.
+"""Formulas and sweeps as hard cases, in rows like those of joints.
 
-The numbers are those of `printed` and `sweeps`, against exact values in fifty digits
-and more.
+The numbers are those of `printed` and `sweeps`, compared with exact values in fifty or more digits.
 """
 
 import numpy as np
@@ -12,13 +11,13 @@ FORMULAS = {
     "far field": ("interaction up to zeta/r = 1e9", 1e-13),
     "quartic": ("indifference interval of levels 1e-9 apart, relative", 1e-13),
 }
-"""What is hard about each formula, and the relative error that is allowed."""
+"""Difficulty of each formula, and the largest allowed relative error."""
 OURS = "jointclosure"
 _SOLVED = 1.01e-10
 
 
 def formula_rows(errors: pd.DataFrame, loads: pd.DataFrame) -> list[dict]:
-    """Rows for the table of hard cases.
+    """Return rows for the table of hard cases.
 
     Parameters
     ----------
@@ -31,7 +30,7 @@ def formula_rows(errors: pd.DataFrame, loads: pd.DataFrame) -> list[dict]:
     Returns
     -------
     list of dict
-        With the columns that rows of joints have too, and ``largest_error``.
+        With the columns of rows of joints, and ``largest_error``.
     """
     rows = []
     for subject, (hard, limit) in FORMULAS.items():

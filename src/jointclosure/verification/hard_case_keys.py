@@ -1,4 +1,4 @@
-"""The keys of config/hard_cases.yaml; closed at every level, and extreme on purpose."""
+"""Keys of config/hard_cases.yaml; closed at every level, with extreme values allowed."""
 
 from typing import Annotated, Any, Literal
 
@@ -18,7 +18,7 @@ _AS = entry("As in the keys of a configuration.")
 
 
 class Keys(pydantic.BaseModel):
-    """Keys that stand together; infinite numbers are allowed."""
+    """Group of keys; infinite numbers are allowed."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
@@ -50,7 +50,7 @@ class EffectKeys(Keys):
 
 
 class ChoiceKeys(Keys):
-    """What the paper leaves open."""
+    """Choices that the paper leaves open."""
 
     base_radius_in_cells: float = _AS
     peak_modulus_ratio: float = _AS
@@ -79,41 +79,41 @@ class NumericsKeys(Keys):
 
 
 class SameAsKeys(Keys):
-    """Another case that closes the same."""
+    """Another case that must have the same closures."""
 
     case: str = entry("Another case of the same way of breakage.")
     within: Within = entry("Relative.")
 
 
 class NoDriftKeys(Keys):
-    """Residual closures that stay."""
+    """Residual closures that must not drift."""
 
     from_cycle: int = entry("First cycle that counts.", ge=1)
     within: Within = entry("Of the residual closure, over the last cycle's maximum closure.")
 
 
 class ForgetsKeys(Keys):
-    """Cycles that become alike."""
+    """Cycles that must become equal."""
 
     within: Within = entry("Relative spread of the maximum closures from cycle 2 on.")
 
 
 class ClosureKeys(Keys):
-    """A closure that is known."""
+    """Known closure."""
 
     value_m: float = entry("Of the first cycle.")
     within: Within = entry("Relative.")
 
 
 class FractionKeys(Keys):
-    """Cells in contact."""
+    """Fraction of cells in contact."""
 
     least: float = entry("Of the largest fraction of cells in contact.")
     most: float = entry("The same.")
 
 
 class MustKeys(Keys):
-    """What is asked of one case alone, see `jointclosure.verification.requirements`."""
+    """Requirements of a single case, see `jointclosure.verification.requirements`."""
 
     same_as: SameAsKeys | None = entry(SameAsKeys.__doc__, None)
     no_drift: NoDriftKeys | None = entry(NoDriftKeys.__doc__, None)
@@ -125,7 +125,7 @@ class MustKeys(Keys):
 
 
 class CaseKeys(Keys):
-    """A case with the defaults under what it says itself."""
+    """A case, merged over the defaults."""
 
     name: Name = entry("Its row and its test.")
     group: Name = entry("Cases of a group are one job.")
@@ -166,7 +166,7 @@ class CaseKeys(Keys):
 
 
 class HardCasesKeys(Keys):
-    """The file: what every case has that does not say otherwise, and the cases."""
+    """The file: defaults of all cases, and the cases."""
 
     defaults: dict[str, Any] = entry("All keys of a case but its name and words.")
     cases: list[dict[str, Any]] = entry("Cases, see `CaseKeys`.", min_length=1)

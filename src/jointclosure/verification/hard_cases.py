@@ -1,9 +1,8 @@
-"""Hard cases: joints that are closed, and judged by what must hold of any joint.
+"""Hard cases: joints that are closed, and checked by requirements that hold for any joint.
 
-A case is an entry of ``config/hard_cases.yaml``, merged with that file's
-defaults. `run_case` closes its joint with a solver that shows every state it
-brings to rest to the oracle (`jointclosure.verification.oracle`), and names
-every requirement that does not hold.
+A case is an entry of ``config/hard_cases.yaml``, merged with that file's defaults. `run_case`
+closes its joint with a solver that passes every state at rest to the oracle
+(`jointclosure.verification.oracle`), and lists every requirement that does not hold.
 """
 
 import copy
@@ -42,14 +41,15 @@ from jointclosure.verification.hard_walls import hard_walls
 from jointclosure.verification.requirements import EXTRA, broken_requirements, limits_of
 
 _LARGEST_JUDGED = 2500
-"""Contacts beyond which only every tenth state is judged: the oracle is dense."""
+"""Number of contacts above which only every tenth state is judged, because the oracle is dense."""
 _LARGEST_CURVE = 20_000
-"""Cells beyond which only the first, middle and last point of an elastic curve are judged."""
+"""Number of cells above which only the first, middle and last point of an elastic curve are
+judged."""
 _LENGTHS = ("displacement_step", "breakage_step")
 
 
 class Outcome(NamedTuple):
-    """What came out of a case: the dataset (None where refused), and what was measured."""
+    """Outcome of a case: the dataset (None if refused), and measurements."""
 
     case: dict
     dataset: xr.Dataset | None
@@ -62,11 +62,11 @@ class Outcome(NamedTuple):
 
 
 class Judge:
-    """The oracle over many states of one joint.
+    """Oracle applied to many states of one joint.
 
-    ``worst`` keeps, for each of `oracle.Verdict`, the number that comes closest
-    to its own limit or goes furthest beyond, and ``limits`` that limit: both
-    may differ from state to state. ``states`` counts the states judged.
+    ``worst`` stores, for each field of `oracle.Verdict`, the value closest to its limit or furthest
+    beyond it, and ``limits`` this limit: both may differ from state to state. ``states`` counts the
+    judged states.
     """
 
     def __init__(self, given: oracle.Joint, tolerances: dict[str, float]):
@@ -77,9 +77,9 @@ class Judge:
 
     def __call__(self, state: oracle.State) -> None:
         verdict = oracle.judge(self._given, state)
-        found = verdict._asdict()
+        numbers = verdict._asdict()
         limits = limits_of(verdict, self._given.effects, self._tolerances)
-        for name, value in found.items():
+        for name, value in numbers.items():
             limit = limits.get(name, 0.0)
             if name not in self.worst or _closer(value, limit, self.worst[name], self.limits[name]):
                 self.worst[name], self.limits[name] = value, limit
@@ -87,8 +87,8 @@ class Judge:
 
 
 def _closer(value: float, limit: float, worst: float, its_limit: float) -> bool:
-    """Whether a number is worse with its limit than another with its own."""
-    if np.isinf(limit):  # only told
+    """Return whether a value is worse relative to its limit than another one."""
+    if np.isinf(limit):  # only reported
         return value > worst
     if limit > 0.0 and its_limit > 0.0:
         return not value / limit <= worst / its_limit
@@ -96,7 +96,7 @@ def _closer(value: float, limit: float, worst: float, its_limit: float) -> bool:
 
 
 class JudgedSolver:
-    """A solver that has every state it brings to rest judged."""
+    """Solver whose states at rest are all judged."""
 
     def __init__(self, inner, judge: Judge):
         self._inner, self._show = inner, judge
@@ -105,14 +105,14 @@ class JudgedSolver:
         self.predict = inner.predict
 
     def settle(self, joint: Joint, closure: float, breakage_step: float) -> Settled:
-        """As the solver's own."""
+        """Settle as the solver, and judge the state."""
         settled = self._inner.settle(joint, closure, breakage_step)
         self._judge(joint, settled)
         return settled
 
     def _elastic_curve(self, joint: Joint, targets: np.ndarray) -> list[Settled]:
-        # a curve leaves the forces of its last point only: each is asked for again, and judged
-        # with the closure and the total that the whole curve gave; of large joints a few
+        # a curve keeps only the forces of its last point: each point is solved again, and judged
+        # with closure and total force of the whole curve; only a few points of large joints
         settled = self._inner.elastic_curve(joint, targets)
         self._judge(joint, settled[-1])
         last = joint.force.copy()
@@ -138,7 +138,7 @@ class JudgedSolver:
 
 
 def merged_cases(study: dict) -> dict[str, dict]:
-    """Cases by name, each with the defaults under what it says itself, in SI.
+    """Return cases by name, each merged over the defaults, in SI.
 
     A case with several ways of breakage is one case for each, named after it.
 
@@ -150,8 +150,8 @@ def merged_cases(study: dict) -> dict[str, dict]:
     Raises
     ------
     InputError
-        What is no case (`jointclosure.verification.hard_case_keys`), two cases of one name,
-        or a comparison with a case that does not exist.
+        If a case is not valid (`jointclosure.verification.hard_case_keys`), two cases have one
+        name, or a case is compared with one that does not exist.
     """
     _refuse(problems(HardCasesKeys, study))
     cases = {}
@@ -163,7 +163,7 @@ def merged_cases(study: dict) -> dict[str, dict]:
             whole["numerics"]["breakage"] = method
             name = case["name"] if method == "fixed_step" else f"{case['name']}_{method}"
             if name in cases:
-                raise InputError(f"hard cases: two have the name {name!r}")
+                raise InputError(f"hard cases: only one must have the name {name!r}")
             cases[name] = to_si(whole) | {"name": name}
     for name, case in cases.items():
         compared = case["must"].get("same_as")
@@ -173,7 +173,7 @@ def merged_cases(study: dict) -> dict[str, dict]:
         compared["case"] = alike if alike in cases else compared["case"]
         if compared["case"] not in cases:
             raise InputError(
-                f"hard cases: {name} is compared with {compared['case']!r}, which is not there"
+                f"hard cases: {name} is compared with {compared['case']!r}, which does not exist"
             )
     return cases
 
@@ -187,13 +187,13 @@ def _over_defaults(case: dict, defaults: dict) -> dict:
 
 
 def _refuse(lines: Iterable[str]) -> None:
-    found = list(lines)
-    if found:
-        raise InputError("hard cases:\n" + "\n".join(f"  {line}" for line in found))
+    problems = list(lines)
+    if problems:
+        raise InputError("hard cases:\n" + "\n".join(f"  {line}" for line in problems))
 
 
 def run_case(case: dict) -> Outcome:
-    """Close a case's joint, timed and judged; the same case is closed once a process.
+    """Close and judge a case's joint and measure the time; the result is kept for the process.
 
     Parameters
     ----------
@@ -204,7 +204,7 @@ def run_case(case: dict) -> Outcome:
 
 
 def failed_requirements(outcome: Outcome, cases: dict[str, dict]) -> list[str]:
-    """What does not hold of a case, one line each; empty where all does."""
+    """List the requirements that do not hold for a case, one line each."""
     failed = broken_requirements(outcome, tolerances_of(outcome.case))
     if outcome.dataset is not None and not failed:
         for name, asked in outcome.case["must"].items():
@@ -214,7 +214,7 @@ def failed_requirements(outcome: Outcome, cases: dict[str, dict]) -> list[str]:
 
 
 def row_of(outcome: Outcome, failed: list[str]) -> dict:
-    """The case's line of the table."""
+    """Return the row of the table for a case."""
     case, data = outcome.case, outcome.dataset
     return {
         "name": case["name"],
@@ -241,27 +241,30 @@ def row_of(outcome: Outcome, failed: list[str]) -> dict:
 
 
 def _measured(outcome: Outcome) -> dict[str, float]:
-    """What a case's line says of its closures; NaN where it has no cycles."""
+    """Return the closures of a case for its row; NaN without cycles."""
     data, target = outcome.dataset, outcome.target
     cycles = data is not None and "max_closure" in data
 
-    def found(value: Callable[[xr.Dataset], float]) -> float:
+    def reading(value: Callable[[xr.Dataset], float]) -> float:
         return float(value(data)) if data is not None and cycles else math.nan
 
     return {
-        "max_closure_1_m": found(lambda each: each.max_closure[0]),
-        "max_closure_last_m": found(lambda each: each.max_closure[-1]),
-        "residual_closure_last_m": found(lambda each: each.residual_closure[-1]),
+        "max_closure_1_m": reading(lambda closed: closed.max_closure[0]),
+        "max_closure_last_m": reading(lambda closed: closed.max_closure[-1]),
+        "residual_closure_last_m": reading(lambda closed: closed.residual_closure[-1]),
         "target_Pa": target,
         "max_stress_Pa": math.nan if data is None else float(np.max(data.normal_stress.values)),
-        "unbreakable_share": found(lambda each: (each.locked_share + each.flat_share).max()),
-        "unloading_excess_over_target": found(lambda each: each.unloading_excess.max()) / target,
+        "unbreakable_share": reading(
+            lambda closed: (closed.locked_share + closed.flat_share).max()
+        ),
+        "unloading_excess_over_target": reading(lambda closed: closed.unloading_excess.max())
+        / target,
         "breakage_steps": int(data.breakage_steps) if data is not None and cycles else 0,
     }
 
 
 def curve_of(outcome: Outcome) -> pd.DataFrame:
-    """The closure curve of a case: case, cycle, branch, closure_m, normal_stress_Pa."""
+    """Return the closure curve of a case: case, cycle, branch, closure_m, normal_stress_Pa."""
     data = outcome.dataset
     if data is None or "step" not in data.sizes:
         return pd.DataFrame(columns=["case", "cycle", "branch", "closure_m", "normal_stress_Pa"])
@@ -277,16 +280,20 @@ def curve_of(outcome: Outcome) -> pd.DataFrame:
 
 
 def kernels_of_cases(cases: Iterable[dict]) -> list[list[str]]:
-    """Kernels as `jointclosure.joint.warmup.kernels_of` of the cases that are closed."""
+    """Return the kernels of the cases that are closed, see `joint.warmup.kernels_of`."""
     return kernels_of(
-        (Effects(**case["effects"]), Choices(**case["choices"]), Numerics(**case["numerics"]))
+        (
+            Effects(**case["effects"]),
+            Choices()._replace(**case["choices"]),
+            Numerics()._replace(**case["numerics"]),
+        )
         for case in cases
         if case["expect"] != "refused"
     )
 
 
 def compile_for(case: dict) -> None:
-    """Compile the kernels that a case needs, so that its time is its own."""
+    """Compile the kernels that a case needs before its time is measured."""
     if case["expect"] == "refused":
         return
     peaks, numerics = case["choices"]["peaks"], case["numerics"]
@@ -305,7 +312,7 @@ def _compile_scene(
 
 
 def status_names(status: int) -> str:
-    """The names of a status' bits, or success."""
+    """Return the names of the bits of a status, or success."""
     return " ".join(name for bit, name in FLAGS.items() if status & bit) or "success"
 
 
@@ -357,7 +364,7 @@ def _run(frozen: str) -> Outcome:
 
 
 def _setting(case: dict) -> dict:
-    """Walls and the arguments of `simulate` that a case gives, its lengths and stresses scaled."""
+    """Return walls and arguments of `simulate` of a case, with lengths and stresses scaled."""
     lengths, stresses = case["scale_lengths"], case["scale_stresses"]
     walls = case["walls"]
     spacing = case["spacing"]
@@ -391,13 +398,13 @@ def _setting(case: dict) -> dict:
         "spacing": spacing * lengths,
         "rock": (rocks[0], rocks[1]),
         "effects": Effects(**case["effects"]),
-        "choices": Choices(**choices),
-        "numerics": Numerics(**numerics),
+        "choices": Choices()._replace(**choices),  # the simulation refuses what is out of range
+        "numerics": Numerics()._replace(**numerics),
     }
 
 
 def _target(case: dict, upper, lower, setting: dict) -> float:
-    """Maximum stress [Pa]; where a case asks for it, that of the first step's end."""
+    """Return the maximum stress [Pa], which may be that at the end of the first step."""
     if not case["target_is_first_step"]:
         return case["max_normal_stress"] * case["scale_stresses"]
     step = setting["numerics"].displacement_step
@@ -406,8 +413,8 @@ def _target(case: dict, upper, lower, setting: dict) -> float:
 
 
 def tolerances_of(case: dict) -> dict[str, float]:
-    """What the oracle's numbers may be, by name."""
-    numerics = Numerics(**case["numerics"])
+    """Return the limits of the oracle's numbers, by name."""
+    numerics = Numerics()._replace(**case["numerics"])
     residual = numerics.force_tolerance
     by_stress = not case["effects"]["breakage"] and case["closure"] is None
     if by_stress and solver_named(numerics.solver).elastic_curve:

@@ -1,4 +1,4 @@
-"""Walls that are hard on a solver, by name: pairs (upper, lower) of heights [m]."""
+"""Walls that are difficult for a solver, by name: pairs (upper, lower) of heights [m]."""
 
 import numpy as np
 
@@ -17,46 +17,46 @@ def _spike(shape, spacing, height):
 
 
 def _tie(shape, spacing, height):
-    """Whole multiples of a height: equal sums everywhere, and equal neighbours."""
+    """Return multiples of a height: equal sums everywhere, and equal neighbours."""
     random = np.random.default_rng(7)
     return tuple(height * random.integers(0, 4, shape).astype(float) for _ in range(2))
 
 
 def _saddles(shape, spacing, height):
-    """Two saddles, crossed: one curves up where the other curves down."""
+    """Return two crossed saddles: one curves up where the other curves down."""
     y, x = _unit_coordinates(shape)
     saddle = height * (x**2 - y**2)
     return saddle, saddle.T.copy() if shape[0] == shape[1] else saddle.copy()
 
 
 def _valleys(shape, spacing, height):
-    """Two bowls, concave everywhere: they touch at their corners."""
+    """Return two bowls, concave everywhere, that touch at their corners."""
     y, x = _unit_coordinates(shape)
     return height * (x**2 + y**2), height * (x**2 + y**2)
 
 
 def _egg_box(shape, spacing, height):
-    """Every second cell a peak, the others valleys, on both walls in phase."""
+    """Return walls where every second cell is a peak and the others valleys, in phase."""
     y, x = np.indices(shape)
     box = height * np.where((y + x) % 2 == 0, 1.0, -1.0)
     return box, box.copy()
 
 
 def _ridges(shape, spacing, height):
-    """Ridges of one cell along y above, along x below: they cross in single cells."""
+    """Return ridges of one cell along y above and along x below, which cross in single cells."""
     y, x = np.indices(shape)
     return height * (x % 3 == 1), height * (y % 3 == 1)
 
 
 def _parallel_ridges(shape, spacing, height):
-    """One-cell ridges along y on both walls, face to face: no curvature along them."""
+    """Return opposite one-cell ridges along y on both walls, without curvature along them."""
     _, x = np.indices(shape)
     ridges = height * (x % 4 == 1)
     return ridges, ridges.copy()
 
 
 def _plateau(shape, spacing, height):
-    """A level table in the middle: flat contacts inside, edges around."""
+    """Return a level table in the middle: flat contacts inside, edges around."""
     upper = np.zeros(shape)
     upper[tuple(slice(n // 4, n - n // 4) for n in shape)] = height
     return upper, np.zeros(shape)
@@ -82,20 +82,20 @@ SHAPES = {
 def hard_walls(
     kind: str, cells: tuple[int, int], spacing: float, height: float, jrc: float, seed: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Upper and lower wall (ny, nx), heights towards the other [m].
+    """Return upper and lower wall (ny, nx), heights towards the other wall [m].
 
     Parameters
     ----------
     kind : str
-        A key of `SHAPES`; "self_affine" are independent walls of a JRC,
-        "mated" such a wall and its exact counterpart, which touch everywhere at once.
+        A key of `SHAPES`; or "self_affine" for independent walls of a JRC, "mated" for
+        such a wall and its exact counterpart, which touch everywhere at once.
     cells : (ny, nx)
     spacing : float
         [m].
     height : float
         Scale of the kinds of `SHAPES` [m].
     jrc, seed
-        Of the random kinds.
+        JRC and seed of the random kinds.
     """
     rows, columns = cells
     shape = (rows, columns)

@@ -1,9 +1,8 @@
-"""The judge: a joint's state recomputed by code that shares nothing with the solvers.
+"""Oracle: a joint's state recomputed by code that shares nothing with the solvers.
 
-numpy and scipy only, dense and plain, nothing imported from jointclosure (a
-contract of the layers says so). SI units; fields are (y, x). A rock has
-``youngs_modulus``, ``poisson_ratio`` and ``compressive_strength``; a joint has
-one, or a pair of (upper, lower).
+It uses only numpy and scipy, dense and simple, and imports nothing from jointclosure (a contract of
+the layers checks this). SI units; fields are (y, x). A rock has ``youngs_modulus``,
+``poisson_ratio`` and ``compressive_strength``; a joint has one rock, or a pair of (upper, lower).
 """
 
 import math
@@ -13,14 +12,14 @@ import numpy as np
 from scipy.special import hyp2f1
 
 _CHUNK = 500
-"""Rows of the dense influence matrix at a time."""
+"""Number of rows of the dense influence matrix that are computed at a time."""
 
 
 class Joint(NamedTuple):
-    """What a joint is: pristine walls (y, x) [m], spacing [m], rock, effects, choices.
+    """Joint: pristine walls (y, x) [m], spacing [m], rock, effects, choices.
 
-    ``effects`` and ``choices`` are read by the names of
-    `jointclosure.parameters`. The walls are those before any loading.
+    ``effects`` and ``choices`` are read by the names of `jointclosure.parameters`. The walls are
+    those before any loading.
     """
 
     upper: np.ndarray
@@ -32,7 +31,7 @@ class Joint(NamedTuple):
 
 
 class State(NamedTuple):
-    """A state to be judged: walls and forces (y, x) [m, N], closure [m], what was reported [N]."""
+    """State to be judged: walls and forces (y, x) [m, N], closure [m], reported total force [N]."""
 
     upper: np.ndarray
     lower: np.ndarray
@@ -42,7 +41,7 @@ class State(NamedTuple):
 
 
 class Law(NamedTuple):
-    """What rocks, peaks, effects and choices make of a joint's contacts.
+    """Contact law of a joint, from rocks, peaks, effects and choices.
 
     ``asperity``: E_a* of every pair (y, x) [Pa]; ``rock_modulus``: 1/(1/E_t* + 1/E_b*) of the
     substrates [Pa]; ``substrate``: their compliance A [m/N], 0 without; ``base_radius`` [m].
@@ -55,17 +54,15 @@ class Law(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """What the oracle found, all but the first relative; 0 is perfect.
+    """Errors of a state, all but the first relative; 0 is perfect.
 
-    ``negative_force``: the size of the most negative force [N]. ``residual``:
-    sum |F - psi(overlap)| / sum F with each contact's law psi solved again.
-    ``rounding``: what one unit in the last place of the heights is worth in that
-    sum. ``without_overlap``, ``without_force``: force of cells that do not
-    overlap, and force that unloaded cells that overlap should carry, over the
-    total. ``load``: the sum of the forces against the one reported. ``volume``:
-    the larger change of a wall's volume over sum |z0 - min z0|. ``raised``: see
-    `raised`. ``strength``: the largest c p0/sigma_c - 1 of a contact that is not
-    locked, at least 0.
+    ``negative_force``: magnitude of the most negative force [N]. ``residual``: sum |F -
+    psi(overlap)| / sum F with each contact's law psi solved again. ``rounding``: effect of one unit
+    in the last place of the heights on this sum. ``without_overlap``, ``without_force``: force of
+    cells that do not overlap, and force that unloaded cells with overlap should carry, over the
+    total. ``load``: sum of the forces compared with the reported one. ``volume``: larger change of
+    a wall's volume over sum |z0 - min z0|. ``raised``: see `raised`. ``strength``: largest c
+    p0/sigma_c - 1 of a contact that is not locked, at least 0.
     """
 
     negative_force: float
@@ -80,12 +77,12 @@ class Verdict(NamedTuple):
 
 
 def walls_rocks(rock):
-    """(upper, lower) rocks of one rock or a pair."""
+    """Return (upper, lower) rocks of one rock or a pair."""
     return (rock, rock) if hasattr(rock, "youngs_modulus") else tuple(rock)
 
 
 def curvature(z, h, largest_radius=None, concave="magnitude"):
-    """Gaussian curvature (y, x) from circles through three points, mirrored at the edges."""
+    """Compute Gaussian curvature (y, x) from circles through three points, mirrored at edges."""
     padded = np.pad(z, 1, mode="reflect")
 
     def circle(before, here, after):
@@ -103,7 +100,7 @@ def curvature(z, h, largest_radius=None, concave="magnitude"):
 
 
 def peaks(z):
-    """Cells strictly higher than all their neighbours."""
+    """Return cells strictly higher than all their neighbours."""
     padded = np.pad(z, 1, constant_values=-np.inf)
     ny, nx = z.shape
     return np.all(
@@ -118,7 +115,7 @@ def peaks(z):
 
 
 def moduli(rock, peak_modulus_ratio, upper_peaks, lower_peaks):
-    """E_a* of every pair, and 1/(1/E_t* + 1/E_b*) of the substrates."""
+    """Compute E_a* of every pair, and 1/(1/E_t* + 1/E_b*) of the substrates."""
     above, below = (r.youngs_modulus / (1 - r.poisson_ratio**2) for r in walls_rocks(rock))
     upper = np.where(upper_peaks, peak_modulus_ratio, 1.0) * above
     lower = np.where(lower_peaks, peak_modulus_ratio, 1.0) * below
@@ -126,10 +123,10 @@ def moduli(rock, peak_modulus_ratio, upper_peaks, lower_peaks):
 
 
 def influence(shape, h, r, modulus):
-    """Displacement per unit force (y, x) at a distance in cells, Eqs. (17) to (20); 0 at itself.
+    """Compute displacement per unit force (y, x) at a distance in cells, Eqs. (17) to (20).
 
-    As printed up to ten base radii; beyond, where that loses its digits, its
-    hypergeometric series.
+    It is 0 at distance 0. Up to ten base radii the printed form is used; beyond, where that loses
+    its digits, its hypergeometric series.
     """
     y, x = np.indices(shape)
     zeta = h * np.hypot(y, x)
@@ -144,7 +141,7 @@ def influence(shape, h, r, modulus):
 
 
 def interaction(force, h, r, modulus, at=None):
-    """Displacements (n,) by all other forces at flat indices; of all cells (y, x) if None."""
+    """Compute displacements (n,) by all other forces at flat indices; by default at all cells."""
     nx = force.shape[1]
     table = influence(force.shape, h, r, modulus)
     loaded = np.flatnonzero(force)
@@ -158,7 +155,7 @@ def interaction(force, h, r, modulus, at=None):
 
 
 def locked(upper, lower, tolerance=1e-11):
-    """Pairs of which neither wall's cell has a lower neighbour."""
+    """Return pairs of which neither wall's cell has a lower neighbour."""
 
     def no_lower(z):
         padded = np.pad(z, 1, constant_values=np.inf)
@@ -178,15 +175,14 @@ def locked(upper, lower, tolerance=1e-11):
 
 
 def forces_of_overlaps(overlap, compliance, substrate):
-    """Forces (n,) [N] of contacts A F + B F^(2/3) = overlap >= 0, by bisection of F^(1/3).
+    """Compute forces (n,) [N] of contacts A F + B F^(2/3) = overlap >= 0 by bisection of F^(1/3).
 
-    ``compliance`` B (n,) [m N^(-2/3)], ``substrate`` A [m/N]; infinite where both
-    are 0. The root lies between a half of what it would be with the stiffer term
-    alone, and that.
+    ``compliance`` B (n,) [m N^(-2/3)], ``substrate`` A [m/N]; forces are infinite if both are 0.
+    The root lies between a half and one of its value with only the stiffer term.
     """
-    own = np.full(overlap.size, np.inf)
-    np.divide(overlap, compliance, out=own, where=compliance > 0)
-    high = np.sqrt(own)
+    without_substrate = np.full(overlap.size, np.inf)
+    np.divide(overlap, compliance, out=without_substrate, where=compliance > 0)
+    high = np.sqrt(without_substrate)
     if substrate:
         high = np.minimum(high, np.cbrt(overlap / substrate))
     high[overlap == 0] = 0.0
@@ -201,9 +197,9 @@ def forces_of_overlaps(overlap, compliance, substrate):
 
 
 def slopes_of_forces(force, compliance, substrate):
-    """dF/d(delta_S) (n,) [N/m] of contacts at forces (n,), as in `forces_of_overlaps`.
+    """Compute dF/d(delta_S) (n,) [N/m] of contacts at forces (n,), as in `forces_of_overlaps`.
 
-    0 where the force is 0 or infinite.
+    0 if the force is 0 or infinite.
     """
     root = np.cbrt(np.where(np.isinf(force), 0.0, force))
     slope = np.zeros(root.size)
@@ -213,7 +209,7 @@ def slopes_of_forces(force, compliance, substrate):
 
 
 def law_of(joint: Joint, state: State) -> Law:
-    """The contact law of a joint at a state, whose own peaks count where they are current."""
+    """Compute the contact law of a joint at a state, whose peaks are used if they are current."""
     walls = state if joint.choices.peaks == "current" else joint
     ratio = joint.choices.peak_modulus_ratio if joint.effects.soft_peaks else 1.0
     asperity, rock_modulus = moduli(joint.rock, ratio, peaks(walls.upper), peaks(walls.lower))
@@ -223,12 +219,12 @@ def law_of(joint: Joint, state: State) -> Law:
 
 
 def asperity_compliances(kappa, law: Law):
-    """B (y, x) [m N^(-2/3)] of curvatures (y, x) [1/m]."""
+    """Compute B (y, x) [m N^(-2/3)] from curvatures (y, x) [1/m]."""
     return np.cbrt(9 * kappa / (16 * law.asperity**2))
 
 
 def overlaps_of(joint: Joint, state: State, law: Law):
-    """Cells (n,) that overlap undeformed or carry force, flat, and delta_S of each [m]."""
+    """Return cells (n,) that overlap undeformed or carry force, flat, and delta_S of each [m]."""
     overlap = state.upper + state.lower - ((joint.upper + joint.lower).max() - state.closure)
     cells = np.flatnonzero((overlap > 0) | (state.force > 0))
     overlap = overlap.ravel()[cells]
@@ -240,7 +236,7 @@ def overlaps_of(joint: Joint, state: State, law: Law):
 
 
 def residual(joint: Joint, state: State) -> float:
-    """Largest misfit of equilibrium [m]: gap where there is force, overlap where none."""
+    """Return the largest error of equilibrium [m]: gap with force, or overlap without force."""
     law = law_of(joint, state)
     cells, overlap = overlaps_of(joint, state, law)
     force = state.force.ravel()[cells]
@@ -251,7 +247,7 @@ def residual(joint: Joint, state: State) -> float:
 
 
 def pressures_over_limit(joint: Joint, state: State):
-    """c(nu) p0 / sigma_c (y, x), Eqs. (5), (22), (23): of the wall that holds less."""
+    """Compute c(nu) p0 / sigma_c (y, x), Eqs. (5), (22), (23), for the weaker wall."""
     asperity, kappa = law_of(joint, state).asperity, _curvatures(joint, state)
     deformation = (9 * kappa * state.force**2 / (16 * asperity**2)) ** (1 / 3)
     pressure = 2 / np.pi * asperity * np.sqrt(deformation * kappa)
@@ -262,13 +258,13 @@ def pressures_over_limit(joint: Joint, state: State):
 
 
 def _curvatures(joint: Joint, state: State):
-    """Both walls' together (y, x) [1/m], as they are."""
+    """Compute the combined curvature of both walls (y, x) [1/m] at a state."""
     rule = joint.choices.largest_radius, joint.choices.concave
     return sum(curvature(z, joint.spacing, *rule) for z in (state.upper, state.lower))
 
 
 def judge(joint: Joint, state: State) -> Verdict:
-    """Recompute a state at rest from its walls, forces and closure alone."""
+    """Recompute a state at rest only from its walls, forces and closure."""
     force, law = state.force, law_of(joint, state)
     total = math.fsum(force.ravel())
     over_total = 1.0 / total if total > 0 else 0.0
@@ -276,7 +272,7 @@ def judge(joint: Joint, state: State) -> Verdict:
     compliance = asperity_compliances(_curvatures(joint, state), law).ravel()[cells]
     answer = forces_of_overlaps(np.maximum(overlap, 0.0), compliance, law.substrate)
     carried = force.ravel()[cells]
-    # each contact's overlap is good to a few units in the last place
+    # each contact's overlap is accurate to a few units in the last place
     slope = slopes_of_forces(answer, compliance, law.substrate)
     summed = state.upper + state.lower
     ulp = np.spacing(np.abs(summed).max() + abs(state.closure))
@@ -300,7 +296,7 @@ def judge(joint: Joint, state: State) -> Verdict:
 
 
 def volume_change(before, after):
-    """|sum z - sum z0| / sum |z0 - min z0| of a wall, summed without rounding."""
+    """Compute |sum z - sum z0| / sum |z0 - min z0| of a wall, summed without rounding."""
     change = abs(math.fsum([*after.ravel(), *(-before).ravel()]))
     if change == 0.0:
         return 0.0
@@ -309,10 +305,10 @@ def volume_change(before, after):
 
 
 def raised(before, after, gouge):
-    """The rise of a wall that nothing can cause, over its height range.
+    """Return the rise of a wall that nothing can cause, over its height range.
 
-    That of its highest cell, as gouge lifts none above the cell it came from;
-    without gouge that of any cell.
+    With gouge it is that of the highest cell, because gouge raises no cell above the one from which
+    it came; without gouge it is that of any cell.
     """
     rise = float(after.max() - before.max() if gouge else (after - before).max())
     if rise <= 0.0:
@@ -322,7 +318,7 @@ def raised(before, after, gouge):
 
 
 def _excess(joint: Joint, state: State) -> float:
-    """By what the worst contact is beyond its strength, where it could break."""
+    """Return the largest excess over strength of a contact that can break."""
     if not joint.effects.breakage:
         return 0.0
     load = pressures_over_limit(joint, state)

@@ -1,8 +1,8 @@
-"""The paper's formulas as printed, ours, and exact values beside them.
+"""The paper's formulas as printed, those of the package, and exact values.
 
-Eqs. (13), (17) and (29) as they stand in the paper, in plain numpy and double
-precision, the package's own forms of the same, and the exact values by mpmath
-in 50 digits of the very same double-precision inputs: what each form loses.
+Eqs. (13), (17) and (29) as in the paper, in plain numpy and double precision; the package's forms
+of the same; and exact values by mpmath in 50 digits for the same double-precision inputs. They show
+the errors of each form.
 """
 
 import mpmath
@@ -16,16 +16,16 @@ from jointclosure.statistics.indifference import indifference_interval
 
 DIGITS = 50
 OVERLAP = 1e-6
-"""delta_S of the cubic's errors [m]; they depend on the stiffness ratio g alone."""
+"""delta_S for the errors of the cubic [m]; they depend only on the stiffness ratio g."""
 MEANS, DEVIATIONS, SAMPLES = (0.091, 0.081, 0.074), (0.0081, 0.0078, 0.0083), 20
-"""Closures [mm] and their deviations for the quartic's errors, near those of dolerite."""
+"""Closures [mm] and their deviations for the errors of the quartic, near those of dolerite."""
 
 
 # --- the contact cubic -------------------------------------------------------------------
 
 
 def deformation_as_printed(overlap: float, gamma: float, sign: int) -> np.ndarray:
-    """delta_a [m] by Eqs. (11) and (13), principal cube root.
+    """Compute delta_a [m] by Eqs. (11) and (13) with the principal cube root.
 
     Parameters
     ----------
@@ -34,52 +34,52 @@ def deformation_as_printed(overlap: float, gamma: float, sign: int) -> np.ndarra
     gamma : float
         gamma of Eq. (12) [m^(-1/2)].
     sign : int
-        Of 81 gamma^2 delta_S^2 - 12 delta_S under the root: -1 as printed, +1
-        as the derivation gives it.
+        Sign of 81 gamma^2 delta_S^2 - 12 delta_S under the root: -1 as printed, +1
+        as derived.
 
     Returns
     -------
     array (2,) of complex
-        For the upper and the lower sign of Eq. (13).
+        Values for the upper and the lower sign of Eq. (13).
     """
     return _deformations(overlap, gamma, sign)[:, 0]
 
 
 def deformation_on_best_branch(overlap: float, gamma: float, exact: mpmath.mpf) -> complex:
-    """delta_a [m] by Eqs. (11) and (13) with the sign corrected, and hindsight.
+    """Compute delta_a [m] by Eqs. (11) and (13) with corrected sign and known best branch.
 
-    Of both signs and all three cube roots, the one next to the exact value:
-    what is lost to rounding once the misprint and the branch are mended.
+    It is the value closest to the exact one among both signs and all three cube roots, and shows
+    the rounding error that remains after correction of misprint and branch.
     """
-    found = _deformations(overlap, gamma, +1).ravel()
-    return complex(min(found, key=lambda value: relative_error(value, exact)))
+    values = _deformations(overlap, gamma, +1).ravel()
+    return complex(min(values, key=lambda value: relative_error(value, exact)))
 
 
 def _deformations(overlap: float, gamma: float, sign: int) -> np.ndarray:
-    """delta_a (upper and lower sign, cube root) of Eqs. (11) and (13)."""
+    """Compute delta_a (upper and lower sign, cube root) of Eqs. (11) and (13)."""
     under = complex(sign * (81.0 * gamma**2 * overlap**2 - 12.0 * overlap))
     signs = np.array([[1.0], [-1.0]])
-    with np.errstate(divide="ignore", invalid="ignore"):  # the formula's own failure, measured
+    with np.errstate(divide="ignore", invalid="ignore"):  # failures of the formula are measured
         cube = (2.0 - 27.0 * gamma**2 * overlap + signs * 3.0 * gamma * np.sqrt(under)) / 2.0
         root = cube ** (1.0 / 3.0) * np.exp(2j * np.pi / 3.0 * np.arange(3.0))
         return (-1.0 / (3.0 * gamma) * (1.0 + root + 1.0 / root)) ** 2
 
 
 def deformation_by_force(overlap: float, gamma: float) -> float:
-    """delta_a [m] by the package's own way, through the force."""
-    asperity = 1.0  # the unit of force is free
+    """Compute delta_a [m] as the package does, through the force."""
+    asperity = 1.0  # the unit of force is arbitrary
     force, _ = force_of_overlap(overlap, gamma, asperity)
     return float(asperity * np.cbrt(force) ** 2)
 
 
 def exact_deformation(overlap: float, gamma: float) -> mpmath.mpf:
-    """delta_a [m]: the positive root x of gamma x^3 + x^2 = delta_S, squared, Eq. (10)."""
+    """Compute delta_a [m]: the positive root x of gamma x^3 + x^2 = delta_S, squared, Eq. (10)."""
     with mpmath.workdps(DIGITS + 20):
         d, g = mpmath.mpf(overlap), mpmath.mpf(gamma)
         x = mpmath.sqrt(d)
         if g:
             x = min(x, mpmath.cbrt(d / g))
-        for _ in range(200):  # from the right, onto the root of a convex function
+        for _ in range(200):  # from the right to the root of a convex function
             shorter = x - (g * x**3 + x**2 - d) / (3 * g * x**2 + 2 * x)
             if abs(shorter - x) <= x * mpmath.mpf(10) ** -(DIGITS + 10):
                 return shorter**2
@@ -88,7 +88,7 @@ def exact_deformation(overlap: float, gamma: float) -> mpmath.mpf:
 
 
 def cubic_errors(ratios: np.ndarray) -> pd.DataFrame:
-    """Relative errors of delta_a at stiffness ratios g = gamma sqrt(delta_S) (k,)."""
+    """Compute relative errors of delta_a at stiffness ratios g = gamma sqrt(delta_S) (k,)."""
     rows = []
     for g in ratios:
         gamma = float(g / np.sqrt(OVERLAP))
@@ -114,7 +114,7 @@ def cubic_errors(ratios: np.ndarray) -> pd.DataFrame:
 
 
 def displacement_as_printed(distance: float, base_radius: float, modulus: float) -> float:
-    """Displacement per unit force [m/N] by Eqs. (17) and (19) as printed.
+    """Compute displacement per unit force [m/N] by Eqs. (17) and (19) as printed.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def displacement_as_printed(distance: float, base_radius: float, modulus: float)
 
 
 def exact_displacement(distance: float, base_radius: float, modulus: float) -> mpmath.mpf:
-    """The same as `displacement_as_printed`, exact: digits are spent on what cancels."""
+    """Compute `displacement_as_printed` exactly, with more digits than cancel."""
     with mpmath.workdps(DIGITS + 60):
         zeta, r, e = (mpmath.mpf(float(value)) for value in (distance, base_radius, modulus))
         root = mpmath.sqrt((zeta - r) * (zeta + r))
@@ -139,7 +139,7 @@ def exact_displacement(distance: float, base_radius: float, modulus: float) -> m
 
 
 def far_field_errors(ratios: np.ndarray) -> pd.DataFrame:
-    """Relative errors of the displacement at distances zeta/r (k,)."""
+    """Compute relative errors of the displacement at distances zeta/r (k,)."""
     rows = []
     for ratio in ratios:
         arguments = (0.125e-3 * float(ratio), 0.125e-3, 40e9)
@@ -156,10 +156,10 @@ def far_field_errors(ratios: np.ndarray) -> pd.DataFrame:
 
 
 def length_as_printed(levels, means, deviations, samples: int, critical: float) -> float:
-    """Length of the indifference interval by Eqs. (25), (27) and (29) as printed.
+    """Compute the indifference interval's length by Eqs. (25), (27) and (29) as printed.
 
-    The correlations and the quartic in powers of the parameter itself, the
-    roots by `numpy.roots`; real is what it gives as real.
+    The correlations and the quartic are in powers of the parameter itself, and the roots by
+    `numpy.roots`; a root is real if `numpy.roots` returns it as real.
 
     Parameters
     ----------
@@ -173,14 +173,14 @@ def length_as_printed(levels, means, deviations, samples: int, critical: float) 
     Returns
     -------
     float
-        |p - p_M| of the closest real root, NaN without one, and where Eqs. (25) and
-        (27) are singular in double precision.
+        |p - p_M| of the closest real root; NaN without one, or if Eqs. (25) and (27)
+        are singular in double precision.
     """
     powers = np.vander(np.asarray(levels, dtype=float), 3)
     values = np.stack([np.asarray(means, dtype=float), np.asarray(deviations, dtype=float)], 1)
     try:
         (b, bs), (c, cs), (d, ds) = np.linalg.solve(powers, values)
-    except np.linalg.LinAlgError:  # in double precision the levels are one
+    except np.linalg.LinAlgError:  # in double precision the levels are equal
         return float("nan")
     n, t2 = float(samples), critical**2
     rise = d - means[1]
@@ -198,11 +198,11 @@ def length_as_printed(levels, means, deviations, samples: int, critical: float) 
 
 
 def exact_length(levels, means, deviations, samples: int, critical: float) -> mpmath.mpf:
-    """The same as `length_as_printed`, exact; NaN without a real root.
+    """Compute `length_as_printed` exactly; NaN without a real root.
 
-    All roots of the quartic in a parameter counted from p_M, which takes no
-    digits in exact arithmetic; with double roots told from none by a gap of
-    1e-30 in their imaginary parts.
+    It uses all roots of the quartic in a parameter counted from p_M, which loses no digits in exact
+    arithmetic. Double roots are distinguished from pairs of complex roots by a gap of 1e-30 in
+    their imaginary parts.
     """
     with mpmath.workdps(3 * DIGITS):
         p = [mpmath.mpf(float(value)) for value in levels]
@@ -232,16 +232,16 @@ def exact_length(levels, means, deviations, samples: int, critical: float) -> mp
 
 
 def _exact_quadratic(u, values):
-    """Coefficients of the quadratic through three points, highest power first."""
+    """Return coefficients of the quadratic through three points, highest power first."""
     matrix = mpmath.matrix([[x**2, x, 1] for x in u])
     return mpmath.lu_solve(matrix, mpmath.matrix([mpmath.mpf(float(v)) for v in values]))
 
 
 def quartic_errors(half_ranges: np.ndarray, base: float) -> pd.DataFrame:
-    """Relative errors of the length for levels base (1 -+ half range) (k,).
+    """Compute relative errors of the length for levels base (1 -+ half range) (k,).
 
-    The responses at the levels are the same throughout (`MEANS`,
-    `DEVIATIONS`), so that the length is a fixed part of the half range.
+    The responses at the levels are the same for all half ranges (`MEANS`, `DEVIATIONS`), so that
+    the length is a fixed share of the half range.
     """
     critical = float(scipy.stats.t.ppf(0.975, 2 * SAMPLES - 2))
     rows = []
@@ -257,11 +257,11 @@ def quartic_errors(half_ranges: np.ndarray, base: float) -> pd.DataFrame:
     return _table("quartic", rows)
 
 
-# --- what they share ---------------------------------------------------------------------
+# --- common functions --------------------------------------------------------------------
 
 
 def relative_error(value: complex, exact: mpmath.mpf) -> float:
-    """|value/exact - 1|, infinite where the value is no number and the exact one is."""
+    """Return |value/exact - 1|; infinite if the value is not a number but the exact one is."""
     if not np.isfinite(value):
         return float("inf")
     with mpmath.workdps(DIGITS):
@@ -269,7 +269,7 @@ def relative_error(value: complex, exact: mpmath.mpf) -> float:
 
 
 def _table(subject: str, rows: list[tuple[str, float, float]]) -> pd.DataFrame:
-    """Rows (series, at, error) of one subject, in the long form of `numerics.csv`."""
+    """Return rows (series, at, error) of one subject, in the long form of `numerics.csv`."""
     frame = pd.DataFrame(rows, columns=["series", "at", "error"])
     frame.insert(0, "subject", subject)
     return frame

@@ -1,4 +1,4 @@
-"""What must hold of every hard case, and what is asked of single ones."""
+"""Requirements of every hard case, and of single ones."""
 
 from collections.abc import Callable
 
@@ -7,19 +7,21 @@ import numpy as np
 from jointclosure.joint.protocol import FAILURE, OUTSIDE_MODEL_RANGE, TARGET_JUMPED
 
 LARGEST_UNBREAKABLE_SHARE = 0.1
-"""Of the force on cells that cannot break, beyond which a remark is due; not the protocol's own."""
+"""Share of the force on cells that cannot break above which a remark is required; independent of
+the protocol's constant."""
 VOLUME_TOLERANCE = 1e-12
 STRENGTH_TOLERANCE = 1e-6
-"""What a contact at rest may exceed its strength by: the interaction's last change."""
+"""Allowed relative excess over strength of a contact at rest, due to the last change of the
+interaction."""
 LOAD_TOLERANCE = 1e-12
 ROUNDINGS = 16.0
-"""Units in the last place of the heights by which an overlap may be off."""
+"""Allowed error of an overlap, in units in the last place of the heights."""
 SOLVED = 1.01
-"""Of a solver's tolerance, as its own residual is summed in another order."""
+"""Allowed residual over a solver's tolerance; the solver sums its residual in another order."""
 
 
 def broken_requirements(outcome, tolerances: dict[str, float]) -> list[str]:
-    """What does not hold of a case, one line each.
+    """List the requirements that do not hold for a case, one line each.
 
     Parameters
     ----------
@@ -35,23 +37,22 @@ def broken_requirements(outcome, tolerances: dict[str, float]) -> list[str]:
         failed.append(f"status {outcome.status}, expected {case['expect']}")
     if outcome.status == "refused":
         if case["message"] not in outcome.message:
-            failed.append(f"refused without a word of {case['message']!r}")
+            failed.append(f"message of the refusal lacks {case['message']!r}")
         return failed
     failed += _judged(outcome)
-    # a failure's name is its answer: it has no closures to read
+    # the status is the result of a failure: it has no closures
     if int(outcome.dataset.status) < FAILURE:
         failed += _curve(outcome, tolerances)
     elif "max_closure" in outcome.dataset and np.isfinite(outcome.dataset.max_closure[-1]):
-        failed.append("a failed simulation gives a last closure")
+        failed.append("a failed simulation has a last closure")
     return failed
 
 
 def limits_of(verdict, effects, tolerances: dict[str, float]) -> dict[str, float]:
-    """What the numbers of an `oracle.Verdict` may be, by name; others are 0 at most.
+    """Return the limits of the numbers of an `oracle.Verdict`, by name; others are 0.
 
-    Forces may be off by the solver's tolerance and by what the last digits of
-    the heights are worth; ``rounding`` and, where what breaks is lost,
-    ``volume`` are only told.
+    Forces may have the error of the solver's tolerance plus the effect of the last digits of the
+    heights. ``rounding`` and, if broken material vanishes, ``volume`` are only reported.
     """
     digits = ROUNDINGS * verdict.rounding
     solved = SOLVED * tolerances["residual"] + digits
@@ -68,7 +69,7 @@ def limits_of(verdict, effects, tolerances: dict[str, float]) -> dict[str, float
 
 
 def _judged(outcome) -> list[str]:
-    """Against the oracle's numbers."""
+    """Check the oracle's numbers."""
     worst, limits = outcome.judge.worst, outcome.judge.limits
     if not worst:
         return [] if int(outcome.dataset.status) >= FAILURE else ["the oracle saw no state"]
@@ -80,7 +81,7 @@ def _judged(outcome) -> list[str]:
 
 
 def _curve(outcome, tolerances: dict[str, float]) -> list[str]:
-    """Against the dataset itself: finite, on target, back to nothing."""
+    """Check the dataset itself: finite, on target, unloaded to 0."""
     data, failed = outcome.dataset, []
     for name, variable in data.data_vars.items():
         if variable.dtype.kind == "f" and not np.isfinite(variable.values).all():
@@ -114,7 +115,7 @@ def _curve(outcome, tolerances: dict[str, float]) -> list[str]:
 
 
 def _same_as(outcome, asked: dict, other) -> list[str]:
-    """Closures are those of another case, times a factor where lengths are scaled."""
+    """Check that closures are those of another case, times a factor if lengths are scaled."""
     failed = []
     if other.dataset is None:
         return [f"{other.case['name']} gave nothing to compare with"]
@@ -130,7 +131,7 @@ def _same_as(outcome, asked: dict, other) -> list[str]:
 
 
 def _no_drift(outcome, asked: dict, other) -> list[str]:
-    """Residual closure does not creep over the cycles after one."""
+    """Check that residual closure does not drift over the cycles after a given one."""
     residual = outcome.dataset.residual_closure.values[asked["from_cycle"] - 1 :]
     closure = float(outcome.dataset.max_closure.values[-1])
     drift = float(np.ptp(residual)) / closure
@@ -143,17 +144,17 @@ def _nothing_breaks(outcome, asked: bool, other) -> list[str]:
 
 
 def _contact_fraction(outcome, asked: dict, other) -> list[str]:
-    """The largest fraction of cells in contact lies in a range."""
-    found = float(outcome.dataset.contact_fraction.values.max())
-    fits = asked["least"] <= found <= asked["most"]
-    return [] if fits else [f"contact fraction {found:.3g}"]
+    """Check that the largest fraction of cells in contact lies in a range."""
+    fraction = float(outcome.dataset.contact_fraction.values.max())
+    fits = asked["least"] <= fraction <= asked["most"]
+    return [] if fits else [f"contact fraction {fraction:.3g}"]
 
 
 def _closure(outcome, asked: dict, other) -> list[str]:
-    """The first cycle's closure is a known one [m]."""
-    found = float(outcome.dataset.max_closure.values[0])
-    off = abs(found / asked["value"] - 1.0)
-    return [] if off <= asked["within"] else [f"closure {found:.8g} m, expected {asked['value']}"]
+    """Check that the first cycle's closure is the known one [m]."""
+    closure = float(outcome.dataset.max_closure.values[0])
+    off = abs(closure / asked["value"] - 1.0)
+    return [] if off <= asked["within"] else [f"closure {closure:.8g} m, expected {asked['value']}"]
 
 
 def _no_force(outcome, asked: bool, other) -> list[str]:
@@ -162,7 +163,7 @@ def _no_force(outcome, asked: bool, other) -> list[str]:
 
 
 def _forgets(outcome, asked: dict, other) -> list[str]:
-    """Every cycle's maximum closure from the second on is the second's."""
+    """Check that the maximum closure of every cycle from the second on is that of the second."""
     closures = outcome.dataset.max_closure.values[1:]
     spread = float(np.ptp(closures) / closures.max())
     return [] if spread <= asked["within"] else [f"maximum closures spread by {spread:.3g}"]

@@ -1,14 +1,13 @@
-"""The paper's sweep over the contacts (Section 3, steps 3 to 5), and its limits.
+"""Convergence of the paper's sweep over the contacts (Section 3, steps 3 to 5), and its limits.
 
-Two readings. *One-sided*, as the reference solver has it: a contact is solved
-with the others' forces as they are at that moment, tallest first (Gauss-Seidel).
-It lowers a convex energy with every contact, so it converges at every load; the
-question is how slowly, and where the paper's 1 % test stops it. *Simultaneous*: with
-the forces of the pass before (Jacobi), which is what a program does that
-corrects all heights at the end of a pass. It stops converging at a load.
+There are two readings. *One-sided*, as in the reference solver: a contact is solved with the
+present forces of the others, tallest first (Gauss-Seidel). It lowers a convex energy with every
+contact and therefore converges at every load; the question is how slowly, and where the paper's 1 %
+test stops it. *Simultaneous*: with the forces of the previous pass (Jacobi), as in a program that
+corrects all heights at the end of a pass. It does not converge above a load.
 
-Residuals are judged by a dense matrix and a contact law written here in
-numpy, apart from the solvers. See docs/numerical_stability.md.
+Residuals are computed by a dense matrix and a contact law in numpy in this module, independent of
+the solvers. See docs/numerical_stability.md.
 """
 
 from typing import NamedTuple
@@ -33,10 +32,10 @@ FAST_TOLERANCES = 10.0 ** -np.arange(1.0, 13.0)
 
 
 class Problem(NamedTuple):
-    """Contacts (n,) at one closure, tallest first, and what acts between them.
+    """Contacts (n,) at one closure, tallest first, and the influence between them.
 
-    ``table`` is the solvers' influence by distance; ``matrix`` (n, n) [m/N]
-    the same written out here, by which residuals are judged.
+    ``table`` is the solvers' influence by distance; ``matrix`` (n, n) [m/N] is the same computed
+    here, with which residuals are computed.
     """
 
     contacts: Contacts
@@ -45,10 +44,10 @@ class Problem(NamedTuple):
 
 
 class History(NamedTuple):
-    """Forces (n,) [N] at the end, residuals (k,) after every pass, and where 1 % stopped.
+    """Forces (n,) [N] at the end, residuals (k,) after every pass, and the stop at 1 %.
 
-    ``stop`` is the pass (from 1) after which no force had changed by more than
-    `PAPER_TOLERANCE`, 0 if there was none; ``stopped`` the forces then.
+    ``stop`` is the pass (from 1) after which no force had changed by more than `PAPER_TOLERANCE`, 0
+    if there was none; ``stopped`` the forces then.
     """
 
     force: np.ndarray
@@ -58,15 +57,15 @@ class History(NamedTuple):
 
 
 def paper_walls() -> tuple[np.ndarray, np.ndarray]:
-    """Two walls of the paper's grid, 100 x 100 cells of 0.25 mm, JRC 8, without roll-off [m]."""
+    """Make two walls of the paper's grid, 100 x 100 cells of 0.25 mm, JRC 8, no roll-off [m]."""
     return wall_pair(8.0, (100, 100), SPACING, seed=1, roll_off=None)
 
 
 def polished_walls() -> tuple[np.ndarray, np.ndarray]:
-    """Two walls of 32 x 32 independent heights of 10 nm rms [m].
+    """Make two walls of 32 x 32 independent heights of 10 nm rms [m].
 
-    Tallest first is then a random order over the grid, the slowest of those
-    tried: neighbours are solved long after one another.
+    Tallest first is then a random order over the grid, the slowest of those tried, because
+    neighbours are solved far apart in time.
     """
     random = np.random.default_rng(1)
     upper, lower = 1e-8 * random.normal(size=(2, 32, 32))
@@ -76,7 +75,10 @@ def polished_walls() -> tuple[np.ndarray, np.ndarray]:
 def problem_at(
     upper: np.ndarray, lower: np.ndarray, closure: float, base_radius_in_cells: float, peaks: bool
 ) -> Problem:
-    """The contacts of two walls (y, x) [m] in dolerite at a closure [m]; ``peaks``: soft."""
+    """Return the contacts of two walls (y, x) [m] in dolerite at a closure [m].
+
+    ``peaks`` says whether peaks are soft.
+    """
     effects = Effects(breakage=False, gouge=False, soft_peaks=peaks)
     choices = Choices(base_radius_in_cells=base_radius_in_cells)
     law = contact_law(SPACING, (DOLERITE, DOLERITE), effects, choices)
@@ -97,7 +99,7 @@ def problem_at(
 
 
 def dense_influence_matrix(cells: np.ndarray, columns: int, law: ContactLaw) -> np.ndarray:
-    """Displacements (n, n) [m/N] by unit forces: as printed, good to 1e-12 at 100 cells."""
+    """Compute displacements (n, n) [m/N] by unit forces as printed; error 1e-12 at 100 cells."""
     y, x = np.divmod(cells, columns)
     zeta = law.spacing * np.hypot(np.subtract.outer(y, y), np.subtract.outer(x, x))
     np.fill_diagonal(zeta, np.inf)
@@ -110,24 +112,24 @@ def dense_influence_matrix(cells: np.ndarray, columns: int, law: ContactLaw) -> 
 
 
 def answers(problem: Problem, force: np.ndarray) -> np.ndarray:
-    """Forces (n,) [N] that answer the overlaps left by forces (n,)."""
+    """Return the forces (n,) [N] for the overlaps that forces (n,) leave."""
     a, b = problem.contacts.substrate, problem.contacts.compliance
     overlap = problem.contacts.overlap - problem.matrix @ force
     on = overlap > 0.0
     b, overlap = b[on], overlap[on]
     t = np.cbrt(overlap / a)
-    for _ in range(100):  # Newton on t^3 A + t^2 B = overlap, from above
+    for _ in range(100):  # Newton's method for t^3 A + t^2 B = overlap, from above
         shorter = t - (a * t**3 + b * t**2 - overlap) / (3.0 * a * t**2 + 2.0 * b * t)
         if not np.any(shorter < t * (1.0 - 1e-15)):
             break
         t = np.minimum(t, shorter)
-    found = np.zeros(force.size)
-    found[on] = t**3
-    return found
+    result = np.zeros(force.size)
+    result[on] = t**3
+    return result
 
 
 def residual(problem: Problem, force: np.ndarray) -> float:
-    """sum |F - answer| / sum F of forces (n,) [N]; infinite without any force."""
+    """Return sum |F - answer| / sum F of forces (n,) [N]; infinite without any force."""
     total = float(force.sum())
     if total == 0.0:
         return float("inf")
@@ -135,7 +137,7 @@ def residual(problem: Problem, force: np.ndarray) -> float:
 
 
 def one_sided(problem: Problem, tolerance: float, most: int = MOST_PASSES) -> History:
-    """Sweep from no force until the residual is at most a tolerance, and the 1 % test met."""
+    """Sweep from zero force until the residual is within a tolerance and the 1 % test is met."""
     force = np.zeros(problem.contacts.cells.size)
 
     def sweep() -> float:
@@ -147,15 +149,15 @@ def one_sided(problem: Problem, tolerance: float, most: int = MOST_PASSES) -> Hi
 def simultaneous(
     problem: Problem, tolerance: float, most: int = MOST_SIMULTANEOUS_PASSES
 ) -> History:
-    """All contacts at once by the forces of the pass before, from no force."""
+    """Solve all contacts at once with the forces of the previous pass, from zero force."""
     force = np.zeros(problem.contacts.cells.size)
 
     def sweep() -> float:
-        found = answers(problem, force)
-        changed = found != force
+        new = answers(problem, force)
+        changed = new != force
         change = np.full(force.size, np.inf)
-        np.divide(np.abs(found - force), found, out=change, where=found > 0.0)
-        force[:] = found
+        np.divide(np.abs(new - force), new, out=change, where=new > 0.0)
+        force[:] = new
         return float(change[changed].max(initial=0.0))
 
     return _history(problem, force, sweep, tolerance, most)
@@ -175,30 +177,30 @@ def _history(problem, force, sweep, tolerance, most) -> History:
 
 
 def fast(problem: Problem, tolerance: float) -> tuple[np.ndarray, int]:
-    """Forces (n,) [N] by the fast solver from no force, and its products with the matrix."""
-    found = solve_equilibrium(
+    """Return forces (n,) [N] by the fast solver from zero force, and products with the matrix."""
+    solution = solve_equilibrium(
         influence_of(problem.table),
         problem.contacts,
         np.zeros(problem.contacts.cells.size),
         np.nan,
         tolerance,
     )
-    return found.force, found.products
+    return solution.force, solution.products
 
 
 def spectral_radius(problem: Problem, force: np.ndarray) -> float:
-    """Of a simultaneous pass at equilibrium forces (n,) [N]: it converges below 1."""
+    """Return the spectral radius of a simultaneous pass at equilibrium; it converges below 1."""
     on = force > 0.0
     contacts = problem.contacts
-    own = contacts.substrate + 2.0 / 3.0 * contacts.compliance[on] / np.cbrt(force[on])
-    scaled = problem.matrix[np.ix_(on, on)] / np.sqrt(np.outer(own, own))
+    compliance = contacts.substrate + 2.0 / 3.0 * contacts.compliance[on] / np.cbrt(force[on])
+    scaled = problem.matrix[np.ix_(on, on)] / np.sqrt(np.outer(compliance, compliance))
     return float(np.abs(np.linalg.eigvalsh(scaled)).max())
 
 
 def critical_closure(upper: np.ndarray, lower: np.ndarray, steps: int = 24) -> float:
-    """Closure [m] from which a simultaneous pass no longer contracts, by bisection.
+    """Find the closure [m] above which a simultaneous pass does not contract, by bisection.
 
-    With the paper's base radius of half a cell, and soft peaks.
+    The base radius is half a cell as in the paper, and peaks are soft.
     """
     low, high = 0.0, float(np.ptp(upper + lower))
     for _ in range(steps):
@@ -212,16 +214,16 @@ def critical_closure(upper: np.ndarray, lower: np.ndarray, steps: int = 24) -> f
 
 
 def load_table() -> pd.DataFrame:
-    """Both readings and the fast solver over loads, on the paper's grid and on polished walls.
+    """Tabulate both readings and the fast solver over loads, for the paper's and polished walls.
 
     Returns
     -------
     DataFrame
-        Of each load the nominal stress, contacts in touch, the spectral radius
-        of a simultaneous pass; passes of both readings until the 1 % test
-        (0: never, in `MOST_SIMULTANEOUS_PASSES` or `MOST_PASSES`) and the error of the forces then
-        (sum |F - F*| / sum F*, and the largest relative one); sweeps and
-        products to a residual of 1e-10, and the fast solver's residual.
+        For each load: nominal stress, number of contacts, spectral radius of a
+        simultaneous pass; passes of both readings until the 1 % test (0: never, in
+        `MOST_SIMULTANEOUS_PASSES` or `MOST_PASSES`) and the error of the forces then
+        (sum |F - F*| / sum F*, and the largest relative error); sweeps and products
+        to a residual of 1e-10, and the fast solver's residual.
     """
     upper, lower = paper_walls()
     critical = critical_closure(upper, lower)
@@ -239,13 +241,13 @@ def load_table() -> pd.DataFrame:
 
 
 def hardest_problem() -> Problem:
-    """The slowest one-sided case found: every cell of polished walls in touch, r = h."""
+    """Return the slowest one-sided case: every cell of polished walls in contact, r = h."""
     upper, lower = polished_walls()
     return problem_at(upper, lower, 100.0 * float(np.ptp(upper + lower)), 1.0, False)
 
 
 def convergence_histories() -> pd.DataFrame:
-    """Residuals against passes or products on the hardest case, for `numerics.csv`."""
+    """Return residuals over passes or products on the hardest case, for `numerics.csv`."""
     problem = hardest_problem()
     rows = []
     for name, history in (

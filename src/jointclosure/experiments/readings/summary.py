@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 import pandas as pd
 
-from jointclosure.claims.found import TARGET
+from jointclosure.claims.findings import TARGET
 from jointclosure.claims.statements import PROPERTIES, Elasticities
 from jointclosure.claims.table import CLAIMS
 from jointclosure.experiments.readings.pools import Closures, Parameters, levels_closed

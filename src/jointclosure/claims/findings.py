@@ -1,7 +1,7 @@
-"""What studies find, judged as the paper judges: by point estimates, in many studies at once.
+"""Results of many studies at once, judged as in the paper by point estimates.
 
-A study is what `jointclosure.statistics.drawn_studies.draw_studies` gives: lengths and means of
-R repetitions. One that was made is a study with R = 1, judged by the same rules.
+Studies are those of `jointclosure.statistics.drawn_studies.draw_studies`: lengths and means of R
+repetitions. A real study is a study with R = 1, judged by the same rules.
 """
 
 from typing import NamedTuple
@@ -11,27 +11,27 @@ import numpy as np
 from jointclosure.statistics.drawn_studies import DrawnResponse
 
 TARGET, NET = "max_closure", "max_closure_net"
-"""Maximum closure, and the same net of bulk indentation."""
+"""Names of the maximum closure, and of the maximum closure net of bulk indentation."""
 LOOP = "loop"
-"""Closure of unloading less that of loading, at half the maximum stress."""
+"""Name of the loop: closure of unloading less that of loading, at half the maximum stress."""
 
 
 class Findings(NamedTuple):
-    """Studies (R) of some rocks: responses by (rock, parameter), and the targets' names."""
+    """Studies (R) of some rocks: responses by (rock, parameter), and names of the targets."""
 
     drawn: dict[tuple[str, str], DrawnResponse]
     names: tuple[tuple[str, int], ...]
 
     def rocks(self) -> list[str]:
-        """Names of the rocks, in order."""
+        """Return the names of the rocks, in order."""
         return list(dict.fromkeys(rock for rock, _ in self.drawn))
 
     def parameters(self, rock: str) -> list[str]:
-        """Parameters of a rock that are varied."""
+        """Return the parameters of a rock that are varied."""
         return [parameter for name, parameter in self.drawn if name == rock]
 
     def percents(self, rock: str, cycle: int, variable: str = TARGET) -> dict[str, np.ndarray]:
-        """Lengths (R,) in percent of the rock's own value by parameter; infinite for no root."""
+        """Return lengths (R,) in percent of the rock's value, by parameter; infinite if no root."""
         target = self.names.index((variable, cycle))
         return {
             parameter: 100.0 * response.lengths[:, target] / abs(response.base)
@@ -40,15 +40,15 @@ class Findings(NamedTuple):
         }
 
     def lengths(self, rock: str, parameter: str, cycle: int, variable: str = TARGET) -> np.ndarray:
-        """Lengths (R,) [SI]."""
+        """Return lengths (R,) [SI]."""
         return self.drawn[rock, parameter].lengths[:, self.names.index((variable, cycle))]
 
     def means(self, rock: str, parameter: str, variable: str, cycle: int) -> np.ndarray:
-        """Means (R, levels)."""
+        """Return means (R, levels)."""
         return self.drawn[rock, parameter].means[:, self.names.index((variable, cycle))]
 
     def base_means(self, rock: str, variable: str, cycle: int) -> np.ndarray:
-        """Means (R,) of the rock as it is."""
+        """Return means (R,) of the base case of the rock."""
         parameter = self.parameters(rock)[0]
         response = self.drawn[rock, parameter]
         at_base = int(np.flatnonzero(response.levels == response.base)[0])
@@ -56,18 +56,18 @@ class Findings(NamedTuple):
 
 
 def widest(percents: dict[str, np.ndarray], parameter: str) -> np.ndarray:
-    """Whether no other interval is longer, and some are finite."""
+    """Return whether no other interval is longer, and some are finite."""
     every = np.array(list(percents.values()))
     return (percents[parameter] >= every.max(axis=0)) & np.isfinite(every).any(axis=0)
 
 
 def in_place(percents: dict[str, np.ndarray], parameter: str, place: int) -> np.ndarray:
-    """Whether so many other intervals are shorter, and it is finite."""
+    """Return whether ``place`` other intervals are shorter, and this one is finite."""
     every = np.array(list(percents.values()))
     shorter = (every < percents[parameter]).sum(axis=0)
     return (shorter == place) & np.isfinite(percents[parameter])
 
 
 def monotone(means: np.ndarray, sign: int) -> np.ndarray:
-    """Whether means (R, levels) rise (sign 1) or fall (-1) from every level to the next."""
+    """Return whether means (R, levels) rise (sign 1) or fall (-1) at every step of the levels."""
     return np.all(sign * np.diff(means, axis=1) > 0.0, axis=1)
