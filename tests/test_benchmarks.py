@@ -75,7 +75,11 @@ def test_a_revision_that_is_not_there_is_refused():
     ("name", "options", "said"),
     [
         ("breakage_methods", ["--radius", "1000000"], "choices.largest_radius_mm = 1000000.0: not"),
-        ("breakage_methods", ["--rocks", "granite"], "study.rocks = 'granite': not among rocks"),
+        (
+            "breakage_methods",
+            ["--rocks", "granite"],
+            "study.rocks = 'granite': must be one of rocks",
+        ),
         ("idle_interaction", ["--shares", "2"], "numerics.idle_interaction = 2.0: must be below 1"),
     ],
 )

@@ -57,12 +57,15 @@ def test_measured_walls_take_the_place_of_a_jrc():
 @pytest.mark.parametrize(
     ("rock", "said"),
     [
-        ({"walls": WALLS, "levels": {"jrc": None}}, "rocks.slate.jrc = 6.5: not with walls"),
+        (
+            {"walls": WALLS, "levels": {"jrc": None}},
+            "rocks.slate.jrc = 6.5: must be left out with walls",
+        ),
         (
             {"walls": WALLS, "jrc": None},
-            "rocks.slate.levels.jrc = [5, 8]: scanned walls have no JRC",
+            "rocks.slate.levels.jrc = [5, 8]: must be left out for scanned walls",
         ),
-        ({"jrc": None}, "rocks.slate: lacks jrc, or walls"),
+        ({"jrc": None}, "rocks.slate: must have jrc, or walls"),
         (NO_JRC | {"walls": WALLS | {"lower": "mirrored"}}, "at least one must be a file"),
         (NO_JRC | {"walls": {"lower": "a.npz"}}, "rocks.slate.walls: lacks upper"),
         (NO_JRC | {"walls": WALLS | {"units": "inch"}}, "walls.units = 'inch': must be one of"),
@@ -87,12 +90,12 @@ def test_designs_that_draw_walls_of_a_jrc_refuse_measured_ones():
 
 def test_a_file_that_is_not_there_is_named_with_its_key(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(jc.InputError, match=r"rocks.slate.walls.lower = 'scan.npz': there is no"):
+    with pytest.raises(jc.InputError, match=r"rocks.slate.walls.lower = 'scan.npz': not found in"):
         check_files(study_of(with_walls()))
     (tmp_path / "scan.npz").write_bytes(b"")
     check_files(study_of(with_walls()))
     (tmp_path / "folder").mkdir()
-    with pytest.raises(jc.InputError, match=r"walls.upper = 'folder': file not found"):
+    with pytest.raises(jc.InputError, match=r"walls.upper = 'folder': not found in"):
         check_files(study_of(with_walls(upper="folder")))
     check_files(study_of())
 

@@ -123,7 +123,7 @@ def test_the_interval_of_that_shift_covers_it():
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"mismatch": {"shift_in_cells": [1]}}, "mismatch.shift_in_cells = [1]: must have 0 among"),
+        ({"mismatch": {"shift_in_cells": [1]}}, "mismatch.shift_in_cells = [1]: must contain 0"),
         ({"mismatch": {"wavelength_mm": [-1]}}, "mismatch.wavelength_mm = -1: must be at least"),
         ({"surface": {"correlation": 0.5}}, "mismatch: the study sets surface.mismatch_wavelength"),
         ({"study": {"name": "mismatch"}, "mismatch": None}, "belongs to another target"),

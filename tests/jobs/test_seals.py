@@ -131,7 +131,7 @@ def foreign_table_with_its_seal(mine, other):
 
 def edited_seal(mine, other):
     (mine / "seals/fit.json").write_text("{")
-    return "fit.json: is no seal"
+    return "fit.json: is not a seal"
 
 
 ATTACKS = [
@@ -160,7 +160,7 @@ def test_no_job_reads_a_file_of_another_study_or_a_changed_one(mine, other, atta
 
 def test_a_table_without_a_seal_is_not_read(mine):
     (mine / "tables/c.csv").write_text("x\n3\n")
-    with pytest.raises(ForeignFileError, match=r"c.csv: no seal says"):
+    with pytest.raises(ForeignFileError, match=r"c.csv: no seal lists"):
         run(mine, "read", [str(mine / "tables/c.csv")], [], lambda: None, ["aggregate", "fit"])
 
 

@@ -141,9 +141,7 @@ def test_linear_filling_follows_a_slope_and_nearest_does_not():
 
 def test_no_more_is_filled_than_was_allowed(wall):
     wall[:4] = np.nan
-    with pytest.raises(
-        jc.InputError, match=r"208 of 2080 .* 0.100, and at most 0.05 may be filled"
-    ):
+    with pytest.raises(jc.InputError, match=r"208 of 2080 .* 0.100, at most 0.05 may be filled"):
         filled(wall, "nearest")
     assert np.isfinite(filled(wall, "nearest", 0.1)).all()
 

@@ -82,7 +82,9 @@ def check_inputs(inputs: Iterable[str | Path], seals: Iterable[str | Path]) -> N
     listed = _listed(paths)
     for path in map(os.path.normpath, inputs):
         if path not in listed and Path(path).suffix not in _NEED_NO_SEAL:
-            raise ForeignFileError(f"{path}: must be listed in a seal: {_AGAIN}")
+            raise ForeignFileError(
+                f"{path}: no seal lists the file, so its origin is unknown: {_AGAIN}"
+            )
 
 
 def unmet_seals(
@@ -127,7 +129,7 @@ def _reason(seal: Path, seals: Iterable[Path], expected: str = "") -> str:
         files, settings = _paths(seal, content["files"]), content["settings"]
         sources = _paths(seal, content["made_from"])
     except (ValueError, KeyError, TypeError, AttributeError):
-        return f"{seal}: must be a seal of jointclosure: {_AGAIN}"
+        return f"{seal}: is not a seal of jointclosure: {_AGAIN}"
     for path, digest in files.items():
         if os.path.isfile(path) and file_digest(path) != digest:
             return f"{path}: the file is not as jointclosure wrote it: {_AGAIN}"
