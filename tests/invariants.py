@@ -9,6 +9,7 @@ interval of curvatures that rounding leaves.
 import numpy as np
 
 import jointclosure as jc
+from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE, FLAGS
 from jointclosure.joint.simulation import height_datum, simulate_by
 from jointclosure.solvers.registry import solver_named
@@ -100,9 +101,7 @@ def judged(upper, lower, *, rock, spacing, effects, choices, numerics=jc.Numeric
         lambda name: JudgedSolver(solver_named(name), show),
         upper,
         lower,
-        numerics=numerics,
-        seating_stress=0.0,
-        **told,
+        Conditions(numerics=numerics, seating_stress=0.0, unusual_values=True, **told),
     )
 
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:  # type checkers and `compilation.sources` read these imports,
     from jointclosure.ensemble.joints import simulate_ensemble
     from jointclosure.ensemble.scanned_joint import close
     from jointclosure.inputs import InputError
+    from jointclosure.joint.conditions import Conditions
     from jointclosure.joint.simulation import equilibrium, simulate
     from jointclosure.measured.fit import fit
     from jointclosure.parameters import Choices, Effects, Numerics, Rock
@@ -29,6 +30,7 @@ if TYPE_CHECKING:  # type checkers and `compilation.sources` read these imports,
 
 _MODULES = {
     "Choices": "parameters",
+    "Conditions": "joint.conditions",
     "Effects": "parameters",
     "InputError": "inputs",
     "Numerics": "parameters",
@@ -49,6 +51,7 @@ _MODULES = {
 
 __all__ = [
     "Choices",
+    "Conditions",
     "Effects",
     "InputError",
     "Numerics",

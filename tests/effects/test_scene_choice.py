@@ -23,10 +23,10 @@ from jointclosure.effects.validation import (
 from jointclosure.ensemble import closing
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.closing import close_surfaces, closed_before
-from jointclosure.ensemble.settings import Conditions
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.inputs import InputError
+from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import scene_name
 from jointclosure.plotting.effects import choice_figure
 from tests.studied import ROOT, study_of

@@ -1,6 +1,7 @@
 """Many joints closed without a workflow."""
 
 import functools
+import inspect
 import os
 import signal
 import subprocess
@@ -14,8 +15,8 @@ import jointclosure as jc
 from jointclosure.ensemble import joints
 from jointclosure.ensemble.closing import close_pair
 from jointclosure.ensemble.joints import NOT_SIMULATED
-from jointclosure.ensemble.settings import Conditions
 from jointclosure.ensemble.workers import Failed, shared
+from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE
 from tests.conftest import DOLERITE, SPACING
 from tests.measured.test_calibration import GOOD
@@ -68,6 +69,23 @@ def test_a_joint_that_cannot_be_closed_loses_no_other(alone, workers):
     for place in (0, 2):
         assert ensemble.error.values[place] == ""
         np.testing.assert_array_equal(ensemble.closure.values[place], alone.closure.values[place])
+
+
+def test_every_function_that_closes_joints_takes_the_same_conditions(alone):
+    conditions = jc.Conditions(**LOAD | {"max_normal_stress": 1e6, "unusual_values": True})
+    same = jc.simulate_ensemble(
+        rule, seeds=[3, 5, 4], workers=1, conditions=conditions, max_normal_stress=2e6
+    )
+    xr.testing.assert_identical(without_times(same), without_times(alone))
+    one = jc.simulate(*rule(3), conditions=conditions, max_normal_stress=2e6)
+    np.testing.assert_array_equal(one.max_closure, alone.max_closure[0])
+    for function in (jc.simulate, jc.simulate_ensemble, jc.close, jc.choose_effects):
+        assert {*jc.Conditions._fields, "conditions"} < {*inspect.signature(function).parameters}
+        walls = [None] * (2 if function in (jc.simulate, jc.close) else 1)
+        with pytest.raises(TypeError, match=r"normal_stress.*did you mean max_normal_stress"):
+            function(*walls, **LOAD | {"normal_stress": 1e6})
+        with pytest.raises(TypeError, match=r"needs the keyword arguments .*rock"):
+            function(*walls, spacing=SPACING, max_normal_stress=1e6)
 
 
 def test_where_none_can_be_closed_the_reason_is_raised():

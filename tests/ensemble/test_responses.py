@@ -9,7 +9,7 @@ from jointclosure.engineering.stiffness import landing_stress, secant_stiffness
 from jointclosure.ensemble import responses as responses_module
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.responses import cycle_responses, responses_of
-from jointclosure.ensemble.settings import Conditions
+from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import Choices, Effects, Numerics
 
 LARGEST, HALF = 20e6, 10e6

@@ -5,7 +5,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.ensemble.closing import close_walls
-from jointclosure.ensemble.settings import Conditions
+from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.history import branch_of, read_along
 from jointclosure.joint.protocol import LOADING, UNLOADING
 from jointclosure.measured.calibration import (

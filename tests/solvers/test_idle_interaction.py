@@ -8,8 +8,8 @@ import pytest
 import jointclosure as jc
 from jointclosure.config.configuration import configured, merged, merged_study
 from jointclosure.ensemble.closing import close_pair
-from jointclosure.ensemble.settings import Conditions
 from jointclosure.joint import protocol
+from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.loading import LoadCycle
 from jointclosure.joint.protocol import LOADING, run_cycles
 from jointclosure.solvers.interaction_operator import interaction_field

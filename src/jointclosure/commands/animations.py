@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError
+from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.loading import largest_stress
 from jointclosure.storage.figures import save_animation
 

@@ -190,9 +190,9 @@ def _closed(settings: Configured, pair: RegisteredPair, arguments) -> ClosedJoin
     name = configuration.rocks[case.rock].title
     print(
         f"{rock_text(conditions.rock, name)}; {nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm: "
-        f"{describe_load(conditions.max_normal_stress, conditions.cycles)}"
+        f"{describe_load(conditions.max_normal_stress, conditions.cycle_count)}"
     )
-    with shown_progress(conditions.cycles) as report:
+    with shown_progress(conditions.cycle_count) as report:
         stresses = kept_stresses(arguments, conditions)
         return closed_pair(pair, conditions, report, stresses, rock_name=name)
 

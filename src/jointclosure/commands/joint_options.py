@@ -13,9 +13,9 @@ from jointclosure.config.configuration import Configured, configured, merged, me
 from jointclosure.config.files import value_of
 from jointclosure.config.rocks import other_rocks
 from jointclosure.engineering.curves import curve_table, cycle_table, has_flow
-from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError
 from jointclosure.jobs.progress import bar
+from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.loading import check_snapshots, load_cycles
 from jointclosure.joint.protocol import FAILURE, LOADING, Report
 from jointclosure.parameters import OF_ROCK, Effects, Rock, key_of

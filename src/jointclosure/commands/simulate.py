@@ -24,10 +24,11 @@ from jointclosure.config.configuration import Configured
 from jointclosure.config.typed import Configuration
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.closing import close_walls
-from jointclosure.ensemble.settings import Case, Conditions
+from jointclosure.ensemble.settings import Case
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.inputs import InputError, check_seed
 from jointclosure.jobs.progress import duration
+from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.loading import describe_load
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.storage.figures import save_figure
@@ -109,7 +110,7 @@ def run(arguments) -> int:
     )
     surfaces = surface_settings(configuration, case, range(1))
     conditions = loaded(closure_settings(configuration, case, surfaces).conditions(), arguments)
-    print(f"{about}: {describe_load(conditions.max_normal_stress, conditions.cycles)}")
+    print(f"{about}: {describe_load(conditions.max_normal_stress, conditions.cycle_count)}")
     start = time.perf_counter()
     closed = _close(configuration, case, conditions, arguments)
     print(summary(closed))
@@ -152,7 +153,7 @@ def _close(
 ) -> xr.Dataset:
     grid, surface = configuration.grid, configuration.surface._asdict()
     walls = wall_pair(case.jrc, grid.shape, grid.spacing, arguments.seed, **surface)
-    with shown_progress(conditions.cycles) as report:
+    with shown_progress(conditions.cycle_count) as report:
         return close_walls(*walls, conditions, report, kept_stresses(arguments, conditions))
 
 

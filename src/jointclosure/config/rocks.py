@@ -37,6 +37,11 @@ def named_rock(name: str) -> Rock:
     return rock_of(to_si(rocks[name]))
 
 
+def given_rock(rock: str | Rock | tuple[Rock, Rock]) -> Rock | tuple[Rock, Rock]:
+    """Return the properties of a rock that is given by its name or by its properties."""
+    return named_rock(rock) if isinstance(rock, str) else rock
+
+
 def rock_text(rock: Rock | tuple[Rock, Rock], name: str) -> str:
     """Format a rock's name and properties in a line; for both walls if they differ."""
     texts = [

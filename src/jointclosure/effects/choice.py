@@ -26,26 +26,23 @@ tolerance, where all effects left out before it stay out.
 import itertools
 import time
 from collections.abc import Callable, Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from jointclosure.ensemble.cases import BASE
 from jointclosure.ensemble.closing import close_walls
-from jointclosure.ensemble.settings import ClosureSettings, Conditions
+from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.surfaces import walls_of
-from jointclosure.inputs import InputError, check_length, check_number
+from jointclosure.inputs import InputError, check_number
+from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
 from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import (
     AUTO_TOLERANCE,
-    Choices,
     Effects,
-    Numerics,
-    both_walls,
     check_scene,
-    check_usual,
     well_posed_scenes,
 )
 
@@ -112,19 +109,14 @@ class SceneChoice(NamedTuple):
     trial_seconds: float = 0.0
 
 
+@takes_conditions
 def choose_effects(
     walls: Iterable[tuple[np.ndarray, np.ndarray]],
     *,
-    spacing: float,
-    rock,
-    max_normal_stress: float,
-    cycles: int = 2,
-    effects: Effects = Effects(),
-    choices: Choices = Choices(),
-    numerics: Numerics = Numerics(),
-    unusual_values: bool = False,
+    conditions: Conditions | None = None,
     tolerance: float = AUTO_TOLERANCE,
     report: Callable[[str], None] = lambda line: None,
+    **changes: Any,
 ) -> SceneChoice:
     """Select the effects that matter in a scene.
 
@@ -132,10 +124,8 @@ def choose_effects(
     ----------
     walls : iterable of (upper, lower)
         Pairs of walls (y, x) [m] of the case; only as many as necessary are closed.
-    spacing, rock, max_normal_stress, cycles, choices, numerics, unusual_values
-        As for `jointclosure.simulate`.
-    effects : Effects
-        Effects that may act; they are the reference.
+    conditions, **changes
+        As for `jointclosure.simulate`. ``effects`` may act; they are the reference.
     tolerance : float
         Relative change of the mean maximum closure of a cycle, in (0, 1), below
         which an effect does not matter.
@@ -152,18 +142,15 @@ def choose_effects(
         If the tolerance is out of range, there are no walls, or `jointclosure.simulate` refuses
         an argument.
     """
-    check_length("spacing", spacing)
-    check_number("max_normal_stress", max_normal_stress)
-    rocks = both_walls(rock)
+    stated = conditions_from(conditions, changes, "choose_effects", "spacing")
+    stated = stated._replace(seating_stress=0.0)
+    spacing = stated.grid_spacing
     pairs = _checked_pairs(walls, spacing)
-    if not unusual_values:
-        check_usual(rocks, spacing=spacing, max_normal_stress=max_normal_stress)
+    stated = stated.checked()
+    if not stated.unusual_values:
         for pair in pairs:
             warn_of_doubts(*pair, spacing)
-    conditions = Conditions(
-        spacing, rock, max_normal_stress, cycles, 0.0, effects, choices, numerics
-    )
-    return choose_among(pairs, conditions, tolerance, report)
+    return choose_among(pairs, stated, tolerance, report)
 
 
 def choose_among(

@@ -16,7 +16,7 @@ import pandas as pd
 from jointclosure.config.typed import Grid, Surface, Validation
 from jointclosure.effects.choice import choose_among, max_closures
 from jointclosure.ensemble.closing import close_walls
-from jointclosure.ensemble.settings import Conditions
+from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import (
     Choices,
     Effects,

@@ -7,7 +7,8 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.engineering.curves import net_responses
-from jointclosure.ensemble.settings import ClosureSettings, Conditions
+from jointclosure.ensemble.settings import ClosureSettings
+from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.history import closure_at_stresses
 from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING, Report
 from jointclosure.joint.simulation import ATTRIBUTES, simulate
@@ -57,14 +58,8 @@ def close_walls(
     Dataset
         As from `jointclosure.simulate`.
     """
-    return simulate(
-        upper,
-        lower,
-        **conditions._asdict(),
-        unusual_values=True,
-        report=report,
-        snapshots=snapshots,
-    )
+    unchecked = conditions._replace(unusual_values=True)
+    return simulate(upper, lower, conditions=unchecked, report=report, snapshots=snapshots)
 
 
 def close_surfaces(
@@ -118,7 +113,7 @@ def close_surfaces(
             failed = f", failed{again}" if row["status"][1] >= FAILURE else ""
             report(f"realisation {realization}: {_said(row)}{failed}")
             rows.append(row)
-        yield labelled(rows, realizations[few], seeds[few], conditions.cycles, stresses)
+        yield labelled(rows, realizations[few], seeds[few], conditions.cycle_count, stresses)
 
 
 def close_pair(
@@ -155,7 +150,7 @@ def closed_before(
         realizations.append(int(pair.realization[0]))
         seeds.append(str(pair.seed.values[0]))
     named = np.array(seeds, dtype=object)
-    return labelled(rows, np.array(realizations), named, conditions.cycles, stresses)
+    return labelled(rows, np.array(realizations), named, conditions.cycle_count, stresses)
 
 
 def _read(upper, lower, closed: xr.Dataset, seconds: float, stresses, conditions) -> dict:
@@ -203,7 +198,7 @@ def labelled(rows: list[dict], realizations, seeds, cycles: int, stresses) -> xr
 
 
 def _row(closed: xr.Dataset, stresses: np.ndarray, conditions: Conditions) -> dict:
-    cycles = conditions.cycles
+    cycles = conditions.cycle_count
     history = (closed.normal_stress.values, closed.cycle.values, closed.branch.values)
     row: dict = {name: (("cycle",), closed[name].values) for name in PER_CYCLE}
     row |= {name: ((), closed[name].values) for name in PER_REALIZATION}
@@ -225,7 +220,7 @@ def _flow_row(closed: xr.Dataset, stresses: np.ndarray, conditions: Conditions) 
 
     def curves(values: np.ndarray) -> np.ndarray:
         tolerance = conditions.numerics.stress_tolerance
-        return closure_at_stresses(values, *history, conditions.cycles, stresses, tolerance)
+        return closure_at_stresses(values, *history, conditions.cycle_count, stresses, tolerance)
 
     over = ("cycle", "branch", "stress")
     hydraulic = [curves(values) for values in closed.hydraulic_aperture.values.T]

@@ -2,24 +2,21 @@
 
 import os
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from jointclosure.config.rocks import named_rock
+from jointclosure.config.rocks import given_rock
 from jointclosure.ensemble.closing import close_pair, labelled
-from jointclosure.ensemble.settings import Conditions
 from jointclosure.ensemble.workers import Failed, ProcessLostError, shared
 from jointclosure.inputs import InputError, check_number
 from jointclosure.jobs.progress import bar
+from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
 from jointclosure.joint.given_walls import checked_walls
-from jointclosure.joint.loading import SEATING_STRESS, largest_stress
 from jointclosure.joint.protocol import FLAGS
-from jointclosure.joint.simulation import checked_conditions
-from jointclosure.parameters import Choices, Effects, Numerics, Rock
 from jointclosure.surface.plausibility import doubts
 
 NOT_SIMULATED = 2 * max(FLAGS)
@@ -28,23 +25,16 @@ NOT_SIMULATED = 2 * max(FLAGS)
 Walls = tuple[np.ndarray, np.ndarray]
 
 
+@takes_conditions
 def simulate_ensemble(
     walls: Iterable[Walls] | Callable[[int], Walls],
     *,
-    spacing: float,
-    rock: str | Rock | tuple[Rock, Rock],
-    max_normal_stress: float | Sequence[float],
+    conditions: Conditions | None = None,
     seeds: Iterable[int] = range(20),
-    cycles: int | None = None,
-    seating_stress: float = SEATING_STRESS,
     stress_points: int = 31,
-    effects: Effects = Effects(),
-    choices: Choices = Choices(),
-    numerics: Numerics = Numerics(),
-    unusual_values: bool = False,
-    flow: bool = False,
     workers: int | None = None,
     progress: bool = False,
+    **changes: Any,
 ) -> xr.Dataset:
     """Close many joints of the same rock under the same load, as a study does for a case.
 
@@ -53,12 +43,8 @@ def simulate_ensemble(
     walls : iterable of (upper, lower), or callable
         Pairs of walls as for `jointclosure.simulate`; or a function that returns the pair
         of a seed, such as ``lambda seed: jc.wall_pair(8, (50, 50), 0.25e-3, seed)``.
-    spacing : float
-        Grid spacing [m].
-    rock : str, Rock or (Rock, Rock)
-        As for `jointclosure.close`.
-    max_normal_stress, cycles, seating_stress, effects, choices, numerics, unusual_values, flow
-        As for `jointclosure.simulate`.
+    conditions, **changes
+        As for `jointclosure.simulate`; ``rock`` can be a name.
     seeds : iterable of int
         Arguments of the function; not used if pairs of walls are given.
     stress_points : int
@@ -90,21 +76,16 @@ def simulate_ensemble(
     check_number("stress_points", stress_points, whole=True)
     if stress_points < 2:
         raise InputError(f"stress_points = {stress_points!r}: must be at least 2")
-    intact, load = checked_conditions(
-        named_rock(rock) if isinstance(rock, str) else rock, spacing, max_normal_stress, cycles,
-        seating_stress, effects, choices, numerics, unusual_values,
-    )  # fmt: skip
-    conditions = Conditions(
-        spacing, intact, max_normal_stress, len(load), seating_stress, effects, choices, numerics,
-        flow,
-    )  # fmt: skip
-    stresses = np.linspace(0.0, largest_stress(max_normal_stress), stress_points)
+    stated = conditions_from(conditions, changes, "simulate_ensemble", "spacing")
+    spacing = stated.grid_spacing
+    conditions = stated._replace(rock=given_rock(stated.rock)).checked()
+    stresses = np.linspace(0.0, conditions.largest_stress, stress_points)
     labels, pairs = _pairs(walls, seeds)
-    if not unusual_values and (doubtful := _doubts(pairs, labels, spacing)):
+    if not conditions.unusual_values and (doubtful := _doubts(pairs, labels, spacing)):
         warnings.warn(doubtful, stacklevel=2)
     tasks = [(upper, lower, stresses, conditions) for upper, lower in pairs]
     rows = _rows(tasks, labels, _workers(workers), progress)
-    return _together(rows, labels, len(load), stresses)
+    return _together(rows, labels, conditions.cycle_count, stresses)
 
 
 def _rows(tasks: list[tuple], labels: np.ndarray, workers: int, progress: bool) -> list:
@@ -153,7 +134,7 @@ def _pairs(walls, seeds: Iterable[int]) -> tuple[np.ndarray, list[Walls]]:
 
 def _closed(upper, lower, stresses: np.ndarray, conditions: Conditions) -> dict:
     """Close a joint as those of a study; invalid walls make only this joint fail."""
-    walls = checked_walls(upper, lower, conditions.spacing)
+    walls = checked_walls(upper, lower, conditions.grid_spacing)
     return close_pair(*walls, stresses, conditions)
 
 

@@ -11,8 +11,8 @@ import xarray as xr
 from jointclosure.engineering.curves import hysteresis, seat_of
 from jointclosure.engineering.laws import fitted_laws, parameter
 from jointclosure.ensemble.responses import responses_of
-from jointclosure.ensemble.settings import Conditions
 from jointclosure.ensemble.timing import pair_seconds
+from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import LOADING
 from jointclosure.surface.bearing import bearing_depths
 from jointclosure.surface.roughness import rms_slope
@@ -92,7 +92,7 @@ def _of_history(name: str) -> Callable[[ClosedJoint], np.ndarray]:
 
 
 def _aperture_at_seating(joint: ClosedJoint) -> np.ndarray:
-    cycles = range(1, joint.conditions.cycles + 1)
+    cycles = range(1, joint.conditions.cycle_count + 1)
     return np.array([seat_of(joint.closed, cycle, LOADING, "mean_aperture") for cycle in cycles])
 
 
@@ -152,7 +152,7 @@ QUANTITIES: dict[str, Quantity] = {
         "rms slope of the summed heights at their spacing",
         "1",
         r"Z_2",
-        lambda joint: rms_slope(joint.summed, joint.conditions.spacing),
+        lambda joint: rms_slope(joint.summed, joint.conditions.grid_spacing),
     ),
     "depth_5": Quantity(
         "depth of the highest 5 % of the summed heights below their top",

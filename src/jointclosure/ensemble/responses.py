@@ -5,7 +5,7 @@ import xarray as xr
 
 from jointclosure.engineering.curves import net_responses
 from jointclosure.ensemble.closing import close_walls
-from jointclosure.ensemble.settings import Conditions
+from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE
 
 

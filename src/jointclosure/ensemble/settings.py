@@ -6,13 +6,13 @@ makes settings from a configuration; the closure of walls does not depend on a c
 """
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 from jointclosure.config.plain import to_plain
 from jointclosure.config.typed import Grid, Surface, Walls
 from jointclosure.inputs import InputError
+from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import (
     Choices,
     Effects,
@@ -73,20 +73,6 @@ class SurfaceSettings(NamedTuple):
     grid: Grid
     surface: Surface
     code: str
-
-
-class Conditions(NamedTuple):
-    """Conditions of a closure: arguments of `jointclosure.simulate` without the walls, in SI."""
-
-    spacing: float
-    rock: Rock | tuple[Rock, Rock]
-    max_normal_stress: float | Sequence[float]
-    cycles: int
-    seating_stress: float
-    effects: Effects
-    choices: Choices
-    numerics: Numerics
-    flow: bool = False
 
 
 class ClosureSettings(NamedTuple):

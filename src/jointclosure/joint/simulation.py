@@ -15,16 +15,11 @@ from jointclosure.inputs import (
     check_length,
     check_number,
 )
+from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
 from jointclosure.joint.foresight import check_foreseen
 from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
 from jointclosure.joint.history import cycle_closures, unloading_excess
-from jointclosure.joint.loading import (
-    SEATING_STRESS,
-    LoadCycle,
-    check_snapshots,
-    largest_stress,
-    load_cycles,
-)
+from jointclosure.joint.loading import LoadCycle, check_snapshots
 from jointclosure.joint.protocol import (
     FLAG_OF_OUTCOME,
     FLAGS,
@@ -111,22 +106,15 @@ ATTRIBUTES["status"] = {
 }
 
 
+@takes_conditions
 def simulate(
     upper: ArrayLike,
     lower: ArrayLike,
     *,
-    spacing: float,
-    rock: Rock | Sequence[Rock],
-    max_normal_stress: float | Sequence[float],
-    cycles: int | None = None,
-    seating_stress: float = SEATING_STRESS,
-    effects: Effects = Effects(),
-    choices: Choices = Choices(),
-    numerics: Numerics = Numerics(),
-    unusual_values: bool = False,
+    conditions: Conditions | None = None,
     report: Report | None = None,
-    flow: bool = False,
     snapshots: Sequence[float] = (),
+    **changes: Any,
 ) -> xr.Dataset:
     """Press two walls together to a normal stress and release them, repeatedly.
 
@@ -139,38 +127,19 @@ def simulate(
         which the flank of an asperity breaks. Complex, object, boolean and masked
         heights are refused. The dimensions of an `xarray.DataArray` are used by
         name, and the coordinates of both walls have to agree.
-    spacing : float
-        Grid spacing h [m].
-    rock : Rock or (Rock, Rock)
-        Rock of both walls, or of the upper and the lower wall.
-    max_normal_stress : float or sequence of float
-        Maximum of every cycle [Pa]. Or the load history: the stresses at which the load turns,
-        alternately a maximum and a minimum, starting with a maximum, as in
-        ``[10e6, 2e6, 20e6]``. 0 is last contact. If a maximum comes last, the joint is then
-        unloaded to 0.
-    cycles : int, optional
-        Number of load cycles, at least 1: by default 2, or that of the load history.
-    seating_stress : float
-        Stress from which the ``_seated`` closures count [Pa], at least 0 and below
-        the smallest maximum. They are NaN in a cycle whose loading starts above it.
-        It does not change the history.
-    effects : Effects
-    choices : Choices
-    numerics : Numerics
-    unusual_values : bool
-        Whether values that are unusual for rock are accepted. Otherwise a modulus of 78 Pa,
-        for example, is refused, because 78 GPa was probably meant, and a `UserWarning` is
-        given for rough walls that seem to be upside down, turned, or in another unit than the
-        spacing.
+    conditions : Conditions, optional
+        Rock, load and model.
     report : callable, optional
         Called at every step with its cycle, its branch ("loading" or "unloading") and
         its stress over the maximum of the cycle.
-    flow : bool
-        Whether to compute hydraulic apertures (docs/flow.md). It changes no other result.
     snapshots : sequence of float
         Stresses from 0 to the largest [Pa] at which the state of the joint is stored, on each
         branch: where the branch first passes the stress, the state of the nearer step is
         stored. It changes no other result.
+    **changes
+        Fields of `jointclosure.Conditions`: ``spacing``, ``rock`` and ``max_normal_stress`` are
+        required if there are no ``conditions``; ``cycles``, ``seating_stress``, ``effects``,
+        ``choices``, ``numerics``, ``flow``, ``unusual_values``.
 
     Returns
     -------
@@ -206,66 +175,39 @@ def simulate(
     breakage the closure does not depend on the history: the steps are then
     ``Numerics.curve_points`` stresses (and the seating stress) up and down one curve.
     """
-    if not unusual_values:
-        check_length("spacing", spacing)
+    conditions = conditions_from(conditions, changes, "simulate", "spacing")
+    if not conditions.unusual_values:
+        spacing = conditions.grid_spacing
         warn_of_doubts(*checked_walls(upper, lower, spacing), spacing)
-    return simulate_by(
-        solver_named,
-        upper,
-        lower,
-        spacing=spacing,
-        rock=rock,
-        max_normal_stress=max_normal_stress,
-        cycles=cycles,
-        seating_stress=seating_stress,
-        effects=effects,
-        choices=choices,
-        numerics=numerics,
-        unusual_values=unusual_values,
-        report=report,
-        flow=flow,
-        snapshots=snapshots,
-    )
+    return simulate_by(solver_named, upper, lower, conditions, report, snapshots)
 
 
 def simulate_by(
     solver_of: Callable[[str], Solver],
     upper: ArrayLike,
     lower: ArrayLike,
-    *,
-    spacing: float,
-    rock: Rock | Sequence[Rock],
-    max_normal_stress: float | Sequence[float],
-    cycles: int | None,
-    seating_stress: float,
-    effects: Effects,
-    choices: Choices,
-    numerics: Numerics,
-    unusual_values: bool = True,
+    conditions: Conditions,
     report: Report | None = None,
-    flow: bool = False,
     snapshots: Sequence[float] = (),
 ) -> xr.Dataset:
     """Simulate with a solver that ``solver_of`` makes from its name, otherwise as `simulate`."""
-    check_length("spacing", spacing)
+    spacing = conditions.grid_spacing
     upper, lower = checked_walls(upper, lower, spacing)
-    rock, load = checked_conditions(
-        rock, spacing, max_normal_stress, cycles, seating_stress, effects, choices, numerics,
-        unusual_values,
-    )  # fmt: skip
-    largest = largest_stress(max_normal_stress)
+    conditions = conditions.checked()
+    largest, load = float(conditions.largest_stress), conditions.load
+    seating_stress = float(conditions.seating_stress)
     check_snapshots(snapshots, largest)
-    _check_steps(upper, lower, numerics)
-    choices, numerics = in_double(choices), in_double(numerics)
-    spacing, largest, seating_stress = float(spacing), float(largest), float(seating_stress)
+    effects, choices = conditions.effects, in_double(conditions.choices)
+    _check_steps(upper, lower, conditions.numerics)
+    numerics = in_double(conditions.numerics)
     datums = height_datum(upper), height_datum(lower)
     upper, lower = upper - datums[0], lower - datums[1]
-    joint = Joint(upper, lower, spacing, rock, effects, choices, numerics)
+    joint = Joint(upper, lower, spacing, conditions.rock, effects, choices, numerics)
     solver = solver_of(numerics.solver)
     if effects.breakage or solver.elastic_curve is None:
         check_foreseen(joint, numerics, largest, len(load))
     area = upper.size * spacing**2
-    observers = _observers(flow, snapshots, numerics.stress_tolerance, datums)
+    observers = _observers(conditions.flow, snapshots, numerics.stress_tolerance, datums)
     history = run_cycles(
         joint,
         solver,
@@ -314,47 +256,6 @@ def height_datum(wall: np.ndarray) -> float:
         return 0.0
     unit = 2.0 ** math.ceil(math.log2(reach))
     return round(middle / unit) * unit
-
-
-def checked_conditions(
-    rock: Rock | Sequence[Rock],
-    spacing: float | None,
-    max_normal_stress: float | Sequence[float],
-    cycles: int | None,
-    seating_stress: float,
-    effects: Effects,
-    choices: Choices,
-    numerics: Numerics,
-    unusual_values: bool,
-) -> tuple[tuple[Rock, Rock], tuple[LoadCycle, ...]]:
-    """Check arguments of `simulate`, and return the rocks of both walls and the load cycles.
-
-    ``spacing`` is None if it is not known before the walls are.
-
-    Raises
-    ------
-    InputError
-        If an argument is out of its range; the walls are not needed for these checks.
-    """
-    pair = both_walls(rock)
-    check_scene(effects)
-    check_numerics(numerics, tuple(SOLVERS))
-    if spacing is not None:
-        check_length("spacing", spacing)
-    load = load_cycles(max_normal_stress, cycles)
-    _check_seating(seating_stress, load)
-    largest = largest_stress(max_normal_stress)
-    check_choices(choices, spacing or 0.0)
-    if not unusual_values:
-        known = {} if spacing is None else {"spacing": spacing}
-        check_usual(pair, max_normal_stress=largest, **known)
-    stiffness = min(wall.youngs_modulus for wall in pair)
-    if largest >= stiffness:
-        raise InputError(
-            f"max_normal_stress = {largest!r} Pa: must be below the rock's "
-            f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
-        )
-    return pair, load
 
 
 def equilibrium(
@@ -551,13 +452,3 @@ def _check_steps(upper: np.ndarray, lower: np.ndarray, numerics: Numerics) -> No
                 f"{name} = {getattr(numerics, name)!r} m: must be at least four times the "
                 f"resolution {resolution:.3g} m of the walls' heights in double precision"
             )
-
-
-def _check_seating(seating_stress: float, load: Sequence[LoadCycle]) -> None:
-    check_number("seating_stress", seating_stress)
-    least = min(cycle.maximum for cycle in load)
-    if not 0.0 <= seating_stress < least:
-        raise InputError(
-            f"seating_stress = {seating_stress!r} Pa: must be at least 0 and below the smallest "
-            f"maximum of max_normal_stress, {least!r} Pa"
-        )

@@ -14,8 +14,8 @@ import xarray as xr
 
 from jointclosure.engineering.stiffness import closures_at
 from jointclosure.ensemble.closing import close_walls
-from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError
+from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.parameters import both_walls

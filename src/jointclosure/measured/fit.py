@@ -8,11 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.config.rocks import named_rock
-from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError, check_number, check_positive, check_seed
 from jointclosure.inputs.remarks import caution
+from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.loading import SEATING_STRESS
-from jointclosure.joint.simulation import checked_conditions
 from jointclosure.measured.calibration import (
     Interval,
     Likelihood,
@@ -194,12 +193,9 @@ def fit(
     _check(surfaces, closure_error, seed, seating_stress, shape)
     measured = _measured(curve, seating_stress, stress_unit, closure_unit)
     stress = float(measured.levels[-1])
-    checked_conditions(
-        intact, spacing, stress, measured.cycles, seating_stress, effects, choices, numerics, False
-    )
     conditions = Conditions(
         spacing, intact, stress, measured.cycles, seating_stress, effects, choices, numerics
-    )
+    ).checked()
 
     def walls(number: int, wavelength: float) -> tuple[np.ndarray, np.ndarray]:
         return wall_pair(

@@ -21,6 +21,7 @@ import xarray as xr
 from jointclosure.config.schema import problems
 from jointclosure.config.units import to_si
 from jointclosure.inputs import InputError
+from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE, FLAGS
 from jointclosure.joint.simulation import equilibrium, height_datum, simulate_by
 from jointclosure.joint.warmup import compile_kernels, kernels_of
@@ -346,10 +347,13 @@ def _run(frozen: str) -> Outcome:
                     lambda name: JudgedSolver(solver_named(name), judge),
                     upper,
                     lower,
-                    max_normal_stress=target,
-                    cycles=case["cycles"],
-                    seating_stress=0.0,
-                    **setting,
+                    Conditions(
+                        max_normal_stress=target,
+                        cycles=case["cycles"],
+                        seating_stress=0.0,
+                        unusual_values=True,
+                        **setting,
+                    ),
                 )
             status = status_names(int(dataset.status))
         except InputError as error:

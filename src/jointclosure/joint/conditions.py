@@ -1,0 +1,175 @@
+"""Conditions of a closure: rock, load and model, which every function that closes joints takes."""
+
+import difflib
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple, TypeVar, cast
+
+from jointclosure.inputs import InputError, check_length, check_number
+from jointclosure.joint.loading import SEATING_STRESS, LoadCycle, largest_stress, load_cycles
+from jointclosure.parameters import (
+    Choices,
+    Effects,
+    Numerics,
+    Rock,
+    both_walls,
+    check_choices,
+    check_numerics,
+    check_scene,
+    check_usual,
+)
+from jointclosure.solvers.registry import SOLVERS
+
+Function = TypeVar("Function", bound=Callable)
+
+REQUIRED = ("rock", "max_normal_stress")
+"""Fields of `Conditions` that have no default value."""
+
+
+class Conditions(NamedTuple):
+    """Everything besides the walls on which the closure of a joint depends, in SI.
+
+    Functions that close joints take these fields as keywords. They also take ``conditions``, an
+    instance of which the keywords replace fields.
+
+    Attributes
+    ----------
+    spacing : float or None
+        Grid spacing h [m] of the walls. It is a parameter of the model, because a cell is an
+        asperity. None if scanned walls determine it.
+    rock : Rock or (Rock, Rock)
+        Rock of both walls, or of the upper and the lower wall. `jointclosure.close` and
+        `jointclosure.simulate_ensemble` also take the name of a rock of the package, such as
+        "granite" (`jointclosure.config.rocks.named_rock`).
+    max_normal_stress : float or sequence of float
+        Maximum of every cycle [Pa]. Or the load history: the stresses at which the load turns,
+        alternately a maximum and a minimum, starting with a maximum, as in
+        ``[10e6, 2e6, 20e6]``. 0 is last contact. If a maximum comes last, the joint is then
+        unloaded to 0.
+    cycles : int or None
+        Number of load cycles, at least 1: by default 2, or that of the load history.
+    seating_stress : float
+        Stress from which the ``_seated`` closures count [Pa], at least 0 and below the smallest
+        maximum. They are NaN in a cycle whose loading starts above it. It does not change the
+        history.
+    effects : Effects
+    choices : Choices
+    numerics : Numerics
+    flow : bool
+        Whether to compute hydraulic apertures (docs/flow.md). It changes no other result.
+    unusual_values : bool
+        Whether values that are unusual for rock are accepted. Otherwise a modulus of 78 Pa, for
+        example, is refused, because 78 GPa was probably meant, and a `UserWarning` is given for
+        rough walls that seem to be upside down, turned, or in another unit than the spacing.
+    """
+
+    spacing: float | None
+    rock: Any
+    max_normal_stress: float | Sequence[float]
+    cycles: int | None = None
+    seating_stress: float = SEATING_STRESS
+    effects: Effects = Effects()
+    choices: Choices = Choices()
+    numerics: Numerics = Numerics()
+    flow: bool = False
+    unusual_values: bool = False
+
+    @property
+    def load(self) -> tuple[LoadCycle, ...]:
+        """Checked load cycles [Pa] (`jointclosure.joint.loading.load_cycles`)."""
+        return load_cycles(self.max_normal_stress, self.cycles)
+
+    @property
+    def cycle_count(self) -> int:
+        """Number of load cycles."""
+        return len(self.load)
+
+    @property
+    def grid_spacing(self) -> float:
+        """Grid spacing [m], checked; `InputError` if it is missing or out of its range."""
+        spacing = cast(float, self.spacing)
+        check_length("spacing", spacing)
+        return float(spacing)
+
+    @property
+    def largest_stress(self) -> float:
+        """Largest normal stress of all cycles [Pa]."""
+        return largest_stress(self.max_normal_stress)
+
+    def checked(self) -> "Conditions":
+        """Return the conditions with the rocks of both walls and the number of cycles.
+
+        Raises
+        ------
+        InputError
+            If a value is out of its range; the walls are not needed for these checks.
+        """
+        pair: tuple[Rock, Rock] = both_walls(self.rock)
+        check_scene(self.effects)
+        check_numerics(self.numerics, tuple(SOLVERS))
+        known = {} if self.spacing is None else {"spacing": self.grid_spacing}
+        load, largest = self.load, self.largest_stress
+        _check_seating(self.seating_stress, load)
+        check_choices(self.choices, self.spacing or 0.0)
+        if not self.unusual_values:
+            check_usual(pair, max_normal_stress=largest, **known)
+        stiffness = min(wall.youngs_modulus for wall in pair)
+        if largest >= stiffness:
+            raise InputError(
+                f"max_normal_stress = {largest!r} Pa: must be below the rock's "
+                f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
+            )
+        return self._replace(rock=pair, cycles=len(load))
+
+
+def takes_conditions(function: Function) -> Function:
+    """Show the fields of `Conditions` in the signature of a function with ``**changes``."""
+    signature = inspect.signature(function)
+    shown = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
+    fields = inspect.signature(Conditions).parameters.values()
+    keywords = [field.replace(kind=field.KEYWORD_ONLY) for field in fields]
+    function.__signature__ = signature.replace(parameters=shown + keywords)  # type: ignore[attr-defined]
+    return function
+
+
+def conditions_from(
+    conditions: Conditions | None, changes: Mapping[str, Any], function: str, *required: str
+) -> Conditions:
+    """Return conditions with changed fields.
+
+    Parameters
+    ----------
+    conditions : Conditions, optional
+        By default the changes with the default values of all other fields.
+    changes : mapping
+        Values by field.
+    function : str
+        Name of the function that received the changes, for messages.
+    *required : str
+        Fields that ``function`` needs in addition to `REQUIRED`.
+
+    Raises
+    ------
+    TypeError
+        If there is no such field, or a required one is missing, as for arguments of a function.
+    """
+    for name in changes.keys() - set(Conditions._fields):
+        near = difflib.get_close_matches(name, Conditions._fields, 1, 0.5)
+        meant = f"; did you mean {near[0]}?" if near else ""
+        raise TypeError(f"{function}() got an unexpected keyword argument {name!r}{meant}")
+    if conditions is not None:
+        return conditions._replace(**changes)
+    missing = [name for name in (*required, *REQUIRED) if name not in changes]
+    if missing:
+        raise TypeError(f"{function}() needs the keyword arguments {', '.join(missing)}")
+    return Conditions(**{"spacing": None, **changes})
+
+
+def _check_seating(seating_stress: float, load: Sequence[LoadCycle]) -> None:
+    check_number("seating_stress", seating_stress)
+    least = min(cycle.maximum for cycle in load)
+    if not 0.0 <= seating_stress < least:
+        raise InputError(
+            f"seating_stress = {seating_stress!r} Pa: must be at least 0 and below the smallest "
+            f"maximum of max_normal_stress, {least!r} Pa"
+        )
