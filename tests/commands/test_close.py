@@ -241,7 +241,7 @@ def test_both_walls_of_a_published_fracture_are_closed_with_defaults_for_granite
     assert record["status"] == "success"
     assert record["orientation"] == "common_frame"
     assert record["cells_y_x"] == [188, 188]
-    assert "Warning: what touches first stands out far" in out
+    assert "the first contact stands out far" in out
     per_cycle = record["per_cycle"]
     first, second = per_cycle["closure_net_since_seating_mm"]
     assert 0.0 < second < first < per_cycle["max_closure_gross_mm"][0]
