@@ -23,15 +23,24 @@ from jointclosure.commands.joint_options import (
     status_text,
     summary,
 )
-from jointclosure.config.configuration import Configured
+from jointclosure.config.configuration import Configured, merged_study
 from jointclosure.config.rocks import rock_record, rock_text
+from jointclosure.config.units import to_si
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.measured_walls import brought_together
-from jointclosure.ensemble.scanned_joint import ClosedJoint, closed_pair, read_wall
+from jointclosure.ensemble.scanned_joint import (
+    RESOLVED_KEYS,
+    ClosedJoint,
+    closed_pair,
+    read_wall,
+    with_range,
+)
 from jointclosure.ensemble.slices import closure_settings, surface_settings
+from jointclosure.ensemble.uncertainty import VARIED
+from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import cautions
-from jointclosure.jobs.progress import duration
+from jointclosure.jobs.progress import bar, duration
 from jointclosure.joint.loading import describe_load
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.scans.units import UNITS
@@ -39,7 +48,7 @@ from jointclosure.storage.figures import save_figure
 from jointclosure.storage.folders import replace_files
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.provenance import provenance
-from jointclosure.storage.text import write_text
+from jointclosure.storage.text import write_csv, write_text
 from jointclosure.surface.mismatch import Mismatch
 from jointclosure.surface.registration import ORIENTATIONS, SHIFTS, RegisteredPair
 
@@ -106,6 +115,19 @@ def add_to(commands) -> None:
     )
     add_rock(command)
     add_load_and_model(command)
+    known = command.add_argument_group("range of the results")
+    known.add_argument(
+        "--range",
+        nargs=3,
+        action="append",
+        default=[],
+        metavar=("KEY", "LOW", "HIGH"),
+        help="what is known of a property of the rock, of peak_modulus_ratio, "
+        "base_radius_in_cells or spacing_mm, such as: --range compressive_strength_MPa 140 200",
+    )
+    known.add_argument(
+        "--single", action="store_true", help="close the joint once, without a range"
+    )
     results = command.add_argument_group("results")
     results.add_argument(
         "--output",
@@ -123,13 +145,18 @@ def run(arguments) -> int:
 
     check_animation(arguments.animation)
     check_can_be_made(arguments.output)
+    ranges = _ranges(arguments.range)
     settings = _settings(arguments)
     pair = _pair(arguments, settings)
     print("\n".join(f"- {line}" for line in pair.report))
     start = time.perf_counter()
     joint = _closed(settings, pair, arguments)
-    print(summary(joint.history))
-    print(f"{status_text(joint.history)}; {duration(time.perf_counter() - start)}")
+    spent = duration(time.perf_counter() - start)
+    if not arguments.single:
+        with bar("range") as report:
+            joint = with_range(joint, ranges, report)
+    print(summary(joint.history, joint.budget))
+    print(f"{status_text(joint.history)}; {spent}")
     for line in cautions(pair.report):  # repeat them below the numbers that they concern
         print(f"- {line}")
     title = f"{arguments.upper.name} on {arguments.lower.name}"
@@ -159,7 +186,26 @@ def _settings(arguments) -> Configured:
     grid = {} if arguments.grid_spacing is None else {"spacing_mm": arguments.grid_spacing}
     needed = tuple(option for option in NEEDED if option != "jrc")
     rock = {"jrc": None, "walls": walls}
-    return joint_configuration(base_keys(arguments), arguments, rock, {"grid": grid}, needed)
+    base, changes = base_keys(arguments), {"grid": grid}
+    stated = any("numerics" in changed for changed in arguments.set)
+    if not stated and base["numerics"] == merged_study()["numerics"]:
+        changes["numerics"] = RESOLVED_KEYS
+    return joint_configuration(base, arguments, rock, changes, needed)
+
+
+def _ranges(stated: list[list[str]]) -> dict[str, tuple[float, float]]:
+    """Return the stated ranges [SI] by name."""
+    ranges = {}
+    for key, *ends in stated:
+        try:
+            values = [float(end) for end in ends]
+        except ValueError:
+            raise InputError(f"--range {key} {' '.join(ends)}: must end in two numbers") from None
+        if key not in VARIED.values():
+            raise InputError(f"--range {key}: must be one of {', '.join(VARIED.values())}")
+        ((name, values),) = to_si({key: values}).items()
+        ranges[name] = tuple(values)
+    return ranges
 
 
 def _pair(arguments, settings: Configured) -> RegisteredPair:
@@ -200,7 +246,7 @@ def _closed(settings: Configured, pair: RegisteredPair, arguments) -> ClosedJoin
 def _write(joint: ClosedJoint, settings: Configured, folder: Path, title: str) -> None:
     """Write all files of a joint: its history, registration, exports and figures."""
     from jointclosure.plotting.joint import closure_curve
-    from jointclosure.plotting.scanned_joint import pair_figure
+    from jointclosure.plotting.scanned_joint import pair_figure, range_figure
     from jointclosure.plotting.snapshots import snapshot_figure
 
     about, history = provenance(settings.keys), joint.history
@@ -210,6 +256,9 @@ def _write(joint: ClosedJoint, settings: Configured, folder: Path, title: str) -
     write_exports(history, folder, title)
     save_figure(pair_figure(joint.pair, title), folder / "walls.png")
     save_figure(closure_curve(history, title), folder / "closure.png")
+    if joint.budget is not None:
+        write_csv(joint.budget.results, folder / "range.csv")
+        save_figure(range_figure(joint.budget, title), folder / "range.png")
     if history.sizes.get("snapshot"):
         save_figure(snapshot_figure(history, title), folder / "snapshots.png")
 
@@ -247,6 +296,8 @@ def _record(joint: ClosedJoint, settings: Configured, about: dict[str, str], tit
         "mean_aperture_at_first_touch_mm": 1e3 * float(pair.aperture.mean()),
         "first_touch_y_x": list(pair.first_touch),
         "per_cycle": per_cycle,
+        "range": [] if joint.budget is None else joint.budget.record(),
+        "about_range": [] if joint.budget is None else joint.budget.sentences(),
         "sha256": surfaces.sha256,
         "provenance": about,
     }

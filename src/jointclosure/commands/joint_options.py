@@ -13,6 +13,7 @@ from jointclosure.config.configuration import Configured, configured, merged, me
 from jointclosure.config.files import value_of
 from jointclosure.config.rocks import other_rocks
 from jointclosure.engineering.curves import curve_table, cycle_table, has_flow
+from jointclosure.ensemble.uncertainty import Budget
 from jointclosure.inputs import InputError
 from jointclosure.jobs.progress import bar
 from jointclosure.joint.conditions import Conditions
@@ -207,8 +208,8 @@ def shown_progress(cycles: int) -> Iterator[Report]:
         yield report
 
 
-def summary(closed: xr.Dataset) -> str:
-    """Format the closures of each cycle as lines of text, with hydraulic apertures if known."""
+def summary(closed: xr.Dataset, budget: Budget | None = None) -> str:
+    """Format the results of each cycle as lines of text, with their range if it is known."""
     seating = 1e-6 * closed.attrs["seating_stress_Pa"]
     table = cycle_table(closed)
     names = {
@@ -219,10 +220,19 @@ def summary(closed: xr.Dataset) -> str:
     }
     frame = table[list(names)].rename(columns=names)
     frame.index = [f"cycle {number}" for number in table.cycle]
-    lines = [
-        "closure (mm); gross contains the elastic indentation of the half-spaces, net does not",
-        frame.to_string(float_format="{:.5f}".format),
-    ]
+    lines = (
+        [
+            "gross closure contains the elastic indentation of the half-spaces, net does not"
+            f"; closures since {seating:g} MPa",
+            budget.table().to_string(),
+            *(f"- {line}" for line in budget.sentences()),
+        ]
+        if budget
+        else [
+            "closure (mm); gross contains the elastic indentation of the half-spaces, net does not",
+            frame.to_string(float_format="{:.5f}".format),
+        ]
+    )
     if has_flow(closed):
         lines += ["at the maximum (mm)", _apertures(closed).to_string(float_format="{:.5f}".format)]
     return "\n".join(lines)

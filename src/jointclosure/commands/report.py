@@ -91,7 +91,9 @@ def write_report(folder: Path, output: Path) -> int:
 _OF_A_JOINT = {
     "engineering": ("Net closure, net stiffness and aperture", "Net closure since seating with "
                     "fitted laws, net normal stiffness and mean aperture against normal stress."),
-    "closure": ("Gross closure from first touch, and net closure since seating", "Normal stress "
+    "range": ("Range of the net closure, and what it is due to", "Net closure of the first and the "
+              "last cycle for each value of each source of uncertainty, and all together."),
+    "closure": ("Gross and net closure since seating", "Normal stress "
                 "against closure: loading in full lines, unloading dashed, a colour for each "
                 "cycle."),
     "walls": ("Walls before closure", "Maps of both walls and of the aperture at first "

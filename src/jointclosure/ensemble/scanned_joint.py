@@ -1,22 +1,38 @@
 """Closure of a joint whose two walls were scanned: registration and simulation."""
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import pandas as pd
 import xarray as xr
 
 from jointclosure.config.rocks import given_rock, rock_text
+from jointclosure.config.units import to_si
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.closing import close_walls
+from jointclosure.ensemble.uncertainty import Budget, uncertainty_budget
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
 from jointclosure.joint.loading import describe_load
 from jointclosure.joint.protocol import FAILURE, Report
+from jointclosure.parameters import Numerics
 from jointclosure.scans import read_scan
 from jointclosure.surface.measured import Cloud, Scan
 from jointclosure.surface.registration import RegisteredPair, registered
+
+RESOLVED_KEYS: dict[str, Any] = {
+    "breakage": "resolved",
+    "tolerance": 0.01,
+    "displacement_step_um": 3,
+    "later_displacement_step_um": 3,
+    "breakage_step_um": 1,
+    "later_breakage_step_um": 1,
+}
+"""Default numerics of a scanned joint, as keys. Loading has no kink where it lands on its maximum;
+the steps, from which resolved breakage starts, are short enough for smooth curves."""
+RESOLVED = Numerics(**to_si(RESOLVED_KEYS))
 
 
 class ClosedJoint(NamedTuple):
@@ -32,12 +48,15 @@ class ClosedJoint(NamedTuple):
         Rock, load and model.
     rock_name : str
         Name for `rock_text`; "rock" if the rock is given only by its properties.
+    budget : Budget or None
+        Range of the results over what the model leaves open; None for a single run.
     """
 
     pair: RegisteredPair
     history: xr.Dataset
     conditions: Conditions
     rock_name: str = "rock"
+    budget: Budget | None = None
 
     def __repr__(self) -> str:
         ny, nx = self.pair.upper.shape
@@ -45,7 +64,7 @@ class ClosedJoint(NamedTuple):
         seating = 1e-6 * self.conditions.seating_stress
         table = cycle_table(self.history)
         net, gross = (
-            ", ".join(f"{value:.4g}" for value in table[f"closure_{kind}_since_seating_mm"])
+            ", ".join(self._closure(f"closure_{kind}_since_seating_mm", table))
             for kind in ("net", "gross")
         )
         load = describe_load(self.conditions.max_normal_stress, self.conditions.cycle_count)
@@ -56,6 +75,12 @@ class ClosedJoint(NamedTuple):
             f"({gross} mm gross) since {seating:g} MPa "
             f"({load}){failed}>"
         )
+
+    def _closure(self, column: str, table: pd.DataFrame) -> list[str]:
+        """Format a closure of each cycle, with its range if that is known."""
+        if self.budget is None:
+            return [f"{value:.4g}" for value in table[column]]
+        return [self.budget.text(cycle, column) for cycle in table.cycle]
 
 
 @takes_conditions
@@ -68,6 +93,8 @@ def close(
     orientation: str | None = None,
     shift: str | None = None,
     cut_spikes: bool = True,
+    single: bool = False,
+    ranges: Mapping[str, tuple[float, float]] = {},
     report: Report | None = None,
     snapshots: Sequence[float] = (),
     **changes: Any,
@@ -83,12 +110,19 @@ def close(
         Units of both files, if the files do not state them.
     orientation, shift, cut_spikes
         As for `jointclosure.surface.registration.registered`.
+    single : bool
+        Whether to close the joint once, without the range of its results.
+    ranges : mapping
+        Lowest and highest value [SI] of what is known to a range only: a property of the rock,
+        ``peak_modulus_ratio``, ``base_radius_in_cells`` or ``spacing``
+        (`jointclosure.ensemble.uncertainty`).
     report, snapshots
         As for `jointclosure.simulate`.
     conditions, **changes
         As for `jointclosure.simulate`; ``rock`` can be a name. ``spacing`` [m] is that of the
         joint's grid, by default the larger point distance of the scans. ``unusual_values`` is
-        also passed to `jointclosure.surface.registration.registered`.
+        also passed to `jointclosure.surface.registration.registered`. Breakage is resolved unless
+        ``numerics`` are given.
 
     Returns
     -------
@@ -101,6 +135,8 @@ def close(
         best, the walls do not overlap, `registered` refuses the pair, or a number is out of its
         range.
     """
+    if conditions is None:
+        changes = {"numerics": RESOLVED} | changes
     stated = conditions_from(conditions, changes, "close")
     unusual, name = stated.unusual_values, stated.rock if isinstance(stated.rock, str) else "rock"
     stated = stated._replace(rock=given_rock(stated.rock)).checked()
@@ -112,7 +148,8 @@ def close(
     if not unusual:
         for doubt in pair.warnings:
             warnings.warn(doubt, stacklevel=2)
-    return closed_pair(pair, stated, report, snapshots, rock_name=name)
+    joint = closed_pair(pair, stated, report, snapshots, rock_name=name)
+    return joint if single else with_range(joint, ranges)
 
 
 def closed_pair(
@@ -126,6 +163,21 @@ def closed_pair(
     conditions = conditions._replace(spacing=pair.spacing)
     history = close_walls(pair.upper, pair.lower, conditions, report, snapshots)
     return ClosedJoint(pair, history, conditions, rock_name)
+
+
+def with_range(
+    joint: ClosedJoint,
+    ranges: Mapping[str, tuple[float, float]] = {},
+    report: Callable[[float, str], None] = lambda share, variant: None,
+) -> ClosedJoint:
+    """Add the range of its results to a joint, by `uncertainty_budget`; a failed one has none."""
+    if int(joint.history.status) >= FAILURE:
+        return joint
+    pair = joint.pair
+    budget = uncertainty_budget(
+        pair.upper, pair.lower, joint.conditions, ranges, joint.history, report
+    )
+    return joint._replace(budget=budget)
 
 
 def read_wall(

@@ -116,6 +116,15 @@ class Choices(NamedTuple):
     tie_tolerance: float = 2e-9
 
 
+PLAUSIBLE: dict[str, tuple[Any, Any]] = {
+    "peak_modulus_ratio": (0.01, 0.2),
+    "base_radius_in_cells": (0.25, 0.5),
+    "peaks": ("pristine", "current"),
+}
+"""Plausible values of what the paper leaves open, by field of `Choices`: the ends of a range, or
+the alternatives. ASSUMPTION: the ends; the paper cites two sources for a ratio of 0.05."""
+
+
 class Numerics(NamedTuple):
     """Steps [m] and tolerances of a simulation.
 

@@ -16,7 +16,9 @@ from jointclosure.plotting.style import BRANCH_LINES, above, styled, subplots
 
 @styled
 def closure_curve(closed: xr.Dataset, title: str) -> Figure:
-    """Draw stress against gross closure from first touch, and net closure since seating.
+    """Draw stress against gross and against net closure since seating.
+
+    What is closed before seating depends on the point that touches first, and is not shown.
 
     Parameters
     ----------
@@ -25,8 +27,8 @@ def closure_curve(closed: xr.Dataset, title: str) -> Figure:
     title : str
     """
     figure, panels = subplots(1, 2, figsize=(10.4, 4.4), layout="constrained", sharey=True)
-    for axes, since, of in zip(panels, ("touch", "seating"), (GROSS, NET), strict=True):
-        draw_curves(axes, closed, since, of)
+    for axes, of in zip(panels, (GROSS, NET), strict=True):
+        draw_curves(axes, closed, "seating", of)
     panels[1].set(ylabel="")
     if panels[1].get_legend():
         panels[1].get_legend().remove()

@@ -5,6 +5,7 @@ import numpy as np
 import seaborn as sns
 from matplotlib.figure import Figure
 
+from jointclosure.ensemble.uncertainty import TITLES, Budget
 from jointclosure.plotting.style import styled, subplots
 from jointclosure.surface.registration import CLEAR, RegisteredPair
 
@@ -29,6 +30,39 @@ def pair_figure(pair: RegisteredPair, title: str) -> Figure:
     figure.suptitle(title, parse_math=False)  # a file's name is not a formula
     for axes in panels[1]:
         sns.despine(ax=axes)
+    return figure
+
+
+@styled
+def range_figure(budget: Budget, title: str) -> Figure:
+    """Draw the net closure of the first and the last cycle, and how far each source moves it.
+
+    Parameters
+    ----------
+    budget : Budget
+    title : str
+    """
+    closure = "closure_net_since_seating_mm"
+    ranges = budget.ranges.xs(closure, level="quantity")
+    cycles = list(dict.fromkeys(ranges.index[[0, -1]]))
+    figure, panels = subplots(
+        1, len(cycles), figsize=(5.2 * len(cycles), 3.6), layout="constrained", squeeze=False
+    )
+    for axes, cycle in zip(panels[0], cycles, strict=True):
+        row, results = ranges.loc[cycle], budget.results[budget.results.cycle == cycle]
+        shares = row.drop(["best", "low", "high"]).astype(float).dropna().sort_values()
+        for place, name in enumerate(shares.index):
+            values = results.loc[results.source == name, closure].to_numpy()
+            axes.plot([row.best, *values], [place] * (1 + values.size), "-", color="0.6")
+            axes.plot(values, [place] * values.size, "o", color="C0")
+        axes.plot([row.low, row.high], [len(shares)] * 2, "-", color="C1", lw=3)
+        axes.plot(row.best, len(shares), "o", color="C1")
+        axes.axvline(row.best, color="0.8", lw=0.8, zorder=0)
+        labels = [f"{TITLES[name]} ({100.0 * share:.0f} %)" for name, share in shares.items()]
+        axes.set_yticks(range(len(shares) + 1), [*labels, "all together"])
+        axes.set(xlabel=f"net closure of cycle {cycle} since seating (mm)")
+    figure.suptitle(title, parse_math=False)
+    sns.despine(figure)
     return figure
 
 

@@ -9,6 +9,7 @@ import xarray as xr
 from jointclosure.engineering.curves import KINDS, cycle_table
 from jointclosure.engineering.laws import fitted_laws
 from jointclosure.engineering.stiffness import stiffness_table
+from jointclosure.ensemble.uncertainty import QUANTITIES
 from jointclosure.report.sheets import Sheet, number_text, sheet
 
 
@@ -26,11 +27,18 @@ def joint_content(material: JointMaterial) -> dict:
     return {
         "title": record.get("title", "a rough joint"),
         "joint": record["joint"].strip("<>").removeprefix("ClosedJoint: "),
-        "finding": joint_finding(cycles, stiffness, history),
+        "finding": joint_finding(cycles, stiffness, history, record.get("range", [])),
         "warnings": record.get("warnings", []),
+        "about_range": record.get("about_range", []),
         "found": record["found"],
         "status": record["status"],
-        "sheets": {sheet.name: sheet for sheet in _sheets(cycles, stiffness, history)},
+        "sheets": {
+            sheet.name: sheet
+            for sheet in [
+                *_sheets(cycles, stiffness, history),
+                *_range_sheets(record.get("range", [])),
+            ]
+        },
         "digests": record["sha256"],
         "versions": {
             name: value
@@ -40,12 +48,18 @@ def joint_content(material: JointMaterial) -> dict:
     }
 
 
-def joint_finding(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dataset) -> str:
+def joint_finding(
+    cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dataset, ranges: list[dict]
+) -> str:
     """Describe closure, residual closure and stiffness of the joint, net and gross."""
+    texts = {(entry["cycle"], entry["quantity"]): entry["text"] for entry in ranges}
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
     first = cycles.iloc[0]
-    closes = number_text(first.closure_net_since_seating_mm, 3)
-    text = f"From {seating:g} MPa on the joint closes {closes} mm in its first cycle"
+    net, gross = (
+        texts.get((1, name), number_text(first[name], 3))
+        for name in ("closure_net_since_seating_mm", "closure_gross_since_seating_mm")
+    )
+    text = f"From {seating:g} MPa on the joint closes {net} mm in its first cycle"
     if np.isfinite(first.residual_share_net):
         text += f", of which {100.0 * first.residual_share_net:.0f} % stay"
     known = stiffness[
@@ -61,7 +75,6 @@ def joint_finding(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dat
             for row in here.iloc[[0, -1] if len(here) > 1 else [0]].itertuples()
         )
         text += f"; its normal stiffness at {middle:.3g} MPa is {stiffness_words}"
-    gross = number_text(first.closure_gross_since_seating_mm, 3)
     return (
         f"{text}. These are net; with the elastic indentation of the half-spaces, which is no "
         f"property of the joint, the first cycle closes {gross} mm (gross)."
@@ -85,6 +98,18 @@ def _stiffness_sheet(stiffness: pd.DataFrame, kind: str) -> Sheet:
         by_stress,
         {name: name for name in by_stress},
     )
+
+
+def _range_sheets(ranges: list[dict]) -> list[Sheet]:
+    """Return the table of ranges, if the joint has them."""
+    if not ranges:
+        return []
+    rows = pd.DataFrame(ranges)
+    table = rows.pivot_table("text", "quantity", "cycle", "first").loc[list(QUANTITIES)]
+    table.columns = [f"Cycle {cycle}" for cycle in table.columns]
+    table.insert(0, "Quantity", [QUANTITIES[name] for name in table.index])
+    caption = "Best values and their range over what the model leaves open; closures since seating"
+    return [sheet("range", caption, table, {name: name for name in table})]
 
 
 def _sheets(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dataset) -> list[Sheet]:
