@@ -24,7 +24,7 @@ def test_on_a_line_the_length_is_that_of_the_quadratic(slope):
     exact = jc.indifference_interval(LEVELS, samples.mean(axis=1), samples.std(axis=1, ddof=1), 20)
     assert found.length == pytest.approx(exact.length, rel=1e-9)
     assert found.root == pytest.approx(exact.root, rel=1e-9)
-    assert found.increasing == (slope > 0)
+    assert (found.fitted[-1] > found.fitted[0]) == (slope > 0)
 
 
 def test_a_kink_is_followed_where_the_quadratic_smooths_it():

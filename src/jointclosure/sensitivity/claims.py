@@ -242,7 +242,7 @@ def _true(claim: Claim, judged: _Judged) -> tuple[str, list[dict]]:
         intervals += of_rock
         rows += _margin_rows(claim, rock, estimates, of_rock)
     least = claim.judged_by.least_interval(intervals)
-    answer = verdict(least, (claim.judged_by.true_above(), np.inf), claim.judged_by.alike)
+    answer = verdict(least, claim.judged_by.true_above(), claim.judged_by.alike)
     if claim.negated:
         answer = {STANDS: FALLS, FALLS: STANDS}.get(answer, answer)
     return answer, rows

@@ -98,10 +98,8 @@ def _adjusted(values: np.ndarray, covariates: Covariates | None) -> dict:
         estimates["mean"] = adjusted_means(
             values[None], values_of_covariates, known, paired=False
         ).estimate(0)
-        deviations, errors = adjusted_deviations(
-            values[None], values_of_covariates, known, tell_scatter
-        )
-        estimates["standard_deviation"] = Estimate(float(deviations[0]), float(errors[0]))
+        deviation = adjusted_deviations(values, values_of_covariates[0], known, tell_scatter)
+        estimates["standard_deviation"] = Estimate(*map(float, deviation))
     row: dict[str, float] = {}
     for what, estimate in estimates.items():
         name = f"{TARGET}_adjusted_{what}_mm"

@@ -162,9 +162,8 @@ def _bootstrap(response: Response, statistics: Statistics, root_seed: int, suffi
         "significance": statistics.significance,
     }
     arguments = (response.levels, response.samples, generator(seed_of(root_seed, *name)))
-    if response.paired:
-        return bootstrap_paired_length(*arguments, **settings)
-    return bootstrap_length(*arguments, **settings, paired=False)
+    bootstrap = bootstrap_paired_length if response.paired else bootstrap_length
+    return bootstrap(*arguments, **settings)
 
 
 def _adjusted(response: Response, size: float, statistics: Statistics, root_seed: int) -> dict:
