@@ -65,7 +65,8 @@ def test_at_the_root_the_t_value_is_critical(paired):
         s = samples.std(axis=1, ddof=1)
         variance = np.interp(found.root, LEVELS, s) ** 2 + s[4] ** 2
         if paired:
-            variance = difference_scatter(LEVELS, samples, 0.0).at(found.root)
+            scatter = difference_scatter(LEVELS, samples, 0.0)
+            variance = scatter.slope * found.root**2 + 2.0 * scatter.irregular
         critical = scipy.stats.t.ppf(0.975, n - 1 if paired else 2 * n - 2)
         assert abs(x) / np.sqrt(variance / n) == pytest.approx(critical, rel=1e-6)
 
