@@ -28,7 +28,7 @@ KNOWN = Known(MEANS, COVARIANCE, np.inf)
 
 
 def adjusted_deviation(values, covariates, known):
-    return Estimate(*adjusted_deviations(values, covariates, known))
+    return Estimate(*map(float, adjusted_deviations(values, covariates, known)))
 
 
 def surfaces(random, n, curved=0.0):
