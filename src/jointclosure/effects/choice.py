@@ -142,10 +142,6 @@ def choose_effects(
     report : callable
         Receives a line for each decision.
 
-    Returns
-    -------
-    SceneChoice
-
     Raises
     ------
     InputError

@@ -49,8 +49,6 @@ def along_curve(
         Smallest stress [Pa].
     design : Design
         Design of a study with independent draws.
-    repetitions : int
-    root_seed : int
 
     Returns
     -------

@@ -100,7 +100,6 @@ def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame,
 
     Parameters
     ----------
-    evidence : Evidence
     paper : DataFrame
         The paper's Table 3.
 

@@ -75,7 +75,6 @@ def indifference_table(
     study : Dataset
         As from `jointclosure.ensemble.aggregation.join_cases`; its seeds show whether a
         realisation is the same surface in all cases of a rock.
-    statistics : Statistics
     root_seed : int
         Root seed of the study; the bootstrap has a separate stream.
     covariates : Covariates, optional

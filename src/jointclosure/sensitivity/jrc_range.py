@@ -59,8 +59,6 @@ def with_jrc_range(pool: xr.Dataset, half_width: float, random: np.random.Genera
     ----------
     pool : Dataset
         Pool with common surfaces at all levels of JRC.
-    half_width : float
-    random : Generator
 
     Returns
     -------

@@ -70,7 +70,6 @@ def plan(
     ----------
     ensemble : Dataset
         A finished study or, better, its pool.
-    goal : Goal
     significance : float
         Significance level of the t test.
     paired : bool

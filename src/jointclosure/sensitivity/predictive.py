@@ -82,7 +82,6 @@ def predictive(
         The pool, or the study itself if it has none.
     design : Design
         Number of surfaces that a study draws, and its test.
-    repetitions : int
     root_seed : int
         Root seed of the study; the draws have separate streams.
     pools : int
@@ -174,7 +173,6 @@ def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.
 
     Parameters
     ----------
-    lengths_of_studies : Predictive
     paper : DataFrame
         The paper's Table 3.
 

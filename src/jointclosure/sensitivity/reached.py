@@ -34,10 +34,8 @@ def reached_table(
 
     Parameters
     ----------
-    study : Dataset
     covariates : Covariates or None
         Covariates of the study, if means are adjusted.
-    wanted : Wanted
     biases : dict
         Errors of the preset in each known cycle.
     significance : float

@@ -88,8 +88,6 @@ def variance_reduction(
         Surfaces of each case in drawn studies; no rows for fewer than `fewest_surfaces`.
     significance : float
         Significance level of the indifference intervals.
-    root_seed : int
-    repetitions : int
 
     Returns
     -------

@@ -84,7 +84,6 @@ def adjusted_means(samples, covariates, known: Known, paired: bool) -> Means:
         Target at every level on every surface.
     covariates : array (k, n, m)
         Covariates on the same surfaces; see `adjusted_values`.
-    known : Known
     paired : bool
         Whether a column is the same surface at every level; otherwise levels are independent.
 
@@ -246,19 +245,13 @@ def adjusted_length(
         Ascending.
     samples, covariates, known
         As for `adjusted_means`, with independent draws at each level.
-    random : Generator
     base, significance
         As for `indifference_interval`.
     draws : int
         Number of normal draws of means and deviations, with their errors, for the scatter of the
         length.
-    confidence : float
     tell_scatter : bool
         Whether deviations are adjusted too.
-
-    Returns
-    -------
-    AdjustedLength
     """
     means = adjusted_means(samples, covariates, known, paired=False)
     deviations, errors = adjusted_deviations(samples, covariates, known, tell_scatter)

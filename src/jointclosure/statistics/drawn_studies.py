@@ -87,10 +87,8 @@ def draw_studies(
     sensitivities : mapping from a key, such as (rock, parameter), to `Sensitivity`
         They are drawn as one study: pools with the same surfaces are resampled together,
         and all targets of a case are from the same surfaces.
-    design : Design
     repetitions : int
         Number R of repetitions.
-    random : Generator
 
     Returns
     -------

@@ -64,8 +64,6 @@ def bootstrap_error(
         Function of such samples that returns a number or an array.
     samples : array (n,) or (k, n)
         The last axis is that of surfaces.
-    random : Generator
-    resamples : int
     paired : bool
         Whether a column is the same surface at every level; otherwise rows are resampled
         separately.
@@ -113,7 +111,6 @@ def quadratic_errors(levels, covariance, base: float) -> QuadraticErrors:
     levels : array (k,)
     covariance : array (k, k)
         Covariance of the fitted values: `mean_covariance` or `deviation_covariance`.
-    base : float
     """
     fit = fit_matrix(levels, base)
     reduced = fit @ covariance @ fit.T

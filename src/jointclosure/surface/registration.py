@@ -168,10 +168,6 @@ def registered(
     unusual_values : bool
         Whether to accept pairs that are probably wrong, see Raises.
 
-    Returns
-    -------
-    RegisteredPair
-
     Raises
     ------
     InputError

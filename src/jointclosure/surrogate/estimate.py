@@ -120,10 +120,6 @@ def estimate(
     extrapolate : bool
         Whether to return a closure, with an error of NaN, where the law was not tested.
 
-    Returns
-    -------
-    Estimate
-
     Raises
     ------
     InputError
