@@ -18,13 +18,7 @@ from jointclosure.effects.choice import choose_among, max_closures
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import Conditions
 from jointclosure.inputs import InputError
-from jointclosure.parameters import (
-    Choices,
-    Effects,
-    Numerics,
-    Rock,
-    scene_name,
-)
+from jointclosure.parameters import Choices, Effects, Numerics, Rock, scene_name
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.surface.synthesis import wall_pair
 

@@ -11,12 +11,7 @@ import xarray as xr
 
 from jointclosure.claims.findings import TARGET
 from jointclosure.sensitivity.intervals import UNPAIRED
-from jointclosure.sensitivity.responses import (
-    RockSample,
-    rock_sample,
-    rocks_of,
-    sensitivities,
-)
+from jointclosure.sensitivity.responses import RockSample, rock_sample, rocks_of, sensitivities
 from jointclosure.statistics.drawn_studies import Design, DrawnResponse, draw_studies
 from jointclosure.statistics.predictive import length_distribution
 from jointclosure.statistics.randomness import generator, seed_of

@@ -22,12 +22,7 @@ from jointclosure.claims.findings import LOOP, NET, TARGET, Findings
 from jointclosure.claims.table import CLAIMS, OURS, TABLE_3, Claim
 from jointclosure.config.properties import PROPERTIES
 from jointclosure.sensitivity.closed_model import SQUARE, ClosedModel, estimated
-from jointclosure.sensitivity.responses import (
-    RockSample,
-    rock_sample,
-    rocks_of,
-    sensitivities,
-)
+from jointclosure.sensitivity.responses import RockSample, rock_sample, rocks_of, sensitivities
 from jointclosure.statistics.drawn_studies import (
     RESAMPLED_POOLS,
     Design,

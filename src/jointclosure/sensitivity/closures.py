@@ -8,11 +8,7 @@ from jointclosure.claims.findings import NET, TARGET
 from jointclosure.config.properties import PROPERTIES
 from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.ensemble.covariates import Covariates
-from jointclosure.sensitivity.responses import (
-    Response,
-    adjustment,
-    responses,
-)
+from jointclosure.sensitivity.responses import Response, adjustment, responses
 from jointclosure.statistics.control_variates import (
     adjusted_deviations,
     adjusted_elasticity,

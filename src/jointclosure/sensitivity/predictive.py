@@ -14,12 +14,7 @@ import xarray as xr
 from jointclosure.claims.findings import TARGET
 from jointclosure.config.properties import PARAMETERS, PROPERTIES
 from jointclosure.sensitivity.intervals import UNPAIRED
-from jointclosure.sensitivity.responses import (
-    RockSample,
-    rock_sample,
-    rocks_of,
-    sensitivities,
-)
+from jointclosure.sensitivity.responses import RockSample, rock_sample, rocks_of, sensitivities
 from jointclosure.statistics.drawn_studies import (
     RESAMPLED_POOLS,
     Design,

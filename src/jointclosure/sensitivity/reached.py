@@ -12,9 +12,7 @@ from jointclosure.config.wanted import BLOCK, Wanted
 from jointclosure.ensemble.covariates import Covariates
 from jointclosure.sensitivity.closures import max_closure_table
 from jointclosure.sensitivity.planning import Goal, length_error, surfaces_for
-from jointclosure.sensitivity.responses import (
-    responses,
-)
+from jointclosure.sensitivity.responses import responses
 from jointclosure.statistics.total_error import REACH, Bias, Method
 
 COLUMNS = ["rock", "parameter", "level", "cycle", "surfaces", "bias_percent", "bias_error_percent"]

@@ -15,10 +15,7 @@ import xarray as xr
 
 from jointclosure.claims.findings import TARGET
 from jointclosure.ensemble.covariates import Covariates
-from jointclosure.sensitivity.responses import (
-    Response,
-    responses,
-)
+from jointclosure.sensitivity.responses import Response, responses
 from jointclosure.statistics.control_variates import (
     Known,
     adjusted_and_coefficients,

@@ -68,7 +68,7 @@ def indifference_interval(
     Eqs. (24) to (29). With more than three levels the quadratics are
     least-squares fits, and x_M and S_M their values at the base.
     """
-    levels, means, deviations, base = _checked(
+    levels, means, deviations, base = checked(
         levels, means, standard_deviations, samples, significance, base
     )
     mean = fit_quadratic(levels, means, base)
@@ -114,7 +114,7 @@ def indifference_lengths(
     InputError
         As `indifference_interval`.
     """
-    levels, means, deviations, base = _checked(
+    levels, means, deviations, base = checked(
         levels, means, deviations, samples, significance, base, many=True
     )
     shape = means.shape[:-1]
@@ -178,7 +178,14 @@ def closest_to_zero(coefficients: np.ndarray, scatter_at_zero: bool) -> float:
     return float(roots[np.argmin(np.abs(roots))]) if roots.size else float("nan")
 
 
-def _checked(
+def check_significance(significance: float) -> None:
+    """Raise `InputError` unless a significance level lies between 0 and 1."""
+    check_number("significance", significance)
+    if not 0.0 < significance < 1.0:
+        raise InputError(f"significance = {significance!r}: must lie between 0 and 1 (0.05 is 5 %)")
+
+
+def checked(
     levels: ArrayLike,
     means: ArrayLike,
     deviations: ArrayLike,
@@ -206,11 +213,9 @@ def _checked(
             f"standard_deviations: the smallest is {deviations.min()}, must not be negative"
         )
     check_number("samples", samples, whole=True)
-    check_number("significance", significance)
     if samples < 2:
         raise InputError(f"samples = {samples!r}: must be a whole number from 2 on")
-    if not 0.0 < significance < 1.0:
-        raise InputError(f"significance = {significance!r}: must lie between 0 and 1")
+    check_significance(significance)
     base = levels[levels.size // 2] if base is None else base
     if base not in levels:
         raise InputError(f"base = {base!r}: must be one of the levels {levels.tolist()}")

@@ -29,9 +29,9 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from jointclosure.inputs import InputError, check_number, real_array
+from jointclosure.inputs import InputError, real_array
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
-from jointclosure.statistics.indifference import closest_to_zero
+from jointclosure.statistics.indifference import checked, closest_to_zero
 
 
 class DifferenceScatter(NamedTuple):
@@ -188,16 +188,10 @@ def checked_samples(levels, samples, significance, base):
         If one of them is not valid.
     """
     levels, samples = real_array("levels", levels), real_array("samples", samples)
-    if levels.ndim != 1 or levels.size < 3 or not np.all(np.diff(levels) > 0.0):
-        raise InputError(f"levels = {levels.tolist()}: must be three or more, strictly ascending")
     if samples.ndim != 2 or samples.shape[0] != levels.size or samples.shape[1] < 2:
         raise InputError(
             f"samples {samples.shape}: must be ({levels.size} levels, n >= 2 surfaces)"
         )
-    check_number("significance", significance)
-    if not 0.0 < significance < 1.0:
-        raise InputError(f"significance = {significance!r}: must lie between 0 and 1")
-    base = levels[levels.size // 2] if base is None else base
-    if base not in levels:
-        raise InputError(f"base = {base!r}: must be one of the levels {levels.tolist()}")
-    return levels, samples, float(base)
+    moments = samples.mean(axis=1), samples.std(axis=1, ddof=1)
+    levels, *_, base = checked(levels, *moments, samples.shape[1], significance, base)
+    return levels, samples, base

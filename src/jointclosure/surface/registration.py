@@ -11,12 +11,7 @@ from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import Caution, caution, cautions, prefixed
 from jointclosure.parameters import AS_IT_IS
 from jointclosure.surface.implausible import check_pair, check_scans
-from jointclosure.surface.mating import (
-    Mating,
-    best_shift,
-    mating,
-    slope_correlation_over_shifts,
-)
+from jointclosure.surface.mating import Mating, best_shift, mating, slope_correlation_over_shifts
 from jointclosure.surface.measured import (
     LARGEST_FILLED_SHARE,
     Cloud,
