@@ -182,7 +182,7 @@ def check_significance(significance: float) -> None:
     """Raise `InputError` unless a significance level lies between 0 and 1."""
     check_number("significance", significance)
     if not 0.0 < significance < 1.0:
-        raise InputError(f"significance = {significance!r}: must lie between 0 and 1 (0.05 is 5 %)")
+        raise InputError(f"significance = {significance!r}: must be between 0 and 1 (0.05 is 5 %)")
 
 
 def checked(
