@@ -35,9 +35,7 @@ rule validate_choice:
     wildcard_constraints:
         number=r"\d+",
     params:
-        settings=(
-            to_plain(validation_settings(CONFIGURATION)) if VALIDATION else None
-        ),
+        settings=(to_plain(validation_settings(CONFIGURATION)) if VALIDATION else None),
     script:
         "../scripts/validate_choice.py"
 
