@@ -47,12 +47,12 @@ def check_no_variable(variable: str | None) -> None:
 
 
 @contextmanager
-def reading_as(form: str) -> Iterator[None]:
-    """Raise one clear `InputError` if a file is damaged; libraries raise various errors."""
+def reading_as(form: str, *errors: type[Exception]) -> Iterator[None]:
+    """Raise one clear `InputError` if a file is damaged: for these errors, by default for any."""
     try:
         yield
     except InputError:
         raise
-    except Exception as error:
+    except errors or Exception as error:
         reason = str(error).strip() or type(error).__name__
         raise InputError(f"cannot be read as {form} ({reason})") from None

@@ -95,7 +95,7 @@ def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
     """
     # a file from outside, which has no seal of this project
     with (
-        reading_as("netCDF"),
+        reading_as("netCDF", OSError, ValueError),
         xr.open_dataset(path, engine="netcdf4", cache=False) as dataset,
     ):
         fields = [str(name) for name, field in dataset.data_vars.items() if field.ndim == 2]

@@ -24,7 +24,7 @@ def read_text(path: Path, variable: str | None) -> Contents:
     remarks describe missing, stray and skipped values. Points that are all nodes of a regular grid
     are returned as that grid.
     """
-    with reading_as("points"):
+    with reading_as("points", ValueError):
         table = read_table(path)
     columns = _columns(table, variable)
     values = table.values[:, columns]
