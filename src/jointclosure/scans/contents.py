@@ -53,6 +53,8 @@ def reading_as(form: str, *errors: type[Exception]) -> Iterator[None]:
         yield
     except InputError:
         raise
-    except errors or Exception as error:
+    except Exception as error:
+        if errors and not isinstance(error, errors):
+            raise
         reason = str(error).strip() or type(error).__name__
         raise InputError(f"cannot be read as {form} ({reason})") from None
