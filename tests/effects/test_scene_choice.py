@@ -14,10 +14,10 @@ from jointclosure.effects.choice import (
     choose_for_case,
     choose_for_rock,
 )
-from jointclosure.effects.design import validation_settings
 from jointclosure.effects.validation import (
     random_scene,
     validate,
+    validation_settings,
     validation_summary,
 )
 from jointclosure.ensemble import closing

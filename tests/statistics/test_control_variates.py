@@ -4,7 +4,6 @@ import pytest
 import jointclosure as jc
 from jointclosure.statistics.control_variates import (
     Known,
-    adjusted_deviation,
     adjusted_deviations,
     adjusted_elasticity,
     adjusted_length,
@@ -15,7 +14,7 @@ from jointclosure.statistics.control_variates import (
 )
 from jointclosure.statistics.indifference import indifference_interval
 from jointclosure.statistics.randomness import generator
-from jointclosure.statistics.standard_errors import mean_of
+from jointclosure.statistics.standard_errors import Estimate, mean_of
 from jointclosure.statistics.verdicts import t_interval
 
 MEANS = np.array([2.0, 5.0])
@@ -26,6 +25,10 @@ MEAN = 10.0
 EXPLAINED = SLOPES @ COVARIANCE @ SLOPES
 DEVIATION = np.sqrt(EXPLAINED + UNEXPLAINED**2)
 KNOWN = Known(MEANS, COVARIANCE, np.inf)
+
+
+def adjusted_deviation(values, covariates, known):
+    return Estimate(*map(float, adjusted_deviations(values, covariates, known)))
 
 
 def surfaces(random, n, curved=0.0):

@@ -24,7 +24,7 @@ def test_on_a_line_the_length_is_that_of_the_quadratic(slope):
     exact = jc.indifference_interval(LEVELS, samples.mean(axis=1), samples.std(axis=1, ddof=1), 20)
     assert found.length == pytest.approx(exact.length, rel=1e-9)
     assert found.root == pytest.approx(exact.root, rel=1e-9)
-    assert found.increasing == (slope > 0)
+    assert (found.fitted[-1] > found.fitted[0]) == (slope > 0)
 
 
 def test_a_kink_is_followed_where_the_quadratic_smooths_it():
@@ -65,7 +65,8 @@ def test_at_the_root_the_t_value_is_critical(paired):
         s = samples.std(axis=1, ddof=1)
         variance = np.interp(found.root, LEVELS, s) ** 2 + s[4] ** 2
         if paired:
-            variance = difference_scatter(LEVELS, samples, 0.0).at(found.root)
+            scatter = difference_scatter(LEVELS, samples, 0.0)
+            variance = scatter.slope * found.root**2 + 2.0 * scatter.irregular
         critical = scipy.stats.t.ppf(0.975, n - 1 if paired else 2 * n - 2)
         assert abs(x) / np.sqrt(variance / n) == pytest.approx(critical, rel=1e-6)
 

@@ -50,8 +50,7 @@ def test_pools_of_the_same_surfaces_share_their_error_and_targets_of_a_case_its_
     np.testing.assert_allclose(drawn.lengths[:, 0], drawn.lengths[:, 1], rtol=1e-9)
 
 
-@pytest.mark.parametrize("shared", [True, False])
-def test_the_base_level_is_shared_between_parameters_where_the_design_says_so(shared):
+def test_parameters_share_the_surfaces_of_the_base_level():
     random = generator(3)
     base = Pool(random.normal(size=(1, 40)), "base")
     both = {
@@ -66,9 +65,9 @@ def test_the_base_level_is_shared_between_parameters_where_the_design_says_so(sh
         )
         for name in ("E", "nu")
     }
-    drawn = draw_studies(both, Design(shared_base=shared), 50, random)
+    drawn = draw_studies(both, Design(), 50, random)
     same = drawn["E"].means[..., 1] == drawn["nu"].means[..., 1]
-    assert same.all() if shared else not same.any()
+    assert same.all()
 
 
 def test_lengths_are_those_of_the_means_and_deviations_drawn():

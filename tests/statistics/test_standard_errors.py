@@ -5,7 +5,6 @@ from jointclosure.statistics.correlations import fit_quadratic
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.standard_errors import (
     bootstrap_error,
-    correlation_of,
     deviation_covariance,
     deviation_of,
     elasticity,
@@ -77,14 +76,6 @@ def test_errors_of_single_numbers_are_their_scatter_over_studies(estimate):
     samples = generator(2).normal(1.0, 0.3, size=(4000, 20))
     found = np.array([estimate(row) for row in samples])
     assert np.sqrt(np.mean(found[:, 1] ** 2)) == pytest.approx(found[:, 0].std(), rel=0.06)
-
-
-def test_the_error_of_a_correlation_is_its_scatter_over_studies():
-    random = generator(3)
-    first = random.normal(size=(3000, 30))
-    second = 0.8 * first + 0.6 * random.normal(size=(3000, 30))
-    found = np.array([correlation_of(a, b) for a, b in zip(first, second, strict=True)])
-    assert np.sqrt(np.mean(found[:, 1] ** 2)) == pytest.approx(found[:, 0].std(), rel=0.1)
 
 
 def test_the_bootstrap_agrees_with_the_formulas_and_takes_levels_together_where_paired():

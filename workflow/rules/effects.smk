@@ -1,6 +1,6 @@
 # How well effects are chosen at random conditions: `snakemake effects_auto --configfile config/effects.yaml`.
 # Without a section `ablation.validation` no rule here has work.
-from jointclosure.effects import design
+from jointclosure.effects.validation import validation_settings
 
 VALIDATION = CONFIGURATION.ablation.validation if CONFIGURATION.ablation else None
 CHOICE_TABLES = ["effects_auto.csv", "effects_auto_summary.csv"]
@@ -35,9 +35,7 @@ rule validate_choice:
     wildcard_constraints:
         number=r"\d+",
     params:
-        settings=(
-            to_plain(design.validation_settings(CONFIGURATION)) if VALIDATION else None
-        ),
+        settings=(to_plain(validation_settings(CONFIGURATION)) if VALIDATION else None),
     script:
         "../scripts/validate_choice.py"
 

@@ -8,7 +8,7 @@ from stored import origin, stored
 
 from content.markdown import MOST, Form, Group, Table, markdown, rows_of, titled, written
 from jointclosure.config.properties import PARAMETERS
-from jointclosure.report.findings import percent_text
+from jointclosure.report.findings import found_text
 
 RUN = "global_sensitivity"
 ENOUGH = 0.1
@@ -168,9 +168,7 @@ jrc_claims = Table(
     "paper/jrc_range_claims",
     rows={"": "{number}", "claim": "{claim}"},
     across=_known,
-    cell=lambda group: percent_text(
-        *(group[f"found_{name}"] for name in ("share", "error", "low", "high"))
-    ),
+    cell=found_text,
     prepare=lambda table: table.dropna(subset=["found_share"]),
 )
 full_size = Table(

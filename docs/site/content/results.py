@@ -5,7 +5,7 @@ from stored import stored
 
 from content.markdown import Form, Table, rows_of, value_of
 from jointclosure.claims.table import OURS
-from jointclosure.report.findings import percent_text, probability
+from jointclosure.report.findings import found_text, probability
 from jointclosure.sensitivity.conclusions import JUDGED_ELSEWHERE
 from jointclosure.sensitivity.tables import markdown_rows, table_3
 from jointclosure.statistics.verdicts import FALLS, STANDS
@@ -43,9 +43,7 @@ claims = Table(
         "claim": "{claim}",
         "said in": "{said_in}",
         "true of the model": "{verdict}",
-        "studies that find it": lambda group: percent_text(
-            *(group[f"found_{name}"] for name in ("share", "error", "low", "high"))
-        ),
+        "studies that find it": found_text,
         "in the paper's Table 3": "{paper_finds}",
     },
 )

@@ -107,8 +107,8 @@ _OF_A_JOINT = {
 def _joint_page(folder: Path) -> str:
     """Return the page of a single joint, from its folder."""
     from jointclosure.report.captions import Caption
-    from jointclosure.report.joint import JointMaterial, joint_content
-    from jointclosure.report.page import Picture, render_joint
+    from jointclosure.report.joint import joint_content
+    from jointclosure.report.page import Picture, render
 
     record = json.loads((folder / "joint.json").read_text(encoding="utf-8"))
     pictures = [
@@ -117,7 +117,7 @@ def _joint_page(folder: Path) -> str:
         if (folder / f"{name}.png").is_file()
     ]
     with reading_netcdf(folder / "joint.nc") as history:
-        return render_joint(joint_content(JointMaterial(history.load(), record)), pictures)
+        return render(joint_content(history.load(), record, pictures), "joint.html.j2")
 
 
 def _material(study: xr.Dataset, folder: Path, sealed: list[Path]) -> "Material":

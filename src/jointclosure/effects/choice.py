@@ -132,10 +132,6 @@ def choose_effects(
     report : callable
         Receives a line for each decision.
 
-    Returns
-    -------
-    SceneChoice
-
     Raises
     ------
     InputError

@@ -13,17 +13,12 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from jointclosure.config.typed import Grid, Surface, Validation
+from jointclosure.config.typed import Configuration, Grid, Surface, Validation
 from jointclosure.effects.choice import choose_among, max_closures
 from jointclosure.ensemble.closing import close_walls
+from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
-from jointclosure.parameters import (
-    Choices,
-    Effects,
-    Numerics,
-    Rock,
-    scene_name,
-)
+from jointclosure.parameters import Choices, Effects, Numerics, Rock, scene_name
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.surface.synthesis import wall_pair
 
@@ -49,6 +44,32 @@ class ValidationSettings(NamedTuple):
     surface: Surface
     choices: Choices
     numerics: Numerics
+
+
+def validation_settings(configuration: Configuration) -> ValidationSettings:
+    """Return the settings of the random conditions of a study.
+
+    Raises
+    ------
+    InputError
+        If the study has no ``ablation.validation``.
+    """
+    study, ablation = configuration.study, configuration.ablation
+    if ablation is None:
+        raise InputError(
+            "ablation = null: must be given for a study of effects (config/effects.yaml)"
+        )
+    if ablation.validation is None:
+        raise InputError("ablation.validation = null: must be given for random conditions")
+    return ValidationSettings(
+        ablation.validation,
+        study.root_seed,
+        study.cycles,
+        configuration.grid,
+        configuration.surface,
+        configuration.choices,
+        configuration.numerics,
+    )
 
 
 def random_scene(settings: ValidationSettings, number: int) -> RandomScene:

@@ -5,14 +5,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engineering.stiffness import landing_stress, secant_stiffness
-from jointclosure.joint.history import (
-    GROSS,
-    NET,
-    at_seating,
-    branch_of,
-    cycle_closures,
-    read_along,
-)
+from jointclosure.joint.history import GROSS, NET, at_seating, branch_of, cycle_closures, read_along
 from jointclosure.joint.protocol import LOADING, UNLOADING
 
 

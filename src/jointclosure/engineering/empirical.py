@@ -74,10 +74,6 @@ def barton_bandis(
     cycle : int
         1 or 2.
 
-    Returns
-    -------
-    BartonBandis
-
     Notes
     -----
     Bandis, Lumsden & Barton 1983 and Barton, Bandis & Bakhtar 1985: a_j =

@@ -6,12 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engineering.curves import (
-    curve_table,
-    cycle_table,
-    has_flow,
-    mean_hydraulic,
-)
+from jointclosure.engineering.curves import curve_table, cycle_table, has_flow, mean_hydraulic
 from jointclosure.engineering.laws import fitted_laws, parameter
 from jointclosure.engineering.stiffness import closures_at, stiffness_table, stress_levels
 from jointclosure.inputs import InputError

@@ -184,7 +184,6 @@ def simulated_readings(
         joint has a different number, so that all scatter independently.
     conditions : Conditions
         Conditions with the rock of both walls, whose strength is replaced.
-    asked : Readings
     wavelengths, strengths : array
         [m] and [Pa].
     surfaces : int
@@ -221,7 +220,6 @@ def likelihood_of(
 
     Parameters
     ----------
-    measured : Readings
     simulated : array (wavelengths, strengths, surfaces, readings)
         As from `simulated_readings`.
     wavelengths, strengths : array

@@ -270,7 +270,6 @@ def misfits(base: xr.Dataset, curve: MeasuredCurve, seating_stress: float) -> di
     ----------
     base : Dataset
         Base case of the rock, over (realization, cycle, branch, stress).
-    curve : MeasuredCurve
     seating_stress : float
         Stress from which closure of each cycle counts [Pa].
 

@@ -172,10 +172,6 @@ def fit(
     report : callable
         Called with the share of finished joints.
 
-    Returns
-    -------
-    Fit
-
     Raises
     ------
     InputError

@@ -1,5 +1,7 @@
 """Tables of the page on results of a study: closures, intervals and claims."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import pandas as pd
 
@@ -70,10 +72,9 @@ def ranking_sheet(elasticities: pd.DataFrame, titles: dict[str, str]) -> Sheet:
     for (rock, cycle), part in elasticities.groupby(["rock", "cycle"], sort=False):
         order = part.elasticity.abs().sort_values(ascending=False).index
         ranked = [
-            f"{PARAMETER_TITLES[row.parameter]} {rounded(row.elasticity, row.standard_error)}"
-            for row in part.loc[order]
-            .rename(columns={"elasticity_standard_error": "standard_error"})
-            .itertuples()
+            f"{PARAMETER_TITLES[row.parameter]} "
+            + rounded(row.elasticity, row.elasticity_standard_error)
+            for row in part.loc[order].itertuples()
         ]
         rows.append({"rock": titles[rock], "cycle": cycle, "ranked": ", ".join(ranked)})
     columns = {"rock": "Rock", "cycle": "Cycle", "ranked": "Elasticities, the largest first"}
@@ -186,18 +187,9 @@ def claim_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
     if compared and "paper" in claims:
         columns["said_in"] = "Said in"
         columns["paper_finds"] = "Found in the paper's Table 3"
-    shown = claims.assign(
-        found=[
-            percent_text(row.found_share, row.found_error, row.found_low, row.found_high)
-            for row in claims.itertuples()
-        ]
-    )
-    return sheet(
-        "claims",
-        "The paper's claims: truth in the model, and studies that find them",
-        shown,
-        columns,
-    )
+    shown = claims.assign(found=[found_text(row) for row in claims.to_dict("records")])
+    caption = "The paper's claims: truth in the model, and studies that find them"
+    return sheet("claims", caption, shown, columns)
 
 
 def evidence_sheet(
@@ -239,7 +231,7 @@ def conclusion_sheet(conclusions: pd.DataFrame) -> Sheet:
     shown = [
         row
         | {
-            "found": percent_text(*(row[name] for name in FOUND)),
+            "found": found_text(row),
             "readings": _tried([row[f"readings_{name}"] for name in COUNTS]),
             "partial": _tried([row[f"partial_{name}"] for name in COUNTS]),
             "choices": NOT_TRIED
@@ -266,19 +258,9 @@ def moved_sheet(conclusions: pd.DataFrame) -> Sheet:
     }
     filled = conclusions.fillna({"opposed_by": "", "opened_by": "", "moved_by": ""})
     moved = filled[(filled.opposed_by + filled.opened_by + filled.moved_by) != ""]
-    shown = [
-        row._asdict()
-        | {
-            "jrc_found": percent_text(
-                row.jrc_found_share, row.jrc_found_error, row.jrc_found_low, row.jrc_found_high
-            )
-        }
-        for row in moved.itertuples()
-    ]
+    shown = moved.assign(jrc_found=[found_text(row, "jrc_") for row in moved.to_dict("records")])
     caption = "Causes of a changed verdict: readings, and the input with most effect on a margin"
-    return sheet(
-        "moved", caption, pd.DataFrame(shown, columns=[*filled.columns, "jrc_found"]), columns
-    )
+    return sheet("moved", caption, shown, columns)
 
 
 NOT_TRIED = "not tried"
@@ -318,6 +300,11 @@ def percent_text(share: float, error: float, low: float = np.nan, high: float = 
     if error > 0.0 or pd.isna(low):
         return text
     return f"{text} ({100.0 * low:.3g} to {100.0 * high:.3g})"
+
+
+def found_text(row: Mapping, prefix: str = "") -> str:
+    """Format the share of studies that confirm a claim, from `FOUND` of a table's row."""
+    return percent_text(*(row[f"{prefix}{name}"] for name in FOUND))
 
 
 def predictive_sheet(predictive: pd.DataFrame, titles: dict[str, str], compared: bool) -> Sheet:

@@ -1,7 +1,5 @@
 """Page on a single joint, from the results of `jointclosure close`."""
 
-from typing import NamedTuple
-
 import numpy as np
 import pandas as pd
 import xarray as xr
@@ -10,19 +8,15 @@ from jointclosure.engineering.curves import KINDS, cycle_table
 from jointclosure.engineering.laws import fitted_laws
 from jointclosure.engineering.stiffness import stiffness_table
 from jointclosure.ensemble.uncertainty import QUANTITIES
+from jointclosure.report.page import Picture
 from jointclosure.report.sheets import Sheet, number_text, sheet
 
 
-class JointMaterial(NamedTuple):
-    """Material of the page: ``history`` of `simulate`, and ``record`` of joint.json."""
+def joint_content(history: xr.Dataset, record: dict, pictures: list[Picture]) -> dict:
+    """Return names and values for the template ``joint.html.j2``.
 
-    history: xr.Dataset
-    record: dict
-
-
-def joint_content(material: JointMaterial) -> dict:
-    """Return names and values for the template ``joint.html.j2``."""
-    history, record = material.history, material.record
+    ``history`` is that of `simulate`, ``record`` the contents of joint.json.
+    """
     cycles, stiffness = cycle_table(history), stiffness_table(history)
     return {
         "title": record.get("title", "a rough joint"),
@@ -39,6 +33,7 @@ def joint_content(material: JointMaterial) -> dict:
                 *_range_sheets(record.get("range", [])),
             ]
         },
+        "pictures": pictures,
         "digests": record["sha256"],
         "versions": {
             name: value

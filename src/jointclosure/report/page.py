@@ -46,31 +46,15 @@ class Picture(NamedTuple):
         return int.from_bytes(self.png[16:20]), int.from_bytes(self.png[20:24])
 
 
-def render(content: dict) -> str:
-    """Render the page as HTML.
+def render(content: dict, template: str = "page.html.j2") -> str:
+    """Render a page as HTML: that of a study, or "joint.html.j2".
 
-    Parameters
-    ----------
-    content : dict
-        Values for ``templates/page.html.j2``, see `jointclosure.report.content.content`.
+    The content is that of `jointclosure.report.content.content`, or
+    `jointclosure.report.joint.joint_content`.
     """
-    scripts = [get_plotlyjs(), _text("tables.js"), _text("explorer.js")]
-    return _rendered("page.html.j2", content, scripts)
-
-
-def render_joint(content: dict, pictures: list[Picture]) -> str:
-    """Render the page on a single joint as HTML.
-
-    Parameters
-    ----------
-    content : dict
-        As from `jointclosure.report.joint.joint_content`.
-    pictures : list of Picture
-    """
-    return _rendered("joint.html.j2", content | {"pictures": pictures}, [_text("tables.js")])
-
-
-def _rendered(template: str, content: dict, scripts: list[str]) -> str:
+    scripts = [_text("tables.js")]
+    if "explored" in content:
+        scripts = [get_plotlyjs(), *scripts, _text("explorer.js")]
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("jointclosure.report"),
         autoescape=True,

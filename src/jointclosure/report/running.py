@@ -183,21 +183,11 @@ def job_time_sheet(benchmarks: pd.DataFrame) -> Sheet:
     benchmarks : DataFrame
         As from `jointclosure.storage.text.read_benchmarks`.
     """
-    rows = []
-    for rule, part in benchmarks.groupby("rule", sort=False):
-        rows.append(
-            {
-                "rule": rule,
-                "jobs": len(part),
-                "median": part.s.median(),
-                "most": part.s.max(),
-                "total": part.s.sum(),
-                "memory": part.max_rss.max(),
-            }
-        )
-    columns = {"rule": "Rule", "jobs": "Jobs", "median": "Median (s)", "most": "Longest (s)"}
-    columns |= {"total": "In all (s)", "memory": "Largest memory (MB)"}
-    return sheet("jobs", "Time of the jobs", pd.DataFrame(rows, columns=list(columns)), columns)
+    seconds = benchmarks.groupby("rule", sort=False).s.agg(["size", "median", "max", "sum"])
+    memory = benchmarks.groupby("rule", sort=False).max_rss.max()
+    columns = {"rule": "Rule", "size": "Jobs", "median": "Median (s)", "max": "Longest (s)"}
+    columns |= {"sum": "In all (s)", "memory": "Largest memory (MB)"}
+    return sheet("jobs", "Time of the jobs", seconds.assign(memory=memory).reset_index(), columns)
 
 
 def provenance_rows(study: xr.Dataset) -> list[tuple[str, str]]:

@@ -37,8 +37,6 @@ def sheet(name: str, caption: str, frame: pd.DataFrame, titles: dict[str, str]) 
 
     Parameters
     ----------
-    name, caption : str
-    frame : DataFrame
     titles : dict
         Headings of the columns that are shown, in order.
     """

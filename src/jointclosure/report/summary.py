@@ -129,7 +129,7 @@ def most_sensitive(elasticities: pd.DataFrame, parameter: str) -> str:
             interval = t_interval((difference, error), int(first.samples), confidence)
             lows.append(interval.low)
             highs.append(interval.high)
-    return verdict((np.min(lows), np.min(highs)), (TOLERANCE, np.inf), TOLERANCE)
+    return verdict((np.min(lows), np.min(highs)), TOLERANCE, TOLERANCE)
 
 
 def _lower(title: str) -> str:

@@ -1,6 +1,8 @@
-"""Content of the file of a scanned wall."""
+"""Content of the file of a scanned wall, and errors of its reading."""
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import NamedTuple
 
 import numpy as np
@@ -34,3 +36,25 @@ def check_size(shape: tuple[int, ...]) -> None:
     if math.prod(shape) > LARGEST_SCAN:
         size = " x ".join(map(str, shape))
         raise InputError(f"declares {size} values: must be at most {LARGEST_SCAN:,}")
+
+
+def check_no_variable(variable: str | None) -> None:
+    """Raise `InputError` if a variable is given for a format that has no names."""
+    if variable is not None:
+        raise InputError(
+            f"variable = {variable!r}: must be left out; the format has one array without a name"
+        )
+
+
+@contextmanager
+def reading_as(form: str, *errors: type[Exception]) -> Iterator[None]:
+    """Raise one clear `InputError` if a file is damaged: for these errors, by default for any."""
+    try:
+        yield
+    except InputError:
+        raise
+    except Exception as error:
+        if errors and not isinstance(error, errors):
+            raise
+        reason = str(error).strip() or type(error).__name__
+        raise InputError(f"cannot be read as {form} ({reason})") from None

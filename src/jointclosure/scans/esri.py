@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from jointclosure.inputs import InputError
-from jointclosure.scans.contents import Contents, check_size
+from jointclosure.scans.contents import Contents, check_no_variable, check_size
 from jointclosure.scans.instruments import read_any
 
 _NEEDED = ("ncols", "nrows", "cellsize")
@@ -24,10 +24,7 @@ def read_asc(path: Path, variable: str | None) -> Contents:
     with path.open("rb") as file:
         if not file.read(64).lstrip().lower().startswith(b"ncols"):
             return read_any(path, variable)
-    if variable is not None:
-        raise InputError(
-            f"variable = {variable!r}: must be left out; the format has one array without a name"
-        )
+    check_no_variable(variable)
     words = path.read_text(encoding="latin-1").split()
     head: dict[str, float] = {}
     while 2 * len(head) + 1 < len(words) and words[2 * len(head)].lower() in _KNOWN:

@@ -5,9 +5,6 @@ everywhere in this project: ``Z_mm``, ``spacing_mm``.
 """
 
 import zipfile
-import zlib
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
 
@@ -16,17 +13,18 @@ import xarray as xr
 
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
-from jointclosure.scans.contents import Contents, check_size
+from jointclosure.scans.contents import Contents, check_no_variable, check_size, reading_as
 from jointclosure.scans.units import split_name
 
+_ARRAYS = "an array of numbers"
 _SPACINGS = ("spacing", "h", "dx")
 _METRE, _LINEAR, _VERTICAL = 9001, "ProjLinearUnitsGeoKey", "VerticalUnitsGeoKey"
 
 
 def read_npy(path: Path, variable: str | None) -> Contents:
     """Read one array, without units or spacing."""
-    _no_variable(variable)
-    with _opened(path) as file:
+    check_no_variable(variable)
+    with reading_as(_ARRAYS), path.open("rb") as file:
         if _start(file).startswith(b"PK"):
             raise InputError("is an archive of arrays, not a single array; rename it to .npz")
         return Contents(heights=_array(file))
@@ -37,15 +35,22 @@ def read_npz(path: Path, variable: str | None) -> Contents:
 
     Only the headers of the other arrays are read.
     """
-    with _opened(path) as file:
+    with reading_as(_ARRAYS), path.open("rb") as file:
         if _start(file) == np.lib.format.MAGIC_PREFIX:
             raise InputError("is a single array, not an archive; rename it to .npy")
         with zipfile.ZipFile(file) as archive:
             members = {name.removesuffix(".npy"): name for name in archive.namelist()}
-            shapes = {key: _shape(archive, name) for key, name in members.items()}
+            shapes = {}
+            for key, name in members.items():
+                with archive.open(name) as member:
+                    shapes[key] = _head(member)[0]
             fields = [key for key, shape in shapes.items() if len(shape) == 2]
             name = _chosen(variable, fields, members)
-            steps = [key for key, shape in shapes.items() if _is_spacing(key) and shape == ()]
+            steps = [
+                key
+                for key, shape in shapes.items()
+                if split_name(key)[0] in _SPACINGS and shape == ()
+            ]
             arrays = {}
             for key in (name, *steps[:1]):
                 with archive.open(members[key]) as member:
@@ -65,16 +70,6 @@ def _start(file: IO[bytes]) -> bytes:
     start = file.read(len(np.lib.format.MAGIC_PREFIX))
     file.seek(0)
     return start
-
-
-def _is_spacing(name: str) -> bool:
-    return split_name(name)[0] in _SPACINGS
-
-
-def _shape(archive: zipfile.ZipFile, name: str) -> tuple[int, ...]:
-    """Return the shape of an archive's array from its header."""
-    with archive.open(name) as member:
-        return _head(member)[0]
 
 
 def _head(file: IO[bytes]) -> tuple[tuple[int, ...], np.dtype]:
@@ -98,25 +93,26 @@ def read_netcdf_grid(path: Path, variable: str | None) -> Contents:
 
     Spacing and origin are those of its coordinates.
     """
-    try:
-        # a file from outside, which has no seal of this project
-        with xr.open_dataset(path, engine="netcdf4", cache=False) as dataset:
-            fields = [str(name) for name, field in dataset.data_vars.items() if field.ndim == 2]
-            name = _chosen(variable, fields, {str(key): None for key in dataset.variables})
-            check_size(dataset[name].shape)
-            field = dataset[name].load()
-    except (OSError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"cannot be read as netCDF ({error})") from None
+    # a file from outside, which has no seal of this project
+    with (
+        reading_as("netCDF", OSError, ValueError),
+        xr.open_dataset(path, engine="netcdf4", cache=False) as dataset,
+    ):
+        fields = [str(name) for name, field in dataset.data_vars.items() if field.ndim == 2]
+        name = _chosen(variable, fields, {str(key): None for key in dataset.variables})
+        check_size(dataset[name].shape)
+        field = dataset[name].load()
     if field.ndim != 2:
         raise InputError(f"variable {name!r} has dimensions {field.dims}: must be over (y, x)")
-    remarks = (
-        ()
-        if _says_axes(field)
-        else (f"dimensions {', '.join(map(str, field.dims))}: no name of an axis; read as y, x",)
-    )
-    field = _by_axes(field)
+    axes = [_axis_of(field, str(dimension)) for dimension in field.dims]
+    remarks: tuple[str, ...] = ()
+    if not any(axes):
+        listed = ", ".join(map(str, field.dims))
+        remarks = (f"dimensions {listed}: no name of an axis; read as y, x",)
+    elif axes[0] == axes[1]:
+        raise InputError(f"dimensions {field.dims}: must be y and x, both are {axes[0]}")
+    elif axes[0] == "x" or axes[1] == "y":
+        field = field.transpose()
     coordinates = [field[dimension] for dimension in field.dims if dimension in field.coords]
     spacing = length_units = origin = None
     if len(coordinates) == 2:
@@ -140,27 +136,6 @@ _AXES = {
 """Names of dimensions, and standard names of coordinates, that identify an axis."""
 
 
-def _by_axes(field: xr.DataArray) -> xr.DataArray:
-    """Return a variable over (y, x) by the names of its dimensions.
-
-    If the names do not identify the axes, the order in the file is kept.
-
-    Raises
-    ------
-    InputError
-        If both dimensions are the same axis.
-    """
-    axes = [_axis_of(field, str(dimension)) for dimension in field.dims]
-    if axes[0] is not None and axes[0] == axes[1]:
-        raise InputError(f"dimensions {field.dims}: must be y and x, both are {axes[0]}")
-    return field.transpose() if axes[0] == "x" or axes[1] == "y" else field
-
-
-def _says_axes(field: xr.DataArray) -> bool:
-    """Return whether the name or an attribute of a dimension identifies an axis."""
-    return any(_axis_of(field, str(dimension)) for dimension in field.dims)
-
-
 def _axis_of(field: xr.DataArray, dimension: str) -> str | None:
     """Return the axis of a dimension by its name and its coordinate's attributes, or None."""
     about = field[dimension].attrs if dimension in field.coords else {}
@@ -174,19 +149,14 @@ def _axis_of(field: xr.DataArray, dimension: str) -> str | None:
 
 def read_tiff(path: Path, variable: str | None) -> Contents:
     """Read the first page of a TIFF; of a GeoTIFF also pixel size, units and missing value."""
-    _no_variable(variable)
+    check_no_variable(variable)
     with needs("walls", "TIFF"):
         import tifffile
-    try:
-        with tifffile.TiffFile(path) as file:
-            page = file.pages.first
-            check_size(page.shape)
-            heights, geo = page.asarray(), page.geotiff_tags or {}
-            nothing = page.tags.valueof("GDAL_NODATA")
-    except InputError:
-        raise
-    except Exception as error:  # for a damaged file the library raises various errors
-        raise InputError(f"cannot be read as TIFF ({error})") from None
+    with reading_as("TIFF"), tifffile.TiffFile(path) as file:
+        page = file.pages.first
+        check_size(page.shape)
+        heights, geo = page.asarray(), page.geotiff_tags or {}
+        nothing = page.tags.valueof("GDAL_NODATA")
     if heights.ndim != 2 or heights.dtype.kind not in "fiu":
         raise InputError(f"has an image {heights.shape} of {heights.dtype}: must be heights (y, x)")
     heights = heights.astype(float)
@@ -228,18 +198,6 @@ def _no_data(written) -> float | None:
         raise InputError(f"GDAL_NODATA = {word!r}: must be a number or none") from None
 
 
-@contextmanager
-def _opened(path: Path) -> Iterator[IO[bytes]]:
-    """Open a file of numpy and raise one clear error if it is damaged."""
-    try:
-        with path.open("rb") as file:
-            yield file
-    except InputError:
-        raise
-    except (ValueError, OSError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-        raise InputError(f"cannot be read as an array of numbers ({error})") from None
-
-
 def _chosen(variable: str | None, fields: list[str], all_names: dict) -> str:
     if variable is not None:
         if variable not in all_names:
@@ -249,11 +207,6 @@ def _chosen(variable: str | None, fields: list[str], all_names: dict) -> str:
         listed = ", ".join(fields) or "none"
         raise InputError(f"has arrays over (y, x): {listed}; variable must name one of them")
     return fields[0]
-
-
-def _no_variable(variable: str | None) -> None:
-    if variable is not None:
-        raise InputError(f"variable = {variable!r}: the format has one array without a name")
 
 
 def _step(name: str, values: np.ndarray) -> float:

@@ -6,36 +6,29 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
-from jointclosure.scans.contents import Contents, check_size
+from jointclosure.scans.contents import Contents, check_size, reading_as
 
 
 def read_any(path: Path, variable: str | None) -> Contents:
     """Read a channel of a scanner's file, by default the default channel of the file."""
     with needs("walls", f"{path.suffix or 'a file without suffix'}: a scanner's format"):
         from SurfaceTopography.IO import open_topography
-    try:
-        with open_topography(str(path)) as reader:
-            index = None
-            if variable is not None:
-                names = [channel.name for channel in reader.channels]
-                if variable not in names:
-                    raise InputError(f"variable = {variable!r}: must be one of {', '.join(names)}")
-                index = names.index(variable)
-            channel = reader.default_channel if index is None else reader.channels[index]
-            check_size(tuple(channel.nb_grid_pts))
-            sizes = None if channel.physical_sizes is not None else tuple(channel.nb_grid_pts)
-            given = {} if sizes is None else {"physical_sizes": sizes}
-            surface = reader.topography(channel_index=index, **given)
-            if surface.dim != 2:
-                raise InputError("contains a profile, must be a surface")
-            heights = np.ma.filled(np.ma.asarray(surface.heights()).astype(float), np.nan)
-            pixels, units = surface.pixel_size, surface.unit
-    except InputError:
-        raise
-    except Exception as error:  # for a damaged file the library raises various errors
-        raise InputError(
-            f"cannot be read by SurfaceTopography ({type(error).__name__}: {error})"
-        ) from None
+    with reading_as("a scanner's file"), open_topography(str(path)) as reader:
+        index = None
+        if variable is not None:
+            names = [channel.name for channel in reader.channels]
+            if variable not in names:
+                raise InputError(f"variable = {variable!r}: must be one of {', '.join(names)}")
+            index = names.index(variable)
+        channel = reader.default_channel if index is None else reader.channels[index]
+        check_size(tuple(channel.nb_grid_pts))
+        sizes = None if channel.physical_sizes is not None else tuple(channel.nb_grid_pts)
+        given = {} if sizes is None else {"physical_sizes": sizes}
+        surface = reader.topography(channel_index=index, **given)
+        if surface.dim != 2:
+            raise InputError("contains a profile, must be a surface")
+        heights = np.ma.filled(np.ma.asarray(surface.heights()).astype(float), np.nan)
+        pixels, units = surface.pixel_size, surface.unit
     # SurfaceTopography's arrays are (x, y)
     spacing = (float(pixels[1]), float(pixels[0])) if sizes is None else None
     return Contents(heights.T, spacing, None, units, units)

@@ -7,7 +7,7 @@ import scipy
 
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
-from jointclosure.scans.contents import Contents
+from jointclosure.scans.contents import Contents, check_no_variable, reading_as
 from jointclosure.scans.points import contents_of
 
 LARGEST_COVER = 1.05
@@ -16,16 +16,12 @@ LARGEST_COVER = 1.05
 
 def read_stl(path: Path, variable: str | None) -> Contents:
     """Read the vertices of an STL file, binary or text; the format has no units."""
-    if variable is not None:
-        raise InputError(f"variable = {variable!r}: must be left out; an STL file has no variables")
+    check_no_variable(variable)
     with needs("walls", "STL"):
         import trimesh
-    try:
-        with path.open("rb") as file:
-            mesh = trimesh.load_mesh(file, file_type="stl")
+    with reading_as("STL"), path.open("rb") as file:
+        mesh = trimesh.load_mesh(file, file_type="stl")
         points = np.array(mesh.vertices, dtype=float)
-    except Exception as error:  # for a damaged file the library raises various errors
-        raise InputError(f"cannot be read as STL ({error})") from None
     if len(points) < 4:
         raise InputError(f"has {len(points)} vertices: too few for a wall")
     _check_single_sheet(points, np.asarray(mesh.faces))

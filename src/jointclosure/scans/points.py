@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from jointclosure.inputs import InputError
-from jointclosure.scans.contents import Contents
+from jointclosure.scans.contents import Contents, reading_as
 from jointclosure.scans.lattice import lattice_of, merged_points
 from jointclosure.scans.sentinels import missing_heights, missing_sentence, missing_values
 from jointclosure.scans.text import Table, read_table
@@ -24,12 +24,8 @@ def read_text(path: Path, variable: str | None) -> Contents:
     remarks describe missing, stray and skipped values. Points that are all nodes of a regular grid
     are returned as that grid.
     """
-    try:
+    with reading_as("points", ValueError):
         table = read_table(path)
-    except ValueError as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"cannot be read as points ({str(error).strip()})") from None
     columns = _columns(table, variable)
     values = table.values[:, columns]
     x, y, z = (_unit_of(table, column) for column in columns)

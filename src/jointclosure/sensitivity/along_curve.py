@@ -11,12 +11,7 @@ import xarray as xr
 
 from jointclosure.claims.findings import TARGET
 from jointclosure.sensitivity.intervals import UNPAIRED
-from jointclosure.sensitivity.responses import (
-    RockSample,
-    rock_sample,
-    rocks_of,
-    sensitivities,
-)
+from jointclosure.sensitivity.responses import RockSample, rock_sample, rocks_of, sensitivities
 from jointclosure.statistics.drawn_studies import Design, DrawnResponse, draw_studies
 from jointclosure.statistics.predictive import length_distribution
 from jointclosure.statistics.randomness import generator, seed_of
@@ -49,8 +44,6 @@ def along_curve(
         Smallest stress [Pa].
     design : Design
         Design of a study with independent draws.
-    repetitions : int
-    root_seed : int
 
     Returns
     -------

@@ -22,12 +22,7 @@ from jointclosure.claims.findings import LOOP, NET, TARGET, Findings
 from jointclosure.claims.table import CLAIMS, OURS, TABLE_3, Claim
 from jointclosure.config.properties import PROPERTIES
 from jointclosure.sensitivity.closed_model import SQUARE, ClosedModel, estimated
-from jointclosure.sensitivity.responses import (
-    RockSample,
-    rock_sample,
-    rocks_of,
-    sensitivities,
-)
+from jointclosure.sensitivity.responses import RockSample, rock_sample, rocks_of, sensitivities
 from jointclosure.statistics.drawn_studies import (
     RESAMPLED_POOLS,
     Design,
@@ -100,7 +95,6 @@ def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame,
 
     Parameters
     ----------
-    evidence : Evidence
     paper : DataFrame
         The paper's Table 3.
 
@@ -242,7 +236,7 @@ def _true(claim: Claim, judged: _Judged) -> tuple[str, list[dict]]:
         intervals += of_rock
         rows += _margin_rows(claim, rock, estimates, of_rock)
     least = claim.judged_by.least_interval(intervals)
-    answer = verdict(least, (claim.judged_by.true_above(), np.inf), claim.judged_by.alike)
+    answer = verdict(least, claim.judged_by.true_above(), claim.judged_by.alike)
     if claim.negated:
         answer = {STANDS: FALLS, FALLS: STANDS}.get(answer, answer)
     return answer, rows

@@ -8,11 +8,7 @@ from jointclosure.claims.findings import NET, TARGET
 from jointclosure.config.properties import PROPERTIES
 from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.ensemble.covariates import Covariates
-from jointclosure.sensitivity.responses import (
-    Response,
-    adjustment,
-    responses,
-)
+from jointclosure.sensitivity.responses import Response, adjustment, responses
 from jointclosure.statistics.control_variates import (
     adjusted_deviations,
     adjusted_elasticity,
@@ -45,8 +41,9 @@ _COEFFICIENTS = (*_OF_MEAN, *_OF_DEVIATION)
 _CORRELATION: tuple[str, ...] = ("rock", "parameter", "unit", "cycle", "samples", *_COEFFICIENTS)
 _CORRELATION += tuple(f"{name}_standard_error" for name in _COEFFICIENTS)
 _CORRELATION += ("lack_of_fit_p",)
+_UNKNOWN = Estimate(np.nan, np.nan)
 _WHAT = ("", "_standard_error", "_shown")
-_ADJUSTED = [f"elasticity_adjusted{what}" for what in _WHAT]
+_SUFFIXES = ("", "_net", "_adjusted")
 
 
 def max_closure_table(study: xr.Dataset, covariates: Covariates | None = None) -> pd.DataFrame:
@@ -73,40 +70,34 @@ def max_closure_table(study: xr.Dataset, covariates: Covariates | None = None) -
     return pd.DataFrame(rows)
 
 
-def _scatter(target: str, values: np.ndarray) -> dict:
+def _scatter(target: str, values: np.ndarray) -> dict[str, float]:
     """Return mean and standard deviation [mm] of a target, and their standard errors."""
-    mean, deviation = f"{target}_mean_mm", f"{target}_standard_deviation_mm"
-    row = dict.fromkeys((mean, f"{mean}_standard_error"), np.nan)
-    row |= dict.fromkeys((deviation, f"{deviation}_standard_error"), np.nan)
+    several = values.size > 1
+    mean = Estimate(values.mean() if values.size else np.nan, np.nan)
+    row = _columns(f"{target}_mean_mm", mean_of(values) if several else mean)
+    deviation = deviation_of(values) if several else _UNKNOWN
+    row |= _columns(f"{target}_standard_deviation_mm", deviation)
     if target == TARGET:
-        row |= {"variation": np.nan, "variation_standard_error": np.nan}
-    if values.size:
-        row[mean] = values.mean()
-    if values.size > 1:
-        row[f"{mean}_standard_error"] = mean_of(values).standard_error
-        row[deviation], row[f"{deviation}_standard_error"] = deviation_of(values)
-        if target == TARGET and values.mean() != 0.0:
-            row["variation"], row["variation_standard_error"] = variation_of(values)
+        varies = several and mean.value != 0.0
+        row |= _columns("variation", variation_of(values) if varies else _UNKNOWN)
     return row
 
 
-def _adjusted(values: np.ndarray, covariates: Covariates | None) -> dict:
+def _adjusted(values: np.ndarray, covariates: Covariates | None) -> dict[str, float]:
     """Return adjusted mean and standard deviation [mm] of maximum closure, with standard errors."""
-    estimates = dict.fromkeys(("mean", "standard_deviation"), Estimate(np.nan, np.nan))
+    mean = deviation = _UNKNOWN
     if covariates is not None:
-        values_of_covariates, known, tell_scatter = covariates
-        estimates["mean"] = adjusted_means(
-            values[None], values_of_covariates, known, paired=False
-        ).estimate(0)
-        deviations, errors = adjusted_deviations(
-            values[None], values_of_covariates, known, tell_scatter
-        )
-        estimates["standard_deviation"] = Estimate(float(deviations[0]), float(errors[0]))
-    row: dict[str, float] = {}
-    for what, estimate in estimates.items():
-        name = f"{TARGET}_adjusted_{what}_mm"
-        row |= {name: estimate.value, f"{name}_standard_error": estimate.standard_error}
-    return row
+        of_surfaces, known, tell_scatter = covariates
+        mean = adjusted_means(values[None], of_surfaces, known, paired=False).estimate(0)
+        both = adjusted_deviations(values, of_surfaces[0], known, tell_scatter)
+        deviation = Estimate(*map(float, both))
+    return _columns(f"{TARGET}_adjusted_mean_mm", mean) | _columns(
+        f"{TARGET}_adjusted_standard_deviation_mm", deviation
+    )
+
+
+def _columns(name: str, estimate: Estimate) -> dict[str, float]:
+    return {name: estimate.value, f"{name}_standard_error": estimate.standard_error}
 
 
 def correlation_table(study: xr.Dataset) -> pd.DataFrame:
@@ -159,26 +150,21 @@ def elasticity_table(ensemble: xr.Dataset, covariates: Covariates | None = None)
     for gross, net in zip(*both, strict=True):
         row = {"rock": gross.rock, "parameter": gross.parameter, "cycle": gross.cycle}
         row |= {"samples": gross.samples.shape[1], "paired": gross.paired}
+        by_suffix = dict.fromkeys(_SUFFIXES, _UNKNOWN)
         for suffix, response in (("", gross), ("_net", net)):
-            estimate = (np.nan, np.nan)
             if response.samples.shape[1] > 1 and response.base != 0.0:
-                estimate = elasticity(
+                by_suffix[suffix] = elasticity(
                     response.levels, response.samples, response.base, response.paired
                 )
-            row |= {
-                f"elasticity{suffix}": estimate[0],
-                f"elasticity{suffix}_standard_error": estimate[1],
-                f"elasticity{suffix}_shown": rounded(*estimate),
-            }
-        estimate = (np.nan, np.nan)
         if gross.covariates is not None and gross.base != 0.0:
             values, known, _ = gross.covariates
-            estimate = adjusted_elasticity(
+            by_suffix["_adjusted"] = adjusted_elasticity(
                 gross.levels, gross.samples, values, known, gross.base, gross.paired
             )
-        row |= dict(zip(_ADJUSTED, (*estimate, rounded(*estimate)), strict=True))
+        for suffix, estimate in by_suffix.items():
+            row |= _columns(f"elasticity{suffix}", estimate)
+            row[f"elasticity{suffix}_shown"] = rounded(*estimate)
         rows.append(row)
     columns = ["rock", "parameter", "cycle", "samples", "paired"]
-    columns += [f"elasticity{suffix}{what}" for suffix in ("", "_net") for what in _WHAT]
-    columns += _ADJUSTED
+    columns += [f"elasticity{suffix}{what}" for suffix in _SUFFIXES for what in _WHAT]
     return pd.DataFrame(rows, columns=columns)

@@ -15,16 +15,17 @@ from jointclosure.claims.findings import NET, TARGET
 from jointclosure.config.properties import PROPERTIES
 from jointclosure.config.typed import Statistics
 from jointclosure.ensemble.covariates import Covariates
-from jointclosure.sensitivity.responses import (
-    Response,
-    responses,
-)
+from jointclosure.sensitivity.responses import Response, responses
 from jointclosure.statistics.bootstrap import bootstrap_length, bootstrap_paired_length
 from jointclosure.statistics.control_variates import adjusted_length
 from jointclosure.statistics.correlations import fit_quadratic
 from jointclosure.statistics.indifference import IndifferenceInterval, indifference_interval
 from jointclosure.statistics.monotone import monotone_interval
-from jointclosure.statistics.paired import p_of_difference, paired_indifference_interval
+from jointclosure.statistics.paired import (
+    PairedInterval,
+    p_of_difference,
+    paired_indifference_interval,
+)
 from jointclosure.statistics.randomness import generator, seed_of
 
 PAIRED, UNPAIRED = "paired", "unpaired"
@@ -75,7 +76,6 @@ def indifference_table(
     study : Dataset
         As from `jointclosure.ensemble.aggregation.join_cases`; its seeds show whether a
         realisation is the same surface in all cases of a rock.
-    statistics : Statistics
     root_seed : int
         Root seed of the study; the bootstrap has a separate stream.
     covariates : Covariates, optional
@@ -122,8 +122,8 @@ def indifference_table(
 def _interval(
     response: Response, size: float, statistics: Statistics, root_seed: int, suffix: str
 ) -> dict:
-    unpaired = _unpaired(response, statistics.significance)
-    interval = _paired(response, statistics.significance) if response.paired else unpaired
+    unpaired = _tested(response, statistics.significance, False)
+    interval = _tested(response, statistics.significance, True) if response.paired else unpaired
     resampled = _bootstrap(response, statistics, root_seed, suffix)
     monotone = np.nan
     if response.levels.size > 3:
@@ -162,9 +162,8 @@ def _bootstrap(response: Response, statistics: Statistics, root_seed: int, suffi
         "significance": statistics.significance,
     }
     arguments = (response.levels, response.samples, generator(seed_of(root_seed, *name)))
-    if response.paired:
-        return bootstrap_paired_length(*arguments, **settings)
-    return bootstrap_length(*arguments, **settings, paired=False)
+    bootstrap = bootstrap_paired_length if response.paired else bootstrap_length
+    return bootstrap(*arguments, **settings)
 
 
 def _adjusted(response: Response, size: float, statistics: Statistics, root_seed: int) -> dict:
@@ -194,23 +193,25 @@ def _adjusted(response: Response, size: float, statistics: Statistics, root_seed
     }
 
 
-def _unpaired(response: Response, significance: float) -> _Tested:
-    interval = indifference_interval(
-        response.levels,
-        response.means,
-        response.deviations,
-        response.samples.shape[1],
-        significance,
-        response.base,
-    )
+def _tested(response: Response, significance: float, paired: bool) -> _Tested:
+    """Compute the interval by the paired or the unpaired test."""
+    levels, samples, base = response.levels, response.samples, response.base
+    interval: PairedInterval | IndifferenceInterval
+    if paired:
+        interval = paired_indifference_interval(levels, samples, significance, base)
+        linear = interval.linear_length
+    else:
+        interval = indifference_interval(
+            levels, response.means, response.deviations, samples.shape[1], significance, base
+        )
+        linear = _linear_length(response, interval)
     status = "interval"
     if np.isnan(interval.length):
         status = "no real root"
-    elif interval.negative_deviation:
+    elif getattr(interval, "negative_deviation", False):
         status = "fitted deviation is negative at the root"
     elif interval.extrapolated:
         status = "extrapolated"
-    linear = _linear_length(response, interval)
     return _Tested(interval.length, interval.root, interval.extrapolated, status, linear)
 
 
@@ -220,17 +221,3 @@ def _linear_length(response: Response, interval: IndifferenceInterval) -> float:
     deviation = fit_quadratic(response.levels, response.deviations, response.base).d
     slope, n = mean.c / mean.half_range, response.samples.shape[1]
     return interval.critical_value * np.sqrt(2.0 / n) * deviation / abs(slope) if slope else np.inf
-
-
-def _paired(response: Response, significance: float) -> _Tested:
-    interval = paired_indifference_interval(
-        response.levels, response.samples, significance, response.base
-    )
-    status = "interval"
-    if np.isnan(interval.length):
-        status = "no real root"
-    elif interval.extrapolated:
-        status = "extrapolated"
-    return _Tested(
-        interval.length, interval.root, interval.extrapolated, status, interval.linear_length
-    )

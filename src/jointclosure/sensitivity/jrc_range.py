@@ -16,16 +16,8 @@ from jointclosure.claims.findings import NET, TARGET
 from jointclosure.config.typed import Configuration
 from jointclosure.inputs import InputError
 from jointclosure.sensitivity.claims import Evidence, judge_claims
-from jointclosure.sensitivity.predictive import (
-    joint_table,
-    median_pool_error,
-    predictive,
-)
-from jointclosure.sensitivity.responses import (
-    levels_of,
-    rocks_of,
-    same_surfaces,
-)
+from jointclosure.sensitivity.predictive import joint_table, median_pool_error, predictive
+from jointclosure.sensitivity.responses import levels_of, rocks_of, same_surfaces
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import mean_of, variation_of
 
@@ -59,8 +51,6 @@ def with_jrc_range(pool: xr.Dataset, half_width: float, random: np.random.Genera
     ----------
     pool : Dataset
         Pool with common surfaces at all levels of JRC.
-    half_width : float
-    random : Generator
 
     Returns
     -------

@@ -11,12 +11,9 @@ import xarray as xr
 from jointclosure.claims.findings import TARGET
 from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.inputs import InputError, check_number
-from jointclosure.sensitivity.responses import (
-    Response,
-    responses,
-)
+from jointclosure.sensitivity.responses import Response, responses
 from jointclosure.statistics.correlations import fit_quadratic
-from jointclosure.statistics.indifference import indifference_interval
+from jointclosure.statistics.indifference import check_significance, indifference_interval
 from jointclosure.statistics.paired import paired_indifference_interval
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import elasticity, mean_covariance, quadratic_errors
@@ -70,7 +67,6 @@ def plan(
     ----------
     ensemble : Dataset
         A finished study or, better, its pool.
-    goal : Goal
     significance : float
         Significance level of the t test.
     paired : bool
@@ -91,9 +87,7 @@ def plan(
         independent draws.
     """
     _check(goal)
-    check_number("significance", significance)
-    if not 0.0 < significance < 1.0:
-        raise InputError(f"significance = {significance!r}: must be between 0 and 1 (0.05 is 5 %)")
+    check_significance(significance)
     rows = []
     for response in responses(ensemble, TARGET):
         if paired and not response.paired:

@@ -14,12 +14,7 @@ import xarray as xr
 from jointclosure.claims.findings import TARGET
 from jointclosure.config.properties import PARAMETERS, PROPERTIES
 from jointclosure.sensitivity.intervals import UNPAIRED
-from jointclosure.sensitivity.responses import (
-    RockSample,
-    rock_sample,
-    rocks_of,
-    sensitivities,
-)
+from jointclosure.sensitivity.responses import RockSample, rock_sample, rocks_of, sensitivities
 from jointclosure.statistics.drawn_studies import (
     RESAMPLED_POOLS,
     Design,
@@ -36,35 +31,30 @@ from jointclosure.statistics.randomness import generator, seed_of
 
 Entry = tuple[str, str, int]
 """Rock, parameter, cycle."""
+Lengths = dict[Entry, np.ndarray]
 
 _NOISY = ("poisson_ratio", "youngs_modulus", "compressive_strength")
 """Parameters whose first-cycle entries are tested together for any effect beyond noise."""
 
 
-class Resampled(NamedTuple):
-    """Lengths [SI] (R,) by entry from one resampled pool, as in `Predictive`."""
-
-    lengths: dict[Entry, np.ndarray]
-    null: dict[Entry, np.ndarray]
-
-
 class Predictive(NamedTuple):
     """Lengths [SI] (R,) of repetitions by entry, of the model and of the null model.
 
-    ``bases``: the rock's value [SI] for each entry. ``pool``: number of surfaces of each rock in
-    the pool. ``resampled``: fewer repetitions from resampled pools, for the error of probabilities
-    and medians due to the pool.
+    The first of ``model`` and ``null`` is drawn from the pool itself. The others are drawn from
+    resampled pools, with fewer repetitions, for the error of probabilities and medians due to the
+    pool. ``bases``: the rock's value [SI] for each entry. ``pool``: number of surfaces of each rock
+    in the pool.
     """
 
-    lengths: dict[Entry, np.ndarray]
-    null: dict[Entry, np.ndarray]
+    model: list[Lengths]
+    null: list[Lengths]
     bases: dict[Entry, float]
     pool: dict[str, int]
-    resampled: list[Resampled]
 
-    def pools(self) -> list[Resampled]:
-        """Return lengths from the pool itself, and from resampled pools."""
-        return [Resampled(self.lengths, self.null), *self.resampled]
+    @property
+    def lengths(self) -> Lengths:
+        """Lengths of the model from the pool itself."""
+        return self.model[0]
 
 
 def predictive(
@@ -82,7 +72,6 @@ def predictive(
         The pool, or the study itself if it has none.
     design : Design
         Number of surfaces that a study draws, and its test.
-    repetitions : int
     root_seed : int
         Root seed of the study; the draws have separate streams.
     pools : int
@@ -92,31 +81,29 @@ def predictive(
     pool = sensitivities(samples)
     cycles = [int(cycle) for cycle in ensemble.cycle.values]
 
-    def drawn(which, times: int, random: np.random.Generator) -> dict[Entry, np.ndarray]:
+    def drawn(which, times: int, random: np.random.Generator) -> Lengths:
         return entries(draw_studies(which, design, times, random), cycles)
 
     def stream(name: str) -> np.random.Generator:
         return generator(seed_of(root_seed, "predictive", name))
 
     random, times = stream("pools"), repetitions_of_pool(repetitions)
-    resampled = [
-        Resampled(drawn(sample, times, random), drawn(without_effect(sample), times, random))
-        for sample in resampled_pools(pool, random, pools)
-    ]
+    model = [drawn(pool, repetitions, stream("model"))]
+    null = [drawn(without_effect(pool), repetitions, stream("null"))]
+    for sample in resampled_pools(pool, random, pools):
+        model.append(drawn(sample, times, random))
+        null.append(drawn(without_effect(sample), times, random))
     return Predictive(
-        drawn(pool, repetitions, stream("model")),
-        drawn(without_effect(pool), repetitions, stream("null")),
+        model,
+        null,
         {(*key, cycle): varied.base for key, varied in pool.items() for cycle in cycles},
         {sample.rock: sample.values.shape[-1] for sample in samples},
-        resampled,
     )
 
 
 def median_pool_error(lengths: Predictive, entry: Entry) -> float:
     """Return the standard error of a median length [SI] due to the pool; NaN if infinite."""
-    medians = [
-        length_distribution(resampled.lengths[entry]).median for resampled in lengths.resampled
-    ]
+    medians = [length_distribution(resampled[entry]).median for resampled in lengths.model[1:]]
     return float(np.std(medians, ddof=1)) if medians and np.isfinite(medians).all() else np.nan
 
 
@@ -134,9 +121,7 @@ def maximum_closures(ensemble: xr.Dataset) -> list[RockSample]:
     return [sample for sample in samples if sample.levels and sample.values.shape[-1] > 1]
 
 
-def entries(
-    drawn: dict[tuple[str, str], DrawnResponse], cycles: list[int]
-) -> dict[Entry, np.ndarray]:
+def entries(drawn: dict[tuple[str, str], DrawnResponse], cycles: list[int]) -> Lengths:
     """Return lengths (R,) by entry of Table 3; the first targets are maximum closures by cycle."""
     return {
         (rock, parameter, cycle): response.lengths[:, i]
@@ -154,7 +139,7 @@ def lengths_dataset(lengths: Predictive) -> xr.Dataset:
     variables = {}
     for name, drawn, text in (
         ("percent", lengths.lengths, "length of the indifference interval"),
-        ("null_percent", lengths.null, "the same where no parameter has an effect"),
+        ("null_percent", lengths.null[0], "the same where no parameter has an effect"),
     ):
         rows = [100.0 * drawn[key] / abs(lengths.bases[key]) for key in keys]
         repetitions = next(iter(drawn.values())).size if keys else 0
@@ -174,7 +159,6 @@ def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.
 
     Parameters
     ----------
-    lengths_of_studies : Predictive
     paper : DataFrame
         The paper's Table 3.
 
@@ -206,14 +190,12 @@ def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.
         row["median_percent"] = 100.0 * summary["median"] / base if base else np.nan
         row["median_error"] = _median_error(lengths) / unit.size
         row["median_pool_error"] = median_pool_error(lengths_of_studies, entry) / unit.size
-        shares = [
-            float(np.isinf(resampled.lengths[entry]).mean())
-            for resampled in lengths_of_studies.resampled
-        ]
-        times = lengths_of_studies.resampled[0].lengths[entry].size if shares else 0
+        resampled = [lengths[entry] for lengths in lengths_of_studies.model[1:]]
+        shares = [float(np.isinf(lengths).mean()) for lengths in resampled]
+        times = resampled[0].size if resampled else 0
         error = _with_pool(_error(share, lengths.size), shares, times)
         row |= {"share_without_root": share, "share_error": error}
-        row["null_share_without_root"] = float(np.mean(np.isinf(lengths_of_studies.null[entry])))
+        row["null_share_without_root"] = float(np.isinf(lengths_of_studies.null[0][entry]).mean())
         if entry in published:
             row |= _of_paper(published[entry], entry, lengths_of_studies, unit.size)
         rows.append(row)
@@ -222,14 +204,14 @@ def predictive_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.
 
 def _of_paper(length: float, entry: Entry, lengths_of_studies: Predictive, size: float) -> dict:
     row = {"paper_length": length}
-    for prefix, probability in (("", two_sided_p), ("null_", share_as_short)):
-        of_model, *resampled = (
-            (each.null if prefix else each.lengths)[entry] for each in lengths_of_studies.pools()
-        )
-        p = probability(of_model, length * size)
-        again = [probability(each, length * size) for each in resampled]
-        sides = 1.0 if prefix else 2.0
-        error = sides * _error(p / sides, of_model.size)
+    for prefix, drawn, probability, sides in (
+        ("", lengths_of_studies.model, two_sided_p, 2.0),
+        ("null_", lengths_of_studies.null, share_as_short, 1.0),
+    ):
+        of_pool, *resampled = (lengths[entry] for lengths in drawn)
+        p = probability(of_pool, length * size)
+        again = [probability(lengths, length * size) for lengths in resampled]
+        error = sides * _error(p / sides, of_pool.size)
         row[f"{prefix}p"] = p
         row[f"{prefix}p_error"] = _with_pool(error, again, resampled[0].size if again else 0)
     return row
@@ -251,10 +233,12 @@ def joint_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataF
     for group, chosen in _groups(list(published)).items():
         observed = np.array([published[e] * PROPERTIES[e[1]].size for e in chosen])
         row = {"entries": group, "number": len(chosen), "dashes": int(np.isnan(observed).sum())}
-        for prefix in ("", "null_"):
+        for prefix, drawn in (
+            ("", lengths_of_studies.model),
+            ("null_", lengths_of_studies.null),
+        ):
             lengths, *resampled = (
-                np.stack([(each.null if prefix else each.lengths)[e] for e in chosen], axis=1)
-                for each in lengths_of_studies.pools()
+                np.stack([of_entries[e] for e in chosen], axis=1) for of_entries in drawn
             )
             if np.any(lengths == 0.0):  # a closure without any scatter cannot be tested
                 continue

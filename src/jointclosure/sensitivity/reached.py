@@ -12,9 +12,7 @@ from jointclosure.config.wanted import BLOCK, Wanted
 from jointclosure.ensemble.covariates import Covariates
 from jointclosure.sensitivity.closures import max_closure_table
 from jointclosure.sensitivity.planning import Goal, length_error, surfaces_for
-from jointclosure.sensitivity.responses import (
-    responses,
-)
+from jointclosure.sensitivity.responses import responses
 from jointclosure.statistics.total_error import REACH, Bias, Method
 
 COLUMNS = ["rock", "parameter", "level", "cycle", "surfaces", "bias_percent", "bias_error_percent"]
@@ -34,10 +32,8 @@ def reached_table(
 
     Parameters
     ----------
-    study : Dataset
     covariates : Covariates or None
         Covariates of the study, if means are adjusted.
-    wanted : Wanted
     biases : dict
         Errors of the preset in each known cycle.
     significance : float

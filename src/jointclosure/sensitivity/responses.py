@@ -106,7 +106,6 @@ def adjustment(covariates: Covariates | None, chosen: tuple, cycle: int) -> Cova
         Covariates of a whole study.
     chosen : tuple
         Indices of cases and realisations, as for `numpy.ix_`.
-    cycle : int
     """
     if covariates is None:
         return None
@@ -142,8 +141,6 @@ def rock_sample(study: xr.Dataset, rock: str, variables: dict[str, xr.DataArray]
 
     Parameters
     ----------
-    study : Dataset
-    rock : str
     variables : dict
         Variables over (case, realization, cycle) of the dataset.
     """

@@ -159,45 +159,38 @@ def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd
         if column.endswith("_")
         else (f"length{column}", f"percent{column}")
     )
-    row_of = {(row.parameter, row.cycle, row.rock): row for _, row in table.iterrows()}
-    cycles = sorted(table.cycle.unique())
-    rows: dict[str, dict[tuple[int, str], str]] = {}
-    for parameter in PARAMETERS:
-        if not (table.parameter == parameter).any():
-            continue
-        rows[parameter] = {}
-        for cycle in cycles:
-            for rock, title in titles.items():
-                row = row_of.get((parameter, cycle, rock))
-                rows[parameter][cycle, title] = (
-                    ""
-                    if row is None
-                    else interval_text(
-                        row[length],
-                        row[percent],
-                        _mark(row, column),
-                        row.get(f"standard_error{column}", float("nan")),
-                    )
-                )
+    texts = [
+        interval_text(
+            row[length],
+            row[percent],
+            _mark(row, column),
+            row.get(f"standard_error{column}", float("nan")),
+        )
+        for _, row in table.iterrows()
+    ]
+    return _by_cycle_and_rock(table.assign(text=texts), titles)
+
+
+def _by_cycle_and_rock(table: pd.DataFrame, titles: dict[str, str]) -> pd.DataFrame:
+    """Arrange column ``text``: parameters by (cycle, title of the rock), empty where missing."""
+    texts = table.set_index(["parameter", "cycle", "rock"]).text.to_dict()
+    rows = {
+        parameter: {
+            (cycle, title): texts.get((parameter, cycle, rock), "")
+            for cycle in sorted(table.cycle.unique())
+            for rock, title in titles.items()
+        }
+        for parameter in PARAMETERS
+        if (table.parameter == parameter).any()
+    }
     return pd.DataFrame.from_dict(rows, orient="index")
 
 
 def elasticities_markdown(elasticities: pd.DataFrame, titles: dict[str, str]) -> list[str]:
     """Return lines of a table of elasticities with standard errors, rocks and cycles as columns."""
-    frame = elasticities.assign(rock=elasticities.rock.map(titles)).set_index(
-        ["parameter", "cycle", "rock"]
-    )
-    frame = frame.elasticity_shown.unstack(["cycle", "rock"])  # noqa: PD010, texts
-    frame = frame.reindex(
-        index=[name for name in PARAMETERS if name in frame.index],
-        columns=[
-            column
-            for cycle in sorted(set(elasticities.cycle))
-            for title in titles.values()
-            if (column := (cycle, title)) in frame.columns
-        ],
-    )
-    lines = ["**Elasticities**", "", *markdown_rows(frame.fillna("")), ""]
+    of = {rock: title for rock, title in titles.items() if (elasticities.rock == rock).any()}
+    frame = _by_cycle_and_rock(elasticities.assign(text=elasticities.elasticity_shown), of)
+    lines = ["**Elasticities**", "", *markdown_rows(frame), ""]
     lines.append("d ln(mean maximum closure)/d ln(property), with standard errors.")
     return [*lines, ""]
 

@@ -15,10 +15,7 @@ import xarray as xr
 
 from jointclosure.claims.findings import TARGET
 from jointclosure.ensemble.covariates import Covariates
-from jointclosure.sensitivity.responses import (
-    Response,
-    responses,
-)
+from jointclosure.sensitivity.responses import Response, responses
 from jointclosure.statistics.control_variates import (
     Known,
     adjusted_and_coefficients,
@@ -88,8 +85,6 @@ def variance_reduction(
         Surfaces of each case in drawn studies; no rows for fewer than `fewest_surfaces`.
     significance : float
         Significance level of the indifference intervals.
-    root_seed : int
-    repetitions : int
 
     Returns
     -------

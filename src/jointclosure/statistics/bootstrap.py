@@ -32,9 +32,8 @@ def bootstrap_length(
     resamples: int,
     confidence: float = 0.95,
     significance: float = 0.05,
-    paired: bool = True,
 ) -> BootstrapInterval:
-    """Compute the percentile bootstrap interval of an indifference interval's length.
+    """Compute the percentile bootstrap interval of a length from independent draws.
 
     Parameters
     ----------
@@ -42,18 +41,11 @@ def bootstrap_length(
         Parameter values, ascending.
     samples : array (k, n)
         Target of every realisation at every level, finite.
-    random : Generator
     base, significance
         As for `indifference_interval`.
-    resamples : int
-    confidence : float
-    paired : bool
-        Whether a realisation is the same surface at every level (common
-        draws). If so, realisations are resampled instead of values.
     """
     k, n = samples.shape
-    index = random.integers(0, n, size=(resamples, 1 if paired else k, n))
-    index = np.broadcast_to(index, (resamples, k, n))
+    index = random.integers(0, n, size=(resamples, k, n))
     chosen = np.take_along_axis(samples[None], index, axis=2)
     means, deviations = chosen.mean(axis=2), chosen.std(axis=2, ddof=1)
     lengths = indifference_lengths(levels, means, deviations, n, significance, base)
@@ -69,17 +61,16 @@ def bootstrap_paired_length(
     resamples: int,
     confidence: float = 0.95,
     significance: float = 0.05,
-    degree: int = 1,
 ) -> BootstrapInterval:
     """Compute the bootstrap interval of a `paired_indifference_interval`, over surfaces.
 
-    Parameters are those of `bootstrap_length`; ``degree`` is that of the interval.
+    Parameters are those of `bootstrap_length`.
     """
     n = samples.shape[1]
     lengths = np.empty(resamples)
     for i in range(resamples):
         chosen = samples[:, random.integers(0, n, size=n)]
-        lengths[i] = paired_indifference_interval(levels, chosen, significance, base, degree).length
+        lengths[i] = paired_indifference_interval(levels, chosen, significance, base).length
     return interval_of_lengths(lengths, confidence)
 
 

@@ -84,7 +84,6 @@ def adjusted_means(samples, covariates, known: Known, paired: bool) -> Means:
         Target at every level on every surface.
     covariates : array (k, n, m)
         Covariates on the same surfaces; see `adjusted_values`.
-    known : Known
     paired : bool
         Whether a column is the same surface at every level; otherwise levels are independent.
 
@@ -109,7 +108,7 @@ def adjusted_means(samples, covariates, known: Known, paired: bool) -> Means:
 def adjusted_values(values, covariates, known_means) -> np.ndarray:
     """Compute values (..., n) with the adjusted mean, whose scatter is the unexplained part.
 
-    Do not use them for standard deviations of the target, which `adjusted_deviation` estimates.
+    Do not use them for standard deviations of the target, which `adjusted_deviations` estimates.
 
     Parameters
     ----------
@@ -169,19 +168,22 @@ def adjusted_and_coefficients(values, covariates, known_means) -> tuple[np.ndarr
     return values - np.sum(fitted * (covariates - known_means), axis=-1), fitted
 
 
-def adjusted_deviation(values, covariates, known: Known) -> Estimate:
-    """Estimate the standard deviation of a target, adjusted by covariates of known moments.
+def adjusted_deviations(
+    samples, covariates, known: Known, tell_scatter: bool = True
+) -> tuple[np.ndarray, np.ndarray]:
+    """Estimate standard deviations of a target, adjusted by covariates of known moments.
 
     Parameters
     ----------
-    values : array (n,)
-    covariates : array (n, m)
+    samples : array (..., n)
+    covariates : array (..., n, m)
         As for `adjusted_values`; at least 2 m + 3 surfaces, better `fewest_surfaces`.
-    known : Known
+    tell_scatter : bool
+        If not, deviations are not adjusted, as in `deviations_of`.
 
     Returns
     -------
-    Estimate
+    deviations, errors : array (...)
         S, and its error to first order.
 
     Notes
@@ -192,20 +194,6 @@ def adjusted_deviation(values, covariates, known: Known) -> Estimate:
     covariates c and the squares (c - mean of c)^2, whose means are the known variances. The error
     neglects the uncertainty of these means: with a hundred times as many surfaces as were
     simulated it would add a percent.
-    """
-    deviations, errors = adjusted_deviations(
-        np.asarray(values)[None], np.asarray(covariates)[None], known
-    )
-    return Estimate(float(deviations[0]), float(errors[0]))
-
-
-def adjusted_deviations(
-    samples, covariates, known: Known, tell_scatter: bool = True
-) -> tuple[np.ndarray, np.ndarray]:
-    """Compute `adjusted_deviation` and its error for many rows (..., n).
-
-    Covariates are (..., n, m). Without ``tell_scatter`` deviations are not adjusted, as in
-    `deviation_of`.
     """
     samples, covariates = _checked(samples, covariates, known.means)
     if not tell_scatter:
@@ -257,19 +245,13 @@ def adjusted_length(
         Ascending.
     samples, covariates, known
         As for `adjusted_means`, with independent draws at each level.
-    random : Generator
     base, significance
         As for `indifference_interval`.
     draws : int
         Number of normal draws of means and deviations, with their errors, for the scatter of the
         length.
-    confidence : float
     tell_scatter : bool
         Whether deviations are adjusted too.
-
-    Returns
-    -------
-    AdjustedLength
     """
     means = adjusted_means(samples, covariates, known, paired=False)
     deviations, errors = adjusted_deviations(samples, covariates, known, tell_scatter)

@@ -50,14 +50,12 @@ class Sensitivity(NamedTuple):
 class Design(NamedTuple):
     """Design of a published study.
 
-    ``draws``: number n of surfaces per level. ``significance``: that of its t test.
-    ``shared_base``: whether the parameters of a rock share the surfaces drawn at the base level
-    (the paper does not say), or each has separate ones.
+    ``draws``: number n of surfaces per level. ``significance``: that of its t test. The parameters
+    of a rock share the surfaces drawn at the base level; the paper does not say.
     """
 
     draws: int = 20
     significance: float = 0.05
-    shared_base: bool = True
 
 
 class DrawnResponse(NamedTuple):
@@ -87,10 +85,8 @@ def draw_studies(
     sensitivities : mapping from a key, such as (rock, parameter), to `Sensitivity`
         They are drawn as one study: pools with the same surfaces are resampled together,
         and all targets of a case are from the same surfaces.
-    design : Design
     repetitions : int
         Number R of repetitions.
-    random : Generator
 
     Returns
     -------
@@ -113,7 +109,7 @@ def draw_studies(
                 smallest = np.min_scalar_type(size)
                 resampled[name] = random.integers(size, size=(repetitions, size), dtype=smallest)
             index = random.integers(size, size=(repetitions, design.draws))
-            if design.shared_base and level == sensitivity.base:
+            if level == sensitivity.base:
                 index = at_base.setdefault(name, index)
             chosen.append(np.take_along_axis(resampled[name], index, axis=1))
         drawn[key] = _responses(sensitivity, chosen, design)

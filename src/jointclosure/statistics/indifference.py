@@ -55,10 +55,6 @@ def indifference_interval(
     base : float, optional
         The level p_M from which changes are measured, by default the middle one.
 
-    Returns
-    -------
-    IndifferenceInterval
-
     Raises
     ------
     InputError
@@ -72,15 +68,9 @@ def indifference_interval(
     Eqs. (24) to (29). With more than three levels the quadratics are
     least-squares fits, and x_M and S_M their values at the base.
     """
-    levels, means, deviations = (
-        real_array(name, values)
-        for name, values in (
-            ("levels", levels),
-            ("means", means),
-            ("standard_deviations", standard_deviations),
-        )
+    levels, means, deviations, base = checked(
+        levels, means, standard_deviations, samples, significance, base
     )
-    base = _checked(levels, means, deviations, samples, significance, base)
     mean = fit_quadratic(levels, means, base)
     deviation = fit_quadratic(levels, deviations, base)
     critical = float(scipy.stats.t.ppf(1.0 - 0.5 * significance, 2 * samples - 2))
@@ -124,27 +114,16 @@ def indifference_lengths(
     InputError
         As `indifference_interval`.
     """
-    levels, means, deviations = (
-        real_array(name, values)
-        for name, values in (
-            ("levels", levels),
-            ("means", means),
-            ("standard_deviations", deviations),
-        )
+    levels, means, deviations, base = checked(
+        levels, means, deviations, samples, significance, base, many=True
     )
-    base = _checked(levels, means, deviations, samples, significance, base, many=True)
     shape = means.shape[:-1]
     mean = fit_quadratic(levels, means.reshape(-1, levels.size), base)
     deviation = fit_quadratic(levels, deviations.reshape(-1, levels.size), base)
     critical = float(scipy.stats.t.ppf(1.0 - 0.5 * significance, 2 * samples - 2))
-    sizes = np.abs([mean.b, mean.c, deviation.b, deviation.c, deviation.d]).max(axis=0)
-    scale = np.where(sizes > 0.0, sizes, 1.0)
-    scaled_mean = Quadratic(mean.b / scale, mean.c / scale, 0.0, 0.0, 1.0)
-    b, c, d = (value / scale for value in deviation[:3])
-    scaled = Quadratic(b, c, d, 0.0, 1.0)
-    coefficients = quartic(scaled_mean, scaled, samples, critical).T
-    roots = np.full(scale.size, np.nan)
+    coefficients = quartic(mean, deviation, samples, critical).T
     varies = (mean.b != 0.0) | (mean.c != 0.0)
+    roots = np.full(varies.size, np.nan)
     usual = varies & (coefficients[:, 4] < 0.0)
     # the closest root in u is the largest in 1/u, with reversed coefficients
     roots[usual] = 1.0 / largest_real_roots(coefficients[usual, ::-1])
@@ -156,11 +135,13 @@ def indifference_lengths(
 def quartic(mean: Quadratic, deviation: Quadratic, samples: int, critical: float) -> np.ndarray:
     """Return the coefficients (5, ...) of Eq. (29) in u, highest power first.
 
-    The quartic is positive where a change is significant.
+    The quartic is positive where a change is significant. Its scale is arbitrary: the largest
+    coefficient of the quadratics counts as 1.
     """
     n, t2 = float(samples), critical * critical
-    b, c = mean.b, mean.c
-    bs, cs, ds = deviation.b, deviation.c, deviation.d
+    sizes = np.abs([*mean[:2], *deviation[:3]]).max(axis=0)
+    scale = np.where(sizes > 0.0, sizes, 1.0)
+    b, c, bs, cs, ds = (value / scale for value in (*mean[:2], *deviation[:3]))
     return np.array(
         [
             n * b * b - t2 * bs * bs,
@@ -174,15 +155,9 @@ def quartic(mean: Quadratic, deviation: Quadratic, samples: int, critical: float
 
 def closest_root(mean: Quadratic, deviation: Quadratic, samples: int, critical: float) -> float:
     """Return the real root u of `quartic` closest to 0, NaN without a real root."""
-    scale = max(abs(value) for value in (*mean[:2], *deviation[:3]))
-    if scale == 0.0 or (mean.b == 0.0 and mean.c == 0.0):
+    if mean.b == 0.0 and mean.c == 0.0:
         return float("nan")
-    coefficients = quartic(
-        Quadratic(mean.b / scale, mean.c / scale, 0.0, 0.0, 1.0),
-        Quadratic(deviation.b / scale, deviation.c / scale, deviation.d / scale, 0.0, 1.0),
-        samples,
-        critical,
-    )
+    coefficients = quartic(mean, deviation, samples, critical)
     return closest_to_zero(coefficients, scatter_at_zero=deviation.d != 0.0)
 
 
@@ -203,15 +178,25 @@ def closest_to_zero(coefficients: np.ndarray, scatter_at_zero: bool) -> float:
     return float(roots[np.argmin(np.abs(roots))]) if roots.size else float("nan")
 
 
-def _checked(
-    levels: np.ndarray,
-    means: np.ndarray,
-    deviations: np.ndarray,
+def check_significance(significance: float) -> None:
+    """Raise `InputError` unless a significance level lies between 0 and 1."""
+    check_number("significance", significance)
+    if not 0.0 < significance < 1.0:
+        raise InputError(f"significance = {significance!r}: must be between 0 and 1 (0.05 is 5 %)")
+
+
+def checked(
+    levels: ArrayLike,
+    means: ArrayLike,
+    deviations: ArrayLike,
     samples: int,
     significance: float,
     base: float | None,
     many: bool = False,
-) -> float:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """Return levels, means and deviations as arrays, and the base; raise `InputError`."""
+    levels, means = real_array("levels", levels), real_array("means", means)
+    deviations = real_array("standard_deviations", deviations)
     if levels.ndim != 1 or levels.size < 3:
         raise InputError(f"levels = {levels.tolist()}: must be at least three")
     if not many and means.ndim != 1:
@@ -228,13 +213,10 @@ def _checked(
             f"standard_deviations: the smallest is {deviations.min()}, must not be negative"
         )
     check_number("samples", samples, whole=True)
-    check_number("significance", significance)
     if samples < 2:
         raise InputError(f"samples = {samples!r}: must be a whole number from 2 on")
-    if not 0.0 < significance < 1.0:
-        raise InputError(f"significance = {significance!r}: must lie between 0 and 1")
-    if base is None:
-        return float(levels[levels.size // 2])
+    check_significance(significance)
+    base = levels[levels.size // 2] if base is None else base
     if base not in levels:
         raise InputError(f"base = {base!r}: must be one of the levels {levels.tolist()}")
-    return float(base)
+    return levels, means, deviations, float(base)

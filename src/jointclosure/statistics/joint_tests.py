@@ -45,10 +45,6 @@ def joint_test(lengths, observed) -> JointTest:
     observed : array (entries,)
         Published lengths, in the same unit and order; NaN or infinite for a dash.
 
-    Returns
-    -------
-    JointTest
-
     Raises
     ------
     InputError

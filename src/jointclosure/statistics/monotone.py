@@ -21,13 +21,12 @@ from jointclosure.statistics.roots import real_roots
 class MonotoneInterval(NamedTuple):
     """Range about the base value in which no change is significant.
 
-    ``length`` and ``root`` are NaN if no change within the levels is significant. ``increasing``:
-    the direction of the regression. ``fitted`` (k,): its means.
+    ``length`` and ``root`` are NaN if no change within the levels is significant. ``fitted`` (k,):
+    means of the regression.
     """
 
     length: float
     root: float
-    increasing: bool
     fitted: np.ndarray
 
 
@@ -58,7 +57,7 @@ def monotone_interval(
     """
     levels, samples, base = checked_samples(levels, samples, significance, base)
     n = samples.shape[1]
-    fitted, increasing = _isotonic(samples, paired)
+    fitted = _isotonic(samples, paired)
     half_range = 0.5 * (levels[-1] - levels[0])
     u = (levels - base) / half_range
     deviations = samples.std(axis=1, ddof=1)
@@ -71,13 +70,11 @@ def monotone_interval(
     ]
     reached = [root for root in roots if not np.isnan(root)]
     root = min(reached, key=abs) if reached else np.nan
-    return MonotoneInterval(
-        float(abs(root) * half_range), float(base + root * half_range), increasing, fitted
-    )
+    return MonotoneInterval(float(abs(root) * half_range), float(base + root * half_range), fitted)
 
 
-def _isotonic(samples, paired) -> tuple[np.ndarray, bool]:
-    """Return monotone level means (k,), and whether they increase."""
+def _isotonic(samples, paired) -> np.ndarray:
+    """Return level means (k,) that rise or fall monotonically, whichever fits better."""
     means, variances = samples.mean(axis=1), samples.var(axis=1, ddof=1)
     weights = None if paired or not np.all(variances > 0.0) else variances.min() / variances
     fits = [
@@ -86,8 +83,7 @@ def _isotonic(samples, paired) -> tuple[np.ndarray, bool]:
     ]
     size = np.ones_like(means) if weights is None else weights
     misfits = [float(np.sum(size * (means - fit) ** 2)) for fit in fits]
-    increasing = misfits[0] <= misfits[1]
-    return fits[0 if increasing else 1], increasing
+    return fits[0 if misfits[0] <= misfits[1] else 1]
 
 
 def _first_significant(u, rise, deviations, scatter, strength, at_base, way) -> float:
@@ -100,9 +96,7 @@ def _first_significant(u, rise, deviations, scatter, strength, at_base, way) -> 
             spread = np.polyfit([start, end], [deviations[i], deviations[i + way]], 1)
             variance = np.polyadd(np.polymul(spread, spread), [deviations[at_base] ** 2])
         else:
-            variance = np.array(
-                [scatter.curvature, 2 * scatter.covariance, scatter.slope, 0, 2 * scatter.irregular]
-            )
+            variance = np.array([scatter.slope, 0.0, 2.0 * scatter.irregular])
         excess = np.polysub(strength * np.polymul(line, line), variance)
         inside = [r for r in real_roots(excess) if min(start, end) < r < max(start, end)]
         nodes = [start, *sorted(inside, key=abs), end]

@@ -4,28 +4,24 @@ With common draws a paired t test uses the scatter of the *difference* between a
 the base on the same surface; the scatter between surfaces, which Eq. (28) uses, cancels.
 On surface s, with u = (p - p_M)/half-range, a response is modelled as
 
-    y_s(u) = a_s + c_s u + b_s u^2 + e_s(u),
+    y_s(u) = a_s + c_s u + b u^2 + e_s(u),
 
-a line (or a quadratic) with coefficients of this surface, and an irregular part e_s of
-variance sigma^2 that is independent between levels, because the smallest change alters the
+a line with coefficients of this surface, a curvature common to all surfaces, and an irregular part
+e_s of variance sigma^2 that is independent between levels, because the smallest change alters the
 order of breakage. The difference from the base then has the mean b u^2 + c u and, at u != 0,
 the variance
 
-    S_d^2(u) = V_cc u^2 + 2 V_bc u^3 + V_bb u^4 + 2 sigma^2,
+    S_d^2(u) = V u^2 + 2 sigma^2,
 
-with V the covariance of c_s and b_s over surfaces. In place of Eq. (29) it is critical where
+with V the variance of c_s over surfaces. In place of Eq. (29) it is critical where
 
     n (b u^2 + c u)^2 = t_cr^2 S_d^2(u),          t_cr with n - 1 degrees of freedom.
 
-Without the irregular part (sigma = 0) u = 0 is a double root on both sides. Divided by u^2
-this is n (b u + c)^2 = t_cr^2 (V_cc + 2 V_bc u + V_bb u^2), and the length is 0 if the mean
-slope is significant, because differences that decrease with the change are significant for any
-change. Therefore sigma limits a paired study. With three levels sigma can be separated from V
-only if the response of a surface is modelled as a line (``degree=1``): deviations of its three
-values from the common curvature are then irregular. This counts the curvature of single
-surfaces as irregular and gives the longer length; ``degree=2`` with three levels leaves no
-irregular part and gives the shorter length. The true length is between. For a linear mean the
-length is t_cr sqrt(2/n) sigma / sqrt(c^2 - t_cr^2 V_cc/n).
+Without the irregular part (sigma = 0) u = 0 is a double root on both sides, and the length is 0 if
+the mean slope is significant, because differences that decrease with the change are significant for
+any change. Therefore sigma limits a paired study. Curvature of single surfaces counts as irregular,
+because three levels do not separate it from sigma; the lengths are then too long. For a linear mean
+the length is t_cr sqrt(2/n) sigma / sqrt(c^2 - t_cr^2 V/n).
 """
 
 from typing import NamedTuple
@@ -33,27 +29,16 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from jointclosure.inputs import InputError, check_number, real_array
+from jointclosure.inputs import InputError, real_array
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
-from jointclosure.statistics.indifference import closest_to_zero
+from jointclosure.statistics.indifference import checked, closest_to_zero
 
 
 class DifferenceScatter(NamedTuple):
-    """Variance of the difference from the base on one surface, as a function of u.
-
-    ``slope``, ``covariance``, ``curvature``: V_cc, V_bc, V_bb; ``irregular``: sigma^2.
-    """
+    """Variances on single surfaces: V of the slope, and sigma^2 of the irregular part."""
 
     slope: float
-    covariance: float
-    curvature: float
     irregular: float
-
-    def at(self, u):
-        """Return S_d^2(u); 0 at the base itself."""
-        u = np.asarray(u, dtype=float)
-        smooth = u * u * (self.slope + u * (2.0 * self.covariance + u * self.curvature))
-        return np.where(u == 0.0, 0.0, smooth + 2.0 * self.irregular)
 
 
 class PairedInterval(NamedTuple):
@@ -61,15 +46,13 @@ class PairedInterval(NamedTuple):
 
     ``length``, ``root``, ``extrapolated`` and ``critical_value`` are as in `IndifferenceInterval`,
     except that the root is the base if the length is 0. ``linear_length``: length without the
-    curvature of the mean, infinite if the slope alone is not significant. ``irregularity``: sigma,
-    in the unit of the samples.
+    curvature of the mean, infinite if the slope alone is not significant.
     """
 
     length: float
     root: float
     extrapolated: bool
     linear_length: float
-    irregularity: float
     critical_value: float
 
 
@@ -78,7 +61,6 @@ def paired_indifference_interval(
     samples,
     significance: float = 0.05,
     base: float | None = None,
-    degree: int = 1,
     surfaces: int | None = None,
 ) -> PairedInterval:
     """Compute the smallest significant change in a paired t test on the same surfaces.
@@ -93,26 +75,19 @@ def paired_indifference_interval(
         Significance level of the two-sided test.
     base : float, optional
         The level from which changes are measured, by default the middle one.
-    degree : {1, 2}
-        Degree of the response of single surfaces: a line or a quadratic. The mean
-        over surfaces is a quadratic in both cases.
     surfaces : int, optional
         The number n of the test, by default that of the samples. Another number gives the
         expected interval of a study with so many surfaces.
-
-    Returns
-    -------
-    PairedInterval
 
     Raises
     ------
     InputError
         If levels are out of order or fewer than three, samples have another shape or are
-        not finite, the base is not a level, or the degree is not 1 or 2.
+        not finite, or the base is not a level.
     """
     levels, samples, base = checked_samples(levels, samples, significance, base)
     mean = fit_quadratic(levels, samples.mean(axis=1), base)
-    scatter = difference_scatter(levels, samples, base, degree)
+    scatter = difference_scatter(levels, samples, base)
     n = samples.shape[1] if surfaces is None else surfaces
     critical = float(scipy.stats.t.ppf(1.0 - 0.5 * significance, n - 1))
     u = _closest_root(mean, scatter, n, critical)
@@ -126,46 +101,37 @@ def paired_indifference_interval(
         root=float(root),
         extrapolated=bool(root < levels[0] or root > levels[-1]),
         linear_length=float(linear),
-        irregularity=float(np.sqrt(scatter.irregular)),
         critical_value=critical,
     )
 
 
-def difference_scatter(levels, samples, base: float, degree: int = 1) -> DifferenceScatter:
+def difference_scatter(levels, samples, base: float) -> DifferenceScatter:
     """Estimate the scatter of differences from the base, from responses of single surfaces.
 
     Arguments are those of `paired_indifference_interval`.
 
     Notes
     -----
-    Level means are removed; each surface's deviations from them are fitted by a polynomial
-    of the degree. Residuals give sigma^2, with (n - 1)(k - degree - 1) degrees of
-    freedom, and the covariance of the coefficients, less what sigma^2 alone gives them, gives V.
-    If V is not positive semi-definite, the degree is reduced by one, because the surfaces then
-    show no different responses. Without residuals (k = degree + 1), sigma = 0.
+    Level means are removed; each surface's deviations from them are fitted by a line. Residuals
+    give sigma^2, with (n - 1)(k - 2) degrees of freedom, and the variance of the slopes, less what
+    sigma^2 alone gives them, gives V. If V is negative, the surfaces show no different responses:
+    the deviations are fitted by constants, and V is 0.
     """
-    if degree not in (1, 2):
-        raise InputError(f"degree = {degree!r}: must be 1 or 2")
     levels, samples = np.asarray(levels, dtype=float), np.asarray(samples, dtype=float)
     k, n = samples.shape
     u = (levels - base) / (0.5 * (levels[-1] - levels[0]))
     deviations = samples - samples.mean(axis=1, keepdims=True)
-    for order in range(degree, -1, -1):
+    for order in (1, 0):
         design = np.vander(u, order + 1, increasing=True)
         inverse = np.linalg.pinv(design)
         coefficients = inverse @ deviations
         freedom = (n - 1) * (k - order - 1)
         residual = float(np.sum((deviations - design @ coefficients) ** 2))
-        irregular = residual / freedom if freedom else 0.0
+        irregular = residual / freedom
         covariance = coefficients @ coefficients.T / (n - 1) - irregular * (inverse @ inverse.T)
-        varying = covariance[1:, 1:]
-        if not varying.size or np.linalg.eigvalsh(varying)[0] >= -1e-12 * np.abs(varying).max():
+        if order == 0 or covariance[1, 1] >= 0.0:
             break
-    full = np.zeros((2, 2))
-    full[:order, :order] = varying
-    return DifferenceScatter(
-        max(float(full[0, 0]), 0.0), float(full[0, 1]), max(float(full[1, 1]), 0.0), irregular
-    )
+    return DifferenceScatter(float(covariance[1, 1]) if order else 0.0, irregular)
 
 
 def p_of_difference(first, second, paired: bool) -> float:
@@ -200,11 +166,11 @@ def _closest_root(mean: Quadratic, scatter: DifferenceScatter, n: int, critical:
     if size == 0.0:
         return float("nan")
     b, c, t2 = mean.b / size, mean.c / size, critical**2
-    slope, covariance, curvature, irregular = (value / size**2 for value in scatter)
+    slope, irregular = (value / size**2 for value in scatter)
     quartic = np.array(
         [
-            n * b * b - t2 * curvature,
-            2.0 * (n * b * c - t2 * covariance),
+            n * b * b,
+            2.0 * (n * b * c),
             n * c * c - t2 * slope,
             0.0,
             -2.0 * t2 * irregular,
@@ -222,16 +188,10 @@ def checked_samples(levels, samples, significance, base):
         If one of them is not valid.
     """
     levels, samples = real_array("levels", levels), real_array("samples", samples)
-    if levels.ndim != 1 or levels.size < 3 or not np.all(np.diff(levels) > 0.0):
-        raise InputError(f"levels = {levels.tolist()}: must be three or more, strictly ascending")
     if samples.ndim != 2 or samples.shape[0] != levels.size or samples.shape[1] < 2:
         raise InputError(
             f"samples {samples.shape}: must be ({levels.size} levels, n >= 2 surfaces)"
         )
-    check_number("significance", significance)
-    if not 0.0 < significance < 1.0:
-        raise InputError(f"significance = {significance!r}: must lie between 0 and 1")
-    base = levels[levels.size // 2] if base is None else base
-    if base not in levels:
-        raise InputError(f"base = {base!r}: must be one of the levels {levels.tolist()}")
-    return levels, samples, float(base)
+    moments = samples.mean(axis=1), samples.std(axis=1, ddof=1)
+    levels, *_, base = checked(levels, *moments, samples.shape[1], significance, base)
+    return levels, samples, base

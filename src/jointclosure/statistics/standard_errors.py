@@ -53,12 +53,6 @@ def variation_of(samples) -> Estimate:
     return Estimate(ratio, abs(ratio) * float(np.sqrt(0.5 / (n - 1) + ratio**2 / n)))
 
 
-def correlation_of(first, second) -> Estimate:
-    """Return Pearson's correlation of two rows (n,), and its error (1 - r^2)/sqrt(n - 1)."""
-    r = float(np.corrcoef(first, second)[0, 1])
-    return Estimate(r, (1.0 - r * r) / float(np.sqrt(len(first) - 1)))
-
-
 def bootstrap_error(
     statistic, samples, random: np.random.Generator, resamples: int = 400, paired: bool = True
 ):
@@ -70,8 +64,6 @@ def bootstrap_error(
         Function of such samples that returns a number or an array.
     samples : array (n,) or (k, n)
         The last axis is that of surfaces.
-    random : Generator
-    resamples : int
     paired : bool
         Whether a column is the same surface at every level; otherwise rows are resampled
         separately.
@@ -119,7 +111,6 @@ def quadratic_errors(levels, covariance, base: float) -> QuadraticErrors:
     levels : array (k,)
     covariance : array (k, k)
         Covariance of the fitted values: `mean_covariance` or `deviation_covariance`.
-    base : float
     """
     fit = fit_matrix(levels, base)
     reduced = fit @ covariance @ fit.T

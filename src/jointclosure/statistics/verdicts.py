@@ -1,13 +1,11 @@
 """Verdicts on claims: whether they are true, and how often a study would confirm them."""
 
-from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
 import scipy
 
 from jointclosure.inputs import InputError
-from jointclosure.statistics.drawn_studies import DrawnResponse, Key
 
 STANDS = "stands"
 FALLS = "falls"
@@ -32,20 +30,15 @@ class Frequency(NamedTuple):
     high: float
 
 
-def verdict(
-    interval: tuple[float, float],
-    true_between: tuple[float, float],
-    alike: float | None = None,
-) -> str:
+def verdict(interval: tuple[float, float], above: float, alike: float | None = None) -> str:
     """Decide whether a claim about a number is true, from the number's confidence interval.
 
     Parameters
     ----------
     interval : (low, high)
         Confidence interval of the number.
-    true_between : (low, high)
-        Open range of numbers for which the claim is true, declared in advance: (0, inf)
-        for "rises", (-0.1, 0.1) for "has no effect beyond 0.1".
+    above : float
+        The claim is true for larger numbers.
     alike : float, optional
         For a claim that one number is larger than another, where the interval is that of their
         difference: the largest difference that counts as none.
@@ -53,26 +46,25 @@ def verdict(
     Returns
     -------
     str
-        "stands": the whole interval is inside the range. "falls": all of it is outside, and for
-        a difference below ``-alike``. "no difference": all of it is within ``alike`` of 0.
-        "cannot be told": otherwise, and if an end of the interval is NaN.
+        "stands": the whole interval is above. "falls": none of it is, and for a difference all
+        of it is below ``-alike``. "no difference": all of it is within ``alike`` of 0. "cannot be
+        told": otherwise, and if an end of the interval is NaN.
 
     Raises
     ------
     InputError
-        If the ends of the interval or the range are in the wrong order.
+        If the ends of the interval are in the wrong order.
     """
-    for name, (low, high) in (("interval", interval), ("true_between", true_between)):
-        if low > high:
-            raise InputError(f"{name} = ({low!r}, {high!r}): must be (low, high), low <= high")
-    (low, high), (least, most) = interval, true_between
+    low, high = interval
+    if low > high:
+        raise InputError(f"interval = ({low!r}, {high!r}): must be (low, high), low <= high")
     if np.isnan([low, high]).any():
         return CANNOT_BE_TOLD
-    if (low > least or least == -np.inf) and (high < most or most == np.inf):
+    if low > above:
         return STANDS
     if alike is not None and -alike <= low and high <= alike:
         return NO_DIFFERENCE
-    if high < -alike if alike is not None else high <= least or low >= most:
+    if high < -alike if alike is not None else high <= above:
         return FALLS
     return CANNOT_BE_TOLD
 
@@ -112,32 +104,3 @@ def frequency_of(count: int, n: int, pool_error: float = 0.0) -> Frequency:
     if pool_error:
         low, high = min(low, share - 2.0 * error), max(high, share + 2.0 * error)
     return Frequency(share, error, max(0.0, float(low)), min(1.0, float(high)))
-
-
-def frequency_of_finding(
-    judge: Callable[[Mapping[Key, DrawnResponse]], np.ndarray], drawn: Mapping[Key, DrawnResponse]
-) -> Frequency:
-    """Return how often a study confirms a claim by its criteria.
-
-    Parameters
-    ----------
-    judge : callable
-        Function of drawn studies (`draw_studies`) that returns booleans (R,): whether each
-        repetition confirms the claim. The first axis of means, deviations and lengths is that
-        of repetitions, so that no loop is needed.
-    drawn : mapping
-        Repetitions of the study.
-
-    Raises
-    ------
-    InputError
-        If ``judge`` does not return one boolean for each repetition.
-    """
-    confirmed = np.asarray(judge(drawn))
-    repetitions = next(iter(drawn.values())).lengths.shape[0]
-    if confirmed.shape != (repetitions,):
-        raise InputError(
-            f"judge: returned shape {confirmed.shape}, must be ({repetitions},), a boolean for "
-            "each repetition"
-        )
-    return frequency(confirmed)

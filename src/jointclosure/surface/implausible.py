@@ -1,14 +1,11 @@
 """Refusal of pairs of scans that are probably wrong, before a joint is closed."""
 
-from typing import NamedTuple
-
 import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.parameters import AS_IT_IS, check_usual
 from jointclosure.surface.measured import Cloud, Scan
 from jointclosure.surface.outliers import points_of
-from jointclosure.surface.plausibility import slope_doubts
 
 _COPY = 1e-6
 """Smallest difference from 1 of the correlation of heights of scans of two different walls. At 1e-6
@@ -20,72 +17,41 @@ interchanged. For the published walls that were tried it is 0.998 if they are in
 0.002 if not. It is about a half if the zero of each scan is at its mean."""
 
 
-class Implausible(NamedTuple):
-    """Check that refuses implausible pairs of scans, unless they are allowed.
+def check_scans(upper: Scan | Cloud, lower: Scan | Cloud, spacing: float) -> None:
+    """Raise `InputError` if both scans are the same, or do not have the size of a wall.
 
-    ``allowed`` is the caller's ``unusual_values``.
+    ``spacing`` is that of the joint's grid [m].
     """
+    clouds = points_of(upper), points_of(lower)
+    if np.array_equal(*clouds):
+        raise InputError(f"upper and lower: the same scan was given twice; {AS_IT_IS}")
+    check_usual((), spacing=spacing)
+    for cloud in clouds:
+        for side in np.ptp(cloud[:, :2], axis=0).tolist() if len(cloud) else ():
+            check_usual((), side_of_scan=side)
 
-    allowed: bool
 
-    def check_scans(self, upper: Scan | Cloud, lower: Scan | Cloud, spacing: float) -> None:
-        """Raise `InputError` if both scans are the same, or do not have the size of a wall.
+def check_pair(gap: np.ndarray, correlation: float, common_frame: bool) -> None:
+    """Raise `InputError` if walls are interchanged, or one is a copy of the other.
 
-        Parameters
-        ----------
-        upper, lower : Scan or Cloud
-            In metres.
-        spacing : float
-            Spacing of the joint's grid [m].
-        """
-        if self.allowed:
-            return
-        clouds = points_of(upper), points_of(lower)
-        if np.array_equal(*clouds):
-            raise InputError(f"upper and lower: the same scan was given twice; {AS_IT_IS}")
-        check_usual((), spacing=spacing)
-        for cloud in clouds:
-            for side in np.ptp(cloud[:, :2], axis=0).tolist() if len(cloud) else ():
-                check_usual((), side_of_scan=side)
-
-    def check_orientation(self, stated: str, clear: str) -> None:
-        """Raise `InputError` if another orientation than the stated one fits clearly better."""
-        if not self.allowed and stated != clear:
-            raise InputError(
-                f"orientation = {stated!r}: {clear} fits clearly better, and closures of walls "
-                f"in a wrong orientation are several times too large; state {clear} or leave "
-                f"orientation out; {AS_IT_IS}"
-            )
-
-    def check_slopes(self, upper: np.ndarray, lower: np.ndarray, spacing: float) -> None:
-        """Raise `InputError` if heights (y, x) and spacing [m] are probably in different units."""
-        problems = slope_doubts({"upper": upper, "lower": lower}, spacing)
-        if problems and not self.allowed:
-            raise InputError(f"{'; '.join(problems)}; {AS_IT_IS}")
-
-    def check_pair(self, gap: np.ndarray, correlation: float, common_frame: bool) -> None:
-        """Raise `InputError` if walls are interchanged, or one is a copy of the other.
-
-        Parameters
-        ----------
-        gap : array (y, x)
-            Height of the upper wall less that of the lower one as scanned, z upwards [m].
-        correlation : float
-            Correlation of the heights of both walls.
-        common_frame : bool
-            Whether both scans have the same zero of heights.
-        """
-        if self.allowed:
-            return
-        if abs(correlation) > 1.0 - _COPY:
-            raise InputError(
-                f"upper and lower: their heights correlate by {correlation:.7g}, so that one is a "
-                f"copy of the other; {AS_IT_IS}"
-            )
-        below = float(np.mean(gap < 0.0))
-        if common_frame and below > _CROSSED:
-            raise InputError(
-                f"upper and lower: the upper wall lies below the lower one in {100.0 * below:.3g} "
-                f"% of the cells, by {-1e3 * gap.mean():.3g} mm in the mean; give the files in the "
-                f"other order; {AS_IT_IS}"
-            )
+    Parameters
+    ----------
+    gap : array (y, x)
+        Height of the upper wall less that of the lower one as scanned, z upwards [m].
+    correlation : float
+        Correlation of the heights of both walls.
+    common_frame : bool
+        Whether both scans have the same zero of heights.
+    """
+    if abs(correlation) > 1.0 - _COPY:
+        raise InputError(
+            f"upper and lower: their heights correlate by {correlation:.7g}, so that one is a "
+            f"copy of the other; {AS_IT_IS}"
+        )
+    below = float(np.mean(gap < 0.0))
+    if common_frame and below > _CROSSED:
+        raise InputError(
+            f"upper and lower: the upper wall lies below the lower one in {100.0 * below:.3g} "
+            f"% of the cells, by {-1e3 * gap.mean():.3g} mm in the mean; give the files in the "
+            f"other order; {AS_IT_IS}"
+        )

@@ -48,7 +48,6 @@ class Cutter:
 
     Parameters
     ----------
-    walls : MeasuredWalls
     shape : (ny, nx)
         Cells of a joint.
     order_seed : int

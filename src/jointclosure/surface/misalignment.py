@@ -43,7 +43,6 @@ def rotated_pair(
         Cells.
     spacing : float
         Grid spacing [m].
-    spectrum : Spectrum
     seed : int
         Not negative. Waves are those of `jointclosure.wall_pair` with the same seed.
     mismatch_wavelength : float

@@ -48,10 +48,6 @@ def measured_mismatch(upper: np.ndarray, lower: np.ndarray, spacing: float) -> M
     spacing : float
         Grid spacing [m].
 
-    Returns
-    -------
-    Mismatch
-
     Notes
     -----
     If the waves of both walls have equal power and correlation c, the powers of the sum and of

@@ -9,13 +9,9 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import Caution, caution, cautions, prefixed
-from jointclosure.surface.implausible import Implausible
-from jointclosure.surface.mating import (
-    Mating,
-    best_shift,
-    mating,
-    slope_correlation_over_shifts,
-)
+from jointclosure.parameters import AS_IT_IS
+from jointclosure.surface.implausible import check_pair, check_scans
+from jointclosure.surface.mating import Mating, best_shift, mating, slope_correlation_over_shifts
 from jointclosure.surface.measured import (
     LARGEST_FILLED_SHARE,
     Cloud,
@@ -26,6 +22,7 @@ from jointclosure.surface.measured import (
 from jointclosure.surface.mismatch import CONFIDENCE, Mismatch, measured_mismatch
 from jointclosure.surface.outliers import points_of, without_spikes
 from jointclosure.surface.overlap import Overlap, overlap_of
+from jointclosure.surface.plausibility import slope_doubts
 from jointclosure.surface.roughness import detrended
 
 LEAST_OVERLAP = 0.5
@@ -166,10 +163,6 @@ def registered(
     unusual_values : bool
         Whether to accept pairs that are probably wrong, see Raises.
 
-    Returns
-    -------
-    RegisteredPair
-
     Raises
     ------
     InputError
@@ -179,10 +172,10 @@ def registered(
         size are not those of a wall.
     """
     _check_choices(orientation, shift)
-    implausible = Implausible(unusual_values)
     distances = point_distance(upper), point_distance(lower)
     spacing = max(distances) if spacing is None else float(spacing)
-    implausible.check_scans(upper, lower, spacing)
+    if not unusual_values:
+        check_scans(upper, lower, spacing)
     report: list[str] = []
     clouds = []
     for side, scan in (("upper", upper), ("lower", lower)):
@@ -192,7 +185,7 @@ def registered(
         clouds.append(points_of(kept))
     placed = [_Placed.of(cloud, spacing) for cloud in clouds]
     fits = _compared(placed[0], placed[1], spacing)
-    name = _chosen(fits, orientation, implausible, report)
+    name = _chosen(fits, orientation, unusual_values, report)
     whole_cells = all(isinstance(scan, Scan) for scan in (upper, lower))
     best = _refined(
         placed[0], placed[1], spacing, next(fit for fit in fits if fit.orientation == name)
@@ -205,8 +198,10 @@ def registered(
     raised = turned + np.array([applied[1], applied[0], 0.0])
     overlap = overlap_of(raised, clouds[1], spacing, distances, largest_filled_share)
     pair = _described(overlap, spacing, name, fits, applied, mated, report)
-    implausible.check_slopes(pair.upper, pair.lower, spacing)
-    implausible.check_pair(overlap.upper - overlap.lower, pair.correlation, name == "common_frame")
+    if not unusual_values:
+        if problems := slope_doubts({"upper": pair.upper, "lower": pair.lower}, spacing):
+            raise InputError(f"{'; '.join(problems)}; {AS_IT_IS}")
+        check_pair(overlap.upper - overlap.lower, pair.correlation, name == "common_frame")
     return pair
 
 
@@ -278,10 +273,11 @@ def _block_means(wall: np.ndarray, cells: int) -> np.ndarray:
     return np.where(known > 0, np.nansum(blocks, axis=(1, 3)) / np.maximum(known, 1), np.nan)
 
 
-def _chosen(
-    fits: list[Fit], stated: str | None, implausible: Implausible, report: list[str]
-) -> str:
-    """Return the stated or the clear orientation; raise `InputError` if there is none."""
+def _chosen(fits: list[Fit], stated: str | None, unusual: bool, report: list[str]) -> str:
+    """Return the stated or the clear orientation; raise `InputError` if there is none.
+
+    Unless ``unusual`` values are accepted, also if another orientation than the stated is clear.
+    """
     best, second = fits[:2]
     clear = best.correlation >= CLEAR * max(second.correlation, 0.0)
     listed = ", ".join(f"{fit.orientation} {fit.correlation:.2f}" for fit in fits)
@@ -298,7 +294,12 @@ def _chosen(
         f"correlate by {listed}"
     )
     if stated is not None and clear and best.orientation != stated:
-        implausible.check_orientation(stated, best.orientation)
+        if not unusual:
+            raise InputError(
+                f"orientation = {stated!r}: {best.orientation} fits clearly better, and closures "
+                "of walls in a wrong orientation are several times too large; state "
+                f"{best.orientation} or leave orientation out; {AS_IT_IS}"
+            )
         report.append(
             caution(
                 f"the stated orientation {stated} fits worse than {best.orientation}, which "

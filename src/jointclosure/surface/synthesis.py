@@ -12,12 +12,21 @@ from typing import NamedTuple
 import numpy as np
 import scipy.fft
 
-from jointclosure.inputs import InputError, check_length, check_number, check_one_of, check_seed
+from jointclosure.inputs import (
+    InputError,
+    check_length,
+    check_number,
+    check_one_of,
+    check_positive,
+    check_seed,
+)
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.surface.roughness import DEFAULT_RELATION, detrended, rms_slope, z2_of_jrc
 
 RULES = ("self_affine", "walk")
 """Relations between the long and the short waves of a wall."""
+NORMALISATIONS = ("wall", "expectation")
+"""What has the given slope: every wall, or walls on average."""
 ROLL_OFF = 3e-3
 """Wavelength [m] beyond which the power spectrum of a wall is flat, also in the default study
 (docs/decisions/0013-readings.md)."""
@@ -167,7 +176,7 @@ def synthetic_wall(
     roll_off : float, optional
         Wavelength [m] beyond which the power is flat; see `wall_pair`.
     """
-    _check_normalise(normalise)
+    check_one_of("normalise", normalise, NORMALISATIONS)
     spectrum = spectrum_of(hurst, rule, roll_off, spacing)
     field = detrended(gaussian_field(shape, spectrum, random))
     if normalise == "wall":
@@ -236,17 +245,11 @@ def wall_pair(
     InputError
         If an argument is out of its range.
     """
-    for name, value in (
-        ("jrc", jrc),
-        ("spacing", spacing),
-        ("hurst", hurst),
-        ("correlation", correlation),
-    ):
-        check_number(name, value)
+    check_number("jrc", jrc)
+    check_positive("spacing", spacing, "m")
     check_seed("seed", seed)
-    check_number("shift_in_cells", shift_in_cells, whole=True)
-    _check(shape, spacing, hurst, correlation, shift_in_cells)
-    _check_normalise(normalise)
+    check_one_of("normalise", normalise, NORMALISATIONS)
+    _check(shape, hurst, correlation, shift_in_cells)
     check_mismatch(mismatch_wavelength, correlation)
     jrc, spacing, hurst, correlation = (float(v) for v in (jrc, spacing, hurst, correlation))
     z2 = z2_of_jrc(jrc, spacing, hurst, jrc_relation)
@@ -310,26 +313,16 @@ def check_mismatch(mismatch_wavelength: float | None, correlation: float) -> Non
         )
 
 
-def _check_normalise(normalise: str) -> None:
-    if normalise not in ("wall", "expectation"):
-        raise InputError(f"normalise = {normalise!r}: must be one of wall, expectation")
-
-
-def _check(
-    shape: tuple[int, int],
-    spacing: float,
-    hurst: float,
-    correlation: float,
-    shift_in_cells: int,
-) -> None:
+def _check(shape: tuple[int, int], hurst: float, correlation: float, shift_in_cells: int) -> None:
+    check_number("hurst", hurst)
+    check_number("correlation", correlation)
+    check_number("shift_in_cells", shift_in_cells, whole=True)
     if not isinstance(shape, tuple | list) or len(shape) != 2:
         raise InputError(f"shape = {shape!r}: must be (cells along y, cells along x)")
     for size in shape:
         check_number("shape", size, whole=True)
     if min(shape) < 1 or max(shape) < 3:
         raise InputError(f"shape = {tuple(shape)!r}: needs two sizes, the longer at least 3 cells")
-    if not 0.0 < spacing < np.inf:
-        raise InputError(f"spacing = {spacing!r} m: must be positive and finite")
     if not 0.0 < hurst <= 1.0:
         raise InputError(f"hurst = {hurst!r}: must lie in (0, 1]")
     if not 0.0 <= correlation <= 1.0:

@@ -58,8 +58,7 @@ def calibrate(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> pd.DataFram
     ensemble : Dataset
         Closed joints with walls synthesised from a JRC, such as a study's pool. Constants are
         fitted to realisations of even number, and tested on those of odd number.
-    grid : Grid
-    surface : Surface
+    grid, surface
         Settings of their walls.
 
     Returns

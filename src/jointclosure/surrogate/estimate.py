@@ -76,28 +76,17 @@ class WallMeasures(NamedTuple):
     correlation: float
 
 
-class _Range(NamedTuple):
-    """Smallest and largest values for which the law was fitted and tested."""
-
-    stress_over_strength: tuple[float, float]
-    rms_slope: tuple[float, float]
-    height_over_slope: tuple[float, float]
-    slope_ratio: tuple[float, float]
-    correlation: tuple[float, float]
-    modulus_over_strength: tuple[float, float]
-    spacing: tuple[float, float]
-    length: tuple[float, float]
-
-
 class _Calibration(NamedTuple):
     """Law for walls of one kind.
 
-    ``errors``: for each rock and roughness, logarithms of stress over strength, and RMS errors.
+    ``tested``: smallest and largest values of each measure of `_TESTED` for which the law was
+    fitted and tested. ``errors``: for each rock and roughness, logarithms of stress over strength,
+    and RMS errors.
     """
 
     roll_off: float | None
     law: BearingLaw
-    tested: _Range
+    tested: dict[str, tuple[float, float]]
     errors: list[tuple[np.ndarray, np.ndarray]]
 
     def named(self) -> str:
@@ -130,10 +119,6 @@ def estimate(
         Nominal normal stress [Pa], positive.
     extrapolate : bool
         Whether to return a closure, with an error of NaN, where the law was not tested.
-
-    Returns
-    -------
-    Estimate
 
     Raises
     ------
@@ -207,7 +192,7 @@ def _nearest(height_over_slope: float) -> _Calibration:
     """Return the constants of walls with such heights over slope, or the nearest ones."""
 
     def away(calibration: _Calibration) -> tuple[bool, float]:
-        least, most = calibration.tested.height_over_slope
+        least, most = calibration.tested["height_over_slope"]
         inside = least <= height_over_slope <= most
         ratio = np.clip(height_over_slope, _SAME * least, most / _SAME) / np.sqrt(least * most)
         return not inside, abs(float(np.log(ratio)))
@@ -215,22 +200,44 @@ def _nearest(height_over_slope: float) -> _Calibration:
     return min(_calibrations(), key=away)
 
 
-_NAMES = {
-    "stress_over_strength": "max_normal_stress over compressive strength",
-    "rms_slope": "RMS slope of the walls",
-    "modulus_over_strength": "Young's modulus over compressive strength",
-    "spacing": "spacing [m]",
-    "length": "length of the walls [m]",
-    "height_over_slope": "RMS of the summed heights over the walls' RMS slope [m]",
-    "slope_ratio": "RMS slope at twice the spacing over that at the spacing",
-    "correlation": "correlation of the upper wall's slopes with the lower one's negative",
+class _Tested(NamedTuple):
+    """Measure of joints; ``columns`` of its least and largest tested values in the law's table.
+
+    ``cause``: probable reason for a value outside.
+    """
+
+    title: str
+    columns: tuple[str, str]
+    cause: str = ""
+
+
+_TESTED = {
+    "stress_over_strength": _Tested(
+        "max_normal_stress over compressive strength", ("stress_over_strength",) * 2
+    ),
+    "rms_slope": _Tested("RMS slope of the walls", ("rms_slope",) * 2),
+    "modulus_over_strength": _Tested(
+        "Young's modulus over compressive strength",
+        ("least_modulus_over_strength", "most_modulus_over_strength"),
+    ),
+    "spacing": _Tested("spacing [m]", ("spacing_m",) * 2),
+    "length": _Tested("length of the walls [m]", ("length_m",) * 2),
+    "height_over_slope": _Tested(
+        "RMS of the summed heights over the walls' RMS slope [m]",
+        ("least_height_over_slope_m", "most_height_over_slope_m"),
+        "another roll-off or spectrum, or walls that are mated",
+    ),
+    "slope_ratio": _Tested(
+        "RMS slope at twice the spacing over that at the spacing",
+        ("least_slope_ratio", "most_slope_ratio"),
+        "another roll-off, Hurst exponent or filter",
+    ),
+    "correlation": _Tested(
+        "correlation of the upper wall's slopes with the lower one's negative",
+        ("least_correlation", "most_correlation"),
+        "walls that are not independent",
+    ),
 }
-_CAUSES = {
-    "height_over_slope": "another roll-off or spectrum, or walls that are mated",
-    "slope_ratio": "another roll-off, Hurst exponent or filter",
-    "correlation": "walls that are not independent",
-}
-"""Probable reasons if a measure of the walls is outside of the tested range."""
 
 
 def _outside(
@@ -248,16 +255,16 @@ def _outside(
         "spacing": (spacing, spacing),
         "length": (spacing * min(shape), spacing * max(shape)),
     }
-    for name, title in _NAMES.items():
+    for name, (title, _, cause) in _TESTED.items():
         low, high = given[name]
-        least, most = getattr(chosen.tested, name)
+        least, most = chosen.tested[name]
         slack = _SAME * max(abs(least), abs(most))
         if low < least - slack or high > most + slack:
             value = low if low < least - slack else high
             message = f"{title} = {value:.4g}: {_ranges(name, chosen)}"
-            if name in _CAUSES:
+            if cause:
                 message += (
-                    f"; likely {_CAUSES[name]}: `.venv/bin/snakemake surrogate` on a study of "
+                    f"; likely {cause}: `.venv/bin/snakemake surrogate` on a study of "
                     "such walls computes their constants"
                 )
             yield message
@@ -268,7 +275,7 @@ def _ranges(name: str, chosen: _Calibration) -> str:
     kinds = _calibrations() if name == "height_over_slope" else (chosen,)
     parts = []
     for kind in kinds:
-        least, most = getattr(kind.tested, name)
+        least, most = kind.tested[name]
         parts.append(f"from {least:.4g} to {most:.4g} on {kind.named()}")
     return "the law was tested " + " and ".join(parts)
 
@@ -289,39 +296,20 @@ def _calibrations() -> tuple[_Calibration, ...]:
 def _read(path: Path) -> _Calibration:
     with path.open(encoding="utf-8", newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["constants"] == ALL_ROCKS]
-    columns = {name: np.array([float(row[name]) for row in rows]) for name in _NUMBERS}
-    law = BearingLaw(columns["at_strength"][0], columns["exponent"][0])
-    tested = _Range(
-        **{
-            name: (float(columns[low].min()), float(columns[high].max()))
-            for name, (low, high) in _COLUMNS.items()
-        }
-    )
+
+    def column(name: str) -> np.ndarray:
+        return np.array([float(row[name]) for row in rows])
+
+    law = BearingLaw(*(column(name)[0] for name in BearingLaw._fields))
+    tested = {
+        name: (float(column(low).min()), float(column(high).max()))
+        for name, (_, (low, high), _) in _TESTED.items()
+    }
     errors = []
     kinds = [(row["rock"], row["jrc"]) for row in rows]
     for kind in dict.fromkeys(kinds):
         here = np.array([other == kind for other in kinds])
-        logs = np.log(columns["stress_over_strength"][here])
-        errors.append((logs, 0.01 * columns["rms_percent"][here]))
+        logs = np.log(column("stress_over_strength")[here])
+        errors.append((logs, 0.01 * column("rms_percent")[here]))
     roll_off = rows[0]["roll_off_mm"]
     return _Calibration(1e-3 * float(roll_off) if roll_off else None, law, tested, errors)
-
-
-_COLUMNS = {
-    "stress_over_strength": ("stress_over_strength",) * 2,
-    "rms_slope": ("rms_slope",) * 2,
-    "height_over_slope": ("least_height_over_slope_m", "most_height_over_slope_m"),
-    "slope_ratio": ("least_slope_ratio", "most_slope_ratio"),
-    "correlation": ("least_correlation", "most_correlation"),
-    "modulus_over_strength": ("least_modulus_over_strength", "most_modulus_over_strength"),
-    "spacing": ("spacing_m",) * 2,
-    "length": ("length_m",) * 2,
-}
-"""Columns of the table with the least and the largest values of a `_Range`."""
-_NUMBERS = {
-    "at_strength",
-    "exponent",
-    "rms_percent",
-    *(column for pair in _COLUMNS.values() for column in pair),
-}
-"""Columns of the table of the law that are read as numbers."""

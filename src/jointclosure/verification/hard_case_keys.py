@@ -5,16 +5,15 @@ from typing import Annotated, Any, Literal
 import pydantic
 from pydantic import ConfigDict, Field, StringConstraints
 
+from jointclosure.config.keys import model, numerics
 from jointclosure.config.keys.entries import entry
 from jointclosure.config.keys.rocks import intact_keys
 from jointclosure.joint.protocol import FLAGS
-from jointclosure.solvers.registry import SOLVERS
 from jointclosure.verification.hard_walls import SHAPES
 
 Name = Annotated[str, StringConstraints(pattern=r"^[a-z][a-z0-9_]*$")]
 Sentence = Annotated[str, StringConstraints(min_length=5)]
 Within = Annotated[float, Field(ge=0)]
-_AS = entry("As in the keys of a configuration.")
 
 
 class Keys(pydantic.BaseModel):
@@ -39,43 +38,19 @@ class RockKeys(intact_keys(Keys)):
     """Intact rock."""
 
 
-class EffectKeys(Keys):
-    """Effects that act."""
-
-    substrate: bool = _AS
-    interaction: bool = _AS
-    breakage: bool = _AS
-    gouge: bool = _AS
-    soft_peaks: bool = _AS
-
-
-class ChoiceKeys(Keys):
-    """Choices that the paper leaves open."""
-
-    base_radius_in_cells: float = _AS
-    peak_modulus_ratio: float = _AS
-    peaks: Literal["pristine", "current"] = _AS
-    largest_radius_mm: float | None = _AS
-    tie_tolerance: float = _AS
+def _unbounded(model: type[pydantic.BaseModel], *left_out: str) -> type[pydantic.BaseModel]:
+    """Keys of a section of a configuration, without bounds and without some of them."""
+    keys: dict[str, Any] = {
+        name: (field.annotation, entry("As in the keys of a configuration."))
+        for name, field in model.model_fields.items()
+        if name not in left_out
+    }
+    return pydantic.create_model(model.__name__, __base__=Keys, __doc__=model.__doc__, **keys)
 
 
-class NumericsKeys(Keys):
-    """Solver, steps and tolerances."""
-
-    solver: Literal[tuple(SOLVERS)] = _AS
-    displacement_step_um: float = _AS
-    breakage_step_um: float = _AS
-    later_displacement_step_um: float = _AS
-    later_breakage_step_um: float = _AS
-    stress_tolerance: float = _AS
-    force_tolerance: float = _AS
-    sweep_tolerance: float = _AS
-    tolerance: float = _AS
-    curve_points: int = _AS
-    most_steps: float = _AS
-    most_breakage_steps: float = _AS
-    replay: bool = _AS
-    idle_interaction: float = _AS
+EffectKeys = _unbounded(model.EffectKeys, "auto")
+ChoiceKeys = _unbounded(model.ChoiceKeys, "concave")
+NumericsKeys = _unbounded(numerics.NumericsKeys, "preset", "accuracy", "breakage", "target")
 
 
 class SameAsKeys(Keys):

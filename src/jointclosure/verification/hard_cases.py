@@ -12,7 +12,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterable
 from functools import lru_cache
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -25,13 +25,7 @@ from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE, FLAGS
 from jointclosure.joint.simulation import equilibrium, height_datum, simulate_by
 from jointclosure.joint.warmup import compile_kernels, kernels_of
-from jointclosure.parameters import (
-    OF_ROCK,
-    Choices,
-    Effects,
-    Numerics,
-    rock_of,
-)
+from jointclosure.parameters import OF_ROCK, Choices, Effects, Numerics, rock_of
 from jointclosure.solvers.elastic import ELASTIC_TOLERANCE
 from jointclosure.solvers.fast import BAND
 from jointclosure.solvers.joint import CONVERGED, Joint, Settled
@@ -295,21 +289,13 @@ def kernels_of_cases(cases: Iterable[dict]) -> list[list[str]]:
 
 def compile_for(case: dict) -> None:
     """Compile the kernels that a case needs before its time is measured."""
-    if case["expect"] == "refused":
-        return
-    peaks, numerics = case["choices"]["peaks"], case["numerics"]
-    scene = tuple(case["effects"].items())
-    _compile_scene(scene, peaks, numerics["solver"], numerics["breakage"])
+    if case["expect"] != "refused":
+        choices, numerics = Choices(peaks=case["choices"]["peaks"]), case["numerics"]
+        effects = Effects(**case["effects"])
+        _compile_once(effects, choices, numerics["solver"], numerics["breakage"])
 
 
-@lru_cache(maxsize=None)
-def _compile_scene(
-    scene: tuple,
-    peaks: Literal["pristine", "current"],
-    solver: str,
-    breakage: Literal["fixed_step", "resolved"],
-) -> None:
-    compile_kernels(Effects(**dict(scene)), Choices(peaks=peaks), solver, breakage)
+_compile_once = lru_cache(maxsize=None)(compile_kernels)
 
 
 def status_names(status: int) -> str:

@@ -86,7 +86,7 @@ def claims_judged(
     return {
         claim.number: verdict(
             claim.judged_by.least_interval(intervals[claim.number]),
-            (claim.judged_by.true_above(), np.inf),
+            claim.judged_by.true_above(),
             claim.judged_by.alike,
         )
         if intervals[claim.number]
