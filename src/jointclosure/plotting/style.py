@@ -6,7 +6,7 @@ its style.
 
 import functools
 from collections.abc import Callable, Iterable, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import matplotlib
 import seaborn as sns
@@ -90,11 +90,11 @@ def point_key(label: str, marker: str = "o", **style) -> Line2D:
 
 
 def legend_below(
-    figure: Figure, handles: Sequence[Artist], columns: int | None = None, **settings
+    figure: Figure, handles: Sequence[Artist], columns: int | None = None, **settings: Any
 ) -> None:
     """Put a legend below all axes, by default in one row."""
-    settings = {"loc": "outside lower center", "ncols": columns or len(handles)} | settings
-    figure.legend(handles=handles, frameon=False, **settings)
+    settings |= {"ncols": columns or len(handles), "frameon": False}
+    figure.legend(handles=handles, loc="outside lower center", **settings)
 
 
 def keys_of(panels: Iterable[Axes]) -> list[Artist]:
