@@ -182,7 +182,7 @@ def test_a_study_that_does_not_tell_scatter_or_the_laws_error_is_refused():
     ("total", "message"),
     [
         ({"scene": "fulll"}, "accuracy.total.scene = 'fulll': must be one of"),
-        ({"methods": {"paper": {"knob": "steps", "value": 1}}}, "methods.paper = steps 1: is not"),
+        ({"methods": {"paper": {"knob": "steps", "value": 1}}}, "methods.paper = steps 1: is no"),
         ({"interval_scene": "fulll"}, "accuracy.total.interval_scene = 'fulll'"),
     ],
 )
