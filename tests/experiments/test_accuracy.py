@@ -85,7 +85,7 @@ def test_every_setting_of_the_accuracy_study_can_be_run():
         ({"knobs": {"steps": {"scenes": ["fulll"]}}}, "scenes = 'fulll': must be one of"),
         ({"knobs": {"steps": {"scale": ["numerics.stp_um"]}}}, "there is no such key"),
         ({"knobs": {"resolved": {"set": {"numeric": {}}}}}, "numeric = {}: unknown key"),
-        ({"scenes": {"full": {"finest": {"knob": "sweep_tolerance"}}}}, "not turned in this"),
+        ({"scenes": {"full": {"finest": {"knob": "sweep_tolerance"}}}}, "is no knob of this"),
         (
             {"scenes": {"full": {"choices": {"largest_radius_mm": 0.1}}}},
             "at least the grid spacing",

@@ -32,9 +32,7 @@ def mismatch_figure(table: pd.DataFrame) -> Figure:
     the ends of the left axes; the grey line is that of independent walls.
     """
     table = table[table.rock == table.rock.iloc[0]]
-    figure, panels = subplots(
-        len(_PANELS), 2, figsize=(9.0, 11.0), layout="constrained", sharey="row"
-    )
+    figure, panels = subplots(len(_PANELS), 2, figsize=(9.0, 11.0), sharey="row")
     for row, (column, title) in zip(panels, _PANELS.items(), strict=True):
         _against_mismatch(row[0], table[table.shift_mm == 0.0], column)
         _against_shift(row[1], table[table.cycle == table.cycle.min()], column)

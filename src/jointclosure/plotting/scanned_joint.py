@@ -1,11 +1,10 @@
 """Figures of two registered scanned walls."""
 
-import matplotlib.ticker
 import numpy as np
 import seaborn as sns
 from matplotlib.figure import Figure
 
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.surface.registration import CLEAR, RegisteredPair
 
 
@@ -18,7 +17,7 @@ def pair_figure(pair: RegisteredPair, title: str) -> Figure:
     pair : RegisteredPair
     title : str
     """
-    figure, panels = subplots(2, 3, figsize=(13.5, 8.2), layout="constrained")
+    figure, panels = subplots(2, 3, figsize=(13.5, 8.2))
     # z upwards on both, so that mated walls look equal
     _draw_wall(panels[0, 0], -pair.upper, pair, "upper wall, seen from above")
     _draw_wall(panels[0, 1], pair.lower, pair, "lower wall, seen from above")
@@ -111,9 +110,7 @@ def _draw_mating(axes, pair: RegisteredPair) -> None:
         title="correlation of the walls", xlabel="wavelength (mm)",
         ylabel="correlation (1: mated, 0: independent)",
     )  # fmt: skip
-    axes.xaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.xaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
-    axes.xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
+    decimal_ticks(axes.xaxis)
 
 
 def _draw_orientations(axes, pair: RegisteredPair) -> None:

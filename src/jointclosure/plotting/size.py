@@ -33,9 +33,7 @@ def size_figure(table: pd.DataFrame) -> Figure:
     """
     table = table[table.rock == table.rock.iloc[0]]
     base = table[(table.closure_mm_ratio == 1.0) & (table.closure_mm_error == 0.0)].iloc[0]
-    figure, panels = subplots(
-        len(_ROWS), 2, figsize=(9.0, 14.0), layout="constrained", sharey="row", sharex="col"
-    )
+    figure, panels = subplots(len(_ROWS), 2, figsize=(9.0, 14.0), sharey="row", sharex="col")
     for row, (column, cycle, title) in zip(panels, _ROWS, strict=True):
         rows = table[table.cycle == cycle]
         lines = (

@@ -34,7 +34,7 @@ def snapshot_figure(closed: xr.Dataset, title: str) -> Figure:
     """
     number = closed.sizes["snapshot"]
     figure, panels = subplots(
-        number, 3, figsize=(10.5, 3.2 * number + 1.3), layout="constrained", squeeze=False,
+        number, 3, figsize=(10.5, 3.2 * number + 1.3), squeeze=False,
         sharex=True, sharey=True,
     )  # fmt: skip
     for column, maps in zip(panels.T, MAPS.values(), strict=True):

@@ -68,7 +68,9 @@ def styled(draw: Callable[..., _Drawn]) -> Callable[..., _Drawn]:
     return drawn
 
 
-def subplots(rows: int = 1, columns: int = 1, *, figsize, layout=None, **settings) -> tuple:
+def subplots(
+    rows: int = 1, columns: int = 1, *, figsize, layout="constrained", **settings
+) -> tuple:
     """Return a figure and its axes like ``pyplot.subplots``, but unknown to pyplot."""
     figure = StyledFigure(figsize=figsize, layout=layout)
     return figure, figure.subplots(rows, columns, **settings)

@@ -269,8 +269,8 @@ def source_table(
         sources = {"steps": _mean_error(base)}
         tight = part[part.knob == "paper_tolerances"]
         if len(tight):
-            both = (_sample(runs[run], at["cycle"]) for run in (base.run, tight.run.iloc[0]))
-            sources["tolerances"] = _change(*both, drawn)
+            one, exact = (_sample(runs[run], at["cycle"]) for run in (base.run, tight.run.iloc[0]))
+            sources["tolerances"] = _change(one, exact, drawn)
         sources["sampling"] = _sampling(base, realizations, drawn.confidence)
         rule = part[part.knob == "surface_rule"]
         if len(rule):
