@@ -41,7 +41,7 @@ claims = Table(
     {
         "": "{number}",
         "claim": "{claim}",
-        "said in": "{said_in}",
+        "place in the paper": "{said_in}",
         "true of the model": "{verdict}",
         "studies that find it": lambda group: percent_text(
             *(group[f"found_{name}"] for name in ("share", "error", "low", "high"))
