@@ -12,6 +12,7 @@ from jointclosure.plotting.style import (
     decimal_ticks,
     keys_of,
     legend_below,
+    panel_grid,
     point_key,
     styled,
     subplots,
@@ -66,13 +67,8 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
     """
     shown = costs[~costs.other_joints]
     rocks, cycles = shown.rock.unique(), sorted(shown.cycle.unique())
-    figure, panels = subplots(
-        len(cycles),
-        len(rocks),
-        figsize=(4.8 * len(rocks), 3.4 * len(cycles) + 1.2),
-        sharex=True,
-        sharey=True,
-        squeeze=False,
+    figure, panels = panel_grid(
+        len(cycles), len(rocks), (4.8, 3.4), (0.0, 1.2), sharex=True, sharey=True
     )
     knobs = [knob for knob in shown.knob.unique() if knob != BASE]
     colours = dict(zip(knobs, sns.color_palette("colorblind", len(knobs)), strict=True))

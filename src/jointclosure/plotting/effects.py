@@ -12,9 +12,9 @@ from jointclosure.plotting.style import (
     decimal_ticks,
     key,
     legend_below,
+    panel_grid,
     point_key,
     styled,
-    subplots,
 )
 
 _FLOOR = 0.1
@@ -40,13 +40,7 @@ def effect_figure(table: pd.DataFrame) -> Figure:
     """
     shown = _over_rocks(table)
     effects, cycles = table.effect.unique(), sorted(table.cycle.unique())
-    figure, panels = subplots(
-        len(cycles),
-        len(effects),
-        figsize=(2.7 * len(effects) + 1.6, 2.9 * len(cycles) + 0.6),
-        sharey=True,
-        squeeze=False,
-    )
+    figure, panels = panel_grid(len(cycles), len(effects), (2.7, 2.9), (1.6, 0.6), sharey=True)
     norm = LogNorm(table.stress_MPa.min(), table.stress_MPa.max())
     for row, cycle in zip(panels, cycles, strict=True):
         for axes, effect in zip(row, effects, strict=True):
@@ -124,13 +118,8 @@ def choice_figure(table: pd.DataFrame) -> Figure:
     below a hundredth of a percent are drawn there.
     """
     tolerances = sorted(table.tolerance.unique())
-    figure, panels = subplots(
-        2,
-        len(tolerances),
-        figsize=(3.2 * len(tolerances) + 1.4, 5.6),
-        sharex=True,
-        sharey="row",
-        squeeze=False,
+    figure, panels = panel_grid(
+        2, len(tolerances), (3.2, 2.8), (1.4, 0.0), sharex=True, sharey="row"
     )
     names = sorted(table.chosen.unique(), key=lambda name: -name.count("-"))
     everything = scene_name(Effects())

@@ -9,7 +9,7 @@ from matplotlib.patches import Rectangle
 
 from jointclosure.config.typed import StudyRock
 from jointclosure.joint.protocol import UNLOADING
-from jointclosure.plotting.style import BRANCH_LINES, above, key, legend_below, styled, subplots
+from jointclosure.plotting.style import BRANCH_LINES, above, key, legend_below, panel_grid, styled
 
 _QUANTITIES = {
     "hydraulic_aperture": ("_mm", "hydraulic aperture (mm)"),
@@ -32,10 +32,7 @@ def flow_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], seating_stress
     """
     directions = list(dict.fromkeys(table.direction))
     kinds = [(name, direction) for name in _QUANTITIES for direction in directions]
-    figure, panels = subplots(
-        len(rocks), len(kinds), figsize=(3.5 * len(kinds), 3.1 * len(rocks) + 0.7),
-        squeeze=False, sharex="row",
-    )  # fmt: skip
+    figure, panels = panel_grid(len(rocks), len(kinds), (3.5, 3.1), (0.0, 0.7), sharex="row")
     base = table[(table.parameter == "base") & (table.stress_MPa >= 1e-6 * seating_stress)]
     for row, (name, rock) in zip(panels, rocks.items(), strict=True):
         rows = base[base.rock == name]

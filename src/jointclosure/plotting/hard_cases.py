@@ -30,9 +30,7 @@ def hard_case_page(table: pd.DataFrame, curves: pd.DataFrame) -> Figure:
     table = table.assign(panel=table.name.str.removesuffix("_resolved"))
     panels = list(dict.fromkeys(table.panel))
     rows = -(-len(panels) // COLUMNS)
-    figure, grid = subplots(
-        rows, COLUMNS, figsize=(2.1 * COLUMNS, 1.75 * rows + 1.4), layout="constrained"
-    )
+    figure, grid = subplots(rows, COLUMNS, figsize=(2.1 * COLUMNS, 1.75 * rows + 1.4))
     for axes in grid.flat[len(panels) :]:
         axes.set_visible(False)
     for axes, panel in zip(grid.flat, panels, strict=False):

@@ -30,11 +30,7 @@ def likelihoods(table: pd.DataFrame, implied: pd.DataFrame) -> Figure:
     """
     shown = table.sort_values("log_likelihood").reset_index(drop=True)
     figure, panels = subplots(
-        1,
-        3,
-        figsize=(11.0, 0.24 * len(shown) + 1.8),
-        sharey=True,
-        width_ratios=[2.0, 1.0, 1.0],
+        1, 3, figsize=(11.0, 0.24 * len(shown) + 1.8), sharey=True, width_ratios=[2.0, 1.0, 1.0]
     )
     names = list(dict.fromkeys(shown["round"]))
     colours = dict(zip(names, sns.color_palette("colorblind", len(names)), strict=True))

@@ -12,9 +12,9 @@ from jointclosure.plotting.style import (
     key,
     keys_of,
     legend_below,
+    panel_grid,
     point_key,
     styled,
-    subplots,
     ticks_at,
 )
 
@@ -48,14 +48,9 @@ def predictive_figure(
     parameters = [p for p in PARAMETER_TITLES if p in set(drawn.parameter.values.tolist())]
     cycles = sorted(set(drawn.cycle.values.tolist()))
     names = [name for name in rocks if name in set(drawn.rock.values.tolist())]
-    height = len(parameters) * (0.62 + 0.36 * len(names)) + 1.5
-    figure, panels = subplots(
-        len(parameters),
-        len(cycles),
-        figsize=(3.6 * len(cycles), height),
-        squeeze=False,
-        sharex=True,
-        sharey="row",
+    panel = (3.6, 0.62 + 0.36 * len(names))
+    figure, panels = panel_grid(
+        len(parameters), len(cycles), panel, (0.0, 1.5), sharex=True, sharey="row"
     )
     published = paper.set_index(["rock", "parameter", "cycle"]).paper_percent
     for row, parameter in zip(panels, parameters, strict=True):
@@ -163,13 +158,8 @@ def along_curve_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], what: s
     """
     parameters = [p for p in PARAMETER_TITLES if p in set(table.parameter)]
     cycles = sorted(table.cycle.unique())
-    figure, panels = subplots(
-        len(parameters),
-        len(cycles),
-        figsize=(3.6 * len(cycles), 2.3 * len(parameters) + 0.9),
-        squeeze=False,
-        sharex=True,
-        sharey="row",
+    figure, panels = panel_grid(
+        len(parameters), len(cycles), (3.6, 2.3), (0.0, 0.9), sharex=True, sharey="row"
     )
     for row, parameter in zip(panels, parameters, strict=True):
         for axes, cycle in zip(row, cycles, strict=True):

@@ -17,7 +17,15 @@ from jointclosure.engineering.empirical import barton_bandis, law_holds
 from jointclosure.ensemble.aggregation import seats, succeeded
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.plotting.measured import Measurements, draw_measured, measured_handles
-from jointclosure.plotting.style import key, keys_of, legend_below, point_key, styled, subplots
+from jointclosure.plotting.style import (
+    key,
+    keys_of,
+    legend_below,
+    panel_grid,
+    point_key,
+    styled,
+    subplots,
+)
 from jointclosure.sensitivity.tables import UNPAIRED_TEST, roughness_title, test_name
 
 _COLOURS = sns.color_palette("colorblind", 8)
@@ -230,13 +238,7 @@ def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
     """Draw indifference intervals of this study and of the paper, by parameter and cycle."""
     parameters = list(dict.fromkeys(table.parameter))
     cycles = sorted(table.cycle.unique())
-    figure, panels = subplots(
-        len(cycles),
-        len(parameters),
-        figsize=(3.1 * len(parameters), 2.9 * len(cycles)),
-        squeeze=False,
-        sharex=True,
-    )
+    figure, panels = panel_grid(len(cycles), len(parameters), (3.1, 2.9), sharex=True)
     names = list(rocks)
     for row, cycle in zip(panels, cycles, strict=True):
         for axes, parameter in zip(row, parameters, strict=True):
@@ -300,13 +302,8 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
     """
     parameters = [p for p in PARAMETER_TITLES if (closures.parameter == p).any()]
     cycles = sorted(closures.cycle.unique())
-    figure, panels = subplots(
-        len(cycles),
-        len(parameters),
-        figsize=(3.1 * len(parameters), 2.8 * len(cycles)),
-        squeeze=False,
-        sharex="col",
-        sharey="row",
+    figure, panels = panel_grid(
+        len(cycles), len(parameters), (3.1, 2.8), sharex="col", sharey="row"
     )
     values = {p: dict(zip(study.case.values, study[p].values, strict=True)) for p in parameters}
     for row, cycle in zip(panels, cycles, strict=True):

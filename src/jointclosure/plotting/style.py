@@ -76,6 +76,15 @@ def subplots(
     return figure, figure.subplots(rows, columns, **settings)
 
 
+def panel_grid(rows: int, columns: int, panel: tuple, margin: tuple = (0.0, 0.0), **settings):
+    """Return a figure and an array (rows, columns) of axes, from the size of a panel [inches].
+
+    ``margin`` is the width and height of the figure beyond all panels, for labels and legends.
+    """
+    figsize = (panel[0] * columns + margin[0], panel[1] * rows + margin[1])
+    return subplots(rows, columns, figsize=figsize, squeeze=False, **settings)
+
+
 def above(cycle: int, branch: str) -> float:
     """Return the drawing order: unloading above the next cycle's nearly equal loading."""
     return 2.0 if branch == LOADING else 3.0 - 0.01 * cycle

@@ -6,7 +6,14 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.plotting.style import decimal_ticks, key, legend_below, styled, subplots, ticks_at
+from jointclosure.plotting.style import (
+    decimal_ticks,
+    key,
+    legend_below,
+    panel_grid,
+    styled,
+    ticks_at,
+)
 from jointclosure.statistics.total_error import front
 
 _TITLES = {"mean": "Mean closure", "interval": "Indifference interval"}
@@ -35,14 +42,7 @@ def total_error_figure(points: pd.DataFrame) -> Figure:
     shown = list(points.groupby(["response", "cycle"], sort=False))
     methods = list(points.method.unique())
     colours = dict(zip(methods, sns.color_palette("colorblind", len(methods)), strict=True))
-    figure, panels = subplots(
-        1,
-        len(shown),
-        figsize=(4.2 * len(shown), 4.4),
-        sharex=True,
-        sharey=True,
-        squeeze=False,
-    )
+    figure, panels = panel_grid(1, len(shown), (4.2, 4.4), sharex=True, sharey=True)
     for axes, ((response, cycle), part) in zip(panels[0], shown, strict=True):
         _style(axes, points)
         missing = _draw(axes, part, colours, _RANGE[1])
