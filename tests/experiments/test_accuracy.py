@@ -85,7 +85,7 @@ def test_every_setting_of_the_accuracy_study_can_be_run():
         ({"knobs": {"steps": {"scenes": ["fulll"]}}}, "scenes = 'fulll': must be one of"),
         ({"knobs": {"steps": {"scale": ["numerics.stp_um"]}}}, "there is no such key"),
         ({"knobs": {"resolved": {"set": {"numeric": {}}}}}, "numeric = {}: unknown key"),
-        ({"scenes": {"full": {"finest": {"knob": "sweep_tolerance"}}}}, "not turned in this"),
+        ({"scenes": {"full": {"finest": {"knob": "sweep_tolerance"}}}}, "is no knob of this"),
         (
             {"scenes": {"full": {"choices": {"largest_radius_mm": 0.1}}}},
             "at least the grid spacing",
@@ -165,7 +165,7 @@ def turned(noise=0.0):
 def costs_of(settings, runs):
     """Errors held against the exact result."""
     finest = {"full": {"knob": "resolved", "value": 0.005}}
-    return cost_table(settings, runs, finest, np.random.default_rng(3), *DRAWN, 0.05)
+    return cost_table(settings, runs, finest, Resampling(np.random.default_rng(3), *DRAWN), 0.05)
 
 
 def weighed(noise=0.0):
@@ -210,7 +210,7 @@ def test_failed_realisations_are_left_out_and_counted():
     runs[settings[0].run].closure[:, 4] = np.nan
     runs[settings[0].run].closure_net[:, 4] = np.nan
     finest = {"full": {"knob": "resolved", "value": 0.005}}
-    costs = cost_table(settings, runs, finest, np.random.default_rng(3), 50, 0.95, 0.05)
+    costs = cost_table(settings, runs, finest, Resampling(np.random.default_rng(3), 50, 0.95), 0.05)
     base = costs[costs.knob == "base"].iloc[0]
     assert (base.samples, base.failed) == (11, 1)
     assert base.mean_error_percent == pytest.approx(10.0)

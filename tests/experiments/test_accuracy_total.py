@@ -7,7 +7,7 @@ import pytest
 from jointclosure.experiments.accuracy.design import design_of, joint_of
 from jointclosure.experiments.accuracy.total import (
     Cheap,
-    Told,
+    Diagram,
     method_table,
     point_table,
     split_table,
@@ -19,7 +19,7 @@ from tests.studied import checked_study
 
 POINTS = {"coarse": {"knob": "base", "value": ""}, "fine": {"knob": "resolved", "value": 0.02}}
 TOTAL = {"scene": "own", "methods": POINTS, "interval_scene": "own"}
-TOLD = Told(TOTAL, "youngs_modulus", 3, 4000)
+DIAGRAM = Diagram(TOTAL, "youngs_modulus", 3, 4000)
 CHEAP = Cheap(walls=5.0, covariates=3.0, estimate=2.0)
 PAIR = 1e-3  # seconds
 
@@ -61,7 +61,7 @@ def surrogate():
 
 @pytest.fixture(scope="module")
 def methods():
-    return method_table(TOLD, costs(), variance(), surrogate(), CHEAP)
+    return method_table(DIAGRAM, costs(), variance(), surrogate(), CHEAP)
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +90,7 @@ def test_the_rock_where_the_error_is_largest_tells_it(points):
 def test_values_of_a_knob_are_found_as_numbers_and_as_texts(methods):
     numbers = costs()
     numbers["value"] = pd.to_numeric(numbers["value"])  # as from a file without words
-    found = method_table(TOLD, numbers, variance(), surrogate(), CHEAP)
+    found = method_table(DIAGRAM, numbers, variance(), surrogate(), CHEAP)
     pd.testing.assert_frame_equal(found, methods)
 
 
@@ -132,7 +132,7 @@ def test_errors_of_intervals_are_those_of_the_variant_that_is_named_for_them():
     other["interval_high"] = 40.0
     total = TOTAL | {"interval_scene": "other", "interval_methods": {"coarse": POINTS["coarse"]}}
     tables = pd.concat([costs(), other]), variance(), surrogate(), CHEAP
-    found = method_table(TOLD._replace(total=total), *tables)
+    found = method_table(DIAGRAM._replace(total=total), *tables)
     assert (
         found.bias_percent[(found.response == "interval") & (found.method == "coarse")] == 33
     ).all()
@@ -143,7 +143,7 @@ def test_where_the_error_of_an_interval_is_not_known_its_method_is_left_out():
     table = costs()
     unknown = (table.rock == "slate") & (table.cycle == 1) & (table.knob == "base")
     table.loc[unknown, ["interval_low", "interval_high"]] = np.nan
-    found = method_table(TOLD, table, variance(), surrogate(), CHEAP)
+    found = method_table(DIAGRAM, table, variance(), surrogate(), CHEAP)
     coarse = found[found.method == "coarse"]
     assert set(zip(coarse.response, coarse.cycle, strict=True)) == {
         ("mean", 1), ("mean", 2), ("interval", 2),
@@ -163,24 +163,26 @@ def test_the_best_split_of_a_budget_is_on_the_front_and_a_larger_one_is_no_worse
 
 
 def test_a_setting_that_was_not_turned_is_refused_by_name():
-    told = TOLD._replace(total=TOTAL | {"methods": {"swift": {"knob": "steps", "value": 2}}})
-    with pytest.raises(InputError, match=r"accuracy\.total: swift = .*is not turned in own"):
+    told = DIAGRAM._replace(total=TOTAL | {"methods": {"swift": {"knob": "steps", "value": 2}}})
+    with pytest.raises(InputError, match=r"accuracy\.total: swift = .*is no setting of own"):
         method_table(told, costs(), variance(), surrogate(), CHEAP)
 
 
 def test_a_study_that_does_not_tell_scatter_or_the_laws_error_is_refused():
     for lacking in (variance().drop(columns="value"), variance()[lambda t: t.rock != "chalk"]):
-        with pytest.raises(InputError, match=r"variance_reduction\.csv: does not say"):
-            method_table(TOLD, costs(), lacking, surrogate(), CHEAP)
+        with pytest.raises(
+            InputError, match=r"variance_reduction\.csv: has no worth of control variates"
+        ):
+            method_table(DIAGRAM, costs(), lacking, surrogate(), CHEAP)
     with pytest.raises(InputError, match=r"surrogate\.csv: has no joints of slate"):
-        method_table(TOLD, costs(), variance(), surrogate()[lambda t: t.rock != "slate"], CHEAP)
+        method_table(DIAGRAM, costs(), variance(), surrogate()[lambda t: t.rock != "slate"], CHEAP)
 
 
 @pytest.mark.parametrize(
     ("total", "message"),
     [
         ({"scene": "fulll"}, "accuracy.total.scene = 'fulll': must be one of"),
-        ({"methods": {"paper": {"knob": "steps", "value": 1}}}, "methods.paper = steps 1: is not"),
+        ({"methods": {"paper": {"knob": "steps", "value": 1}}}, "methods.paper = steps 1: is no"),
         ({"interval_scene": "fulll"}, "accuracy.total.interval_scene = 'fulll'"),
     ],
 )

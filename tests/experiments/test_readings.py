@@ -29,8 +29,7 @@ from jointclosure.experiments.readings.likelihood import (
     ranking,
 )
 from jointclosure.experiments.readings.points import job_name
-from jointclosure.experiments.readings.pools import transferred
-from jointclosure.experiments.readings.rounds import on_cases
+from jointclosure.experiments.readings.pools import on_cases, transferred
 from jointclosure.experiments.readings.summary import claims_judged, over_rocks, quantities
 from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
 from jointclosure.storage.text import read_csv

@@ -108,4 +108,4 @@ def test_kinds_of_jobs_that_none_is_done_of_are_never_estimated_by_the_others():
     for line in log.splitlines(keepends=True):
         run.read(line)
     assert run.text().startswith("1 of 6 jobs done; left: 2 make_surfaces (about ")
-    assert run.text().endswith("s), 4 of kinds not timed yet")
+    assert run.text().endswith("s), 4 jobs not yet timed")

@@ -207,13 +207,13 @@ def test_readings_that_were_not_run_again_are_those_of_before_and_called_so(monk
         readings_fall=0, readings_open=0, partial_stand=1, partial_fall=2, partial_open=3
     )
     monkeypatch.setattr(conclusions, "stored", lambda run, table: earlier)
-    now = pd.DataFrame({"No.": ["2a", "2c"], "Left of it": ["falls", "stands"]}).assign(
+    now = pd.DataFrame({"No.": ["2a", "2c"], "Conclusion": ["falls", "stands"]}).assign(
         **{"Readings of all rocks: stands, falls, no difference, open": "not tried"}
     )
     shown = conclusions._with_earlier(now)
     assert shown.columns[2] == "Readings of all rocks: stands, falls, open, earlier run"
     assert shown.iloc[:, 2].tolist() == ["4, 0, 0", "not tried"]
-    assert shown["Left of it"].tolist() == ["falls", "stands"]
+    assert shown["Conclusion"].tolist() == ["falls", "stands"]
 
 
 def test_the_readmes_outcome_is_that_of_the_stored_study():

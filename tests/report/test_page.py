@@ -173,7 +173,7 @@ def test_a_study_that_varies_nothing_has_no_intervals_and_no_claims(material):
     plain = material._replace(intervals=None, claims=None)
     text = Outline(render(content(plain))).read()
     assert "No property was varied at enough levels." in text
-    assert "the claims cannot be held against this study" in text
+    assert "this study cannot test the claims" in text
     empty = material._replace(intervals=material.intervals.iloc[:0])
     assert "No property was varied at enough levels." in Outline(render(content(empty))).read()
 

@@ -294,7 +294,7 @@ def test_a_study_adds_surfaces_until_the_accuracy_wanted_is_reached_and_closes_n
     assert "preset quick" in answer.stdout
     assert "core-minutes a case" in answer.stdout
     assert "not reached in" in answer.stdout
-    assert "going on with" in answer.stdout
+    assert "continues with" in answer.stdout
     table = read_csv(project / "results/wish/tables/accuracy_reached.csv")
     assert table.met.all()
     assert (table.surfaces > 20).all()

@@ -1,4 +1,4 @@
-# The total error of every way to a result: `snakemake total_error --configfile config/accuracy.yaml`, of the
+# The total error of all methods: `snakemake total_error --configfile config/accuracy.yaml`, of the
 # experiment accuracy and of a study whose size and stress its variant has. Nothing here makes that study.
 ACCURACY = config.get("accuracy")
 TOTAL = ACCURACY.get("total") if ACCURACY else None
@@ -18,7 +18,7 @@ rule total_error:
         f"{RESULTS}/tables/accuracy_split.csv",
         expand(f"{RESULTS}/figures/accuracy_total.{{format}}", format=["png", "pdf"]),
     message:
-        "The total error of every way to a result is known"
+        "The total error of all methods is in {input[0]}"
 
 
 rule weigh_total_error:

@@ -1,11 +1,11 @@
-# What each of the paper's conclusions rests on, of all studies that were run: `snakemake conclusions`.
+# Evidence for each of the paper's conclusions, from all studies that were run: `snakemake conclusions`.
 
 
 rule conclusions:
     input:
         f"{RESULTS}/tables/conclusions.csv",
     message:
-        "What is left of the paper's conclusions is in {input[0]}"
+        "The judged conclusions of the paper are in {input[0]}"
 
 
 rule conclude:

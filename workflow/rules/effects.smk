@@ -1,4 +1,4 @@
-# How well effects are chosen at random conditions: `snakemake effects_auto --configfile config/effects.yaml`.
+# Test of the choice of effects at random conditions: `snakemake effects_auto --configfile config/effects.yaml`.
 # Without a section `ablation.validation` no rule here has work.
 from jointclosure.effects.validation import validation_settings
 
@@ -24,7 +24,7 @@ rule effects_auto:
             ),
         ),
     message:
-        "How well effects are chosen is known"
+        "The choice of effects is tested"
 
 
 rule validate_choice:

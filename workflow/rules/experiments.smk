@@ -1,5 +1,5 @@
-# Experiments: points are closed by one engine, and put into tables and figures. The rules have work for
-# those experiments whose section the configuration has: `snakemake size --configfile config/size.yaml`.
+# Experiments: one engine closes points; tables and figures follow. The rules serve the experiments whose
+# section the configuration has: `snakemake size --configfile config/size.yaml`.
 
 
 wildcard_constraints:

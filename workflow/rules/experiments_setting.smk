@@ -1,13 +1,15 @@
-# What the rules of experiments share: the experiments of the configuration, their jobs and rounds. No rules here.
-# Every job reads this anew: what takes long is checked or made in the main process only, or when a rule asks for it.
+# Shared by the rules of experiments: the experiments of the configuration, their jobs and rounds. No rules here.
+# Every job reads this file anew: slow checks run in the main process only, and slow values are made on demand.
 from jointclosure.ensemble import points as engine
 from jointclosure.experiments import experiments_in
 
 EXPERIMENTS = experiments_in(config)
-for each in EXPERIMENTS.values():
+for experiment in EXPERIMENTS.values():
     if workflow.is_main_process:
-        each.check(CONFIGURED)
-DESIGNS = {name: each.design(CONFIGURED) for name, each in EXPERIMENTS.items()}
+        experiment.check(CONFIGURED)
+DESIGNS = {
+    name: experiment.design(CONFIGURED) for name, experiment in EXPERIMENTS.items()
+}
 
 
 def code_of_experiment(name, script):
@@ -38,7 +40,7 @@ def rankings_before(experiment, number):
 
 
 def entrants_of(experiment, number):
-    """Names of those that enter a round, once the one before is ranked."""
+    """Names of the entrants of a round, once the round before is ranked."""
     before = None
     if number:
         last = round_names(experiment)[number - 1]

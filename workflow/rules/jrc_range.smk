@@ -1,4 +1,4 @@
-# A JRC that is known to a range only, from the joints of a finished study: `snakemake jrc_range`.
+# Effect of a JRC that is only known within a range, from the joints of a finished study: `snakemake jrc_range`.
 
 
 rule jrc_range:
@@ -6,7 +6,7 @@ rule jrc_range:
         f"{RESULTS}/tables/jrc_range.csv",
         f"{RESULTS}/tables/jrc_range_claims.csv",
     message:
-        "What a JRC that is known to a range does is in {input[0]}"
+        "The effect of an uncertain JRC is in {input[0]}"
 
 
 rule draw_jrc_range:
@@ -16,7 +16,7 @@ rule draw_jrc_range:
         paper=PAPER_TABLE_3,
     output:
         entries=f"{RESULTS}/tables/jrc_range.csv",
-        found=f"{RESULTS}/tables/jrc_range_claims.csv",
+        claims=f"{RESULTS}/tables/jrc_range_claims.csv",
     params:
         statistics=to_plain(CONFIGURATION.statistics),
         root_seed=CONFIGURATION.study.root_seed,

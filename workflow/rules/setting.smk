@@ -1,4 +1,4 @@
-# What all rules share: the checked configuration and its cases. No rules here.
+# Shared by all rules: the checked configuration and its cases. No rules here.
 from pathlib import Path
 
 from jointclosure.config import configuration
@@ -25,7 +25,7 @@ STUDY = CONFIGURATION.study.name
 RESULTS = f"results/{STUDY}"
 ENVIRONMENT = "../envs/jointclosure.yaml"
 CAPTIONS = PACKAGE / "report/texts"
-# what is closed: the study's own cases, and those of its pool of common surfaces
+# the cases of the study, and those of its pool of common surfaces
 ENSEMBLES = cases.ensembles_of(CONFIGURATION)
 CASES = {
     ensemble: {case.label: case for case in cases.cases_of(settled)}
@@ -42,7 +42,7 @@ FLOW = CONFIGURATION.flow
 WANTED = wanted_of(config)
 AUTO = CONFIGURATION.effects_chosen_to is not None
 CURVES = measured.curve_settings(CONFIGURATION)
-# measured curves are read here, so that what is wrong with one is said before any job
+# measured curves are read here, so that errors in them are reported before any job
 measured.measured_curves(CURVES, read_text)
 CURVE_FILES = [curve.measured.file for curve in CURVES.values()]
 VARIED = any(rock.levels for rock in ROCKS.values())
@@ -144,7 +144,7 @@ def rock_of(wildcards):
 
 
 def closed_surfaces(wildcards):
-    """The surface pairs that a case closes: its own, or those of its rock's base case."""
+    """The surface pairs that a case closes, which may be those of its rock's base case."""
     surface = CASES[wildcards.ensemble][wildcards.case].surface
     return f"{RESULTS}/{wildcards.ensemble}/{surface}.{wildcards.first}.surfaces.nc"
 

@@ -1,5 +1,5 @@
 # Surfaces of each case, and their closure: in blocks of realisations, named by their first.
-# The study's own are in the folder cases, those of its pool in pool.
+# Those of the study are in the folder cases, those of its pool in pool.
 from jointclosure.effects.choice import possible_scenes
 
 

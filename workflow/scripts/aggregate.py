@@ -1,4 +1,4 @@
-"""Put all cases of a study into one dataset, block by block of their realisations."""
+"""Join all cases of a study in one dataset, by blocks of realisations."""
 
 import json
 from collections.abc import Iterator

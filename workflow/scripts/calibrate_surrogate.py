@@ -15,8 +15,8 @@ def main(ensemble: str, settings: dict, output: str, log: Logbook) -> None:
     table = calibrate(read_netcdf(ensemble), grid, surface)
     write_csv(table, output)
     for row in table.drop_duplicates(["constants", "at_strength"]).itertuples():
-        who = row.rock if row.constants == "own" else "all rocks"
-        log(f"{who}: area fraction {row.at_strength:.4f} (stress/strength)^{row.exponent:.4f}")
+        name = row.rock if row.constants == "own" else "all rocks"
+        log(f"{name}: area fraction {row.at_strength:.4f} (stress/strength)^{row.exponent:.4f}")
     log(f"wrote {output}: {len(table)} rows")
 
 

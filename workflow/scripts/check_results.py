@@ -1,4 +1,4 @@
-"""Check the results. What fails is in the table; `require_checks` makes it an error."""
+"""Check the results; `require_checks` makes an error of a failed check."""
 
 import pandas as pd
 

@@ -16,23 +16,23 @@ from jointclosure.storage.text import write_text
 
 
 def main(settings: dict[str, ClosureSettings], outputs: dict[str, str], log: Logbook) -> None:
-    """Write the effects that matter in any case, and what was closed with all of them."""
+    """Write the effects that matter in any case, and the joints closed with all effects."""
     choice = choose_for_rock(settings, log)
     chosen = {"effects": choice.effects, "error": choice.error}
     chosen["cases"] = {
-        label: {"effects": own.effects, "error": own.error, "reasons": own.reasons}
-        for label, own in choice.cases.items()
+        label: {"effects": case.effects, "error": case.error, "reasons": case.reasons}
+        for label, case in choice.cases.items()
     }
     write_text(json.dumps(to_plain(chosen), indent=1) + "\n", outputs["chosen"])
     write_netcdf(_closed(settings, choice), outputs["closed"])
 
 
 def _closed(settings: dict[str, ClosureSettings], choice: RockChoice) -> xr.Dataset:
-    """What the pilots closed with all effects, over (realization), with the case of each."""
+    """Join the joints that the pilots closed with all effects, over (realization)."""
     parts = []
-    for label, own in choice.cases.items():
-        told = settings[label]
-        part = closed_before(surfaces_of(told.surfaces), own.closed, told)
+    for label, case in choice.cases.items():
+        surfaces = surfaces_of(settings[label].surfaces)
+        part = closed_before(surfaces, case.closed, settings[label])
         cases = [label] * part.sizes["realization"]
         parts.append(part.assign_coords(case=("realization", cases)))
     return xr.concat(parts, "realization")

@@ -1,4 +1,4 @@
-"""Close the hard cases of a group, and have them judged."""
+"""Close and judge the hard cases of a group."""
 
 import faulthandler
 import sys
@@ -16,7 +16,7 @@ from jointclosure.verification.hard_cases import (
 )
 
 PATIENCE = 10.0
-"""Times its budget after which a case is taken to loop: the job ends and says where it was."""
+"""Multiple of its budget after which a case counts as endless: the job ends with a traceback."""
 
 
 def main(cases: dict[str, dict], group: str, outputs: dict, log: Logbook) -> None:

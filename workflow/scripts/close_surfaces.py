@@ -25,21 +25,21 @@ def main(
 ) -> None:
     """Write the closures (realization, cycle, branch, stress).
 
-    ``pilot``: files of the effects that it chose, and of what it closed with all effects.
+    ``pilot``: files of the effects that it chose, and of the joints that it closed with all.
     """
     chosen, before = pilot
-    told = settings if chosen is None else settings.with_effects(chosen_effects(chosen))
-    log(f"settings: {as_text(told)}")
-    scene, label = scene_name(told.case.effects), told.case.label
+    used = settings if chosen is None else settings.with_effects(chosen_effects(chosen))
+    log(f"settings: {as_text(used)}")
+    scene, label = scene_name(used.case.effects), used.case.label
     with reading_netcdf(surfaces) as pairs:
         check_settings(surfaces, pairs.attrs, settings.surfaces)
         countdown = Countdown(label, pairs.sizes["realization"])
         closed = close_surfaces(
             pairs,
-            told,
+            used,
             report=lambda line: log(f"{line}; {countdown()}"),
             repeated_by=repeated_by(Path(output), label),
-            before=closed_by_pilot(before, label) if before and told == settings else None,
+            before=closed_by_pilot(before, label) if before and used == settings else None,
         )
         marked = (block.assign_attrs(settings=as_text(settings), scene=scene) for block in closed)
         write_netcdf_blocks(marked, "realization", output)
@@ -47,18 +47,18 @@ def main(
 
 
 def chosen_effects(path: str) -> Effects:
-    """The effects that the pilot of the case's rock chose."""
+    """Return the effects that the pilot of the case's rock chose."""
     return Effects(**json.loads(read_text(path))["effects"])
 
 
 def closed_by_pilot(path: str, label: str) -> xr.Dataset:
-    """What the pilot closed of a case, with all effects."""
+    """Return the joints of a case that the pilot closed with all effects."""
     closed = read_netcdf(path)
     return closed.isel(realization=(closed.case == label).values)
 
 
 def repeated_by(output: Path, label: str) -> str:
-    """The command that does a realisation of a case again, but for its number."""
+    """Return the command that repeats a realisation of a case, without its number."""
     pool = "--pool " if output.parent.name == "pool" else ""
     return f"jointclosure repeat {pool}{output.parents[1]} {label}"
 

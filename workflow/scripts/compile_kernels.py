@@ -1,4 +1,4 @@
-"""Compile every kernel that is needed, before the jobs fan out."""
+"""Compile all necessary kernels before the jobs start."""
 
 from jointclosure.compilation.kernels import cache_folder
 from jointclosure.jobs.job import job
@@ -9,7 +9,7 @@ from jointclosure.storage.text import write_text
 
 
 def main(kernels: list[list[str]], output: str, log: Logbook) -> None:
-    """Compile, and leave a note of where the machine code is."""
+    """Compile, and write the name of the folder of the machine code."""
     log(f"kernels are kept in {cache_folder()}")
     for scene, peaks, solver, breakage in kernels:
         compile_kernels(scene_of(scene), Choices(peaks=peaks), solver, breakage)

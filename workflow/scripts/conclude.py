@@ -1,4 +1,4 @@
-"""Put together what each conclusion of the paper rests on."""
+"""Tabulate the evidence for each conclusion of the paper."""
 
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
@@ -10,12 +10,12 @@ BESIDE = ("readings", "choices", "margins")
 
 
 def main(inputs: dict, outputs: dict, log: Logbook) -> None:
-    """Write the table; what was not run beside the study is left empty."""
+    """Write the table, with empty columns for studies that were not run."""
     beside = {name: read_csv(inputs[name]) for name in BESIDE if inputs[name]}
     table = conclusion_table(read_csv(inputs["claims"]), read_csv(inputs["jrc_range"]), **beside)
     write_csv(table, outputs["table"])
     for name in set(BESIDE) - set(beside):
-        log(f"{name}: was not run beside this study, and is left empty")
+        log(f"{name}: this study was not run; its columns are empty")
     log(f"wrote {outputs['table']}")
 
 

@@ -1,4 +1,4 @@
-"""Say how many hard cases hold, and which do not; an error where one does not."""
+"""Print the number of hard cases that hold and those that do not; fail if one does not."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""What a JRC that is known to a range only does to Table 3, and to what studies find."""
+"""Compute the effect of an uncertain JRC on Table 3 and on the findings of studies."""
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Statistics
@@ -16,15 +16,15 @@ def main(inputs: dict, settings: dict, outputs: dict, log: Logbook) -> None:
     statistics = from_plain(Statistics, settings["statistics"])
     design = Design(draws=settings["realizations"], significance=statistics.significance)
     with reading_netcdf(inputs["study"]) as study, reading_netcdf(inputs["pool"]) as pool:
-        # each half-width is drawn several times, which together are as many as usual
+        # every half-width is drawn several times, with the usual number of repetitions in total
         repetitions = statistics.repetitions // REPEATS
         evidence = Evidence(study, pool, design, repetitions, settings["root_seed"])
-        entries, found = jrc_range_tables(
+        entries, claims = jrc_range_tables(
             evidence, statistics.jrc_half_widths, read_csv(inputs["paper"])
         )
     write_csv(entries, outputs["entries"])
-    write_csv(found, outputs["found"])
-    log(f"wrote {outputs['entries']}, {outputs['found']}")
+    write_csv(claims, outputs["claims"])
+    log(f"wrote {outputs['entries']}, {outputs['claims']}")
 
 
 if __name__ == "__main__":

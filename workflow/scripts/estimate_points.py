@@ -1,4 +1,4 @@
-"""Estimate the time of an experiment, by a few of its joints."""
+"""Estimate the time of an experiment from a few of its joints."""
 
 import math
 import sys

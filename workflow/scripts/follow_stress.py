@@ -1,4 +1,4 @@
-"""Elasticities and indifference intervals along the closure curve."""
+"""Tabulate elasticities and indifference intervals along the closure curve."""
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Statistics
@@ -14,9 +14,14 @@ def main(pool: str, settings: dict, output: str, log: Logbook) -> None:
     """Write them at stresses from seating to the maximum."""
     statistics = from_plain(Statistics, settings["statistics"])
     design = Design(draws=settings["realizations"], significance=statistics.significance)
-    told = (settings["seating_stress"], design, statistics.repetitions, settings["root_seed"])
     with reading_netcdf(pool) as ensemble:
-        table = along_curve(ensemble, *told)
+        table = along_curve(
+            ensemble,
+            settings["seating_stress"],
+            design,
+            statistics.repetitions,
+            settings["root_seed"],
+        )
     write_csv(table, output)
     log(f"wrote {output}: {len(table)} rows")
 

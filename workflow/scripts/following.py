@@ -1,4 +1,4 @@
-"""Snakemake run with its log in a file: a line on how far it is, what failed, and its end."""
+"""Run of Snakemake with its log in a file: progress, failures, and end."""
 
 import re
 import subprocess
@@ -14,13 +14,13 @@ from jointclosure.jobs.logbook import failed_log
 from jointclosure.jobs.progress import WorkflowProgress
 
 SHOWN = "jointclosure: "
-"""Lines of the log that start so are for the user."""
+"""Prefix of the lines of the log that are shown to the user."""
 SECONDS, PART = 30.0, 0.1
-"""Between two lines on progress where no terminal is: so long, or so much of all jobs."""
+"""Time or share of jobs between two lines on progress without a terminal."""
 
 
 def follow(command: list[str], stream: TextIO, log: Path, request: EndRequest) -> int:
-    """Run Snakemake with its log in a file, and say how far it is; its exit status."""
+    """Run Snakemake with its log in a file, show its progress, and return its exit status."""
     console = Console()
     if request:
         return ended(console, request)
@@ -37,13 +37,13 @@ def follow(command: list[str], stream: TextIO, log: Path, request: EndRequest) -
             if line.startswith(SHOWN):
                 console.say(line.removeprefix(SHOWN).rstrip())
             console.show(progress)
-    finally:  # of whatever ends this, nothing goes on
+    finally:  # no process is left, whatever ends this one
         kill_group(process)
     console.clear()
     written = log.read_bytes()[start:].decode(errors="replace")
     if process.returncode:
         print(failures(written), file=sys.stderr)
-        print(f"The run failed or was ended; all that was said is in {log}", file=sys.stderr)
+        print(f"The run failed or was ended; its whole log is {log}", file=sys.stderr)
     elif progress.total:
         console.say(f"{progress.done} of {progress.total} jobs done")
         for line in repeated(written):
@@ -54,13 +54,13 @@ def follow(command: list[str], stream: TextIO, log: Path, request: EndRequest) -
 
 
 def ended(console: "Console", request: EndRequest) -> int:
-    """Say how a run goes on that was asked to end; its exit status."""
+    """Print how an ended run can be continued, and return its exit status."""
     console.say(str(request))
     return 128 + request.signal
 
 
 def lines_of(log: Path, start: int, process: subprocess.Popen) -> Iterator[str]:
-    """Lines that a process writes to a file, as they come, and "" where none came for a while."""
+    """Generate the lines that a process writes to a file, and "" if there is none for a while."""
     with open(log, encoding="utf-8", errors="replace") as written:
         written.seek(start)
         part = ""
@@ -78,7 +78,7 @@ def lines_of(log: Path, start: int, process: subprocess.Popen) -> Iterator[str]:
 
 
 class Console:
-    """A line that is renewed on a terminal; elsewhere a line now and then."""
+    """Progress as one renewed line on a terminal, or as occasional lines elsewhere."""
 
     def __init__(self, stream: TextIO | None = None):
         self._stream = sys.stdout if stream is None else stream
@@ -86,7 +86,7 @@ class Console:
         self._shown, self._at, self._part = "", time.monotonic(), 0.0
 
     def show(self, progress: WorkflowProgress) -> None:
-        """Say how far it is, if it is time to."""
+        """Show the progress, if the last line is old enough."""
         if not progress.total:
             return
         now, part = time.monotonic(), progress.done / progress.total
@@ -99,12 +99,12 @@ class Console:
             print(progress.text(), file=self._stream, flush=True)
 
     def say(self, text: str) -> None:
-        """A line that stays."""
+        """Print a line that stays."""
         self.clear()
         print(text, file=self._stream, flush=True)
 
     def clear(self) -> None:
-        """Take the renewed line away."""
+        """Remove the renewed line."""
         if self._shown:
             self._renew("")
 
@@ -115,30 +115,30 @@ class Console:
         self._shown = text
 
 
-def failures(said: str) -> str:
-    """What went wrong, of all that Snakemake said: each failed rule, and the end of its log."""
-    found = dict.fromkeys(_FAILED.findall(said))
+def failures(log_text: str) -> str:
+    """Describe the failed rules in a log of Snakemake, with the end of their logs."""
+    failed = dict.fromkeys(_FAILED.findall(log_text))
     parts = [
         f"{rule} failed; the end of {log}:\n{_end(Path(log).read_text(errors='replace'), 12)}"
-        for rule, log in found
+        for rule, log in failed
         if Path(log).is_file()
     ]
-    return "\n\n".join(parts) or _end(said, 40)
+    return "\n\n".join(parts) or _end(log_text, 40)
 
 
-def repeated(said: str) -> list[str]:
-    """A line for each job that failed, of all that Snakemake said in a run that went well."""
-    found = dict.fromkeys(_FAILED.findall(said))
+def repeated(log_text: str) -> list[str]:
+    """Describe jobs that failed and were repeated, from the log of a successful run."""
+    failed = dict.fromkeys(_FAILED.findall(log_text))
     return [
         f"a job of {rule} failed and was repeated; its log is {failed_log(log)}"
-        for rule, log in found
+        for rule, log in failed
     ]
 
 
 _FAILED = re.compile(
     r"^Error in rule (\w+):\n(?:    .*\n)*?    log: (.+?)(?:, .*)? \(check", re.MULTILINE
 )
-"""A failed job and its own log; a cluster's log may stand after it."""
+"""Failed job and its log; a cluster's log may follow it."""
 
 
 def _end(text: str, lines: int) -> str:

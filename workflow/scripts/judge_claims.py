@@ -1,4 +1,4 @@
-"""Hold the paper's claims against the model and the study."""
+"""Judge the paper's claims by the model and by the study."""
 
 import pandas as pd
 

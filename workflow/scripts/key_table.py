@@ -66,28 +66,27 @@ rocks:
 
 
 def main() -> str:
-    """The page's text."""
+    """Return the text of the page."""
     return HEADER + "".join(
         f"{row}\n" for row in rows(json_schema(ConfigurationKeys), read_plain(DEFAULT), "")
     )
 
 
 def schema() -> str:
-    """The JSON schema's text; a file has what differs from the defaults, so it requires nothing."""
+    """Return the text of the JSON schema, without required keys: a file overrides defaults."""
     return json.dumps(_without_required(json_schema(ConfigurationKeys)), indent=1) + "\n"
 
 
 def _without_required(part: object) -> object:
     if isinstance(part, list):
-        return [_without_required(each) for each in part]
+        return [_without_required(entry) for entry in part]
     if not isinstance(part, dict):
         return part
-    kept = {name: each for name, each in part.items() if name != "required"}
-    return {name: _without_required(each) for name, each in kept.items()}
+    return {name: _without_required(part[name]) for name in part if name != "required"}
 
 
 def rows(schema: dict, default: object, path: str):
-    """A row for each key below a path."""
+    """Generate a row for each key below a path."""
     entries = dict(schema.get("properties", {}))
     extra = schema.get("additionalProperties")
     if isinstance(extra, dict):

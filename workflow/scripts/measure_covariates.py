@@ -1,4 +1,4 @@
-"""Measure the covariates of what was closed, and make the surfaces that tell their means."""
+"""Measure the covariates of closed joints, and their means on further surfaces."""
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Grid, Surface

@@ -1,4 +1,4 @@
-"""Measure the paper's formulas and sweep, and ours, against exact values."""
+"""Measure the errors of the paper's formulas and sweep, and of ours."""
 
 import numpy as np
 import pandas as pd

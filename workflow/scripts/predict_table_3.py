@@ -1,4 +1,4 @@
-"""What repetitions of the study would publish in Table 3, and whether the paper's is one."""
+"""Predict Table 3 in repetitions of the study, and test whether the paper's is one of them."""
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Statistics
@@ -21,12 +21,12 @@ def main(pool: str, paper: str, settings: dict, outputs: dict, log: Logbook) -> 
     statistics = from_plain(Statistics, settings["statistics"])
     design = Design(draws=settings["realizations"], significance=statistics.significance)
     ensemble = read_netcdf(pool, without=CURVES)
-    found = predictive(ensemble, design, statistics.repetitions, settings["root_seed"])
+    predicted = predictive(ensemble, design, statistics.repetitions, settings["root_seed"])
     published = read_csv(paper)
-    write_csv(predictive_table(found, published), outputs["entries"])
-    joint = joint_table(found, published)
+    write_csv(predictive_table(predicted, published), outputs["entries"])
+    joint = joint_table(predicted, published)
     write_csv(joint, outputs["joint"])
-    write_netcdf(lengths_dataset(found), outputs["lengths"])
+    write_netcdf(lengths_dataset(predicted), outputs["lengths"])
     for row in joint.itertuples():
         log(f"{row.entries}: p = {row.p:.3g}, without any effect {row.null_p:.3g}")
     log(f"wrote {', '.join(outputs.values())}")

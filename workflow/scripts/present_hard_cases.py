@@ -1,4 +1,4 @@
-"""Put the groups of hard cases together: one table, and pictures of the cases and of numerics."""
+"""Join the groups of hard cases in one table, and draw the cases and the numerical errors."""
 
 from pathlib import Path
 

@@ -1,6 +1,6 @@
-"""Commands in process groups of their own, which end within seconds when this process should.
+"""Commands in new process groups, which end within seconds after a request to end.
 
-As a program it stands for the command: `python process_group.py COMMAND ARGUMENT ...`. It needs the
+As a program it replaces the command: `python process_group.py COMMAND ARGUMENT ...`. It needs the
 standard library only, as `make setup` runs it before there is an environment.
 """
 
@@ -19,7 +19,7 @@ GO_ON = "what is finished stays; the same command goes on from there"
 
 
 class EndRequest:
-    """Whether this process was asked to end; true from the first request on.
+    """Request to end this process; true from the first request on.
 
     Requests are the signals INT, TERM and HUP, and the interruption or death of the `make` that
     started this process: an INT that reaches make alone is not passed on by it.
@@ -27,9 +27,9 @@ class EndRequest:
     Attributes
     ----------
     signal : int
-        Of the first request; 0 before it.
+        Signal of the first request; 0 before it.
     repeated : bool
-        Whether another request came later, so that nothing should be waited for.
+        Whether another request came later, so that no job is waited for.
     """
 
     def __init__(self) -> None:
@@ -59,7 +59,7 @@ class EndRequest:
 
 
 def _make_above(process: int) -> int:
-    """The nearest `make` from a process upwards, over wrappers of Python; else the process."""
+    """Return the nearest `make` above a process, over wrappers of Python; else the process."""
     above = process
     while above > 1:
         try:
@@ -73,7 +73,7 @@ def _make_above(process: int) -> int:
 
 
 def _catches_interrupts(process: int) -> bool:
-    """Whether a process has a handler for INT, which make drops once it was interrupted (Linux)."""
+    """Return whether a process handles INT; make drops its handler once interrupted (Linux)."""
     try:
         status = Path(f"/proc/{process}/status").read_text(encoding="utf-8")
     except OSError:
@@ -83,7 +83,7 @@ def _catches_interrupts(process: int) -> bool:
 
 
 def start_group(command: list[str], **settings) -> subprocess.Popen:
-    """Start a command in a process group of its own, out of reach of the terminal's signals."""
+    """Start a command in a new process group, out of reach of the terminal's signals."""
     return subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True, **settings)
 
 
@@ -117,7 +117,7 @@ def kill_group(process: subprocess.Popen) -> None:
 
 
 def shell_status(returncode: int) -> int:
-    """The exit status of a process as a shell has it: 128 and the signal that ended it."""
+    """Return the exit status as a shell gives it: 128 plus the signal that ended a process."""
     return 128 - returncode if returncode < 0 else returncode
 
 

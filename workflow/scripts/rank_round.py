@@ -1,4 +1,4 @@
-"""Rank those that entered a round of an experiment."""
+"""Rank the entrants of a round of an experiment."""
 
 from collections.abc import Mapping
 

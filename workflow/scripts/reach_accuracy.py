@@ -1,4 +1,4 @@
-"""Say what a study has reached of the accuracy that was wanted."""
+"""Compare the accuracy of a study with the wanted accuracy."""
 
 from jointclosure.config.files import METHODS
 from jointclosure.config.plain import from_plain

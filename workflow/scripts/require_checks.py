@@ -1,4 +1,4 @@
-"""Fail where a check of the results has failed: the table of checks is written before."""
+"""Fail if a check of the results has failed."""
 
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
@@ -6,7 +6,7 @@ from jointclosure.storage.text import read_csv, write_text
 
 
 def main(checks: str, output: str, log: Logbook) -> None:
-    """Leave a note that all checks passed, or end with those that failed."""
+    """Write that all checks passed, or end with those that failed."""
     table = read_csv(checks)
     failed = table[~table.passed]
     if len(failed):

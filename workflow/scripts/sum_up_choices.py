@@ -1,4 +1,4 @@
-"""Sum up how well effects were selected at random conditions."""
+"""Summarise the errors of selected effects at random conditions."""
 
 import pandas as pd
 

@@ -1,4 +1,4 @@
-"""Put the joints of an experiment together, and make its tables."""
+"""Join the joints of an experiment, and make its tables."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path

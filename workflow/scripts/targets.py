@@ -1,7 +1,7 @@
-"""Targets of the Makefile: what Snakemake is asked for, and which configurations are refused.
+"""Targets of the Makefile: goals of Snakemake, and checks of the configuration.
 
-What a user tells make (CONFIG, PROFILE, CORES) comes through the environment and is data: no shell
-reads it.
+The user's variables of make (CONFIG, PROFILE, CORES) come through the environment as data: no shell
+reads them.
 """
 
 import importlib.util
@@ -38,10 +38,10 @@ _ADVICE = {
 
 
 class Target(NamedTuple):
-    """What Snakemake is asked for: goals one after the other, and the usual configuration.
+    """Goals of Snakemake, one after the other, and the default configuration.
 
-    ``section`` of a configuration that it needs; ``check`` refuses one that cannot be done;
-    ``page`` in the study's folder is what the user wants to open.
+    ``section``: required section of the configuration; ``check`` refuses a configuration that
+    cannot be run; ``page``: name of the page in the study's folder that the user opens.
     """
 
     goals: tuple[str, ...] = ("all",)
@@ -56,8 +56,10 @@ TARGETS = {
     "study": Target(),
     "report": Target(("report",), page="report.html"),
     "hard-cases": Target(("hard_cases",), study="hard_cases"),
-    "jrc-range": Target(("all", "jrc_range"), check=lambda told: check_jrc_varies(told.typed)),
-    "conclusions": Target(("all", "conclusions"), check=lambda told: check_jrc_varies(told.typed)),
+    "jrc-range": Target(("all", "jrc_range"), check=lambda study: check_jrc_varies(study.typed)),
+    "conclusions": Target(
+        ("all", "conclusions"), check=lambda study: check_jrc_varies(study.typed)
+    ),
 }
 TARGETS |= {
     name.replace("_", "-"): Target(
@@ -77,7 +79,7 @@ TARGETS["global-sensitivity-estimate"] = TARGETS["global-sensitivity"]._replace(
 
 
 def run_target(name: str, request: EndRequest) -> int:
-    """Run a target; the exit status of Snakemake, or 1 where the results are not as they should."""
+    """Run a target and return the exit status of Snakemake."""
     target = TARGETS[name]
     override = "" if target.study else os.environ.get("CONFIG") or target.configuration
     folder = Path("results") / (target.study or checked_name(name, override))
@@ -109,48 +111,48 @@ def run_target(name: str, request: EndRequest) -> int:
 
 
 def checked_name(name: str, override: str) -> str:
-    """The name of the study of a file over the default configuration, if a target can do it."""
+    """Return the name of the study of a configuration file, checked for a target."""
     if override and not Path(override).is_file():
         raise InputError(f"CONFIG={override}: there is no such file")
     target = TARGETS[name]
-    told = configured(merged_study(*([Path(override)] if override else [])), read_csv)
-    if target.section and not told.keys.get(target.section):
+    study = configured(merged_study(*([Path(override)] if override else [])), read_csv)
+    if target.section and not study.keys.get(target.section):
         raise InputError(
             f"{override}: has no section {target.section}, which make {name} needs "
             f"({target.configuration} has one)"
         )
-    target.check(told)
-    measured_curves(curve_settings(told.typed), read_text)
-    return told.typed.study.name
+    target.check(study)
+    measured_curves(curve_settings(study.typed), read_text)
+    return study.typed.study.name
 
 
 PLAN = "accuracy_plan.yaml"
-"""File in a study's folder: the surfaces that the accuracy wanted of it was found to need."""
+"""File in a study's folder with the number of surfaces for its wanted accuracy."""
 
 
-def wish_of(override: str) -> Wanted | None:
-    """The accuracy that a study wants of its results, if it wants any."""
+def wanted_accuracy(override: str) -> Wanted | None:
+    """Return the wanted accuracy of a study, if any."""
     return wanted_of(merged_study(*([Path(override)] if override else [])))
 
 
 def planned(override: str, folder: Path) -> list[str]:
-    """Arguments for as many surfaces as were found to be needed for the accuracy wanted.
+    """Return the arguments that set the planned number of surfaces for the wanted accuracy.
 
     The file follows that of the study after one --configfile, as Snakemake takes the last only.
     """
-    wanted, plan = wish_of(override), folder / PLAN
+    wanted, plan = wanted_accuracy(override), folder / PLAN
     if wanted is None or not plan.is_file():
         return []
-    found = wanted_of(read_plain(plan))
-    if found is None or found._replace(surfaces=None) != wanted._replace(surfaces=None):
-        plan.unlink()  # of another wish
+    earlier = wanted_of(read_plain(plan))
+    if earlier is None or earlier._replace(surfaces=None) != wanted._replace(surfaces=None):
+        plan.unlink()  # for another accuracy
         return []
     return [str(plan)]
 
 
 def enlarged(override: str, folder: Path) -> bool:
-    """Whether the accuracy wanted needs more surfaces: says what was reached, writes the plan."""
-    wanted = wish_of(override)
+    """Print the reached accuracy; plan more surfaces if necessary, and return whether."""
+    wanted = wanted_accuracy(override)
     if wanted is None:
         return False
     table = read_csv(folder / "tables/accuracy_reached.csv")
@@ -158,34 +160,34 @@ def enlarged(override: str, folder: Path) -> bool:
     surfaces = surfaces_next(table, wanted)
     if surfaces is None:
         return False
-    print(f"accuracy: going on with {surfaces} surfaces a case", flush=True)
+    print(f"accuracy: continues with {surfaces} surfaces per case", flush=True)
     plan = {"numerics": {"accuracy": wanted._replace(surfaces=surfaces)._asdict()}}
     write_text(yaml.safe_dump(plan), folder / PLAN)
     return True
 
 
 def snakemake(profile: str, cores: str) -> list[str]:
-    """The command, without goals and configuration."""
+    """Return the command, without goals and configuration."""
     file = Path(profile) / "config.yaml"
     if not file.is_file():
         raise InputError(f"PROFILE={profile}: has no config.yaml")
     if cores and cores != "all" and not (cores.isdecimal() and int(cores) > 0):
         raise InputError(f"CORES={cores}: must be a number from 1 on, or all")
-    told = yaml.safe_load(file.read_text(encoding="utf-8")) or {}
+    settings = yaml.safe_load(file.read_text(encoding="utf-8")) or {}
     for kind, name in (
-        ("executor", told.get("executor")),
-        ("storage", told.get("default-storage-provider")),
+        ("executor", settings.get("executor")),
+        ("storage", settings.get("default-storage-provider")),
     ):
         plugin = f"snakemake_{kind}_plugin_{str(name).replace('-', '_')}"
         if name not in (None, "local") and not importlib.util.find_spec(plugin):
-            advice = _ADVICE.get(told.get("executor"), f"install {plugin.replace('_', '-')}")
+            advice = _ADVICE.get(settings.get("executor"), f"install {plugin.replace('_', '-')}")
             raise InputError(f"PROFILE={profile}: needs {plugin}, which is not installed: {advice}")
     command = [sys.executable, "-m", "snakemake", "--workflow-profile", profile]
     return [*command, *(["--cores", cores] if cores else [])]
 
 
 def release_lock(command: list[str], request: EndRequest) -> None:
-    """After a kill: release the lock of a Snakemake that is no longer there."""
+    """Release the lock of a killed Snakemake."""
     if not any(Path(".snakemake/locks").glob("*")):
         return
     for process in psutil.process_iter():

@@ -1,4 +1,4 @@
-"""Hold the selected effects at random conditions against all of them."""
+"""Compare the selected effects with all effects at random conditions."""
 
 from jointclosure.config.plain import from_plain
 from jointclosure.effects.validation import ValidationSettings, validate

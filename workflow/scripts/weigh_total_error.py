@@ -1,9 +1,9 @@
-"""Weigh the total error of every way to a result against its core-minutes, and draw it."""
+"""Compute and draw the total error of all methods over their core-minutes."""
 
 from jointclosure.config.plain import from_plain
 from jointclosure.experiments.accuracy.design import Joint
 from jointclosure.experiments.accuracy.total import (
-    Told,
+    Diagram,
     method_table,
     point_table,
     split_table,
@@ -22,9 +22,9 @@ def main(inputs: dict, settings: dict, outputs, log: Logbook) -> None:
     total = design["total"]
     cheap = time_cheap(joint)
     log(f"FFT pairs: {cheap}")
-    told = Told(total, design["parameter"], joint.levels, settings["measured"])
+    diagram = Diagram(total, design["parameter"], joint.levels, settings["measured"])
     tables = (read_csv(inputs[name]) for name in ("costs", "variance", "surrogate"))
-    methods = method_table(told, *tables, cheap)
+    methods = method_table(diagram, *tables, cheap)
     points = point_table(methods)
     splits = split_table(points, total["budgets_min"])
     for table, name in ((methods, "methods"), (points, "points"), (splits, "splits")):

@@ -1,4 +1,4 @@
-"""Write the report: one page that holds all that it shows."""
+"""Write the report as one page without further files."""
 
 from pathlib import Path
 

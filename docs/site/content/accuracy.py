@@ -40,7 +40,7 @@ def _error_of(cycle: int) -> Form:
         part = rows_of(costs, scene=group["scene"], knob=group["knob"], value=value, cycle=cycle)
         worst = part.loc[part.mean_error_percent.abs().idxmax()]
         held = worst.mean_error_percent != 0.0
-        return _interval("mean", 1).format_map(worst) if held else "held against"
+        return _interval("mean", 1).format_map(worst) if held else "reference"
 
     return cell
 

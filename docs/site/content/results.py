@@ -41,7 +41,7 @@ claims = Table(
     {
         "": "{number}",
         "claim": "{claim}",
-        "said in": "{said_in}",
+        "place in the paper": "{said_in}",
         "true of the model": "{verdict}",
         "studies that find it": found_text,
         "in the paper's Table 3": "{paper_finds}",

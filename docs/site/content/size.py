@@ -163,7 +163,9 @@ def best(cycle: int) -> str:
         for name, row in alone.items()
     }
     name = first["scaling"]
-    other = f" That patch is told best, to {off[nearest]} %, by {nearest}."
+    other = (
+        f" The best prediction of that patch is by {nearest}, with an error of {off[nearest]} %."
+    )
     return (
         f"**Cycle {cycle}**: of the scalings of net closure since seating that by {name} "
         f"({first['exponents'].replace('_', ' ')}) removes most of the spread. On realisations "

@@ -1,10 +1,10 @@
-"""Experiments: which joints are closed, and the tables and figures that follow from them.
+"""Experiments: points at which joints are closed, and the tables and figures made of them.
 
-An experiment is a module here with a constant ``EXPERIMENT``. It closes nothing itself: the engine
+An experiment is a module here with a constant ``EXPERIMENT``. The engine
 (`jointclosure.ensemble.points`) closes its points. A new one is named in `SECTIONS`.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -13,25 +13,37 @@ import pandas as pd
 
 from jointclosure.config.configuration import Configured
 from jointclosure.config.keys.configuration import SECTIONS
+from jointclosure.config.typed import Configuration
 from jointclosure.ensemble.points import Jobs, Samples, samples_of
-from jointclosure.ensemble.settings import ClosureSettings
+from jointclosure.ensemble.settings import Case, ClosureSettings
+from jointclosure.ensemble.slices import block_settings
 from jointclosure.joint.warmup import kernels_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Tables = Mapping[str, Any]
-"""A DataFrame by the name of its table; a text by that of a file that ends in .md."""
+"""DataFrames by name of the table; texts by name of a file that ends in .md."""
+COLUMNS = {
+    "wavelength": ("wavelength_mm", 1e3),
+    "shift": ("shift_mm", 1e3),
+    "tilt": ("tilt_degrees", 1.0),
+    "rotation": ("rotation_degrees", 1.0),
+    "stress": ("stress_MPa", 1e-6),
+    "patch": ("patch_mm", 1e3),
+    "spacing": ("spacing_mm", 1e3),
+}
+"""Columns of published tables, with their scale, for coordinates of points [SI]."""
 
 
 class Rounds(NamedTuple):
-    """Rounds of an experiment: what one closes is known when the round before is ranked.
+    """Rounds of an experiment, each of which depends on the ranking of the one before.
 
     Attributes
     ----------
     names : tuple of str
     entrants : callable
-        Names of those that enter a round, from its number and the ranking of the round before,
+        Names of the entrants of a round, from its number and the ranking of the round before,
         None for the first round.
     jobs : callable
         Names of the jobs that a round needs, from its number and its entrants.
@@ -43,24 +55,24 @@ class Rounds(NamedTuple):
 
 
 class Design(NamedTuple):
-    """What a configuration asks of an experiment.
+    """Jobs, tables and figures of an experiment for one configuration.
 
-    It is made anew by every process of the workflow: what takes long is made when it is asked for.
+    Every process of the workflow makes it anew, so slow parts are callables.
 
     Attributes
     ----------
     jobs : mapping
-        The points of each job, of all that any round may close.
+        Points of each job, for all jobs that any round may close.
     tables, figures : tuple of str
         Names of the files that are written.
     parameters : dict
-        What tables and figures need besides the joints, as plain data.
+        Plain data that tables and figures need besides the joints.
     files : mapping
-        Further tables (CSV) that are read into the parameters, by the parameter's name.
+        Further tables (CSV) that are read into the parameters, by name of the parameter.
     compiled : callable, optional
-        Settings of all kernels that are needed; without it those of all points.
+        Settings of all necessary kernels, by default those of all points.
     samples : callable, optional
-        Points by which the time is estimated; without it `samples_of` all jobs.
+        Points whose closure estimates the time, by default `samples_of` all jobs.
     rounds : Rounds, optional
         Without it all jobs are closed.
     """
@@ -75,42 +87,40 @@ class Design(NamedTuple):
     rounds: Rounds | None = None
 
     def kernels(self) -> list[list[str]]:
-        """Kernels that are compiled before the jobs start."""
+        """Return the kernels that are compiled before the jobs start."""
         points = (point.settings for job in self.jobs for point in self.jobs[job])
-        settings = points if self.compiled is None else self.compiled()
-        return kernels_of((each.case.effects, each.choices, each.numerics) for each in settings)
+        return kernels_of(
+            (settings.case.effects, settings.choices, settings.numerics)
+            for settings in (points if self.compiled is None else self.compiled())
+        )
 
     def timed(self) -> Samples:
-        """Points by which the time is estimated."""
+        """Return the points whose closure estimates the time."""
         return samples_of(self.jobs) if self.samples is None else self.samples()
 
 
-def _nothing_to_check(configured: Configured) -> None:
-    """Accept every configuration: `design` raises what is wrong."""
-
-
 class Experiment(NamedTuple):
-    """An experiment.
+    """Description of an experiment, the same for all configurations.
 
     Attributes
     ----------
     title : str
-        What is examined, in a few words.
     quantities : tuple of str
-        Read of each joint, of `jointclosure.ensemble.quantities.QUANTITIES`.
+        Quantities evaluated of each joint (`jointclosure.ensemble.quantities.QUANTITIES`).
     design : callable
-        From a checked configuration. It raises `ConfigurationError` where that contradicts itself.
+        Makes the `Design` from a checked configuration. Raises `ConfigurationError` if that
+        contradicts itself.
     tabulate : callable
-        Tables by name, from the table of all joints and the parameters of the design, to which
-        ``rounds`` adds the ranking of each round.
+        Makes tables by name, from the table of all joints and the parameters of the design;
+        ``rounds`` among these is the list of rankings.
     draw : callable
-        Figure of a name, from the tables by name and the parameters of the design.
+        Draws the figure of a name, from the tables by name and the parameters of the design.
     check : callable
-        Raises `ConfigurationError` where the settings of points cannot be closed, if finding that
-        takes more than ``design`` may: it is called once, before any job.
+        Raises `ConfigurationError` if points cannot be closed. It is called once before any job,
+        for checks that are too slow for ``design``.
     rank : callable, optional
-        Ranking of a round, from the joints that it needs, the parameters of the design, the
-        round's number and its entrants.
+        Ranks a round, from the joints that it needs, the parameters of the design, the round's
+        number and its entrants.
     """
 
     title: str
@@ -118,22 +128,39 @@ class Experiment(NamedTuple):
     design: Callable[[Configured], Design]
     tabulate: Callable[[pd.DataFrame, Mapping[str, Any]], Tables]
     draw: Callable[[str, Tables, Mapping[str, Any]], "Figure"]
-    check: Callable[[Configured], None] = _nothing_to_check
+    check: Callable[[Configured], None] = lambda configured: None
     rank: Callable[[pd.DataFrame, Mapping[str, Any], int, list[str]], pd.DataFrame] | None = None
 
 
 def experiment_named(name: str) -> Experiment:
-    """The experiment of a name of `SECTIONS`."""
+    """Return the experiment with a name of `SECTIONS`."""
     return import_module(f"{__name__}.{name}").EXPERIMENT
 
 
 def experiments_in(keys: Mapping[str, Any]) -> dict[str, Experiment]:
-    """The experiments whose section a configuration has, by name."""
+    """Return the experiments whose section a configuration has, by name."""
     return {name: experiment_named(name) for name, key in SECTIONS.items() if keys.get(key)}
 
 
 def checked_design(name: str, configured: Configured) -> Design:
-    """The design of an experiment, of which all is checked that can be before a job starts."""
+    """Make the design of an experiment after all checks that precede its jobs."""
     experiment = experiment_named(name)
     experiment.check(configured)
     return experiment.design(configured)
+
+
+def settings_of(configuration: Configuration, case: Case, **surface: Any) -> ClosureSettings:
+    """Return the settings that close a case on all realisations, with changed keys of surfaces."""
+    changed = configuration._replace(surface=configuration.surface._replace(**surface))
+    block = range(configuration.study.realizations)
+    return block_settings(changed, {case.label: case}, case.label, block)
+
+
+def grouped(joints: pd.DataFrame, *by: str) -> Iterator[tuple[dict[str, Any], pd.DataFrame]]:
+    """Generate the joints with equal coordinates, and these in the columns of a published table."""
+    for values, part in joints.groupby(list(by), sort=False):
+        scaled = (
+            (COLUMNS[name][0], COLUMNS[name][1] * value) if name in COLUMNS else (name, value)
+            for name, value in zip(by, values, strict=True)
+        )
+        yield dict(scaled), part

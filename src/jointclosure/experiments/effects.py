@@ -1,8 +1,7 @@
-"""What each effect adds to closure, and what it costs: all scenes on the same joints.
+"""Ablation study: contribution of each effect to closure, and its cost.
 
-The conditions are those of the configuration's ``ablation`` section: rocks,
-roughnesses, stresses. Every well-posed scene closes the same surfaces at every
-condition.
+The section ``ablation`` of the configuration has the roughnesses and stresses. Every well-posed
+scene closes the same surfaces at every condition.
 """
 
 import itertools
@@ -10,13 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
 from jointclosure.config.configuration import Configured
 from jointclosure.ensemble.cases import base_case
-from jointclosure.ensemble.points import Point, gridded
-from jointclosure.ensemble.slices import closure_settings, surface_settings
-from jointclosure.experiments import Design, Experiment
+from jointclosure.ensemble.points import Point
+from jointclosure.experiments import Design, Experiment, grouped, settings_of
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import Effects, scene_name, well_posed_scenes
 from jointclosure.plotting.effects import effect_figure
@@ -27,7 +24,7 @@ QUANTITIES = (*TARGETS.values(), "fft_pair")
 
 
 class Contribution(NamedTuple):
-    """An effect, and the scenes with and without it that tell what it adds."""
+    """Effect, and the scenes with and without it, whose difference is its contribution."""
 
     effect: str
     with_it: Effects
@@ -36,7 +33,7 @@ class Contribution(NamedTuple):
 
 FULL = Effects()
 CONTRIBUTIONS = (
-    # the substrate's is that to a scene without interaction, which needs it
+    # the interaction needs the substrate: its contribution is to a scene without interaction
     Contribution("substrate", FULL._replace(interaction=False), Effects(False, False)),
     Contribution("interaction", FULL, FULL._replace(interaction=False)),
     Contribution("breakage", FULL, FULL._replace(breakage=False, gouge=False)),
@@ -49,29 +46,28 @@ SCENES = {scene_name(effects): effects for effects in well_posed_scenes()}
 
 
 def effects_design(configured: Configured) -> Design:
-    """A job for each rock and scene: every roughness and stress of the section ``ablation``."""
+    """Make a job for each rock and scene: all roughnesses and stresses of ``ablation``."""
     configuration = configured.typed
-    conditions, block = configuration.ablation, range(configuration.study.realizations)
+    conditions = configuration.ablation
     assert conditions is not None  # the section is there
     jobs = {}
-    for (rock, of_rock), (scene, effects) in itertools.product(
-        configuration.rocks.items(), SCENES.items()
-    ):
-        base = base_case(rock, of_rock)
-        points = []
-        for jrc, stress in itertools.product(conditions.jrc, conditions.stress):
-            case = base._replace(jrc=jrc, max_normal_stress=stress, effects=effects)
-            surfaces = surface_settings(configuration, case, block)
-            # nothing is read from seating on, and an elastic curve needs no point there
-            settings = closure_settings(configuration, case, surfaces)._replace(seating_stress=0.0)
-            at = {"rock": rock, "scene": scene, "jrc": jrc, "stress": stress}
-            points.append(Point(at, settings))
-        jobs[f"{rock}.{scene}"] = points
+    for rock, scene in itertools.product(configuration.rocks, SCENES):
+        base = base_case(rock, configuration.rocks[rock])._replace(effects=SCENES[scene])
+        jobs[f"{rock}.{scene}"] = [
+            Point(
+                {"rock": rock, "scene": scene, "jrc": jrc, "stress": stress},
+                # no quantity counts from seating, and an elastic curve needs no point there
+                settings_of(
+                    configuration, base._replace(jrc=jrc, max_normal_stress=stress)
+                )._replace(seating_stress=0.0),
+            )
+            for jrc, stress in itertools.product(conditions.jrc, conditions.stress)
+        ]
     return Design(jobs, ("effects",), ("effects",), {})
 
 
 def effect_table(joints: pd.DataFrame) -> pd.DataFrame:
-    """What each effect adds at each condition, and what it costs.
+    """Compute the contribution of each effect at each condition, and its cost.
 
     Parameters
     ----------
@@ -83,60 +79,51 @@ def effect_table(joints: pd.DataFrame) -> pd.DataFrame:
     -------
     DataFrame
         For each rock, roughness, stress, effect and cycle: of each of `TARGETS`
-        the mean with and without the effect, the change that the effect makes
+        the mean with and without the effect, the change due to the effect
         (closures in percent of the mean with it, hysteresis in percent of the
         work) with the standard error of the paired differences, and the time
         with the effect over that without, in FFT pairs.
     """
-    runs = {
-        at: gridded(part, ("jrc", "stress", "realization"), QUANTITIES)
-        for at, part in joints.groupby(["rock", "scene"])
-    }
+    scenes = dict(list(joints.groupby(["rock", "scene"])))
     rows = []
-    for rock in joints.rock.unique():
-        for effect, with_it, without_it in CONTRIBUTIONS:
-            one, two = (runs[rock, scene_name(effects)] for effects in (with_it, without_it))
-            for jrc in one.jrc.values:
-                for stress in one.stress.values:
-                    on, off = (part.sel(jrc=jrc, stress=stress) for part in (one, two))
-                    about = {"rock": rock, "jrc": jrc, "stress_MPa": 1e-6 * stress}
-                    about |= {"effect": effect} | _cost(on, off)
-                    for cycle in one.cycle.values.tolist():
-                        rows.append(about | {"cycle": cycle} | _added(on, off, cycle))
+    for rock, contribution in itertools.product(joints.rock.unique(), CONTRIBUTIONS):
+        on, off = (scenes[rock, scene_name(effects)] for effects in contribution[1:])
+        pairs = on.merge(off, on=["rock", "jrc", "stress", "realization", "cycle"])
+        for at, condition in grouped(pairs, "rock", "jrc", "stress"):
+            at |= {"effect": contribution.effect} | _cost(condition[condition.cycle == 1])
+            for cycle, part in condition.groupby("cycle"):
+                rows.append(at | {"cycle": cycle} | _contribution(part))
     return pd.DataFrame(rows)
 
 
-def _cost(one: xr.Dataset, two: xr.Dataset) -> dict:
-    pairs = [float(np.median(part.seconds / _pairs(part))) for part in (one, two)]
-    return {"pairs_with": pairs[0], "pairs_without": pairs[1], "time_ratio": pairs[0] / pairs[1]}
+def _cost(pairs: pd.DataFrame) -> dict:
+    """Compute median times with and without an effect [FFT pairs], and their ratio."""
+    on, off = (float(np.median(pairs[f"seconds{of}"] / pairs[f"fft_pair{of}"])) for of in _BOTH)
+    return {"pairs_with": on, "pairs_without": off, "time_ratio": on / off}
 
 
-def _pairs(part: xr.Dataset) -> xr.DataArray:
-    """Seconds of an FFT pair beside each joint."""
-    return part.fft_pair.isel(cycle=0)
+_BOTH = ("_x", "_y")
+"""Endings of columns with and without an effect, as `pandas.merge` gives them."""
 
 
-def _added(one: xr.Dataset, two: xr.Dataset, cycle: int) -> dict:
-    """Changes by an effect at one condition and cycle, over the surfaces that both closed."""
-    good = ((one.status < FAILURE) & (two.status < FAILURE)).values
-    row: dict = {"samples": int(good.sum()), "failed_without": int((two.status >= FAILURE).sum())}
+def _contribution(pairs: pd.DataFrame) -> dict:
+    """Compute changes by an effect at one condition and cycle, on surfaces closed with both."""
+    failed = pairs.status_y >= FAILURE
+    closed = pairs[(pairs.status_x < FAILURE) & ~failed]
+    row = {"samples": len(closed), "failed_without": int(failed.sum())}
     for target, quantity in TARGETS.items():
-        a, b = (part[quantity].sel(cycle=cycle).values[good] for part in (one, two))
-        scale = 1e3 if target != "hysteresis" else 1.0
-        base = a.mean() if target != "hysteresis" and a.size else 1.0
-        row[f"{target}_with"] = scale * a.mean() if a.size else np.nan
-        row[f"{target}_without"] = scale * b.mean() if b.size else np.nan
-        change = 100.0 * (a - b) / base
-        row[f"{target}_added_percent"] = change.mean() if a.size else np.nan
-        enough = change.size > 1
-        row[f"{target}_standard_error"] = (
-            change.std(ddof=1) / np.sqrt(change.size) if enough else np.nan
-        )
+        on, off = (closed[f"{quantity}{of}"] for of in _BOTH)
+        scale, base = (1.0, 1.0) if target == "hysteresis" else (1e3, on.mean())
+        change = 100.0 * (on - off) / base
+        row[f"{target}_with"] = scale * on.mean()
+        row[f"{target}_without"] = scale * off.mean()
+        row[f"{target}_added_percent"] = change.mean()
+        row[f"{target}_standard_error"] = change.sem()
     return row
 
 
 EXPERIMENT = Experiment(
-    title="what each effect adds and costs",
+    title="contribution of each effect to closure, and its cost",
     quantities=QUANTITIES,
     design=effects_design,
     tabulate=lambda joints, parameters: {"effects": effect_table(joints)},

@@ -1,4 +1,4 @@
-"""Walls that are tilted against each other, or rotated about the joint's normal.
+"""Experiment on walls that are tilted, or rotated about the normal of the joint.
 
 Independent walls, and walls whose longer waves mate, are closed at every tilt and at every
 rotation, on the same surfaces.
@@ -10,18 +10,15 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.ticker import NullLocator
 
 from jointclosure.config.configuration import Configured, refuse
 from jointclosure.config.keys.misalignment import MisalignmentKeys
 from jointclosure.config.units import to_si
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.points import Point
-from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.ensemble.wavelengths import labelled_wavelengths
-from jointclosure.experiments import Design, Experiment
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.experiments import Design, Experiment, grouped, settings_of
+from jointclosure.plotting.style import key, legend_below, point_key, styled, subplots, ticks_at
 from jointclosure.statistics.ratios import harmonic_mean, ratio_of_means
 
 READ = {
@@ -42,43 +39,34 @@ _PANELS = (
 
 
 def misalignment_design(configured: Configured) -> Design:
-    """A job for each rock and mismatch wavelength: aligned walls, all tilts, all rotations.
+    """Make a job for each rock and mismatch wavelength: aligned walls, all tilts, all rotations.
 
     Raises
     ------
     ConfigurationError
-        Walls that are not those of the study to set, or cannot be rotated.
+        If the study sets walls that the experiment sets, or walls that cannot be rotated.
     """
     keys, configuration = configured.keys, configured.typed
     section = MisalignmentKeys.model_validate(keys["misalignment"])
     refuse(_problems(keys, section))
     tilts, rotations = sorted(section.tilt_degrees), sorted(section.rotation_degrees)
-    angles = [(tilt, 0.0) for tilt in tilts] + [(0.0, rotation) for rotation in rotations[1:]]
+    angles = [{"tilt": tilt, "rotation": 0.0} for tilt in tilts]
+    angles += [{"tilt": 0.0, "rotation": rotation} for rotation in rotations[1:]]
     wavelengths = labelled_wavelengths(sorted(to_si(section.model_dump())["mismatch_wavelength"]))
     jobs = {}
     for rock, of_rock in configuration.rocks.items():
         case = base_case(rock, of_rock)
         for label, wavelength in wavelengths.items():
-            mated = configuration.surface._replace(mismatch_wavelength=wavelength)
-            surfaces = surface_settings(
-                configuration._replace(surface=mated), case, range(configuration.study.realizations)
-            )
-            settings = closure_settings(configuration, case, surfaces)
-            length = np.inf if wavelength is None else wavelength
+            settings = settings_of(configuration, case, mismatch_wavelength=wavelength)
+            walls = {"rock": rock, "wavelength": np.inf if wavelength is None else wavelength}
             jobs[f"{rock}.{label}"] = [
-                Point(
-                    {"rock": rock, "wavelength": length, "tilt": tilt, "rotation": rotation},
-                    settings,
-                    "misaligned",
-                    {"tilt": tilt, "rotation": rotation},
-                )
-                for tilt, rotation in angles
+                Point(walls | angle, settings, "misaligned", angle) for angle in angles
             ]
     return Design(jobs, ("misalignment",), ("misalignment",), {})
 
 
 def _problems(keys: dict, section: MisalignmentKeys) -> Iterator[str]:
-    """Why walls of a configuration cannot be tilted and rotated."""
+    """Generate the reasons why the walls of a configuration cannot be tilted and rotated."""
     grid, surface = keys["grid"], keys["surface"]
     if grid["cells_x"] != grid["cells_y"]:
         yield (
@@ -99,7 +87,7 @@ def _problems(keys: dict, section: MisalignmentKeys) -> Iterator[str]:
 
 
 def misalignment_table(joints: pd.DataFrame) -> pd.DataFrame:
-    """Means over surfaces, and their changes from aligned walls, at every tilt and rotation.
+    """Compute means over surfaces, and their changes from aligned walls, at tilts and rotations.
 
     Parameters
     ----------
@@ -116,31 +104,23 @@ def misalignment_table(joints: pd.DataFrame) -> pd.DataFrame:
 
     Notes
     -----
-    The mean stiffness is the harmonic one, that of the mean curve.
+    The mean stiffness is the harmonic mean, that of the mean curve.
     """
     rows = []
-    of_walls = ["rock", "wavelength", "cycle"]
-    aligned = dict(list(joints[(joints.tilt == 0.0) & (joints.rotation == 0.0)].groupby(of_walls)))
-    for at, part in joints.groupby([*of_walls[:2], "tilt", "rotation", "cycle"], sort=False):
-        rock, wavelength, tilt, rotation, cycle = at
-        about = {
-            "rock": rock,
-            "wavelength_mm": 1e3 * wavelength,
-            "tilt_degrees": tilt,
-            "rotation_degrees": rotation,
-            "cycle": cycle,
-        }
-        before = aligned[rock, wavelength, cycle]
+    walls = ["rock", "wavelength", "cycle"]
+    aligned = dict(list(joints[(joints.tilt == 0.0) & (joints.rotation == 0.0)].groupby(walls)))
+    for at, part in grouped(joints, "rock", "wavelength", "tilt", "rotation", "cycle"):
+        before = aligned[tuple(part[walls].iloc[0])]
         for response in READ:
-            if response == "residual_seated_net" and cycle > 1:
+            if response == "residual_seated_net" and at["cycle"] > 1:
                 continue
-            pair = (each[response].to_numpy() for each in (part, before))
-            rows.append(about | {"response": response} | _row(response, *pair))
+            change = _change(response, part[response].to_numpy(), before[response].to_numpy())
+            rows.append(at | {"response": response} | change)
     return pd.DataFrame(rows)
 
 
-def _row(response: str, values: np.ndarray, aligned: np.ndarray) -> dict:
-    """Mean of a response, and its change from aligned walls on the same surfaces."""
+def _change(response: str, values: np.ndarray, aligned: np.ndarray) -> dict:
+    """Compute the mean of a response, and its change from aligned walls on the same surfaces."""
     both = np.isfinite(values) & np.isfinite(aligned)
     values, aligned = values[both], aligned[both]
     if response == "stiffness_net":
@@ -160,7 +140,7 @@ def _row(response: str, values: np.ndarray, aligned: np.ndarray) -> dict:
 
 @styled
 def misalignment_figure(table: pd.DataFrame) -> Figure:
-    """Changes from aligned walls against tilt (left) and rotation (right), by rock.
+    """Draw changes from aligned walls over tilt (left) and rotation (right), by rock.
 
     Parameters
     ----------
@@ -185,25 +165,19 @@ def misalignment_figure(table: pd.DataFrame) -> Figure:
     for axes, along in zip(panels[-1], moved, strict=True):
         axes.set_xlabel(along.replace("_degrees", " (degrees)"))
     _spread_rotations(panels[-1][1], table.rotation_degrees)
-    marks = [
-        Line2D([], [], color=f"C{place}", marker="o", ls="", label=rock.capitalize())
-        for place, rock in enumerate(rocks)
-    ]
-    marks += [
-        Line2D([], [], color="0.3", label=_named(wavelength), **_style(wavelength))
-        for wavelength in wavelengths
-    ]
-    figure.legend(handles=marks, loc="outside lower center", ncols=len(marks), frameon=False)
+    keys = [point_key(rock.capitalize(), color=f"C{place}") for place, rock in enumerate(rocks)]
+    keys += [key(_named(length), color="0.3", **_style(length)) for length in wavelengths]
+    legend_below(figure, keys)
     return figure
 
 
 def _changes(axes: Axes, table: pd.DataFrame, along: str, rocks: list[str], wavelengths) -> None:
     for place, rock in enumerate(rocks):
         for wavelength in wavelengths:
-            own = table[(table.rock == rock) & (table.wavelength_mm == wavelength)]
-            own = own.sort_values(along)
+            line = table[(table.rock == rock) & (table.wavelength_mm == wavelength)]
+            line = line.sort_values(along)
             axes.errorbar(
-                own[along], own.change_percent, yerr=1.96 * own.change_error, ms=3.5, lw=1.0,
+                line[along], line.change_percent, yerr=1.96 * line.change_error, ms=3.5, lw=1.0,
                 capsize=1.5, color=f"C{place}", **_style(wavelength),
             )  # fmt: skip
     axes.axhline(0.0, color="0.6", lw=0.8, zorder=0)
@@ -220,17 +194,16 @@ def _named(wavelength: float) -> str:
 
 
 def _spread_rotations(axes: Axes, rotations: pd.Series) -> None:
-    """Small rotations as far apart as large ones."""
+    """Scale the axis so that small rotations are as far apart as large ones."""
     values = np.sort(rotations.unique())
     if values.size > 1:
         axes.set_xscale("symlog", linthresh=values[1], linscale=0.4)
         axes.set_xlim(-0.3 * values[1], 1.2 * values[-1])
-        axes.xaxis.set_minor_locator(NullLocator())
-        axes.set_xticks(values, [f"{value:g}" for value in values])
+        ticks_at(axes.xaxis, values)
 
 
 EXPERIMENT = Experiment(
-    title="what a tilt and a rotation of the walls change",
+    title="effects of a tilt and a rotation of the walls",
     quantities=tuple(READ),
     design=misalignment_design,
     tabulate=lambda joints, parameters: {"misalignment": misalignment_table(joints)},

@@ -1,9 +1,9 @@
-"""Mated, natural and non-mated walls: what mismatch and shift do to a joint.
+"""Experiment on mated, natural and non-mated walls: effects of mismatch and shift.
 
 Without a shift all mismatch wavelengths have the same upper walls but for their scale; a shift
-makes others, as a longer field is drawn for it. Walls that are shifted behave as independent ones
-from the shift on at which the mean closure since seating of the first cycle is no more than a
-declared share below theirs.
+makes others, as a longer field is drawn for it. Shifted walls behave as independent ones from the
+shift on at which the mean closure since seating of the first cycle is no more than a declared
+share below theirs.
 """
 
 from collections.abc import Mapping
@@ -16,9 +16,8 @@ import scipy
 from jointclosure.config.configuration import Configured
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.points import Point
-from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.ensemble.wavelengths import labelled_wavelengths
-from jointclosure.experiments import Design, Experiment, Tables
+from jointclosure.experiments import Design, Experiment, Tables, grouped, settings_of
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.plotting.mismatch import mismatch_figure
 from jointclosure.statistics.randomness import generator, seed_of
@@ -34,13 +33,13 @@ MEANS = {
 }
 """Columns of the table that are means over surfaces, and their scale."""
 CLOSURE = "closure_seated_net"
-"""Of the first cycle: what walls are compared by."""
+"""Quantity by which walls are compared, of the first cycle."""
 CONFIDENCE = 0.95
 RESAMPLES = 2000
 
 
 def mismatch_design(configured: Configured) -> Design:
-    """A job for each rock and mismatch wavelength: all shifts, of independent walls none."""
+    """Make a job for each rock and mismatch wavelength: all shifts, none of independent walls."""
     configuration = configured.typed
     design, study = configuration.mismatch, configuration.study
     assert design is not None  # the section is there
@@ -48,27 +47,23 @@ def mismatch_design(configured: Configured) -> Design:
     for rock, of_rock in configuration.rocks.items():
         case = base_case(rock, of_rock)
         for label, wavelength in labelled_wavelengths(design.wavelength).items():
-            points = []
-            for shift in (0,) if wavelength is None else design.shift_in_cells:
-                surface = configuration.surface._replace(
-                    mismatch_wavelength=wavelength, shift_in_cells=shift
+            length = np.inf if wavelength is None else wavelength
+            jobs[f"{rock}.{label}"] = [
+                Point(
+                    {"rock": rock, "wavelength": length}
+                    | {"shift": configuration.grid.spacing * shift},
+                    settings_of(
+                        configuration, case, mismatch_wavelength=wavelength, shift_in_cells=shift
+                    ),
                 )
-                surfaces = surface_settings(
-                    configuration._replace(surface=surface), case, range(study.realizations)
-                )
-                at = {
-                    "rock": rock,
-                    "wavelength": np.inf if wavelength is None else wavelength,
-                    "shift": configuration.grid.spacing * shift,
-                }
-                points.append(Point(at, closure_settings(configuration, case, surfaces)))
-            jobs[f"{rock}.{label}"] = points
+                for shift in ((0,) if wavelength is None else design.shift_in_cells)
+            ]
     parameters = {"tolerance": design.tolerance, "root_seed": study.root_seed}
     return Design(jobs, ("mismatch", "mismatch_shifts"), ("mismatch",), parameters)
 
 
 def mismatch_table(joints: pd.DataFrame) -> pd.DataFrame:
-    """Means and standard errors over surfaces, for each mismatch wavelength, shift and cycle.
+    """Compute means and standard errors over surfaces for each mismatch wavelength, shift, cycle.
 
     Parameters
     ----------
@@ -79,52 +74,36 @@ def mismatch_table(joints: pd.DataFrame) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        ``rock``, ``wavelength_mm`` (infinite: independent walls), ``shift_mm``, ``cycle``,
-        ``samples`` that were closed, ``MEANS``; ``normal_stiffness_net_MPa_per_mm`` from half of
+        ``rock``, ``wavelength_mm`` (infinite: independent walls), ``shift_mm``, ``cycle``, number
+        of closed ``samples``, ``MEANS``; ``normal_stiffness_net_MPa_per_mm`` from half of
         the maximum stress to the landing on all of it, and ``residual_share_net`` of the closure
-        since seating, both of the mean curve; and each with its ``..._error``.
+        since seating, both of the mean curve; and the ``..._error`` of each.
+
+    Notes
+    -----
+    A joint that is too stiff for its steps may lack a quantity, and is left out of its mean.
     """
-    return pd.DataFrame(
-        {
-            "rock": rock,
-            "wavelength_mm": 1e3 * wavelength,
-            "shift_mm": 1e3 * shift,
-            "cycle": cycle,
-            "samples": int((part.status < FAILURE).sum()),
-        }
-        | _row(part[part.status < FAILURE])
-        for (rock, wavelength, shift, cycle), part in joints.groupby(
-            ["rock", "wavelength", "shift", "cycle"], sort=False
-        )
-    )
-
-
-def _row(part: pd.DataFrame) -> dict[str, float]:
-    """Means of one condition and cycle, and what is made of them.
-
-    A joint that is too stiff for its steps may lack a reading, and is left out of its mean.
-    """
-    row = {}
-    for name, (column, scale) in MEANS.items():
-        values = part[name].values
-        known = values[np.isfinite(values)]
-        row[column] = scale * (float(known.mean()) if known.size else np.nan)
-        row[f"{column}_error"] = scale * _error(known)
-    for name, (value, error) in {
-        "normal_stiffness_net_MPa_per_mm": harmonic_mean(1e-9 * part.stiffness_net.values),
-        "residual_share_net": ratio_of_means(part.residual_seated_net.values, part[CLOSURE].values),
-    }.items():
-        row |= {name: value, f"{name}_error": error}
-    return row
-
-
-def _error(values: np.ndarray) -> float:
-    """Standard error of a mean; NaN of a single value."""
-    return mean_of(values).standard_error if values.size > 1 else np.nan
+    rows = []
+    for at, part in grouped(joints, "rock", "wavelength", "shift", "cycle"):
+        closed = part[part.status < FAILURE]
+        row = at | {"samples": len(closed)}
+        for name, (column, scale) in MEANS.items():
+            known = closed[name].dropna().to_numpy()
+            row[column] = scale * (float(known.mean()) if known.size else np.nan)
+            error = mean_of(known).standard_error if known.size > 1 else np.nan
+            row[f"{column}_error"] = scale * error
+        residual, closure = closed.residual_seated_net.to_numpy(), closed[CLOSURE].to_numpy()
+        for name, (value, error) in {
+            "normal_stiffness_net_MPa_per_mm": harmonic_mean(1e-9 * closed.stiffness_net.values),
+            "residual_share_net": ratio_of_means(residual, closure),
+        }.items():
+            row |= {name: value, f"{name}_error": error}
+        rows.append(row)
+    return pd.DataFrame(rows)
 
 
 def independence_table(joints: pd.DataFrame, tolerance: float, root_seed: int) -> pd.DataFrame:
-    """The shift from which on walls behave as independent ones, for each mismatch wavelength.
+    """Find the shift from which on walls behave as independent ones, by mismatch wavelength.
 
     Parameters
     ----------
@@ -133,13 +112,13 @@ def independence_table(joints: pd.DataFrame, tolerance: float, root_seed: int) -
     tolerance : float
         Share by which the mean closure may be below that of independent walls.
     root_seed : int
-        Of the study, for the resamples.
+        Root seed of the study, for the resamples.
 
     Returns
     -------
     DataFrame
         ``rock``, ``wavelength_mm``, ``shift_mm`` with the ends ``low`` and ``high`` of a 95 %
-        interval (bootstrap over surfaces), infinite where no shift of the design is enough; and
+        interval (bootstrap over surfaces), infinite if no shift of the design suffices; and
         ``apertures``: that shift over the mean aperture of independent walls at seating.
 
     Notes
@@ -149,6 +128,7 @@ def independence_table(joints: pd.DataFrame, tolerance: float, root_seed: int) -
     """
     rows = []
     first = joints[joints.cycle == joints.cycle.min()]
+    tail = 0.5 - 0.5 * CONFIDENCE
     for rock, run in first.groupby("rock", sort=False):
         independent = np.isinf(run.wavelength)
         aperture = float(run.aperture_at_seating[independent].mean())
@@ -156,46 +136,40 @@ def independence_table(joints: pd.DataFrame, tolerance: float, root_seed: int) -
         for wavelength, part in run[~independent].groupby("wavelength"):
             shifts, samples = _closures(part)
             random = generator(seed_of(root_seed, "mismatch", rock, f"{wavelength:.9g}"))
-            drawn = [
-                _reached(
-                    shifts,
-                    *(_resampled(each, random).mean() for each in (free, *samples)),
-                    tolerance=tolerance,
-                )
-                for _ in range(RESAMPLES)
-            ]
-            found = _reached(
-                shifts, free.mean(), *(each.mean() for each in samples), tolerance=tolerance
+            shift, *drawn = (
+                _shift_at(shifts, (1.0 - tolerance) * independent_mean, means)
+                for independent_mean, *means in _drawn_means([free, *samples], random)
             )
-            tail = 0.5 - 0.5 * CONFIDENCE
             low, high = np.quantile(drawn, [tail, 1.0 - tail], method="nearest")
             rows.append(
                 {
                     "rock": rock,
                     "wavelength_mm": 1e3 * wavelength,
-                    "shift_mm": 1e3 * found,
+                    "shift_mm": 1e3 * shift,
                     "low": 1e3 * low,
                     "high": 1e3 * high,
-                    "apertures": found / aperture,
+                    "apertures": shift / aperture,
                 }
             )
     return pd.DataFrame(rows)
 
 
 def _closures(joints: pd.DataFrame) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Shifts of which there are closures, and those of the surfaces for each."""
+    """Return the shifts with closures, and the closures of the surfaces for each of them."""
     known = joints[np.isfinite(joints[CLOSURE])].groupby("shift")[CLOSURE]
     return np.array(list(known.groups)), [values.to_numpy() for _, values in known]
 
 
-def _resampled(values: np.ndarray, random: np.random.Generator) -> np.ndarray:
-    return values[random.integers(values.size, size=values.size)]
+def _drawn_means(samples: list[np.ndarray], random: np.random.Generator):
+    """Generate the means of all samples: first as they are, then resampled."""
+    yield [values.mean() for values in samples]
+    for _ in range(RESAMPLES):
+        yield [values[random.integers(len(values), size=len(values))].mean() for values in samples]
 
 
-def _reached(shifts: np.ndarray, free: float, *means: float, tolerance: float) -> float:
-    """The shift at which rising means come up to a share of those of independent walls."""
+def _shift_at(shifts: np.ndarray, level: float, means: list[float]) -> float:
+    """Return the shift at which the isotonic regression of means reaches a level, or infinity."""
     fitted = scipy.optimize.isotonic_regression(np.array(means)).x
-    level = (1.0 - tolerance) * free
     enough = np.flatnonzero(fitted >= level)
     if not enough.size:
         return np.inf
@@ -207,7 +181,7 @@ def _reached(shifts: np.ndarray, free: float, *means: float, tolerance: float) -
 
 
 def mismatch_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
-    """Tables by name."""
+    """Return all tables by name."""
     return {
         "mismatch": mismatch_table(joints),
         "mismatch_shifts": independence_table(joints, **parameters),
@@ -215,7 +189,7 @@ def mismatch_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tabl
 
 
 EXPERIMENT = Experiment(
-    title="what mismatch and a shift of the walls do",
+    title="effects of mismatch and of a shift of the walls",
     quantities=(*MEANS, "stiffness_net", "initial_aperture"),
     design=mismatch_design,
     tabulate=mismatch_tables,

@@ -1,4 +1,4 @@
-"""A job of the workflow: its log, what it may read, and the seal on what it wrote."""
+"""Job of the workflow: its log, the check of its inputs, and the seal of its outputs."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,15 +10,15 @@ from jointclosure.storage.seals import check_inputs, write_seal
 
 @contextmanager
 def job(snakemake) -> Iterator[Logbook]:
-    """What a script of the workflow does around its work.
+    """Open the log of a job, check its inputs, and seal its outputs.
 
-    Before it: each result that the job reads must be the one that its seal lists (inputs
-    named ``seals``). After it: what was written is sealed, where the rule has an output ``seal``.
+    Before the work, all results that the job reads must be those listed by their seals (inputs
+    named ``seals``). After it, the outputs are sealed if the rule has an output ``seal``.
 
     Parameters
     ----------
     snakemake : object
-        As Snakemake gives to a script.
+        The object of this name in a script of Snakemake.
 
     Yields
     ------
@@ -37,10 +37,10 @@ def job(snakemake) -> Iterator[Logbook]:
 
 
 def listed(paths) -> list[str]:
-    """List paths, of which Snakemake gives a single one as itself."""
+    """Return a list of paths, also for a single path."""
     return [paths] if isinstance(paths, str) else list(paths)
 
 
 def _results(log: Path) -> Path:
-    """The folder of all studies' results, from the log of a job of one."""
+    """Return the folder of all studies' results, from the log of a job."""
     return next(folder.parent.parent for folder in log.parents if folder.name == "logs")

@@ -11,7 +11,7 @@ from typing import TextIO
 
 
 class Logbook:
-    """Writes lines with the time since its start, flushed one by one."""
+    """Log of lines with the time since its start, flushed one by one."""
 
     def __init__(self, stream: TextIO):
         self._stream, self._start = stream, time.monotonic()
@@ -22,9 +22,9 @@ class Logbook:
 
 @contextlib.contextmanager
 def logging_to(path: str | Path) -> Iterator[Logbook]:
-    """A logbook in a file, which receives standard output and errors too.
+    """Open a logbook in a file, which also receives standard output and errors.
 
-    What failed is kept as `failed_log` too, as a repeated job has its log in the same file.
+    After a failure it is copied to `failed_log`, as a repeated job overwrites the file.
     """
     with (
         open(path, "w", encoding="utf-8", buffering=1) as stream,
@@ -42,5 +42,5 @@ def logging_to(path: str | Path) -> Iterator[Logbook]:
 
 
 def failed_log(path: str | Path) -> Path:
-    """Where the log of a failed try of a job is kept."""
+    """Return the path of the log of a failed job."""
     return Path(f"{path}.failed")

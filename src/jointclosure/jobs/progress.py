@@ -1,4 +1,4 @@
-"""Progress of long work: a bar on a terminal, lines in a log; how far a workflow is."""
+"""Progress of long work: bar on a terminal, lines in a log, progress of a workflow."""
 
 import re
 import sys
@@ -13,14 +13,14 @@ _BETWEEN_LINES = 10.0
 
 @contextmanager
 def bar(title: str) -> Iterator[Callable[[float, str], None]]:
-    """A bar with the remaining time on standard error, gone when done; only on a terminal.
+    """Show a bar with the remaining time on standard error, only on a terminal.
 
     Yields
     ------
     callable
-        To be called with the part that is done, from 0 to 1, and a word on what is done now.
+        Called with the completed part, from 0 to 1, and a description of the present step.
     """
-    # jobs count without it, and are started by the hundred
+    # jobs do without it, and hundreds of them are started
     from rich.console import Console
     from rich.progress import (
         BarColumn,
@@ -51,26 +51,25 @@ def bar(title: str) -> Iterator[Callable[[float, str], None]]:
 
 
 class Countdown:
-    """Counts equal parts of a job, and estimates from those done how long the rest takes.
+    """Count of the equal parts of a job, with an estimate of the remaining time.
 
-    Each call counts one part and returns what to say. On a terminal it is
-    written there too, every ten seconds at most: jobs that run side by side
-    share it, so that there is a line each and no bar.
+    Each call counts one part and returns a line on the progress. A terminal also shows it, at most
+    every ten seconds: parallel jobs share the terminal, so that lines replace a bar.
 
     Parameters
     ----------
     title : str
-        Of the job.
+        Title of the job.
     total : int
-        Parts.
+        Number of parts.
     terminal : text stream
-        Where lines go if it is a terminal; that of the process by default, even
-        where a logbook has taken its standard error.
+        Terminal for the lines; by default that of the process, even if a logbook receives
+        its standard error.
     """
 
     def __init__(self, title: str, total: int, terminal: TextIO | None = None):
         self.title, self.total, self.done = title, total, 0
-        self._start = self._said = time.monotonic()
+        self._start = self._shown = time.monotonic()
         self._terminal = terminal or sys.__stderr__ or sys.stderr
 
     def __call__(self) -> str:
@@ -78,14 +77,14 @@ class Countdown:
         now = time.monotonic()
         left = (now - self._start) / self.done * (self.total - self.done)
         text = f"{self.done} of {self.total} done, about {duration(left)} left"
-        if self._terminal.isatty() and now - self._said > _BETWEEN_LINES:
-            self._said = now
+        if self._terminal.isatty() and now - self._shown > _BETWEEN_LINES:
+            self._shown = now
             print(f"{self.title}: {text}", file=self._terminal, flush=True)
         return text
 
 
 def duration(seconds: float) -> str:
-    """Seconds as people say them: "0.35 s", "8.2 s", "12 s", "2 min 5 s", "3 h 20 min"."""
+    """Format seconds: "0.35 s", "8.2 s", "12 s", "2 min 5 s", "3 h 20 min"."""
     if seconds < 9.95:
         return f"{seconds:.2g} s"
     whole = round(seconds)
@@ -97,11 +96,10 @@ def duration(seconds: float) -> str:
 
 
 class WorkflowProgress:
-    """How far a run of Snakemake is, from the lines of its log as they come.
+    """Progress of a run of Snakemake, from the lines of its log.
 
-    The remaining time is estimated by kind of job (rule): the jobs that are left by the mean time
-    of those that are done, with as many at a time as there were on average. Kinds of which no job
-    is done yet are counted and not estimated.
+    The remaining time is estimated for each rule, from the mean time of its finished jobs and the
+    average number of parallel jobs. Jobs of rules without a finished job are only counted.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic):
@@ -114,18 +112,18 @@ class WorkflowProgress:
         self.done = self.total = 0
 
     def read(self, line: str) -> None:
-        """Take in a line of the log."""
+        """Read a line of the log."""
         if self._in_table or line.startswith("Job stats:"):
             self._read_table(line)
-        elif found := _STARTED.match(line):
+        elif match := _STARTED.match(line):
             if not self._started:
                 self._first = self._clock()
-            self._started.setdefault(found[1] or found[2], self._clock())
-        elif found := _FINISHED.match(line):
-            start = self._started.pop(found[1], self._clock())
-            self._took.setdefault(found[2], []).append(self._clock() - start)
-        elif found := _STEPS.match(line):
-            self.done, self.total = int(found[1]), int(found[2])
+            self._started.setdefault(match[1] or match[2], self._clock())
+        elif match := _FINISHED.match(line):
+            start = self._started.pop(match[1], self._clock())
+            self._took.setdefault(match[2], []).append(self._clock() - start)
+        elif match := _STEPS.match(line):
+            self.done, self.total = int(match[1]), int(match[2])
 
     def _read_table(self, line: str) -> None:
         self._in_table = bool(line.strip())
@@ -137,7 +135,7 @@ class WorkflowProgress:
                 self._jobs[words[0]] = int(words[1])
 
     def text(self) -> str:
-        """Jobs that are done, and by kind of job about how long the rest takes."""
+        """Describe the finished jobs, and the remaining time by rule."""
         done = f"{self.done} of {self.total} jobs done"
         left = {name: n - len(self._took.get(name, [])) for name, n in self._jobs.items()}
         parts = [
@@ -146,11 +144,11 @@ class WorkflowProgress:
             if n > 0 and name in self._took
         ]
         untimed = sum(n for name, n in left.items() if name not in self._took)
-        parts += [f"{untimed} of kinds not timed yet"] if parts and untimed else []
+        parts += [f"{untimed} jobs not yet timed"] if parts and untimed else []
         return f"{done}; left: {', '.join(parts)}" if parts else done
 
     def _seconds_a_job(self, rule: str) -> float:
-        """Mean time between the ends of a rule's jobs, when as many run at a time as until now."""
+        """Return the mean time between ends of a rule's jobs, in parallel as so far."""
         elapsed = self._clock() - self._first
         spent = sum(map(sum, self._took.values()))
         took = self._took[rule]

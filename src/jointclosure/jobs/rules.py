@@ -28,7 +28,7 @@ FOLDER = re.compile(r"results/[^/{]+")
 
 
 class SealedJobs:
-    """Which job makes a file, and the seal that it writes.
+    """Jobs that make files, and the seals that they write.
 
     Parameters
     ----------
@@ -50,18 +50,18 @@ class SealedJobs:
         self.seal_of = lru_cache(maxsize=None)(self._seal_of)
 
     def _seal_of(self, path: str) -> str:
-        """Seal of the job that makes a file; empty where no job does, or seals it."""
+        """Return the seal of the job that makes a file; empty without such a job or seal."""
         for pattern, seal in self._made:
             if match := pattern.fullmatch(path):
                 return seal.format(**match.groupdict())
         return ""
 
     def folders(self) -> list[str]:
-        """Folders of results in which jobs write."""
+        """Return the folders of results in which jobs write."""
         return sorted({_folder(rule) for rule, _ in self._seals})
 
     def withdraw_unmet(self, report: Callable[[str], None], remove: bool) -> None:
-        """Remove seals that are not met, so that what they seal is made again.
+        """Remove seals that are not met, so that their files are made again.
 
         Parameters
         ----------
@@ -83,9 +83,9 @@ class SealedJobs:
                 report(f"jointclosure: {folder}: the same of {len(other) - 1} more jobs")
 
     def expected_settings(self, seal: str | Path) -> str:
-        """Digest of the settings that a seal must have.
+        """Return the digest of the settings that a seal must have.
 
-        Empty where this configuration has no such job, and where parameters follow from inputs.
+        Empty if this configuration has no such job, or parameters depend on inputs.
         """
         from snakemake.exceptions import (  # type: ignore[import-untyped]
             IncompleteCheckpointException,
@@ -107,7 +107,7 @@ class SealedJobs:
 
 
 def complete(rules: Iterable[Any], environment: str, without_seal: Collection[str]) -> SealedJobs:
-    """Give rules what all of them have.
+    """Add to rules the parts that all of them have.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def complete(rules: Iterable[Any], environment: str, without_seal: Collection[st
     environment : str
         File of the conda environment, from the files of the rules.
     without_seal : collection of str
-        Names of rules whose files bear their settings themselves, or are read by nobody.
+        Names of rules whose files contain their settings, or are no input.
     """
     rules = list(rules)
     jobs = [rule for rule in rules if rule.script]
@@ -148,14 +148,14 @@ def _seals(inputs: list[Any], made: SealedJobs) -> Callable[[Any], list[str]]:
     """Input function: the seals of the jobs that make other inputs."""
 
     def seals(wildcards: Any) -> list[str]:
-        found = (made.seal_of(path) for path in _expanded(inputs, wildcards))
-        return sorted({seal for seal in found if seal})
+        paths = _expanded(inputs, wildcards)
+        return sorted({seal for path in paths if (seal := made.seal_of(path))})
 
     return seals
 
 
 def _expanded(inputs: Any, wildcards: Any) -> Iterator[str]:
-    """Paths of inputs, functions called and wildcards filled in."""
+    """Generate the paths of inputs, with called functions and inserted wildcards."""
     function = inputs if callable(inputs) else getattr(inputs, "callable", None)
     if function:
         yield from _expanded(function(wildcards), wildcards)
@@ -167,7 +167,7 @@ def _expanded(inputs: Any, wildcards: Any) -> Iterator[str]:
 
 
 def _raw(files: Any) -> Iterator[Any]:
-    """Files of a rule as its text names them."""
+    """Generate the files of a rule as written in it."""
     for part in (*files.paths, *files.kwpaths.values()):
         if isinstance(part, (str, Path)) or callable(part):
             yield part
@@ -184,7 +184,7 @@ def _folder(rule: Any) -> str:
 
 
 def _file(rule: Any, kind: str, suffix: str) -> str:
-    """Pattern of a file that a rule writes besides its output.
+    """Return the pattern of a file that a rule writes besides its output.
 
     Its name ends with the part of the first output from its first wildcard to its last.
     """
@@ -198,7 +198,7 @@ def _sealed(rule: Any) -> bool:
 
 
 def _pattern(path: str, rule: Any) -> re.Pattern[str]:
-    """Regular expression of an output; wildcards are its groups."""
+    """Return the regular expression of an output, with wildcards as groups."""
     constraints: Mapping[str, str] = {
         **rule.workflow.wildcard_constraints,
         **rule.wildcard_constraints,
@@ -216,6 +216,6 @@ def _pattern(path: str, rule: Any) -> re.Pattern[str]:
 
 
 def _first_line(script: Path) -> str:
-    """First line of a script's docstring, without its full stop."""
+    """Return the first line of a script's docstring, without its full stop."""
     text = script.read_text(encoding="utf-8")
     return text.partition('"""')[2].partition('"""')[0].strip().splitlines()[0].rstrip(".")

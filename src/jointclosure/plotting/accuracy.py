@@ -3,15 +3,20 @@
 import numpy as np
 import pandas as pd
 import seaborn as sns
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from jointclosure.ensemble.cases import BASE
 from jointclosure.plotting.labels import Label, label_marks
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.plotting.style import (
+    decimal_ticks,
+    keys_of,
+    legend_below,
+    panel_grid,
+    point_key,
+    styled,
+    subplots,
+)
 from jointclosure.statistics.total_error import front
 
 KNOB_TITLES = {
@@ -62,14 +67,8 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
     """
     shown = costs[~costs.other_joints]
     rocks, cycles = shown.rock.unique(), sorted(shown.cycle.unique())
-    figure, panels = subplots(
-        len(cycles),
-        len(rocks),
-        figsize=(4.8 * len(rocks), 3.4 * len(cycles) + 1.2),
-        layout="constrained",
-        sharex=True,
-        sharey=True,
-        squeeze=False,
+    figure, panels = panel_grid(
+        len(cycles), len(rocks), (4.8, 3.4), (0.0, 1.2), sharex=True, sharey=True
     )
     knobs = [knob for knob in shown.knob.unique() if knob != BASE]
     colours = dict(zip(knobs, sns.color_palette("colorblind", len(knobs)), strict=True))
@@ -83,17 +82,10 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
         axes.set_xlabel("time a simulation / that of the marked setting")
     for row in panels:
         row[0].set_ylabel("error of mean max. closure (%)")
-    entries: dict[str, Artist] = {}
-    for axes in panels.flat:  # a panel may lack a setting that others have
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            entries.setdefault(label, handle)
-    entries[paper] = Line2D([], [], ls="", marker="*", color="k", ms=13)
-    entries["not significantly different from zero"] = Line2D(
-        [], [], ls="", marker="o", color="0.3", mfc="w", ms=5
-    )
-    figure.legend(
-        entries.values(), entries.keys(), loc="outside lower center", ncols=3, frameon=False
-    )
+    entries = {str(entry.get_label()): entry for entry in keys_of(panels.flat)}
+    entries[paper] = point_key(paper, "*", color="k", ms=13)
+    hollow = point_key("not significantly different from zero", color="0.3", mfc="w", ms=5)
+    legend_below(figure, [*entries.values(), hollow], 3)
     figure.suptitle(title, x=0.01, ha="left")
     sns.despine(figure)
     for axes, labels in zip(panels.flat, values, strict=True):
@@ -144,9 +136,7 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> list[Lab
     )  # fmt: skip
     axes.set(xscale="log", yscale="log")
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
-        axis.set_minor_formatter(NullFormatter())
+        decimal_ticks(axis)
     return labels
 
 
@@ -163,7 +153,7 @@ def error_sources(sources: pd.DataFrame, title: str) -> Figure:
     sources = sources.assign(kind=sources.source.str.split(" (", regex=False).str[0])
     kinds = list(dict.fromkeys(sources.kind))
     groups = list(sources.groupby(["rock", "cycle"], sort=False))
-    figure, axes = subplots(figsize=(7.2, 3.6), layout="constrained")
+    figure, axes = subplots(figsize=(7.2, 3.6))
     width = 0.8 / len(kinds)
     for k, kind in enumerate(kinds):
         places, rows = [], []

@@ -2,10 +2,9 @@
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from jointclosure.measured.fit import Fit
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.plotting.style import decimal_ticks, styled, subplots
 
 
 @styled
@@ -17,9 +16,7 @@ def fit_figure(result: Fit, title: str) -> Figure:
     result : Fit
     title : str
     """
-    figure, (above, below) = subplots(
-        2, 1, figsize=(6.4, 6.4), layout="constrained", sharex=True, height_ratios=(2, 1)
-    )
+    figure, (above, below) = subplots(2, 1, figsize=(6.4, 6.4), sharex=True, height_ratios=(2, 1))
     tried = result.likelihood.wavelengths
     nodes = 1e3 * np.geomspace(tried[0], tried[-1], len(result.simulated))
     names = _names(result)
@@ -44,9 +41,7 @@ def fit_figure(result: Fit, title: str) -> Figure:
     below.set(xscale="log", ylim=(-12.0, 1.0), ylabel="log likelihood")
     below.set_xlabel("mismatch wavelength (mm)")
     below.legend(frameon=False, loc="lower right")
-    below.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    below.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    below.xaxis.set_minor_formatter(NullFormatter())
+    decimal_ticks(below.xaxis)
     return figure
 
 

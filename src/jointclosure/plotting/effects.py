@@ -5,11 +5,17 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+from matplotlib.ticker import LogLocator, StrMethodFormatter
 
 from jointclosure.parameters import AUTO_TOLERANCE, Effects, scene_name
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.plotting.style import (
+    decimal_ticks,
+    key,
+    legend_below,
+    panel_grid,
+    point_key,
+    styled,
+)
 
 _FLOOR = 0.1
 _WIDE = 5.0
@@ -34,14 +40,7 @@ def effect_figure(table: pd.DataFrame) -> Figure:
     """
     shown = _over_rocks(table)
     effects, cycles = table.effect.unique(), sorted(table.cycle.unique())
-    figure, panels = subplots(
-        len(cycles),
-        len(effects),
-        figsize=(2.7 * len(effects) + 1.6, 2.9 * len(cycles) + 0.6),
-        layout="constrained",
-        sharey=True,
-        squeeze=False,
-    )
+    figure, panels = panel_grid(len(cycles), len(effects), (2.7, 2.9), (1.6, 0.6), sharey=True)
     norm = LogNorm(table.stress_MPa.min(), table.stress_MPa.max())
     for row, cycle in zip(panels, cycles, strict=True):
         for axes, effect in zip(row, effects, strict=True):
@@ -62,9 +61,7 @@ def effect_figure(table: pd.DataFrame) -> Figure:
             axes.axhline(100.0 * AUTO_TOLERANCE, color="0.5", lw=0.8, ls="--", zorder=0)
             axes.set(xscale="log", yscale="log")
             for axis in (axes.xaxis, axes.yaxis):
-                axis.set_major_locator(LogLocator(subs=(1.0,), numticks=5))
-                axis.set_major_formatter(StrMethodFormatter("{x:g}"))
-                axis.set_minor_formatter(NullFormatter())
+                decimal_ticks(axis, subs=(1.0,), numticks=5)
         row[0].set_ylabel(f"size of the change of\nmax. closure, cycle {cycle} (%)")
     for axes, effect in zip(panels[0], effects, strict=True):
         axes.set_title(effect.replace("_", " "))
@@ -76,21 +73,13 @@ def effect_figure(table: pd.DataFrame) -> Figure:
         axes.xaxis.set_major_locator(LogLocator(subs=labelled))
     figure.colorbar(marks, ax=panels, label="maximum stress (MPa)", shrink=0.7)
     handles = [
-        Line2D(
-            [],
-            [],
-            ls="",
-            marker="o",
-            color="0.4",
-            ms=np.sqrt(_mark_size(jrc)),
-            label=f"JRC {jrc:g}",
-        )
+        point_key(f"JRC {jrc:g}", color="0.4", ms=np.sqrt(_mark_size(jrc)))
         for jrc in sorted(table.jrc.unique())
     ]
-    handles.append(Line2D([], [], color="0.8", lw=0.8, label="least to largest of the rocks"))
+    handles.append(key(color="0.8", lw=0.8, label="least to largest of the rocks"))
     tolerance = f"tolerance of effects: auto, {100.0 * AUTO_TOLERANCE:g} %"
-    handles.append(Line2D([], [], color="0.5", lw=0.8, ls="--", label=tolerance))
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
+    handles.append(key(color="0.5", lw=0.8, ls="--", label=tolerance))
+    legend_below(figure, handles)
     sns.despine(figure)
     return figure
 
@@ -129,14 +118,8 @@ def choice_figure(table: pd.DataFrame) -> Figure:
     below a hundredth of a percent are drawn there.
     """
     tolerances = sorted(table.tolerance.unique())
-    figure, panels = subplots(
-        2,
-        len(tolerances),
-        figsize=(3.2 * len(tolerances) + 1.4, 5.6),
-        layout="constrained",
-        sharex=True,
-        sharey="row",
-        squeeze=False,
+    figure, panels = panel_grid(
+        2, len(tolerances), (3.2, 2.8), (1.4, 0.0), sharex=True, sharey="row"
     )
     names = sorted(table.chosen.unique(), key=lambda name: -name.count("-"))
     everything = scene_name(Effects())
@@ -168,11 +151,8 @@ def choice_figure(table: pd.DataFrame) -> Figure:
         lower.set_ylim(table.saved_percent.min() - 5.0, 105.0)
     panels[0, 0].set_ylabel("change of mean\nmax. closure (%)")
     panels[1, 0].set_ylabel("time saved,\nincluding pilot (%)")
-    handles = [
-        Line2D([], [], ls="", marker="o", color=colours[name], label=_left_out(name))
-        for name in names
-    ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False)
+    handles = [point_key(_left_out(name), color=colours[name]) for name in names]
+    legend_below(figure, handles, 2)
     sns.despine(figure)
     return figure
 

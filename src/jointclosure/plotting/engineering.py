@@ -25,7 +25,7 @@ def engineering_figure(history: xr.Dataset, title: str) -> Figure:
     title : str
     """
     number = 4 if has_flow(history) else 3
-    figure, panels = subplots(1, number, figsize=(4.5 * number, 4.6), layout="constrained")
+    figure, panels = subplots(1, number, figsize=(4.5 * number, 4.6))
     _draw_closure(panels[0], history)
     draw_stiffness(panels[1], history)
     panels[1].set_title("normal stiffness, by chords")

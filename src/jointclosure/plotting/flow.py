@@ -5,12 +5,11 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from jointclosure.config.typed import StudyRock
 from jointclosure.joint.protocol import UNLOADING
-from jointclosure.plotting.style import BRANCH_LINES, above, styled, subplots
+from jointclosure.plotting.style import BRANCH_LINES, above, key, legend_below, panel_grid, styled
 
 _QUANTITIES = {
     "hydraulic_aperture": ("_mm", "hydraulic aperture (mm)"),
@@ -33,10 +32,7 @@ def flow_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], seating_stress
     """
     directions = list(dict.fromkeys(table.direction))
     kinds = [(name, direction) for name in _QUANTITIES for direction in directions]
-    figure, panels = subplots(
-        len(rocks), len(kinds), figsize=(3.5 * len(kinds), 3.1 * len(rocks) + 0.7),
-        layout="constrained", squeeze=False, sharex="row",
-    )  # fmt: skip
+    figure, panels = panel_grid(len(rocks), len(kinds), (3.5, 3.1), (0.0, 0.7), sharex="row")
     base = table[(table.parameter == "base") & (table.stress_MPa >= 1e-6 * seating_stress)]
     for row, (name, rock) in zip(panels, rocks.items(), strict=True):
         rows = base[base.rock == name]
@@ -52,17 +48,17 @@ def flow_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], seating_stress
                 axes.set_ylim(0.0, top)
     cycles = sorted(table.cycle.unique())
     handles: list[Artist] = [
-        Line2D([], [], color=f"C{cycle - 1}", lw=2, label=f"cycle {cycle}") for cycle in cycles
+        key(color=f"C{cycle - 1}", lw=2, label=f"cycle {cycle}") for cycle in cycles
     ]
     handles += [
-        Line2D([], [], color="0.5", lw=2, ls=style, label=f"mean, {branch}")
+        key(color="0.5", lw=2, ls=style, label=f"mean, {branch}")
         for branch, style in BRANCH_LINES.items()
     ]
     handles += [
-        Line2D([], [], color="0.5", lw=1.2, ls=":", label="mechanical (mean) aperture, loading"),
+        key(color="0.5", lw=1.2, ls=":", label="mechanical (mean) aperture, loading"),
         Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="loading ± 1 standard deviation"),
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
+    legend_below(figure, handles)
     sns.despine(figure)
     return figure
 

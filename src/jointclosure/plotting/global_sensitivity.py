@@ -1,14 +1,13 @@
-"""Figures of a study in which properties and open choices vary together."""
+"""Figures of a study of global sensitivity to properties and open choices."""
 
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.plotting.style import keys_of, legend_below, point_key, styled, subplots
 
 SURFACES = "surfaces"
-"""The row of an index table that is no input."""
+"""Row of a table of indices that is no input."""
 SHOWN = (
     ("closure", 1, "closure, cycle 1"),
     ("closure", 2, "closure, cycle 2"),
@@ -23,14 +22,14 @@ _WIDTH = 1.96
 
 @styled
 def indices(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
-    """First and total indices of every input, a panel for each response, a mark for each rock.
+    """Draw first and total indices of every input, with a panel for each response.
 
     Parameters
     ----------
     table : DataFrame
         From `jointclosure.experiments.global_sensitivity.table.index_table`.
     titles : dict
-        Of rocks.
+        Titles of the rocks.
 
     Notes
     -----
@@ -42,17 +41,17 @@ def indices(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     labels = [whole.title[whole.input == name].iloc[0] for name in names]
     rocks = list(dict.fromkeys(whole.rock))
     figure, panels = subplots(
-        2, 3, figsize=(11.0, 2.2 + 0.5 * len(names)), layout="constrained", sharex=True, sharey=True
+        2, 3, figsize=(11.0, 2.2 + 0.5 * len(names)), sharex=True, sharey=True
     )
     places = np.arange(len(names))[::-1]
     for axes, (response, cycle, title) in zip(panels.flat, SHOWN, strict=True):
         for number, rock in enumerate(rocks):
-            own = whole[(whole.rock == rock) & (whole.response == response)]
-            own = own[own.cycle == cycle].set_index("input").reindex(names)
+            part = whole[(whole.rock == rock) & (whole.response == response)]
+            part = part[part.cycle == cycle].set_index("input").reindex(names)
             at = places + 0.16 * ((len(rocks) - 1) / 2.0 - number)
-            for kind, face, shift in (("total", f"C{number}", 0.0), ("first", "white", 0.0)):
+            for kind, face in (("total", f"C{number}"), ("first", "white")):
                 axes.errorbar(
-                    own[kind], at + shift, xerr=_WIDTH * own[f"{kind}_error"], fmt="o", ms=4.0,
+                    part[kind], at, xerr=_WIDTH * part[f"{kind}_error"], fmt="o", ms=4.0,
                     color=f"C{number}", markerfacecolor=face, lw=0.8,
                     zorder=3 if kind == "first" else 2,
                 )  # fmt: skip
@@ -62,30 +61,23 @@ def indices(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
         axes.grid(axis="y", lw=0.3)
     for axes in panels[-1]:
         axes.set_xlabel("share of the variance of the mean")
-    marks = [
-        Line2D([], [], marker="o", color=f"C{number}", ls="", label=titles[rock])
-        for number, rock in enumerate(rocks)
-    ]
-    marks += [
-        Line2D([], [], marker="o", color="0.3", ls="", label="total index"),
-        Line2D(
-            [], [], marker="o", color="0.3", markerfacecolor="white", ls="", label="first index"
-        ),
-    ]
-    figure.legend(handles=marks, loc="outside lower center", ncols=len(marks), frameon=False)
+    keys = [point_key(titles[rock], color=f"C{number}") for number, rock in enumerate(rocks)]
+    keys.append(point_key("total index", color="0.3"))
+    keys.append(point_key("first index", color="0.3", markerfacecolor="white"))
+    legend_below(figure, keys)
     return figure
 
 
 @styled
 def convergence(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
-    """Total indices against the rows they were found from; bars are 95 % intervals.
+    """Draw total indices of the closures of both cycles over the number of rows.
 
-    Parameters as of `indices`; of the closures of both cycles.
+    Parameters as of `indices`. Bars are 95 % intervals.
     """
     rocks = list(dict.fromkeys(table.rock))
     names = [name for name in dict.fromkeys(table.input) if name != SURFACES]
     figure, panels = subplots(
-        2, max(1, len(rocks)), figsize=(2.7 * len(rocks) + 2.4, 5.6), layout="constrained",
+        2, max(1, len(rocks)), figsize=(2.7 * len(rocks) + 2.4, 5.6),
         sharex=True, sharey=True, squeeze=False,
     )  # fmt: skip
     markers = "osD^v<>PX*"
@@ -94,18 +86,18 @@ def convergence(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
             here = table[(table.rock == rock) & (table.response == "closure")]
             here = here[here.cycle == cycle]
             for number, name in enumerate(names):
-                own = here[here.input == name].sort_values("rows")
+                part = here[here.input == name].sort_values("rows")
                 axes.errorbar(
-                    own.rows * 1.03 ** (number - len(names) / 2.0), own.total,
-                    yerr=_WIDTH * own.total_error, marker=markers[number % len(markers)],
-                    color=f"C{number}", ms=4.0, lw=0.8, label=own.title.iloc[0],
+                    part.rows * 1.03 ** (number - len(names) / 2.0), part.total,
+                    yerr=_WIDTH * part.total_error, marker=markers[number % len(markers)],
+                    color=f"C{number}", ms=4.0, lw=0.8, label=part.title.iloc[0],
                 )  # fmt: skip
             axes.set_title(f"{titles[rock]}, cycle {cycle}", fontsize=10)
             axes.axhline(0.0, color="0.6", lw=0.8, zorder=0)
     ticks = sorted(set(table.rows))
     for axes in panels[-1]:
         axes.set_xscale("log")
-        axes.set_xticks(ticks, [f"{each:.0f}" for each in ticks])
+        axes.set_xticks(ticks, [f"{tick:.0f}" for tick in ticks])
         axes.minorticks_off()
         axes.set_xlabel("rows of the design")
     for axes in panels[:, 0]:
@@ -117,45 +109,46 @@ def convergence(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
 
 @styled
 def conclusions(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
-    """For what share of the open choices each conclusion holds; bars are 95 % intervals.
+    """Draw the share of the open choices for which each conclusion holds, with 95 % intervals.
 
     Parameters
     ----------
     table : DataFrame
-        From `jointclosure.experiments.global_sensitivity.conclusions.conclusion_tables`; where it
-        is empty the figure says so.
+        From `jointclosure.experiments.global_sensitivity.conclusions.conclusion_tables`; if it is
+        empty the figure is a text.
     titles : dict
-        Of rocks.
+        Titles of the rocks.
     """
     if table.empty:
-        figure, axes = subplots(figsize=(6.0, 2.0))
+        figure, axes = subplots(figsize=(6.0, 2.0), layout=None)
         axes.set_axis_off()
         axes.text(0.5, 0.5, "not all four properties vary", ha="center")
         return figure
     rocks = [*(rock for rock in dict.fromkeys(table.rock) if rock != "all"), "all"]
     colours = {rock: f"C{number}" for number, rock in enumerate(rocks)} | {"all": "0.15"}
-    said = table[["number", "conclusion"]].drop_duplicates().sort_values("number")
-    rows = list(said.itertuples(index=False))
+    unique = table[["number", "conclusion"]].drop_duplicates().sort_values("number")
+    rows = list(unique.itertuples(index=False))
     figure, panels = subplots(
-        1, 4, figsize=(12.0, 1.6 + 0.55 * len(rows)), layout="constrained", sharex=True, sharey=True
+        1, 4, figsize=(12.0, 1.6 + 0.55 * len(rows)), sharex=True, sharey=True
     )
     places = np.arange(len(rows))[::-1]
     cases = [(response, cycle) for cycle in (1, 2) for response in ("closure", "closure_net")]
     for axes, (response, cycle) in zip(panels, cases, strict=True):
         here = table[(table.response == response) & (table.cycle == cycle)]
         for number, rock in enumerate(rocks):
-            own = here[here.rock == rock].set_index("number").reindex([row[0] for row in rows])
+            part = here[here.rock == rock].set_index("number").reindex([row[0] for row in rows])
             axes.errorbar(
-                100.0 * own.share, places + 0.14 * ((len(rocks) - 1) / 2.0 - number),
-                xerr=100.0 * np.array([own.share - own.share_low, own.share_high - own.share]),
+                100.0 * part.share, places + 0.14 * ((len(rocks) - 1) / 2.0 - number),
+                xerr=100.0 * np.array([part.share - part.share_low, part.share_high - part.share]),
                 fmt="D" if rock == "all" else "o", ms=4.5, color=colours[rock], lw=0.8,
                 label=titles.get(rock, "in all rocks at once"),
             )  # fmt: skip
         net = ", net of bulk\nindentation" if response == "closure_net" else ""
         axes.set_title(f"cycle {cycle}{net}", fontsize=10)
-        axes.set_yticks(places, [f"{number}: {said}" for number, said in rows], fontsize=8)
+        axes.set_yticks(
+            places, [f"{number}: {conclusion}" for number, conclusion in rows], fontsize=8
+        )
         axes.set(xlim=(-4.0, 104.0), xlabel="share of open choices (%)")
         axes.grid(axis="y", lw=0.3)
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=len(rocks), frameon=False)
+    legend_below(figure, keys_of(panels[:1]), len(rocks))
     return figure

@@ -2,10 +2,9 @@
 
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter
 
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.plotting.style import key, legend_below, point_key, styled, subplots
 
 COLUMNS = 10
 METHODS = {"fixed_step": ("#0072b2", "-"), "resolved": ("#000000", "--")}
@@ -20,43 +19,33 @@ _METRES, _PASCALS = EngFormatter("m", places=1), EngFormatter("Pa", places=1)
 
 @styled
 def hard_case_page(table: pd.DataFrame, curves: pd.DataFrame) -> Figure:
-    """Closure curves of all hard cases, each to its own scale.
+    """Draw the closure curves of all hard cases, with different scales.
 
     Parameters
     ----------
     table, curves : DataFrame
         All rows of `jointclosure.verification.hard_cases.row_of`, and the
-        curves of `curve_of`. A case with both ways of breakage is one panel.
+        curves of `curve_of`. A case with both methods of breakage is one panel.
     """
     table = table.assign(panel=table.name.str.removesuffix("_resolved"))
     panels = list(dict.fromkeys(table.panel))
     rows = -(-len(panels) // COLUMNS)
-    figure, grid = subplots(
-        rows, COLUMNS, figsize=(2.1 * COLUMNS, 1.75 * rows + 1.4), layout="constrained"
-    )
+    figure, grid = subplots(rows, COLUMNS, figsize=(2.1 * COLUMNS, 1.75 * rows + 1.4))
     for axes in grid.flat[len(panels) :]:
         axes.set_visible(False)
     for axes, panel in zip(grid.flat, panels, strict=False):
         _draw(axes, panel, table[table.panel == panel], curves)
     figure.suptitle(
         f"{int(table.holds.sum())} of {len(table)} hard cases hold\n"
-        "nominal stress (up) against closure (right), all cycles, every panel to its own scale; "
-        "its text: largest closure and stress, or the status of a case without a curve",
+        "nominal stress over closure, all cycles, with different scales in the panels; "
+        "text: largest closure and stress, or the status of a case without a curve",
         fontsize=15,
     )
-    marks = [
-        Line2D([], [], marker="s", ls="", ms=10, color=colour, label=name)
-        for name, colour in MARKS.items()
-    ]
-    lines = [
-        Line2D([], [], color=colour, ls=style, label=f"breakage: {name}, or none")
-        if name == "fixed_step"
-        else Line2D([], [], color=colour, ls=style, label=f"breakage: {name}")
-        for name, (colour, style) in METHODS.items()
-    ]
-    figure.legend(
-        handles=[*marks, *lines], loc="outside lower center", ncols=6, fontsize=12, frameon=False
-    )
+    keys = [point_key(name, "s", ms=10, color=colour) for name, colour in MARKS.items()]
+    for name, (colour, style) in METHODS.items():
+        without = ", or none" if name == "fixed_step" else ""
+        keys.append(key(f"breakage: {name}{without}", color=colour, ls=style))
+    legend_below(figure, keys, 6, fontsize=12)
     return figure
 
 
@@ -81,7 +70,7 @@ def _draw(axes, panel: str, rows: pd.DataFrame, curves: pd.DataFrame) -> None:
 
 
 def _wrapped(title: str, width: int = 30) -> str:
-    """A title in at most two lines."""
+    """Split a title into at most two lines."""
     if len(title) <= width:
         return title
     cut = title.rfind(" ", 0, width + 1)

@@ -1,6 +1,5 @@
 """Closure and stiffness curves of one joint."""
 
-import matplotlib.ticker
 import numpy as np
 import seaborn as sns
 import xarray as xr
@@ -11,7 +10,7 @@ from jointclosure.engineering.curves import seat_of
 from jointclosure.engineering.stiffness import stiffness_table
 from jointclosure.joint.history import GROSS, NET, branch_of, read_along
 from jointclosure.joint.protocol import LOADING
-from jointclosure.plotting.style import BRANCH_LINES, above, styled, subplots
+from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
 
 
 @styled
@@ -26,7 +25,7 @@ def closure_curve(closed: xr.Dataset, title: str) -> Figure:
         As from `jointclosure.simulate`.
     title : str
     """
-    figure, panels = subplots(1, 2, figsize=(10.4, 4.4), layout="constrained", sharey=True)
+    figure, panels = subplots(1, 2, figsize=(10.4, 4.4), sharey=True)
     for axes, of in zip(panels, (GROSS, NET), strict=True):
         draw_curves(axes, closed, "seating", of)
     panels[1].set(ylabel="")
@@ -91,9 +90,7 @@ def draw_stiffness(axes: Axes, closed: xr.Dataset) -> None:
                 marker="o", ms=3, mfc="none" if landing else colour,
             )  # fmt: skip
     axes.set(xlabel="normal stress (MPa)", ylabel="net kn (MPa/mm)", yscale="log", xlim=0.0)
-    axes.yaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.yaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
-    axes.yaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
+    decimal_ticks(axes.yaxis)
     axes.legend(frameon=False, fontsize=9)
 
 

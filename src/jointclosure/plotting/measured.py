@@ -7,10 +7,10 @@ from typing import NamedTuple
 import pandas as pd
 import seaborn as sns
 import xarray as xr
-from matplotlib.lines import Line2D
 
 from jointclosure.ensemble.aggregation import seats
 from jointclosure.measured.curves import FIT_COLUMNS, MeasuredCurve, best_fits
+from jointclosure.plotting.style import key
 
 _MARKERS = "osD^v"
 _DARK = dict(enumerate(sns.color_palette("dark", 8), start=1))
@@ -112,9 +112,6 @@ def measured_handles(measured: Measurements) -> list:
         return []
     cycles = range(1, measured.cycles + 1)
     return [
-        Line2D([], [], color="0.1", lw=1.6, label="measured curve"),
-        *(
-            Line2D([], [], label=f"surface that fits cycle {cycle} best", **_style(cycle))
-            for cycle in cycles
-        ),
+        key(color="0.1", lw=1.6, label="measured curve"),
+        *(key(label=f"surface that fits cycle {cycle} best", **_style(cycle)) for cycle in cycles),
     ]

@@ -5,9 +5,8 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, NullLocator
 
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.plotting.style import styled, subplots, ticks_at
 
 _PANELS = {
     "closure_net_since_seating_mm": "net closure since seating (mm)",
@@ -33,9 +32,7 @@ def mismatch_figure(table: pd.DataFrame) -> Figure:
     the ends of the left axes; the grey line is that of independent walls.
     """
     table = table[table.rock == table.rock.iloc[0]]
-    figure, panels = subplots(
-        len(_PANELS), 2, figsize=(9.0, 11.0), layout="constrained", sharey="row"
-    )
+    figure, panels = subplots(len(_PANELS), 2, figsize=(9.0, 11.0), sharey="row")
     for row, (column, title) in zip(panels, _PANELS.items(), strict=True):
         _against_mismatch(row[0], table[table.shift_mm == 0.0], column)
         _against_shift(row[1], table[table.cycle == table.cycle.min()], column)
@@ -73,10 +70,10 @@ def _against_mismatch(axes: Axes, table: pd.DataFrame, column: str) -> None:
         )  # fmt: skip
     axes.set_xscale("log")
     shown = [value for value in wavelengths if value in places]
-    axes.xaxis.set_major_locator(FixedLocator([places[value] for value in shown]))
-    axes.xaxis.set_minor_locator(NullLocator())
     words = {0.0: "mates", np.inf: "indep."}
-    axes.set_xticklabels([words.get(value, f"{value:g}") for value in shown], rotation=45)
+    labels = [words.get(value, f"{value:g}") for value in shown]
+    ticks_at(axes.xaxis, [places[value] for value in shown], labels)
+    axes.tick_params(axis="x", labelrotation=45)
 
 
 def _against_shift(axes: Axes, table: pd.DataFrame, column: str) -> None:
@@ -96,7 +93,4 @@ def _against_shift(axes: Axes, table: pd.DataFrame, column: str) -> None:
     smallest = shifted.shift_mm[shifted.shift_mm > 0.0].min()
     axes.set_xscale("symlog", linthresh=smallest if np.isfinite(smallest) else 1.0)
     axes.set_xlim(left=0.0)
-    axes.xaxis.set_minor_locator(NullLocator())
-    ticks = np.sort(shifted.shift_mm.unique())
-    axes.xaxis.set_major_locator(FixedLocator(ticks[::2].tolist()))
-    axes.set_xticklabels([f"{value:g}" for value in ticks[::2]])
+    ticks_at(axes.xaxis, np.sort(shifted.shift_mm.unique())[::2])

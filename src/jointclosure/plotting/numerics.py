@@ -49,7 +49,7 @@ def numerics_figure(numerics: pd.DataFrame) -> Figure:
     -----
     Axes end at `FLOOR` and `CEILING`; what lies beyond is drawn on them.
     """
-    figure, panels = subplots(2, 2, figsize=(11.0, 8.6), layout="constrained")
+    figure, panels = subplots(2, 2, figsize=(11.0, 8.6))
     for axes, (subject, (at, error)) in zip(panels.flat, _PANELS.items(), strict=True):
         part = numerics[numerics.subject == subject]
         if subject == "convergence":

@@ -1,6 +1,5 @@
-"""Figures of a study of readings: the likelihood of Table 3, and what tells readings apart."""
+"""Figures of a study of readings: likelihood of Table 3, and sensitivities."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import scipy.stats
@@ -8,14 +7,16 @@ import seaborn as sns
 from matplotlib.figure import Figure
 
 from jointclosure.config.properties import PARAMETER_TITLES
+from jointclosure.plotting.style import keys_of, legend_below, styled, subplots
 
 _CYCLES = (1, 2)
 _SHOWN = 12
-"""Readings in the figure of sensitivities, the best first."""
+"""Number of readings in the figure of sensitivities, the best ones."""
 
 
+@styled
 def likelihoods(table: pd.DataFrame, implied: pd.DataFrame) -> Figure:
-    """Log-likelihood of Table 3 and S/mean of both cycles, reading by reading.
+    """Draw the log-likelihood of Table 3 and S/mean of both cycles for all readings.
 
     Parameters
     ----------
@@ -24,17 +25,12 @@ def likelihoods(table: pd.DataFrame, implied: pd.DataFrame) -> Figure:
 
     Notes
     -----
-    Bars are standard errors. A hollow mark: only some rocks were closed, and the others are taken
-    to change alike. Bands: the S/mean that Table 3 implies, given the means of the best reading.
+    Bars are standard errors. Hollow marks: only some rocks were closed, and the others are assumed
+    to change alike. Bands: S/mean implied by Table 3, given the means of the best reading.
     """
     shown = table.sort_values("log_likelihood").reset_index(drop=True)
-    figure, panels = plt.subplots(
-        1,
-        3,
-        figsize=(11.0, 0.24 * len(shown) + 1.8),
-        sharey=True,
-        layout="constrained",
-        width_ratios=[2.0, 1.0, 1.0],
+    figure, panels = subplots(
+        1, 3, figsize=(11.0, 0.24 * len(shown) + 1.8), sharey=True, width_ratios=[2.0, 1.0, 1.0]
     )
     names = list(dict.fromkeys(shown["round"]))
     colours = dict(zip(names, sns.color_palette("colorblind", len(names)), strict=True))
@@ -43,8 +39,8 @@ def likelihoods(table: pd.DataFrame, implied: pd.DataFrame) -> Figure:
     columns += [(f"scatter_{cycle}", f"scatter_{cycle}_error") for cycle in _CYCLES]
     for axes, (value, error) in zip(panels, columns, strict=True):
         for name, colour in colours.items():
-            for own, face in ((True, colour), (False, "white")):
-                part = shown[(shown["round"] == name) & (whole == own)]
+            for all_rocks, face in ((True, colour), (False, "white")):
+                part = shown[(shown["round"] == name) & (whole == all_rocks)]
                 if part.empty:
                     continue
                 axes.errorbar(
@@ -67,32 +63,28 @@ def likelihoods(table: pd.DataFrame, implied: pd.DataFrame) -> Figure:
         axes.set_xlim(left=0.0)
     panels[0].set_yticks(shown.index, shown.title)
     panels[0].set_xlabel("log-likelihood of the paper's Table 3")
-    handles = {}
-    for axes in panels:
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            handles[label] = handle
-    figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=6)
+    legend_below(figure, keys_of(panels), 6)
     return figure
 
 
+@styled
 def sensitivities(table: pd.DataFrame, paper: pd.DataFrame, draws: int) -> Figure:
-    """|elasticity| over S/mean by parameter and cycle, against what Table 3 implies.
+    """Draw |elasticity| over S/mean by parameter and cycle, and the ratios implied by Table 3.
 
     Notes
     -----
     Where the response is near linear, the length of an interval in percent is
-    100 t sqrt(2/n) S/mean over |elasticity|: every entry of Table 3 implies a ratio. Grey
+    100 t sqrt(2/n) S/mean over |elasticity|, so that every entry of Table 3 implies a ratio. Grey
     lines are the paper's rocks; a dash implies none.
     """
     shown = table.head(_SHOWN)[::-1].reset_index(drop=True)
     parameters = [name for name in PARAMETER_TITLES if f"{name}_1" in table]
-    figure, panels = plt.subplots(
+    figure, panels = subplots(
         len(_CYCLES),
         len(parameters),
         figsize=(2.6 * len(parameters) + 1.6, 0.5 * len(shown) + 2.4),
         sharey=True,
         squeeze=False,
-        layout="constrained",
     )
     critical = float(scipy.stats.t.ppf(0.975, 2 * draws - 2))
     for row, cycle in zip(panels, _CYCLES, strict=True):
@@ -113,5 +105,5 @@ def sensitivities(table: pd.DataFrame, paper: pd.DataFrame, draws: int) -> Figur
         row[0].set_yticks(shown.index, shown.title)
     for axes in panels[-1]:
         axes.set_xlabel("|elasticity| / (S/mean)")
-    figure.suptitle("Grey: what the entries of Table 3 imply", fontsize="medium")
+    figure.suptitle("Grey: ratios implied by the entries of Table 3", fontsize="medium")
     return figure

@@ -1,12 +1,11 @@
 """Figures of two registered scanned walls."""
 
-import matplotlib.ticker
 import numpy as np
 import seaborn as sns
 from matplotlib.figure import Figure
 
 from jointclosure.ensemble.uncertainty import TITLES, Budget
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.surface.registration import CLEAR, RegisteredPair
 
 
@@ -19,7 +18,7 @@ def pair_figure(pair: RegisteredPair, title: str) -> Figure:
     pair : RegisteredPair
     title : str
     """
-    figure, panels = subplots(2, 3, figsize=(13.5, 8.2), layout="constrained")
+    figure, panels = subplots(2, 3, figsize=(13.5, 8.2))
     # z upwards on both, so that mated walls look equal
     _draw_wall(panels[0, 0], -pair.upper, pair, "upper wall, seen from above")
     _draw_wall(panels[0, 1], pair.lower, pair, "lower wall, seen from above")
@@ -45,9 +44,7 @@ def range_figure(budget: Budget, title: str) -> Figure:
     closure = "closure_net_since_seating_mm"
     ranges = budget.ranges.xs(closure, level="quantity")
     cycles = list(dict.fromkeys(ranges.index[[0, -1]]))
-    figure, panels = subplots(
-        1, len(cycles), figsize=(5.2 * len(cycles), 3.6), layout="constrained", squeeze=False
-    )
+    figure, panels = subplots(1, len(cycles), figsize=(5.2 * len(cycles), 3.6), squeeze=False)
     for axes, cycle in zip(panels[0], cycles, strict=True):
         row, results = ranges.loc[cycle], budget.results[budget.results.cycle == cycle]
         shares = row.drop(["best", "low", "high"]).astype(float).dropna().sort_values()
@@ -145,9 +142,7 @@ def _draw_mating(axes, pair: RegisteredPair) -> None:
         title="correlation of the walls", xlabel="wavelength (mm)",
         ylabel="correlation (1: mated, 0: independent)",
     )  # fmt: skip
-    axes.xaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
-    axes.xaxis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
-    axes.xaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
+    decimal_ticks(axes.xaxis)
 
 
 def _draw_orientations(axes, pair: RegisteredPair) -> None:

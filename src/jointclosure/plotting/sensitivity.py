@@ -1,14 +1,22 @@
 """Figures of predicted publications of a sensitivity study, and along the closure curve."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, NullFormatter
+from matplotlib.patches import Patch
 
 from jointclosure.config.properties import PARAMETER_TITLES
 from jointclosure.config.typed import StudyRock
+from jointclosure.plotting.style import (
+    key,
+    keys_of,
+    legend_below,
+    panel_grid,
+    point_key,
+    styled,
+    ticks_at,
+)
 
 _OURS, _NULL = "#2a6f97", "0.82"
 _RANGE = (0.5, 500.0)
@@ -20,6 +28,7 @@ _TICKS = (1, 3, 10, 30, 100, 300)
 _STYLES = ("-", "--", "-.", ":")
 
 
+@styled
 def predictive_figure(
     drawn: xr.Dataset, paper: pd.DataFrame, rocks: dict[str, StudyRock], draws: int
 ) -> Figure:
@@ -39,15 +48,9 @@ def predictive_figure(
     parameters = [p for p in PARAMETER_TITLES if p in set(drawn.parameter.values.tolist())]
     cycles = sorted(set(drawn.cycle.values.tolist()))
     names = [name for name in rocks if name in set(drawn.rock.values.tolist())]
-    height = len(parameters) * (0.62 + 0.36 * len(names)) + 1.5
-    figure, panels = plt.subplots(
-        len(parameters),
-        len(cycles),
-        figsize=(3.6 * len(cycles), height),
-        layout="constrained",
-        squeeze=False,
-        sharex=True,
-        sharey="row",
+    panel = (3.6, 0.62 + 0.36 * len(names))
+    figure, panels = panel_grid(
+        len(parameters), len(cycles), panel, (0.0, 1.5), sharex=True, sharey="row"
     )
     published = paper.set_index(["rock", "parameter", "cycle"]).paper_percent
     for row, parameter in zip(panels, parameters, strict=True):
@@ -70,13 +73,8 @@ def predictive_figure(
             _scale(axes)
     for axes in panels[-1]:
         axes.set_xlabel("interval, % of the rock's value")
-    figure.legend(
-        handles=_handles(draws, bool(len(published.index.intersection(_keys(drawn))))),
-        loc="outside lower center",
-        ncols=1,
-        frameon=False,
-        fontsize=9.5,
-    )
+    compared = bool(len(published.index.intersection(_keys(drawn))))
+    legend_below(figure, _handles(draws, compared), 1, fontsize=9.5)
     return figure
 
 
@@ -126,10 +124,7 @@ def _scale(axes) -> None:
     axes.set_xscale("log")
     axes.set_xlim(_RANGE[0], 1500.0)
     axes.axvline(_RANGE[1] * 1.12, color="0.5", lw=0.7)
-    axes.xaxis.set_major_locator(FixedLocator([*_TICKS, _DASH]))
-    axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.xaxis.set_minor_locator(FixedLocator([]))
-    axes.set_xticklabels([*(str(tick) for tick in _TICKS), "–"])
+    ticks_at(axes.xaxis, [*_TICKS, _DASH], [*(str(tick) for tick in _TICKS), "–"])
     for side in ("top", "right", "left"):
         axes.spines[side].set_visible(False)
     axes.grid(axis="x", color="0.92", lw=0.8, zorder=0)
@@ -138,27 +133,18 @@ def _scale(axes) -> None:
 
 def _handles(draws: int, compared: bool) -> list:
     handles = [
-        plt.Rectangle(
-            (0, 0),
-            1,
-            1,
-            fc="none",
-            ec=_OURS,
-            lw=1.1,
-            label=f"studies of {draws} draws, unpaired t test",
-        ),
-        plt.Line2D([], [], color=_OURS, lw=3.2, label="their 5 to 95 % range; upright: median"),
-        plt.Rectangle((0, 0), 1, 1, fc=_NULL, lw=0, label="if the property had no effect"),
+        Patch(fc="none", ec=_OURS, lw=1.1, label=f"studies of {draws} draws, unpaired t test"),
+        key(color=_OURS, lw=3.2, label="their 5 to 95 % range; upright: median"),
+        Patch(fc=_NULL, lw=0, label="if the property had no effect"),
     ]
     if compared:
-        handles.append(
-            plt.Line2D([], [], marker="D", color="k", mec="w", ms=7.5, ls="", label="the paper")
-        )
+        handles.append(point_key("the paper", "D", color="k", mec="w", ms=7.5))
     text = "column –: no real root (share in this study)"
-    handles.append(plt.Line2D([], [], marker="", ls="", color=_OURS, label=text))
+    handles.append(key(text, ls="", color=_OURS))
     return handles
 
 
+@styled
 def along_curve_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], what: str) -> Figure:
     """Draw elasticities, or lengths of intervals, over stress, for each parameter and cycle.
 
@@ -172,14 +158,8 @@ def along_curve_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], what: s
     """
     parameters = [p for p in PARAMETER_TITLES if p in set(table.parameter)]
     cycles = sorted(table.cycle.unique())
-    figure, panels = plt.subplots(
-        len(parameters),
-        len(cycles),
-        figsize=(3.6 * len(cycles), 2.3 * len(parameters) + 0.9),
-        layout="constrained",
-        squeeze=False,
-        sharex=True,
-        sharey="row",
+    figure, panels = panel_grid(
+        len(parameters), len(cycles), (3.6, 2.3), (0.0, 0.9), sharex=True, sharey="row"
     )
     for row, parameter in zip(panels, parameters, strict=True):
         for axes, cycle in zip(row, cycles, strict=True):
@@ -198,17 +178,14 @@ def along_curve_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], what: s
         row[0].set_ylabel("elasticity" if what == "elasticities" else "length, unpaired test (%)")
     for axes in panels[-1]:
         axes.set_xlabel("normal stress (MPa)")
-    handles, labels = panels[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
+    legend_below(figure, keys_of([panels[0][0]]), 2)
     return figure
 
 
 def _percent_axis(axes) -> None:
     axes.set_yscale("log")
     axes.set_ylim(*_RANGE)
-    axes.yaxis.set_major_locator(FixedLocator(_TICKS))
-    axes.yaxis.set_minor_locator(FixedLocator([]))
-    axes.set_yticks(_TICKS, [str(tick) for tick in _TICKS])
+    ticks_at(axes.yaxis, _TICKS)
 
 
 def _draw_along(axes, one: pd.DataFrame, what: str, style: dict, label: str) -> None:

@@ -4,9 +4,8 @@ import pandas as pd
 import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, NullLocator
 
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.plotting.style import legend_below, styled, subplots, ticks_at
 
 _ROWS = (
     ("closure_seated_net_mm", 1, "net closure since seating,\ncycle 1"),
@@ -34,9 +33,7 @@ def size_figure(table: pd.DataFrame) -> Figure:
     """
     table = table[table.rock == table.rock.iloc[0]]
     base = table[(table.closure_mm_ratio == 1.0) & (table.closure_mm_error == 0.0)].iloc[0]
-    figure, panels = subplots(
-        len(_ROWS), 2, figsize=(9.0, 14.0), layout="constrained", sharey="row", sharex="col"
-    )
+    figure, panels = subplots(len(_ROWS), 2, figsize=(9.0, 14.0), sharey="row", sharex="col")
     for row, (column, cycle, title) in zip(panels, _ROWS, strict=True):
         rows = table[table.cycle == cycle]
         lines = (
@@ -50,11 +47,8 @@ def size_figure(table: pd.DataFrame) -> Figure:
     panels[-1][1].set_xlabel("spacing (mm)")
     panels[0][0].set_title(f"spacing {base.spacing_mm:g} mm")
     panels[0][1].set_title(f"patch {base.patch_mm:g} mm")
-    handles, names = panels[0][0].get_legend_handles_labels()
-    figure.legend(
-        handles, [name.replace("_", " ") for name in names], loc="outside lower center", ncols=3,
-        frameon=False, title="bars: standard errors of ratios of the same walls",
-    )  # fmt: skip
+    handles = panels[0][0].get_legend_handles_labels()[0]
+    legend_below(figure, handles, 3, title="bars: standard errors of ratios of the same walls")
     return figure
 
 
@@ -63,20 +57,15 @@ def _against(axes: Axes, table: pd.DataFrame, along: str, column: str) -> None:
     spectra = list(dict.fromkeys(table.spectrum))
     colours = sns.color_palette("colorblind", len(spectra))
     axes.axhline(1.0, color="0.8", lw=0.8)
-    sizes = sorted(table[along].unique())
     for number, (spectrum, colour) in enumerate(zip(spectra, colours, strict=True)):
         part = table[table.spectrum == spectrum].sort_values(along)
         aside = 1.0 + 0.02 * (number - 0.5 * (len(spectra) - 1))
         axes.errorbar(
             part[along] * aside, part[f"{column}_ratio"], part[f"{column}_error"], color=colour,
-            marker=_MARKERS[number % len(_MARKERS)], ms=4, lw=1.0, capsize=2, label=spectrum,
+            marker=_MARKERS[number % len(_MARKERS)], ms=4, lw=1.0, capsize=2,
+            label=spectrum.replace("_", " "),
         )  # fmt: skip
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.xaxis.set_major_locator(FixedLocator(sizes))
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.set_xticklabels([f"{size:g}" for size in sizes])
-    ticks = [0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0, 3.0]
-    axes.yaxis.set_major_locator(FixedLocator(ticks))
-    axes.yaxis.set_minor_locator(NullLocator())
-    axes.set_yticklabels([f"{tick:g}" for tick in ticks])
+    ticks_at(axes.xaxis, sorted(table[along].unique()))
+    ticks_at(axes.yaxis, [0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0, 3.0])

@@ -12,7 +12,7 @@ from matplotlib.image import AxesImage
 
 from jointclosure.engineering.curves import spacing_of
 from jointclosure.plotting.scanned_joint import map_extent
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.plotting.style import panel_grid, styled
 
 _MAP: dict[str, Any] = {"origin": "lower", "interpolation": "nearest"}
 
@@ -33,10 +33,7 @@ def snapshot_figure(closed: xr.Dataset, title: str) -> Figure:
     is the mean over a whole cell; contacts are smaller.
     """
     number = closed.sizes["snapshot"]
-    figure, panels = subplots(
-        number, 3, figsize=(10.5, 3.2 * number + 1.3), layout="constrained", squeeze=False,
-        sharex=True, sharey=True,
-    )  # fmt: skip
+    figure, panels = panel_grid(number, 3, (3.5, 3.2), (0.0, 1.3), sharex=True, sharey=True)
     for column, maps in zip(panels.T, MAPS.values(), strict=True):
         drawn = maps(closed)
         for k, axes in enumerate(column):

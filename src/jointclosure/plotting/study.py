@@ -8,7 +8,6 @@ import seaborn as sns
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 
@@ -18,10 +17,18 @@ from jointclosure.engineering.empirical import barton_bandis, law_holds
 from jointclosure.ensemble.aggregation import seats, succeeded
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.plotting.measured import Measurements, draw_measured, measured_handles
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.plotting.style import (
+    key,
+    keys_of,
+    legend_below,
+    panel_grid,
+    point_key,
+    styled,
+    subplots,
+)
 from jointclosure.sensitivity.tables import UNPAIRED_TEST, roughness_title, test_name
 
-_CYCLE_COLOURS = dict(enumerate(sns.color_palette("colorblind", 8), start=1))
+_COLOURS = sns.color_palette("colorblind", 8)
 MOST_DRAWN = 500
 """Largest number of surfaces whose curves are drawn; of a larger study the first ones."""
 _FEW_LINES = 20
@@ -40,7 +47,7 @@ def equivalent_stress() -> Figure:
     ratios = np.linspace(0.0, 0.5, 101)
     depths = np.linspace(0.2, 0.8, 6001)
     along = np.array([[von_mises_on_axis(z, nu) for z in depths] for nu in ratios[::5]])
-    figure, axes = subplots(figsize=(5.2, 3.8), layout="constrained")
+    figure, axes = subplots(figsize=(5.2, 3.8))
     axes.plot(ratios[::5], along.max(axis=1), "o", label="maximum of Eq. (21)", zorder=3)
     fit = [strength_factor(nu) for nu in ratios]
     axes.plot(ratios, fit, "-", color="0.3", label="Eq. (23), the paper's fit")
@@ -57,7 +64,7 @@ def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title
     """Draw both walls (y, x) [m], and the opening at first touch."""
     ny, nx = upper.shape
     extent = (0.0, 1e3 * nx * spacing, 0.0, 1e3 * ny * spacing)
-    figure, panels = subplots(1, 3, figsize=(10.5, 4.3), layout="constrained", sharey=True)
+    figure, panels = subplots(1, 3, figsize=(10.5, 4.3), sharey=True)
     summed = 1e3 * (upper + lower)
     reach = 1e3 * max(np.abs(upper).max(), np.abs(lower).max())
     for axes, field, name in zip(
@@ -123,7 +130,7 @@ def closure_figure(
     split = [cycles[:1], cycles[1:]] if len(cycles) > 1 else [cycles]
     widths = [1.7, 1.0][: len(split)] * columns
     figure, panels = subplots(
-        rows, len(widths), figsize=(5.6 * columns, 4.2 * rows), layout="constrained",
+        rows, len(widths), figsize=(5.6 * columns, 4.2 * rows),
         squeeze=False, width_ratios=widths, sharey="row",
     )  # fmt: skip
     for part in range(len(split)):  # the same range of closure for all rocks
@@ -144,26 +151,17 @@ def closure_figure(
             if part:
                 axes.set(xlabel="the same (mm)", ylabel="")
             axes.tick_params(labelleft=part == 0)
-    handles: list[Artist] = [
-        Line2D(
-            [],
-            [],
-            color=_CYCLE_COLOURS[1 + (c - 1) % len(_CYCLE_COLOURS)],
-            lw=2,
-            label=f"cycle {c}",
-        )
-        for c in cycles
-    ]
+    handles: list[Artist] = [key(f"cycle {c}", color=_colour(c), lw=2) for c in cycles]
     handles += [
-        Line2D([], [], color="0.5", lw=2, label="surface closest to the mean, loading"),
-        Line2D([], [], color="0.5", lw=2, ls="--", label="the same, unloading"),
-        Line2D([], [], color="0.5", lw=0.6, alpha=0.6, label=_surfaces(study)),
+        key(color="0.5", lw=2, label="surface closest to the mean, loading"),
+        key(color="0.5", lw=2, ls="--", label="the same, unloading"),
+        key(color="0.5", lw=0.6, alpha=0.6, label=_surfaces(study)),
         Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="mean ± 1 standard deviation"),
     ]
     if lawful:
         drawn = " and ".join(f"cycle {cycle}" for cycle in cycles[:2])
         label = f"Barton-Bandis law, {drawn} (empirical, for mated joints)"
-        handles.append(Line2D([], [], color="0.2", lw=1.2, ls=(0, (1, 1.5)), label=label))
+        handles.append(key(color="0.2", lw=1.2, ls=(0, (1, 1.5)), label=label))
     handles += measured_handles(measured)
     place: dict[str, Any] = {"loc": "outside lower center", "ncols": 3}
     if columns == 1:  # one rock: the legend is in the place of a second rock
@@ -200,6 +198,10 @@ def _draw_rock(
     )
 
 
+def _colour(cycle: int):
+    return _COLOURS[(cycle - 1) % len(_COLOURS)]
+
+
 def _cycles_in_words(cycles: list[int]) -> str:
     return f"cycle {cycles[0]}" if len(cycles) == 1 else f"cycles {cycles[0]} to {cycles[-1]}"
 
@@ -209,7 +211,7 @@ def _draw_cycle(axes, base: xr.Dataset, cycle: int, chosen: int, seating_stress:
     faint = 0.25 * min(1.0, _FEW_LINES / base.sizes["realization"]) ** 0.5
     stress = 1e-6 * base.stress.values
     curves = base.closure.sel(cycle=cycle) - seats(base).sel(cycle=cycle)
-    colour = _CYCLE_COLOURS[1 + (cycle - 1) % len(_CYCLE_COLOURS)]
+    colour = _colour(cycle)
     for branch in ("loading", "unloading"):
         every = 1e3 * curves.sel(branch=branch)
         shown = (stress > 1e-6 * seating_stress) & np.isfinite(every.values).any(axis=0)
@@ -236,14 +238,7 @@ def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
     """Draw indifference intervals of this study and of the paper, by parameter and cycle."""
     parameters = list(dict.fromkeys(table.parameter))
     cycles = sorted(table.cycle.unique())
-    figure, panels = subplots(
-        len(cycles),
-        len(parameters),
-        figsize=(3.1 * len(parameters), 2.9 * len(cycles)),
-        layout="constrained",
-        squeeze=False,
-        sharex=True,
-    )
+    figure, panels = panel_grid(len(cycles), len(parameters), (3.1, 2.9), sharex=True)
     names = list(rocks)
     for row, cycle in zip(panels, cycles, strict=True):
         for axes, parameter in zip(row, parameters, strict=True):
@@ -253,26 +248,16 @@ def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
             axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=9)
             axes.set_ylabel(f"length{PROPERTIES[parameter].in_brackets if len(part) else ''}")
     handles: list[Artist] = [
-        Line2D(
-            [],
-            [],
-            marker="o",
-            ls="",
-            color="C0",
-            label=f"this study, {test_name(table)}, with 95 % bootstrap",
-        ),
-        Line2D(
-            [], [], marker="o", ls="", mfc="none", color="C0", label="the same, extrapolated root"
-        ),
-        Line2D([], [], marker="s", ls="", color="C2", ms=4, label="net of bulk indentation"),
-        Line2D([], [], marker="x", ls="", color="0.4", label="no real root"),
-        Line2D([], [], marker="^", ls="-", color="C0", label="bar extends beyond the panel"),
+        point_key(f"this study, {test_name(table)}, with 95 % bootstrap", color="C0"),
+        point_key("the same, extrapolated root", mfc="none", color="C0"),
+        point_key("net of bulk indentation", "s", color="C2", ms=4),
+        point_key("no real root", "x", color="0.4"),
+        key("bar extends beyond the panel", marker="^", color="C0"),
     ]
     if "paper_length" in table:
-        label = f"the paper, {UNPAIRED_TEST}"
-        handles.insert(3, Line2D([], [], marker="D", ls="", color="C1", label=label))
+        handles.insert(3, point_key(f"the paper, {UNPAIRED_TEST}", "D", color="C1"))
     columns = min(len(handles), max(1, int(1.4 * len(parameters))))
-    figure.legend(handles=handles, loc="outside lower center", ncols=columns, frameon=False)
+    legend_below(figure, handles, columns)
     sns.despine(figure)
     return figure
 
@@ -317,14 +302,8 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
     """
     parameters = [p for p in PARAMETER_TITLES if (closures.parameter == p).any()]
     cycles = sorted(closures.cycle.unique())
-    figure, panels = subplots(
-        len(cycles),
-        len(parameters),
-        figsize=(3.1 * len(parameters), 2.8 * len(cycles)),
-        layout="constrained",
-        squeeze=False,
-        sharex="col",
-        sharey="row",
+    figure, panels = panel_grid(
+        len(cycles), len(parameters), (3.1, 2.8), sharex="col", sharey="row"
     )
     values = {p: dict(zip(study.case.values, study[p].values, strict=True)) for p in parameters}
     for row, cycle in zip(panels, cycles, strict=True):
@@ -348,9 +327,7 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
             if cycle == cycles[-1]:
                 axes.set_xlabel("value / the rock's value")
         row[0].set_ylabel("mean maximum closure (mm)")
-    handles, labels = panels[0][0].get_legend_handles_labels()
-    handles.append(Line2D([], [], color="0.4", ls="--", lw=1.0))
-    labels.append("net of bulk indentation")
-    figure.legend(handles, labels, loc="outside lower center", ncols=5, frameon=False)
+    net = key("net of bulk indentation", color="0.4", ls="--", lw=1.0)
+    legend_below(figure, [*keys_of([panels[0][0]]), net], 5)
     sns.despine(figure)
     return figure

@@ -2,12 +2,18 @@
 
 import pandas as pd
 import seaborn as sns
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedLocator, LogLocator, NullFormatter, StrMethodFormatter
 
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.plotting.style import (
+    decimal_ticks,
+    key,
+    legend_below,
+    panel_grid,
+    styled,
+    ticks_at,
+)
 from jointclosure.statistics.total_error import front
 
 _TITLES = {"mean": "Mean closure", "interval": "Indifference interval"}
@@ -36,15 +42,7 @@ def total_error_figure(points: pd.DataFrame) -> Figure:
     shown = list(points.groupby(["response", "cycle"], sort=False))
     methods = list(points.method.unique())
     colours = dict(zip(methods, sns.color_palette("colorblind", len(methods)), strict=True))
-    figure, panels = subplots(
-        1,
-        len(shown),
-        figsize=(4.2 * len(shown), 4.4),
-        layout="constrained",
-        sharex=True,
-        sharey=True,
-        squeeze=False,
-    )
+    figure, panels = panel_grid(1, len(shown), (4.2, 4.4), sharex=True, sharey=True)
     for axes, ((response, cycle), part) in zip(panels[0], shown, strict=True):
         _style(axes, points)
         missing = _draw(axes, part, colours, _RANGE[1])
@@ -52,7 +50,7 @@ def total_error_figure(points: pd.DataFrame) -> Figure:
         axes.set_title(f"{_TITLES[response]}, cycle {cycle}{beyond}")
         axes.set_xlabel("core-minutes")
     panels[0, 0].set_ylabel("total error (%)")
-    figure.legend(handles=_key(colours), loc="outside lower center", ncols=4, frameon=False)
+    legend_below(figure, _key(colours), 4)
     sns.despine(figure)
     return figure
 
@@ -92,20 +90,17 @@ def _nearest(line: pd.DataFrame) -> pd.DataFrame:
 def _style(axes: Axes, points: pd.DataFrame) -> None:
     axes.set(xscale="log", yscale="log", ylim=_RANGE)
     axes.set_xlim(0.8 * points.core_minutes.min(), 2000.0)
-    axes.xaxis.set_major_locator(LogLocator(numticks=6))
-    axes.yaxis.set_major_locator(FixedLocator([0.3, 1, 3, 10, 30, 100, 300, 1000]))
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
-        axis.set_minor_formatter(NullFormatter())
+    decimal_ticks(axes.xaxis, subs=(1.0,), numticks=6)
+    ticks_at(axes.yaxis, [0.3, 1, 3, 10, 30, 100, 300, 1000])
 
 
-def _key(colours: dict) -> list[Line2D]:
+def _key(colours: dict) -> list[Artist]:
     """Return entries of the legend, outside of the panels."""
-    entries = [Line2D([], [], color=colour, label=name) for name, colour in colours.items()]
+    lines = [key(color=colour, label=name) for name, colour in colours.items()]
     marks = ", ".join(f"{count:g}" for count in _MARKED)
     return [
-        *entries,
-        Line2D([], [], color="0.3", ls="--", label="with control variates"),
-        Line2D([], [], color="0.3", marker="o", ms=4, ls="", label=f"{marks} surfaces"),
-        Line2D([], [], color="0.75", lw=6, alpha=0.7, label="best split of the budget"),
+        *lines,
+        key(color="0.3", ls="--", label="with control variates"),
+        key(color="0.3", marker="o", ms=4, ls="", label=f"{marks} surfaces"),
+        key(color="0.75", lw=6, alpha=0.7, label="best split of the budget"),
     ]

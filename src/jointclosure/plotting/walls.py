@@ -1,12 +1,11 @@
 """Figures of scanned walls."""
 
-import matplotlib.ticker
 import numpy as np
 import seaborn as sns
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-from jointclosure.plotting.style import styled, subplots
+from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.surface.measures import Increments
 
 
@@ -26,9 +25,7 @@ def roughness_figure(
         As from `jointclosure.surface.measures.increments`.
     title : str
     """
-    figure, panels = subplots(
-        1, 3, figsize=(13.0, 4.3), layout="constrained", width_ratios=(1.1, 1.0, 1.0)
-    )
+    figure, panels = subplots(1, 3, figsize=(13.0, 4.3), width_ratios=(1.1, 1.0, 1.0))
     ny, nx = heights.shape
     size = (1e3 * nx * spacing, 1e3 * ny * spacing)
     reach = 1e3 * np.nanmax(np.abs(heights))
@@ -78,8 +75,6 @@ def _draw_increments(axes, increments: Increments) -> None:
     line = np.exp(offset) * distances[1:] ** slope
     axes.loglog(distances[1:], line, color="0.3", lw=1.2, label=f"H = {slope:.2f}")
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
-        axis.set_major_formatter(matplotlib.ticker.FormatStrFormatter("%g"))
-        axis.set_minor_formatter(matplotlib.ticker.NullFormatter())
+        decimal_ticks(axis)
     axes.set(title="height differences over distance", xlabel="distance (mm)", ylabel="rms (mm)")
     axes.legend(frameon=False, fontsize=8)

@@ -26,11 +26,11 @@ class SceneKeys(Keys):
     surface: dict[str, Any] = entry("Merged over surface.", {})
     rocks: dict[str, Any] = entry("Merged over rocks.", {})
     finest: PointKeys = entry(
-        "Knob and value that the other settings of the variant are held against; knob `base` for "
+        "Knob and value of the reference of all settings of the variant; knob `base` for "
         "none turned."
     )
     cross: PointKeys | None = entry(
-        "The finest setting of another integrator, that the variant's own is held against.", None
+        "The finest setting of another integrator, a check of the reference.", None
     )
 
 
@@ -105,7 +105,7 @@ class AccuracyKeys(Keys):
     )
     scenes: dict[Name, SceneKeys] = entry(
         "Variants of the model by name: sections of a configuration that are merged over the "
-        "study's, and `finest`, the knob and value that the others are held against.",
+        "study's, and `finest`, the knob and value of the reference.",
         min_length=1,
     )
     knobs: dict[Name, KnobKeys] = entry(

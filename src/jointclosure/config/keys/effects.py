@@ -8,7 +8,7 @@ from jointclosure.config.keys.entries import Jrc, Keys, Poisson, Positive, Share
 
 
 class ValidationKeys(Keys):
-    """Random conditions at which the effects that a pilot selects (effects.auto) are held against
+    """Random conditions at which the effects that a pilot selects (effects.auto) are compared with
     the full model."""
 
     scenes: int = entry(

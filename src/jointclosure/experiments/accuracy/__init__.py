@@ -1,4 +1,4 @@
-"""What accuracy costs: the same surfaces closed at many settings of the numerics."""
+"""Experiment on the cost of accuracy: the same surfaces closed at many settings of numerics."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -26,7 +26,7 @@ PREFIX = "accuracy_"
 
 
 def accuracy_design(configured: Configured) -> Design:
-    """A job for each run: its surfaces at all levels of the property whose interval is followed."""
+    """Make a job for each run: its surfaces at all levels of the varied property."""
     settings, runs = design_of(configured.keys)
     keys, configuration = configured.keys["accuracy"], configured.typed
     jobs = {
@@ -56,23 +56,17 @@ def accuracy_design(configured: Configured) -> Design:
 
 
 def accuracy_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
-    """Costs, orders of convergence, sources of error, and what presets are made of."""
+    """Return costs, orders of convergence, sources of error, and the settings of presets."""
     keys, settings = parameters["keys"], from_plain(list[Setting], parameters["settings"])
     runs, seed = runs_of(joints, parameters["bases"]), parameters["root_seed"]
-    costs = cost_table(
-        settings,
-        runs,
-        {name: scene["finest"] for name, scene in keys["scenes"].items()},
-        generator(seed_of(seed, "accuracy")),
-        keys["resamples"],
-        keys["confidence"],
-        parameters["significance"],
+    drawn, drawn_for_sources = (
+        Resampling(generator(seed_of(seed, *name)), keys["resamples"], keys["confidence"])
+        for name in (("accuracy",), ("accuracy", "sources"))
     )
-    drawn = Resampling(
-        generator(seed_of(seed, "accuracy", "sources")), keys["resamples"], keys["confidence"]
-    )
+    finest = {name: scene["finest"] for name, scene in keys["scenes"].items()}
+    costs = cost_table(settings, runs, finest, drawn, parameters["significance"])
     sources = [
-        source_table(costs, runs, scene, parameters["realizations"], drawn)
+        source_table(costs, runs, scene, parameters["realizations"], drawn_for_sources)
         for scene in keys["scenes"]
     ]
     tables = {
@@ -85,7 +79,7 @@ def accuracy_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tabl
 
 
 def accuracy_figure(name: str, tables: Tables, parameters: Mapping[str, Any]) -> Figure:
-    """Error against time of one variant of the model, or where the error comes from."""
+    """Draw the error over time for one variant of the model, or the sources of the error."""
     costs, sources = tables[f"{PREFIX}cost"], tables[f"{PREFIX}sources"]
     variant = name.removeprefix(PREFIX)
     if variant == "sources":
@@ -93,13 +87,13 @@ def accuracy_figure(name: str, tables: Tables, parameters: Mapping[str, Any]) ->
             lambda of_scene: of_scene.str.startswith("surface rule").any()
         )
         shown = sources[with_rules] if with_rules.any() else sources
-        return error_sources(shown, "Where the error of the configured setting comes from")
-    title = f"What accuracy costs: {SCENE_TITLES.get(variant, variant.replace('_', ' '))}"
+        return error_sources(shown, "Sources of the error of the configured setting")
+    title = f"Cost of accuracy: {SCENE_TITLES.get(variant, variant.replace('_', ' '))}"
     return work_precision(costs[costs.scene == variant], title, "as configured (the paper's)")
 
 
 EXPERIMENT = Experiment(
-    title="what accuracy costs",
+    title="cost of accuracy",
     quantities=("closure", "closure_net", "fft_pair"),
     design=accuracy_design,
     tabulate=accuracy_tables,

@@ -1,9 +1,8 @@
-"""From the runs of an accuracy study to errors, orders of convergence, and what they cost.
+"""Errors, orders of convergence and costs from the runs of an accuracy study.
 
-Errors are those of a setting's results on the same surfaces as the scene's
-finest setting: of the mean maximum closure, of its standard deviation over the
-surfaces, and of the indifference interval of the parameter that is followed.
-Confidence intervals are percentiles over resampled surfaces.
+The results of a setting are compared with those of the scene's finest setting on the same
+surfaces: the mean maximum closure, its standard deviation over the surfaces, and the indifference
+interval of the varied parameter. Confidence intervals are percentiles over resampled surfaces.
 """
 
 from collections.abc import Mapping
@@ -16,6 +15,7 @@ import xarray as xr
 
 from jointclosure.ensemble.cases import BASE
 from jointclosure.ensemble.points import gridded
+from jointclosure.experiments import grouped
 from jointclosure.experiments.accuracy.design import Setting
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.indifference import indifference_interval
@@ -23,9 +23,29 @@ from jointclosure.statistics.indifference import indifference_interval
 MEASURES = ("mean", "deviation", "interval", "net")
 
 
+class Resampling(NamedTuple):
+    """Bootstrap of confidence intervals: random numbers, number of resamples, confidence."""
+
+    random: np.random.Generator
+    resamples: int
+    confidence: float
+
+    def interval(self, values: np.ndarray) -> tuple[float, float]:
+        """Return percentiles of values (n,), or NaN if more than a tenth of the resamples lack one.
+
+        An indifference interval that is absent in many resamples has no confidence interval.
+        """
+        if values.size <= 0.9 * self.resamples:
+            return np.nan, np.nan
+        tail = 50.0 * (1.0 - self.confidence)
+        low, high = np.percentile(values, [tail, 100.0 - tail])
+        return float(low), float(high)
+
+
 class _Sample(NamedTuple):
-    """Closures (level, realization) of a run at one cycle, as they are and net of the bulk
-    indentation, where all levels succeeded, and where.
+    """Closures (level, realization) of a run at one cycle, gross and net of the bulk indentation.
+
+    ``good`` (realization,): whether the joints of all levels were closed.
     """
 
     closures: np.ndarray
@@ -33,40 +53,40 @@ class _Sample(NamedTuple):
     levels: np.ndarray
     base: float
     good: np.ndarray
-    significance: float
 
-    def measures(self, index: np.ndarray) -> tuple[float, float, float, float]:
-        """`MEASURES` of chosen surfaces: mean and deviation at the base level [m], length of the
-        interval, mean net of the bulk indentation [m].
-        """
+    @property
+    def base_level(self) -> int:
+        return list(self.levels).index(self.base)
+
+    def measures(self, index: np.ndarray, significance: float) -> np.ndarray:
+        """Compute `MEASURES` [m, but the interval] on the surfaces of an index."""
         chosen = self.closures[:, index]
-        own = list(self.levels).index(self.base)
-        at_base = chosen[own]
+        at_base = chosen[self.base_level]
         length = np.nan
         if len(self.levels) > 2 and index.size > 1 and np.ptp(index) > 0:
             means, deviations = chosen.mean(axis=1), chosen.std(axis=1, ddof=1)
             length = indifference_interval(
-                self.levels, means, deviations, index.size, self.significance, self.base
+                self.levels, means, deviations, index.size, significance, self.base
             ).length
         deviation = at_base.std(ddof=1) if index.size > 1 else np.nan
-        return at_base.mean(), deviation, length, self.net[own, index].mean()
+        net = self.net[self.base_level, index].mean()
+        return np.array([at_base.mean(), deviation, length, net])
 
 
-def _sample(run: xr.Dataset, cycle: int, significance: float) -> _Sample:
+def _sample(run: xr.Dataset, cycle: int) -> _Sample:
     return _Sample(
         run.closure.sel(cycle=cycle).values,
         run.closure_net.sel(cycle=cycle).values,
         run.level.values,
         float(run.attrs["base"]),
         (run.status.values < FAILURE).all(axis=0),
-        significance,
     )
 
 
 def runs_of(joints: pd.DataFrame, bases: Mapping[str, float]) -> dict[str, xr.Dataset]:
-    """Runs by name, each over (level, realization, cycle), from the table of all their joints.
+    """Arrange the joints of each run over (level, realization, cycle).
 
-    ``bases`` are the rocks' own values of the property that is varied [SI], by run.
+    ``bases`` are the values of the varied property at the base level [SI], by run.
     """
     return {
         str(name): gridded(
@@ -80,12 +100,10 @@ def cost_table(
     settings: list[Setting],
     runs: Mapping[str, xr.Dataset],
     finest: Mapping[str, dict],
-    random: np.random.Generator,
-    resamples: int,
-    confidence: float,
+    drawn: Resampling,
     significance: float,
 ) -> pd.DataFrame:
-    """Error and time of every setting, cycle by cycle.
+    """Compute the error and time of every setting, cycle by cycle.
 
     Parameters
     ----------
@@ -94,13 +112,10 @@ def cost_table(
         By the name of a run, datasets over (level, realization, cycle) with the attribute ``base``,
         as from `runs_of`.
     finest : mapping
-        Knob and value that the settings of each variant are held against.
-    random : Generator
-    resamples : int
-    confidence : float
-        Of the confidence intervals.
+        Knob and value of the reference of each variant.
+    drawn : Resampling
     significance : float
-        Of the indifference interval.
+        Significance of the indifference interval.
 
     Returns
     -------
@@ -112,96 +127,99 @@ def cost_table(
         setting, between other surfaces.
     """
     rows = []
+    at_base = {"knob": BASE, "value": ""}
     for setting in settings:
-        run = runs[setting.run]
         other = setting.other_joints
-        against = finest[setting.scene] if not other else {"knob": BASE, "value": ""}
-        truth = runs[_run_of(settings, setting, against)]
-        base = runs[_run_of(settings, setting, {"knob": BASE, "value": ""})]
+        reference = at_base if other else finest[setting.scene]
+        run, truth, base = (
+            runs[name]
+            for name in (
+                setting.run,
+                _run_of(settings, setting, reference),
+                _run_of(settings, setting, at_base),
+            )
+        )
         for cycle in run.cycle.values.tolist():
-            row: dict = {"scene": setting.scene, "rock": setting.rock, "knob": setting.knob}
+            row: dict = {name: getattr(setting, name) for name in ("scene", "rock", "knob")}
             row |= {"value": setting.value, "cycle": cycle, "run": setting.run}
             row["other_joints"] = other
-            own, exact = (_sample(each, cycle, significance) for each in (run, truth))
-            row |= _errors(own, exact, random, resamples, confidence, other)
-            rows.append(row | _times(run, base))
+            samples = _sample(run, cycle), _sample(truth, cycle)
+            rows.append(row | _errors(*samples, drawn, significance, other) | _times(run, base))
     return pd.DataFrame(rows)
 
 
-def _run_of(settings: list[Setting], like: Setting, wanted: dict) -> str:
+def _run_of(settings: list[Setting], like: Setting, point: dict) -> str:
+    """Return the run of a knob and value in the variant and rock of a setting."""
     for setting in settings:
         same = setting.scene == like.scene and setting.rock == like.rock
-        if same and setting.knob == wanted["knob"] and setting.value == wanted["value"]:
+        if same and setting.knob == point["knob"] and setting.value == point["value"]:
             return setting.run
     raise ValueError(
-        f"accuracy.scenes.{like.scene}.finest: no knob {wanted['knob']!r} "
-        f"with value {wanted['value']!r} is turned there"
+        f"accuracy.scenes.{like.scene}.finest: no setting of this variant has the knob "
+        f"{point['knob']!r} with value {point['value']!r}"
     )
 
 
-def _errors(own: _Sample, truth: _Sample, random, resamples, confidence, other) -> dict:
-    """Relative errors in percent, and their confidence intervals."""
-    if other:
-        mine, theirs = np.flatnonzero(own.good), np.flatnonzero(truth.good)
-    else:
-        mine = theirs = np.flatnonzero(own.good & truth.good)
-    row: dict = {"samples": mine.size, "failed": int((~own.good).sum())}
-    if mine.size < 2:
+def _errors(
+    sample: _Sample, truth: _Sample, drawn: Resampling, significance: float, other: bool
+) -> dict:
+    """Compute relative errors in percent, and their confidence intervals."""
+    here, there = np.flatnonzero(sample.good), np.flatnonzero(truth.good)
+    if not other:
+        here = there = np.flatnonzero(sample.good & truth.good)
+    row: dict = {"samples": here.size, "failed": int((~sample.good).sum())}
+    if here.size < 2:
         return row
-    exact = truth.measures(theirs)
-    found = own.measures(mine)
-    row |= {"mean_mm": 1e3 * found[0], "deviation_mm": 1e3 * found[1], "interval": found[2]}
-    row |= {"net_mm": 1e3 * found[3]}
-    drawn = np.empty((resamples, len(MEASURES)))
-    for i in range(resamples):
-        index = random.integers(0, mine.size, mine.size)
-        again = random.integers(0, theirs.size, theirs.size) if other else index
-        one, two = own.measures(mine[index]), truth.measures(theirs[again])
-        drawn[i] = [100.0 * (a / b - 1.0) for a, b in zip(one, two, strict=True)]
-    tail = 50.0 * (1.0 - confidence)
-    for k, measure in enumerate(MEASURES):
-        row[f"{measure}_error_percent"] = 100.0 * (found[k] / exact[k] - 1.0)
-        known = drawn[np.isfinite(drawn[:, k]), k]
-        # an interval that is absent in many resamples has no confidence interval
-        enough = known.size > 0.9 * resamples
-        low, high = np.percentile(known, [tail, 100.0 - tail]) if enough else (np.nan, np.nan)
-        row |= {f"{measure}_low": low, f"{measure}_high": high}
+
+    def errors(index: np.ndarray, index_of_truth: np.ndarray) -> np.ndarray:
+        values = sample.measures(index, significance)
+        return 100.0 * (values / truth.measures(index_of_truth, significance) - 1.0)
+
+    mean, deviation, length, net = sample.measures(here, significance)
+    row |= {"mean_mm": 1e3 * mean, "deviation_mm": 1e3 * deviation, "interval": length}
+    row |= {"net_mm": 1e3 * net}
+    resampled = np.empty((drawn.resamples, len(MEASURES)))
+    for i in range(drawn.resamples):
+        index = drawn.random.integers(0, here.size, here.size)
+        again = drawn.random.integers(0, there.size, there.size) if other else index
+        resampled[i] = errors(here[index], there[again])
+    for measure, error, values in zip(MEASURES, errors(here, there), resampled.T, strict=True):
+        row[f"{measure}_error_percent"] = error
+        row[f"{measure}_low"], row[f"{measure}_high"] = drawn.interval(values[np.isfinite(values)])
     return row
 
 
 def _times(run: xr.Dataset, base: xr.Dataset) -> dict:
-    seconds = run.seconds.values
-    middle, low, high = np.quantile(seconds, (0.5, 0.25, 0.75))
-    own, of_base = (
-        float(np.median(each.seconds.values / each.fft_pair.isel(cycle=0).values))
-        for each in (run, base)
+    """Compute the median time with its quartiles, also in FFT pairs and relative to the base."""
+    middle, low, high = np.quantile(run.seconds.values, (0.5, 0.25, 0.75))
+    pairs, of_base = (
+        float(np.median(part.seconds.values / part.fft_pair.isel(cycle=0).values))
+        for part in (run, base)
     )
-    return {
-        "seconds": middle,
-        "seconds_low": low,
-        "seconds_high": high,
-        "pairs": own,
-        "relative_time": own / of_base,
-    }
+    times = {"seconds": middle, "seconds_low": low, "seconds_high": high}
+    return times | {"pairs": pairs, "relative_time": pairs / of_base}
 
 
 def order_table(costs: pd.DataFrame) -> pd.DataFrame:
-    """Observed order of convergence of the mean closure in every knob that is a number.
+    """Compute the observed order of convergence of the mean closure in every numeric knob.
 
-    The slope of log |error| over log value, among the values whose confidence
-    interval excludes zero; with fewer than three of these, or errors of both
-    signs, there is no clean order, and the remark says why.
+    It is the slope of log |error| over log value, among the values whose confidence interval
+    excludes zero. With fewer than three of these, or errors of both signs, there is no order; the
+    remark gives the reason.
     """
     rows = []
-    for keys, part in costs.groupby(["scene", "rock", "knob", "cycle"], sort=False):
-        scene, rock, knob, cycle = keys
+    for at, part in grouped(costs, "scene", "rock", "knob", "cycle"):
         numbers = pd.to_numeric(part["value"], errors="coerce")
-        if knob == BASE or part.other_joints.any() or numbers.isna().any():
+        if at["knob"] == BASE or part.other_joints.any() or numbers.isna().any():
             continue
         part = part.assign(number=numbers)
         sure = part[(part.mean_low > 0.0) | (part.mean_high < 0.0)]
-        row = {"scene": scene, "rock": rock, "knob": knob, "cycle": cycle}
-        row |= {"values": len(part), "beyond_noise": len(sure), "order": np.nan, "error": np.nan}
+        row = at | {
+            "values": len(part),
+            "beyond_noise": len(sure),
+            "order": np.nan,
+            "error": np.nan,
+        }
         if len(sure) < 3:
             row["remark"] = "fewer than three errors beyond the noise of the surfaces"
         elif np.ptp(np.sign(sure.mean_error_percent)) > 0:
@@ -214,14 +232,6 @@ def order_table(costs: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-class Resampling(NamedTuple):
-    """How confidence intervals are drawn."""
-
-    random: np.random.Generator
-    resamples: int
-    confidence: float
-
-
 def source_table(
     costs: pd.DataFrame,
     runs: Mapping[str, xr.Dataset],
@@ -229,7 +239,7 @@ def source_table(
     realizations: int,
     drawn: Resampling,
 ) -> pd.DataFrame:
-    """Where the error of the paper's own setting in a scene comes from, in percent of the mean.
+    """Split the error of the paper's setting in a scene by its sources, in percent of the mean.
 
     Parameters
     ----------
@@ -239,7 +249,7 @@ def source_table(
         As for `cost_table`.
     scene : str
     realizations : int
-        Surfaces of a mean whose sampling error is told.
+        Number of surfaces in a mean, for the sampling error.
     drawn : Resampling
         For the intervals of ``tolerances``.
 
@@ -247,50 +257,46 @@ def source_table(
     -------
     DataFrame
         ``source``, ``error_percent``, ``low``, ``high``. ``steps``: the error of its steps;
-        ``tolerances``: what tight ones (knob ``paper_tolerances``, where it is turned) move, on the
-        same surfaces; ``sampling``: the standard error of a mean over so many ``realizations``,
+        ``tolerances``: the change by tight ones (knob ``paper_tolerances``, if the scene has it) on
+        the same surfaces; ``sampling``: the standard error of a mean over ``realizations``,
         with the interval (by chi-square) that the deviation of normal closures has from the
-        surfaces that were closed; ``surface rule``: the largest change among the rules tried,
-        which no computing takes away.
+        closed surfaces; ``surface rule``: the largest change among the rules tried, which no
+        computing reduces.
     """
     rows = []
-    chosen = costs[costs.scene == scene]
-    for (rock, cycle), part in chosen.groupby(["rock", "cycle"], sort=False):
+    for at, part in grouped(costs[costs.scene == scene], "scene", "rock", "cycle"):
         base = part[part.knob == BASE].iloc[0]
-        rule = part[part.knob == "surface_rule"]
-        sources = {"steps": (base.mean_error_percent, base.mean_low, base.mean_high)}
+        sources = {"steps": _mean_error(base)}
         tight = part[part.knob == "paper_tolerances"]
         if len(tight):
-            pair = runs[base.run], runs[tight.run.iloc[0]]
-            sources["tolerances"] = _moved(*pair, cycle, drawn)
+            one, exact = (_sample(runs[run], at["cycle"]) for run in (base.run, tight.run.iloc[0]))
+            sources["tolerances"] = _change(one, exact, drawn)
         sources["sampling"] = _sampling(base, realizations, drawn.confidence)
+        rule = part[part.knob == "surface_rule"]
         if len(rule):
             worst = rule.loc[rule.mean_error_percent.abs().idxmax()]
-            name = f"surface rule ({worst['value']})"
-            sources[name] = (worst.mean_error_percent, worst.mean_low, worst.mean_high)
-        for source, (error, low, high) in sources.items():
-            row = {"scene": scene, "rock": rock, "cycle": cycle, "source": source}
-            rows.append(row | {"error_percent": error, "low": low, "high": high})
+            sources[f"surface rule ({worst['value']})"] = _mean_error(worst)
+        for source, values in sources.items():
+            errors = zip(("error_percent", "low", "high"), values, strict=True)
+            rows.append(at | {"source": source} | dict(errors))
     return pd.DataFrame(rows)
 
 
-def _moved(
-    base: xr.Dataset, tight: xr.Dataset, cycle: int, drawn: Resampling
-) -> tuple[float, float, float]:
-    """Change [%] of the base's mean from that of tight tolerances, and its interval."""
-    own, exact = (_sample(run, cycle, np.nan) for run in (base, tight))
-    good = np.flatnonzero(own.good & exact.good)
-    level = list(own.levels).index(own.base)
-    pair = own.closures[level, good], exact.closures[level, good]
+def _mean_error(row: pd.Series) -> tuple[float, float, float]:
+    return row.mean_error_percent, row.mean_low, row.mean_high
+
+
+def _change(sample: _Sample, tight: _Sample, drawn: Resampling) -> tuple[float, float, float]:
+    """Compute the change [%] of a mean from that with tight tolerances, and its interval."""
+    good = np.flatnonzero(sample.good & tight.good)
+    one, two = (part.closures[sample.base_level, good] for part in (sample, tight))
     index = drawn.random.integers(0, good.size, (drawn.resamples, good.size))
-    found = [100.0 * (pair[0][i].mean(-1) / pair[1][i].mean(-1) - 1.0) for i in (..., index)]
-    tail = 50.0 * (1.0 - drawn.confidence)
-    low, high = np.percentile(found[1], [tail, 100.0 - tail])
-    return float(found[0]), float(low), float(high)
+    changes = [100.0 * (one[i].mean(-1) / two[i].mean(-1) - 1.0) for i in (..., index)]
+    return float(changes[0]), *drawn.interval(changes[1])
 
 
 def _sampling(base: pd.Series, realizations: int, confidence: float) -> tuple[float, float, float]:
-    """Standard error [%] of a mean over realisations, and the interval of its estimate."""
+    """Compute the standard error [%] of a mean over realisations, and its interval."""
     error = 100.0 * base.deviation_mm / base.mean_mm / np.sqrt(realizations)
     free = base.samples - 1
     tail = 0.5 * (1.0 - confidence)

@@ -1,10 +1,9 @@
-"""What accuracy costs: the same surfaces closed at many settings.
+"""Settings of an accuracy study, and the runs that close the same surfaces at all of them.
 
-A setting is one scene of one rock with one knob turned: a step, a tolerance, a
-solver, a surface rule. Each is a whole configuration, merged from the keys of the study,
-the scene and the knob, see ``accuracy`` in `jointclosure.config.keys`; what is kept of it is
-what a run depends on. A run closes the surfaces at all levels of one rock property, so that
-its indifference interval can be followed too.
+A setting is a variant of the model (scene) of one rock with one changed knob: a step, a tolerance,
+a solver, a surface rule. Its configuration is merged from the keys of the study, the scene and the
+knob, see ``accuracy`` in `jointclosure.config.keys`. A run closes the surfaces at all levels of one
+rock property, which gives its indifference interval.
 """
 
 import json
@@ -22,22 +21,21 @@ from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.inputs import InputError
 from jointclosure.parameters import Rock
 
-_OWN = ("study", "effects", "choices", "numerics", "grid", "surface", "rocks")
+_OF_RUN = ("study", "effects", "choices", "numerics", "grid", "surface", "rocks")
 """Sections of a configuration that a run depends on."""
 
 
 _POINTS = ("finest", "cross")
-"""Keys of a variant that name a knob and its value, and are no settings."""
+"""Keys of a variant that name a knob and its value, and are not keys of a configuration."""
 
 
 class Setting(NamedTuple):
-    """A knob turned to a value, in a variant of the model (``scene``) of a rock.
+    """Value of a knob in a variant of the model (``scene``) of a rock.
 
-    Knob `BASE` is the setting in which none is turned. ``run`` names the run that has its
-    results: settings with equal configurations share one. ``other_joints`` are closed where
-    the knob changes the joints themselves: a difference there is no numerical error.
-    ``numerics`` are the keys in which it differs from the variant's base, None where it
-    differs in others too.
+    Knob `BASE` is the setting without any changed knob. ``run`` is the name of the run with its
+    results: settings with equal configurations share one. ``other_joints``: whether the knob
+    changes the joints themselves, so that a difference is no numerical error. ``numerics`` are
+    the keys in which it differs from the variant's base, None if other keys differ too.
     """
 
     scene: str
@@ -52,8 +50,8 @@ class Setting(NamedTuple):
 class Run(NamedTuple):
     """Closures of the same surfaces at all levels of a rock property.
 
-    ``levels`` are their settings, the property's values ascending; ``values`` these values and
-    ``base`` the rock's own [SI].
+    ``levels`` are their settings, by ascending ``values`` of the property [SI]; ``base`` is its
+    value at the base level [SI].
     """
 
     levels: tuple[ClosureSettings, ...]
@@ -62,9 +60,9 @@ class Run(NamedTuple):
 
 
 class Joint(NamedTuple):
-    """What a variant of the model closes: the joint of its first rock, at the base level.
+    """Joint that a variant of the model closes, of its first rock at the base level.
 
-    ``stress`` [Pa]; ``levels``: how many a run has.
+    ``stress`` [Pa] is the maximum; ``levels`` is the number of levels of a run.
     """
 
     grid: Grid
@@ -76,8 +74,8 @@ class Joint(NamedTuple):
 
 
 def joint_of(scene: str, settings: list[Setting], runs: dict[str, Run]) -> Joint:
-    """The joint of a variant."""
-    run = runs[next(each.run for each in settings if each.scene == scene)]
+    """Return the joint of a variant."""
+    run = runs[next(setting.run for setting in settings if setting.scene == scene)]
     closed = run.levels[run.values.index(run.base)]
     case, made = closed.case, closed.surfaces
     stress, levels = case.max_normal_stress, len(run.levels)
@@ -85,12 +83,12 @@ def joint_of(scene: str, settings: list[Setting], runs: dict[str, Run]) -> Joint
 
 
 def design_of(keys: dict) -> tuple[list[Setting], dict[str, Run]]:
-    """All settings of a configuration's ``accuracy`` section, and the runs by name.
+    """Return all settings of a configuration's ``accuracy`` section, and the runs by name.
 
     Parameters
     ----------
     keys : dict
-        Of a configuration that was checked, see `jointclosure.config.configuration.Configured`.
+        Keys of a checked configuration, see `jointclosure.config.configuration.Configured`.
 
     Returns
     -------
@@ -101,8 +99,7 @@ def design_of(keys: dict) -> tuple[list[Setting], dict[str, Run]]:
     Raises
     ------
     ConfigurationError
-        Naming each variant, knob or key that does not exist, and each setting that
-        the model cannot take.
+        If a variant, knob or key does not exist, or the model refuses a setting; names all.
     """
     problems = list(_unknown(keys))
     settings: list[Setting] = []
@@ -125,9 +122,9 @@ def _no_table(path):
 
 
 def _settings(keys: dict) -> Iterator[tuple[Setting, dict]]:
-    """All settings of a design, each with the keys of its configuration."""
+    """Generate all settings of a design, with the keys of their configurations."""
     design = keys["accuracy"]
-    plain = keys | {"numerics": numerics_in_full(keys)}  # what a preset chose is written there
+    plain = keys | {"numerics": numerics_in_full(keys)}  # includes the keys of a preset
     runs: dict[str, str] = {}
     for scene, scene_keys in design["scenes"].items():
         overrides = {key: value for key, value in scene_keys.items() if key not in _POINTS}
@@ -138,7 +135,7 @@ def _settings(keys: dict) -> Iterator[tuple[Setting, dict]]:
                 if scene in way["scenes"]:
                     turned += [(knob, value, whole) for value, whole in _turned(base, way)]
             for knob, value, whole in turned:
-                what = json.dumps([scene, rock, *(whole[key] for key in _OWN)], sort_keys=True)
+                what = json.dumps([scene, rock, *(whole[key] for key in _OF_RUN)], sort_keys=True)
                 run = runs.setdefault(what, label_of(scene, rock, knob, value))
                 other = design["knobs"].get(knob, {}).get("other_joints", False)
                 changed = _changed_numerics(whole, base)
@@ -146,7 +143,7 @@ def _settings(keys: dict) -> Iterator[tuple[Setting, dict]]:
 
 
 def _changed_numerics(keys: dict, base: dict) -> dict | None:
-    """Numerics that are not as in the base, None where any other key is not."""
+    """Return numerics that differ from the base, None if any other key differs."""
     if any(keys[name] != base[name] for name in base if name != "numerics"):
         return None
     numerics, usual = keys["numerics"], base["numerics"]
@@ -154,7 +151,7 @@ def _changed_numerics(keys: dict, base: dict) -> dict | None:
 
 
 def _run(configuration: Configuration, rock: str, design: dict) -> Run:
-    """The run of a configuration of one rock."""
+    """Return the run of a configuration of one rock."""
     parameter = design["parameter"]
     cases = [case for case in cases_of(configuration) if case.parameter in (BASE, parameter)]
     cases = sorted(cases, key=lambda case: case.property(parameter))
@@ -162,14 +159,15 @@ def _run(configuration: Configuration, rock: str, design: dict) -> Run:
     surfaces = surface_settings(configuration, cases[0], block)
     settings = (closure_settings(configuration, case, surfaces) for case in cases)
     return Run(
-        # nothing is read from seating on, and an elastic curve needs no point there
-        tuple(each._replace(seating_stress=0.0) for each in settings),
+        # no quantity counts from seating, and an elastic curve needs no point there
+        tuple(level._replace(seating_stress=0.0) for level in settings),
         tuple(case.property(parameter) for case in cases),
         configuration.rocks[rock].intact._asdict()[parameter],
     )
 
 
 def _unknown(keys: dict) -> Iterator[str]:
+    """Generate problems of variants, knobs and keys that do not exist."""
     design = keys["accuracy"]
     for scene, settings in design["scenes"].items():
         overrides = {key: value for key, value in settings.items() if key not in _POINTS}
@@ -178,7 +176,7 @@ def _unknown(keys: dict) -> Iterator[str]:
             knob = (settings.get(name) or {"knob": BASE})["knob"]
             if knob != BASE and scene not in design["knobs"].get(knob, {"scenes": []})["scenes"]:
                 where = f"accuracy.scenes.{scene}.{name}.knob"
-                yield f"{where} = {knob!r}: is not turned in this variant"
+                yield f"{where} = {knob!r}: is no knob of this variant"
     for name, point in design["presets"].items():
         if point["knob"] != BASE and point["knob"] not in design["knobs"]:
             yield f"accuracy.presets.{name}.knob = {point['knob']!r}: there is no such knob"
@@ -201,7 +199,7 @@ def _unknown(keys: dict) -> Iterator[str]:
 
 
 def _unknown_of_total(design: dict) -> Iterator[str]:
-    """What the diagram of total error names and the design does not have."""
+    """Generate problems of settings in the diagram of total error that do not exist."""
     total = design.get("total")
     if not total:
         return
@@ -211,20 +209,22 @@ def _unknown_of_total(design: dict) -> Iterator[str]:
             yield f"accuracy.total.{key} = {scene!r}: must be one of {', '.join(design['scenes'])}"
         for name, point in total.get(of, {}).items():
             way = design["knobs"].get(point["knob"], {"scenes": [], "values": []})
-            values = [each["value"] if isinstance(each, dict) else each for each in way["values"]]
+            values = [
+                entry["value"] if isinstance(entry, dict) else entry for entry in way["values"]
+            ]
             turned = scene in way["scenes"] and point["value"] in values
             if point["knob"] != BASE and not turned:
                 where = f"accuracy.total.{of}.{name}"
-                yield f"{where} = {point['knob']} {point['value']}: is not turned in {scene}"
+                yield f"{where} = {point['knob']} {point['value']}: is no setting of {scene}"
 
 
 def _keys_of(way: dict) -> list[str]:
-    """Keys (section.key) that a knob sets, or scales."""
+    """Return the keys (section.key) that a knob sets or scales."""
     return [way["key"]] if way.get("key") else way.get("scale") or []
 
 
 def _strange(known: dict, settings: dict, where: str) -> Iterator[str]:
-    """Nested settings that the configuration does not have, or that replace a whole section."""
+    """Generate problems of nested keys that do not exist, or replace a whole section."""
     for key, value in settings.items():
         if key not in known:
             yield f"{where}.{key} = {value!r}: unknown key (allowed: {', '.join(known)})"
@@ -235,14 +235,14 @@ def _strange(known: dict, settings: dict, where: str) -> Iterator[str]:
 
 
 def label_of(scene: str, rock: str, knob: str, value: float | str) -> str:
-    """Name of a run's files; never taken apart."""
+    """Return the name of a run's files, which is never parsed."""
     shown = value if isinstance(value, str) else f"{value:g}"
     text = "-".join(part for part in (scene, rock, knob, shown) if part)
     return re.sub("[^a-z0-9_-]+", "_", text.lower().replace(".", "p").replace("+", ""))
 
 
 def _turned(base: dict, way: dict) -> Iterator[tuple[float | str, dict]]:
-    """Values of a knob, and the configuration at each."""
+    """Generate the values of a knob with their configurations."""
     base = merged(base, way.get("set", {}))
     for entry in way["values"]:
         if isinstance(entry, dict):

@@ -1,7 +1,6 @@
-"""What each setting of the numerics was off by, and what it took: the table that presets are of."""
+"""Table of errors and costs of the settings of the numerics, from which presets are made."""
 
 import json
-from collections.abc import Iterator
 
 import pandas as pd
 
@@ -11,71 +10,57 @@ from jointclosure.experiments.accuracy.design import Setting
 def setting_table(
     costs: pd.DataFrame, settings: list[Setting], scenes: dict, presets: dict
 ) -> pd.DataFrame:
-    """What each setting of the numerics was off by, and what it took.
+    """Summarise the error and cost of each setting of the numerics.
 
     Parameters
     ----------
     costs : DataFrame
         As from `jointclosure.experiments.accuracy.cost.cost_table`.
     settings : list of Setting
-        Those of the costs.
+        Settings of the costs.
     scenes : dict
-        The variants of the model, with their ``finest`` setting, and where there is one
-        its ``cross``: the finest setting of another integrator.
+        Variants of the model, with their ``finest`` setting and optionally
+        ``cross``, the finest setting of another integrator.
     presets : dict
         Knob and value of every preset, by name.
 
     Returns
     -------
     DataFrame
-        For each variant and setting: ``numerics``, as JSON, in which it differs from the
-        variant's base; ``error_percent``, the largest |error| of a mean maximum closure of a
-        rock and cycle; ``bound_percent``, the largest end of their confidence intervals;
-        ``relative_time``, ``pairs`` (of FFTs) and ``seconds``, means of the rocks' medians.
+        For each variant and setting of its first rock that differs from the base only in numerics:
+        ``numerics``, the differences as JSON; ``error_percent``, the largest |error| of a mean
+        maximum closure of a rock and cycle; ``bound_percent``, the largest end of their confidence
+        intervals; ``relative_time``, ``pairs`` (of FFTs) and ``seconds``, means of the rocks'
+        medians.
 
     Notes
     -----
-    All settings of a variant are held against one truth, its finest setting. That one's own
-    error is 0 by this, and its bound that of the finest setting of the other integrator.
+    The reference of all settings of a variant is its finest setting. The error of that is
+    therefore 0, and its bound is that of the finest setting of the other integrator.
     """
     rows = []
     for scene, about in scenes.items():
-        for setting, changed in _numerical(settings, scene):
-            point = _point(setting.knob, setting.value)
+        of_scene = [setting for setting in settings if setting.scene == scene]
+        for setting in of_scene:
+            if setting.rock != of_scene[0].rock or setting.numerics is None:
+                continue
+            point = {"knob": setting.knob, "value": setting.value}
             part = _rows_of(costs, scene, point)
-            names = [name for name, each in presets.items() if each == point]
-            row = {"scene": scene, "preset": names[0] if names else ""} | point
-            row |= _worst(part)
+            bounded = part
             if point == about["finest"] and about.get("cross"):
-                row["bound_percent"] = _worst(_rows_of(costs, scene, about["cross"]))[
-                    "bound_percent"
-                ]
-            row |= dict(part[["relative_time", "pairs", "seconds"]].mean())
-            rows.append(row | {"numerics": json.dumps(changed)})
+                bounded = _rows_of(costs, scene, about["cross"])
+            names = [name for name, preset in presets.items() if preset == point]
+            rows.append(
+                {"scene": scene, "preset": names[0] if names else ""}
+                | point
+                | {"error_percent": part.mean_error_percent.abs().max()}
+                | {"bound_percent": bounded[["mean_low", "mean_high"]].abs().max(axis=None)}
+                | dict(part[["relative_time", "pairs", "seconds"]].mean())
+                | {"numerics": json.dumps(setting.numerics)}
+            )
     return pd.DataFrame(rows)
-
-
-def _worst(part: pd.DataFrame) -> dict:
-    """Largest error of a rock and cycle, and largest end of a confidence interval."""
-    return {
-        "error_percent": part.mean_error_percent.abs().max(),
-        "bound_percent": part[["mean_low", "mean_high"]].abs().max(axis=None),
-    }
-
-
-def _point(knob: str, value: float | str) -> dict:
-    return {"knob": knob, "value": value}
 
 
 def _rows_of(costs: pd.DataFrame, scene: str, point: dict) -> pd.DataFrame:
     here = (costs.scene == scene) & (costs.knob == point["knob"])
     return costs[here & (costs["value"] == point["value"])]
-
-
-def _numerical(settings: list[Setting], scene: str) -> Iterator[tuple[Setting, dict]]:
-    """Settings of a variant's first rock that differ from its base in numerics only, and how."""
-    mine = [each for each in settings if each.scene == scene]
-    mine = [each for each in mine if each.rock == mine[0].rock]
-    for setting in mine:
-        if setting.numerics is not None:
-            yield setting, setting.numerics

@@ -1,4 +1,4 @@
-"""How much of what varies matters: variance indices over properties and over open choices."""
+"""Experiment on global sensitivity: variance indices of properties and of open choices."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -29,11 +29,11 @@ from jointclosure.plotting.global_sensitivity import conclusions, convergence, i
 
 PREFIX = "global_sensitivity_"
 TRIED = 8
-"""Rows whose first point is closed to estimate the time of a rock."""
+"""Number of rows whose first point is closed to estimate the time of a rock."""
 
 
 def global_sensitivity_design(configured: Configured) -> Design:
-    """A job for each rock and block of rows; rows that are added change no block before them."""
+    """Make a job for each rock and block of rows; added rows change no earlier block."""
     keys, sampling = configured.keys, sampling_of(configured.keys)
     makers = {rock: settings_of_rock(sampling, configured, rock) for rock in sampling.rocks}
 
@@ -73,7 +73,7 @@ def global_sensitivity_design(configured: Configured) -> Design:
 
 
 def global_sensitivity_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
-    """Indices, elasticities, the share of choices for which conclusions hold, and their margins."""
+    """Return indices, elasticities, shares of choices for which conclusions hold, and margins."""
     sampling, closed = from_plain(Sampling, parameters["sampling"]), by_rock(joints)
     held, margins = conclusion_tables(sampling, parameters, closed)
     tables = {
@@ -86,7 +86,7 @@ def global_sensitivity_tables(joints: pd.DataFrame, parameters: Mapping[str, Any
 
 
 def global_sensitivity_figure(name: str, tables: Tables, parameters: Mapping[str, Any]) -> Figure:
-    """Indices, how they converge with the rows, or for what choices conclusions hold."""
+    """Draw indices, their convergence with the rows, or the shares for which conclusions hold."""
     titles = {rock: keys["title"] for rock, keys in parameters["rocks"].items()}
     figure = name.removeprefix(PREFIX)
     if figure == "conclusions":
@@ -96,7 +96,7 @@ def global_sensitivity_figure(name: str, tables: Tables, parameters: Mapping[str
 
 
 EXPERIMENT = Experiment(
-    title="what matters when properties and choices vary together",
+    title="global sensitivity to properties and open choices that vary together",
     quantities=RESPONSES,
     design=global_sensitivity_design,
     tabulate=global_sensitivity_tables,

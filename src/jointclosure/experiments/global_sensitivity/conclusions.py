@@ -1,6 +1,7 @@
-"""Which of the paper's conclusions hold, whatever is chosen of what the paper leaves open."""
+"""Share of the paper's open choices for which each of its conclusions holds."""
 
 import functools
+import itertools
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
@@ -24,9 +25,9 @@ from jointclosure.inputs import InputError
 from jointclosure.statistics.verdicts import frequency_of, t_interval
 
 PROPERTIES = ("poisson_ratio", "youngs_modulus", "compressive_strength", "jrc")
-"""Properties that the conclusions compare; others may vary, too."""
+"""Properties that the conclusions compare; others may also vary."""
 NAMES = ("closure", "closure_net")
-"""Responses that conclusions are about."""
+"""Responses for which conclusions are judged."""
 COLUMNS = (
     "number", "conclusion", "response", "cycle", "rock", "share", "share_error",
     "share_low", "share_high", "rows", "rows_true",
@@ -48,41 +49,39 @@ class _Margins(NamedTuple):
 def conclusion_tables(
     sampling: Sampling, keys: Mapping, closed
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """For what share of the open choices each conclusion holds, and what its margin goes with.
+    """Compute the share of choices for which conclusions hold, and the inputs behind their margins.
 
     Returns
     -------
     conclusions : DataFrame
         ``number`` and ``conclusion`` of a statement of `jointclosure.claims.statements`,
         ``response`` (closure, with and without bulk indentation), ``cycle``, ``rock`` ("all": in
-        every rock at once), ``share`` of the drawn choices at which the fitted elasticities have
-        it by more than the tolerance, ``share_error`` (jackknife over rows, the same rows left
-        out in all rocks), ``share_low`` and ``share_high`` (95 %: by that error, and never closer
-        than as many single rows could tell), ``rows`` and at how many of them it is true of the
-        row's own changes, noise and all (``rows_true``).
+        every rock at once), ``share`` of the drawn choices at which it holds for the fitted
+        elasticities by more than the tolerance, ``share_error`` (jackknife over rows, the same rows
+        left out in all rocks), ``share_low`` and ``share_high`` (95 %: by that error, but at least
+        as wide as for a count of single rows), number of ``rows`` and of ``rows_true``, for whose
+        changes it holds, including their noise.
     margins : DataFrame
-        Of each rock and ``input``: the ``share`` of the variance of the conclusion's margin over
-        the drawn choices that goes with the input's first function, with its jackknife error.
+        For each rock and ``input``: the ``share`` of the variance of the conclusion's margin over
+        the drawn choices due to the input's first function, with its jackknife error.
 
-    Without statements on properties that do not vary, and without responses that are not
-    positive everywhere.
+    Statements on properties that do not vary, and responses that are not positive everywhere, are
+    left out.
 
     Raises
     ------
     InputError
-        The joints of a sampled rock are missing.
+        If the joints of a sampled rock are missing.
     """
-    found = _elasticities(sampling, keys, closed)
+    fits = _elasticities(sampling, keys, closed)
     shares: list[dict] = []
     margins: list[dict] = []
-    for name in NAMES:
-        for cycle in (1, 2):
-            for statement in statements_of_elasticities():
-                of_rocks = _of_rocks(sampling, found, statement, name, cycle)
-                about: dict = {"number": statement.number, "conclusion": statement.text}
-                about |= {"response": name, "cycle": cycle}
-                shares += [about | row for row in _shares(of_rocks, statement.above)]
-                margins += [about | row for row in _variances(sampling, of_rocks)]
+    for name, cycle, statement in itertools.product(NAMES, (1, 2), statements_of_elasticities()):
+        of_rocks = _of_rocks(sampling, fits, statement, name, cycle)
+        about: dict = {"number": statement.number, "conclusion": statement.text}
+        about |= {"response": name, "cycle": cycle}
+        shares += [about | row for row in _shares(of_rocks, statement.above)]
+        margins += [about | row for row in _variances(sampling, of_rocks)]
     return (
         pd.DataFrame(shares, columns=list(COLUMNS)),
         pd.DataFrame(margins, columns=list(MARGIN_COLUMNS)),
@@ -90,7 +89,7 @@ def conclusion_tables(
 
 
 def _elasticities(sampling: Sampling, keys: Mapping, closed) -> dict[tuple, FittedElasticities]:
-    """By rock, response and cycle; none where a rock has none to any property."""
+    """Return elasticities by rock, response and cycle; none if a rock has none."""
     missing = sorted(set(sampling.rocks) - set(closed))
     if missing:
         raise InputError(f"the joints of {', '.join(missing)} are missing")
@@ -99,59 +98,60 @@ def _elasticities(sampling: Sampling, keys: Mapping, closed) -> dict[tuple, Fitt
             return {}
     at = choices_drawn(sampling)
     return {
-        (each.rock, each.name, each.cycle): elasticities_at(sampling, keys, each, at)
-        for each in responses_of(sampling, closed)
-        if each.name in NAMES and has_elasticities(each)
+        (one.rock, one.name, one.cycle): elasticities_at(sampling, keys, one, at)
+        for one in responses_of(sampling, closed)
+        if one.name in NAMES and has_elasticities(one)
     }
 
 
 def _of_rocks(
-    sampling: Sampling, found: dict[tuple, FittedElasticities], statement: Statement, name: str,
+    sampling: Sampling, fits: dict[tuple, FittedElasticities], statement: Statement, name: str,
     cycle: int,
 ) -> dict[str, _Margins]:  # fmt: skip
-    """Margins of each rock; none where a rock lacks an elasticity that the statement is about."""
+    """Return margins by rock; none if a rock lacks an elasticity of the statement."""
     properties = {one.name: one.property for one in sampling.inputs}
     margins = {}
     for rock in sampling.rocks:
         of_cycles = {
-            c: own
+            c: fit
             for c in statement.cycles(cycle)
-            if (own := found.get((rock, name, c))) is not None
-            and set(statement.parameters) <= {properties[one] for one in own.inputs}
+            if (fit := fits.get((rock, name, c))) is not None
+            and set(statement.parameters) <= {properties[one] for one in fit.inputs}
         }
         if len(of_cycles) < len(statement.cycles(cycle)):
             return {}
-        rows = functools.reduce(np.intersect1d, [own.rows for own in of_cycles.values()])
+        rows = functools.reduce(np.intersect1d, [fit.rows for fit in of_cycles.values()])
 
         def least(part, of_cycles=of_cycles) -> np.ndarray:
             by_cycle = {
                 (str(properties[one]), c): values
-                for c, own in of_cycles.items()
-                for one, values in zip(own.inputs, part(own), strict=True)
+                for c, fit in of_cycles.items()
+                for one, values in zip(fit.inputs, part(fit), strict=True)
             }
             return statement.least(Elasticities(by_cycle), cycle)
 
         margins[rock] = _Margins(
-            least(lambda own: own.drawn),
-            least(lambda own: own.left_out),
-            least(lambda own, rows=rows: own.single[:, np.isin(own.rows, rows)]),
+            least(lambda fit: fit.drawn),
+            least(lambda fit: fit.left_out),
+            least(lambda fit, rows=rows: fit.single[:, np.isin(fit.rows, rows)]),
             rows,
         )
     return margins
 
 
 def _shares(of_rocks: dict[str, _Margins], above: float) -> Iterator[dict]:
-    """Of each rock, and of all at once; true where margins are above a bound."""
+    """Generate the shares of margins above a bound, in single rocks and in all at once."""
     if not of_rocks:
         return
-    for rock, own in of_rocks.items():
-        yield {"rock": rock} | _share(own.drawn > above, own.left_out > above, own.single > above)
+    for rock, margin in of_rocks.items():
+        parts = (margin.drawn, margin.left_out, margin.single)
+        yield {"rock": rock} | _share(*(part > above for part in parts))
     together = of_rocks.values()
-    rows = set.intersection(*(set(own.rows.tolist()) for own in together))
-    single = [own.single[np.isin(own.rows, list(rows))] > above for own in together]
+    rows = set.intersection(*(set(margin.rows.tolist()) for margin in together))
+    single = [margin.single[np.isin(margin.rows, list(rows))] > above for margin in together]
     yield {"rock": "all"} | _share(
-        np.all([own.drawn > above for own in together], axis=0),
-        np.all([own.left_out > above for own in together], axis=0),
+        np.all([margin.drawn > above for margin in together], axis=0),
+        np.all([margin.left_out > above for margin in together], axis=0),
         np.all(single, axis=0),
     )
 
@@ -171,11 +171,11 @@ def _share(drawn: np.ndarray, left_out: np.ndarray, single: np.ndarray) -> dict:
 
 
 def _variances(sampling: Sampling, of_rocks: dict[str, _Margins]) -> Iterator[dict]:
-    """Shares of a margin's variance over the choices, of each rock and input."""
+    """Generate shares of a margin's variance over the choices, by rock and input."""
     functions = first_functions(choices_drawn(sampling), sampling.values)
     matrix = np.column_stack([np.ones(len(functions)), functions])
-    for rock, own in of_rocks.items():
-        margins = np.vstack([own.drawn, own.left_out])
+    for rock, margin in of_rocks.items():
+        margins = np.vstack([margin.drawn, margin.left_out])
         slopes = np.linalg.lstsq(matrix, margins.T, rcond=None)[0][1:]
         variances = margins.var(axis=1)
         parts = functions.var(axis=0)[:, None] * slopes**2

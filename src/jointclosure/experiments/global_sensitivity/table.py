@@ -24,15 +24,15 @@ from jointclosure.statistics.variance_indices import (
 )
 
 RESPONSES = ("closure", "closure_net", "residual_seated_net", "stiffness_net")
-"""Quantities that are read of each cycle. Of later cycles next to no residual closure stays."""
+"""Quantities of each cycle. Residual closure is next to none in later cycles."""
 FEWEST = 16
-"""Rows from which indices are found."""
+"""Smallest number of rows for indices."""
 GROUPS = 16
-"""Groups of rows of the jackknife, where fits are repeated."""
+"""Number of groups of rows of the jackknife."""
 CHOICES_DRAWN = 4096
-"""Choices drawn, over which a conclusion is asked."""
+"""Number of random choices for which a conclusion is judged."""
 INDEX_COLUMNS = ("rock", "response", "cycle", "rows", "input", "title", "total", "total_error")
-"""Those that a table of indices has also where there are none."""
+"""Columns of a table without any indices."""
 ELASTICITY_COLUMNS = (
     "rock", "response", "cycle", "input",
     "elasticity", "elasticity_error", "spread", "spread_error",
@@ -41,9 +41,9 @@ ELASTICITY_COLUMNS = (
 
 
 class Responses(NamedTuple):
-    """A response (row, point, surface) of a rock and a cycle, with its points; whole rows only.
+    """Response (row, point, surface) of a rock and a cycle, with its points; complete rows only.
 
-    ``rows`` are their numbers in the sampling, ``left_out`` how many are not whole.
+    ``rows`` are their numbers in the sampling, ``left_out`` is the number of incomplete rows.
     """
 
     rock: str
@@ -58,10 +58,10 @@ class Responses(NamedTuple):
 class Elasticities(NamedTuple):
     """Elasticities of a response by property, of a rock.
 
-    ``inputs`` (k) by name; ``drawn`` (k, n) at n drawn choices, ``left_out`` (k, groups, n) the
-    same without each group of rows; ``single`` (k, N) of each row alone, with its noise, and
-    ``rows`` (N,) their numbers; ``fit_over_noise`` (k,): what the regression leaves of the rows'
-    changes, over what two surfaces differ by (1: noise alone).
+    ``inputs``: names (k); ``drawn`` (k, n) at n drawn choices, ``left_out`` (k, groups, n) the
+    same without each group of rows; ``single`` (k, N) of single rows, with their noise, and
+    ``rows`` (N,) their numbers; ``fit_over_noise`` (k,): variance of the rows' changes about the
+    regression, over that of the difference of two surfaces (1: noise alone).
     """
 
     inputs: list[str]
@@ -93,15 +93,14 @@ def by_rock(joints: pd.DataFrame) -> dict[str, xr.Dataset]:
 
 
 def responses_of(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> Iterator[Responses]:
-    """Every response of every rock and cycle; rows with a failed simulation are left out.
+    """Generate the responses of all rocks and cycles; rows with a failed simulation are left out.
 
-    In place of the net stiffness its inverse, the compliance: a mean over stiffnesses is that of
-    the few that are near infinite.
+    The net stiffness is replaced by its inverse, the compliance: a mean of stiffnesses would be
+    dominated by the few nearly infinite ones.
     """
     points = sampling.points()
-    for rock, each in closed.items():
-        whole = each.sortby("row")
-        whole = whole.assign(compliance=1.0 / whole.stiffness_net)
+    for rock, of_rock in closed.items():
+        whole = of_rock.sortby("row").assign(compliance=lambda joints: 1.0 / joints.stiffness_net)
         for name in (*(name for name in RESPONSES if name != "stiffness_net"), "compliance"):
             for cycle in whole.cycle.values.tolist():
                 if name == "residual_seated_net" and cycle > 1:
@@ -114,7 +113,7 @@ def responses_of(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> Iterat
 
 
 def index_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.DataFrame:
-    """Indices of every input, response, cycle and rock, for a quarter, half and all of the rows.
+    """Compute indices of all inputs and responses, for a quarter, half and all of the rows.
 
     Parameters
     ----------
@@ -125,88 +124,89 @@ def index_table(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> pd.Data
     Returns
     -------
     DataFrame
-        Without responses of fewer than `FEWEST` whole rows. ``rock``, ``response``, ``cycle``,
+        Without responses of fewer than `FEWEST` complete rows. ``rock``, ``response``, ``cycle``,
         ``rows``, ``left_out``, ``input``, ``first`` and ``total`` with standard errors; of all
         rows also the Shapley effects of the fitted function (``shapley``, and
         ``shapley_dependent`` with its dependent inputs) with jackknife errors. The input
         "surfaces" has the share of the surfaces in a single joint's variance.
     """
     rows, fits = [], []
-    for each in responses_of(sampling, closed):
-        enough = [share for share in (4, 2, 1) if len(each.values) // share >= FEWEST]
+    for response in responses_of(sampling, closed):
+        enough = [share for share in (4, 2, 1) if len(response.values) // share >= FEWEST]
         for share in enough:
-            number = len(each.values) // share
-            points, values = each.points[:number], each.values[:number]
-            found = variance_indices(points, values, sampling.values)
-            about = {"rock": each.rock, "response": each.name, "cycle": each.cycle}
-            about |= {"rows": number, "left_out": each.left_out, "fit_share": found.fit_share}
-            rows += [about | row for row in _index_rows(sampling, found)]
+            number = len(response.values) // share
+            points, values = response.points[:number], response.values[:number]
+            indices = variance_indices(points, values, sampling.values)
+            about = {"rock": response.rock, "response": response.name, "cycle": response.cycle}
+            about |= {"rows": number, "left_out": response.left_out, "fit_share": indices.fit_share}
+            rows += [about | row for row in _index_rows(sampling, indices)]
         if enough:  # all of the rows came last
-            fits.append((about, _resampled(each, sampling.values)))
+            fits.append((about, _resampled(response, sampling.values)))
     if not fits:
         return pd.DataFrame(columns=list(INDEX_COLUMNS))
     return pd.DataFrame(rows).merge(_shapley_table(sampling, fits), how="left")
 
 
 def elasticity_table(sampling: Sampling, keys: Mapping, closed) -> pd.DataFrame:
-    """Elasticities of properties, and how they vary with all else.
+    """Compute elasticities of properties, and their variation with all other inputs.
 
     Returns
     -------
     DataFrame
-        ``rock``, ``response``, ``cycle``, ``input``; ``elasticity``, its mean over all else;
-        ``spread``, its standard deviation over all else; ``share_positive`` of all else for which
-        it is above 0; each with its jackknife error; ``fit_over_noise``. A response that is not
+        ``rock``, ``response``, ``cycle``, ``input``; over all other inputs the mean ``elasticity``,
+        its standard deviation ``spread`` and the share for which it is positive,
+        ``share_positive``, with their jackknife errors; ``fit_over_noise``. A response that is not
         positive everywhere has none.
     """
     rows = []
-    for each in filter(has_elasticities, responses_of(sampling, closed)):
-        if not _properties(sampling, keys, each.rock):
+    for response in filter(has_elasticities, responses_of(sampling, closed)):
+        if not _properties(sampling, keys, response.rock):
             continue
-        found = elasticities_at(sampling, keys, each, choices_drawn(sampling))
+        fit = elasticities_at(sampling, keys, response, choices_drawn(sampling))
 
-        def read(drawn: np.ndarray) -> dict[str, np.ndarray]:
+        def statistics(drawn: np.ndarray) -> dict[str, np.ndarray]:
             return {
                 "elasticity": drawn.mean(axis=-1),
                 "spread": drawn.std(axis=-1),
                 "share_positive": (drawn > 0.0).mean(axis=-1),
             }
 
-        values = read(found.drawn)
-        errors = {name: jackknife_error(parts.T) for name, parts in read(found.left_out).items()}
-        about = {"rock": each.rock, "response": each.name, "cycle": each.cycle}
-        for place, name in enumerate(found.inputs):
+        values = statistics(fit.drawn)
+        errors = {
+            name: jackknife_error(parts.T) for name, parts in statistics(fit.left_out).items()
+        }
+        about = {"rock": response.rock, "response": response.name, "cycle": response.cycle}
+        for place, name in enumerate(fit.inputs):
             row = about | {"input": name}
             for column in values:
-                row[column] = values[column][place]
-                row[f"{column}_error"] = errors[column][place]
-            rows.append(row | {"fit_over_noise": found.fit_over_noise[place]})
+                row |= {column: values[column][place], f"{column}_error": errors[column][place]}
+            rows.append(row | {"fit_over_noise": fit.fit_over_noise[place]})
     return pd.DataFrame(rows, columns=list(ELASTICITY_COLUMNS))
 
 
 def elasticities_at(
-    sampling: Sampling, keys: Mapping, each: Responses, at: np.ndarray
+    sampling: Sampling, keys: Mapping, response: Responses, at: np.ndarray
 ) -> Elasticities:
-    """d ln(response)/d ln(property) at drawn choices (n, d), and what is known of each row.
+    """Fit d ln(response)/d ln(property) at drawn choices (n, d), and compute that of single rows.
 
     Between the two points of a row that differ in a property alone, on the same surfaces,
 
         change of ln(response) = (e + sum of b_j t_j over the other inputs) change of ln(property)
 
     with the first function t_j of each input (`jointclosure.statistics.orthonormal`); least
-    squares. Each b_j is multiplied by 1 - (error/b_j)^2, or 0: noise is no variation.
+    squares. To remove noise, each b_j is multiplied by 1 - (error/b_j)^2, or by 0 if negative.
     """
     drawn_functions = first_functions(at, sampling.values)
-    functions = first_functions(each.points[:, 0], sampling.values)
-    logarithms = np.log(each.values)
+    functions = first_functions(response.points[:, 0], sampling.values)
+    logarithms = np.log(response.values)
     inputs, answers = [], []
-    for place, one in _properties(sampling, keys, each.rock):
+    for place, one in _properties(sampling, keys, response.rock):
         others = [other for other in range(len(sampling.inputs)) if other != place]
-        step = _logarithm(one, keys, each.rock, each.points[:, 2 + place, place])
-        step = step - _logarithm(one, keys, each.rock, each.points[:, 0, place])
+        step = _logarithm(one, keys, response.rock, response.points[:, 2 + place, place])
+        step = step - _logarithm(one, keys, response.rock, response.points[:, 0, place])
         change = logarithms[:, 2 + place] - logarithms[:, 0]  # (row, surface)
         matrix = np.column_stack([np.ones(len(step)), functions[:, others]]) * step[:, None]
-        slopes = _shrunk_slopes(matrix, change.mean(axis=-1), each.rows)
+        slopes = _shrunk_slopes(matrix, change.mean(axis=-1), response.rows)
         columns = np.column_stack([np.ones(len(at)), drawn_functions[:, others]])
         drawn = np.stack([columns @ slope for slope in slopes])
         inputs.append(one.name)
@@ -214,11 +214,11 @@ def elasticities_at(
             (drawn[0], drawn[1:], change.mean(axis=-1) / step, _over_noise(matrix, change))
         )
     drawn, left_out, single, over_noise = map(np.array, zip(*answers, strict=True))
-    return Elasticities(inputs, drawn, left_out, single, each.rows, over_noise)
+    return Elasticities(inputs, drawn, left_out, single, response.rows, over_noise)
 
 
 def _properties(sampling: Sampling, keys: Mapping, rock: str) -> list[tuple[int, Input]]:
-    """Inputs that have elasticities, with their places."""
+    """Return the inputs with elasticities, and their places."""
     return [
         (place, one)
         for place, one in enumerate(sampling.inputs)
@@ -227,8 +227,8 @@ def _properties(sampling: Sampling, keys: Mapping, rock: str) -> list[tuple[int,
 
 
 def _shrunk_slopes(matrix: np.ndarray, change: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Slopes (1 + groups, columns) of all rows and without each group, noise taken off."""
-    slopes = np.stack([_least_squares(matrix, change, own) for own in _kept(rows)])
+    """Fit slopes (1 + groups, columns) of all rows and without each group, shrunk for noise."""
+    slopes = np.stack([_least_squares(matrix, change, kept) for kept in _kept(rows)])
     squares, noise = slopes[0] ** 2, jackknife_error(slopes[1:]) ** 2
     factors = np.divide(squares - noise, squares, out=0.0 * squares, where=squares > noise)
     factors[0] = 1.0
@@ -236,7 +236,7 @@ def _shrunk_slopes(matrix: np.ndarray, change: np.ndarray, rows: np.ndarray) -> 
 
 
 def _over_noise(matrix: np.ndarray, change: np.ndarray) -> float:
-    """Variance that the fit leaves of mean changes, over that by which two surfaces differ."""
+    """Compute the variance of mean changes about the fit, over that between two surfaces."""
     rows, columns = matrix.shape
     if rows <= columns:
         return np.nan
@@ -247,53 +247,50 @@ def _over_noise(matrix: np.ndarray, change: np.ndarray) -> float:
 
 
 def first_functions(points: np.ndarray, values: tuple[int, ...]) -> np.ndarray:
-    """The first function of each input at points (n, d): (n, d)."""
+    """Return the first function of each input at points (n, d): (n, d)."""
     terms = tuple(Term(((one, 0),)) for one in range(len(values)))
     return design_matrix(points, values, terms)
 
 
-def has_elasticities(each: Responses) -> bool:
-    """Whether a response has a logarithm at all points of some rows."""
-    return bool(each.values.size and (each.values > 0.0).all())
+def has_elasticities(response: Responses) -> bool:
+    """Return whether a response has a logarithm at all points of some rows."""
+    return bool(response.values.size and (response.values > 0.0).all())
 
 
 def choices_drawn(sampling: Sampling) -> np.ndarray:
-    """Points (n, d) over which elasticities are asked; the same in all rocks."""
+    """Draw points (n, d) at which elasticities are evaluated; the same in all rocks."""
     random = generator(seed_of(sampling.seed, "choices"))
     return random.random((CHOICES_DRAWN, len(sampling.inputs)))
 
 
-def _index_rows(sampling: Sampling, found: Indices) -> Iterator[dict]:
-    for place, each in enumerate(sampling.inputs):
-        yield {
-            "input": each.name,
-            "title": each.title,
-            "first": found.first[place],
-            "first_error": found.first_error[place],
-            "total": found.total[place],
-            "total_error": found.total_error[place],
-        }
+def _index_rows(sampling: Sampling, indices: Indices) -> Iterator[dict]:
+    columns = ("first", "first_error", "total", "total_error")
+    for place, one in enumerate(sampling.inputs):
+        values = {name: getattr(indices, name)[place] for name in columns}
+        yield {"input": one.name, "title": one.title} | values
     yield {
         "input": "surfaces",
         "title": "surfaces (share of a joint's variance)",
-        "total": found.surfaces,
-        "total_error": found.surfaces_error,
+        "total": indices.surfaces,
+        "total_error": indices.surfaces_error,
     }
 
 
 def _shapley_table(sampling: Sampling, fits: list[tuple[dict, list[Fit]]]) -> pd.DataFrame:
-    """Shapley effects of all responses at once: the points of a subset are the same for all."""
-    coefficients = np.stack([fit.coefficients for _, own in fits for fit in own], axis=1)
+    """Compute Shapley effects of all responses at once, as the points of a subset are the same."""
+    coefficients = np.stack(
+        [fit.coefficients for _, of_response in fits for fit in of_response], axis=1
+    )
     columns = {"shapley": shapley_effects(sampling.values, coefficients)}
     if sampling.correlations:
         columns["shapley_dependent"] = shapley_effects(
             sampling.values, coefficients, sampling.correlations
         )
     rows = []
-    for number, (about, own) in enumerate(fits):
-        here = slice(number * len(own), (number + 1) * len(own))
-        for place, each in enumerate(sampling.inputs):
-            row = about | {"input": each.name}
+    for number, (about, of_response) in enumerate(fits):
+        here = slice(number * len(of_response), (number + 1) * len(of_response))
+        for place, one in enumerate(sampling.inputs):
+            row = about | {"input": one.name}
             for name, effects in columns.items():
                 whole, *left_out = effects[place, here]
                 row |= {name: whole, f"{name}_error": jackknife_error(np.array(left_out))}
@@ -301,20 +298,20 @@ def _shapley_table(sampling: Sampling, fits: list[tuple[dict, list[Fit]]]) -> pd
     return pd.DataFrame(rows)
 
 
-def _resampled(each: Responses, counts) -> list[Fit]:
-    """The fit to all rows, and those to all but a group."""
-    d = each.points.shape[-1]
-    mean = each.values.mean(axis=-1)
+def _resampled(response: Responses, counts) -> list[Fit]:
+    """Return the fit to all rows, and those without one group."""
+    d = response.points.shape[-1]
+    mean = response.values.mean(axis=-1)
     return [
-        fitted(each.points[rows].reshape(-1, d), mean[rows].ravel(), counts)
-        for rows in _kept(each.rows)
+        fitted(response.points[rows].reshape(-1, d), mean[rows].ravel(), counts)
+        for rows in _kept(response.rows)
     ]
 
 
 def _kept(rows: np.ndarray) -> list[np.ndarray]:
-    """Places of all rows, and of all but a group, in turn; groups are by the rows' numbers."""
-    group = rows % GROUPS
-    return [np.arange(rows.size), *(np.flatnonzero(group != one) for one in range(GROUPS))]
+    """Return places of all rows, then without one group in turn; groups are by row number."""
+    groups = rows % GROUPS
+    return [np.arange(rows.size), *(np.flatnonzero(groups != group) for group in range(GROUPS))]
 
 
 def _least_squares(matrix: np.ndarray, change: np.ndarray, rows: np.ndarray) -> np.ndarray:
@@ -322,10 +319,10 @@ def _least_squares(matrix: np.ndarray, change: np.ndarray, rows: np.ndarray) -> 
 
 
 def _logarithm(one: Input, keys: Mapping, rock: str, u: np.ndarray) -> np.ndarray:
-    return np.log([value_at(one, keys, rock, float(each)) for each in u])
+    return np.log([value_at(one, keys, rock, float(part)) for part in u])
 
 
 def jackknife_error(left_out: np.ndarray) -> np.ndarray:
-    """Errors (...) from what is found without each group of rows (groups, ...)."""
+    """Compute errors (...) from values without each group of rows (groups, ...)."""
     about = left_out - left_out.mean(axis=0)
     return np.sqrt((GROUPS - 1) / GROUPS * (about**2).sum(axis=0))

@@ -1,4 +1,4 @@
-"""Which reading of what the paper leaves open gives the paper's Table 3."""
+"""Experiment on readings of the paper: which of them gives its Table 3."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -26,17 +26,17 @@ from jointclosure.experiments.readings.points import (
     samples,
     settings_of_kernels,
 )
-from jointclosure.experiments.readings.rounds import round_table
 from jointclosure.experiments.readings.table import (
     implied_table,
     readings_markdown,
     readings_table,
+    round_table,
 )
 from jointclosure.plotting.readings import likelihoods, sensitivities
 
 
 def readings_design(configured: Configured) -> Design:
-    """A job for each reading, rock and block of surfaces, of which rounds close those they need."""
+    """Make a job for each reading, rock and block of surfaces; rounds close those they need."""
     readings = readings_of(configured.keys)
     jobs = JobsOnDemand(*points_of_jobs(readings, configured))
     return Design(
@@ -48,7 +48,7 @@ def readings_design(configured: Configured) -> Design:
         compiled=lambda: settings_of_kernels(readings, configured),
         samples=lambda: samples(readings, jobs),
         rounds=Rounds(
-            tuple(each.name for each in readings.rounds),
+            tuple(one.name for one in readings.rounds),
             lambda number, before: entering(readings, configured.keys, number, before),
             lambda number, entrants: jobs_of_round(readings, number, entrants),
         ),
@@ -56,7 +56,7 @@ def readings_design(configured: Configured) -> Design:
 
 
 def _question(configured: Configured) -> dict:
-    """What `question_of` needs besides the paper's table."""
+    """Return the plain data that `question_of` needs besides the paper's table."""
     section, typed = configured.keys["readings"], configured.typed
     return {
         "parameters": {
@@ -72,7 +72,8 @@ def _question(configured: Configured) -> dict:
     }
 
 
-def _given(parameters: Mapping[str, Any]) -> tuple[Readings, Question]:
+def _restored(parameters: Mapping[str, Any]) -> tuple[Readings, Question]:
+    """Restore the readings and the question from the parameters of a design."""
     question = question_of(parameters["question"], parameters["paper"])
     return from_plain(Readings, parameters["readings"]), question
 
@@ -80,14 +81,14 @@ def _given(parameters: Mapping[str, Any]) -> tuple[Readings, Question]:
 def readings_ranking(
     joints: pd.DataFrame, parameters: Mapping[str, Any], number: int, entrants: list[str]
 ) -> pd.DataFrame:
-    """Ranking of a round by the likelihood of Table 3; it is empty where no reading entered."""
-    readings, question = _given(parameters)
+    """Rank a round by the likelihood of Table 3; the ranking is empty if no reading entered."""
+    readings, question = _restored(parameters)
     return round_table(readings, number, entrants, joints, question)
 
 
 def readings_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
-    """A row for each reading, as CSV and Markdown, and the scatter that Table 3 implies."""
-    readings, question = _given(parameters)
+    """Return a row for each reading, as CSV and Markdown, and the scatter implied by Table 3."""
+    readings, question = _restored(parameters)
     ranked, confidence = parameters["rounds"], 1.0 - question.design.significance
     table = readings_table(readings, ranked, joints, question, confidence)
     implied = implied_table(readings, ranked, joints, question)
@@ -99,14 +100,14 @@ def readings_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tabl
 
 
 def readings_figure(name: str, tables: Tables, parameters: Mapping[str, Any]) -> Figure:
-    """How likely Table 3 is in each reading, or in what readings differ."""
+    """Draw the likelihood of Table 3 in each reading, or the sensitivities of readings."""
     if name == "readings_likelihood":
         return likelihoods(tables["readings"], tables["readings_implied"])
     return sensitivities(tables["readings"], parameters["paper"], parameters["question"]["draws"])
 
 
 EXPERIMENT = Experiment(
-    title="which reading of the paper gives its Table 3",
+    title="likelihood of the paper's Table 3 in readings of the paper",
     quantities=tuple(CLOSURES.values()),
     design=readings_design,
     tabulate=readings_tables,

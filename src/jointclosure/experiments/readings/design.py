@@ -1,9 +1,8 @@
 """Readings of the paper, and the rounds in which they are closed.
 
-A reading is a set of keys that are merged over the study's. It belongs to an aspect, what
-it is a reading of: the Hurst exponent, the maximum stress. Readings of different aspects
-make pairs. Rounds spend surfaces on them: the first on all, later ones on those that are
-not yet clearly worse than the best.
+A reading is a set of keys that are merged over those of the study. It belongs to an aspect, such as
+the Hurst exponent or the maximum stress. Readings of different aspects make pairs. The first round
+closes all readings, later ones those that are not yet clearly worse than the best.
 """
 
 import itertools
@@ -31,16 +30,16 @@ CLOSURES = {
     "max_closure_seated": "closure_seated",
     "max_closure_net": "closure_net",
 }
-"""Quantities of `jointclosure.ensemble.quantities.QUANTITIES` by the closure that is read."""
+"""Quantities of `jointclosure.ensemble.quantities.QUANTITIES` by key of the closure."""
 SINGLES, PAIRS, KEPT = "singles", "pairs", "kept"
 
 
 class Reading(NamedTuple):
     """A reading of the paper.
 
-    ``keys`` are merged over the study's; ``closure`` is the variable that is read;
-    ``allowed`` whether the paper's text allows it. ``run`` names the reading whose closures
-    it reads: its own, or one with the same keys.
+    ``keys`` are merged over those of the study; ``closure`` is one of `CLOSURES`; ``allowed``:
+    whether the paper's text allows the reading. ``run`` is the reading whose joints it uses:
+    itself, or an earlier one with the same keys.
     """
 
     name: str
@@ -53,10 +52,10 @@ class Reading(NamedTuple):
 
 
 class Round(NamedTuple):
-    """A round: which readings enter, and how many surfaces of which rocks it closes.
+    """Round of readings, with the rocks and the number of surfaces that it closes.
 
-    ``candidates``: "singles" (all readings of the design), "kept" (those that the round
-    before kept) or "pairs" (these, and all their pairs). At most ``most`` of those kept enter.
+    ``candidates``: "singles" (all readings of the design), "kept" (those kept by the round before)
+    or "pairs" (these, and all their pairs). At most ``most`` of those kept enter.
     A reading is kept unless it is behind the best by more than ``margin`` standard errors.
     """
 
@@ -69,10 +68,10 @@ class Round(NamedTuple):
 
 
 class Readings(NamedTuple):
-    """Readings by name, the pairs that they make, and rounds.
+    """Readings by name, their pairs, and rounds.
 
-    ``block`` is the number of realisations that a job closes; ``reference_realizations``
-    those of the configured reading, in all ``rocks``, from the first round on.
+    ``block`` is the number of realisations of a job; ``reference_realizations`` that of the
+    configured reading, in all ``rocks``, from the first round on.
     """
 
     singles: dict[str, Reading]
@@ -83,35 +82,35 @@ class Readings(NamedTuple):
     reference_realizations: int
 
     def reading(self, name: str) -> Reading:
-        """A reading or a pair by its name."""
+        """Return a reading or a pair by its name."""
         return self.singles.get(name) or self.pairs[name]
 
     def all(self) -> list[Reading]:
-        """All readings and pairs."""
+        """Return all readings and pairs."""
         return [*self.singles.values(), *self.pairs.values()]
 
     def blocks(self, realizations: int) -> list[range]:
-        """The blocks of so many realisations."""
+        """Split a number of realisations into the blocks of jobs."""
         return [range(i, i + self.block) for i in range(0, realizations, self.block)]
 
     def realizations_of(self, reading: str, number: int, rock: str) -> int:
-        """Realisations that a reading in a round has of a rock."""
-        own = self.rounds[number].realizations if rock in self.rounds[number].rocks else 0
-        return max(own, self.reference_realizations) if reading == AS_CONFIGURED else own
+        """Return the number of realisations of a reading and rock in a round."""
+        count = self.rounds[number].realizations if rock in self.rounds[number].rocks else 0
+        return max(count, self.reference_realizations) if reading == AS_CONFIGURED else count
 
 
 def readings_of(keys: dict) -> Readings:
-    """The readings and rounds in a configuration's ``readings`` section.
+    """Return the readings and rounds of a configuration's ``readings`` section.
 
     Parameters
     ----------
     keys : dict
-        Of a configuration that was checked, see `jointclosure.config.configuration.Configured`.
+        Keys of a checked configuration, see `jointclosure.config.configuration.Configured`.
 
     Raises
     ------
     ConfigurationError
-        Naming each round that cannot be run.
+        If a round cannot be run; names all such rounds.
     """
     section = ReadingsKeys.model_validate(keys["readings"]).model_dump()
     rocks = tuple(keys["study"]["rocks"])
@@ -120,7 +119,7 @@ def readings_of(keys: dict) -> Readings:
         singles=singles,
         pairs=_pairs(singles),
         rounds=tuple(
-            Round(**each | {"rocks": tuple(each["rocks"] or rocks)}) for each in section["rounds"]
+            Round(**one | {"rocks": tuple(one["rocks"] or rocks)}) for one in section["rounds"]
         ),
         rocks=rocks,
         block=keys["study"]["realizations_per_job"] or keys["study"]["realizations"],
@@ -133,12 +132,12 @@ def readings_of(keys: dict) -> Readings:
 
 
 def check_readings(configured: Configured) -> None:
-    """Raise `ConfigurationError` for each reading that the model cannot take."""
+    """Raise `ConfigurationError` if the model refuses readings; names all of them."""
     refuse(_reading_problems(readings_of(configured.keys), configured.keys))
 
 
 def can_be_run(readings: Readings, keys: dict, reading: str) -> bool:
-    """Whether the model takes a reading; some pairs contradict each other."""
+    """Return whether the model accepts a reading; some pairs contradict themselves."""
     try:
         checked_with(keys, readings.reading(reading).keys)
     except InputError:
@@ -147,7 +146,7 @@ def can_be_run(readings: Readings, keys: dict, reading: str) -> bool:
 
 
 def entering(readings: Readings, keys: dict, number: int, judged: pd.DataFrame | None) -> list[str]:
-    """Readings that enter a round, the configured one first; pairs only where they can be run.
+    """Return the readings that enter a round, the configured one first.
 
     Parameters
     ----------
@@ -155,14 +154,14 @@ def entering(readings: Readings, keys: dict, number: int, judged: pd.DataFrame |
     keys : dict
         As for `readings_of`.
     number : int
-        Of the round, from 0.
+        Number of the round, from 0.
     judged : DataFrame, optional
-        Outcome of the round before, best first: columns reading, kept.
+        Ranking of the round before, best first: columns reading, kept.
 
     Returns
     -------
     list of str
-        Empty where nothing is left to be told apart.
+        Empty if no readings are left to compare. Pairs that contradict themselves are left out.
     """
     this = readings.rounds[number]
     if this.candidates == SINGLES:
@@ -175,24 +174,21 @@ def entering(readings: Readings, keys: dict, number: int, judged: pd.DataFrame |
         return []
     answer = list(dict.fromkeys([AS_CONFIGURED, *kept]))
     if this.candidates == PAIRS:
-        possible = {frozenset(names): pair_name(*names) for names in _pairs_of(readings.singles)}
-        chosen = (frozenset(names) for names in itertools.combinations(kept, 2))
-        pairs = (possible[names] for names in chosen if names in possible)
-        answer += [name for name in pairs if can_be_run(readings, keys, name)]
+        order = list(readings.singles).index
+        pairs = (pair_name(*sorted(names, key=order)) for names in itertools.combinations(kept, 2))
+        possible = (name for name in pairs if name in readings.pairs)
+        answer += [name for name in possible if can_be_run(readings, keys, name)]
     return answer
 
 
 def pair_name(one: str, other: str) -> str:
-    """Name of a pair of readings; never taken apart."""
+    """Return the name of a pair of readings, which is never parsed."""
     return f"{one}-{other}"
 
 
 def _singles(aspects: dict) -> dict[str, Reading]:
-    singles = {
-        AS_CONFIGURED: Reading(
-            AS_CONFIGURED, "as configured", (), {}, "max_closure", True, AS_CONFIGURED
-        )
-    }
+    plain = Reading(AS_CONFIGURED, "as configured", (), {}, "max_closure", True, AS_CONFIGURED)
+    singles = {AS_CONFIGURED: plain}
     for aspect, ways in aspects.items():
         for name, way in ways.items():
             reading = Reading(
@@ -203,69 +199,65 @@ def _singles(aspects: dict) -> dict[str, Reading]:
 
 
 def _run_of(reading: Reading, singles: dict[str, Reading]) -> str:
-    """The first reading that has the same keys, or its own."""
-    own = json.dumps(reading.keys, sort_keys=True)
-    same = (each.run for each in singles.values() if json.dumps(each.keys, sort_keys=True) == own)
+    """Return the first reading with the same keys, or the name of the reading."""
+    keys = json.dumps(reading.keys, sort_keys=True)
+    same = (one.run for one in singles.values() if json.dumps(one.keys, sort_keys=True) == keys)
     return next(same, reading.name)
 
 
-def _pairs_of(singles: dict[str, Reading]) -> Iterator[tuple[str, str]]:
-    """Names of readings of two aspects."""
+def _pairs(singles: dict[str, Reading]) -> dict[str, Reading]:
+    """Return the pairs of readings of two aspects that do not read two different closures."""
+    pairs = {}
     for one, other in itertools.combinations(singles.values(), 2):
         closures = {one.closure, other.closure} - {"max_closure"}
-        if one.aspects and other.aspects and one.aspects != other.aspects and len(closures) < 2:
-            yield one.name, other.name
-
-
-def _pairs(singles: dict[str, Reading]) -> dict[str, Reading]:
-    pairs = {}
-    for names in _pairs_of(singles):
-        one, other = (singles[name] for name in names)
-        closures = {one.closure, other.closure} - {"max_closure"}
+        if not one.aspects or not other.aspects or one.aspects == other.aspects:
+            continue
+        if len(closures) == 2:
+            continue
+        name = pair_name(one.name, other.name)
         pair = Reading(
-            pair_name(*names),
+            name,
             f"{one.title}, {other.title}",
             one.aspects + other.aspects,
             merged(one.keys, other.keys),
             closures.pop() if closures else "max_closure",
             one.allowed and other.allowed,
-            pair_name(*names),
+            name,
         )
-        pairs[pair.name] = pair._replace(run=_run_of(pair, singles))
+        pairs[name] = pair._replace(run=_run_of(pair, singles))
     return pairs
 
 
 def _round_problems(readings: Readings) -> Iterator[str]:
-    for number, each in enumerate(readings.rounds):
-        where = f"readings.rounds.{each.name}"
-        if each.candidates == PAIRS and each is not _first_of_pairs(readings):
+    """Generate contradictions in the rounds."""
+    pair_rounds = [one.name for one in readings.rounds if one.candidates == PAIRS]
+    for number, one in enumerate(readings.rounds):
+        where = f"readings.rounds.{one.name}"
+        if one.candidates == PAIRS and one.name != pair_rounds[0]:
             yield f"{where}.candidates = {PAIRS!r}: must be so in one round at most"
-        if (each.candidates == SINGLES) != (number == 0):
+        if (one.candidates == SINGLES) != (number == 0):
             yield (
-                f"{where}.candidates = {each.candidates!r}: must be {SINGLES} in the first round "
+                f"{where}.candidates = {one.candidates!r}: must be {SINGLES} in the first round "
                 "and in no other"
             )
-        for rock in each.rocks:
+        for rock in one.rocks:
             if rock not in readings.rocks:
                 yield f"{where}.rocks = {rock!r}: must be one of {', '.join(readings.rocks)}"
         for name, count in (
-            (f"{where}.realizations", each.realizations),
+            (f"{where}.realizations", one.realizations),
             ("readings.reference_realizations", readings.reference_realizations),
         ):
             if count % readings.block:
                 yield f"{name} = {count}: must be a multiple of {readings.block}, those of a job"
-        if each.realizations > readings.reference_realizations and each.rocks != readings.rocks:
+        if one.realizations > readings.reference_realizations and one.rocks != readings.rocks:
             yield (
-                f"{where}.realizations = {each.realizations}: must be at most "
+                f"{where}.realizations = {one.realizations}: must be at most "
                 f"reference_realizations = {readings.reference_realizations}"
             )
 
 
-def _first_of_pairs(readings: Readings) -> Round | None:
-    return next((each for each in readings.rounds if each.candidates == PAIRS), None)
-
-
 def _reading_problems(readings: Readings, keys: dict) -> Iterator[str]:
+    """Generate the problems of readings that the model refuses."""
     plain = checked_with(keys)
     for name, reading in readings.singles.items():
         where = f"readings: {name}"
@@ -277,13 +269,13 @@ def _reading_problems(readings: Readings, keys: dict) -> Iterator[str]:
         except InputError as error:
             yield from (f"{where}: {line}" for line in problem_lines(error))
             continue
-        for rock, own in typed.rocks.items():
-            if _varied(own) != _varied(plain.rocks[rock]):
+        for rock, of_rock in typed.rocks.items():
+            if _varied(of_rock) != _varied(plain.rocks[rock]):
                 yield f"{where}: rocks.{rock}: a reading may not change properties or levels"
 
 
 def _varied(rock: StudyRock) -> tuple:
-    """What the paper's tables say of a rock."""
+    """Return the fields of a rock that the paper's tables give."""
     return rock.intact, rock.jrc, rock.levels
 
 

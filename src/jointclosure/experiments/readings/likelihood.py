@@ -1,4 +1,4 @@
-"""How likely the paper's Table 3 is in a reading, and how far readings are apart."""
+"""Likelihood of the paper's Table 3 in a reading, and its differences between readings."""
 
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
@@ -26,11 +26,11 @@ from jointclosure.statistics.standard_errors import Estimate
 
 
 class Question(NamedTuple):
-    """What every reading is asked.
+    """Published table, and the design of the repetitions that are compared with it.
 
     ``published``: the paper's lengths by (rock, parameter, cycle) [SI], NaN for its dash;
-    ``parameters``: levels of all rocks; ``design`` and ``repetitions`` of its study;
-    ``groups`` of the jackknife; ``root_seed``: all readings are drawn with the same numbers.
+    ``parameters``: levels of all rocks; ``design`` and ``repetitions`` of the study;
+    ``groups`` of the jackknife; ``root_seed``: seed of the draws, the same in all readings.
     """
 
     published: Mapping[tuple[str, str, int], float]
@@ -49,17 +49,17 @@ class Answer(NamedTuple):
 
     @property
     def standard_error(self) -> float:
-        """From the number of surfaces closed, and of repetitions drawn."""
+        """Return the error due to the finite numbers of surfaces and of repetitions."""
         return jackknife_error(self.without)
 
 
 def published_lengths(table: pd.DataFrame, parameters: Parameters) -> dict:
-    """The paper's lengths by (rock, parameter, cycle) [SI], from its table.
+    """Return the paper's lengths by (rock, parameter, cycle) [SI].
 
     Raises
     ------
     InputError
-        A rock or parameter of the study that the paper's table does not have.
+        If the paper's table lacks a rock or parameter of the study.
     """
     lengths = {
         (row.rock, row.parameter, int(row.cycle)): row.paper_length * PROPERTIES[row.parameter].size
@@ -69,14 +69,14 @@ def published_lengths(table: pd.DataFrame, parameters: Parameters) -> dict:
         for parameter in of_rock:
             if (rock, parameter, 1) not in lengths:
                 raise InputError(
-                    f"rocks.{rock}: {parameter} is not in the paper's Table 3, by which readings "
-                    "are judged"
+                    f"rocks.{rock}: {parameter} is not in the paper's Table 3, with which readings "
+                    "are compared"
                 )
     return lengths
 
 
 def question_of(settings: dict, paper: pd.DataFrame) -> Question:
-    """The question that settings ask, which are plain data: all its fields but the published.
+    """Make a question from plain data and the published table.
 
     Parameters
     ----------
@@ -100,55 +100,65 @@ def question_of(settings: dict, paper: pd.DataFrame) -> Question:
 
 
 def answer_of(question: Question, closed: Closures, reference: Closures) -> Answer:
-    """The log-likelihood of Table 3 in a reading, and its error.
+    """Compute the log-likelihood of Table 3 in a reading, and its error.
 
     Parameters
     ----------
     question : Question
     closed : mapping
-        The rocks closed in the reading; those that were not change as these do (`transferred`).
+        Closures of the rocks closed in the reading; others change as these do (`transferred`).
     reference : mapping
-        All rocks as configured.
+        Closures of all rocks as configured.
     """
-
-    def of(with_surface: Callable) -> float:
-        whole = _all_rocks(closed, reference, question.parameters, with_surface)
-        lengths = _drawn_lengths(question, whole)
-        return float(log_likelihoods(lengths, _observed(question)[None])[0])
-
-    without = [of(kept) for kept in _groups_left_out(question, closed)]
-    return Answer(of(lambda number: number >= 0), np.array(without))
+    return Answer(
+        *_jackknifed(
+            question,
+            closed,
+            reference,
+            lambda lengths, observed: log_likelihoods(lengths, observed[None])[0],
+        )
+    )
 
 
 def probability_of_table_3(question: Question, closed: Closures, reference: Closures) -> Estimate:
-    """Probability of Table 3 in a reading: the p of `joint_test`, arguments as for `answer_of`.
+    """Compute the p of `joint_test` for Table 3 in a reading; arguments as for `answer_of`.
 
-    Its standard error is that of the repetitions, and that of the surfaces by a jackknife over
-    groups of them.
+    Its standard error combines that of the repetitions and that of the surfaces, by a jackknife
+    over groups of them.
     """
-
-    def of(with_surface: Callable) -> float:
-        whole = _all_rocks(closed, reference, question.parameters, with_surface)
-        return p_of_table(_drawn_lengths(question, whole), _observed(question))
-
-    p = of(lambda number: number >= 0)
-    of_surfaces = jackknife_error([of(kept) for kept in _groups_left_out(question, closed)])
+    p, without = _jackknifed(question, closed, reference, p_of_table)
     of_repetitions = np.sqrt(p * (1.0 - p) / question.repetitions)
-    return Estimate(p, float(np.hypot(of_surfaces, of_repetitions)))
+    return Estimate(p, float(np.hypot(jackknife_error(without), of_repetitions)))
 
 
-def _groups_left_out(question: Question, closed: Closures) -> list[Callable]:
-    """Rules that keep the surfaces of all groups but one, by their numbers."""
+def _jackknifed(
+    question: Question, closed: Closures, reference: Closures, statistic: Callable
+) -> tuple[float, np.ndarray]:
+    """Compute a statistic on all surfaces, and without each group of surfaces (groups,).
+
+    ``statistic`` is a function of drawn lengths (repetitions, entries) and observed ones.
+    """
     fewest = min(closures.sizes["realization"] for closures in closed.values())
     groups = min(question.groups, fewest)
-    return [lambda number, group=group: number % groups != group for group in range(groups)]
+    rules: list[Callable] = [lambda number: number >= 0]
+    rules += [lambda number, group=group: number % groups != group for group in range(groups)]
+    value, *without = (
+        float(
+            statistic(
+                _drawn_lengths(question, _all_rocks(closed, reference, question.parameters, kept)),
+                _observed(question),
+            )
+        )
+        for kept in rules
+    )
+    return value, np.array(without)
 
 
 def behind(best: Answer, other: Answer) -> Estimate:
-    """By how much a reading's log-likelihood is below the best, with its error.
+    """Compute by how much the log-likelihood of a reading is below the best, with its error.
 
-    The same groups of surfaces leave both, where they have as many groups, so that what
-    surfaces have in common leaves the error.
+    If both have as many groups of surfaces, the jackknife is of the difference, in which the
+    common effect of the surfaces cancels.
     """
     value = best.log_likelihood - other.log_likelihood
     if best.without.size == other.without.size:
@@ -157,13 +167,13 @@ def behind(best: Answer, other: Answer) -> Estimate:
 
 
 def ranking(answers: Mapping[str, Answer], margin: float) -> pd.DataFrame:
-    """Readings by log-likelihood, the best first, and which are kept.
+    """Rank readings by log-likelihood, the best first, and decide which are kept.
 
     Returns
     -------
     DataFrame
-        Columns reading, log_likelihood, standard_error, behind, behind_error, kept: not behind
-        the best by more than ``margin`` standard errors, as far as these are known.
+        Columns `COLUMNS`; a reading is kept unless it is behind the best by more than
+        ``margin`` standard errors.
     """
     order = sorted(answers, key=lambda name: -answers[name].log_likelihood)
     rows = []
@@ -186,10 +196,10 @@ COLUMNS = ["reading", "log_likelihood", "standard_error", "behind", "behind_erro
 
 
 class ImpliedScatter(NamedTuple):
-    """The factor on all standard deviations of a cycle at which Table 3 is likeliest.
+    """Factor on all standard deviations of a cycle at which Table 3 is likeliest.
 
-    ``low`` and ``high``: where the log-likelihood is lower by 1.92, which were a 95 %
-    interval if the entries were independent; they are not quite.
+    ``low`` and ``high``: ends of the range in which the log-likelihood is lower by at most 1.92.
+    This would be a 95 % interval if the entries were independent, which they are not quite.
     """
 
     cycle: int
@@ -199,53 +209,48 @@ class ImpliedScatter(NamedTuple):
 
 
 def implied_scatter(question: Question, closed: Closures, reference: Closures, factors):
-    """Scatter that Table 3 asks for, given a reading's means, cycle by cycle.
+    """Find the scatter at which Table 3 is likeliest, given the means of a reading, by cycle.
 
     Parameters
     ----------
     question, closed, reference
         As for `answer_of`.
     factors : array
-        Ascending, that are tried.
+        Factors that are tried, ascending.
     """
     whole = _all_rocks(closed, reference, question.parameters, lambda number: number >= 0)
     cycles = next(iter(whole.values())).cycle.values
     observed = _observed(question).reshape(-1, cycles.size)
-    found = []
+    likelihoods = []
     for factor in factors:
-        scattered = {rock: _scattered(each, factor) for rock, each in whole.items()}
+        scattered = {rock: _scattered(closures, factor) for rock, closures in whole.items()}
         lengths = _drawn_lengths(question, scattered)
         lengths = lengths.reshape(question.repetitions, -1, cycles.size)
-        found.append(
+        likelihoods.append(
             [log_likelihoods(lengths[:, :, i], observed[None, :, i])[0] for i in range(cycles.size)]
         )
     answer = []
-    for cycle, values in zip(cycles.tolist(), np.array(found).T, strict=True):
-        within = np.flatnonzero(values >= values.max() - 1.92)
-        answer.append(
-            ImpliedScatter(
-                cycle,
-                float(factors[int(values.argmax())]),
-                float(factors[within[0]]),
-                float(factors[within[-1]]),
-            )
-        )
+    for cycle, values in zip(cycles.tolist(), np.array(likelihoods).T, strict=True):
+        likely = factors[values >= values.max() - 1.92]
+        best = float(factors[values.argmax()])
+        answer.append(ImpliedScatter(cycle, best, float(likely[0]), float(likely[-1])))
     return answer
 
 
 def _scattered(closures, factor: float):
+    """Multiply the deviations of closures from their means by a factor."""
     middle = closures.mean("realization")
     return (middle + (closures - middle) * factor).transpose(*closures.dims)
 
 
 def _all_rocks(closed: Closures, reference: Closures, parameters: Parameters, kept) -> Closures:
-    """Closures of all rocks on the surfaces whose number is kept."""
+    """Return closures of all rocks on the surfaces whose number a rule keeps."""
     closed, reference = (
         {
-            rock: each.isel(realization=np.flatnonzero(kept(each.realization.values)))
-            for rock, each in closures.items()
+            rock: closures[:, kept(closures.realization.values)]
+            for rock, closures in of_reading.items()
         }
-        for closures in (closed, reference)
+        for of_reading in (closed, reference)
     )
     if set(parameters) <= set(closed):
         return closed
@@ -253,10 +258,10 @@ def _all_rocks(closed: Closures, reference: Closures, parameters: Parameters, ke
 
 
 def _drawn_lengths(question: Question, closures: Closures) -> np.ndarray:
-    """Lengths (repetitions, entries) of repetitions of the paper's study.
+    """Draw lengths (repetitions, entries) in repetitions of the paper's study.
 
-    A repetition whose resampled pool is one surface many times has no scatter, and the
-    length 0, which has no logarithm: it counts as the shortest other.
+    If a resampled pool is one surface many times, it has no scatter, and the length is 0, which
+    has no logarithm. It is replaced by the shortest other length.
     """
     random = generator(seed_of(question.root_seed, "readings"))
     sensitivities = sensitivities_of(closures, question.parameters)
@@ -266,7 +271,7 @@ def _drawn_lengths(question: Question, closures: Closures) -> np.ndarray:
 
 
 def _observed(question: Question) -> np.ndarray:
-    """The paper's lengths in the order of `lengths_table`."""
+    """Return the paper's lengths in the order of `lengths_table`."""
     cycles = sorted({cycle for _, _, cycle in question.published})
     return np.array(
         [

@@ -1,4 +1,4 @@
-"""Points of a study of readings: all cases of a rock in a reading, block by block."""
+"""Points of a study of readings: all cases of a rock in a reading, by blocks of surfaces."""
 
 from collections.abc import Callable, Iterable, Sequence
 
@@ -19,16 +19,16 @@ from jointclosure.joint.warmup import kernels_of
 
 
 def job_name(run: str, rock: str, block: range) -> str:
-    """Name of the job that closes a block of a rock; never taken apart."""
+    """Return the name of the job that closes a block of a rock; it is never parsed."""
     return f"{run}.{rock}.{block.start}"
 
 
 def points_of_jobs(
     readings: Readings, configured: Configured
 ) -> tuple[dict[str, tuple[str, str, range]], Callable[[str, str, range], list[Point]]]:
-    """Every job that a round may need, as run, rock and block, and what makes its points."""
-    most = max(readings.reference_realizations, *(each.realizations for each in readings.rounds))
-    runs = dict.fromkeys(each.run for each in readings.all())
+    """Return all jobs of the rounds, as run, rock and block, and the maker of their points."""
+    most = max(readings.reference_realizations, *(one.realizations for one in readings.rounds))
+    runs = dict.fromkeys(one.run for one in readings.all())
     jobs = {
         job_name(run, rock, block): (run, rock, block)
         for run in runs
@@ -54,7 +54,7 @@ def points_of_jobs(
 def _configurations(
     readings: Readings, configured: Configured
 ) -> Callable[[str, str], Configuration]:
-    """The configuration of a rock alone in a reading, of which nothing is checked."""
+    """Return a maker of the unchecked configuration of a single rock in a reading."""
     keys = complete(configured.keys)
 
     def typed_in(reading: str, rock: str) -> Configuration:
@@ -65,7 +65,7 @@ def _configurations(
 
 
 def jobs_of_round(readings: Readings, number: int, entrants: Sequence[str]) -> list[str]:
-    """Jobs that the readings of a round need, and the configured one."""
+    """Return the jobs that the entrants of a round and the configured reading need."""
     names = dict.fromkeys([AS_CONFIGURED, *entrants] if entrants else [])
     jobs = (
         job_name(readings.reading(name).run, rock, block)
@@ -77,28 +77,28 @@ def jobs_of_round(readings: Readings, number: int, entrants: Sequence[str]) -> l
 
 
 def settings_of_kernels(readings: Readings, configured: Configured) -> Iterable[ClosureSettings]:
-    """Settings of every kernel that a reading, or a pair that can be closed, needs."""
-    typed_in, found = _configurations(readings, configured), {}
-    for each in readings.all():
+    """Return settings of all kernels of the readings, and of the pairs that can be closed."""
+    typed_in, settings_of = _configurations(readings, configured), {}
+    for one in readings.all():
         for rock in readings.rocks:
-            typed = typed_in(each.run, rock)
+            typed = typed_in(one.run, rock)
             case = base_case(rock, typed.rocks[rock])
             settings = block_settings(typed, {case.label: case}, case.label, range(1))
             kernel = str(kernels_of([(case.effects, settings.choices, settings.numerics)]))
-            if kernel not in found and can_be_run(readings, configured.keys, each.name):
-                found[kernel] = settings
-    return found.values()
+            if kernel not in settings_of and can_be_run(readings, configured.keys, one.name):
+                settings_of[kernel] = settings
+    return settings_of.values()
 
 
 def samples(readings: Readings, jobs: Jobs) -> dict[str, list[Sample]]:
-    """Points that stand for the joints of each round, if as many readings enter as may.
+    """Sample the joints of each round, if the largest possible number of readings enters.
 
-    Surfaces that an earlier round closed are not counted again. Rounds after the first one take
-    a joint to last as the mean reading in the rocks of the first round, and as the configured one
-    in the others.
+    Surfaces closed in an earlier round are not counted again. For rounds after the first one the
+    time of a joint is taken as that of the mean reading in the rocks of the first round, and of the
+    configured one in the others.
     """
     first = readings.blocks(readings.block)[0]
-    runs = [name for name, each in readings.singles.items() if each.run == name]
+    runs = [name for name, one in readings.singles.items() if one.run == name]
     cases = len(jobs[job_name(AS_CONFIGURED, readings.rocks[0], first)])
 
     def point(run: str, rock: str) -> Point:
@@ -111,19 +111,19 @@ def samples(readings: Readings, jobs: Jobs) -> dict[str, list[Sample]]:
         ]
     }
     closed = dict.fromkeys(readings.rocks, 0)
-    for each in readings.rounds:
-        parts[each.name] = []
-        for rock in each.rocks:
-            new = each.realizations - (0 if each.candidates == PAIRS else closed[rock])
+    for this in readings.rounds:
+        parts[this.name] = []
+        for rock in this.rocks:
+            new = this.realizations - (0 if this.candidates == PAIRS else closed[rock])
             joints = cases * max(new, 0)
-            if each.candidates == SINGLES:
-                parts[each.name] += [
+            if this.candidates == SINGLES:
+                parts[this.name] += [
                     Sample([point(run, rock)], joints) for run in runs if run != AS_CONFIGURED
                 ]
             else:
-                kept = min(each.most, len(readings.singles) - 1)
-                count = kept * (kept - 1) // 2 if each.candidates == PAIRS else kept
+                kept = min(this.most, len(readings.singles) - 1)
+                count = kept * (kept - 1) // 2 if this.candidates == PAIRS else kept
                 tried = runs if rock in readings.rounds[0].rocks else [AS_CONFIGURED]
-                parts[each.name].append(Sample([point(run, rock) for run in tried], count * joints))
-            closed[rock] = max(closed[rock], each.realizations)
+                parts[this.name].append(Sample([point(run, rock) for run in tried], count * joints))
+            closed[rock] = max(closed[rock], this.realizations)
     return parts

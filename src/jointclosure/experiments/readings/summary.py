@@ -1,4 +1,4 @@
-"""What a reading gives besides the likelihood: scatter, elasticities, and claims that stand."""
+"""Scatter, elasticities and verdicts on claims in a reading."""
 
 from collections.abc import Iterator, Mapping
 
@@ -8,17 +8,18 @@ import pandas as pd
 from jointclosure.claims.findings import TARGET
 from jointclosure.claims.statements import PROPERTIES, Elasticities
 from jointclosure.claims.table import CLAIMS
-from jointclosure.experiments.readings.pools import Closures, Parameters, levels_closed
+from jointclosure.ensemble.cases import BASE
+from jointclosure.experiments.readings.pools import Closures, Parameters, at_levels
 from jointclosure.statistics.drawn_studies import jackknife_error
 from jointclosure.statistics.standard_errors import Estimate, elasticity, variation_of
 from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, Interval, t_interval, verdict
 
 SCATTER = "scatter"
-"""Quantity of a row: S/mean at the base level; the others are a parameter's elasticity."""
+"""Quantity S/mean at the base level; other quantities are elasticities to a parameter."""
 
 
 def quantities(closures: Closures, parameters: Parameters) -> Iterator[dict]:
-    """Scatter and elasticities with standard errors, of every rock closed and cycle, as rows."""
+    """Generate rows of scatter and elasticities with standard errors, by closed rock and cycle."""
     for rock, of_rock in closures.items():
         for i, cycle in enumerate(of_rock.cycle.values.tolist()):
             for quantity, estimate in _estimates(of_rock, parameters[rock], i):
@@ -27,21 +28,15 @@ def quantities(closures: Closures, parameters: Parameters) -> Iterator[dict]:
 
 
 def _estimates(of_rock, varied: Mapping, i: int) -> Iterator[tuple[str, Estimate]]:
-    at_base = next(
-        values[list(levels).index(base)]
-        for levels, base, values in (
-            (levels, base, levels_closed(of_rock, name, levels, base))
-            for name, (levels, base) in varied.items()
-        )
-    )
-    yield SCATTER, variation_of(at_base[:, i])
+    """Generate the quantities of a rock in cycle ``i``, counted from 0."""
+    yield SCATTER, variation_of(of_rock[(of_rock.parameter == BASE).values].values[0, :, i])
     for name, (levels, base) in varied.items():
-        samples = levels_closed(of_rock, name, levels, base)[:, :, i]
+        samples = at_levels(of_rock, name, levels, base).values[:, :, i]
         yield name, elasticity(levels, samples, base, paired=True)
 
 
 def over_rocks(rows: pd.DataFrame) -> pd.DataFrame:
-    """Means over rocks of `quantities`, by cycle and quantity; rocks have surfaces of their own."""
+    """Average `quantities` over rocks, by cycle and quantity; rocks have different surfaces."""
     grouped = rows.groupby(["cycle", "quantity"], sort=False)
     table = grouped.value.mean().to_frame()
     table["standard_error"] = grouped.standard_error.apply(
@@ -53,11 +48,11 @@ def over_rocks(rows: pd.DataFrame) -> pd.DataFrame:
 def claims_judged(
     closures: Closures, parameters: Parameters, groups: int, confidence: float
 ) -> dict[str, str]:
-    """Verdicts on the claims that elasticities decide, of all rocks closed in a reading.
+    """Judge the claims on elasticities by all rocks closed in a reading.
 
-    A word of `jointclosure.statistics.verdicts` by claim. The least margin of a claim in a rock
-    has the standard error of a jackknife over groups of surfaces. A rock of which not all
-    parameters are varied is left out.
+    Returns a word of `jointclosure.statistics.verdicts` by claim. The standard error of the least
+    margin of a claim in a rock is from a jackknife over groups of surfaces. A rock without
+    variation of all properties is left out.
     """
     asked = [
         claim
@@ -73,13 +68,13 @@ def claims_judged(
         numbers = of_rock.realization.values
         count = min(groups, numbers.size)
         whole, *parts = (
-            _elasticities(of_rock.isel(realization=np.flatnonzero(kept)), varied)
+            _elasticities(of_rock[:, kept], varied)
             for kept in (numbers >= 0, *(numbers % count != group for group in range(count)))
         )
         for claim in asked:
             (cycle,) = claim.cycles
             value, *left_out = (
-                float(claim.judged_by.least(each, cycle)) for each in (whole, *parts)
+                float(claim.judged_by.least(values, cycle)) for values in (whole, *parts)
             )
             estimate = (value, jackknife_error(left_out))
             intervals[claim.number].append(t_interval(estimate, count, confidence))

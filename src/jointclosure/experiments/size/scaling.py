@@ -1,10 +1,11 @@
-"""Is there a scaling under which closures, residual closures and stiffness carry over?
+"""Scalings by which closures, residual closures and stiffness of one size predict another.
 
-Candidates are products of powers: of patch length and spacing, of the longest wave that a patch
-has, and of what its pristine walls measure. Each is fitted to half of the realisations, and judged
-by the others; and it is asked for the largest patch where that was not fitted either.
+Candidates are products of powers: of patch length and spacing, of the longest wave of a patch, and
+of measures of its pristine walls. A scaling is fitted to half of the realisations and tested on the
+others; it also predicts the largest patch from fits without it.
 """
 
+import itertools
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -29,18 +30,18 @@ SCALINGS: dict[str, tuple[str, ...]] = {
     "depth of 5 %": ("depth_5",),
     "depth of 5 %, spacing": ("depth_5", "spacing"),
 }
-"""Candidates, and what they are powers of."""
+"""Candidates, and the variables whose powers they are."""
 JUDGED = ("closure", "closure_net", "closure_seated_net", "residual_seated_net", "stiffness_net")
 FEWEST = 6
-"""Realisations that have a reading at every size, below which no scaling is judged."""
+"""Smallest number of realisations with a quantity at every size for which a scaling is tested."""
 BETWEEN = ("sizes", "sizes and spectra")
-"""What a scaling has to make one: the sizes of each spectrum, or those of all."""
+"""Joints that a scaling should make equal: sizes of one spectrum, or of all spectra."""
 
 
 class Stacked(NamedTuple):
     """Logarithms over (condition, realisation) of a response, and of predictors by name.
 
-    ``spectrum``, ``patch``, ``spacing`` (condition,) say what a condition is.
+    ``spectrum``, ``patch``, ``spacing`` (condition,) are the coordinates of conditions.
     """
 
     response: np.ndarray
@@ -50,7 +51,7 @@ class Stacked(NamedTuple):
     spacing: np.ndarray
 
     def of(self, scaling: tuple[str, ...]) -> np.ndarray:
-        """Predictors (k, condition, realisation) of a scaling."""
+        """Return the predictors (k, condition, realisation) of a scaling."""
         shape = (len(scaling), *self.response.shape)
         return np.array([self.predictors[name] for name in scaling]).reshape(shape)
 
@@ -58,23 +59,23 @@ class Stacked(NamedTuple):
 def stacked(
     run: xr.Dataset, roll_offs: Mapping[str, float | None], name: str, cycle: int
 ) -> Stacked:
-    """The logarithms of a rock's joints as `Stacked`.
+    """Stack the logarithms of a quantity of a rock's joints.
 
     Realisations that lack a condition are left out.
     """
     response = _flat(logs_of(run, name, cycle))
     closed = np.isfinite(response).any(axis=1)
     complete = np.isfinite(response[closed]).all(axis=0)
-    labels = np.meshgrid(*(run[each].values for each in _OVER), indexing="ij")
-    spectrum, patch, spacing = (each.ravel()[closed] for each in labels)
-    roll_off = np.array([roll_offs[each] or np.inf for each in spectrum])
+    labels = np.meshgrid(*(run[name].values for name in _OVER), indexing="ij")
+    spectrum, patch, spacing = (values.ravel()[closed] for values in labels)
+    roll_off = np.array([roll_offs[name] or np.inf for name in spectrum])
     kept = np.ix_(closed, complete)
     shape = response[kept].shape
     flat = {"patch": patch, "spacing": spacing, "wave": np.minimum(patch, roll_off)}
     predictors = {
-        each: np.broadcast_to(np.log(values)[:, None], shape) for each, values in flat.items()
+        name: np.broadcast_to(np.log(values)[:, None], shape) for name, values in flat.items()
     }
-    predictors |= {each: _flat(logs_of(run, each))[kept] for each in GEOMETRY}
+    predictors |= {name: _flat(logs_of(run, name))[kept] for name in GEOMETRY}
     return Stacked(response[kept], predictors, spectrum, patch, spacing)
 
 
@@ -82,14 +83,14 @@ _OVER = ("spectrum", "patch", "spacing")
 
 
 def _flat(logs: xr.DataArray) -> np.ndarray:
-    """Logarithms as (condition, realisation)."""
+    """Reshape logarithms to (condition, realisation)."""
     return logs.transpose(*_OVER, "realization").values.reshape(-1, logs.sizes["realization"])
 
 
 def collapse_table(
     runs: Mapping[str, xr.Dataset], roll_offs: Mapping[str, float | None]
 ) -> pd.DataFrame:
-    """What each scaling does to the spread between sizes.
+    """Compute by how much each scaling reduces the spread between sizes.
 
     Parameters
     ----------
@@ -105,22 +106,21 @@ def collapse_table(
         ``exponents`` with their errors as text; on realisations that were not fitted:
         ``removed_percent`` of the mean square spread with its ``removed_error``, and the
         ``left_percent`` (rms of ratios to the mean); ``largest_off_percent``: rms over spectra
-        and spacings of how far the largest patch is off, where no such patch was fitted, with
+        and spacings of the error in the largest patch, predicted by fits without it, with
         its ``largest_off_error``. These are NaN where fewer than `FEWEST` realisations have the
-        reading at every size.
+        quantity at every size.
     """
     rows = []
     for rock, run in runs.items():
-        for reading in JUDGED:
-            for cycle in run.cycle.values.tolist():
-                joints = stacked(run, roll_offs, reading, cycle)
-                for between in BETWEEN:
-                    own = between == "sizes"
-                    groups = joints.spectrum if own else np.zeros(joints.spectrum.size)
-                    for scaling, names in SCALINGS.items():
-                        about = {"rock": rock, "reading": reading, "cycle": cycle}
-                        about |= {"between": between, "scaling": scaling}
-                        rows.append(about | _row(joints, groups, names))
+        for reading, cycle in itertools.product(JUDGED, run.cycle.values.tolist()):
+            joints = stacked(run, roll_offs, reading, cycle)
+            for between, scaling in itertools.product(BETWEEN, SCALINGS):
+                groups = joints.spectrum if between == "sizes" else np.zeros(joints.spectrum.size)
+                rows.append(
+                    {"rock": rock, "reading": reading, "cycle": cycle}
+                    | {"between": between, "scaling": scaling}
+                    | _row(joints, groups, SCALINGS[scaling])
+                )
     return pd.DataFrame(rows)
 
 
@@ -134,17 +134,21 @@ _NUMBERS = (
 
 
 def _row(joints: Stacked, groups: np.ndarray, names: tuple[str, ...]) -> dict:
-    """What a scaling does between the conditions of each group."""
+    """Fit and test a scaling between the conditions of each group."""
     surfaces = joints.response.shape[1]
     if surfaces < FEWEST:
         return {"realizations": surfaces, "exponents": ""} | dict.fromkeys(_NUMBERS, np.nan)
-    predictors, response = centred(joints.of(names), groups), centred(joints.response, groups)
-    found = collapse_of(predictors, response)
-    powers = zip(names, found.exponents, found.errors, strict=True)
-    off, left_out = _off(joints, groups, names, np.arange(surfaces)), []
-    for surface in range(surfaces):
-        left_out.append(_off(joints, groups, names, np.delete(np.arange(surfaces), surface)))
-    numbers = (found.removed, found.removed_error, found.left, off, jackknife_error(left_out))
+    fit = collapse_of(
+        centred(joints.of(names), groups),
+        centred(joints.response, groups),
+    )
+    every = np.arange(surfaces)
+    off, *left_out = (
+        _off(joints, groups, names, chosen)
+        for chosen in (every, *(np.delete(every, surface) for surface in every))
+    )
+    numbers = (fit.removed, fit.removed_error, fit.left, off, jackknife_error(left_out))
+    powers = zip(names, fit.exponents, fit.errors, strict=True)
     return {
         "realizations": surfaces,
         "exponents": "; ".join(f"{name} {rounded(value, error)}" for name, value, error in powers),
@@ -154,9 +158,10 @@ def _row(joints: Stacked, groups: np.ndarray, names: tuple[str, ...]) -> dict:
 def _off(
     joints: Stacked, groups: np.ndarray, names: tuple[str, ...], surfaces: np.ndarray
 ) -> float:
-    """How far the largest patch is off [logarithm, rms], told by the next smaller one.
+    """Compute the rms error [logarithm] of the largest patch as predicted by the next smaller one.
 
-    Exponents are those of every second surface without the largest patch; the others are told.
+    Exponents are fitted to every second surface without the largest patch, and tested on the
+    others.
     """
     lengths = np.unique(joints.patch)
     smaller = joints.patch < lengths[-1]
@@ -170,13 +175,13 @@ def _off(
     large, small = np.array(pairs).T
     predictors, squares = joints.of(names), []
     for half in (0, 1):
-        fitted, told = surfaces[half::2], surfaces[1 - half :: 2]
+        fitted, tested = surfaces[half::2], surfaces[1 - half :: 2]
         few = np.ix_(np.flatnonzero(smaller), fitted)
-        own = predictors[:, few[0], few[1]]
         powers = exponents_of(
-            centred(own, groups[smaller]),
+            centred(predictors[:, few[0], few[1]], groups[smaller]),
             centred(joints.response[few], groups[smaller]),
         )
-        scaled = joints.response[:, told] - np.tensordot(powers, predictors[..., told], axes=1)
+        scaled = joints.response[:, tested]
+        scaled = scaled - np.tensordot(powers, predictors[..., tested], axes=1)
         squares.append(np.mean((scaled[large] - scaled[small]).mean(axis=1) ** 2))
     return float(np.sqrt(np.mean(squares)))
