@@ -120,33 +120,9 @@ def test_walls_lie_as_is_stated_and_are_moved_if_asked_to(scans):
     [
         (("top.xyz", "bottom.xyz"), ["--rock", "granite"], "does not state the units"),
         (
-            ("other.xyz", "bottom.xyz"),
-            [*WORDS, "--rock", "granite"],
-            "other.xyz and {}/bottom.xyz: the orientation of the upper wall is not clear",
-        ),
-        (
             ("bottom.xyz", "top.xyz"),
             [*WORDS, "--rock", "granite"],
             "top.xyz: upper and lower: the upper wall lies below the lower one in",
-        ),
-        (
-            ("top.xyz", "top.xyz"),
-            [*WORDS, "--rock", "granite"],
-            "top.xyz: upper and lower: the same scan was given twice; unusual_values=True (on the "
-            "command line --set study.unusual_values=allow) takes it as it is",
-        ),
-        (
-            ("top.xyz", "bottom.xyz"),
-            [*WORDS, "--rock", "granite", "--orientation", "towards"],
-            "orientation = 'towards': common_frame fits clearly better",
-        ),
-        *(
-            (
-                ("top.xyz", "bottom.xyz"),
-                ["--units", unit, *WORDS[2:], "--rock", "granite"],
-                "not usual of rock",
-            )
-            for unit in ("um", "m")
         ),
         (
             ("top.xyz", "no.xyz"),
@@ -162,11 +138,6 @@ def test_walls_lie_as_is_stated_and_are_moved_if_asked_to(scans):
             ("top.xyz", "bottom.xyz"),
             WORDS,
             "without --rock (such as --rock granite): --youngs-modulus, --poisson-ratio",
-        ),
-        (
-            ("top.xyz", "bottom.xyz"),
-            [*WORDS, "--rock", "granite", "--grid-spacing", 0.1],
-            "grid spacing 0.1 mm: finer than the scan",
         ),
         (
             ("top.xyz", "bottom.xyz"),

@@ -60,19 +60,6 @@ def test_an_import_inside_of_a_function_counts(copy, tmp_path):
     assert digest(str(script)) != before
 
 
-def test_a_script_counts_itself(copy, tmp_path):
-    script = tmp_path / "script.py"
-    script.write_text("print(1)\n")
-    before = digest(str(script))
-    script.write_text("print(2)\n")
-    assert digest(str(script)) != before
-
-
-def test_an_unknown_module_is_an_error():
-    with pytest.raises(FileNotFoundError, match="mechanic"):
-        sources.code_digest("mechanic")
-
-
 SCRIPTS = ROOT / "workflow/scripts"
 EDITS = {
     "plotting/study.py": "draw_figures write_report",

@@ -120,8 +120,6 @@ def test_a_joint_whose_worker_was_killed_is_named_and_closed_again(alone, monkey
     ("change", "message"),
     [
         ({"numerics": jc.Numerics()._replace(idle_interaction=2)}, "idle_interaction = 2"),
-        ({"numerics": jc.Numerics()._replace(force_tolerance=0)}, "force_tolerance = 0"),
-        ({"choices": jc.Choices()._replace(concave="round")}, "concave = 'round'"),
         ({"effects": jc.Effects(substrate=False)}, "interaction = True needs substrate"),
         ({"seating_stress": 9e6}, "seating_stress"),
     ],

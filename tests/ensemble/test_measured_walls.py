@@ -7,7 +7,6 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.config.files import ConfigurationError
-from jointclosure.config.typed import Walls
 from jointclosure.config.walls import check_files
 from jointclosure.ensemble.cases import cases_of, wall_name
 from jointclosure.ensemble.measured_walls import (
@@ -67,13 +66,7 @@ def test_measured_walls_take_the_place_of_a_jrc():
         ),
         ({"jrc": None}, "rocks.slate: must have jrc, or walls"),
         (NO_JRC | {"walls": WALLS | {"lower": "mirrored"}}, "at least one must be a file"),
-        (NO_JRC | {"walls": {"lower": "a.npz"}}, "rocks.slate.walls: lacks upper"),
-        (NO_JRC | {"walls": WALLS | {"units": "inch"}}, "walls.units = 'inch': must be one of"),
-        (NO_JRC | {"walls": WALLS | {"missing": "refuze"}}, "did you mean refuse?"),
-        (NO_JRC | {"walls": WALLS | {"spacing_mm": 0}}, "walls.spacing_mm = 0: must be above 0"),
         (NO_JRC | {"walls": WALLS | {"inverted": ["upper"]}}, "upper is not a file"),
-        (NO_JRC | {"walls": WALLS | {"unit": "mm"}}, "unknown key; did you mean units?"),
-        (NO_JRC | {"walls": WALLS | {"lower": ["a"]}}, "must be of type string"),
     ],
 )
 def test_what_contradicts_measured_walls_is_named(rock, said):
@@ -139,14 +132,6 @@ def test_scans_of_different_size_are_refused_with_both_files(scan):
         prepared({"upper": scan, "lower": smaller}, upper="b.npz")
 
 
-def test_an_error_in_a_scan_names_its_file(scan):
-    holed = scan.heights.copy()
-    holed[1, 2] = np.nan
-    with pytest.raises(jc.InputError, match=r"scan.npz: 1 of 2000 cells have no height"):
-        prepared({"lower": Scan(holed, scan.spacing)})
-    assert prepared({"lower": Scan(holed, scan.spacing)}, missing="avoid").lower.isnull().sum() == 1
-
-
 def test_two_clouds_are_gridded_where_both_have_points():
     rng = np.random.default_rng(1)
     clouds = {}
@@ -174,11 +159,6 @@ def test_cut_surfaces_are_those_of_the_cutter_with_their_places(scan):
         np.testing.assert_array_equal(pair.upper.values[0], joint.upper)
         origin = (int(pair.lower_origin_y[0]), int(pair.lower_origin_x[0]))
         assert origin == joint.lower_origin
-
-
-def test_what_is_left_out_of_walls_has_its_usual_value_and_lengths_are_in_metres():
-    walls = study_of(with_walls(spacing_mm=0.3)).rocks["slate"].walls
-    assert walls == Walls("rotated", "scan.npz", "mm", 0.3e-3, None, "refuse", 0.05, ())
 
 
 def test_two_files_that_lie_anyhow_are_brought_together_if_asked_to():

@@ -91,11 +91,6 @@ def test_points_are_the_same_after_they_were_plain_data(name):
             assert dict(one.options) == dict(other.options)
 
 
-def test_a_job_of_many_points_states_the_settings_that_they_share_once(points):
-    alone, together = (len(json.dumps(packed(part))) for part in (points[:1], points))
-    assert together < 0.4 * len(points) * alone
-
-
 def test_a_table_is_the_same_after_it_was_a_dataset(joints):
     dataset = as_dataset(joints)
     assert dataset.closure.attrs == {

@@ -13,7 +13,6 @@ from jointclosure.experiments.accuracy.total import (
     split_table,
 )
 from jointclosure.inputs import InputError
-from jointclosure.plotting.total_error import total_error_figure
 from tests.experiments.test_accuracy import DESIGN
 from tests.studied import checked_study
 
@@ -194,16 +193,3 @@ def test_what_is_timed_is_the_joint_of_the_variant():
     assert joint.grid.shape == (100, 100)
     assert joint.stress == 30e6
     assert joint.levels == 3
-
-
-def test_the_figure_has_a_panel_for_each_response_and_names_what_is_out_of_range(points):
-    far = points.assign(total_percent=points.total_percent.where(points.method != "coarse", 3000.0))
-    figure = total_error_figure(far)
-    titles = [axes.get_title() for axes in figure.axes]
-    assert len(titles) == 4
-    assert all(title.endswith("(coarse: beyond 1000 %)") for title in titles)
-    assert len({axes.get_ylim() for axes in figure.axes}) == 1  # panels can be compared
-    assert titles[0].startswith("Mean closure, cycle 1")
-    key = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert key[:3] == ["coarse", "fine", "surrogate"]
-    assert "best split of the budget" in key

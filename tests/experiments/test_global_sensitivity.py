@@ -346,27 +346,6 @@ def test_a_few_points_of_each_rock_stand_for_all_its_joints():
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"rows": 48}, "rows = 48: must be a power of 2"),
-        ({"inputs": {"jrc": {"values": [6]}}}, "inputs.jrc: must have either between or values"),
-        ({"inputs": {"jrc": {"between": [9, 6]}}}, "inputs.jrc.between = [9.0, 6.0]: must ascend"),
-        ({"inputs": {"jrc": {"between": [0, 6], "logarithmic": True}}}, "must be positive"),
-        ({"inputs": {"jrc": {"between": [6, 60]}}}, "inputs.jrc: rocks.dolerite.jrc = 60"),
-        ({"inputs": {"peaks": {"values": ["pristine", "old"]}}}, "choices.peaks = 'old'"),
-        ({"inputs": {"jrc": {"key": "rocks.ROCK.jcr"}}}, "inputs.jrc.between = levels"),
-        ({"inputs": {"peaks": {"values": ["pristine"]}}}, "peaks.values = ['pristine']: must be"),
-        ({"inputs": {"jrc": {"key": "grid.cells_x", "between": [32, 64]}}}, "must begin with"),
-        ({"dependent": [{"inputs": ["jrc", "e"], "correlation": 0.5}]}, "'e': must be one of"),
-    ],
-)
-def test_a_design_that_cannot_be_closed_is_refused_before_any_job(changes, said):
-    with pytest.raises(ConfigurationError) as error:
-        checked_design("global_sensitivity", tiny(**section(**changes)))
-    assert said in str(error.value)
-
-
-@pytest.mark.parametrize(
     "wrong",
     [
         {"title": "m", "key": "choices.peak_modulus_ratio", "between": [0.01, 5]},

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from jointclosure.config.configuration import configured, merged
-from jointclosure.config.files import ConfigurationError, read_plain
+from jointclosure.config.files import read_plain
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.points import close_points
 from jointclosure.ensemble.slices import block_settings
@@ -103,26 +103,6 @@ def test_a_pair_that_contradicts_itself_is_found_out():
     design, keys = tiny({"readings": {"aspects": aspects}})
     assert not can_be_run(design, keys, "resolved-passed")
     assert can_be_run(design, keys, "hurst_05-passed")
-
-
-def one_round(**keys):
-    return {"name": "x", "candidates": "singles", "realizations": 3, "margin": 1.0} | keys
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"aspects": {"a": {"b": one_way({"surface": {"hurts": 1}})}}}, "b: surface.hurts"),
-        ({"aspects": {"a": {"b": one_way({"study": {"cycles": 1}})}}}, "b: study: must be one"),
-        ({"aspects": {"a": {"b": one_way({"rocks": {"slate": {"jrc": 9}}})}}}, "may not change"),
-        ({"reference_realizations": 4}, "reference_realizations = 4: must be a multiple of 3"),
-        ({"rounds": [one_round(candidates="kept")]}, "must be singles in the first round"),
-        ({"rounds": [one_round(rocks=["marl"])]}, "rocks = 'marl': must be one of slate"),
-    ],
-)
-def test_a_design_that_cannot_be_run_is_refused_by_name(change, message):
-    with pytest.raises(ConfigurationError, match=message):
-        checked_design("readings", checked_study(TINY, {"readings": change}))
 
 
 ROUNDS = {

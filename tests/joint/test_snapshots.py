@@ -10,7 +10,6 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.commands import cli
-from jointclosure.plotting.snapshots import snapshot_figure
 from jointclosure.storage.netcdf import read_netcdf
 from tests.conftest import DOLERITE, SPACING
 
@@ -122,17 +121,6 @@ def test_variables_have_units_and_come_back_from_a_file(joints, tmp_path):
 def test_a_stress_that_cannot_be_reached_is_refused(wrong, small_joint):
     with pytest.raises(jc.InputError, match=r"snapshots: .* must be from 0 to max_normal_stress"):
         jc.simulate(*small_joint, snapshots=[1e6, wrong], **LOAD)
-
-
-def test_maps_have_a_row_a_snapshot_and_say_where_it_is(joints):
-    closed = joints[1]
-    figure = snapshot_figure(closed, "joint")
-    titles = [axes.get_title() for axes in figure.axes]
-    assert sum(title.endswith("% in contact") for title in titles) == 9
-    assert "cycle 1, loading: 5 MPa" in titles
-    shown = next(axes for axes in figure.axes if axes.get_title() == "cycle 1, loading: 5 MPa")
-    contacts = shown.images[1].get_array()
-    assert contacts.count() == int((closed.snapshot_force[2] > 0.0).sum())
 
 
 def test_the_command_keeps_and_draws_them_and_wants_a_file_for_them(tmp_path, capsys):

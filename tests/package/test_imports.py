@@ -33,10 +33,6 @@ def test_the_package_itself_loads_nothing():
     assert loaded("import jointclosure") == set()
 
 
-def test_parameters_load_numpy_alone():
-    assert loaded("import jointclosure as jc; jc.Rock, jc.Effects, jc.Numerics") == {"numpy"}
-
-
 def test_help_loads_no_command():
     code = "from jointclosure.commands import cli; import contextlib\n"
     code += "with contextlib.suppress(SystemExit): cli.main(['--help'])"

@@ -1,7 +1,6 @@
 """`jointclosure report`: from the files of a finished study to the file of its page."""
 
 import json
-import shutil
 
 import numpy as np
 import pandas as pd
@@ -87,13 +86,6 @@ def test_an_edited_table_is_in_no_page(folder, capsys):
     table.write_text(table.read_text().replace("cannot be told", "stands"))
     assert cli.main(["report", str(folder)]) == 2
     assert "claims.csv: the file is not as jointclosure wrote it" in capsys.readouterr().err
-
-
-def test_the_page_can_be_written_elsewhere_from_a_copy(folder, tmp_path):
-    shutil.copytree(folder, tmp_path / "copy")
-    output = tmp_path / "page.html"
-    assert cli.main(["report", str(tmp_path / "copy"), "--output", str(output)]) == 0
-    assert output.stat().st_size > 1e6
 
 
 def test_the_folder_of_a_single_joint_has_a_page(tmp_path, capsys):

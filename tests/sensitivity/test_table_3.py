@@ -22,7 +22,6 @@ from jointclosure.sensitivity.predictive import (
     predictive_table,
 )
 from jointclosure.sensitivity.responses import responses
-from jointclosure.sensitivity.tables import table_3_latex, table_3_markdown, with_paper
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.storage.text import read_csv, write_csv
@@ -65,28 +64,6 @@ def test_independent_draws_have_the_published_test_and_common_ones_the_paired():
     assert (strong.p_of_ends < 1e-6).all()
     assert (strong.unpaired_p_of_ends > 0.05).any()
     assert (strong.length < 0.3 * strong.unpaired_length.fillna(np.inf)).all()
-
-
-def test_the_header_of_a_paired_table_says_why_and_no_dash_claims_that_nothing_is_significant():
-    statistics = study_of(ONE).statistics
-    titles = {"dolerite": "Dolerite"}
-    paired, unpaired = (
-        with_paper(indifference_table(world(c), statistics, 1), PAPER)
-        for c in (study_of(ONE, COMMON), study_of(ONE))
-    )
-    text = table_3_markdown(paired, titles, elasticity_table(world(study_of(ONE, COMMON))))
-    assert text.startswith("**Elasticities**")
-    lengths = text.split("The same surfaces were closed at every level")[1]
-    headings = [line for line in lengths.splitlines() if line.startswith("**")]
-    assert "paired t test on common surfaces" in headings[0]
-    assert all("paired t test" in line for line in headings)  # each length names its test
-    assert "unpaired t test" in headings[1]
-    assert "the test is the paired t test" in table_3_latex(paired, titles)
-    text = table_3_markdown(unpaired, titles)
-    assert "same surfaces" not in text
-    assert "no change is significant" not in text.lower()
-    assert "which there may be" in text
-    assert " ± " in text
 
 
 def test_more_than_three_levels_have_both_tests_a_monotone_length_and_lack_of_fit():

@@ -237,12 +237,6 @@ def test_a_size_that_no_wall_has_is_refused_unless_it_is_meant(factor, joint):
     assert registered(*scans, cut_spikes=False, unusual_values=True).spacing == factor * SPACING
 
 
-@pytest.mark.parametrize(("key", "value"), [("orientation", "upside down"), ("shift", "best")])
-def test_an_unknown_choice_is_named(key, value, joint):
-    with pytest.raises(jc.InputError, match=f"{key} = '{value}': must be one of"):
-        registered(grid(joint[0]), grid(joint[1]), **{key: value})
-
-
 def test_mates_correlate_at_all_wavelengths_and_independent_walls_at_none():
     upper, lower = jc.wall_pair(9.0, (128, 128), SPACING, seed=4, correlation=1.0, roll_off=None)
     mates = mating(upper, lower, SPACING)
@@ -354,16 +348,6 @@ def test_the_walls_of_a_published_fracture_are_laid_together_in_any_orientation(
     assert found.aperture.std() == pytest.approx(right.aperture.std(), rel=0.02)
 
 
-def test_a_cell_that_stands_out_far_is_warned_of(joint):
-    upper, lower = (np.array(wall) for wall in joint)
-    said = "Warning: the first contact stands out far"
-    assert not any(said in line for line in registered(grid(-upper), grid(lower)).report)
-    lower[40:42, 50:53] += 2e-3
-    found = registered(grid(-upper), grid(lower), cut_spikes=False)
-    assert any(said in line for line in found.report)
-    assert found.first_touch[0] in (40, 41)
-
-
 @pytest.fixture(scope="module")
 def small_joint():
     """Heights (y, x) of both walls in one frame, z upwards."""
@@ -388,13 +372,3 @@ def test_a_small_overlap_a_steep_plane_and_a_wedge_are_warned_of(small_joint):
     ):
         found = registered(*pair, **AS_SCANNED, unusual_values=True)
         assert any(line.startswith(f"Warning: {warning}") for line in found.warnings), warning
-
-
-@pytest.mark.parametrize("factor", [1e3, 1e-3])
-def test_heights_in_another_unit_than_x_and_y_are_refused_unless_they_are_meant(
-    factor, small_joint
-):
-    scans = [grid(factor * wall) for wall in small_joint]
-    with pytest.raises(jc.InputError, match=r"its rms slope is .*; unusual_values=True"):
-        registered(*scans, **AS_SCANNED)
-    registered(*scans, **AS_SCANNED, unusual_values=True)

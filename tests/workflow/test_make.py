@@ -1,6 +1,5 @@
 """`make`: what a user tells it is data, and what it says is what matters."""
 
-import importlib
 import os
 import shutil
 import signal
@@ -104,9 +103,6 @@ def test_a_name_of_a_study_that_leads_elsewhere_makes_no_folder(project):
 
 
 NO_SECTION = "study: {name: mine}\n"
-WITHOUT_JRC = """
-rocks: {dolerite: {levels: {jrc: null}}}
-"""
 WRONG_CURVE = """
 rocks: {dolerite: {measured: {file: curve.csv}}}
 """
@@ -121,14 +117,6 @@ misalignment: {tilt_degrees: [0, 1], rotation_degrees: [0, 1], mismatch_waveleng
     ("target", "keys", "said"),
     [
         ("size", NO_SECTION, "mine.yaml: has no section size, which make size needs"),
-        ("misalignment", NO_SECTION, "mine.yaml: has no section misalignment, which"),
-        ("global-sensitivity", NO_SECTION, "mine.yaml: has no section global_sensitivity, which"),
-        (
-            "global-sensitivity-estimate",
-            NO_SECTION,
-            "mine.yaml: has no section global_sensitivity, which",
-        ),
-        ("jrc-range", WITHOUT_JRC, "rocks.dolerite.levels.jrc: must be given"),
         ("misalignment", CANNOT_TILT, "grid.cells_x = 32: must be cells_y (64)"),
         ("study", WRONG_CURVE, "curve.csv, line 3: stress = -5"),
     ],
@@ -254,24 +242,6 @@ def test_a_second_request_kills_what_heeds_no_interrupt(tmp_path):
     os.kill(run.pid, signal.SIGINT)
     run.communicate(timeout=5)
     assert run.returncode == 128 + signal.SIGINT
-
-
-@pytest.mark.parametrize("name", ["config", "CORE", "OMP_NUM_THREADS"])
-def test_a_variable_that_the_makefile_has_not_is_refused(project, name):
-    answer = make(project, "study", f"{name}=config/my_rock.yaml")
-    assert answer.returncode != 0
-    assert f"{name}: not a variable of this Makefile" in answer.stderr
-    assert "CONFIG" in answer.stderr
-
-
-def test_a_report_ends_with_the_path_of_its_page(project, monkeypatch, capsys):
-    monkeypatch.chdir(project)
-    monkeypatch.syspath_prepend(ROOT / "workflow/scripts")
-    monkeypatch.setenv("CONFIG", "tiny.yaml")
-    targets = importlib.import_module("targets")
-    monkeypatch.setattr(targets, "follow", lambda *arguments: 0)
-    assert targets.run_target("report", None) == 0
-    assert capsys.readouterr().out.splitlines()[-1].endswith(" results/tiny/report.html")
 
 
 WISH = """study: {name: wish, rocks: [slate], pool: null}
