@@ -52,16 +52,6 @@ def test_little_memory_means_fewer_jobs(monkeypatch):
     assert "CORES=2" in doctor._memory(8).advice
 
 
-def test_results_that_cannot_be_written_get_an_advice(tmp_path, monkeypatch):
-    def refuse(dir):
-        raise OSError(30, "Read-only file system")
-
-    monkeypatch.setattr(doctor.tempfile, "NamedTemporaryFile", refuse)
-    finding = doctor._results(tmp_path)
-    assert "Read-only file system" in finding.state
-    assert "writable" in finding.advice
-
-
 def test_the_last_line_of_a_snakemake_that_does_not_start_is_said(tmp_path):
     (tmp_path / "config").mkdir()
     (tmp_path / "config/smoke.yaml").write_text("")

@@ -29,12 +29,6 @@ def test_it_prints_each_measure_and_writes_table_and_picture(scan, tmp_path, cap
     assert picture.stat().st_size > 20000
 
 
-def test_another_grid_spacing_is_used_if_asked_for(scan, capsys):
-    words = ["--units", "mm", "--spacing", "0.1", "--grid-spacing", "0.15"]
-    assert main(["roughness", str(scan), *words]) == 0
-    assert "27 x 32 cells (y, x) of 0.15 mm" in capsys.readouterr().out
-
-
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -53,13 +53,6 @@ def test_a_picture_is_drawn_and_effects_and_settings_are_heeded(tmp_path, capsys
     assert out.count("cycle ") == 1
 
 
-def test_a_rock_of_a_study_of_ones_own_needs_none_of_its_levels(capsys):
-    words = ["--config", "config/my_rock.yaml", "--rock", "granite", "--jrc", 16, *SMALL]
-    code, out, _ = said(capsys, *words)
-    assert code == 0
-    assert out.startswith("Granite, JRC 16, 12 x 14 cells of 0.25 mm, seed 1: 2 MPa, 2 cycles")
-
-
 def test_a_failed_simulation_is_said_and_fails(capsys, monkeypatch):
     def failing(*walls, **settings):
         closed = jc.simulate(*walls, **settings)
@@ -99,14 +92,7 @@ def test_bad_input_is_one_line_before_anything_is_computed(words, message, capsy
     assert err.count("\n") == 1
 
 
-@pytest.mark.parametrize(
-    "words",
-    [
-        ["--cells", "ten"],
-        ["--without", "gravity"],
-        ["x"],
-    ],
-)
+@pytest.mark.parametrize("words", [["--cells", "ten"], ["--without", "gravity"], ["x"]])
 def test_bad_arguments_are_one_line_that_names_the_help(words, capsys):
     with pytest.raises(SystemExit) as stop:
         cli.main(["simulate", *words])

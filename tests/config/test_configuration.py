@@ -205,39 +205,21 @@ def test_adding_reordering_or_dropping_cases_changes_no_surface():
 
 @pytest.mark.parametrize(
     ("written", "read"),
-    [
-        (12.5, 12.5e-6),
-        (1e-9, 1e-15),
-        (1e22, 1e16),
-        (0, 0.0),
-    ],
+    [(12.5, 12.5e-6), (1e-9, 1e-15), (1e22, 1e16), (0, 0.0)],
 )
 def test_a_value_with_a_unit_is_read_as_the_decimal_number_that_was_written(written, read):
     settings = to_si({"step_um": written, "steps_um": [written], "none_um": None})
     assert settings == {"step": read, "steps": [read], "none": None}
 
 
-@pytest.mark.parametrize(
-    ("value", "unit"),
-    [
-        (28.5e9, "GPa"),
-        (6.5, "1"),
-    ],
-)
+@pytest.mark.parametrize(("value", "unit"), [(28.5e9, "GPa"), (6.5, "1")])
 def test_a_value_is_shown_in_its_unit_as_it_was_written(value, unit):
     shown = in_unit(value, unit)
     assert to_si({f"value_{unit}" if unit != "1" else "value": shown})["value"] == value
     assert str(shown) in ("78", "28.5", "0.2", "6.5")
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "../paper",
-        "",
-        "$HOME",
-    ],
-)
+@pytest.mark.parametrize("name", ["../paper", "", "$HOME"])
 def test_no_name_leads_out_of_the_results_folder(name):
     rock = DEFAULT["rocks"]["slate"]
     for change in (

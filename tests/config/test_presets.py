@@ -95,14 +95,6 @@ def test_it_is_the_rocks_own_effects_that_break_or_not():
     assert "1 %" in chosen(accuracy=0.02, effects=own).said
 
 
-def test_a_preset_is_said_to_be_off_by_what_was_measured_of_the_same_model():
-    stated = TABLE.assign(scene="full", error_percent=7.0)
-    both = pd.concat([TABLE, stated], ignore_index=True)
-    assert "7 %" in chosen(both, radius=None, preset="accurate").said
-    assert "radii are as in the paper" in chosen(both, radius=None, preset="accurate").said
-    assert "1 %" in chosen(both, preset="accurate").said
-
-
 @pytest.mark.parametrize(
     ("told", "said"),
     [

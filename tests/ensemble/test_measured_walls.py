@@ -111,12 +111,6 @@ def test_prepared_walls_say_what_they_are(scan):
     assert told["slate"]["lower"]["z2"] == about["z2"]
 
 
-def test_what_was_left_out_of_a_scan_is_told_beside_the_walls(scan):
-    told = prepared({"lower": scan._replace(remarks=("1 stray point was cut", "so was a 2nd"))})
-    assert told.lower.attrs["remarks"] == "1 stray point was cut; so was a 2nd"
-    assert "remarks" not in prepared({"lower": scan}).lower.attrs
-
-
 def test_heights_that_point_into_the_rock_are_turned(scan):
     walls = prepared({"upper": scan, "lower": scan}, upper="a.npz", inverted=["upper"])
     np.testing.assert_array_equal(walls.upper.values, -walls.lower.values)
@@ -174,19 +168,3 @@ def test_two_files_that_lie_anyhow_are_brought_together_if_asked_to():
     np.testing.assert_allclose(found.upper, detrended(upper[:, 6:]), atol=1e-9)
     np.testing.assert_allclose(found.lower, detrended(lower[:, 6:]), atol=1e-9)
     assert "found: common_frame" in found.attrs["registration"]
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"bring_together": True}, "bring_together = true: needs two files"),
-        ({"shift": "mated"}, "shift = mated: only with bring_together: true"),
-        (
-            {"bring_together": True, "upper": "a.npz", "inverted": ["upper"]},
-            "not with bring_together",
-        ),
-    ],
-)
-def test_how_files_are_brought_together_contradicts_nothing(changes, said):
-    with pytest.raises(ConfigurationError, match=said):
-        study_of(with_walls(**changes))

@@ -4,7 +4,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.experiments.accuracy.design import design_of, joint_of
 from jointclosure.experiments.accuracy.total import (
     Cheap,
     Told,
@@ -13,8 +12,6 @@ from jointclosure.experiments.accuracy.total import (
     split_table,
 )
 from jointclosure.inputs import InputError
-from tests.experiments.test_accuracy import DESIGN
-from tests.studied import checked_study
 
 POINTS = {"coarse": {"knob": "base", "value": ""}, "fine": {"knob": "resolved", "value": 0.02}}
 TOTAL = {"scene": "own", "methods": POINTS, "interval_scene": "own"}
@@ -84,13 +81,6 @@ def test_the_rock_where_the_error_is_largest_tells_it(points):
     assert few.core_minutes == pytest.approx(2 * (500 + 5) * PAIR / 60.0)
     # of many only the bias is left, which is largest of chalk
     assert many.bias_percent == 8.0
-
-
-def test_values_of_a_knob_are_found_as_numbers_and_as_texts(methods):
-    numbers = costs()
-    numbers["value"] = pd.to_numeric(numbers["value"])  # as from a file without words
-    found = method_table(TOLD, numbers, variance(), surrogate(), CHEAP)
-    pd.testing.assert_frame_equal(found, methods)
 
 
 def test_an_interval_takes_all_levels_and_the_law_has_none(methods):
@@ -173,23 +163,3 @@ def test_a_study_that_does_not_tell_scatter_or_the_laws_error_is_refused():
             method_table(TOLD, costs(), lacking, surrogate(), CHEAP)
     with pytest.raises(InputError, match=r"surrogate\.csv: has no joints of slate"):
         method_table(TOLD, costs(), variance(), surrogate()[lambda t: t.rock != "slate"], CHEAP)
-
-
-@pytest.mark.parametrize(
-    ("total", "message"),
-    [
-        ({"scene": "fulll"}, "accuracy.total.scene = 'fulll': must be one of"),
-        ({"methods": {"paper": {"knob": "steps", "value": 1}}}, "methods.paper = steps 1: is not"),
-        ({"interval_scene": "fulll"}, "accuracy.total.interval_scene = 'fulll'"),
-    ],
-)
-def test_a_diagram_of_what_the_design_does_not_have_is_refused(total, message):
-    with pytest.raises(InputError, match=message):
-        design_of(checked_study(DESIGN, {"accuracy": {"total": total}}).keys)
-
-
-def test_what_is_timed_is_the_joint_of_the_variant():
-    joint = joint_of("paper_size", *design_of(checked_study(DESIGN).keys))
-    assert joint.grid.shape == (100, 100)
-    assert joint.stress == 30e6
-    assert joint.levels == 3

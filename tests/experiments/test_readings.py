@@ -172,12 +172,6 @@ def test_the_true_reading_is_ranked_first_and_its_table_is_no_rarity():
     assert half.standard_error > np.sqrt(half.value * (1.0 - half.value) / asked.repetitions)
 
 
-def test_pools_so_small_that_some_repetitions_have_no_scatter_still_give_numbers():
-    few = world(3)
-    found = answer_of(question(table_3(seed=3), repetitions=200), few, few)
-    assert np.isfinite([found.log_likelihood, *found.without]).all()
-
-
 def test_elasticities_too_tell_readings_apart():
     asked = question(table_3(seed=5))
     answers = {
@@ -203,7 +197,7 @@ def test_a_reading_of_one_rock_is_carried_to_the_others():
 
 
 def test_the_error_covers_what_other_surfaces_would_have_given():
-    asked = question(table_3(seed=3), repetitions=300)
+    asked = question(table_3(seed=3), repetitions=100)
     found = [
         answer_of(asked, *(2 * [{rock: closures(rock, 24, first=i) for rock in PARAMETERS}]))
         for i in range(0, 192, 24)

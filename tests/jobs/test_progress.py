@@ -6,7 +6,7 @@ import pytest
 from rich.console import Console
 
 from jointclosure.jobs import progress
-from jointclosure.jobs.progress import Countdown, WorkflowProgress, duration
+from jointclosure.jobs.progress import Countdown, WorkflowProgress
 
 
 class Terminal(io.StringIO):
@@ -19,14 +19,6 @@ def clock(monkeypatch):
     """A clock that goes on by two seconds at each look."""
     seconds = iter(range(0, 1000, 2))
     monkeypatch.setattr(progress.time, "monotonic", lambda: float(next(seconds)))
-
-
-@pytest.mark.parametrize(
-    ("seconds", "text"),
-    [(1.27, "1.3 s"), (59.4, "59 s"), (59.6, "1 min 0 s"), (3600, "1 h 0 min"),],
-)  # fmt: skip
-def test_durations_are_said_as_people_say_them(seconds, text):
-    assert duration(seconds) == text
 
 
 def test_the_rest_is_estimated_from_what_is_done(clock):

@@ -136,14 +136,7 @@ def test_denormal_heights_are_as_good_as_flat(close):
     np.testing.assert_allclose(found[name], expected[name], rtol=1e-8)
 
 
-@pytest.mark.parametrize(
-    "spacing",
-    [
-        1e-30,
-        1e30,
-        float("nan"),
-    ],
-)
+@pytest.mark.parametrize("spacing", [1e-30, 1e30, float("nan")])
 def test_a_spacing_whose_powers_do_not_fit_is_refused(close, spacing):
     with pytest.raises(jc.InputError, match="spacing = "):
         close(np.zeros((4, 4)), np.zeros((4, 4)), spacing=spacing)
@@ -174,14 +167,7 @@ def test_settings_are_checked_when_they_are_made(settings, field, value):
         settings(**{field: value})
 
 
-@pytest.mark.parametrize(
-    "closure",
-    [
-        float("nan"),
-        1e300,
-        True,
-    ],
-)
+@pytest.mark.parametrize("closure", [float("nan"), 1e300, True])
 def test_a_closure_that_is_no_length_is_refused(closure):
     with pytest.raises(jc.InputError, match="closure = "):
         equilibrium(np.zeros((4, 4)), np.zeros((4, 4)), closure=closure)

@@ -369,16 +369,7 @@ def test_a_rigid_contact_is_a_status_and_not_a_number():
     assert np.isnan(closed.max_closure.values).all()
 
 
-@pytest.mark.parametrize(
-    "offset",
-    [
-        0.0,
-        -0.9,
-        5.0,
-        40.0,
-        -1e6,
-    ],
-)
+@pytest.mark.parametrize("offset", [0.0, -0.9, 5.0, 40.0, -1e6])
 def test_the_datum_of_heights_is_subtracted_and_added_without_rounding(offset):
     wall = np.random.default_rng(3).standard_normal((30, 30)) + offset
     datum = height_datum(wall)

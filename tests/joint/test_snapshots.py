@@ -1,8 +1,6 @@
 """The state of a joint at stresses that were asked for."""
 
 import itertools
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -135,18 +133,3 @@ def test_the_command_keeps_and_draws_them_and_wants_a_file_for_them(tmp_path, ca
     with pytest.raises(SystemExit):
         cli.main([*words[:-1], "1;2"])
     assert "must be stresses in MPa" in capsys.readouterr().err
-
-
-def test_without_snapshots_nothing_of_them_is_loaded():
-    code = (
-        "import sys, jointclosure as jc\n"
-        "walls = jc.wall_pair(8.0, (8, 8), 0.25e-3, seed=1)\n"
-        "def close(**asked):\n"
-        "    jc.simulate(*walls, spacing=0.25e-3, rock=jc.Rock(78e9, 0.2, 165e6),\n"
-        "        max_normal_stress=1e6, effects=jc.Effects(*[False] * 5), **asked)\n"
-        "    return 'jointclosure.joint.snapshots' in sys.modules\n"
-        "assert not close()\n"
-        "assert close(snapshots=[1e6])\n"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr

@@ -20,29 +20,6 @@ PAGES = sorted((ROOT / "docs").rglob("*.md"))
 ORIGIN = {"run", "commit", "stored_at", "version", "root_seed", "date", "configuration"}
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
-def test_a_page_is_filled_from_stored_results(page):
-    text = templates.filled(page.read_text(encoding="utf-8"), page.name)
-    for table in re.findall(r"(?:^\|.*\n)+", text, re.M):
-        assert "nan" not in re.findall(r"[\w.]+", table)
-        assert len({len(re.findall(r"(?<!\\)\|", row)) for row in table.splitlines()}) == 1
-
-
-@pytest.mark.parametrize(
-    ("expression", "reason"),
-    [
-        ("size.colour()", "has no attribute 'colour'"),
-        ("sizes.exponents()", "'sizes' is undefined"),
-        ('number("the number")', "KeyError: 'the number'"),
-    ],
-)
-def test_an_unknown_name_fails_with_page_line_and_expression(expression, reason):
-    with pytest.raises(templates.PageError, match=r"a\.md, line 2") as failed:
-        templates.filled(f"# A page\n{{{{ {expression} }}}}\n", "a.md")
-    assert expression in str(failed.value)
-    assert reason in str(failed.value)
-
-
 def test_a_file_or_a_column_that_lacks_fails_with_its_name(tmp_path, monkeypatch):
     shutil.copytree(stored.STORED / "mismatch", tmp_path / "mismatch")
     monkeypatch.setattr(stored, "STORED", tmp_path)

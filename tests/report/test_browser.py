@@ -142,18 +142,6 @@ def test_tables_sort_by_number_and_what_is_absent_stays_last(browser):
     assert rocks == sorted(rocks)
 
 
-def test_a_filter_keeps_the_rows_that_have_every_word(browser):
-    field = browser.find_element(By.CSS_SELECTOR, "#statuses input")
-    count = browser.find_element(By.CSS_SELECTOR, "#statuses output")
-    cases = len(column(browser, "statuses", "Rock"))
-    field.send_keys("GRANITE young")
-    assert set(column(browser, "statuses", "Rock")) == {GRANITE}
-    assert set(column(browser, "statuses", "Changed")) == {"Young's modulus"}
-    assert count.text == f"4 of {cases} rows"
-    field.send_keys(Keys.CONTROL, "a", Keys.DELETE)
-    assert len(column(browser, "statuses", "Rock")) == cases
-
-
 def test_the_figure_shows_the_joints_and_their_mean(browser, study):
     shown = curves(browser)
     joints = [c for c in shown if c.get("name") and c["name"].startswith("joint 0, cycle 1, load")]

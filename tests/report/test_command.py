@@ -62,15 +62,6 @@ def test_the_files_give_the_page_that_their_content_gives(material, folder, caps
     assert "report.html: " in capsys.readouterr().out
 
 
-def test_a_study_that_varies_nothing_has_a_page(material, pictures, tmp_path):
-    bare = material._replace(
-        **dict.fromkeys(("intervals", "claims", "margins", "predictive", "joint", "elasticities"))
-    )
-    folder = finished(bare, pictures, tmp_path / "bare")
-    assert cli.main(["report", str(folder)]) == 0
-    assert "No property was varied" in (folder / "report.html").read_text(encoding="utf-8")
-
-
 @pytest.mark.parametrize("missing", ["study.nc", "seals/aggregate.json", "seals/checks.json"])
 def test_a_study_that_is_not_whole_has_no_page(folder, capsys, missing):
     (folder / missing).unlink()

@@ -2,7 +2,6 @@
 
 import base64
 import hashlib
-import json
 import re
 from html.parser import HTMLParser
 
@@ -108,41 +107,6 @@ def test_failed_checks_are_said_first(material, outline):
     sheet = content(material)["sheets"]["checks"]
     verdicts = [row[-1].text for row in sheet.rows]
     assert verdicts.count("FAILED") == 1
-
-
-def test_a_study_that_varies_nothing_has_no_intervals_and_no_claims(material):
-    plain = material._replace(intervals=None, claims=None)
-    text = Outline(render(content(plain))).read()
-    assert "No property was varied at enough levels." in text
-    assert "the claims cannot be held against this study" in text
-    empty = material._replace(intervals=material.intervals.iloc[:0])
-    assert "No property was varied at enough levels." in Outline(render(content(empty))).read()
-
-
-def test_every_claim_has_its_verdict(material, outline):
-    sheet = content(material)["sheets"]["claims"]
-    assert [row[0].text for row in sheet.rows] == material.claims.number.tolist()
-    assert [row[2].text for row in sheet.rows] == material.claims.verdict.tolist()
-    for claim in material.claims.claim:
-        assert claim in outline.read()
-
-
-def test_the_preset_that_a_study_has_is_told_from_the_others(material):
-    def own(change):
-        study = material.study.copy()
-        settings = json.loads(study.attrs["configuration"])
-        for section, keys in change.items():
-            settings[section] |= keys
-        study.attrs["configuration"] = json.dumps(settings)
-        rows = content(material._replace(study=study))["sheets"]["presets"].rows
-        return [(row[0].text, row[1].text) for row in rows if row[5].text == "yes"]
-
-    assert own({"numerics": material.default["numerics"]}) == [("as in the paper", "paper")]
-    accurate = material.default["numerics"] | {"breakage": "resolved", "tolerance": 0.02}
-    bounded = {"choices": {"largest_radius_mm": 20.0}}
-    assert own({"numerics": accurate} | bounded) == [("bounded to 20 mm", "accurate")]
-    assert own({"numerics": accurate | {"tolerance": 0.03}} | bounded) == []
-    assert own({"numerics": accurate, "effects": {"breakage": False, "gouge": False}}) == []
 
 
 def test_the_first_screen_has_the_finding_its_numbers_and_what_it_is_valid_for(material):

@@ -70,13 +70,6 @@ def flat(values):
     return [x for v in values for x in flat(v)] if isinstance(values, list) else [values]
 
 
-def test_a_case_of_which_nothing_succeeded_has_no_curves(study):
-    failed = study.isel(case=[0]).assign(status=study.status.isel(case=[0]) * 0 + 16)
-    case = explorer_data(failed, {"slate": "Slate"}, 0.5e6)["rocks"][0]["cases"][0]
-    assert case["joints"] == []
-    assert {value for branch in case["mean"][0][0] for value in branch} == {None}
-
-
 def test_a_cycle_has_its_own_closure_where_it_counts_from_its_start(study, explored):
     case = explored["rocks"][0]["cases"][0]
     own = study.isel(case=0)

@@ -160,13 +160,7 @@ def test_the_results_of_a_study_bear_the_certificate():
     assert 0.0 < row["idle_displacement"][1] <= SHARE
 
 
-@pytest.mark.parametrize(
-    "share",
-    [
-        -0.1,
-        np.nan,
-    ],
-)
+@pytest.mark.parametrize("share", [-0.1, np.nan])
 def test_a_share_out_of_range_is_refused(share):
     with pytest.raises(jc.InputError, match="idle_interaction"):
         closed(1, share, cells=16)

@@ -170,14 +170,7 @@ def test_a_response_of_rounding_alone_is_none():
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-@pytest.mark.parametrize(
-    "gap",
-    [
-        1e-2,
-        1e-6,
-        1e-12,
-    ],
-)
+@pytest.mark.parametrize("gap", [1e-2, 1e-6, 1e-12])
 @pytest.mark.parametrize("scale", [1e-9, 78e9])
 def test_a_nearly_double_root_is_as_exact_as_its_condition_allows(side, gap, scale):
     # sqrt(n) x(u) = t sqrt(S^2 + S_M^2) is touched by a parabola x = c u - b u^2 from below

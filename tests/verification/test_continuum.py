@@ -35,25 +35,6 @@ def test_the_lower_hardness_is_the_mean_pressure_at_which_an_asperity_breaks():
     assert hardness["2.8 sigma_c"] == 2.8 * DOLERITE.compressive_strength
 
 
-def test_a_history_is_pressed_up_down_and_up_again():
-    said = []
-
-    def press(stress):
-        said.append(stress)
-        return stress / 1e13, np.array([[stress, 0.0]])
-
-    def left():
-        said.append("left")
-        return 3e-8
-
-    stresses = np.array([1e6, 2e6, 3e6])
-    history = continuum.along(press, left, stresses)
-    assert said == [1e6, 2e6, 3e6, 2e6, 1e6, "left", 1e6, 2e6]
-    assert history.closure.tolist() == [[1e-7, 2e-7, 3e-7]] * 3
-    assert (history.contact == 0.5).all()
-    assert history.residual == 3e-8
-
-
 def test_readings_are_those_of_a_joint_of_known_stiffness():
     closure = np.array([continuum.LEVELS * 1e-4, 1e-4 + 0.0 * STRESSES, 2e-4 * continuum.LEVELS])
     closure[1] -= 2e-5 * (1.0 - continuum.LEVELS)
