@@ -8,6 +8,7 @@ from PIL import Image
 
 import jointclosure as jc
 from jointclosure.commands import cli
+from jointclosure.plotting import animation
 from jointclosure.plotting.animation import STRESSES, animated_stresses, crushing_animation
 from jointclosure.storage.figures import save_animation
 from jointclosure.storage.netcdf import read_netcdf
@@ -41,7 +42,8 @@ def test_animated_stresses_lie_close_where_joints_close_fast():
     assert (np.diff(stresses, 2) > 0.0).all()
 
 
-def test_the_animation_leaves_no_trace_in_the_file(tmp_path):
+def test_the_animation_leaves_no_trace_in_the_file(tmp_path, monkeypatch):
+    monkeypatch.setattr(animation, "STRESSES", 4)
     files = [tmp_path / "one.nc", tmp_path / "other.nc"]
     told = ["simulate", "--rock", "dolerite", "--cells", "12", "--stress", "3", "--cycles", "1"]
     assert cli.main([*told, "--output", str(files[0]), "--snapshots", "1"]) == 0
@@ -49,5 +51,5 @@ def test_the_animation_leaves_no_trace_in_the_file(tmp_path):
     more = ["--output", str(files[1]), "--snapshots", "1", "--animation", str(gif)]
     assert cli.main([*told, *more]) == 0
     with Image.open(gif) as pictures:
-        assert pictures.n_frames > 10  # fewer steps than stresses
+        assert pictures.n_frames > 2
     xr.testing.assert_equal(*map(read_netcdf, files))
