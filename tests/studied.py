@@ -24,8 +24,3 @@ def checked_study(*changes: dict) -> Configured:
 def study_of(*changes: dict) -> Configuration:
     """The paper's study with changes, as the library has it."""
     return checked_study(*changes).typed
-
-
-def file_study(path: str) -> Configuration:
-    """A study of the project, by its file."""
-    return study_of(files.read_plain(ROOT / path))

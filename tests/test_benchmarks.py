@@ -49,49 +49,6 @@ def test_methods_are_compared_on_the_same_walls(name, tmp_path):
         assert (found["cycle 1 %"].abs() < found["share %"]).all()
 
 
-@pytest.mark.slow
-def test_a_version_beside_itself_closes_the_same(tmp_path):
-    options = ["--against", "HEAD", "--rocks", "slate", "--surfaces", "2", "--repeats", "2"]
-    options += ["--cells", "40"]
-    subprocess.run(
-        [sys.executable, BENCHMARKS / "versions.py", *options, "--output", tmp_path],
-        check=True,
-        capture_output=True,
-    )
-    found = pd.read_csv(tmp_path / "versions.csv").iloc[0]
-    assert 0.3 < found["time over"] < 3.0  # that both were timed, not how fast they are
-    assert found["products now"] == found["products before"] > 100
-    assert found["cycle 1 %"] == found["cycle 2 %"] == 0.0
-
-
-def test_a_revision_that_is_not_there_is_refused():
-    given = [sys.executable, BENCHMARKS / "versions.py", "--against", "no_such_revision"]
-    found = subprocess.run(given, capture_output=True, text=True)
-    assert found.returncode
-    assert "--against no_such_revision" in found.stderr
-
-
-@pytest.mark.parametrize(
-    ("name", "options", "said"),
-    [
-        ("breakage_methods", ["--radius", "1000000"], "choices.largest_radius_mm = 1000000.0: not"),
-        (
-            "breakage_methods",
-            ["--rocks", "granite"],
-            "study.rocks = 'granite': must be one of rocks",
-        ),
-        ("idle_interaction", ["--shares", "2"], "numerics.idle_interaction = 2.0: must be below 1"),
-    ],
-)
-def test_what_cannot_be_measured_is_refused_by_its_key(name, options, said):
-    ended = subprocess.run(
-        [sys.executable, BENCHMARKS / f"{name}.py", *options], capture_output=True, text=True
-    )
-    assert ended.returncode == 1
-    assert said in ended.stderr
-    assert "Traceback" not in ended.stderr
-
-
 def test_mating_walls_close_less_and_net_closures_are_smaller_and_stiffer(monkeypatch):
     monkeypatch.syspath_prepend(BENCHMARKS)
     validation = importlib.import_module("validation")

@@ -43,11 +43,6 @@ def test_threads_set_otherwise_get_an_advice(quick, one_thread, tmp_path, monkey
     assert "1 with advice" in out
 
 
-def test_a_core_of_its_own_needs_no_setting(one_thread, monkeypatch):
-    monkeypatch.delenv("OMP_NUM_THREADS")
-    assert doctor._threads(1).advice == ""
-
-
 def test_little_memory_means_fewer_jobs(monkeypatch):
     class Memory:
         available, total = 1.2e9, 4e9
@@ -55,36 +50,6 @@ def test_little_memory_means_fewer_jobs(monkeypatch):
     monkeypatch.setattr(doctor.psutil, "virtual_memory", Memory)
     assert doctor._memory(2).advice == ""
     assert "CORES=2" in doctor._memory(8).advice
-
-
-def test_results_that_cannot_be_written_get_an_advice(tmp_path, monkeypatch):
-    def refuse(dir):
-        raise OSError(30, "Read-only file system")
-
-    monkeypatch.setattr(doctor.tempfile, "NamedTemporaryFile", refuse)
-    finding = doctor._results(tmp_path)
-    assert "Read-only file system" in finding.state
-    assert "writable" in finding.advice
-
-
-def test_a_cold_cache_is_said_and_older_ones_are_counted(tmp_path, monkeypatch):
-    folder = tmp_path / "numba-now"
-    monkeypatch.setattr(doctor, "cache_folder", lambda: folder)
-    assert "cold" in doctor._cache().state
-    older = tmp_path / "numba-before"
-    older.mkdir()
-    (older / "a.nbi").write_bytes(b"x" * 2_000_000)
-    folder.mkdir()
-    (folder / "b.nbi").write_bytes(b"x" * 1_000_000)
-    found = doctor._cache().state
-    assert "warm, 1 kernels, 1 MB" in found
-    assert "1 of other versions, 2 MB" in found
-
-
-def test_snakemake_starts(tmp_path):
-    finding = doctor._snakemake(tmp_path)
-    assert finding.advice == ""
-    assert "starts" in finding.state
 
 
 def test_the_last_line_of_a_snakemake_that_does_not_start_is_said(tmp_path):

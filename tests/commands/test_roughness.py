@@ -29,27 +29,11 @@ def test_it_prints_each_measure_and_writes_table_and_picture(scan, tmp_path, cap
     assert picture.stat().st_size > 20000
 
 
-def test_another_grid_spacing_is_used_if_asked_for(scan, capsys):
-    words = ["--units", "mm", "--spacing", "0.1", "--grid-spacing", "0.15"]
-    assert main(["roughness", str(scan), *words]) == 0
-    assert "27 x 32 cells (y, x) of 0.15 mm" in capsys.readouterr().out
-
-
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ([], "scan.npy: does not state the units of its heights: give units (--units"),
         (["--units", "mm"], "scan.npy: does not state the spacing"),
-        (["--units", "mm", "--spacing", "-1"], "--spacing -1.0: must be a positive number"),
         (["--units", "mm", "--spacing", "1", "--picture", "a.gif"], "a.gif: must end in"),
-        (
-            ["--units", "mm", "--spacing", "1", "--table", "no/a.csv"],
-            "no/a.csv: folder no not found",
-        ),
-        (
-            ["--units", "mm", "--spacing", "1", "--grid-spacing", "0.5"],
-            "scan.npy: grid spacing 0.5 mm",
-        ),
         (["--units", "mm", "--spacing", "1", "--grid-spacing", "4"], "measures need at least 24"),
     ],
 )
@@ -58,15 +42,6 @@ def test_what_is_wrong_is_one_line(scan, words, said, capsys):
     error = capsys.readouterr().err
     assert error.count("\n") == 1
     assert said in error
-
-
-def test_a_stray_point_asks_for_no_terabyte_and_is_named(tmp_path, capsys):
-    points = np.random.default_rng(1).random((1600, 3)) * [10.0, 10.0, 0.2]
-    np.savetxt(tmp_path / "a.xyz", np.vstack([points, [4e5, 2e5, 0.1]]))
-    assert main(["roughness", str(tmp_path / "a.xyz"), "--units", "mm"]) == 0
-    said = capsys.readouterr().out
-    assert "41 x 41 cells" in said
-    assert "Note: 1 stray point was cut, far from all others: (400000, 200000, 0.1)" in said
 
 
 @pytest.mark.parametrize(("choice", "done"), [("keep", "were kept"), ("cut", "were cut")])
@@ -81,18 +56,3 @@ def test_spikes_are_told_and_cut_if_asked_for(choice, done, tmp_path, capsys):
     assert "at (x, y) = (5.25, 5) mm" in said
     assert done in said
     assert ("1 of them without a height" in said) == (choice == "cut")
-
-
-def test_a_file_name_is_no_formula_in_a_picture(scan, tmp_path):
-    named = tmp_path / "$x_{a$.npy"
-    named.write_bytes(scan.read_bytes())
-    words = ["--units", "mm", "--spacing", "0.25", "--picture", str(tmp_path / "a.png")]
-    assert main(["roughness", str(named), *words]) == 0
-    assert (tmp_path / "a.png").stat().st_size > 20000
-
-
-def test_a_flat_wall_has_no_roughness(tmp_path, capsys):
-    np.save(tmp_path / "flat.npy", np.ones((30, 30)))
-    words = ["--units", "m", "--spacing", "1"]
-    assert main(["roughness", str(tmp_path / "flat.npy"), *words]) == 2
-    assert "no roughness" in capsys.readouterr().err

@@ -53,13 +53,6 @@ def test_a_picture_is_drawn_and_effects_and_settings_are_heeded(tmp_path, capsys
     assert out.count("cycle ") == 1
 
 
-def test_a_rock_of_a_study_of_ones_own_needs_none_of_its_levels(capsys):
-    words = ["--config", "config/my_rock.yaml", "--rock", "granite", "--jrc", 16, *SMALL]
-    code, out, _ = said(capsys, *words)
-    assert code == 0
-    assert out.startswith("Granite, JRC 16, 12 x 14 cells of 0.25 mm, seed 1: 2 MPa, 2 cycles")
-
-
 def test_a_failed_simulation_is_said_and_fails(capsys, monkeypatch):
     def failing(*walls, **settings):
         closed = jc.simulate(*walls, **settings)
@@ -81,27 +74,14 @@ def test_a_failed_simulation_is_said_and_fails(capsys, monkeypatch):
         ),
         (["--rock", "dolorite"], "--rock dolorite: must be one of dolerite, siltstone"),
         (["--rock", "slate", "--jrc", "30"], "rocks.slate.jrc = 30.0: must be at most 20"),
-        (["--rock", "slate", "--cells", "2"], "grid.cells_x = 2: must be at least 3; grid.cells_y"),
-        (["--rock", "slate", "--stress", "0.4"], "seating_stress_MPa = 0.5: must be below"),
-        (["--rock", "slate", "--spacing", "0.00025"], "grid.spacing_mm = 0.00025: not usual"),
         (["--rock", "slate", "--stress", "10e6"], "max_normal_stress_MPa = 10000000.0: not usual"),
-        (
-            ["--youngs-modulus", "55e9", *BY_NUMBERS[2:], "--stress", "2"],
-            "rocks.rock.youngs_modulus_GPa = 55000000000.0: not usual of rock (0.1 to 300 GPa)",
-        ),
         (["--rock", "slate", "--seed", "-1"], "--seed = -1: must be 0 or above"),
-        (["--rock", "slate", "--without", "breakage"], "gouge = True needs breakage = True"),
-        (["--rock", "slate", "--set", "numerics.solver=refrence"], "did you mean reference?"),
-        (["--rock", "slate", "--set", "grid.cell_x=3"], "grid.cell_x = 3: unknown key; did you"),
         (
             ["--config", "config/measured_wall.yaml", "--rock", "granite"],
             "--rock granite: has scanned walls",
         ),
-        (["--rock", "slate", "--set", "rocks=3"], "rocks = 3: must be of type object"),
-        (["--rock", "slate", "--config", "nowhere.yaml"], "nowhere.yaml: file not found"),
         (["--rock", "slate", "--output", "joint.txt"], "joint.txt: must end in .nc"),
         (["--rock", "slate", "--output", "no/joint.nc"], "no/joint.nc: folder no not found"),
-        (["--rock", "slate", "--picture", "joint.gif"], "must end in .png or .pdf or .svg"),
     ],
 )
 def test_bad_input_is_one_line_before_anything_is_computed(words, message, capsys, monkeypatch):
@@ -112,10 +92,7 @@ def test_bad_input_is_one_line_before_anything_is_computed(words, message, capsy
     assert err.count("\n") == 1
 
 
-@pytest.mark.parametrize(
-    "words",
-    [["--cells", "ten"], ["--jrc", "rough"], ["--without", "gravity"], ["--set", "cycles"], ["x"]],
-)
+@pytest.mark.parametrize("words", [["--cells", "ten"], ["--without", "gravity"], ["x"]])
 def test_bad_arguments_are_one_line_that_names_the_help(words, capsys):
     with pytest.raises(SystemExit) as stop:
         cli.main(["simulate", *words])
@@ -123,12 +100,3 @@ def test_bad_arguments_are_one_line_that_names_the_help(words, capsys):
     assert stop.value.code == 2
     assert err.count("\n") == 1
     assert "jointclosure simulate --help)" in err or "jointclosure --help)" in err
-
-
-def test_yaml_tags_run_no_code(tmp_path, capsys):
-    path = tmp_path / "evil.yaml"
-    path.write_text(f"study: !!python/object/apply:pathlib.Path.touch [{tmp_path}/touched]\n")
-    code, _, err = said(capsys, "--rock", "slate", "--config", path)
-    assert code == 2
-    assert "not plain YAML" in err
-    assert not (tmp_path / "touched").exists()

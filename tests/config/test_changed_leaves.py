@@ -81,13 +81,8 @@ DATE = datetime.date(2020, 1, 1)
         ("size", ("size", "spacing_mm", 0), 5e-324),
         ("size", ("size", "patch_mm", 0), 1e300),
         ("accuracy", (*STEPS, "set"), {"numerics": 1}),
-        ("accuracy", (*STEPS, "set"), {"numerics": None}),
-        ("accuracy", (*STEPS, "set"), {"numerics": {"breakage_step_um": "x"}}),
         ("accuracy", (*STEPS, "scale"), ["numerics.solver"]),
-        ("accuracy", ("accuracy", "knobs", "force_tolerance", "key"), "flow.x"),
-        ("accuracy", ("accuracy", "scenes", "full", "study"), {"name": DATE}),
         ("readings", ROLL_OFF, {"grid": DATE}),
-        ("readings", ROLL_OFF, {"rocks": 1}),
         ("readings", ROLL_OFF, {"study": {"rocks": 1}}),
     ],
 )

@@ -6,7 +6,7 @@ import pandas as pd
 import pytest
 
 from jointclosure.config.configuration import configured
-from jointclosure.config.files import MEASURED, ConfigurationError, read_plain
+from jointclosure.config.files import MEASURED, read_plain
 from jointclosure.config.presets import SCENES, chosen_numerics, numerics_in_full
 from jointclosure.experiments.accuracy.design import design_of
 from jointclosure.experiments.accuracy.presets_table import setting_table
@@ -49,10 +49,6 @@ def chosen(table=TABLE, radius=20.0, effects=None, **numerics):
     return chosen_numerics(keys, DEFAULT["numerics"], lambda: table)
 
 
-def test_without_a_word_nothing_is_chosen():
-    assert chosen() == (DEFAULT["numerics"], "")
-
-
 def test_a_preset_stands_for_its_numerics_and_is_kept_in_the_configuration():
     found = chosen(preset="converged")
     assert found.numerics == DEFAULT["numerics"] | {
@@ -89,12 +85,6 @@ def test_words_are_settled_in_an_order_that_lets_them_stand_together():
     assert "1 %" in found.said
 
 
-@pytest.mark.parametrize("numerics", ["fast", {"preset": ["quick"]}, {"accuracy": "high"}, []])
-def test_numerics_of_a_wrong_kind_are_said_to_be_so_before_anything_is_chosen(numerics):
-    with pytest.raises(ConfigurationError, match=r"numerics.*: must be (of type|a number)"):
-        study_of({"numerics": numerics})
-
-
 def test_it_is_the_rocks_own_effects_that_break_or_not():
     elastic, breaking = ({"breakage": on, "gouge": on} for on in (False, True))
     own = {name: {"effects": elastic} for name in DEFAULT["study"]["rocks"]}
@@ -105,26 +95,16 @@ def test_it_is_the_rocks_own_effects_that_break_or_not():
     assert "1 %" in chosen(accuracy=0.02, effects=own).said
 
 
-def test_a_preset_is_said_to_be_off_by_what_was_measured_of_the_same_model():
-    stated = TABLE.assign(scene="full", error_percent=7.0)
-    both = pd.concat([TABLE, stated], ignore_index=True)
-    assert "7 %" in chosen(both, radius=None, preset="accurate").said
-    assert "radii are as in the paper" in chosen(both, radius=None, preset="accurate").said
-    assert "1 %" in chosen(both, preset="accurate").said
-
-
 @pytest.mark.parametrize(
     ("told", "said"),
     [
         ({"preset": "best"}, "numerics.preset = 'best': must be one of paper, accurate, converged"),
         ({"preset": "paper", "accuracy": 0.1}, "only one of them"),
         ({"accuracy": 0.001}, "must be at least 0.006"),
-        ({"accuracy": 0.1, "radius": None}, "choices.largest_radius_mm"),
         (
             {"accuracy": 0.1, "radius": 10.0},
             "largest_radius_mm = 10.0: must be one of null, 20",
         ),
-        ({"preset": "quick", "radius": 10.0}, "must be one of null, 20"),
         ({"preset": "accurate", "tolerance": 0.07}, "numerics.tolerance = 0.07: must be left out"),
     ],
 )

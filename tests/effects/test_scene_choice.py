@@ -48,17 +48,6 @@ def mean_closure(pairs, effects, stress):
     return np.mean([float(each.max_closure[0]) for each in closed])
 
 
-def test_where_everything_matters_everything_acts_and_it_says_so():
-    lines = []
-    choice = choose_effects(
-        joints(32), max_normal_stress=10e6, tolerance=0.02, report=lines.append, **SETTING
-    )
-    assert choice.effects == jc.Effects()
-    assert choice.error == 0.0
-    assert lines[-1] == "every effect matters: all act"
-    assert any("without breakage and gouge" in reason and "kept" in reason for reason in lines)
-
-
 def test_an_effect_below_the_tolerance_is_left_out_and_its_error_is_estimated():
     pairs = joints(24)
     actual = 1.0 - mean_closure(pairs, ELASTIC._replace(interaction=False), 3e6) / mean_closure(

@@ -115,13 +115,6 @@ def test_geos_takes_the_table(folder, history):
     assert aperture[0] == pytest.approx(at_max, rel=1e-6)
 
 
-def test_what_geos_does_not_take_is_said(small_joint):
-    alone = jc.Effects(interaction=False, breakage=False, gouge=False)
-    about = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 2e6, "effects": alone}
-    with pytest.raises(jc.InputError, match="seating_stress must be above 0"):
-        geos_aperture_table(jc.simulate(*small_joint, **about, seating_stress=0.0))
-
-
 def test_a_table_that_is_too_steep_for_geos_ends_less_steeply_and_is_else_the_same(small_joint):
     alone = jc.Effects(interaction=False, breakage=False, gouge=False)
     history = jc.simulate(
@@ -168,11 +161,3 @@ def test_the_mesh_is_the_midplane_with_its_aperture(small_joint, tmp_path):
     assert set(np.flatnonzero(touching)) == {
         i for i, t in enumerate(triangles) if gap.argmin() in t
     }
-
-
-def test_files_of_engineers_are_all_there(folder):
-    assert {path.name for path in (folder / "t").iterdir()} == {
-        "curves.csv", "cycles.csv", "stiffness.csv", "laws.csv", "joint_stiffness.dat",
-        "porepy.json", "geos.xml", "geos_gap.csv", "geos_aperture.csv", "fracture.vtu",
-        "engineering.png", "written.json",
-    }  # fmt: skip

@@ -130,27 +130,8 @@ def test_compare_prints_what_moved(folders, capsys):
     assert "No verdict differs" in capsys.readouterr().out
 
 
-def test_claims_and_intervals_of_one_study_only_are_said_to_be_so(folders, capsys):
-    claims = pd.DataFrame({"number": ["2", "6a"], "verdict": ["yes", "holds"]})
-    write_csv(claims, folders[1] / "tables/claims.csv")
-    write_csv(intervals(1.0)[:0], folders[1] / "tables/table_3_indifference.csv")
-    assert cli.main(["compare", *map(str, folders)]) == 0
-    said = capsys.readouterr().out
-    assert "No indifference interval in common" in said
-    rows = [line.split() for line in said.split("Verdicts that differ")[1].splitlines()]
-    assert ["1a", "yes", "not", "judged"] in rows
-    assert ["6a", "not", "judged", "holds"] in rows
-
-
 def test_compare_exact_fails_where_anything_differs(folders, capsys):
     assert cli.main(["compare", "--exact", *map(str, folders)]) == 1
     assert "variable max_closure differs in 24 of 24" in capsys.readouterr().out
     assert cli.main(["compare", "--exact", str(folders[0]), str(folders[0])]) == 0
     assert capsys.readouterr().out == "identical except for provenance and timing\n"
-
-
-def test_a_missing_study_is_one_line(tmp_path, capsys):
-    assert cli.main(["compare", str(tmp_path), str(tmp_path)]) == 2
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1
-    assert "study.nc: file not found" in said

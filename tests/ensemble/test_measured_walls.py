@@ -7,7 +7,6 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.config.files import ConfigurationError
-from jointclosure.config.typed import Walls
 from jointclosure.config.walls import check_files
 from jointclosure.ensemble.cases import cases_of, wall_name
 from jointclosure.ensemble.measured_walls import (
@@ -67,13 +66,7 @@ def test_measured_walls_take_the_place_of_a_jrc():
         ),
         ({"jrc": None}, "rocks.slate: must have jrc, or walls"),
         (NO_JRC | {"walls": WALLS | {"lower": "mirrored"}}, "at least one must be a file"),
-        (NO_JRC | {"walls": {"lower": "a.npz"}}, "rocks.slate.walls: lacks upper"),
-        (NO_JRC | {"walls": WALLS | {"units": "inch"}}, "walls.units = 'inch': must be one of"),
-        (NO_JRC | {"walls": WALLS | {"missing": "refuze"}}, "did you mean refuse?"),
-        (NO_JRC | {"walls": WALLS | {"spacing_mm": 0}}, "walls.spacing_mm = 0: must be above 0"),
         (NO_JRC | {"walls": WALLS | {"inverted": ["upper"]}}, "upper is not a file"),
-        (NO_JRC | {"walls": WALLS | {"unit": "mm"}}, "unknown key; did you mean units?"),
-        (NO_JRC | {"walls": WALLS | {"lower": ["a"]}}, "must be of type string"),
     ],
 )
 def test_what_contradicts_measured_walls_is_named(rock, said):
@@ -118,12 +111,6 @@ def test_prepared_walls_say_what_they_are(scan):
     assert told["slate"]["lower"]["z2"] == about["z2"]
 
 
-def test_what_was_left_out_of_a_scan_is_told_beside_the_walls(scan):
-    told = prepared({"lower": scan._replace(remarks=("1 stray point was cut", "so was a 2nd"))})
-    assert told.lower.attrs["remarks"] == "1 stray point was cut; so was a 2nd"
-    assert "remarks" not in prepared({"lower": scan}).lower.attrs
-
-
 def test_heights_that_point_into_the_rock_are_turned(scan):
     walls = prepared({"upper": scan, "lower": scan}, upper="a.npz", inverted=["upper"])
     np.testing.assert_array_equal(walls.upper.values, -walls.lower.values)
@@ -137,14 +124,6 @@ def test_scans_of_different_size_are_refused_with_both_files(scan):
     said = r"b.npz and scan.npz: \(40, 50\) and \(40, 49\) cells"
     with pytest.raises(jc.InputError, match=said):
         prepared({"upper": scan, "lower": smaller}, upper="b.npz")
-
-
-def test_an_error_in_a_scan_names_its_file(scan):
-    holed = scan.heights.copy()
-    holed[1, 2] = np.nan
-    with pytest.raises(jc.InputError, match=r"scan.npz: 1 of 2000 cells have no height"):
-        prepared({"lower": Scan(holed, scan.spacing)})
-    assert prepared({"lower": Scan(holed, scan.spacing)}, missing="avoid").lower.isnull().sum() == 1
 
 
 def test_two_clouds_are_gridded_where_both_have_points():
@@ -176,11 +155,6 @@ def test_cut_surfaces_are_those_of_the_cutter_with_their_places(scan):
         assert origin == joint.lower_origin
 
 
-def test_what_is_left_out_of_walls_has_its_usual_value_and_lengths_are_in_metres():
-    walls = study_of(with_walls(spacing_mm=0.3)).rocks["slate"].walls
-    assert walls == Walls("rotated", "scan.npz", "mm", 0.3e-3, None, "refuse", 0.05, ())
-
-
 def test_two_files_that_lie_anyhow_are_brought_together_if_asked_to():
     upper, lower = jc.wall_pair(9.0, (64, 72), SPACING, seed=4, correlation=0.9, roll_off=None)
     scans = {
@@ -194,19 +168,3 @@ def test_two_files_that_lie_anyhow_are_brought_together_if_asked_to():
     np.testing.assert_allclose(found.upper, detrended(upper[:, 6:]), atol=1e-9)
     np.testing.assert_allclose(found.lower, detrended(lower[:, 6:]), atol=1e-9)
     assert "found: common_frame" in found.attrs["registration"]
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"bring_together": True}, "bring_together = true: needs two files"),
-        ({"shift": "mated"}, "shift = mated: only with bring_together: true"),
-        (
-            {"bring_together": True, "upper": "a.npz", "inverted": ["upper"]},
-            "not with bring_together",
-        ),
-    ],
-)
-def test_how_files_are_brought_together_contradicts_nothing(changes, said):
-    with pytest.raises(ConfigurationError, match=said):
-        study_of(with_walls(**changes))

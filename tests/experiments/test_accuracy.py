@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from jointclosure.config.files import ConfigurationError, read_plain
+from jointclosure.config.files import read_plain
 from jointclosure.ensemble.points import close_points, one_joint
 from jointclosure.experiments.accuracy import EXPERIMENT
 from jointclosure.experiments.accuracy.cost import (
@@ -77,29 +77,6 @@ def test_every_setting_of_the_accuracy_study_can_be_run():
             len(f"{setting.scene}-{setting.rock}") :
         ]  # fmt: skip
     assert len(runs) > 100
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"knobs": {"steps": {"scenes": ["fulll"]}}}, "scenes = 'fulll': must be one of"),
-        ({"knobs": {"steps": {"scale": ["numerics.stp_um"]}}}, "there is no such key"),
-        ({"knobs": {"resolved": {"set": {"numeric": {}}}}}, "numeric = {}: unknown key"),
-        ({"scenes": {"full": {"finest": {"knob": "sweep_tolerance"}}}}, "is no knob of this"),
-        (
-            {"scenes": {"full": {"choices": {"largest_radius_mm": 0.1}}}},
-            "at least the grid spacing",
-        ),
-        (
-            {"knobs": {"resolved": {"values": [0.5]}}},
-            "resolved 0.5: numerics.tolerance = 0.5: must be at most 0.1",
-        ),
-        ({"knobs": {"surface_rule": {"values": [1.0]}}}, "without key or scale it needs"),
-    ],
-)
-def test_a_design_that_cannot_be_run_is_refused_by_name(change, message):
-    with pytest.raises(ConfigurationError, match=message):
-        design(TINY, {"accuracy": change})
 
 
 def test_a_run_closes_the_same_surfaces_at_all_levels():

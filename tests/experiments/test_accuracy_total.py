@@ -4,7 +4,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.experiments.accuracy.design import design_of, joint_of
 from jointclosure.experiments.accuracy.total import (
     Cheap,
     Diagram,
@@ -13,9 +12,6 @@ from jointclosure.experiments.accuracy.total import (
     split_table,
 )
 from jointclosure.inputs import InputError
-from jointclosure.plotting.total_error import total_error_figure
-from tests.experiments.test_accuracy import DESIGN
-from tests.studied import checked_study
 
 POINTS = {"coarse": {"knob": "base", "value": ""}, "fine": {"knob": "resolved", "value": 0.02}}
 TOTAL = {"scene": "own", "methods": POINTS, "interval_scene": "own"}
@@ -85,13 +81,6 @@ def test_the_rock_where_the_error_is_largest_tells_it(points):
     assert few.core_minutes == pytest.approx(2 * (500 + 5) * PAIR / 60.0)
     # of many only the bias is left, which is largest of chalk
     assert many.bias_percent == 8.0
-
-
-def test_values_of_a_knob_are_found_as_numbers_and_as_texts(methods):
-    numbers = costs()
-    numbers["value"] = pd.to_numeric(numbers["value"])  # as from a file without words
-    found = method_table(DIAGRAM, numbers, variance(), surrogate(), CHEAP)
-    pd.testing.assert_frame_equal(found, methods)
 
 
 def test_an_interval_takes_all_levels_and_the_law_has_none(methods):
@@ -176,36 +165,3 @@ def test_a_study_that_does_not_tell_scatter_or_the_laws_error_is_refused():
             method_table(DIAGRAM, costs(), lacking, surrogate(), CHEAP)
     with pytest.raises(InputError, match=r"surrogate\.csv: has no joints of slate"):
         method_table(DIAGRAM, costs(), variance(), surrogate()[lambda t: t.rock != "slate"], CHEAP)
-
-
-@pytest.mark.parametrize(
-    ("total", "message"),
-    [
-        ({"scene": "fulll"}, "accuracy.total.scene = 'fulll': must be one of"),
-        ({"methods": {"paper": {"knob": "steps", "value": 1}}}, "methods.paper = steps 1: is no"),
-        ({"interval_scene": "fulll"}, "accuracy.total.interval_scene = 'fulll'"),
-    ],
-)
-def test_a_diagram_of_what_the_design_does_not_have_is_refused(total, message):
-    with pytest.raises(InputError, match=message):
-        design_of(checked_study(DESIGN, {"accuracy": {"total": total}}).keys)
-
-
-def test_what_is_timed_is_the_joint_of_the_variant():
-    joint = joint_of("paper_size", *design_of(checked_study(DESIGN).keys))
-    assert joint.grid.shape == (100, 100)
-    assert joint.stress == 30e6
-    assert joint.levels == 3
-
-
-def test_the_figure_has_a_panel_for_each_response_and_names_what_is_out_of_range(points):
-    far = points.assign(total_percent=points.total_percent.where(points.method != "coarse", 3000.0))
-    figure = total_error_figure(far)
-    titles = [axes.get_title() for axes in figure.axes]
-    assert len(titles) == 4
-    assert all(title.endswith("(coarse: beyond 1000 %)") for title in titles)
-    assert len({axes.get_ylim() for axes in figure.axes}) == 1  # panels can be compared
-    assert titles[0].startswith("Mean closure, cycle 1")
-    key = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert key[:3] == ["coarse", "fine", "surrogate"]
-    assert "best split of the budget" in key

@@ -96,17 +96,3 @@ def test_the_figure_has_a_panel_for_each_effect_and_cycle(table):
     figure = effect_figure(table)
     panels = [axes for axes in figure.axes if axes.get_xscale() == "log"]
     assert len(panels) >= 10
-
-
-def test_the_key_of_the_figure_says_what_the_sizes_of_its_marks_are(table):
-    figure = effect_figure(table)
-    entries = [text.get_text() for text in figure.legends[0].get_texts()]
-    sizes = [handle.get_markersize() for handle in figure.legends[0].legend_handles[:-2]]
-    assert entries[:-2] == [f"JRC {jrc:g}" for jrc in sorted(table.jrc.unique())]
-    drawn = {
-        round(float(size), 6)
-        for axes in figure.axes
-        for marks in axes.collections
-        for size in getattr(marks, "get_sizes", list)()
-    }
-    assert {round(size**2, 6) for size in sizes} == drawn

@@ -308,15 +308,6 @@ def test_a_response_of_too_few_whole_rows_has_no_indices(world, design):
     ) == {"closure_net"}
 
 
-def test_figures_are_drawn_where_too_few_rows_are_whole_for_any_index(world, design):
-    few = {rock: each.isel(row=slice(8)) for rock, each in world.items()}
-    table = index_table(design, few)
-    assert table.empty
-    titles = {rock: rock for rock in design.rocks}
-    assert figures.indices(table, titles).axes
-    assert figures.convergence(table, titles).axes
-
-
 def test_joints_of_points_are_put_on_a_grid_of_rows_points_and_surfaces():
     design = EXPERIMENT.design(tiny())
     points = [point for point in design.jobs["slate.0"] if point.coordinates["row"] == 2]
@@ -335,35 +326,6 @@ def test_joints_of_points_are_put_on_a_grid_of_rows_points_and_surfaces():
             row=2, point=row.point, surface=row.realization - 4, cycle=row.cycle
         )
         assert float(here) == row.closure
-
-
-def test_a_few_points_of_each_rock_stand_for_all_its_joints():
-    timed = EXPERIMENT.design(tiny()).timed()
-    assert list(timed) == ["dolerite", "slate"]
-    for (sample,) in timed.values():
-        assert sample.joints == 16 * 7 * 2
-        assert [point.coordinates["row"] for point in sample.points] == list(range(8))
-
-
-@pytest.mark.parametrize(
-    ("changes", "said"),
-    [
-        ({"rows": 48}, "rows = 48: must be a power of 2"),
-        ({"inputs": {"jrc": {"values": [6]}}}, "inputs.jrc: must have either between or values"),
-        ({"inputs": {"jrc": {"between": [9, 6]}}}, "inputs.jrc.between = [9.0, 6.0]: must ascend"),
-        ({"inputs": {"jrc": {"between": [0, 6], "logarithmic": True}}}, "must be positive"),
-        ({"inputs": {"jrc": {"between": [6, 60]}}}, "inputs.jrc: rocks.dolerite.jrc = 60"),
-        ({"inputs": {"peaks": {"values": ["pristine", "old"]}}}, "choices.peaks = 'old'"),
-        ({"inputs": {"jrc": {"key": "rocks.ROCK.jcr"}}}, "inputs.jrc.between = levels"),
-        ({"inputs": {"peaks": {"values": ["pristine"]}}}, "peaks.values = ['pristine']: must be"),
-        ({"inputs": {"jrc": {"key": "grid.cells_x", "between": [32, 64]}}}, "must begin with"),
-        ({"dependent": [{"inputs": ["jrc", "e"], "correlation": 0.5}]}, "'e': must be one of"),
-    ],
-)
-def test_a_design_that_cannot_be_closed_is_refused_before_any_job(changes, said):
-    with pytest.raises(ConfigurationError) as error:
-        checked_design("global_sensitivity", tiny(**section(**changes)))
-    assert said in str(error.value)
 
 
 @pytest.mark.parametrize(

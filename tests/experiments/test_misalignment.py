@@ -4,7 +4,6 @@ import matplotlib
 import numpy as np
 import pytest
 
-from jointclosure.config.files import ConfigurationError
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.points import close_points, gridded
@@ -99,20 +98,3 @@ def test_changes_are_those_of_the_same_surfaces(design, joints, run):
     assert (unmoved.change_percent == 0.0).all()
     figure = EXPERIMENT.draw("misalignment", {"misalignment": table}, {})
     assert isinstance(figure, matplotlib.figure.Figure)
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"misalignment": {"tilt_degrees": [0.1]}}, "misalignment.tilt_degrees: must have 0 among"),
-        ({"misalignment": {"rotation_degrees": [360]}}, "misalignment.rotation_degrees = 360"),
-        ({"grid": {"cells_y": 20}}, "grid.cells_x = 24: must be cells_y (20) where walls are rot"),
-        ({"surface": {"correlation": 0.5}}, "misalignment: the study sets surface.mismatch_wave"),
-        ({"surface": {"normalise": "expectation"}}, "surface.normalise = 'expectation': must be"),
-        ({"study": {"name": "misalignment"}, "misalignment": None}, "belongs to another target"),
-    ],
-)
-def test_a_design_that_cannot_be_closed_is_refused(change, message):
-    with pytest.raises(ConfigurationError) as error:
-        EXPERIMENT.design(checked_study(TINY, change))
-    assert message in str(error.value)

@@ -5,11 +5,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.config.files import ConfigurationError
 from jointclosure.ensemble.points import close_points, gridded
-from jointclosure.experiments import experiments_in
 from jointclosure.experiments.mismatch import EXPERIMENT, independence_table
-from tests.studied import DEFAULT, checked_study, study_of
+from tests.studied import checked_study
 
 TINY = {
     "study": {"name": "tiny_mismatch", "rocks": ["slate"], "realizations": 3, "draws": "common"},
@@ -118,22 +116,3 @@ def test_the_interval_of_that_shift_covers_it():
         held.append(row.low <= true <= row.high)
         assert row.low < row.shift_mm < row.high
     assert np.mean(held) >= 0.75
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"mismatch": {"shift_in_cells": [1]}}, "mismatch.shift_in_cells = [1]: must contain 0"),
-        ({"mismatch": {"wavelength_mm": [-1]}}, "mismatch.wavelength_mm = -1: must be at least"),
-        ({"surface": {"correlation": 0.5}}, "mismatch: the study sets surface.mismatch_wavelength"),
-        ({"study": {"name": "mismatch"}, "mismatch": None}, "belongs to another target"),
-    ],
-)  # fmt: skip
-def test_a_design_that_cannot_be_is_refused(change, said):
-    with pytest.raises(ConfigurationError) as error:
-        study_of(TINY, change)
-    assert said in str(error.value)
-
-
-def test_a_study_without_a_design_is_no_such_experiment():
-    assert "mismatch" not in experiments_in(DEFAULT)

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from jointclosure.config.configuration import configured, merged
-from jointclosure.config.files import ConfigurationError, read_plain
+from jointclosure.config.files import read_plain
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.points import close_points
 from jointclosure.ensemble.slices import block_settings
@@ -104,26 +104,6 @@ def test_a_pair_that_contradicts_itself_is_found_out():
     assert can_be_run(design, keys, "hurst_05-passed")
 
 
-def one_round(**keys):
-    return {"name": "x", "candidates": "singles", "realizations": 3, "margin": 1.0} | keys
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"aspects": {"a": {"b": one_way({"surface": {"hurts": 1}})}}}, "b: surface.hurts"),
-        ({"aspects": {"a": {"b": one_way({"study": {"cycles": 1}})}}}, "b: study: must be one"),
-        ({"aspects": {"a": {"b": one_way({"rocks": {"slate": {"jrc": 9}}})}}}, "may not change"),
-        ({"reference_realizations": 4}, "reference_realizations = 4: must be a multiple of 3"),
-        ({"rounds": [one_round(candidates="kept")]}, "must be singles in the first round"),
-        ({"rounds": [one_round(rocks=["marl"])]}, "rocks = 'marl': must be one of slate"),
-    ],
-)
-def test_a_design_that_cannot_be_run_is_refused_by_name(change, message):
-    with pytest.raises(ConfigurationError, match=message):
-        checked_design("readings", checked_study(TINY, {"readings": change}))
-
-
 ROUNDS = {
     "readings": {
         "rounds": [
@@ -191,12 +171,6 @@ def test_the_true_reading_is_ranked_first_and_its_table_is_no_rarity():
     assert half.standard_error > np.sqrt(half.value * (1.0 - half.value) / asked.repetitions)
 
 
-def test_pools_so_small_that_some_repetitions_have_no_scatter_still_give_numbers():
-    few = world(3)
-    found = answer_of(question(table_3(seed=3), repetitions=200), few, few)
-    assert np.isfinite([found.log_likelihood, *found.without]).all()
-
-
 def test_elasticities_too_tell_readings_apart():
     asked = question(table_3(seed=5))
     answers = {
@@ -222,7 +196,7 @@ def test_a_reading_of_one_rock_is_carried_to_the_others():
 
 
 def test_the_error_covers_what_other_surfaces_would_have_given():
-    asked = question(table_3(seed=3), repetitions=300)
+    asked = question(table_3(seed=3), repetitions=100)
     found = [
         answer_of(asked, *(2 * [{rock: closures(rock, 24, first=i) for rock in PARAMETERS}]))
         for i in range(0, 192, 24)

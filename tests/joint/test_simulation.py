@@ -302,30 +302,19 @@ NUMERICS, CHOICES = jc.Numerics(), jc.Choices()  # changed by _replace, which ch
     ("change", "named"),
     [
         ({"rock": jc.Rock._make((-1.0, 0.2, 1e8))}, "youngs_modulus = -1.0"),
-        ({"rock": jc.Rock._make((1e9, 0.6, 1e8))}, "poisson_ratio = 0.6"),
-        ({"rock": jc.Rock._make((1e9, 0.2, float("nan")))}, "compressive_strength = nan"),
         ({"rock": 3.0}, "rock"),
         ({"rock": jc.Rock._make((1e9, "a", 1e8))}, "poisson_ratio = 'a': must be a number"),
-        ({"rock": jc.Rock._make((True, 0.2, 1e8))}, "youngs_modulus = True"),
-        ({"rock": jc.Rock._make((78, 0.2, 165))}, "youngs_modulus = 78 Pa: not usual of rock"),
         (
             {"rock": jc.Rock._make((78, 0.2, 165)), "unusual_values": True},
             "max_normal_stress = 1000000.0 Pa: must be below",
         ),
-        ({"spacing": 0.0}, "spacing = 0.0"),
         ({"spacing": "x"}, "spacing = 'x'"),
-        ({"max_normal_stress": None}, "max_normal_stress = None"),
-        ({"cycles": 1.5}, "cycles = 1.5"),
         ({"cycles": True}, "cycles = True"),
         ({"effects": {"gouge": False}}, "must be an Effects"),
-        ({"effects": jc.Effects("no")}, "substrate = 'no'"),
         ({"upper": np.ma.masked_array(np.zeros((4, 4)), np.eye(4))}, "masked"),
         ({"upper": [[1.0, 2.0], [3.0]]}, "upper: is not an array"),
-        ({"max_normal_stress": -1.0}, "max_normal_stress = -1.0"),
-        ({"cycles": 0}, "cycles = 0"),
         ({"seating_stress": 2e6}, "seating_stress = 2000000.0"),
         ({"effects": jc.Effects(substrate=False)}, "interaction"),
-        ({"effects": jc.Effects(breakage=False)}, "gouge"),
         (
             {"choices": CHOICES._replace(base_radius_in_cells=1.5)},
             "base_radius_in_cells = 1.5",
@@ -334,21 +323,13 @@ NUMERICS, CHOICES = jc.Numerics(), jc.Choices()  # changed by _replace, which ch
             {"choices": CHOICES._replace(largest_radius=1e-4)},
             "0.0001 m: must be at least the grid",
         ),
-        (
-            {"choices": CHOICES._replace(largest_radius=1e30)},
-            r"largest_radius = 1e\+30 m: must lie in",
-        ),
         ({"choices": CHOICES._replace(peaks="some")}, "peaks = 'some'"),
         ({"numerics": NUMERICS._replace(breakage_step=12.5e-6)}, "breakage_step = 1.25e-05"),
         (
             {"numerics": NUMERICS._replace(later_breakage_step=7e-6)},
             "later_breakage_step = 7e-06",
         ),
-        ({"numerics": NUMERICS._replace(solver="best")}, "solver = 'best'"),
-        ({"numerics": NUMERICS._replace(target="near")}, "target = 'near'"),
         ({"numerics": NUMERICS._replace(breakage="some")}, "breakage = 'some'"),
-        ({"numerics": NUMERICS._replace(tolerance=0.0)}, "tolerance = 0.0"),
-        ({"numerics": NUMERICS._replace(tolerance="x")}, "tolerance = 'x'"),
         (
             {"numerics": NUMERICS._replace(breakage="resolved", solver="reference")},
             "not with solver = 'reference'",
@@ -358,7 +339,6 @@ NUMERICS, CHOICES = jc.Numerics(), jc.Choices()  # changed by _replace, which ch
             "interpolate",
         ),
         ({"upper": np.zeros((4, 5))}, "shapes"),
-        ({"upper": np.zeros(5)}, "upper: shape"),
         ({"lower": np.full((4, 4), np.nan)}, "lower: 16 values are not finite"),
         ({"lower": np.zeros((4, 4), dtype=complex)}, "lower: values of type complex128"),
     ],
@@ -389,7 +369,7 @@ def test_a_rigid_contact_is_a_status_and_not_a_number():
     assert np.isnan(closed.max_closure.values).all()
 
 
-@pytest.mark.parametrize("offset", [0.0, 0.3, -0.9, 3.0, 5.0, -6.0, 17.0, 40.0, -1e6])
+@pytest.mark.parametrize("offset", [0.0, -0.9, 5.0, 40.0, -1e6])
 def test_the_datum_of_heights_is_subtracted_and_added_without_rounding(offset):
     wall = np.random.default_rng(3).standard_normal((30, 30)) + offset
     datum = height_datum(wall)

@@ -1,8 +1,6 @@
 """The state of a joint at stresses that were asked for."""
 
 import itertools
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -10,7 +8,6 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.commands import cli
-from jointclosure.plotting.snapshots import snapshot_figure
 from jointclosure.storage.netcdf import read_netcdf
 from tests.conftest import DOLERITE, SPACING
 
@@ -124,17 +121,6 @@ def test_a_stress_that_cannot_be_reached_is_refused(wrong, small_joint):
         jc.simulate(*small_joint, snapshots=[1e6, wrong], **LOAD)
 
 
-def test_maps_have_a_row_a_snapshot_and_say_where_it_is(joints):
-    closed = joints[1]
-    figure = snapshot_figure(closed, "joint")
-    titles = [axes.get_title() for axes in figure.axes]
-    assert sum(title.endswith("% in contact") for title in titles) == 9
-    assert "cycle 1, loading: 5 MPa" in titles
-    shown = next(axes for axes in figure.axes if axes.get_title() == "cycle 1, loading: 5 MPa")
-    contacts = shown.images[1].get_array()
-    assert contacts.count() == int((closed.snapshot_force[2] > 0.0).sum())
-
-
 def test_the_command_keeps_and_draws_them_and_wants_a_file_for_them(tmp_path, capsys):
     words = ["simulate", "--rock", "slate", "--cells", "14x12", "--stress", "2"]
     words += ["--snapshots", "0.5,2"]
@@ -147,18 +133,3 @@ def test_the_command_keeps_and_draws_them_and_wants_a_file_for_them(tmp_path, ca
     with pytest.raises(SystemExit):
         cli.main([*words[:-1], "1;2"])
     assert "must be stresses in MPa" in capsys.readouterr().err
-
-
-def test_without_snapshots_nothing_of_them_is_loaded():
-    code = (
-        "import sys, jointclosure as jc\n"
-        "walls = jc.wall_pair(8.0, (8, 8), 0.25e-3, seed=1)\n"
-        "def close(**asked):\n"
-        "    jc.simulate(*walls, spacing=0.25e-3, rock=jc.Rock(78e9, 0.2, 165e6),\n"
-        "        max_normal_stress=1e6, effects=jc.Effects(*[False] * 5), **asked)\n"
-        "    return 'jointclosure.joint.snapshots' in sys.modules\n"
-        "assert not close()\n"
-        "assert close(snapshots=[1e6])\n"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr

@@ -16,7 +16,6 @@ from jointclosure.measured.calibration import (
 )
 from jointclosure.measured.curves import MeasuredCurve, parsed_curve
 from jointclosure.measured.fit import Fit, assumptions, fit
-from jointclosure.plotting.calibration import fit_figure
 from tests.conftest import SPACING
 
 GRANITE = jc.Rock(73e9, 0.25, 173e6)
@@ -143,16 +142,6 @@ def test_a_strength_at_the_end_of_its_range_is_said_to_be_there():
         assert "at the end of the simulated range" in said(strength)
 
 
-def test_the_figure_has_the_interval_where_the_text_has_it_and_the_text_names_what_was_assumed():
-    likely = np.exp(made_up(np.random.default_rng(0), np.log(2.8e-3), 0.0, 1000).mean(axis=0))
-    for values, holds in ((likely, True), (np.exp([-8.0, -8.5, -9.0]), False)):
-        found = fitted(values)
-        assert found.interval_holds == holds
-        assert ("95 % interval" in repr(found)) == holds
-        assert bool(fit_figure(found, "a").axes[1].patches) == holds
-        assert "JRC 10, 8 x 16 mm at a spacing of 0.25 mm" in found.sentences()[-1]
-
-
 def parsed_readings(values):
     curve = parsed_curve(GOOD, "lab.csv", cycle=1)
     return readings_of_curve(curve, SEATING)._replace(values=values)
@@ -164,19 +153,18 @@ GOOD = "stress_MPa,closure_mm\n0,0\n0.5,0.02\n1,0.05\n2,0.08\n5,0.12\n"
 def test_a_fit_says_its_interval_in_words_and_doubts_a_curve_that_no_joint_makes(tmp_path):
     path = tmp_path / "lab.csv"
     path.write_text(GOOD)
-    about = {"rock": "granite", "jrc": 10.0, "shape": (16, 16), "surfaces": 6}
+    about = {"rock": "granite", "jrc": 10.0, "shape": (12, 12), "surfaces": 4}
     shares = []
     found = fit(path, **about, report=shares.append)
     assert shares[-1] == 1.0
-    assert len(shares) == 8 * 6
+    assert len(shares) == 8 * 4
     assert found.compressive_strength is None
     assert "95 % interval" in repr(found)
     assert "\n" not in repr(found)
-    assert found.simulated.shape == (8, 1, 6, 3)
-    again = fit(path, **about)
-    assert again.mismatch_wavelength == found.mismatch_wavelength
+    assert found.simulated.shape == (8, 1, 4, 3)
     path.write_text(GOOD.replace("0.12", "40"))
-    warning, missed, nearest, assumed = fit(path, **about).sentences()
+    odd = fit(path, **about)
+    warning, missed, nearest, assumed = odd.sentences()
     assert warning.startswith(
         "Warning: the model does not explain this curve: fewer than 1 in 1000"
     )
@@ -184,15 +172,13 @@ def test_a_fit_says_its_interval_in_words_and_doubts_a_curve_that_no_joint_makes
         "no mismatch wavelength explains the closure of cycle 1 at 5 MPa: measured"
     )
     assert nearest == "nearest are independent walls"
-    assert "4 x 4 mm" in assumed
-    assert "excluded" not in repr(fit(path, **about))
+    assert "3 x 3 mm" in assumed
+    assert "excluded" not in repr(odd)
 
 
 @pytest.mark.parametrize(
     ("text", "about", "said"),
     [
-        (None, {}, "lab.csv: file not found"),
-        ("stress,closure_mm\n1,2\n", {}, "column 'stress': has no unit"),
         (GOOD.replace("0,0\n0.5", "0.8,0\n0.9"), {}, "must start at or below seating_stress"),
         (GOOD.replace("0.12", "0.01"), {}, "closure must increase"),
         (
@@ -200,11 +186,8 @@ def test_a_fit_says_its_interval_in_words_and_doubts_a_curve_that_no_joint_makes
             {},
             "cycle 2 is loaded to 4 MPa and cycle 1 to 5 MPa",
         ),
-        ("stress_MPa,closure_mm,cycle\n0,0,2\n5,1,2\n", {}, "cycles [2]: must be 1, 2 and so on"),
         (GOOD, {"surfaces": 2}, "surfaces = 2: must be at least 4"),
-        (GOOD, {"closure_error": 0.0}, "closure_error = 0.0"),
         (GOOD, {"shape": 16}, "shape = 16: must be (cells along y"),
-        (GOOD, {"rock": "grannite"}, "rock = 'grannite': must be a Rock or one of"),
     ],
 )
 def test_a_curve_that_cannot_be_fitted_is_refused_in_a_line(tmp_path, text, about, said):

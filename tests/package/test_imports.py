@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 import jointclosure as jc
-from jointclosure.commands import COMMANDS
 
 PREFIX = "jointclosure.commands."
 SCRIPTS = Path(__file__).parents[2] / "workflow/scripts"
@@ -33,23 +32,27 @@ def test_the_package_itself_loads_nothing():
     assert loaded("import jointclosure") == set()
 
 
-def test_parameters_load_numpy_alone():
-    assert loaded("import jointclosure as jc; jc.Rock, jc.Effects, jc.Numerics") == {"numpy"}
-
-
 def test_help_loads_no_command():
     code = "from jointclosure.commands import cli; import contextlib\n"
     code += "with contextlib.suppress(SystemExit): cli.main(['--help'])"
     assert loaded(code) == {"numpy"}
 
 
-@pytest.mark.parametrize("name", COMMANDS)
-def test_a_command_loads_its_own_module_and_takes_its_arguments(name):
-    code = f"from jointclosure.commands import cli; cli.parser(['{name}'])"
-    report = f"import sys; {code}; print(*(m for m in sys.modules if m.startswith('{PREFIX}')))"
-    done = subprocess.run([sys.executable, "-c", report], capture_output=True, text=True)
-    modules = {module.removeprefix(PREFIX) for module in done.stdout.split()}
-    assert modules & set(COMMANDS) == {name}, done.stderr  # beside what commands share
+def test_a_command_loads_its_own_module_and_no_other_command():
+    """One process: modules of the commands are forgotten before each."""
+    code = (
+        "import sys\n"
+        "from jointclosure.commands import COMMANDS, cli\n"
+        f"prefix = {PREFIX!r}\n"
+        "for name in COMMANDS:\n"
+        "    for other in COMMANDS:\n"
+        "        sys.modules.pop(prefix + other, None)\n"
+        "    cli.parser([name])\n"
+        "    loaded = {module.removeprefix(prefix) for module in sys.modules}\n"
+        "    assert loaded & set(COMMANDS) == {name}, (name, loaded & set(COMMANDS))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize(
@@ -63,6 +66,23 @@ def test_a_command_loads_its_own_module_and_takes_its_arguments(name):
 def test_a_job_loads_what_it_needs_and_no_more(script, needed):
     """Each of the study's hundreds of jobs pays for its imports."""
     assert loaded(f"sys.path.insert(0, {str(SCRIPTS)!r}); import {script}") <= needed
+
+
+def test_neither_flow_nor_snapshots_are_loaded_where_none_is_asked_for():
+    """One process: without both, then with both."""
+    code = (
+        "import sys, jointclosure as jc\n"
+        "walls = jc.wall_pair(8.0, (8, 8), 0.25e-3, seed=1)\n"
+        "about = dict(spacing=0.25e-3, rock=jc.Rock(78e9, 0.2, 165e6), max_normal_stress=1e6)\n"
+        "parts = ('jointclosure.flow', 'jointclosure.joint.snapshots', 'scipy.sparse.csgraph')\n"
+        "def loaded(**asked):\n"
+        "    jc.simulate(*walls, effects=jc.Effects(*[False] * 5), **about, **asked)\n"
+        "    return [part for part in parts if part in sys.modules]\n"
+        "assert loaded() == [], loaded()\n"
+        "assert len(loaded(flow=True, snapshots=[1e6])) == 3\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
 
 
 def test_every_public_name_is_what_its_module_defines():

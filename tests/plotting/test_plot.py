@@ -82,12 +82,3 @@ def test_an_ensemble_is_drawn_with_its_mean(walls):
     np.testing.assert_allclose(
         mean.get_xdata(), 1e3 * ensemble.closure.sel(branch="loading", cycle=1).mean("realization")
     )
-
-
-def test_what_cannot_be_drawn_is_said(joint, walls):
-    with pytest.raises(jc.InputError, match="since = 'seat'"):
-        jc.plot.curves(joint, since="seat")
-    with pytest.raises(jc.InputError, match=r"snapshot = 99: the joint has \d+"):
-        jc.plot.aperture(joint, 99)
-    with pytest.raises(jc.InputError, match="upper, lower and spacing"):
-        jc.plot.walls(*walls)

@@ -57,12 +57,6 @@ def test_the_papers_entries_are_marked_and_its_dashes_stand_in_the_column_of_das
     assert "studies of 20 draws, unpaired t test" in labels
 
 
-def test_without_the_papers_rocks_it_is_not_in_the_legend(drawn):
-    figure = predictive_figure(drawn, PAPER.assign(rock="basalt"), ROCKS, 20)
-    assert "the paper" not in [text.get_text() for text in figure.legends[0].get_texts()]
-    assert not [line for axes in figure.axes for line in axes.lines if line.get_marker() == "D"]
-
-
 @pytest.mark.parametrize("what", ["elasticities", "intervals"])
 def test_along_the_curve_every_rock_has_a_line_and_a_band(what):
     rows = [

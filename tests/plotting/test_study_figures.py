@@ -2,7 +2,6 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
-import pandas as pd
 import pytest
 import xarray as xr
 
@@ -50,12 +49,6 @@ def test_the_surface_closest_to_the_mean_is_among_those_that_succeeded(study):
     assert plotting.closest_to_mean(study, "one-base", 5e5) == 2
 
 
-def test_curves_without_a_point_beyond_seating_are_drawn_as_none(study):
-    study["closure"][...] = np.nan
-    assert plotting.closest_to_mean(study, "one-base", 5e5) == 0
-    plotting.closure_figure(study, {"one": ROCK}, 5e5, 1.5)
-
-
 def test_closures_are_drawn_since_seating_for_every_success(study):
     figure = plotting.closure_figure(study, {"one": ROCK}, 5e5, 1.5)
     axes = figure.axes[0]
@@ -66,19 +59,6 @@ def test_closures_are_drawn_since_seating_for_every_success(study):
     assert len(thick) == len(later) == 2  # loading and unloading, the second cycle in a panel
     np.testing.assert_allclose(thick[0].get_xdata()[[0, -1]], [0.0, 0.15 - 0.05])
     assert thick[0].get_ydata()[0] == 0.5
-
-
-def test_intervals_without_a_root_are_crosses():
-    rows = [
-        {"rock": "one", "parameter": "jrc", "cycle": 1, "unit": "1", "length": np.nan,
-         "length_low": 1.0, "length_high": np.inf, "length_net": 2.0, "paper_length": 1.0,
-         "extrapolated": False},
-    ]  # fmt: skip
-    figure = plotting.interval_figure(pd.DataFrame(rows), {"one": ROCK})
-    markers = [line.get_marker() for line in figure.axes[0].lines]
-    assert markers.count("x") == 1
-    assert markers.count("D") == markers.count("s") == 1
-    assert "o" not in markers
 
 
 def test_the_fit_of_eq_23_lies_on_the_maxima_of_eq_21():
@@ -111,12 +91,6 @@ def test_a_measured_curve_is_drawn_from_its_seating_with_what_fits_it_best(study
     assert "surface that fits cycle 1 best" in labels
 
 
-def test_without_a_measured_curve_nothing_is_said_of_one(study):
-    figure = plotting.closure_figure(study, {"one": ROCK}, 5e5, 1.5)
-    assert "misfit" not in figure.axes[0].get_title()
-    assert "measured curve" not in [text.get_text() for text in figure.legends[0].get_texts()]
-
-
 @pytest.mark.parametrize(("jrc", "drawn"), [(8, True), (4, False), (16, False), (0, False)])
 def test_the_barton_bandis_law_is_drawn_where_it_holds(study, jrc, drawn):
     figure = plotting.closure_figure(study, {"one": ROCK._replace(jrc=float(jrc))}, 5e5, 1.5)
@@ -127,53 +101,4 @@ def test_the_barton_bandis_law_is_drawn_where_it_holds(study, jrc, drawn):
         assert len(dotted) == (1 if drawn else 0)
 
 
-def test_other_rocks_intervals_are_drawn_without_the_papers_and_without_what_was_not_varied():
-    own = {"cycle": 1, "unit": 1, "length": 2.0, "length_low": 1.0, "length_high": 3.0,
-           "length_net": 2.0, "extrapolated": False}  # fmt: skip
-    table = pd.DataFrame([{"rock": "one", "parameter": "jrc"} | own])
-    figure = plotting.interval_figure(table, {"one": ROCK, "two": ROCK})
-    assert "the paper" not in [text.get_text() for text in figure.legends[0].get_texts()]
-    markers = [line.get_marker() for line in figure.axes[0].lines]
-    # an interval, its bar and the mark where it is cut, its net; none for the rock that varies none
-    assert sorted(markers) == sorted(["None", "^", "o", "s"])
-
-
-def test_a_bar_that_is_cut_off_bears_a_mark_and_no_other_does():
-    own = {"cycle": 1, "unit": 1, "length": 2.0, "length_low": 1.0, "length_net": 2.0,
-           "extrapolated": False, "parameter": "jrc"}  # fmt: skip
-    table = pd.DataFrame(
-        [own | {"rock": "one", "length_high": 2.5}, own | {"rock": "two", "length_high": np.inf}]
-    )
-    axes = plotting.interval_figure(table, {"one": ROCK, "two": ROCK}).axes[0]
-    (mark,) = [line for line in axes.lines if line.get_marker() == "^"]
-    assert mark.get_ydata()[0] == axes.get_ylim()[1]
-    assert mark.get_xdata()[0] > 0.5  # of the second rock
-
-
-def test_all_cycles_are_drawn_on_one_range_of_closure_for_all_rocks(study):
-    third = study.isel(cycle=[1]).assign_coords(cycle=[3])
-    longer = xr.concat([study, third], "cycle", data_vars="minimal")
-    other = longer.assign_coords(
-        case=longer.case + "-2", rock=("case", ["two"] * longer.sizes["case"])
-    )
-    both = xr.concat([longer, other], "case", data_vars="minimal")
-    figure = plotting.closure_figure(both, {"one": ROCK, "two": ROCK}, 5e5, 1.5)
-    first, later, other_first, other_later = figure.axes
-    assert first.get_xlim() == other_first.get_xlim()
-    assert later.get_xlim() == other_later.get_xlim()
-    assert later.get_title() == "cycles 2 to 3"
-    labels = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert "cycle 3" in labels
-
-
-def test_no_seated_curve_lies_before_its_seating(study):
-    for axes in plotting.closure_figure(study, {"one": ROCK}, 5e5, 1.5).axes:
-        drawn = [line for line in axes.lines if line.get_color() != "0.2"]
-        assert np.nanmin(np.concatenate([line.get_xdata() for line in drawn])) >= 0.0
-
-
-def test_a_large_misfit_is_told_in_figures(study):
-    curves = {"one": parsed_curve(MEASURED, "lab.csv")}
-    fits = fit_table(study, curves, 5e5).assign(misfit_percent=174.0)
-    figure = plotting.closure_figure(study, {"one": ROCK}, 5e5, 1.5, Measurements(curves, fits))
-    assert "(174 %)" in figure.axes[0].get_title()
+# of the second rock

@@ -6,7 +6,6 @@ import shutil
 import numpy as np
 import pytest
 from selenium import webdriver
-from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select, WebDriverWait
@@ -143,35 +142,6 @@ def test_tables_sort_by_number_and_what_is_absent_stays_last(browser):
     assert rocks == sorted(rocks)
 
 
-def test_every_table_of_two_rows_or_more_sorts_by_every_column(browser):
-    for sheet in browser.find_elements(By.CSS_SELECTOR, ".sheet:not(#explored)"):
-        rows = sheet.find_elements(By.CSS_SELECTOR, "tbody tr")
-        heads = sheet.find_elements(By.CSS_SELECTOR, "thead th")
-        buttons = sheet.find_elements(By.CSS_SELECTOR, "thead th button")
-        assert len(buttons) == (len(heads) if len(rows) > 1 else 0)
-
-
-def test_a_filter_keeps_the_rows_that_have_every_word(browser):
-    field = browser.find_element(By.CSS_SELECTOR, "#statuses input")
-    count = browser.find_element(By.CSS_SELECTOR, "#statuses output")
-    cases = len(column(browser, "statuses", "Rock"))
-    field.send_keys("GRANITE young")
-    assert set(column(browser, "statuses", "Rock")) == {GRANITE}
-    assert set(column(browser, "statuses", "Changed")) == {"Young's modulus"}
-    assert count.text == f"4 of {cases} rows"
-    field.send_keys(Keys.CONTROL, "a", Keys.DELETE)
-    assert len(column(browser, "statuses", "Rock")) == cases
-
-
-def test_every_figure_is_there_with_its_alternative_text(browser, pictures):
-    found = browser.execute_script(
-        "return [...document.querySelectorAll('figure')].map((f) => "
-        "[f.id, f.querySelector('img').naturalWidth, f.querySelector('img').alt])"
-    )
-    assert found == [[f"figure-{p.name}", p.size[0], p.caption.alternative] for p in pictures]
-    assert all(width > 0 for _, width, _ in found)
-
-
 def test_the_figure_shows_the_joints_and_their_mean(browser, study):
     shown = curves(browser)
     joints = [c for c in shown if c.get("name") and c["name"].startswith("joint 0, cycle 1, load")]
@@ -194,53 +164,3 @@ def test_every_menu_changes_the_curves(browser):
     assert browser.get_log("browser") == []
     title = browser.find_element(By.ID, "explored-title").text
     assert title.startswith(f"{GRANITE}, Young's modulus: closure from 0.5 MPa")
-
-
-def test_levels_are_shown_side_by_side_in_order(browser):
-    choose(browser, "rock", GRANITE)
-    choose(browser, "parameter", "Young's modulus")
-    choose(browser, "cycle", "1")
-    levels = ["50 GPa", "55 GPa", "60 GPa (its own)", "65 GPa", "70 GPa"]
-    assert column(browser, "explored", "Level") == levels
-    names = [curve["name"] for curve in curves(browser)]
-    assert [n for n in names if not n.endswith("unloading")] == [f"{v}, cycle 1" for v in levels]
-    options = [
-        option.text for option in Select(browser.find_element(By.ID, "choose-level")).options
-    ]
-    assert options == ["all, means only", *levels]
-
-
-def test_pointing_at_a_curve_tells_its_numbers(browser):
-    choose(browser, "parameter", "JRC")
-    place = browser.execute_script(
-        """
-        const plot = document.getElementById("explorer"), layout = plot._fullLayout;
-        plot.scrollIntoView({block: "center"});
-        const box = plot.getBoundingClientRect(), trace = plot.data[0], i = 4;
-        return [box.left + layout.xaxis._offset + layout.xaxis.l2p(trace.x[i]),
-                box.top + layout.yaxis._offset + layout.yaxis.l2p(trace.y[i])];
-        """
-    )
-    actions = ActionChains(browser)
-    actions.w3c_actions.pointer_action.move_to_location(*map(round, place))
-    actions.perform()
-    label = WebDriverWait(browser, 20).until(
-        lambda d: d.find_element(By.CSS_SELECTOR, "#explorer .hoverlayer .hovertext")
-    )
-    assert "mm at 10" in label.text
-
-
-@pytest.mark.parametrize("width", [390, 1280])
-def test_the_page_itself_never_scrolls_sideways(driver, path, width):
-    opened(driver, path, width)
-    reach = driver.execute_script("return document.documentElement.scrollWidth")
-    assert reach <= width
-    wide = driver.execute_script(
-        """
-        const out = (e) => e.getBoundingClientRect().right > innerWidth + 1;
-        return [...document.querySelectorAll("body *")]
-          .filter((e) => !e.closest(".scroll, #explorer, .skip, nav ul") && out(e))
-          .map((e) => e.tagName + e.className);
-        """
-    )
-    assert wide == []

@@ -1,7 +1,6 @@
 """`jointclosure report`: from the files of a finished study to the file of its page."""
 
 import json
-import shutil
 
 import numpy as np
 import pandas as pd
@@ -63,15 +62,6 @@ def test_the_files_give_the_page_that_their_content_gives(material, folder, caps
     assert "report.html: " in capsys.readouterr().out
 
 
-def test_a_study_that_varies_nothing_has_a_page(material, pictures, tmp_path):
-    bare = material._replace(
-        **dict.fromkeys(("intervals", "claims", "margins", "predictive", "joint", "elasticities"))
-    )
-    folder = finished(bare, pictures, tmp_path / "bare")
-    assert cli.main(["report", str(folder)]) == 0
-    assert "No property was varied" in (folder / "report.html").read_text(encoding="utf-8")
-
-
 @pytest.mark.parametrize("missing", ["study.nc", "seals/aggregate.json", "seals/checks.json"])
 def test_a_study_that_is_not_whole_has_no_page(folder, capsys, missing):
     (folder / missing).unlink()
@@ -87,13 +77,6 @@ def test_an_edited_table_is_in_no_page(folder, capsys):
     table.write_text(table.read_text().replace("cannot be told", "stands"))
     assert cli.main(["report", str(folder)]) == 2
     assert "claims.csv: the file is not as jointclosure wrote it" in capsys.readouterr().err
-
-
-def test_the_page_can_be_written_elsewhere_from_a_copy(folder, tmp_path):
-    shutil.copytree(folder, tmp_path / "copy")
-    output = tmp_path / "page.html"
-    assert cli.main(["report", str(tmp_path / "copy"), "--output", str(output)]) == 0
-    assert output.stat().st_size > 1e6
 
 
 def test_the_folder_of_a_single_joint_has_a_page(tmp_path, capsys):

@@ -2,19 +2,15 @@
 
 import base64
 import hashlib
-import itertools
-import json
 import re
 from html.parser import HTMLParser
 
-import pandas as pd
 import pytest
 
 from jointclosure.report.content import content, outcome
 from jointclosure.report.page import render
-from jointclosure.report.summary import FIRST_PICTURES, STAYS, validity
-from tests.report.conftest import FAILED, GRANITE, JOINTS, JUMPED
-from tests.studied import study_of
+from jointclosure.report.summary import STAYS
+from tests.report.conftest import FAILED, JOINTS
 
 VOID = {"meta", "link", "img", "input", "br"}
 
@@ -86,31 +82,6 @@ def test_the_policy_allows_the_scripts_of_the_page_and_nothing_else(outline):
     assert "'unsafe-inline'" not in re.search(r"script-src[^;]*", policy)[0]
 
 
-def test_headings_step_down_one_at_a_time_from_a_single_first(outline):
-    levels = [int(tag[1]) for tag, _ in outline.elements if re.fullmatch(r"h\d", tag)]
-    assert levels.count(1) == 1
-    assert levels[0] == 1
-    assert all(later <= earlier + 1 for earlier, later in itertools.pairwise(levels))
-
-
-def test_figures_have_alternative_texts_and_tables_have_headings(outline, pictures):
-    shown = [image["alt"] for image in outline.all("img")]
-    first = [alt for alt in shown if alt.endswith("the figure itself is below")]
-    assert len(first) == len([p for p in pictures if p.name in FIRST_PICTURES["independent"]]) > 0
-    alternatives = [alt for alt in shown if alt not in first]
-    assert alternatives == [picture.caption.alternative for picture in pictures]
-    assert all(len(text) > 40 for text in alternatives)
-    assert outline.all("html") == [{"lang": "en"}]
-    assert len(outline.all("table")) == len(outline.all("thead"))
-    names = {attributes.get("id") for _, attributes in outline.elements}
-    for attributes in outline.all("table", "section"):
-        assert attributes["aria-labelledby"] in names
-
-
-def test_a_title_with_markup_in_it_is_text(outline):
-    assert GRANITE in outline.read()
-
-
 def test_failures_are_counted_and_named(material, outline):
     cases = material.study.sizes["case"]
     found = outcome(material.study)
@@ -138,130 +109,6 @@ def test_failed_checks_are_said_first(material, outline):
     assert verdicts.count("FAILED") == 1
 
 
-def test_rocks_that_the_paper_has_not_are_not_compared(material, outline):
-    assert f"The paper has no numbers for {GRANITE}." in outline.read()
-    sheets = content(material)["sheets"]
-    by_rock = {}
-    for row in sheets["intervals"].rows:
-        cells = dict(zip(sheets["intervals"].titles, row, strict=True))
-        by_rock.setdefault(cells["Rock"].text, []).append(cells)
-    papers = "The paper's length (unpaired)"
-    assert {cells[papers].text for cells in by_rock[GRANITE]} == {"–"}
-    slate = by_rock["Slate"]
-    assert [c[papers].text for c in slate if c["Parameter"].text == "JRC"] == [
-        "0.726", "3.18",
-    ]  # fmt: skip
-    assert [c[papers].text for c in slate[:2]] == [
-        "no real root",
-        "0.0752",
-    ]
-    layout = sheets["table-3"].rows[0]
-    assert "paper –" in layout[2].text
-    assert "paper" not in layout[3].text
-
-
-def test_without_a_rock_of_the_paper_its_numbers_are_left_out(material):
-    stranger = material._replace(paper=material.paper[material.paper.rock == "limestone"])
-    text = Outline(render(content(stranger))).read()
-    assert "These are not the paper's rocks: a comparison with its numbers is left out." in text
-    sheets = content(stranger)["sheets"]
-    assert "The paper" not in sheets["claims"].titles
-    assert not any("paper" in title for title in sheets["intervals"].titles)
-
-
-def test_a_study_that_varies_nothing_has_no_intervals_and_no_claims(material):
-    plain = material._replace(intervals=None, claims=None)
-    text = Outline(render(content(plain))).read()
-    assert "No property was varied at enough levels." in text
-    assert "this study cannot test the claims" in text
-    empty = material._replace(intervals=material.intervals.iloc[:0])
-    assert "No property was varied at enough levels." in Outline(render(content(empty))).read()
-
-
-def test_fits_of_measured_curves_are_shown_where_there_are_any(material, outline):
-    assert "Measured closure curves" not in outline.read()
-    fits = pd.DataFrame(
-        [{"rock": "slate", "cycle": 1, "points": 12, "largest_closure_mm": 0.3, "samples": 22,
-          "best_realization": 7, "misfit_mm": 0.0123, "misfit_percent": 4.1,
-          "median_misfit_mm": 0.05}]
-    )  # fmt: skip
-    row = content(material._replace(measured=fits))["sheets"]["measured"].rows[0]
-    assert [cell.text for cell in row[:1] + row[5:7]] == ["Slate", "7", "0.01230"]
-
-
-def test_every_claim_has_its_verdict(material, outline):
-    sheet = content(material)["sheets"]["claims"]
-    assert [row[0].text for row in sheet.rows] == material.claims.number.tolist()
-    assert [row[2].text for row in sheet.rows] == material.claims.verdict.tolist()
-    for claim in material.claims.claim:
-        assert claim in outline.read()
-
-
-def test_accuracy_that_is_not_known_is_said_to_be_so(material, outline):
-    assert "is not known here" in outline.read()
-    assert "accuracy-cost" not in content(material)["sheets"]
-    costs = pd.DataFrame(
-        [{"scene": "full", "rock": "slate", "knob": "steps", "value": 0.5, "cycle": 1,
-          "mean_error_percent": 2.5, "mean_low": 1.0, "mean_high": 4.0, "relative_time": 3.0}]
-    )  # fmt: skip
-    measured = Outline(render(content(material._replace(accuracy=costs)))).read()
-    assert "is not known here" not in measured
-    assert "Error and time of every setting that was tried" in measured
-
-
-def test_the_preset_that_a_study_has_is_told_from_the_others(material):
-    def own(change):
-        study = material.study.copy()
-        settings = json.loads(study.attrs["configuration"])
-        for section, keys in change.items():
-            settings[section] |= keys
-        study.attrs["configuration"] = json.dumps(settings)
-        rows = content(material._replace(study=study))["sheets"]["presets"].rows
-        return [(row[0].text, row[1].text) for row in rows if row[5].text == "yes"]
-
-    assert own({"numerics": material.default["numerics"]}) == [("as in the paper", "paper")]
-    accurate = material.default["numerics"] | {"breakage": "resolved", "tolerance": 0.02}
-    bounded = {"choices": {"largest_radius_mm": 20.0}}
-    assert own({"numerics": accurate} | bounded) == [("bounded to 20 mm", "accurate")]
-    assert own({"numerics": accurate | {"tolerance": 0.03}} | bounded) == []
-    assert own({"numerics": accurate, "effects": {"breakage": False, "gouge": False}}) == []
-
-
-def test_intervals_of_rocks_that_the_paper_has_not_are_a_page_without_its_lengths(material):
-    columns = ["paper_length", "paper_percent", "in_paper"]
-    intervals = material.intervals.drop(columns=columns)
-    own = material._replace(intervals=intervals, paper=material.paper[:0])
-    sheets = content(own)["sheets"]
-    assert "paper" not in sheets["table-3"].caption
-    assert not any("paper" in cell.text for row in sheets["table-3"].rows for cell in row)
-    assert "The paper's length (unpaired)" not in sheets["intervals"].titles
-    render(content(own))
-
-
-def test_provenance_and_times_are_there(material, outline):
-    text = outline.read()
-    about = material.study.attrs
-    for value in (about["source_digest"], about["root_seed"], about["provenance_machine"]):
-        assert value in text
-    jobs = content(material)["sheets"]["jobs"].rows
-    assert [cell.text for cell in jobs[0]] == [
-        "close_surfaces",
-        "2",
-        "4.000",
-        "5.000",
-        "8.000",
-        "1.000",
-    ]
-    times = content(material)["sheets"]["simulation-times"].rows
-    assert [row[1].text for row in times] == [
-        str(7 * JOINTS) if i else str(9 * JOINTS) for i in (0, 1)
-    ]
-
-
-def test_a_joint_that_jumped_is_used(material):
-    assert int(material.study.status[0, JUMPED]) == 1
-
-
 def test_the_first_screen_has_the_finding_its_numbers_and_what_it_is_valid_for(material):
     page = content(material)
     numbers = page["sheets"]["in-short"]
@@ -280,17 +127,6 @@ def test_the_first_screen_has_the_finding_its_numbers_and_what_it_is_valid_for(m
     assert any("failed" in said for said in page["validity"])
     text = render(page)
     assert text.index(page["finding"]) < text.index("The question</h2>")
-
-
-def test_mates_are_not_said_to_be_independent():
-    """Walls of a mismatch wavelength of zero are mates."""
-    found = {"flags": {"outside_model_range": 0}, "failed": 0, "simulations": 1}
-    for surface, said in (
-        ({}, "independent of each other"),
-        ({"mismatch_wavelength_mm": 0.0}, "mated in part"),
-        ({"correlation": 0.5}, "mated in part"),
-    ):
-        assert said in validity(study_of({"surface": surface}), found)[0]
 
 
 def test_each_number_that_decides_a_claim_has_a_row(material):

@@ -140,21 +140,6 @@ def test_all_forms_of_a_scan_are_one_scan(tmp_path, walls, form):
             assert scan.origin == pytest.approx([1e-3 * part for part in ground.corner], rel=1e-6)
 
 
-@RANDOM
-@given(grounds(), st.data())
-def test_lost_and_repeated_lines_change_no_other_point(tmp_path, walls, data):
-    ground = walls[0]
-    places = st.lists(st.integers(0, ground.heights.size - 1), max_size=6, unique=True)
-    lost, repeated = data.draw(places), data.draw(places)
-    points = np.vstack([np.delete(ground.points(), lost, axis=0), ground.points()[repeated]])
-    np.savetxt(tmp_path / "a.xyz", points, "%.6f", header="x_mm y_mm z_mm")
-    scan = read_scan(tmp_path / "a.xyz")
-    expected = 1e-3 * ground.heights
-    expected.flat[list(set(lost) - set(repeated))] = np.nan
-    assert scan.spacing == pytest.approx((1e-3 * ground.step,) * 2, rel=1e-6)
-    np.testing.assert_allclose(scan.heights, expected, atol=2e-9)
-
-
 @pytest.fixture(scope="module")
 def joint():
     upper, lower = (1e3 * wall for wall in jc.wall_pair(8.0, (24, 26), 3e-4, 3, correlation=0.9))

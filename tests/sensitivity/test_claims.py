@@ -7,7 +7,7 @@ import pytest
 
 from jointclosure.claims.findings import TARGET
 from jointclosure.claims.statements import NEGLIGIBLE, TOLERANCE
-from jointclosure.claims.table import CLAIMS, OURS
+from jointclosure.claims.table import CLAIMS
 from jointclosure.config.files import PAPER_TABLE_3
 from jointclosure.ensemble.cases import pool_of
 from jointclosure.joint.protocol import FAILURE
@@ -123,13 +123,6 @@ def test_the_papers_headline_on_the_first_cycle_is_judged_as_it_is_said():
     assert found.found_share["2b"] > 0.9
 
 
-def test_claims_say_where_the_paper_has_them_and_variants_are_ours(table):
-    ours = table.index[table.said_in == OURS]
-    assert set(ours) == {"2a, net", "5a, net"}
-    assert table.said_in.drop(ours).str.contains("Section|Abstract").all()
-    assert table.paper_finds[ours].isna().all()
-
-
 def test_a_trend_that_is_not_there_is_not_found_in_every_rock_and_the_claim_of_it_stands():
     found = judged(study_of(ONE), elasticities=changed(2, jrc=-0.5))
     assert found.verdict["5d"] == "stands"
@@ -156,12 +149,12 @@ def test_the_share_that_finds_a_claim_is_that_of_studies_made_anew():
     configuration = study_of(ONE)
     share = judged(configuration, repetitions=1000).found_share["5b"]
     made, (claim,) = [], [each for each in CLAIMS if each.number == "5b"]
-    for number in range(100):
+    for number in range(50):
         study = world(study_of(ONE, {"study": {"name": f"again_{number}"}}))
         sample = rock_sample(study, "dolerite", {TARGET: study[TARGET]})
         made.append(claim.found_in(as_found([sample], 0.05))[0])
     # three binomial errors, and that of a pool of 30
-    assert abs(np.mean(made) - share) < 0.15
+    assert abs(np.mean(made) - share) < 0.2
 
 
 def test_the_papers_own_table_is_judged_by_the_same_rules():

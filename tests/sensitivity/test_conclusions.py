@@ -70,9 +70,6 @@ def test_what_was_not_studied_is_left_empty():
         (FALLS, [(FALLS, ALL, True), (STANDS, ALL, True)], DEPENDS),
         (FALLS, [(FALLS, ALL, True), (STANDS, ONE, True)], FALLS),
         (STANDS, [(NO_DIFFERENCE, ONE, True)], DEPENDS),
-        (NO_DIFFERENCE, [(NO_DIFFERENCE, ALL, True), (STANDS, ONE, True)], NO_DIFFERENCE),
-        (NO_DIFFERENCE, [(FALLS, ONE, True)], DEPENDS),
-        (FALLS, [(FALLS, ALL, True), (NO_DIFFERENCE, ONE, True)], FALLS),
         (CANNOT_BE_TOLD, [(STANDS, ALL, True)], CANNOT_BE_TOLD),
     ],
 )
@@ -100,12 +97,9 @@ def test_readings_of_one_rock_are_counted_by_themselves():
         (STANDS, (1.0, 0.94, 1.0), STANDS),
         (STANDS, (0.95, 0.91, 0.99), STANDS),
         (STANDS, (0.8, 0.6, 1.0), CANNOT_BE_TOLD),
-        (STANDS, (1.0, 0.8, 1.0), CANNOT_BE_TOLD),
         (STANDS, (0.5, 0.3, 0.7), DEPENDS),
-        (FALLS, (0.0, 0.0, 0.06), FALLS),
         (FALLS, (0.0, 0.0, 0.2), CANNOT_BE_TOLD),
         (FALLS, (0.5, 0.3, 0.7), DEPENDS),
-        (NO_DIFFERENCE, (0.0, 0.0, 0.06), NO_DIFFERENCE),
     ],
 )
 def test_choices_turn_a_conclusion_where_fewer_than_nine_tenths_agree(verdict, share, expected):

@@ -9,7 +9,7 @@ from jointclosure.claims.findings import TARGET
 from jointclosure.config.wanted import BLOCK, Wanted
 from jointclosure.sensitivity.closures import max_closure_table
 from jointclosure.sensitivity.planning import Goal, surfaces_for
-from jointclosure.sensitivity.reached import describe_reached, reached_table, surfaces_next
+from jointclosure.sensitivity.reached import reached_table, surfaces_next
 from jointclosure.sensitivity.responses import (
     responses,
 )
@@ -84,12 +84,3 @@ def test_surfaces_are_added_in_blocks_until_all_is_met_or_the_most_are_there():
     assert surfaces_next(rows(5, np.inf, surfaces=70), wanted(most=70)) is None
     # failed realisations are in no count: a block more is asked for all the same
     assert surfaces_next(rows(40, surfaces=38), wanted()) == 40 + BLOCK
-
-
-def test_what_was_reached_is_said_with_the_worst():
-    said = describe_reached(rows(5, 33), wanted())
-    assert said == (
-        "accuracy: mean within 5 % not reached in 1 of 2, with 20 surfaces; "
-        "the worst is 2 % (slate base, cycle 1)"
-    )
-    assert "reached, with" in describe_reached(rows(5, 7), wanted())

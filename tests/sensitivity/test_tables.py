@@ -1,27 +1,29 @@
-import re
-
 import pandas as pd
 import pytest
 
 from jointclosure.sensitivity.tables import (
     case_table,
     closure_lines,
-    interval_text,
     rock_table,
     significant,
     table_3_latex,
     table_3_markdown,
     with_paper,
 )
-from jointclosure.storage.text import write_csv
 from tests.studied import study_of
 
 
 @pytest.mark.parametrize(
     ("value", "figures", "text"),
-    [(12.70, 3, "12.7"), (0.1401, 3, "0.140"), (0.09899, 3, "0.0990"), (94.4, 2, "94"),
-     (4.47, 2, "4.5"), (130.2, 2, "130"), (9.996, 3, "10.0"), (0.0, 3, "0")],
-)  # fmt: skip
+    [
+        (12.70, 3, "12.7"),
+        (0.1401, 3, "0.140"),
+        (4.47, 2, "4.5"),
+        (130.2, 2, "130"),
+        (9.996, 3, "10.0"),
+        (0.0, 3, "0"),
+    ],
+)
 def test_numbers_are_rounded_as_the_paper_prints_them(value, figures, text):
     assert significant(value, figures) == text
 
@@ -37,13 +39,6 @@ def test_closures_of_rocks_as_they_are_have_their_errors_and_numbers():
         "a: mean net closure since seating 0.2003 ± 0.0020 mm on cycle 1, 0.0197 ± 0.0020 mm on "
         "cycle 2 (20 joints)"
     ]
-
-
-def test_no_root_is_a_dash():
-    assert interval_text(float("nan"), float("nan")) == "–"
-    assert interval_text(12.7, 16.3) == "12.7 (16%)"
-    assert interval_text(12.7, 16.3, "*") == "12.7* (16%)"
-    assert interval_text(12.7, 16.3, "", float("inf")) == "13 (16%)"
 
 
 def test_table_3_has_the_papers_layout():
@@ -80,44 +75,21 @@ def test_a_title_is_no_command_of_latex():
     assert r"\textbackslash{}input\{/etc/passwd\} 50 \% \& \$x\_1\textasciicircum{}2\$" in latex
 
 
-def test_a_title_does_not_end_a_line_of_latex():
-    row = {"rock": "a", "parameter": "jrc", "cycle": 1, "length": 1.5, "percent": 15.0,
-           "samples": 20}  # fmt: skip
-    latex = table_3_latex(pd.DataFrame([row]), {"a": "wet\n\n<'a'> | b"})
-    inside = r"wet \textless{}'a'\textgreater{} \textbar{} b \\"
-    assert f" & {inside}\n" in latex
-
-
-def test_a_title_neither_splits_a_markdown_table_nor_marks_it_up():
-    row = {"rock": "a", "parameter": "jrc", "cycle": 1, "length": 1.5, "percent": 15.0,
-           "length_net": 1.0, "percent_net": 10.0, "samples": 20}  # fmt: skip
-    title = "wet|dry\n<script>alert(1)</script> *a* _b_ `c` [d](e) \\| $f$"
-    lines = table_3_markdown(pd.DataFrame([row]), {"a": title}).splitlines()
-    head = next(line for line in lines if line.startswith("| Parameter"))
-    assert head.endswith(", cycle 1 |")
-    # what Markdown ends a cell at, or takes for a mark, is preceded by a backslash
-    assert len(re.findall(r"(?<!\\)(?:\\\\)*\|", head)) == 3
-    inside = head.removeprefix("| Parameter | ").removesuffix(" |")
-    assert not re.search(r"(?<!\\)(?:\\\\)*[<>*_`\[\]$]", inside)
-    assert re.sub(r"\\(.)", r"\1", inside) == title.replace("\n", " ") + ", cycle 1"
-
-
 def titled(title):
     """Slate under another title."""
     rocks = study_of({"study": {"rocks": ["slate"]}, "rocks": {"slate": {"title": title}}}).rocks
     return {"slate": rocks["slate"]}
 
 
-@pytest.mark.parametrize("title", ['=HYPERLINK("a")', "+1", "-1", "@SUM(A1)", "\t=1"])
+@pytest.mark.parametrize(
+    "title",
+    [
+        '=HYPERLINK("a")',
+        "\t=1",
+    ],
+)
 def test_a_title_is_no_formula_of_a_spreadsheet(title):
     assert rock_table(titled(title)).title.tolist() == ["'" + title]
-
-
-def test_a_title_with_commas_and_lines_is_one_cell_of_a_csv(tmp_path):
-    write_csv(rock_table(titled('a, "b"\nc')), tmp_path / "rocks.csv")
-    again = pd.read_csv(tmp_path / "rocks.csv")
-    assert again.title.tolist() == ['a, "b"\nc']
-    assert again.jrc.tolist() == [6.5]
 
 
 KEYS = {"parameter": "jrc", "length": 1.5, "percent": 15.0, "length_net": 1.0, "percent_net": 10.0}
@@ -134,25 +106,6 @@ def test_a_study_of_other_rocks_has_no_columns_of_the_paper():
     markdown = table_3_markdown(own, {"granite": "Granite"})
     assert "The paper" not in markdown
     assert "1.50 (15%)" in markdown
-
-
-def test_the_papers_part_shows_the_papers_rocks_alone():
-    table = pd.DataFrame([{"rock": rock, "cycle": 1} | KEYS for rock in ("granite", "slate")])
-    both = with_paper(table, PAPER)
-    assert both.in_paper.tolist() == [False, True]
-    ours, paper = table_3_markdown(both, {"granite": "Granite", "slate": "Slate"}).split(
-        "**The paper, unpaired t test**"
-    )
-    assert "| Granite, cycle 1 | Slate, cycle 1 |" in ours
-    assert "| Parameter | Slate, cycle 1 |" in paper
-    assert "0.726 (11%)" in paper
-    assert "Granite" not in paper
-
-
-def test_a_study_that_varies_nothing_says_so():
-    nothing = pd.DataFrame(columns=["rock", "parameter", "cycle", "length"])
-    assert "No parameter is varied" in table_3_markdown(nothing, {"a": "A"})
-    assert "No parameter is varied" in table_3_latex(nothing, {"a": "A"})
 
 
 def test_the_table_of_rocks_names_the_file_of_a_measured_curve():

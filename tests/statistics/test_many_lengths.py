@@ -73,15 +73,3 @@ def test_quadratics_of_many_studies_are_bit_for_bit_those_of_each(levels):
     for i, row in enumerate(values):
         one = fit_quadratic(levels, row, 2.0)
         assert (many.b[i], many.c[i], many.d[i]) == one[:3]
-
-
-def test_bad_input_of_many_studies_is_refused_by_name():
-    with pytest.raises(jc.InputError, match="one value for each of the 3 levels"):
-        indifference_lengths([1.0, 2.0, 3.0], np.ones((4, 2)), np.ones((4, 2)), 20)
-    with pytest.raises(jc.InputError, match="standard_deviations"):
-        indifference_lengths([1.0, 2.0, 3.0], np.ones((4, 3)), -np.ones((4, 3)), 20)
-
-
-def test_one_interval_refuses_the_means_of_many_studies():
-    with pytest.raises(jc.InputError, match="means"):
-        jc.indifference_interval([1.0, 2.0, 3.0], np.ones((4, 3)), np.ones((4, 3)), 20)

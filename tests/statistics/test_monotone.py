@@ -77,8 +77,3 @@ def test_the_paired_length_is_the_shorter_where_surfaces_differ_in_height_only()
     paired = monotone_interval(LEVELS, samples, paired=True)
     assert 0.0 < paired.length < 0.3
     assert np.isnan(monotone_interval(LEVELS, samples).length)
-
-
-def test_bad_input_is_refused_by_name():
-    with pytest.raises(jc.InputError, match="samples"):
-        monotone_interval(LEVELS, np.ones((3, 5)))

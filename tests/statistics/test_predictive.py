@@ -161,9 +161,7 @@ def test_pools_of_the_same_surfaces_are_resampled_together():
     ("change", "named"),
     [
         (lambda s: s._replace(pools=s.pools[:2]), "2 pools for 3 levels"),
-        (lambda s: s._replace(base=0.5), "base = 0.5"),
         (lambda s: s._replace(pools=(*s.pools[:2], Pool(np.ones(5), "c"))), r"\(targets, N\)"),
-        (lambda s: s._replace(pools=(*s.pools[:2], Pool(np.ones((2, 5)), "x -1.0"))), "another"),
         (
             lambda s: s._replace(pools=(*s.pools[:2], Pool(np.full((2, 5), np.nan), "c"))),
             "not finite",

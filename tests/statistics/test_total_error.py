@@ -27,6 +27,7 @@ def test_shares_give_back_the_worth_that_they_were_found_from(worth, surfaces, m
     adjusted = left / surfaces + explained / measured
     assert adjusted * surfaces == pytest.approx(1.0 / worth)
     assert explained == 0.0 if worth <= 1.0 else explained > 0.0
+    assert worth <= 1.0 or left + explained == pytest.approx(1.0)  # of the plain variance
 
 
 @given(within=st.floats(0.021, 0.5))

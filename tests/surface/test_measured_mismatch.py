@@ -24,8 +24,9 @@ def found_in(cells, shape=(80, 96), **how):
     )
 
 
-@pytest.mark.parametrize("how", [{}, {"hurst": 0.5}, {"roll_off": 3e-3}], ids=str)
-@pytest.mark.parametrize("cells", [5, 9, 16])
+@pytest.mark.parametrize(
+    ("cells", "how"), [(5, {}), (9, {"hurst": 0.5}), (9, {"roll_off": 3e-3}), (16, {})]
+)
 def test_the_interval_of_a_mismatch_wavelength_covers_it(cells, how):
     wavelength, low, high = found_in(cells, **how).T / (cells * SPACING)
     assert np.median(wavelength) == pytest.approx(1.0, abs=0.08)

@@ -53,12 +53,12 @@ def test_a_jrc_beyond_the_relations_range_is_marked():
     assert found["JRC, yu_vayssade_linear_0.25mm"].remark.endswith("JRC 0 to 20: OUTSIDE")
 
 
-@pytest.mark.parametrize("hurst", [0.6, 0.8, 1.0])
+@pytest.mark.parametrize("hurst", [0.6, 1.0])
 def test_the_hurst_exponent_is_recovered_and_its_interval_covers_it(hurst):
-    walls = [synthetic_wall(0.2, (100, 100), SPACING, hurst, generator(s)) for s in range(30)]
+    walls = [synthetic_wall(0.2, (100, 100), SPACING, hurst, generator(s)) for s in range(16)]
     assert np.mean([hurst_of(wall) for wall in walls]) == pytest.approx(hurst, abs=0.04)
-    intervals = [measured(wall)["H, both directions"] for wall in walls[:8]]
-    assert sum(m.low <= hurst <= m.high for m in intervals) >= 6
+    intervals = [measured(wall)["H, both directions"] for wall in walls[:5]]
+    assert sum(m.low <= hurst <= m.high for m in intervals) >= 4
 
 
 def test_a_cap_is_one_peak_of_its_own_curvature():

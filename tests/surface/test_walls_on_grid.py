@@ -8,7 +8,6 @@ from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.surface.measured import (
     Cloud,
     Scan,
-    disjoint,
     filled,
     point_distance,
     wall_on_grid,
@@ -54,12 +53,6 @@ def test_a_plane_is_found_beside_missing_cells(wall):
 def test_a_scan_that_stands_on_edge_is_refused(wall):
     with pytest.raises(jc.InputError, match=r"inclined by 25\.0 degrees: at most 20"):
         wall_on_grid(scan(tilted(wall, 25.0)), SPACING)
-
-
-def test_a_grid_finer_than_the_scan_is_refused(wall):
-    said = "grid spacing 0.2 mm: finer than the scan, whose points are 0.25 mm apart"
-    with pytest.raises(jc.InputError, match=said):
-        wall_on_grid(scan(wall), 0.2e-3)
 
 
 def test_a_spacing_that_is_a_multiple_leaves_cells_out(wall):
@@ -156,12 +149,6 @@ def test_windows_are_all_places_without_a_missing_cell(wall):
         if np.isfinite(wall[y : y + 11, x : x + 13]).all()
     }
     assert found == naive
-
-
-def test_windows_side_by_side_are_counted():
-    offsets = windows(np.zeros((20, 35)), (10, 10))
-    assert disjoint(offsets, (10, 10)) == 6
-    assert disjoint(windows(np.zeros((10, 10)), (10, 10)), (10, 10)) == 1
 
 
 def test_no_room_says_what_there_is_room_for(wall):

