@@ -46,6 +46,13 @@ print(joint)
 print("\n".join(f"- {line}" for line in joint.pair.report))
 
 # %% [markdown]
+# How far the joint closes is known to a range only: over what the model leaves open, by source.
+
+# %%
+print(joint.budget.table())
+print("\n".join(f"- {line}" for line in joint.budget.sentences()))
+
+# %% [markdown]
 # The walls at first touch, in a section, and the curves. Laboratory curves start at a seating
 # stress: so do these, in each cycle.
 
@@ -82,6 +89,7 @@ loaded = jc.close(
     units="mm",
     rock="granite",
     max_normal_stress=[4e6, 1e6, 8e6, 2e6, 12e6],
+    single=True,
 )
 axes = jc.plot.curves(loaded)
 plt.show()

@@ -9,6 +9,7 @@ import pytest
 import jointclosure as jc
 from jointclosure.commands import cli
 from jointclosure.commands.engineering_files import FIGURES
+from jointclosure.ensemble import scanned_joint
 from jointclosure.inputs.remarks import cautions
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.surface.registration import registered
@@ -16,6 +17,7 @@ from tests.conftest import SPACING, TWO_WALLS
 
 SHAPE = (64, 72)
 LOAD = {"max_normal_stress": 2e6, "seating_stress": 0.2e6}
+RESOLVED = {"numerics": scanned_joint.RESOLVED}
 WORDS = ["--units", "mm", "--stress", 2, "--seating", 0.2]
 
 
@@ -45,15 +47,16 @@ def said(capsys, *words):
 
 def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, capsys):
     files = scans / "top.xyz", scans / "bottom.xyz"
-    code, out, err = said(capsys, *files, *WORDS, "--rock", "granite", "--output", tmp_path / "j")
+    words = [*WORDS, "--single", "--rock", "granite", "--output", tmp_path / "j"]
+    code, out, err = said(capsys, *files, *words)
     assert (code, err) == (0, "")
     assert "orientation of the upper wall, found: common_frame" in out
     assert "Granite (Young's modulus 73 GPa, Poisson's ratio 0.25, compressive strength" in out
     assert "72 x 64 cells of 0.25 mm: 2 MPa, 2 cycles" in out
     pair = registered(*(jc.read_scan(file, units="mm") for file in files))
     rock = jc.Rock(73e9, 0.25, 173e6)
-    alone = jc.simulate(pair.upper, pair.lower, spacing=pair.spacing, rock=rock, **LOAD)
-    library = jc.close(*files, units="mm", rock="granite", **LOAD)
+    alone = jc.simulate(pair.upper, pair.lower, spacing=pair.spacing, rock=rock, **LOAD, **RESOLVED)
+    library = jc.close(*files, units="mm", rock="granite", single=True, **LOAD)
     written = read_netcdf(tmp_path / "j/joint.nc")
     for name in alone.data_vars:
         np.testing.assert_array_equal(written[name], alone[name])
@@ -87,7 +90,7 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, cap
 
 def test_flow_and_snapshots_of_scanned_walls_are_there_where_asked_for(scans, tmp_path, capsys):
     files = scans / "top.xyz", scans / "bottom.xyz"
-    words = [*files, *WORDS, "--rock", "granite", "--flow", "--output", tmp_path / "j"]
+    words = [*files, *WORDS, "--single", "--rock", "granite", "--flow", "--output", tmp_path / "j"]
     words += ["--snapshots", "1,2"]
     code, out, err = said(capsys, *words)
     assert (code, err) == (0, "")
@@ -100,7 +103,7 @@ def test_flow_and_snapshots_of_scanned_walls_are_there_where_asked_for(scans, tm
 
 def test_walls_lie_as_is_stated_and_are_moved_if_asked_to(scans):
     files = scans / "top.xyz", scans / "bottom.xyz"
-    about = {"units": "mm", "rock": "granite", **LOAD, "cycles": 1}
+    about = {"units": "mm", "rock": "granite", **LOAD, "cycles": 1, "single": True}
     with pytest.raises(jc.InputError, match="orientation = 'rotated': common_frame fits clearly"):
         jc.close(*files, **about, orientation="rotated")
     fits = jc.close(*files, **about)
@@ -111,6 +114,31 @@ def test_walls_lie_as_is_stated_and_are_moved_if_asked_to(scans):
     about["unusual_values"] = True
     moved = jc.close(*files, **about, shift="mated", orientation="rotated").pair
     assert moved.shift == moved.mating_shift != (0.0, 0.0)
+
+
+def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, capsys):
+    files = scans / "top.xyz", scans / "bottom.xyz"
+    stated = ["--range", "compressive_strength_MPa", 100, 250]
+    words = [*files, *WORDS, "--cycles", 1, "--rock", "granite", *stated, "--output", tmp_path]
+    code, out, err = said(capsys, *words)
+    assert (code, err) == (0, "")
+    record = json.loads((tmp_path / "joint.json").read_text())
+    closure = record["range"][0]
+    assert closure["quantity"] == "closure_net_since_seating_mm"
+    assert closure["best"] == record["per_cycle"]["closure_net_since_seating_mm"][0]
+    assert closure["low"] <= closure["best"] < closure["high"]
+    assert closure["text"] in out
+    assert sum(closure["shares"].values()) == pytest.approx(1.0)
+    assert {"spacing", "breakage", "alignment", "compressive_strength"} <= set(closure["shares"])
+    assert set(pd.read_csv(tmp_path / "range.csv").source.dropna()) == set(closure["shares"])
+    assert (tmp_path / "range.png").stat().st_size > 20000
+    assert cli.main(["report", str(tmp_path)]) == 0
+    page = (tmp_path / "report.html").read_text()
+    assert f"closes {closure['text']} mm in its first cycle" in page
+    for ends in (["strength", 1, 2], ["compressive_strength_MPa", "a", 2]):
+        code, _, err = said(capsys, *files, *WORDS, "--rock", "granite", "--range", *ends)
+        assert (code, err.count("\n")) == (2, 1)
+        assert f"--range {ends[0]}" in err
 
 
 @pytest.mark.parametrize(
@@ -170,7 +198,7 @@ def test_a_folder_written_twice_equals_one_written_once(scans, tmp_path, capsys)
     """Of another joint nothing stays, and what someone else put there is left alone."""
     twice, once = tmp_path / "twice", tmp_path / "once"
     files = scans / "top.xyz", scans / "bottom.xyz"
-    words = [*files, *WORDS, "--cycles", 1, "--rock", "granite", "--output"]
+    words = [*files, *WORDS, "--single", "--cycles", 1, "--rock", "granite", "--output"]
     first = [*words, twice, "--snapshots", "1,2"]
     assert said(capsys, *first)[::2] == (0, "")
     (twice / "notes.txt").write_text("mine")

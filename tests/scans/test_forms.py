@@ -191,7 +191,8 @@ def walls_of_files(upper, lower, spacing, **_):
 
 def close_scans(upper, lower, spacing, rock):
     scans = [Scan(wall, (spacing, spacing)) for wall in (-upper, lower)]
-    return jc.close(*scans, rock=rock, max_normal_stress=1e6, orientation="common_frame")
+    options = {"orientation": "common_frame", "single": True}
+    return jc.close(*scans, rock=rock, max_normal_stress=1e6, **options)
 
 
 DOORS = {

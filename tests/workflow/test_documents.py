@@ -86,9 +86,9 @@ def test_the_readmes_command_prints_the_closures_that_the_readme_states(tmp_path
     command = re.search(r"jointclosure (close [^\n]+)", text).group(1)
     assert cli.main([*shlex.split(command), "--output", str(tmp_path)]) == 0
     printed = capsys.readouterr().out
-    stated = re.findall(r"(0\.\d+) mm on the", text)
-    closures = [float(number) for number in re.findall(r"^cycle \d +(\S+)", printed, re.M)]
-    assert [f"{closure:.3f}" for closure in closures] == stated
+    ranges = r"0\.\d+ \(0\.\d+ to 0\.\d+\)"
+    (line,) = re.findall(r"^net closure \(mm\).*", printed, re.M)
+    assert re.findall(ranges, line) == re.findall(f"({ranges}) mm on the", text)
 
 
 @pytest.mark.parametrize("code", samples("yaml"))

@@ -1,10 +1,11 @@
 """Range of a joint's closure over what the model leaves open: an uncertainty budget.
 
-Every source of uncertainty is varied alone, to each of its plausible values, and the changes of a
-result are combined by the root of their summed squares, separately for increases and decreases
-(JCGM 100:2008, 5.1, with changes instead of derivatives). Changes of positive results are changes
-of logarithms, because the model's open choices act as factors. ``benchmarks/range.py`` compares
-these ranges with those of joints in which all sources vary together.
+The range is that of 19 joints in which every source of uncertainty has a random value, drawn as a
+Latin hypercube (McKay, Beckman & Conover 1979) and propagated through the model as in JCGM
+101:2008. A further such joint lies within it with a probability of 18/20, whatever the distribution
+(Wilks 1941). The share of a source is that of its squared changes if each source is varied alone,
+to each end of its range. Changes of positive results are changes of logarithms, because the model's
+open choices act as factors. ``benchmarks/range.py`` counts how many other draws lie in the range.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -13,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 import xarray as xr
+from scipy.stats.qmc import LatinHypercube
 
 from jointclosure.engineering.curves import cycle_table, net_responses
 from jointclosure.ensemble.closing import close_walls
@@ -20,6 +22,7 @@ from jointclosure.inputs import InputError, check_number
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Choices, Numerics, both_walls, key_of
+from jointclosure.statistics.randomness import generator
 
 Walls = tuple[np.ndarray, np.ndarray]
 
@@ -60,8 +63,17 @@ VARIED = {name: key_of(name) for name in OF_ROCK} | {
 """Sources whose range can be stated, and their keys with units."""
 
 
+DRAWS = 19
+"""Number of joints in which all sources have random values; the range contains (DRAWS - 1)/(DRAWS +
+1) of further ones."""
+_UNMOVED = (0, 0)
+_SHIFTS = (_UNMOVED, (0, 1), (0, -1), (1, 0), (-1, 0))
+ALL = "all together"
+"""Source of the variants in which all sources have random values."""
+
+
 class Variant(NamedTuple):
-    """A joint in which one source of uncertainty has another value.
+    """A joint in which sources of uncertainty have other values.
 
     ``shift`` is that of the upper wall in cells (y, x); of the grid every ``step``-th cell is kept.
     """
@@ -69,7 +81,7 @@ class Variant(NamedTuple):
     source: str
     value: str
     conditions: Conditions
-    shift: tuple[int, int] = (0, 0)
+    shift: tuple[int, int] = _UNMOVED
     step: int = 1
 
     def walls(self, upper: np.ndarray, lower: np.ndarray) -> Walls:
@@ -80,6 +92,36 @@ class Variant(NamedTuple):
             lower = lower.take(kept + max(-cells, 0), axis)
         return upper[:: self.step, :: self.step], lower[:: self.step, :: self.step]
 
+    def changed(self, name: str, value: Any) -> "Variant":
+        """Return the variant with another value of a source."""
+        conditions, choices = self.conditions, self.conditions.choices
+        if name == "alignment":
+            return self._replace(shift=value)
+        if name == "spacing":
+            coarse = conditions._replace(spacing=value * conditions.grid_spacing)
+            return self._replace(step=value, conditions=coarse)
+        if name == "breakage":
+            return self._replace(conditions=conditions._replace(numerics=value))
+        if name in PLAUSIBLE:
+            choices = choices._replace(**{name: value})
+            return self._replace(conditions=conditions._replace(choices=choices))
+        rock = tuple(wall._replace(**{name: value}) for wall in both_walls(conditions.rock))
+        return self._replace(conditions=conditions._replace(rock=rock))
+
+
+class Source(NamedTuple):
+    """A source of uncertainty: its ends, or its alternatives (the value of the joint first)."""
+
+    values: tuple
+    continuous: bool = False
+
+    def at(self, share: float) -> Any:
+        """Return the value at a share, in [0, 1), of its range or of its alternatives."""
+        if not self.continuous:
+            return self.values[int(share * len(self.values))]
+        low, high = self.values
+        return low * (high / low) ** share if low > 0.0 else low + share * (high - low)
+
 
 class Budget(NamedTuple):
     """Uncertainty budget of a closed joint.
@@ -88,10 +130,12 @@ class Budget(NamedTuple):
     ----------
     results : DataFrame
         One row per variant and cycle: ``source``, ``value``, ``status``, ``cycle`` and `QUANTITIES`
-        (NaN if the variant could not be closed). The source of the joint itself is "".
+        (NaN if the variant could not be closed). The source of the joint itself is "", that of
+        joints in which all sources have random values is `ALL`.
     ranges : DataFrame
-        Over (cycle, quantity): ``best``, ``low``, ``high``, and the share of each source in the
-        range, which sum to 1.
+        Over (cycle, quantity): ``best``; ``low`` and ``high``, those of the joints with random
+        values, between which 9 in 10 of further ones lie; and the share of each source, which
+        sum to 1.
     omitted : tuple of str
         Sources that were not varied because no range of them is stated.
     """
@@ -109,9 +153,10 @@ class Budget(NamedTuple):
             f"{self.largest_shares(cycle, closure)}"
             for cycle in (cycles if len(cycles) < 3 else cycles[[0, -1]])
         ]
-        failed = self.results.loc[self.results.status.mod(2 * FAILURE) >= FAILURE]
-        for row in failed.drop_duplicates(["source", "value"]).itertuples():
-            lines.append(f"not closed, and not in the range: {TITLES[row.source]} {row.value}")
+        failed = self.results.loc[self.results[closure].isna(), ["source", "value"]]
+        for source, rows in failed.drop_duplicates().groupby("source"):
+            count = f"{len(rows)} of {DRAWS} joints" if source == ALL else TITLES[source]
+            lines.append(f"not closed, and not in the range: {count} ({rows.value.iloc[0]})")
         if self.omitted:
             names = ", ".join(TITLES[name] for name in self.omitted)
             lines.append(
@@ -151,10 +196,10 @@ class Budget(NamedTuple):
         return ", ".join(f"{TITLES[name]} {100.0 * share:.0f} %" for name, share in largest.items())
 
 
-def variants_of(
+def sources_of(
     conditions: Conditions, shape: tuple[int, int], ranges: Mapping[str, tuple[float, float]] = {}
-) -> Iterator[Variant]:
-    """Generate the variants of a joint: one source of uncertainty changed in each.
+) -> dict[str, Source]:
+    """Return the sources of uncertainty of a joint by name.
 
     Parameters
     ----------
@@ -171,30 +216,70 @@ def variants_of(
         If a name or a range is not allowed.
     """
     _check_ranges(conditions, ranges)
+    effects, numerics, choices = conditions.effects, conditions.numerics, conditions.choices
+    sources = {}
     step = _coarser(conditions.grid_spacing, ranges)
     if min(shape) >= 8 * step:
-        coarse = conditions._replace(spacing=step * conditions.grid_spacing)
-        yield Variant("spacing", f"{1e3 * coarse.grid_spacing:.3g} mm", coarse, step=step)
-    effects, numerics = conditions.effects, conditions.numerics
+        sources["spacing"] = Source((1, step))
     if effects.breakage and numerics.solver == "fast" and numerics.target == "equilibrate":
         resolved = numerics.breakage == "resolved"
         other = Numerics() if resolved else numerics._replace(breakage="resolved")
-        yield Variant("breakage", other.breakage, conditions._replace(numerics=other))
+        sources["breakage"] = Source((numerics, other))
     if min(shape) >= 8:
-        for shift in ((0, 1), (0, -1), (1, 0), (-1, 0)):
-            yield Variant("alignment", f"{shift} cells (y, x)", conditions, shift)
-    acting = {"peak_modulus_ratio": effects.soft_peaks, "peaks": effects.soft_peaks}
+        sources["alignment"] = Source(_SHIFTS)
+    acting = {"peak_modulus_ratio": effects.soft_peaks, "base_radius_in_cells": True}
     acting["peaks"] = effects.soft_peaks and effects.breakage
-    for name, values in (PLAUSIBLE | {k: ranges[k] for k in PLAUSIBLE if k in ranges}).items():
-        for value in values if acting.get(name, True) else ():
-            if value != getattr(conditions.choices, name):
-                choices = conditions.choices._replace(**{name: value})
-                yield Variant(name, f"{value}", conditions._replace(choices=choices))
-    for name in OF_ROCK:
-        for value in ranges.get(name, ()):
-            rock = tuple(wall._replace(**{name: value}) for wall in both_walls(conditions.rock))
-            size, unit = OF_ROCK[name].size, OF_ROCK[name].in_brackets
-            yield Variant(name, f"{value / size:g}{unit}", conditions._replace(rock=rock))
+    for name, ends in PLAUSIBLE.items():
+        values = tuple(ranges.get(name, ends))
+        if acting[name] and isinstance(values[0], str):
+            joint = getattr(choices, name)
+            sources[name] = Source((joint, *(value for value in values if value != joint)))
+        elif acting[name]:
+            sources[name] = Source(values, continuous=True)
+    return sources | {name: Source(ranges[name], True) for name in OF_ROCK if name in ranges}
+
+
+def variants_of(
+    conditions: Conditions, sources: Mapping[str, Source], draws: int = DRAWS, seed: int = 0
+) -> Iterator[Variant]:
+    """Generate the variants of a joint: each source changed alone, then all of them at random.
+
+    Parameters
+    ----------
+    conditions : Conditions
+        Conditions of the joint.
+    sources : mapping
+        As from `sources_of`.
+    draws : int
+        Number of variants in which all sources have random values.
+    seed : int
+    """
+    joint = Variant("", "", conditions)
+    for name, source in sources.items():
+        for value in source.values[0 if source.continuous else 1 :]:
+            yield joint.changed(name, value)._replace(source=name, value=_text(name, value))
+    shares = LatinHypercube(len(sources), rng=generator(seed)).random(draws)
+    for row in shares:
+        drawn = joint._replace(source=ALL)
+        texts = []
+        for share, (name, source) in zip(row, sources.items(), strict=True):
+            value = source.at(float(share))
+            drawn = drawn.changed(name, value)
+            texts.append(f"{TITLES[name]} {_text(name, value)}")
+        yield drawn._replace(value="; ".join(texts))
+
+
+def _text(name: str, value: Any) -> str:
+    """Describe a value of a source."""
+    if name == "spacing":
+        return f"every {value}. cell" if value > 1 else "every cell"
+    if name == "alignment":
+        return f"{value} cells (y, x)"
+    if name == "breakage":
+        return value.breakage
+    if name in OF_ROCK:
+        return f"{value / OF_ROCK[name].size:.4g}{OF_ROCK[name].in_brackets}"
+    return value if isinstance(value, str) else f"{value:.3g}"
 
 
 def uncertainty_budget(
@@ -205,7 +290,7 @@ def uncertainty_budget(
     closed: xr.Dataset | None = None,
     report: Callable[[float, str], None] = lambda share, variant: None,
 ) -> Budget:
-    """Close a joint with each source of uncertainty changed in turn.
+    """Close a joint with each source of uncertainty changed in turn, and with all at random.
 
     Parameters
     ----------
@@ -213,7 +298,7 @@ def uncertainty_budget(
         Heights towards the other wall [m].
     conditions : Conditions
     ranges : mapping
-        As for `variants_of`.
+        As for `sources_of`.
     closed : Dataset, optional
         Result of `jointclosure.simulate` at the conditions, by default computed here.
     report : callable
@@ -224,11 +309,11 @@ def uncertainty_budget(
     Budget
     """
     conditions = conditions._replace(flow=False).checked()
-    variants = list(variants_of(conditions, upper.shape, ranges))
+    variants = list(variants_of(conditions, sources_of(conditions, upper.shape, ranges)))
     closed = close_walls(upper, lower, conditions) if closed is None else closed
     parts = [_results(Variant("", "", conditions), closed)]
     for number, variant in enumerate(variants):
-        report(number / len(variants), TITLES[variant.source])
+        report(number / len(variants), TITLES.get(variant.source, variant.source))
         try:
             joint = close_walls(*variant.walls(upper, lower), variant.conditions)
         except InputError:  # such as more steps than the numerics allow
@@ -303,28 +388,22 @@ def _ranges(results: pd.DataFrame) -> pd.DataFrame:
     rows = {}
     for cycle, of_cycle in results.groupby("cycle"):
         for quantity in QUANTITIES:
-            best = float(of_cycle.loc[of_cycle.source == "", quantity].iloc[0])
-            others = of_cycle[of_cycle.source != ""].groupby("source")[quantity].apply(np.array)
-            rows[cycle, quantity] = _combined(best, others.to_dict())
+            values = of_cycle.groupby("source")[quantity].apply(np.array).to_dict()
+            best, drawn = float(values.pop("")[0]), values.pop(ALL, np.empty(0))
+            drawn = np.append(drawn[np.isfinite(drawn)], best)
+            ends = {"best": best, "low": drawn.min(), "high": drawn.max()}
+            rows[cycle, quantity] = ends | _shares(best, values)
     index = pd.MultiIndex.from_tuples(rows, names=["cycle", "quantity"])
     return pd.DataFrame(list(rows.values()), index=index)
 
 
-def _combined(best: float, others: dict[str, np.ndarray]) -> dict[str, float]:
-    """Return best, lowest and highest value, and the share of each source in the range."""
+def _shares(best: float, others: dict[str, np.ndarray]) -> dict[str, float]:
+    """Return the share of each source in the sum of squared changes, up and down."""
     known = np.concatenate([[best], *others.values()])
     factors = bool(np.all(known[np.isfinite(known)] > 0.0))
-    changes = {
-        name: (np.log(values / best) if factors else values - best)[np.isfinite(values)]
-        for name, values in others.items()
-    }
-    up = {name: float(change.max(initial=0.0)) ** 2 for name, change in changes.items()}
-    down = {name: float(change.min(initial=0.0)) ** 2 for name, change in changes.items()}
-    rise, fall = np.sqrt(sum(up.values())), np.sqrt(sum(down.values()))
-    low, high = (
-        (best * np.exp(-fall), best * np.exp(rise)) if factors else (best - fall, best + rise)
-    )
-    total = (rise**2 + fall**2) or np.nan
-    return {"best": best, "low": low, "high": high} | {
-        name: (up[name] + down[name]) / total for name in others
-    }
+    squares = {}
+    for name, values in others.items():
+        changes = (np.log(values / best) if factors else values - best)[np.isfinite(values)]
+        squares[name] = changes.max(initial=0.0) ** 2 + changes.min(initial=0.0) ** 2
+    total = sum(squares.values()) or np.nan
+    return {name: square / total for name, square in squares.items()}

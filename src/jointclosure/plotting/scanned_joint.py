@@ -4,7 +4,7 @@ import numpy as np
 import seaborn as sns
 from matplotlib.figure import Figure
 
-from jointclosure.ensemble.uncertainty import TITLES, Budget
+from jointclosure.ensemble.uncertainty import ALL, TITLES, Budget
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.surface.registration import CLEAR, RegisteredPair
 
@@ -52,11 +52,13 @@ def range_figure(budget: Budget, title: str) -> Figure:
             values = results.loc[results.source == name, closure].to_numpy()
             axes.plot([row.best, *values], [place] * (1 + values.size), "-", color="0.6")
             axes.plot(values, [place] * values.size, "o", color="C0")
+        drawn = results.loc[results.source == ALL, closure].to_numpy()
         axes.plot([row.low, row.high], [len(shares)] * 2, "-", color="C1", lw=3)
+        axes.plot(drawn, [len(shares) + 0.35] * drawn.size, "|", color="C1", ms=5)
         axes.plot(row.best, len(shares), "o", color="C1")
         axes.axvline(row.best, color="0.8", lw=0.8, zorder=0)
         labels = [f"{TITLES[name]} ({100.0 * share:.0f} %)" for name, share in shares.items()]
-        axes.set_yticks(range(len(shares) + 1), [*labels, "all together"])
+        axes.set_yticks(range(len(shares) + 1), [*labels, "all together, 9 in 10"])
         axes.set(xlabel=f"net closure of cycle {cycle} since seating (mm)")
     figure.suptitle(title, parse_math=False)
     sns.despine(figure)

@@ -1,0 +1,122 @@
+"""Range of a closed joint over what the model leaves open."""
+
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from jointclosure.config.files import read_plain
+from jointclosure.engineering.curves import cycle_table
+from jointclosure.ensemble.closing import close_walls
+from jointclosure.ensemble.uncertainty import (
+    ALL,
+    DRAWS,
+    PLAUSIBLE,
+    QUANTITIES,
+    _shares,
+    sources_of,
+    uncertainty_budget,
+    variants_of,
+)
+from tests.conftest import DOLERITE, SPACING
+from tests.studied import ROOT
+
+CONDITIONS = jc.Conditions(SPACING, DOLERITE, 2e6, 1, 0.2e6)
+CLOSURE = next(iter(QUANTITIES))
+
+
+def test_shares_are_those_of_squared_changes_of_logarithms():
+    others = {"a": np.array([0.5, 2.0]), "b": np.array([1.0, 4.0]), "c": np.array([np.nan])}
+    shares = _shares(1.0, others)  # a moves by -ln 2 and ln 2, b by 0 and 2 ln 2
+    assert (shares["a"], shares["b"], shares["c"]) == pytest.approx((2 / 6, 4 / 6, 0.0))
+    signed = _shares(0.0, {"a": np.array([-3.0]), "b": np.array([-4.0, 1.0])})
+    assert signed["a"] == pytest.approx(9 / 26)
+    assert np.isnan(_shares(1.0, {"a": np.array([1.0])})["a"])  # nothing has a share in no range
+
+
+def test_the_range_is_that_of_random_joints(small_joint):
+    budget = uncertainty_budget(*small_joint, CONDITIONS)
+    drawn = budget.results[budget.results.source == ALL]
+    assert len(drawn) == DRAWS
+    for name in QUANTITIES:
+        low, high = budget.ranges.loc[(1, name), ["low", "high"]]
+        every = [*drawn[name], budget.results[name].iloc[0]]
+        assert (low, high) == (min(every), max(every))
+    assert drawn.value.is_unique
+
+
+def test_random_values_fill_their_ranges():
+    conditions = CONDITIONS.checked()
+    sources = sources_of(conditions, (20, 24), {"youngs_modulus": (50e9, 90e9)})
+    drawn = [v for v in variants_of(conditions, sources, 40) if v.source == ALL]
+    ratios = np.sort([v.conditions.choices.peak_modulus_ratio for v in drawn])
+    low, high = PLAUSIBLE["peak_modulus_ratio"]
+    expected = low * (high / low) ** ((np.arange(40) + 0.5) / 40)
+    np.testing.assert_allclose(ratios, expected, rtol=0.1)  # one in each part of equal probability
+    moduli = [v.conditions.rock[0].youngs_modulus for v in drawn]
+    assert 50e9 <= min(moduli) < 52e9 < 88e9 < max(moduli) <= 90e9
+    for values in ([v.step for v in drawn], [v.conditions.choices.peaks for v in drawn]):
+        assert [values.count(value) for value in set(values)] == [20, 20]
+    assert {v.shift for v in drawn} == {(0, 0), (0, 1), (0, -1), (1, 0), (-1, 0)}
+
+
+def test_each_source_is_varied_alone_to_its_plausible_values(small_joint):
+    budget = uncertainty_budget(*small_joint, CONDITIONS, {"youngs_modulus": (50e9, 90e9)})
+    results = budget.results.set_index(["source", "value"])[CLOSURE]
+    alone = {
+        ("", ""): CONDITIONS,
+        ("peak_modulus_ratio", "0.2"): CONDITIONS._replace(
+            choices=jc.Choices(peak_modulus_ratio=0.2)
+        ),
+        ("breakage", "resolved"): CONDITIONS._replace(numerics=jc.Numerics(breakage="resolved")),
+        ("youngs_modulus", "50 (GPa)"): CONDITIONS._replace(
+            rock=DOLERITE._replace(youngs_modulus=50e9)
+        ),
+    }
+    for variant, conditions in alone.items():
+        closed = close_walls(*small_joint, conditions.checked())
+        assert results[variant] == cycle_table(closed)[CLOSURE].iloc[0]
+    assert budget.omitted == ("poisson_ratio", "compressive_strength")
+    low, high = budget.ranges.loc[(1, CLOSURE), ["low", "high"]]
+    assert low < results["", ""] < high
+
+
+def test_variants_shift_and_thin_out_the_walls_themselves(small_joint):
+    upper, lower = small_joint
+    sources = sources_of(CONDITIONS, upper.shape)
+    variants = {(v.source, v.value): v for v in variants_of(CONDITIONS, sources)}
+    coarse = variants["spacing", "every 2. cell"]
+    np.testing.assert_array_equal(coarse.walls(upper, lower)[0], upper[::2, ::2])
+    assert coarse.conditions.spacing == 2 * SPACING
+    for y, x in ((0, 1), (0, -1), (1, 0), (-1, 0)):
+        one, two = variants["alignment", f"{(y, x)} cells (y, x)"].walls(upper, lower)
+        rolled = np.roll(upper, (-y, -x), (0, 1))
+        kept = [slice(max(-s, 0), n - max(s, 0)) for s, n in zip((y, x), upper.shape, strict=True)]
+        np.testing.assert_array_equal(one, rolled[tuple(kept)])
+        np.testing.assert_array_equal(two, lower[tuple(kept)])
+    elastic = CONDITIONS._replace(effects=jc.Effects(True, True, False, False, False))
+    assert set(sources_of(elastic, upper.shape)) == {"spacing", "alignment", "base_radius_in_cells"}
+
+
+@pytest.mark.parametrize(
+    ("ranges", "message"),
+    [
+        ({"strength": (1.0, 2.0)}, "'strength': must be one of"),
+        ({"youngs_modulus": (2e9, 1e9)}, "lowest value must come first"),
+        ({"youngs_modulus": (1e9,)}, "must be \\(lowest, highest\\)"),
+        ({"peak_modulus_ratio": (0.1, 2.0)}, "peak_modulus_ratio = 2.0"),
+        ({"spacing": (SPACING, 1.2 * SPACING)}, "must begin at the spacing"),
+    ],
+)
+def test_ranges_that_cannot_be_are_refused_by_name(ranges, message):
+    with pytest.raises(jc.InputError, match=message):
+        sources_of(CONDITIONS, (20, 24), ranges)
+
+
+def test_what_is_plausible_is_what_the_global_sensitivity_study_varies():
+    inputs = read_plain(ROOT / "config/global_sensitivity.yaml")["global_sensitivity"]["inputs"]
+    studied = {
+        about["key"].removeprefix("choices."): about.get("between", about.get("values"))
+        for about in inputs.values()
+        if about["key"].startswith("choices.")
+    }
+    assert {name: list(values) for name, values in PLAUSIBLE.items()} == studied
