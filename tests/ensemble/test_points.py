@@ -8,6 +8,7 @@ import pytest
 
 from jointclosure.config.files import read_plain
 from jointclosure.ensemble import points as engine
+from jointclosure.ensemble import timing
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.points import (
     Point,
@@ -117,6 +118,12 @@ def test_the_time_is_estimated_by_a_joint_of_every_grid(points):
     assert table.joints.tolist() == [4, 8]
     assert (table.seconds > 0.0).all()
     assert table.error.isna().all()
+
+
+def test_the_time_of_a_transform_pair_is_the_median_of_differences_of_the_clock(monkeypatch):
+    clock = iter([10.0, 10.5, 20.0, 20.2, 30.0, 30.9])
+    monkeypatch.setattr(timing.time, "process_time", lambda: next(clock))
+    assert timing.pair_seconds(3) == pytest.approx(0.5)
 
 
 def test_the_mean_time_of_several_points_has_an_error(points, monkeypatch):

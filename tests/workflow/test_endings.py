@@ -114,6 +114,7 @@ def wait_for(folder: Path, text: str, run: subprocess.Popen) -> None:
         time.sleep(0.05)
 
 
+@pytest.mark.slow
 def test_a_run_under_timeout_ends_while_it_is_planned(folder):
     """`timeout` sends TERM to make, make to the run, and `timeout` to the whole group again."""
     run = started(folder)
