@@ -1,10 +1,12 @@
 """All forms of a scan are one joint, and a slip of units is refused or warned of at every door."""
 
+import struct
 import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.io
 import xarray as xr
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -72,7 +74,31 @@ def as_shuffled_text(path, ground):
     return {"units": "mm"}
 
 
-def as_stl(path, ground):
+def as_matrix(path, ground):
+    np.savetxt(path, ground.heights, "%.6f")
+    return {"units": "mm", "spacing": 1e-3 * ground.step}
+
+
+def as_matlab(path, ground):
+    x, y, _ = ground.points().T.reshape(3, *ground.heights.shape)
+    scipy.io.savemat(path, {"Z_um": 1e3 * ground.heights, "X_mm": x, "Y_mm": y})
+    return {}
+
+
+def as_surfer(path, ground):
+    (ny, nx), (y, x) = ground.heights.shape, ground.corner
+    ends = x + ground.step * (nx - 1), y + ground.step * (ny - 1)
+    limits = [x, ends[0], y, ends[1], ground.heights.min(), ground.heights.max()]
+    if path.stem == "b":
+        head = b"DSBB" + struct.pack("<2h6d", nx, ny, *limits)
+        path.write_bytes(head + ground.heights.astype("<f4").tobytes())
+    else:
+        numbers = " ".join(f"{value:.9f}" for value in ground.heights.ravel())
+        path.write_text(f"DSAA {nx} {ny} {' '.join(map(repr, map(float, limits)))} {numbers}")
+    return {"units": "mm"}
+
+
+def as_mesh(path, ground):
     trimesh = pytest.importorskip("trimesh")
     ny, nx = ground.heights.shape
     corner = (np.arange(ny - 1)[:, None] * nx + np.arange(nx - 1)).ravel()
@@ -83,7 +109,8 @@ def as_stl(path, ground):
         ]
     )
     mesh = trimesh.Trimesh(ground.points(), faces, process=False)
-    path.write_bytes(mesh.export(file_type="stl"))
+    content = mesh.export(file_type=path.suffix[1:])
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
     return {"units": "mm"}
 
 
@@ -105,7 +132,13 @@ FORMS = {
     "a.nc": as_netcdf,
     "a.csv": as_csv,
     "a.xyz": as_shuffled_text,
-    "a.stl": as_stl,
+    "a.stl": as_mesh,
+    "a.ply": as_mesh,
+    "a.obj": as_mesh,
+    "a.txt": as_matrix,
+    "a.mat": as_matlab,
+    "a.grd": as_surfer,
+    "b.grd": as_surfer,
     "a.asc": as_esri,
     "a.tif": as_tiff,
 }
@@ -135,7 +168,9 @@ def test_all_forms_of_a_scan_are_one_scan(tmp_path, walls, form):
         scan = read_in(form, ground, tmp_path)
         assert isinstance(scan, Scan)
         assert scan.spacing == pytest.approx((1e-3 * ground.step,) * 2, rel=1e-6)
-        np.testing.assert_allclose(scan.heights, 1e-3 * ground.heights, atol=2e-9)
+        np.testing.assert_allclose(
+            scan.heights, 1e-3 * ground.heights, atol=1e-8 if form == "a.obj" else 2e-9
+        )
         if scan.origin is not None and form != "a.asc":  # whose corner is that of its first cell
             assert scan.origin == pytest.approx([1e-3 * part for part in ground.corner], rel=1e-6)
 

@@ -1,8 +1,8 @@
 """Files of scanned walls: `read_scan`. Files are only read as data, never run or changed.
 
-numpy, netCDF and text files need only the package itself. STL, TIFF and files of surface scanners
-need its extra ``walls``. A reader returns the content of a file (`contents.Contents`); units are
-determined here.
+numpy, netCDF, MATLAB, Surfer and text files need only the package itself. Meshes, TIFF and files of
+surface scanners need its extra ``walls``. A reader returns the content of a file
+(`contents.Contents`); units are determined here.
 """
 
 import functools
@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from jointclosure.inputs import InputError
-from jointclosure.scans import esri, grids, instruments, meshes, points
+from jointclosure.scans import esri, grids, instruments, meshes, points, surfer
 from jointclosure.scans.contents import Contents
 from jointclosure.scans.sentinels import missing_heights
 from jointclosure.scans.units import doubted, settled, size_of
@@ -30,7 +30,9 @@ READERS = {
     ".csv": points.read_text,
     ".xyz": points.read_text,
     ".txt": points.read_text,
-    ".stl": meshes.read_stl,
+    **dict.fromkeys((".stl", ".ply", ".obj"), meshes.read_mesh),
+    ".grd": surfer.read_grd,
+    ".mat": grids.read_matlab,
 }
 """Readers by suffix of a file's name; SurfaceTopography reads all other files."""
 
@@ -53,8 +55,8 @@ def read_scan(
     spacing : float, optional
         Spacing of a grid [m], if the file does not state it.
     variable : str, optional
-        Name of an array of an npz or netCDF file, of a channel of a scanner's file, or of three
-        columns of a text file ("x,y,height", "1,2,4").
+        Name of an array of an npz, netCDF or MATLAB file, of a channel of a scanner's file, or of
+        three columns of a text file ("x,y,height", "1,2,4").
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Heights on a regular grid: npy, npz, netCDF, TIFF and GeoTIFF.
+"""Heights on a regular grid: npy, npz, netCDF, MATLAB, TIFF and GeoTIFF.
 
 Arrays are (y, x), row by row. In npz files and text headers a name may end with its unit, as
 everywhere in this project: ``Z_mm``, ``spacing_mm``.
@@ -9,11 +9,13 @@ from pathlib import Path
 from typing import IO
 
 import numpy as np
+import scipy.io
 import xarray as xr
 
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 from jointclosure.scans.contents import Contents, check_no_variable, check_size, reading_as
+from jointclosure.scans.points import contents_of
 from jointclosure.scans.units import split_name
 
 _ARRAYS = "an array of numbers"
@@ -196,6 +198,40 @@ def _no_data(written) -> float | None:
         return float(word)
     except ValueError:
         raise InputError(f"GDAL_NODATA = {word!r}: must be a number or none") from None
+
+
+def read_matlab(path: Path, variable: str | None) -> Contents:
+    """Read an array of a MATLAB file up to version 7.2; its spacing as in an npz file.
+
+    Matrices X and Y of the places, as from ``meshgrid``, state the spacing too.
+    """
+    with reading_as("a MATLAB file (up to version 7.2: save with -v7)"):
+        listed = {name: shape for name, shape, _ in scipy.io.whosmat(path)}
+        for shape in listed.values():
+            check_size(shape)
+        arrays = scipy.io.loadmat(path)
+    shapes = {name: arrays[name].shape for name in listed}
+    fields = [
+        name
+        for name, shape in shapes.items()
+        if min(shape) > 2 and split_name(name)[0].lower() not in ("x", "y")
+    ]
+    name = _chosen(variable, fields, shapes)
+    heights = np.asarray(arrays[name])
+    for key, value in arrays.items():
+        if split_name(key)[0] in _SPACINGS and np.size(value) == 1:
+            step = float(np.asarray(value).item())
+            return Contents(heights, (step, step), None, split_name(name)[1], split_name(key)[1])
+    places = {split_name(key)[0].lower(): key for key in listed if shapes[key] == heights.shape}
+    if not {"x", "y"} <= set(places):
+        return Contents(heights, None, None, split_name(name)[1])
+    x, y = (np.asarray(arrays[places[axis]], dtype=float) for axis in "xy")
+    points = np.stack([x.ravel(), y.ravel(), heights.astype(float).ravel()], axis=1)
+    units = {split_name(places[axis])[1] for axis in "xy"}
+    if len(units) > 1:
+        raise InputError(f"{places['x']} and {places['y']}: must be in the same units")
+    contents = contents_of(points)
+    return contents._replace(height_units=split_name(name)[1], length_units=units.pop())
 
 
 def _chosen(variable: str | None, fields: list[str], all_names: dict) -> str:

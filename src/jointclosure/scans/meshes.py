@@ -1,4 +1,4 @@
-"""Triangulated scans: STL files, whose vertices are the points of the wall."""
+"""Triangulated scans: STL, PLY and OBJ files, whose vertices are the points of the wall."""
 
 from pathlib import Path
 
@@ -14,18 +14,23 @@ LARGEST_COVER = 1.05
 """Largest area of the triangles in the plan over that of the points' convex hull; a solid has 2."""
 
 
-def read_stl(path: Path, variable: str | None) -> Contents:
-    """Read the vertices of an STL file, binary or text; the format has no units."""
+def read_mesh(path: Path, variable: str | None) -> Contents:
+    """Read the vertices of all meshes and point clouds of a file; the formats have no units."""
     check_no_variable(variable)
-    with needs("walls", "STL"):
+    form = path.suffix.lower().removeprefix(".")
+    with needs("walls", form.upper()):
         import trimesh
-    with reading_as("STL"), path.open("rb") as file:
-        mesh = trimesh.load_mesh(file, file_type="stl")
-        points = np.array(mesh.vertices, dtype=float)
-    if len(points) < 4:
-        raise InputError(f"has {len(points)} vertices: too few for a wall")
-    _check_single_sheet(points, np.asarray(mesh.faces))
-    return contents_of(points)
+    points, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=int)], 0
+    with reading_as(form.upper()), path.open("rb") as file:
+        for part in trimesh.load_scene(file, file_type=form).geometry.values():
+            points.append(np.array(part.vertices, dtype=float))
+            faces.append(count + np.asarray(getattr(part, "faces", faces[0])))
+            count += len(points[-1])
+    if count < 4:
+        raise InputError(f"has {count} vertices: too few for a wall")
+    vertices = np.concatenate(points)
+    _check_single_sheet(vertices, np.concatenate(faces))
+    return contents_of(vertices)
 
 
 def _check_single_sheet(points: np.ndarray, faces: np.ndarray) -> None:

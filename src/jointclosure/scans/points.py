@@ -1,4 +1,4 @@
-"""Points x, y, z in text files: csv, xyz, txt."""
+"""Points x, y, z, or a matrix of heights, in text files: csv, xyz, txt."""
 
 from pathlib import Path
 
@@ -12,6 +12,9 @@ from jointclosure.scans.text import Table, read_table
 from jointclosure.scans.units import size_of, split_name
 from jointclosure.surface.outliers import strays
 
+LEAST_COLUMNS = 12
+"""Number of columns without names from which on a file is a matrix of heights. Points with colours,
+normals and an intensity have ten."""
 NAMED = 3
 """Largest number of stray points whose places are listed."""
 
@@ -21,11 +24,14 @@ def read_text(path: Path, variable: str | None) -> Contents:
 
     Lines of names may state the units of columns ("x_mm", "z (um)"). ``variable`` names three
     columns, or numbers them from 1 ("x,y,height", "1,2,4"), if they are not named x, y and z. The
-    remarks describe missing, stray and skipped values. Points that are all nodes of a regular grid
-    are returned as that grid.
+    remarks describe missing, stray and skipped values. `LEAST_COLUMNS` or more columns without
+    names are heights (y, x), whose spacing has to be stated. Points that are all nodes of a regular
+    grid are returned as that grid.
     """
     with reading_as("points", ValueError):
         table = read_table(path)
+    if variable is None and not table.names and table.values.shape[1] >= LEAST_COLUMNS:
+        return Contents(table.values, remarks=table.remarks)
     columns = _columns(table, variable)
     values = table.values[:, columns]
     x, y, z = (_unit_of(table, column) for column in columns)
@@ -120,7 +126,7 @@ def _columns(table: Table, variable: str | None) -> list[int]:
     if width != 3:
         raise InputError(
             f"{width} columns without names: must be three, x, y and z, or variable must state "
-            "them, such as 1,2,3"
+            f"them, such as 1,2,3; a matrix of heights has at least {LEAST_COLUMNS}"
         )
     return [0, 1, 2]
 
