@@ -43,8 +43,19 @@ def test_a_curve_is_read_in_si_with_its_lines():
         ("stress,closure,cycle\n1,0.1,1\n", {"stress_unit": "MPa", "closure_unit": "mm"}),
         ("\ufeffstress_Pa,closure_m,cycle\n1e6,1e-4,1\n", {"stress_unit": "GPa"}),
         ('stress_MPa,closure_mm,cycle\n"1","0.1","1.0"\n', {}),
+        ("Stress (MPa); t (s); Closure [mm]; cycle\n1;7;0.1;1\n", {}),
+        ("stress\tclosure\tcycle\tx\nMPa\tmm\t-\ts\n1\t0.1\t1\tfree text\n", {}),
+        ("t,sigma_n,d,No\ns,MPa,mm,\n0,1,0.1,1\n", {"names": ["sigma_n", "d", "No"]}),
     ],
-    ids=["other order and units", "configured units", "mark of Excel", "quotes"],
+    ids=[
+        "other order and units",
+        "configured units",
+        "mark of Excel",
+        "quotes",
+        "brackets",
+        "line of units",
+        "named columns",
+    ],  # fmt: skip
 )
 def test_units_are_those_of_the_header_or_of_the_configuration(text, units):
     curve = curve_of(text, **units)
@@ -60,7 +71,8 @@ def test_units_are_those_of_the_header_or_of_the_configuration(text, units):
         (HEADER + "1,0.1,1.5\n", "lab.csv, line 2: cycle = 1.5: must be a whole number"),
         (HEADER + "1,0,1,1\n", "line 2: '1,0,1,1' has 4 values, the header has 3"),
         ("stress_MPa,closure_mm\n1,2\n", "line 1: lacks cycle"),
-        ("stress_MPa,depth_mm,cycle\n1,2,1\n", "column 'depth_mm': must be stress, closure or"),
+        ("stress_MPa,depth_mm,cycle\n1,2,1\n", "lacks closure (columns are stress_MPa,closure_mm"),
+        ("stress_MPa closure_mm cycle\n1 2 1\n", "separated by commas, semicolons or tabs"),
         ("stress_psi,closure_mm,cycle\n1,2,1\n", "unit 'psi' must be one of Pa, MPa, GPa"),
     ],
 )

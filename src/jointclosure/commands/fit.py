@@ -33,7 +33,8 @@ _EXAMPLES = """examples:
   jointclosure fit curve.csv --youngs-modulus 60 --poisson-ratio 0.22 --strength 180 --jrc 8 \\
       --stress-unit MPa --closure-unit mm --seating 0.25
 
-The curve has columns stress_MPa, closure_mm and, for several cycles, cycle (docs/mismatch.md).
+The curve has columns stress_MPa, closure_mm and, for several cycles, cycle; others are not read
+(docs/mismatch.md).
 """
 
 
@@ -54,6 +55,10 @@ def add_to(commands) -> None:
         "--closure-unit", choices=CLOSURE_UNITS, help="if the column's name has none"
     )
     curve.add_argument(
+        "--columns", type=lambda text: text.split(","), metavar="STRESS,CLOSURE[,CYCLE]",
+        help="headings of the columns, if they are others",
+    )  # fmt: skip
+    curve.add_argument(
         "--closure-error", type=float, default=2.0, metavar="%",
         help="error of measured closures, one standard deviation (default 2)",
     )  # fmt: skip
@@ -61,7 +66,9 @@ def add_to(commands) -> None:
     add_rock(command)
     joint = command.add_argument_group("joint")
     joint.add_argument("--jrc", type=float, metavar="JRC", help="joint roughness coefficient")
-    joint.add_argument(
+    size = joint.add_mutually_exclusive_group()
+    size.add_argument("--size", type=float, metavar="mm", help="side of the measured joint")
+    size.add_argument(
         "--cells", type=int, default=64, metavar="N", help="cells along the sides (default 64)"
     )
     joint.add_argument("--spacing", type=float, metavar="mm", help="grid spacing")
@@ -91,8 +98,10 @@ def run(arguments) -> int:
         check_can_be_made(arguments.output)
     if not arguments.curve.is_file():
         raise InputError(f"{arguments.curve}: file not found")
-    units = (arguments.stress_unit, arguments.closure_unit)
-    curve = parsed_curve(read_text(arguments.curve), str(arguments.curve), *units, cycle=1)
+    curve = parsed_curve(
+        read_text(arguments.curve), str(arguments.curve), arguments.stress_unit,
+        arguments.closure_unit, cycle=1, names=arguments.columns,
+    )  # fmt: skip
     settings = _settings(arguments, float(curve.stress.max()))
     configuration, case = settings.typed, cases_of(settings.typed)[0]
     surface = configuration.surface
@@ -100,7 +109,7 @@ def run(arguments) -> int:
     assumed = assumptions(
         case.intact, case.jrc, grid.shape, grid.spacing, surface.roll_off, arguments.fit_strength
     )
-    print(f"assumed (--jrc, --cells, --spacing and --set change it): {assumed}")
+    print(f"assumed (--jrc, --size or --cells, --spacing and --set change it): {assumed}")
     with bar("closing") as show:
         result = fit(
             arguments.curve,
@@ -112,6 +121,7 @@ def run(arguments) -> int:
             fit_strength=arguments.fit_strength,
             stress_unit=arguments.stress_unit,
             closure_unit=arguments.closure_unit,
+            columns=arguments.columns,
             surfaces=arguments.surfaces,
             closure_error=1e-2 * arguments.closure_error,
             seed=arguments.seed,
@@ -137,10 +147,10 @@ def run(arguments) -> int:
 
 def _settings(arguments, largest: float) -> Configured:
     """Return the checked configuration of the arguments."""
-    grid: dict = {"cells_x": arguments.cells, "cells_y": arguments.cells}
-    if arguments.spacing is not None:
-        grid["spacing_mm"] = arguments.spacing
     base = base_keys(arguments)
+    spacing = arguments.spacing or base["grid"]["spacing_mm"]
+    cells = arguments.cells if arguments.size is None else round(arguments.size / spacing)
+    grid: dict = {"cells_x": cells, "cells_y": cells, "spacing_mm": spacing}
     if arguments.jrc is None and base["rocks"].get(arguments.rock, {}).get("jrc") is None:
         raise InputError("--jrc: must be given")
     rock = {"max_normal_stress_MPa": 1e-6 * largest, "walls": None}

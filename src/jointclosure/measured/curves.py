@@ -8,7 +8,8 @@ closures does not matter.
 
 import csv
 import math
-from collections.abc import Callable, Iterator
+import re
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -25,6 +26,8 @@ from jointclosure.joint.history import first_crossing
 from jointclosure.joint.protocol import LOADING, UNLOADING
 
 STRESS_UNITS, CLOSURE_UNITS = ("Pa", "MPa", "GPa"), ("m", "mm", "um")
+_HEADING = r"(?P<name>.*?)(?:_(?P<ending>[A-Za-z]+)|\s*[(\[](?P<within>[^)\]]+)[)\]])?"
+"""Heading of a column: a name, and a unit at its end or in brackets."""
 _READ = ("closure", "status", "max_closure", "max_closure_seated", "residual_closure")
 FIT_COLUMNS = (
     "rock",
@@ -121,21 +124,25 @@ def parsed_curve(
     closure_unit: str | None = None,
     *,
     cycle: int | None = None,
+    names: Sequence[str] | None = None,
 ) -> MeasuredCurve:
     """Read a curve from the text of a CSV file.
 
     Parameters
     ----------
     text : str
-        Lines of `#` comments, a header and rows. The header's columns, in any
-        order, are ``stress`` and ``closure`` with their units (``stress_MPa``,
-        ``closure_mm``) and ``cycle``.
+        Lines of `#` comments, a header and rows, separated by commas, semicolons or tabs. The
+        header's columns, in any order, are ``stress`` and ``closure`` with their units
+        (``stress_MPa``, ``closure (mm)``) and ``cycle``; others are not read. The line below the
+        header may state the units.
     name : str
         Name of the file, for messages.
     stress_unit, closure_unit : str, optional
         Units of columns whose header has none.
     cycle : int, optional
         Cycle of all rows, if there is no such column; by default the column is needed.
+    names : sequence of str, optional
+        Headings of the columns of stress, closure and, if there is one, cycle, if they are others.
 
     Raises
     ------
@@ -149,19 +156,29 @@ def parsed_curve(
     ]
     if not lines:
         raise InputError(f"{name}: has no header and no rows")
-    header = [cell.strip() for cell in next(csv.reader([lines[0][1]]))]
-    where = f"{name}, line {lines[0][0]}"
-    if len(header) == 1:
-        raise InputError(f"{where}: {header[0]!r}: columns must be separated by commas")
+    mark = next((mark for mark in ";\t," if mark in lines[0][1]), None)
+    if mark is None:
+        raise InputError(
+            f"{name}, line {lines[0][0]}: {lines[0][1].strip()!r}: columns must be separated by "
+            "commas, semicolons or tabs"
+        )
+    table = [
+        (number, [cell.strip() for cell in next(csv.reader([line], delimiter=mark))])
+        for number, line in lines
+    ]
+    (first, header), *body = table
+    where = f"{name}, line {first}"
+    below: list[str] = []
+    if body and any(cell.strip("()[]") in STRESS_UNITS for cell in body[0][1]):
+        below = [cell.strip("()[]") for cell in body.pop(0)[1]]
     units = {"stress": stress_unit, "closure": closure_unit}
-    columns = _columns(header, where, units, needs_cycle=cycle is None)
+    columns = _columns(header, below, where, units, cycle is None, names)
     rows = []
-    for number, line in lines[1:]:
-        cells = next(csv.reader([line]))
+    for number, cells in body:
         if len(cells) != len(header):
             raise InputError(
-                f"{name}, line {number}: {line.strip()!r} has {len(cells)} values, the header has "
-                f"{len(header)} (values are separated by commas, decimals by points)"
+                f"{name}, line {number}: {mark.join(cells)!r} has {len(cells)} values, the header "
+                f"has {len(header)} (decimals are written with points)"
             )
         at = f"{name}, line {number}"
         values = [_number(cells[i], at, quantity) for quantity, (i, _) in columns.items()]
@@ -175,35 +192,52 @@ def parsed_curve(
 
 
 def _columns(
-    header: list[str], where: str, units: dict, needs_cycle: bool
+    header: list[str],
+    below: list[str],
+    where: str,
+    units: dict[str, str | None],
+    needs_cycle: bool,
+    names: Sequence[str] | None,
 ) -> dict[str, tuple[int, str]]:
     """Return position and unit of stress, closure and cycle, in that order."""
-    columns: dict[str, tuple[int, str]] = {}
-    for position, cell in enumerate(header):
-        quantity, _, unit = cell.partition("_")
-        allowed = {"stress": STRESS_UNITS, "closure": CLOSURE_UNITS, "cycle": ("",)}.get(quantity)
-        if allowed is None:
+    allowed = {"stress": STRESS_UNITS, "closure": CLOSURE_UNITS, "cycle": ("",)}
+    headings = [re.fullmatch(_HEADING, cell) for cell in header]
+    quantities = [heading["name"].lower() if heading else "" for heading in headings]
+    if names is not None:
+        unknown = [name for name in names if name not in header]
+        if unknown or not 2 <= len(names) <= 3:
             raise InputError(
-                f"{where}: column {cell!r}: must be stress, closure or cycle, separated by commas, "
-                "such as stress_MPa,closure_mm,cycle"
+                f"{where}: columns {', '.join(names)}: must be two or three of {', '.join(header)}"
             )
+        named = dict(zip(names, allowed, strict=False))
+        quantities = [named.get(cell, "") for cell in header]
+    columns: dict[str, tuple[int, str]] = {}
+    for position, (cell, quantity) in enumerate(zip(header, quantities, strict=True)):
+        if quantity not in allowed:
+            continue
         if quantity in columns:
             raise InputError(f"{where}: column {cell!r}: must be the only one of {quantity}")
-        unit = unit or units.get(quantity) or ""
-        if unit not in allowed:
+        heading = headings[position]
+        stated = (heading["ending"] or heading["within"] or "") if heading else ""
+        if names is not None and stated not in allowed[quantity]:
+            stated = ""  # part of another heading, such as sigma_n
+        line = below[position] if position < len(below) else ""
+        unit = "" if quantity == "cycle" else stated or line or units[quantity] or ""
+        if unit not in allowed[quantity]:
             raise InputError(
                 f"{where}: column {cell!r}: "
                 + (f"unit {unit!r} must be" if unit else "has no unit; write or configure")
-                + f" one of {', '.join(filter(None, allowed)) or 'none'}"
+                + f" one of {', '.join(filter(None, allowed[quantity]))}"
             )
         columns[quantity] = position, unit
     needed = ("stress", "closure", *(["cycle"] if needs_cycle else []))
     missing = [name for name in needed if name not in columns]
     if missing:
         raise InputError(
-            f"{where}: lacks {', '.join(missing)} (columns are stress_MPa,closure_mm,cycle)"
+            f"{where}: lacks {', '.join(missing)} (columns are stress_MPa,closure_mm,cycle); "
+            f"there are {', '.join(header)}"
         )
-    return {name: columns[name] for name in ("stress", "closure", "cycle") if name in columns}
+    return {name: columns[name] for name in allowed if name in columns}
 
 
 def _number(cell: str, where: str, quantity: str) -> float:

@@ -1,7 +1,7 @@
 """Fit of a joint to its measured closure: mismatch wavelength, and strength if requested."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -124,6 +124,7 @@ def fit(
     fit_strength: bool = False,
     stress_unit: str | None = None,
     closure_unit: str | None = None,
+    columns: Sequence[str] | None = None,
     surfaces: int = 12,
     closure_error: float = 0.02,
     seed: int = 1,
@@ -158,6 +159,8 @@ def fit(
         Whether to fit the compressive strength too, from half to twice that of the rock.
     stress_unit, closure_unit : str, optional
         Units, if the names of the columns have none: Pa, MPa or GPa; m, mm or um.
+    columns : sequence of str, optional
+        Headings of the columns of stress, closure and cycle, if they are others.
     surfaces : int
         Number of joints at each of 8 mismatch wavelengths, from two spacings to the shorter
         side, and of 4 strengths if these are fitted.
@@ -187,7 +190,7 @@ def fit(
     intact = named_rock(rock) if isinstance(rock, str) else rock
     check_rock(intact)
     _check(surfaces, closure_error, seed, seating_stress, shape)
-    measured = _measured(curve, seating_stress, stress_unit, closure_unit)
+    measured = _measured(curve, seating_stress, stress_unit, closure_unit, columns)
     stress = float(measured.levels[-1])
     conditions = Conditions(
         spacing, intact, stress, measured.cycles, seating_stress, effects, choices, numerics
@@ -247,6 +250,7 @@ def _measured(
     seating_stress: float,
     stress_unit: str | None,
     closure_unit: str | None,
+    columns: Sequence[str] | None,
 ) -> Readings:
     """Read and check a curve."""
     if isinstance(curve, MeasuredCurve):
@@ -255,7 +259,8 @@ def _measured(
         name = str(curve)
         if not Path(curve).is_file():
             raise InputError(f"{name}: file not found")
-        curve = parsed_curve(read_text(curve), name, stress_unit, closure_unit, cycle=1)
+        text = read_text(curve)
+        curve = parsed_curve(text, name, stress_unit, closure_unit, cycle=1, names=columns)
     check_loadings(curve, name, seating_stress)
     try:
         return readings_of_curve(curve, seating_stress)
