@@ -55,7 +55,7 @@ def test_a_curve_is_read_in_si_with_its_lines():
         "brackets",
         "line of units",
         "named columns",
-    ],  # fmt: skip
+    ],
 )
 def test_units_are_those_of_the_header_or_of_the_configuration(text, units):
     curve = curve_of(text, **units)
