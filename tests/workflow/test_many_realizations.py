@@ -30,6 +30,7 @@ def keys_of_study(realizations: int) -> dict:
         "effects": ELASTIC,
         "numerics": {"curve_points": 5},
         "output": {"stress_points": 50},
+        "statistics": {"control_variates": None},
         "rocks": {"slate": {"levels": dict.fromkeys(DEFAULT["rocks"]["slate"]["levels"])}},
         "study": {
             "rocks": ["slate"],
