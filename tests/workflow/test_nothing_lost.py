@@ -127,7 +127,7 @@ def truncate(folder: Path) -> str:
 
 def take_another_case(folder: Path) -> str:
     shutil.copy(folder / "results/tiny/cases/slate-jrc-level_3.0.nc", folder / CASE)
-    return "case.jrc is 8 there, and should be 5"
+    return "case.jrc is 8, must be 5"
 
 
 @pytest.mark.parametrize("spoil", [flip_a_bit, truncate, take_another_case])
