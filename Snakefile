@@ -29,8 +29,8 @@ include: "workflow/rules/effects.smk"
 
 
 onstart:
-    if NUMERICS_SAID:
-        logger.info(f"jointclosure: {NUMERICS_SAID}")
+    if NUMERICS_REMARK:
+        logger.info(f"jointclosure: {NUMERICS_REMARK}")
 
 
 rule all:

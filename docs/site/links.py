@@ -40,7 +40,7 @@ class Contents(HTMLParser):
 
 
 def problems(site: Path) -> list[str]:
-    """What is wrong with the links of a site, a line each."""
+    """List errors in the links of a site, one per line."""
     pages = {path.resolve(): _contents(path) for path in sorted(site.rglob("*.html"))}
     found = []
     for path, page in pages.items():
@@ -58,7 +58,7 @@ def _contents(path: Path) -> Contents:
 
 
 def _problem(path: Path, reference: Reference, pages: dict[Path, Contents], site: Path) -> str:
-    """What is wrong with a reference; empty where nothing is."""
+    """Return the error in a reference, empty if there is none."""
     parts = urlsplit(reference.target)
     if parts.scheme in ("data", "mailto", "javascript"):
         return ""

@@ -36,7 +36,7 @@ OUTSIDE = {
 }
 """Documents outside of docs/, and what their pages are called."""
 SHOWN = ["image/svg+xml", "image/png", "text/markdown", "text/plain"]
-"""What is shown of a cell's value: the first that it has. HTML would bring scripts and styles."""
+"""Forms of a cell's value, in order of preference. HTML would bring scripts and styles."""
 FIGURES = {"MPLBACKEND": "module://matplotlib_inline.backend_inline"}
 """Environment of a kernel whose figures become outputs of their cells; with Agg there are none."""
 _LINK = re.compile(r"(\]\()([^)\s#]+)(#[^)\s]*)?(\))")
@@ -181,7 +181,7 @@ def linked_files(files: Files) -> set[str]:
 
 
 def contents_of(path: Path) -> bytes:
-    """What a copy of a file holds; of a folder, of each file in it."""
+    """Return the content of a copy of a file; of a folder, that of each file in it."""
     if path.is_file():
         return path.read_bytes()
     parts = (f"# {each.name}\n".encode() + each.read_bytes() for each in sorted(path.iterdir()))

@@ -106,7 +106,7 @@ def _time(path: Path) -> float:
 
 
 def _origin(results: Path, run: str, newest: Path) -> dict:
-    """What made results, as the first netCDF file says; else the commit is not known."""
+    """Return the origin of results from the first netCDF file; else the commit is not known."""
     made = _provenance(results)
     keys = json.loads(made["configuration"]) if made else _configuration(run)
     now = provenance(keys or merged_study())["provenance_commit"]

@@ -84,7 +84,7 @@ RUNS = {
     "breakage_methods": Run(("breakage_methods",)),
     "idle_interaction": Run(("idle_interaction",)),
 }  # fmt: skip
-"""What pages and the package need, by run: the one list of it."""
+"""Files that pages and the package need, by run; the only list of them."""
 
 
 def path_of(run: str, table: str) -> Path:

@@ -56,7 +56,7 @@ def test_a_preset_stands_for_its_numerics_and_is_kept_in_the_configuration():
         "breakage": "resolved",
         "tolerance": 0.005,
     }
-    assert "0.3 % (95 % confidence: up to 0.6 %)" in found.said
+    assert "0.3 % (95 % confidence: up to 0.6 %)" in found.remark
     assert "preset" not in numerics_in_full({"numerics": found.numerics})
 
 
@@ -73,7 +73,7 @@ def test_where_nothing_breaks_there_is_nothing_to_choose():
     elastic = {"effects": {"breakage": False, "gouge": False}}
     found = chosen(accuracy=0.02, radius=None, effects=elastic)
     assert numerics_in_full({"numerics": found.numerics}) == DEFAULT["numerics"]
-    assert "1e-10" in found.said
+    assert "1e-10" in found.remark
 
 
 def test_words_are_settled_in_an_order_that_lets_them_stand_together():
@@ -82,17 +82,17 @@ def test_words_are_settled_in_an_order_that_lets_them_stand_together():
     assert found.typed.effects_chosen_to == 0.02
     chosen = Numerics(breakage="resolved", tolerance=0.02, curve_points=60, idle_interaction=0.02)
     assert found.typed.numerics == chosen
-    assert "1 %" in found.said
+    assert "1 %" in found.remark
 
 
 def test_it_is_the_rocks_own_effects_that_break_or_not():
     elastic, breaking = ({"breakage": on, "gouge": on} for on in (False, True))
     own = {name: {"effects": elastic} for name in DEFAULT["study"]["rocks"]}
-    assert "1e-10" in chosen(accuracy=0.02, radius=None, effects={"rocks": own}).said
+    assert "1e-10" in chosen(accuracy=0.02, radius=None, effects={"rocks": own}).remark
     own = {"effects": elastic, "rocks": {"slate": {"effects": breaking}}}
     with pytest.raises(InputError, match="does not converge"):
         chosen(accuracy=0.02, radius=None, effects=own)
-    assert "1 %" in chosen(accuracy=0.02, effects=own).said
+    assert "1 %" in chosen(accuracy=0.02, effects=own).remark
 
 
 @pytest.mark.parametrize(

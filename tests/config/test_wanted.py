@@ -130,10 +130,10 @@ def test_a_study_has_the_numerics_surfaces_and_control_variates_that_were_grante
     assert of_one.typed.statistics.control_variates == MEASURED_SURFACES
     assert found.typed.numerics.breakage == "resolved"
     for part in (f"preset {found.granted}", f"{granted.surfaces} surfaces", "core-minutes a case"):
-        assert part in found.said
+        assert part in found.remark
     more = study(surfaces=70)
     assert more.typed.study.realizations == 70
-    assert "70 surfaces a case" in more.said
+    assert "70 surfaces a case" in more.remark
 
 
 @pytest.mark.parametrize(

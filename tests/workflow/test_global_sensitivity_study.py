@@ -38,7 +38,8 @@ def test_a_job_that_fails_is_repeated_and_rows_that_are_added_close_no_others(tm
     assert stopped.returncode != 0
     made = {each.name for each in (folder / BLOCKS).iterdir()}
     assert made == {"dolerite.0.nc", "dolerite.8.nc", "slate.0.nc"}
-    log = folder / "results/tiny_global_sensitivity/logs/close_points/global_sensitivity/slate.8.log"
+    logs = folder / "results/tiny_global_sensitivity/logs/close_points"
+    log = logs / "global_sensitivity/slate.8.log"
     assert "failed: RuntimeError: the node was lost" in log.read_text()
     (folder / "tried").unlink()
     answer = snakemake(folder, "global_sensitivity", "--retries", "1", config=CONFIG)

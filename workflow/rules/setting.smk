@@ -17,7 +17,7 @@ ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parents[
 for file in workflow.configfiles:
     read_plain(file)
 CONFIGURED = configuration.configured(config, read_csv)
-CONFIGURATION, NUMERICS_SAID = CONFIGURED.typed, CONFIGURED.said
+CONFIGURATION, NUMERICS_REMARK = CONFIGURED.typed, CONFIGURED.remark
 config.update(CONFIGURED.keys)
 check_files(CONFIGURATION)
 

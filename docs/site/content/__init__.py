@@ -1,1 +1,1 @@
-"""What pages show of stored results: a module for a page, with its tables and numbers."""
+"""Tables and numbers that pages show of stored results, one module for each page."""

@@ -126,7 +126,7 @@ def markdown(table: pd.DataFrame) -> str:
 
 
 def chosen(**values: object) -> Callable[[pd.DataFrame], pd.DataFrame]:
-    """What chooses rows by values of columns (`rows_of`)."""
+    """Return a function that selects rows by values of columns (`rows_of`)."""
     return lambda table: rows_of(table, **values)
 
 

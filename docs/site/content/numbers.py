@@ -91,7 +91,7 @@ _continuum = partial(
 
 
 def _steps(cycle: int) -> Number:
-    """What the paper's steps are off by, with 95 % intervals, for each rock."""
+    """Return the error of the paper's steps, with 95 % intervals, for each rock."""
 
     def text(group: Group) -> str:
         form = "{bias_percent:+.1f} % ({bias_low:+.1f} to {bias_high:+.1f})"

@@ -52,13 +52,13 @@ from jointclosure.parameters import (
 class Configured(NamedTuple):
     """A configuration as keys of a file, complete; as the library has it; and what was chosen.
 
-    ``said`` is a sentence on numerics that a preset or accuracy stands for, or empty; ``granted``
+    ``remark`` is a sentence on numerics that a preset or accuracy stands for, or empty; ``granted``
     the preset that a result's accuracy chose, or None.
     """
 
     keys: dict
     typed: Configuration
-    said: str
+    remark: str
     granted: str | None = None
 
 
@@ -152,7 +152,7 @@ def _chosen(keys: dict, default: dict, read) -> tuple[dict, str, str | None]:
     wanted = wanted_of(keys)
     if wanted is None:
         chosen = chosen_numerics(keys, default["numerics"], lambda: read(MEASURED))
-        return keys | {"numerics": chosen.numerics}, chosen.said, None
+        return keys | {"numerics": chosen.numerics}, chosen.remark, None
     if not anything_breaks(keys):
         raise InputError("numerics.accuracy.of: known where contacts break, and nothing does here")
     if keys["numerics"].get("preset") is not None:

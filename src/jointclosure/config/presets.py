@@ -41,7 +41,7 @@ class Chosen(NamedTuple):
     """Numerics selected by a preset or an accuracy, and a sentence on them."""
 
     numerics: dict
-    said: str
+    remark: str
 
 
 def chosen_numerics(

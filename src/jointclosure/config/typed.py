@@ -17,7 +17,7 @@ SIDES = ("upper", "lower")
 
 
 class Study(NamedTuple):
-    """What is studied, and how often; keys of ``study``."""
+    """Rocks, cases and numbers of realisations of a study; keys of ``study``."""
 
     name: str
     rocks: tuple[str, ...]
@@ -101,7 +101,7 @@ class Surface(NamedTuple):
 
 
 class Statistics(NamedTuple):
-    """Of the indifference intervals."""
+    """Settings of the indifference intervals."""
 
     significance: float
     bootstrap_resamples: int
@@ -112,7 +112,7 @@ class Statistics(NamedTuple):
 
 
 class Output(NamedTuple):
-    """What is stored and drawn; ``largest_stress`` [Pa] ends the axis of the closure curves."""
+    """Settings of stored and drawn curves; ``largest_stress`` [Pa] ends their axis."""
 
     wall_strength_ratio: float
     stress_points: int

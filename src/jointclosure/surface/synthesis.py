@@ -26,7 +26,7 @@ from jointclosure.surface.roughness import DEFAULT_RELATION, detrended, rms_slop
 RULES = ("self_affine", "walk")
 """Relations between the long and the short waves of a wall."""
 NORMALISATIONS = ("wall", "expectation")
-"""What has the given slope: every wall, or walls on average."""
+"""Ways to reach the given slope: by every wall, or by walls on average."""
 ROLL_OFF = 3e-3
 """Wavelength [m] beyond which the power spectrum of a wall is flat, also in the default study
 (docs/decisions/0013-readings.md)."""

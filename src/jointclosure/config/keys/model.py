@@ -23,7 +23,7 @@ class EffectKeys(Keys):
 
 
 class ChoiceKeys(Keys):
-    """What the paper leaves open."""
+    """Decisions that the paper leaves open."""
 
     base_radius_in_cells: float = entry(
         "Base radius r of an asperity over the grid spacing.", gt=0, le=1

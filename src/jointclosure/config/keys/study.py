@@ -8,7 +8,7 @@ from jointclosure.surface.synthesis import RULES
 
 
 class StudyKeys(Keys):
-    """What is studied, and how often."""
+    """Rocks, cases and numbers of realisations of a study."""
 
     name: Name = entry("Name of the study; results are written to results/<name>/.")
     rocks: list[str] = entry(
@@ -85,7 +85,7 @@ class SurfaceKeys(Keys):
 
 
 class StatisticsKeys(Keys):
-    """Of the indifference intervals."""
+    """Settings of the indifference intervals."""
 
     significance: float = entry("Significance level of the two-sided t test.", gt=0, lt=1)
     bootstrap_resamples: int = entry(
@@ -108,7 +108,7 @@ class StatisticsKeys(Keys):
 
 
 class OutputKeys(Keys):
-    """What is stored."""
+    """Settings of stored curves."""
 
     wall_strength_ratio: float = entry(
         "Compressive strength of the rock over that of the joint's walls (JCS), for the "
