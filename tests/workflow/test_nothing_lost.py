@@ -199,4 +199,4 @@ def test_any_realisation_is_repeated_by_one_command(copied):
     assert "no stored results to compare with" in again.stdout
     missing = jointclosure_cli("repeat", results, "slate-jrc-level_1", 3)
     assert missing.returncode == 2
-    assert "tells of realisation 3" in missing.stderr
+    assert "contains realisation 3" in missing.stderr
