@@ -1,11 +1,14 @@
 """Makers of the walls of an experiment's joints, from the settings of their surfaces."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
+from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import Grid
-from jointclosure.ensemble.settings import SurfaceSettings
+from jointclosure.ensemble.closing import close_walls
+from jointclosure.ensemble.settings import ClosureSettings, SurfaceSettings
 from jointclosure.ensemble.surfaces import seeds_of, walls_of
 from jointclosure.surface.misalignment import rotated_pair, tilted
 from jointclosure.surface.roughness import detrended, rms_slope, z2_of_jrc
@@ -53,9 +56,22 @@ def nested(
         yield upper, lower
 
 
+def reseated(settings: SurfaceSettings, shift: int, before: Mapping[str, Any]) -> Iterator[Walls]:
+    """Generate walls after a load cycle, the upper one shifted along x by a number of cells.
+
+    ``before`` are the `ClosureSettings` of that load cycle as plain data.
+    """
+    conditions = from_plain(ClosureSettings, before).conditions()._replace(cycles=1)
+    for pair in walls_of(settings):
+        closed = close_walls(*pair, conditions)
+        upper, lower = closed.upper_final.values, closed.lower_final.values
+        yield upper[:, shift:], lower[:, : lower.shape[1] - shift]
+
+
 MAKERS: dict[str, Callable[..., Iterator[Walls]]] = {
     "synthetic": walls_of,
     "misaligned": misaligned,
     "nested": nested,
+    "reseated": reseated,
 }
 """Makers by name. A maker generates the walls of each realisation from the settings of a block."""
