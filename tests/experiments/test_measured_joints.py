@@ -78,7 +78,7 @@ def test_only_reseated_walls_leave_a_share_of_the_later_closure(observables):
 
 def test_wavelength_is_that_of_the_measured_closure():
     logs, closures = np.log([1.0, 2.0, 4.0]), np.array([0.1, 0.2, 0.8])
-    assert np.exp(fitted_length(logs, closures, 0.4)) == pytest.approx(np.sqrt(8.0))
+    assert np.exp(fitted_length(logs, closures, 0.5)) == pytest.approx(np.sqrt(8.0))
     assert np.exp(fitted_length(logs, closures, 9.0)) == pytest.approx(4.0)
     assert np.exp(fitted_length(logs, closures, 0.01)) == pytest.approx(1.0)
 

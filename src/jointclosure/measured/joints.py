@@ -184,12 +184,12 @@ def _means(values: np.ndarray, draws: np.ndarray, wavelength: float) -> np.ndarr
 def fitted_length(logs: np.ndarray, means: np.ndarray, closure: float) -> float:
     """Find the logarithm of the wavelength at which the mean closure has a value.
 
-    Closure grows with the wavelength (isotonic regression); straight lines between logarithms. A
-    closure beyond the ends gives the end.
+    Closure grows with the wavelength (isotonic regression), along straight lines over its
+    logarithm. A closure beyond the ends gives the end.
     """
-    rising = scipy.optimize.isotonic_regression(np.log(means)).x
-    rising = rising + 1e-12 * np.arange(rising.size)  # np.interp needs an increasing abscissa
-    return float(np.interp(np.log(closure), rising, logs))
+    rising = scipy.optimize.isotonic_regression(means).x
+    rising = rising * (1.0 + 1e-12 * np.arange(rising.size))  # np.interp needs it to increase
+    return float(np.interp(closure, rising, logs))
 
 
 def _between(logs: np.ndarray, values: np.ndarray, at: float) -> np.ndarray:

@@ -5,7 +5,14 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.plotting.style import keys_of, legend_below, styled, subplots, ticks_at
+from jointclosure.plotting.style import (
+    decimal_ticks,
+    keys_of,
+    legend_below,
+    styled,
+    subplots,
+    ticks_at,
+)
 
 _PANELS = {
     "first_closure": "closure, first loading (mm)",
@@ -43,6 +50,7 @@ def measured_joints_figure(table: pd.DataFrame) -> Figure:
         axes.set_xlabel(title)
         if name in _LOGARITHMIC:
             axes.set_xscale("log")
+            decimal_ticks(axes.xaxis)
         else:
             axes.set_xlim(left=0.0)
     for axes in panels[:, 0]:
