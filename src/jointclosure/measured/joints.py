@@ -16,8 +16,8 @@ from jointclosure.config.measured_joints import JOINTS, Measured, measured
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.randomness import generator, seed_of
 
-BASE = "as published"
-"""Name of the model without a changed choice."""
+BASE = "default choices"
+"""Name of the model with its default choices."""
 FILM_CELL = 0.5e-3
 """Spacing of the measured maps of contact stress [m]."""
 OBSERVABLES = {
