@@ -14,7 +14,6 @@ import pandas as pd
 
 from jointclosure.config.configuration import Configured, refuse
 from jointclosure.config.keys.measured_joints import MeasuredJointsKeys
-from jointclosure.config.plain import to_plain
 from jointclosure.config.units import to_si
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.points import Point
@@ -92,9 +91,8 @@ def _variants(settings: ClosureSettings, si: Mapping[str, Any]) -> dict[str, Poi
         points[f"pressure up to {value:g} times the strength"] = _hardness(settings, value)
     variants = {name: Point({}, changed) for name, changed in points.items()}
     for shift in si["reseating_shift_in_cells"]:
-        options = {"shift": shift, "before": to_plain(settings)}
         name = f"reseated, {1e3 * shift * settings.surfaces.grid.spacing:g} mm off"
-        variants[name] = Point({}, settings._replace(cycles=1), "reseated", options)
+        variants[name] = Point({}, settings._replace(cycles=1), "reseated", {"shift": shift})
     return variants
 
 
