@@ -76,6 +76,9 @@ RUNS = {
     "global_sensitivity_full": Run(("global_sensitivity_estimate",)),
     "continuum": Run(("continuum", "continuum_codes"), ("continuum",)),
     "validation": Run(("validation",)),
+    "measured_joints": Run(
+        ("measured_joints", "measured_joints_predictions"), ("measured_joints",)
+    ),
     "hard_cases": Run(figures=("numerics",)),
     "solver_speed": Run(("study", "elastic", "reference")),
     "versions": Run(("versions",)),

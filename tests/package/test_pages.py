@@ -13,7 +13,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "docs/site"))
 import publish
 import stored
 import templates
-from content import results
+from content import results, validation
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
@@ -98,3 +98,9 @@ def test_the_readmes_outcome_is_that_of_the_stored_study():
     assert headline["p"] in text
     (sentence,) = re.findall(r"^.*?(?=\(\[conclusions\])", text, re.M)
     assert re.findall(r"\d+", sentence) == [headline[name] for name in ("claims", "stand", "fall")]
+
+
+def test_the_readme_states_the_stored_measured_share():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    (sentence,) = re.findall(r"^.*\*\*Measured joints:.*$", text, re.M)
+    assert validation.span("later_residual_share") in sentence

@@ -33,6 +33,7 @@ Values unusual of rock are refused as likely slips of units, unless `study.unusu
 | `mismatch.yaml` | walls from mated to independent, and shifted (`make mismatch`) |
 | `size.yaml` | nested patches of several sizes and spacings (`make size`) |
 | `misalignment.yaml` | tilted or rotated walls (`make misalignment`) |
+| `measured_joints.yaml` | the model beside three measured joints ([validation](../docs/validation.md), `make measured-joints`) |
 | `global_sensitivity.yaml`, `global_sensitivity_full.yaml` | properties and open choices varied together (`make global-sensitivity`); at full size, for a cluster |
 | `many_realizations.yaml` | 100,000 small joints of one case ([clusters](../docs/clusters.md)) |
 | `measured_wall.yaml` | a rock with scanned walls ([scanned walls](../docs/measured_walls.md)) |

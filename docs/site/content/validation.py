@@ -1,6 +1,11 @@
-"""Table of docs/validation.md."""
+"""Tables and numbers of docs/validation.md."""
 
-from content.markdown import Form, Group, Table, written
+import pandas as pd
+from stored import stored
+
+from content.markdown import Form, Group, Table, markdown, rows_of, written
+from jointclosure.config.measured_joints import ALL, JOINTS, measured_joints, measured_range
+from jointclosure.statistics.standard_errors import rounded
 
 NAMES = {
     "seated_net": "closure since 0.5 MPa, net (mm)",
@@ -17,7 +22,7 @@ NAMES = {
 }
 
 
-def _mean(name: str) -> Form:
+def _with_deviation(name: str) -> Form:
     """Write a mean and its deviation; a mean alone of one joint, or where joints do not differ."""
 
     def cell(group: Group) -> str:
@@ -31,5 +36,135 @@ def _mean(name: str) -> Form:
 model = Table(
     "validation/validation",
     {"walls": "{walls}", "side (mm)": "{side_mm:g}", "joints": "{joints}"}
-    | {title: _mean(name) for name, title in NAMES.items()},
+    | {title: _with_deviation(name) for name, title in NAMES.items()},
 )
+
+OBSERVABLES = {
+    "first_closure": "first loading: closure at 10.27 MPa (mm)",
+    "first_residual_share": "first loading: share that stays (%)",
+    "first_stiffness": "first loading: stiffness, 5 to 10 MPa (MPa/mm)",
+    "later_closure": "later loading: closure (mm)",
+    "later_stiffness": "later loading: stiffness, 5 to 10 MPa (MPa/mm)",
+    "stiffness_ratio": "stiffness, later over first",
+    "later_residual_share": "later loading: share that stays (%)",
+    "contact_share": "contact area at 10.27 MPa (%)",
+}
+JUDGED = {
+    "stiffness_ratio": "stiffness, later over first",
+    "later_residual_share": "share of the later closure that stays (%)",
+    "contact_share": "contact area, at most (%)",
+    "later_closure": "later closure (mm)",
+    "later_stiffness": "later stiffness (MPa/mm)",
+}
+"""Observables that are not fitted, with their titles in tables of results."""
+_RUN = ("measured_joints", "measured_joints")
+
+
+def _range(row: pd.Series) -> str:
+    """Write a measured value with its range."""
+    if pd.isna(row.value):
+        return f"{row.low:g} to {row.high:g}"
+    return f"{row.value:g}" + ("" if pd.isna(row.low) else f" ({row.low:g} to {row.high:g})")
+
+
+def measured() -> str:
+    """Tabulate the measured values, a column per joint."""
+    table = measured_joints().set_index(["quantity", "joint"])
+    lines = []
+    for name, title in OBSERVABLES.items():
+        here = table.loc[name]
+        cells = [_range(here.loc[joint if joint in here.index else ALL]) for joint in JOINTS]
+        heads = (f"joint {joint}" for joint in JOINTS)
+        lines.append({"measured": title} | dict(zip(heads, cells, strict=True)))
+    return markdown(pd.DataFrame(lines))
+
+
+def span(quantity: str) -> str:
+    """Give the smallest and the largest measured value of a quantity."""
+    return "{:g} to {:g}".format(*measured_range(quantity))
+
+
+def _mean(row: pd.Series) -> str:
+    """Write a mean with its standard error; what is 0 but for rounding as 0."""
+    if abs(row.value) < 0.05 and row.observable == "later_residual_share":
+        return "0"
+    return rounded(row.value, row.error)
+
+
+def _hits(part: pd.DataFrame) -> str:
+    return f"{(part.judgement == 'agrees').sum()} of {len(part)}"
+
+
+def judged(walls: str) -> str:
+    """Tabulate means of all choices for "independent" or "mated" walls, and hits."""
+    table = rows_of(stored(*_RUN), walls=walls)
+    lines = []
+    for variant, of_variant in table.groupby("variant", sort=False):
+        line = {"choice": variant}
+        if walls == "independent":
+            part = of_variant[of_variant.observable == "first_closure"]
+            line["first closure (mm)"] = f"{_mean(part.iloc[0])}; **{_hits(part)}**"
+        for name, title in JUDGED.items():
+            part = of_variant[of_variant.observable == name]
+            means = dict.fromkeys(_mean(row) for _, row in part.iterrows())
+            line[title] = f"{', '.join(means)}; **{_hits(part)}**"
+        lines.append(line)
+    return markdown(pd.DataFrame(lines))
+
+
+def wavelengths() -> str:
+    """Give the fitted mismatch wavelengths [mm] of the default choices, with standard errors."""
+    table = rows_of(stored(*_RUN), variant="default choices", walls="mated")
+    table = table.drop_duplicates("joint")
+    pairs = zip(table.wavelength_mm, table.wavelength_error, strict=True)
+    return ", ".join(rounded(*pair) for pair in pairs)
+
+
+def means(observable: str, variant: str = "default choices", walls: str = "mated") -> str:
+    """Give the means of an observable, by measured joint."""
+    table = rows_of(stored(*_RUN), variant=variant, walls=walls, observable=observable)
+    return ", ".join(dict.fromkeys(_mean(row) for _, row in table.iterrows()))
+
+
+def surfaces() -> str:
+    """Give the number of surfaces of a mean."""
+    counts = stored(*_RUN).surfaces
+    return (
+        f"{counts.min()}" if counts.min() == counts.max() else f"{counts.min()} to {counts.max()}"
+    )
+
+
+def all_hit() -> str:
+    """Count choices and walls that agree with all measured values that were not fitted."""
+    table = stored(*_RUN)
+    table = table[table.observable.isin(JUDGED)]
+    agree = (table.judgement == "agrees").groupby([table.variant, table.walls, table.joint]).all()
+    return f"{agree.sum()} of {agree.size}"
+
+
+def predictions() -> str:
+    """Tabulate hits of predictions by the number of joints that were fitted."""
+    table = stored("measured_joints", "measured_joints_predictions")
+    fitted = table.fitted_to.astype(str).str.count(r"\+").add(1)
+    lines = []
+    for count, part in table.groupby(fitted):
+        line = {"fitted to": "one joint" if count == 1 else f"{count} joints (leave one out)"}
+        for name in dict.fromkeys(table.observable):
+            hits = part[part.observable == name].hit
+            line[OBSERVABLES[name]] = f"{hits.sum()} of {hits.size}"
+        lines.append(line)
+    return markdown(pd.DataFrame(lines))
+
+
+def left_out() -> str:
+    """Tabulate the predicted intervals of the joint that was left out."""
+    table = stored("measured_joints", "measured_joints_predictions").astype({"fitted_to": str})
+    table = table[table.fitted_to.str.contains("+", regex=False)]
+    lines = []
+    for joint, part in table.groupby("joint"):
+        line = {"predicted joint": str(joint)}
+        for row in part.itertuples():
+            known = f"{row.measured_low:g} to {row.measured_high:g}"
+            line[OBSERVABLES[row.observable]] = f"{row.low:.3g} to {row.high:.3g} ({known})"
+        lines.append(line)
+    return markdown(pd.DataFrame(lines))

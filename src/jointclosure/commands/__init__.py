@@ -4,6 +4,7 @@ COMMANDS = {
     "close": "close the joint whose two walls were scanned",
     "simulate": "close one joint of random walls",
     "fit": "find the mismatch wavelength of a joint from its measured closure",
+    "validate": "compare the model with three measured joints whose files are public",
     "roughness": "compute slopes, JRC, Hurst exponent, curvature and peaks of a scanned wall",
     "compare": "list the differences between two studies",
     "report": "write a page on a finished study, or on a joint",

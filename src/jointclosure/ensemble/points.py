@@ -136,8 +136,8 @@ def close_points(
 
 def _numbered(point: Point) -> Iterable[tuple[int, Walls]]:
     """Return the walls of a point with the numbers of their realisations."""
-    surfaces = point.settings.surfaces
-    return enumerate(MAKERS[point.walls](surfaces, **point.options), surfaces.first_realization)
+    first = point.settings.surfaces.first_realization
+    return enumerate(MAKERS[point.walls](point.settings, **point.options), first)
 
 
 def closed_joint(

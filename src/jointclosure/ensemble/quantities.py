@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engineering.curves import hysteresis, seat_of
+from jointclosure.engineering.curves import cycle_table, hysteresis, seat_of
 from jointclosure.engineering.laws import fitted_laws, parameter
 from jointclosure.ensemble.responses import responses_of
 from jointclosure.ensemble.timing import pair_seconds
@@ -165,6 +165,12 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "aperture_at_seating": Quantity(
         "mean aperture at seating", "m", r"a_\mathrm{s}", _aperture_at_seating
+    ),
+    "contact_at_max": Quantity(
+        "share of cells in contact at the maximum stress",
+        "1",
+        r"A_\mathrm{c}",
+        lambda joint: cycle_table(joint.closed).contact_at_max.to_numpy(),
     ),
     "hysteresis": Quantity(
         "share of the work of loading that unloading does not give back",

@@ -16,6 +16,7 @@ import pandas as pd
 import xarray as xr
 from scipy.stats.qmc import LatinHypercube
 
+from jointclosure.config.measured_joints import measured_range
 from jointclosure.engineering.curves import cycle_table, net_responses
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.inputs import InputError, check_number
@@ -48,10 +49,16 @@ TITLES = {
 """Sources of uncertainty by name."""
 
 MEASURED = (
-    "measured joints: the second loading of the model is stiffer than that of measured joints "
-    "(docs/validation.md), so take its closure as a lower bound"
+    "measured joints: {:.2g} to {:.2g} mm of closure on the first loading to 10 MPa; a later "
+    "loading was {:.2g} to {:.2g} times as stiff, as the model's second cycle is, but {:.2g} to "
+    "{:.2g} % of its closure stayed, of which the model has none unless the joint is reseated "
+    "(docs/validation.md)"
+).format(
+    *measured_range("first_closure"),
+    *measured_range("stiffness_ratio"),
+    *measured_range("later_residual_share"),
 )
-"""What the model is known to do to measured joints."""
+"""What is known of the model from three measured granodiorite joints."""
 
 COARSER = 2
 """Spacing of the coarser grid, over that of the joint."""

@@ -5,7 +5,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from jointclosure.config.typed import Grid
-from jointclosure.ensemble.settings import SurfaceSettings
+from jointclosure.ensemble.closing import close_walls
+from jointclosure.ensemble.settings import ClosureSettings, SurfaceSettings
 from jointclosure.ensemble.surfaces import seeds_of, walls_of
 from jointclosure.surface.misalignment import rotated_pair, tilted
 from jointclosure.surface.roughness import detrended, rms_slope, z2_of_jrc
@@ -53,9 +54,25 @@ def nested(
         yield upper, lower
 
 
+def reseated(settings: ClosureSettings, shift: int) -> Iterator[Walls]:
+    """Generate walls after a load cycle, the upper one shifted along x by a number of cells."""
+    conditions = settings.conditions()._replace(cycles=1)
+    for pair in walls_of(settings.surfaces):
+        closed = close_walls(*pair, conditions)
+        upper, lower = closed.upper_final.values, closed.lower_final.values
+        yield upper[:, shift:], lower[:, : lower.shape[1] - shift]
+
+
+def _of_surfaces(maker: Callable[..., Iterator[Walls]]) -> Callable[..., Iterator[Walls]]:
+    """Make a maker of a function that depends on the settings of the surfaces only."""
+    return lambda settings, **options: maker(settings.surfaces, **options)
+
+
 MAKERS: dict[str, Callable[..., Iterator[Walls]]] = {
-    "synthetic": walls_of,
-    "misaligned": misaligned,
-    "nested": nested,
+    "synthetic": _of_surfaces(walls_of),
+    "misaligned": _of_surfaces(misaligned),
+    "nested": _of_surfaces(nested),
+    "reseated": reseated,
 }
-"""Makers by name. A maker generates the walls of each realisation from the settings of a block."""
+"""Makers by name. A maker generates the walls of each realisation from the `ClosureSettings` of a
+point."""

@@ -11,6 +11,7 @@ from jointclosure.config.keys.accuracy import AccuracyKeys
 from jointclosure.config.keys.effects import AblationKeys
 from jointclosure.config.keys.entries import Keys, Name, entry
 from jointclosure.config.keys.global_sensitivity import GlobalSensitivityKeys
+from jointclosure.config.keys.measured_joints import MeasuredJointsKeys
 from jointclosure.config.keys.misalignment import MisalignmentKeys
 from jointclosure.config.keys.mismatch import MismatchKeys
 from jointclosure.config.keys.model import ChoiceKeys, EffectKeys
@@ -61,6 +62,7 @@ OF_EXPERIMENTS = {
     "mismatch": ("mismatch", MismatchKeys),
     "size": ("size", SizeKeys),
     "misalignment": ("misalignment", MisalignmentKeys),
+    "measured_joints": ("measured_joints", MeasuredJointsKeys),
 }
 """By the name of an experiment: the section of the configuration that it needs, and its keys."""
 SECTIONS = {name: section for name, (section, _) in OF_EXPERIMENTS.items()}

@@ -1,0 +1,58 @@
+"""Measured values of three granodiorite joints (docs/validation.md).
+
+They are read off publications and public files. ``measured_joints.csv`` beside this module has the
+source, the way of reading and the range of each value.
+"""
+
+from functools import cache
+from typing import NamedTuple
+
+import pandas as pd
+
+from jointclosure.config.files import MEASURED_JOINTS
+from jointclosure.storage.text import read_csv
+
+JOINTS = ("1", "2", "3")
+ALL = "all"
+"""Entry of the column ``joint`` for values that hold for all joints, or for their range."""
+
+
+class Measured(NamedTuple):
+    """Measured value with its range, in the unit of the table; NaN where it is not known."""
+
+    value: float
+    low: float
+    high: float
+
+
+@cache
+def measured_joints() -> pd.DataFrame:
+    """Return the table of measured values: joint, quantity, unit, value, low, high, source, how."""
+    return read_csv(MEASURED_JOINTS).astype({"joint": str})
+
+
+def measured(quantity: str, joint: str = ALL) -> Measured:
+    """Return a measured value of a joint; a value without a range is its own range.
+
+    Raises
+    ------
+    KeyError
+        If neither the joint nor all joints have the quantity.
+    """
+    table = measured_joints()
+    table = table[table.quantity == quantity]
+    rows = (
+        table[table.joint == joint] if (table.joint == joint).any() else table[table.joint == ALL]
+    )
+    if rows.empty:
+        raise KeyError(f"{quantity} of joint {joint}")
+    value, low, high = rows.iloc[0][["value", "low", "high"]].astype(float)
+    return Measured(value, value if pd.isna(low) else low, value if pd.isna(high) else high)
+
+
+def measured_range(quantity: str) -> tuple[float, float]:
+    """Return the smallest and the largest measured value of a quantity over the joints."""
+    values = [measured(quantity, joint) for joint in JOINTS]
+    ends = [part for each in values for part in (each.low, each.high)]
+    known = [each.value for each in values if not pd.isna(each.value)]
+    return (min(known), max(known)) if known else (min(ends), max(ends))

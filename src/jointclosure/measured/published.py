@@ -1,0 +1,126 @@
+"""Files of the measured granodiorite joints, in clones of the two public repositories.
+
+The repositories have no licence, so none of their files is part of this package. A folder that
+contains both clones has, for a joint n (1 to 3):
+
+- ``hm_data/ethz_-_specimen_vd<n>_sigmaZ_vs_fractureClosure_hm1.txt``: later loading and unloading;
+  a line of names, a line of units, then number, sensor displacement [mm], stress [MPa];
+- ``data/vd<n>/ethz_vd<n>_120.X.txt``, ``.Y.txt`` [m] and ``.Z.txt`` [MPa]: map of contact stress
+  under 120 kN, numbers with spaces between them;
+- ``surface_scans``: walls as STL files, whose paths contain ``vd<n>a`` (upper) and ``vd<n>b``
+  (lower), and ``post`` after testing. Their full names are not documented.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+from jointclosure.config.measured_joints import measured
+from jointclosure.inputs import InputError
+from jointclosure.storage.text import read_text
+
+FILM_THRESHOLD = 2.5
+"""Contact stress above which the film counts as in contact [MPa]."""
+
+
+def file_named(folder: Path, name: str) -> Path:
+    """Return the one file of a name below a folder; `InputError` if there is none, or several."""
+    files = sorted(folder.rglob(name))
+    if len(files) != 1:
+        count = f"{len(files)} files of this name" if files else "no such file"
+        raise InputError(f"{folder}: {name}: {count}, must be one")
+    return files[0]
+
+
+def _numbers(path: Path, separator: str | None, skipped: int = 0) -> np.ndarray:
+    """Read lines of numbers as an array (lines, columns)."""
+    lines = [
+        line.split(separator) for line in read_text(path).splitlines()[skipped:] if line.strip()
+    ]
+    try:
+        return np.array([[float(cell) for cell in line] for line in lines]).reshape(len(lines), -1)
+    except ValueError as error:
+        raise InputError(f"{path}: lines of equally many numbers expected: {error}") from None
+
+
+def later_loading(folder: Path, joint: str) -> dict[str, float]:
+    """Read the observables of a later loading, net of the rock, as in ``measured_joints.csv``.
+
+    Returns
+    -------
+    dict
+        ``later_closure`` [mm] from the first reading to the largest stress, ``later_stiffness``
+        [MPa/mm] by the chord from half of that stress, ``later_residual_share`` [%] of that
+        closure at the last reading.
+
+    Raises
+    ------
+    InputError
+        If the file is missing or is not of the documented form.
+    """
+    path = file_named(folder, f"ethz_-_specimen_vd{joint}_sigmaZ_vs_fractureClosure_hm1.txt")
+    readings = _numbers(path, ",", skipped=2)
+    if readings.shape[1:] != (3,) or len(readings) < 4:
+        raise InputError(f"{path}: number, displacement and stress in at least 4 lines expected")
+    _, sensor, stress = readings.T
+    top = int(stress.argmax())
+    if not 1 < top < len(stress) - 1 or (np.diff(stress[: top + 1]) <= 0.0).any():
+        raise InputError(f"{path}: stress must rise to its maximum, and fall after it")
+    net = sensor - measured("rock_compliance").value * (stress - stress[0])
+    net -= net[0]
+    half = float(np.interp(0.5 * stress[top], stress[: top + 1], net[: top + 1]))
+    return {
+        "later_closure": float(net[top]),
+        "later_stiffness": float(0.5 * stress[top] / (net[top] - half)),
+        "later_residual_share": float(100.0 * net[-1] / net[top]),
+    }
+
+
+def film(folder: Path, joint: str) -> dict[str, float]:
+    """Read the map of contact stress at the largest load.
+
+    Returns
+    -------
+    dict
+        ``contact_share`` [%] of the specimen above `FILM_THRESHOLD`, and ``recovered_load`` [%],
+        the mean of the map over the nominal stress.
+    """
+    paths = [file_named(folder, f"ethz_vd{joint}_120.{axis}.txt") for axis in "XYZ"]
+    x, y, stress = (_numbers(path, None) for path in paths)
+    if not x.shape == y.shape == stress.shape:
+        raise InputError(f"{paths[2]}: shape {stress.shape}: must be that of X and Y, {x.shape}")
+    inside = stress[np.hypot(x, y) < 0.5e-3 * measured("side").value]
+    if not inside.size:
+        raise InputError(f"{paths[0]}: no point within the specimen: are X and Y in metres?")
+    return {
+        "contact_share": float(100.0 * (inside > FILM_THRESHOLD).mean()),
+        "recovered_load": float(100.0 * inside.mean() / measured("largest_stress").value),
+    }
+
+
+def scans(folder: Path, joint: str) -> tuple[Path, Path] | None:
+    """Return the files of upper and lower wall before testing; None if there are no scans.
+
+    Raises
+    ------
+    InputError
+        If there are scans, but not one of each wall; the message lists them.
+    """
+    files = [path for path in sorted(folder.rglob("*")) if path.suffix.lower() == ".stl"]
+    if not files:
+        return None
+    names = {path: path.relative_to(folder).as_posix().lower() for path in files}
+    walls = []
+    for side in "ab":
+        here = [
+            path
+            for path, name in names.items()
+            if f"vd{joint}{side}" in name and "post" not in name
+        ]
+        if len(here) != 1:
+            raise InputError(
+                f"{folder}: {len(here)} scans of wall vd{joint}{side} before testing, must be one "
+                f"(STL files without 'post' in their path); there are {', '.join(names.values())}"
+            )
+        walls.append(here[0])
+    return walls[0], walls[1]
