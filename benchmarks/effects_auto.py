@@ -40,15 +40,19 @@ def main(arguments) -> None:
     except ConfigurationError as error:
         raise SystemExit(str(error)) from None
     print(machine(), flush=True)
-    rows = []
+    rows: list[pd.DataFrame] = []
     for number in range(arguments.scenes):
         rows.append(validate(validation_settings(study), number))
         print(f"conditions {number + 1} of {arguments.scenes}", flush=True)
-    table = pd.concat(rows, ignore_index=True)
-    output = arguments.output
+        if arguments.output:  # after each scene, as the next may take minutes
+            write_csv(pd.concat(rows), arguments.output / "effects_auto.csv")
+    present(pd.concat(rows, ignore_index=True), arguments.output)
+
+
+def present(table: pd.DataFrame, output: Path | None) -> None:
+    """Print the summary of a table of scenes, and write it and the figures."""
     show(__doc__.splitlines()[0], validation_summary(table), output, "effects_auto_summary")
     if output:
-        write_csv(table, output / "effects_auto.csv")
         save_figure(choice_figure(table), output / "effects_auto.png")
         save_figure(region_figure(table), output / "effects_regions.png")
 

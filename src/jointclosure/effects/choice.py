@@ -101,8 +101,8 @@ def choose_effects(
     Parameters
     ----------
     walls : iterable of (upper, lower)
-        Pairs of walls (y, x) [m] of the case; only as many as necessary are closed. An effect is
-        left out only if there are at least two.
+        Pairs of walls (y, x) [m] of the case; only as many as necessary are closed. The change of
+        a single pair counts twice.
     conditions, **changes
         As for `jointclosure.simulate`. ``effects`` may act; they are the reference.
     tolerance : float
