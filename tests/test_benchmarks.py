@@ -50,6 +50,21 @@ def test_methods_are_compared_on_the_same_walls(name, tmp_path):
 
 
 @pytest.mark.slow
+def test_selected_effects_are_compared_at_conditions_of_any_seed(tmp_path):
+    options = ["--scenes", "2", "--surfaces", "3", "--tolerances", "0.3", "--seed", "7"]
+    subprocess.run(
+        [sys.executable, BENCHMARKS / "effects_auto.py", *options, "--output", tmp_path],
+        check=True,
+        capture_output=True,
+    )
+    summary = pd.read_csv(tmp_path / "effects_auto_summary.csv")
+    assert summary.joints.tolist() == [20, 180, 540]
+    assert (summary.scenes == 2).all()
+    assert (summary.best_saved_percent >= 0.0).all()
+    assert (tmp_path / "effects_regions.png").is_file()
+
+
+@pytest.mark.slow
 def test_a_version_beside_itself_closes_the_same(tmp_path):
     options = ["--against", "HEAD", "--rocks", "slate", "--surfaces", "2", "--repeats", "2"]
     options += ["--cells", "40"]
@@ -81,6 +96,7 @@ def test_a_revision_that_is_not_there_is_refused():
             "study.rocks = 'granite': must be one of rocks",
         ),
         ("idle_interaction", ["--shares", "2"], "numerics.idle_interaction = 2.0: must be below 1"),
+        ("effects_auto", ["--tolerances", "2"], "ablation.validation.tolerances"),
     ],
 )
 def test_what_cannot_be_measured_is_refused_by_its_key(name, options, said):

@@ -174,6 +174,12 @@ def test_one_pair_counts_twice_if_there_is_no_time_for_another():
         assert len(pilot.closed[FEWER]) == 1
 
 
+def test_with_few_pairs_nothing_is_left_out_that_needs_many():
+    for pairs, left_out in ((9, False), (10, True)):
+        pilot = made_up([0.0] * pairs, 10_000)
+        assert pilot.test(FEWER, jc.Effects(), 0.05, 10).left_out is left_out
+
+
 def test_what_saves_little_time_is_tested_once_and_kept(monkeypatch):
     monkeypatch.setattr(pilot_module, "WORTH", 0.1)
     pilot = made_up([0.0] * 4, 10_000, seconds=0.95)

@@ -6,6 +6,7 @@ import shutil
 import sys
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -135,6 +136,24 @@ def test_what_effects_add_is_summed_up_when_it_is_stored(tmp_path):
     assert (row["known"], row["conditions"]) == (2, 3)
     assert (row["max_closure"], row["max_closure_least"], row["max_closure_largest"]) == (2.5, 1, 4)
     assert row["time_ratio_largest"] == 9
+
+
+def test_errors_without_effects_are_summed_up_by_stress_over_strength(tmp_path):
+    changes = {
+        f"without_{effect}_percent": [1.0, 3.0, np.inf, 8.0]
+        for effect in ("interaction", "soft_peaks", "gouge", "breakage", "substrate")
+    }
+    times = {name.replace("percent", "time"): 0.5 for name in changes}
+    table = pd.DataFrame({"scene": range(4)} | changes).assign(**times)
+    table = table.assign(compressive_strength=1e8, max_normal_stress=[2e5, 3e5, 4e5, 5e7])
+    # a scene has a row for each tolerance
+    pd.concat([table, table]).to_csv(tmp_path / "effects_auto.csv", index=False)
+    rows = publish.regions(tmp_path).set_index("to")
+    assert rows.conditions.tolist() == [0, 3, 0, 1]
+    row = rows.loc[0.01]
+    assert (row.interaction, row.interaction_least, row.interaction_largest) == (2.0, 1.0, 3.0)
+    assert row.interaction_failed == 1
+    assert rows.loc[1.0].interaction == 8.0
 
 
 @pytest.fixture

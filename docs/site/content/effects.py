@@ -45,6 +45,32 @@ def choice() -> str:
     return markdown(pd.DataFrame(rows))
 
 
+AIMS = {
+    "error within the tolerance in at least 95 % of the conditions": ("held_percent", 95.0),
+    "at least 80 % of what the best scenes save, of all together": ("share_of_best_percent", 80.0),
+    "the same, mean over the conditions": ("mean_share_of_best_percent", 80.0),
+    "no time lost over all conditions": ("saved_percent", 0.0),
+    "effectivity index from 1 to 5 in nine of ten": ("effectivity_good_percent", 90.0),
+}
+"""Aims of the selection: the column of its summary, and the least value."""
+
+
+def aims() -> str:
+    """Tabulate at which tolerances the aims are met (%), a column for each number of joints."""
+    table = stored("effects_auto", "effects_auto_summary")
+    rows = []
+    for aim, (column, least) in AIMS.items():
+        row = {"aim": aim}
+        for joints, part in table.groupby("joints"):
+            values = part.sort_values("tolerance")[column]
+            met = "met" if (values >= least).all() else "**not met**"
+            if (values >= least).any() and met != "met":
+                met = "partly met"
+            row[f"{joints} joints"] = f"{', '.join(f'{value:.0f}' for value in values)}: {met}"
+        rows.append(row)
+    return markdown(pd.DataFrame(rows))
+
+
 regions = Table(
     "effects_auto/effects_regions",
     {"stress / strength": "{from:g} to {to:g}", "conditions": "{conditions}"}

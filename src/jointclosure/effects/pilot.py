@@ -101,10 +101,13 @@ class Pilot:
         others = (pairs for effects, pairs in self.closed.items() if effects != selected)
         return sum(pair.seconds for pairs in others for pair in pairs)
 
-    def test(self, fewer: Effects, before: Effects, tolerance: float) -> Verdict:
+    def test(
+        self, fewer: Effects, before: Effects, tolerance: float, least_pairs: int = 1
+    ) -> Verdict:
         """Test whether fewer effects change the mean maximum closure of no cycle too much.
 
-        The change is from all effects; ``before`` are those selected so far.
+        The change is from all effects; ``before`` are those selected so far. With less than
+        ``least_pairs`` nothing is left out.
         """
         count, error, changes = 0, np.inf, np.empty((0, 1))
         while self._affordable(fewer):
@@ -118,7 +121,7 @@ class Pilot:
             if saved < WORTH:
                 return Verdict(False, np.inf, f"takes {100.0 * saved:.0f} % less time, too little")
             least, error = _limits(changes)
-            if error <= tolerance or least > tolerance:
+            if (error <= tolerance and count >= least_pairs) or least > tolerance:
                 break
         if not count:
             return Verdict(False, np.inf, "is not tested, as other tests took the time for it")
@@ -126,6 +129,7 @@ class Pilot:
         if count == 1:  # no interval: the tolerance is all that is known of an error within it
             error = max(_ONE_PAIR * mean, tolerance)
         inside = error <= tolerance or (count > 1 and mean <= UNDECIDED * tolerance)
+        inside = inside and count >= least_pairs
         limit = f", at most {100.0 * error:.2g} %" if np.isfinite(error) else ""
         pairs = f"{count} pair{'s' if count > 1 else ''}"
         return Verdict(inside, error, f"changes by {100.0 * mean:.2g} %{limit} ({pairs})")
