@@ -76,7 +76,7 @@ regions = Table(
     {"stress / strength": "{from:g} to {to:g}", "conditions": "{conditions}"}
     | {
         f"without {effect.replace('_', ' ')} (%)": (
-            f"{{{effect}:.2g}} ({{{effect}_least:.2g}} to {{{effect}_largest:.2g}})"
+            f"{{{effect}!p}} ({{{effect}_least!p}} to {{{effect}_largest!p}})"
         )
         for effect in EFFECTS
     },
