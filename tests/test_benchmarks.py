@@ -49,6 +49,21 @@ def test_methods_are_compared_on_the_same_walls(name, tmp_path):
         assert (found["cycle 1 %"].abs() < found["share %"]).all()
 
 
+@pytest.mark.slow
+def test_selected_effects_are_compared_at_conditions_of_any_seed(tmp_path):
+    options = ["--scenes", "2", "--surfaces", "3", "--tolerances", "0.3", "--seed", "7"]
+    subprocess.run(
+        [sys.executable, BENCHMARKS / "effects_auto.py", *options, "--output", tmp_path],
+        check=True,
+        capture_output=True,
+    )
+    summary = pd.read_csv(tmp_path / "effects_auto_summary.csv")
+    assert summary.joints.tolist() == [20, 180, 540]
+    assert (summary.scenes == 2).all()
+    assert (summary.best_saved_percent >= 0.0).all()
+    assert (tmp_path / "effects_regions.png").is_file()
+
+
 def test_mating_walls_close_less_and_net_closures_are_smaller_and_stiffer(monkeypatch):
     monkeypatch.syspath_prepend(BENCHMARKS)
     validation = importlib.import_module("validation")

@@ -8,6 +8,7 @@ them all), unless the folder is called like it. What was stored of the run befor
 """
 
 import datetime
+import itertools
 import json
 import shutil
 import sys
@@ -15,6 +16,7 @@ from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 from stored import ORIGIN, PACKAGE, ROOT, RUNS, STORED, Run, StoredError
 
@@ -49,7 +51,29 @@ def contributions(results: Path) -> pd.DataFrame:
     return pd.DataFrame(columns).reset_index()
 
 
-SUMMARIES = {"effects_contributions": (contributions, "effects")}
+def regions(results: Path) -> pd.DataFrame:
+    """Change of the closure without each effect at random conditions, by stress over strength."""
+    table = read_csv(_path(results, "effects_auto", "effects_auto.csv")).drop_duplicates("scene")
+    ratio = table.max_normal_stress / table.compressive_strength
+    rows = []
+    for low, high in itertools.pairwise(BANDS):
+        part = table[(ratio > low) & (ratio <= high)]
+        row = {"from": low, "to": high, "conditions": len(part)}
+        for effect in ("interaction", "soft_peaks", "gouge", "breakage", "substrate"):
+            changes = part[f"without_{effect}_percent"].replace(np.inf, np.nan)
+            row |= {f"{effect}_failed": int(changes.isna().sum()), effect: changes.median()}
+            row |= {f"{effect}_least": changes.min(), f"{effect}_largest": changes.max()}
+            row[f"{effect}_time"] = part[f"without_{effect}_time"].median()
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+BANDS = (0.0, 0.001, 0.01, 0.1, 1.0)
+"""Ratios of the maximum stress to the strength that limit the rows of the table of regions."""
+SUMMARIES = {
+    "effects_contributions": (contributions, "effects"),
+    "effects_regions": (regions, "effects_auto"),
+}
 """Tables that are made of larger ones when they are stored: how, and of which."""
 
 

@@ -52,7 +52,10 @@ RUNS = {
         figures=("accuracy_regularised", "accuracy_sources", "accuracy_total"),
         shipped={name: name for name in ("accuracy_settings", "accuracy_methods")},
     ),
-    "effects": Run(("effects_contributions", "effects_auto_summary"), ("effects", "effects_auto")),
+    "effects": Run(("effects_contributions",), ("effects",)),
+    "effects_auto": Run(
+        ("effects_regions", "effects_auto_summary"), ("effects_auto", "effects_regions")
+    ),
     "conclusions": Run(("earlier_readings",)),
     "mismatch": Run(("mismatch", "mismatch_shifts"), ("mismatch",)),
     "misalignment": Run(("misalignment",), ("misalignment",)),

@@ -6,6 +6,7 @@ import shutil
 import sys
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -89,6 +90,24 @@ def test_results_are_stored_with_what_made_them(run):
     assert origin["configuration"]["file"] == "config/mismatch.yaml"
     assert origin["configuration"]["differs"]["mismatch.tolerance"] == 0.1
     assert "numerics.solver" not in origin["configuration"]["differs"]
+
+
+def test_errors_without_effects_are_summed_up_by_stress_over_strength(tmp_path):
+    changes = {
+        f"without_{effect}_percent": [1.0, 3.0, np.inf, 8.0]
+        for effect in ("interaction", "soft_peaks", "gouge", "breakage", "substrate")
+    }
+    times = {name.replace("percent", "time"): 0.5 for name in changes}
+    table = pd.DataFrame({"scene": range(4)} | changes).assign(**times)
+    table = table.assign(compressive_strength=1e8, max_normal_stress=[2e5, 3e5, 4e5, 5e7])
+    # a scene has a row for each tolerance
+    pd.concat([table, table]).to_csv(tmp_path / "effects_auto.csv", index=False)
+    rows = publish.regions(tmp_path).set_index("to")
+    assert rows.conditions.tolist() == [0, 3, 0, 1]
+    row = rows.loc[0.01]
+    assert (row.interaction, row.interaction_least, row.interaction_largest) == (2.0, 1.0, 3.0)
+    assert row.interaction_failed == 1
+    assert rows.loc[1.0].interaction == 8.0
 
 
 def test_the_readmes_outcome_is_that_of_the_stored_study():

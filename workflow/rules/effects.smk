@@ -4,6 +4,11 @@ from jointclosure.effects.validation import validation_settings
 
 VALIDATION = CONFIGURATION.ablation.validation if CONFIGURATION.ablation else None
 CHOICE_TABLES = ["effects_auto.csv", "effects_auto_summary.csv"]
+CHOICE_FIGURES = expand(
+    f"{RESULTS}/figures/{{name}}.{{format}}",
+    name=["effects_auto", "effects_regions"],
+    format=["png", "pdf"],
+)
 
 
 wildcard_constraints:
@@ -12,17 +17,12 @@ wildcard_constraints:
 
 rule effects_auto:
     input:
-        expand(
-            f"{RESULTS}/{{output}}",
-            output=(
-                [
-                    *(f"tables/{table}" for table in CHOICE_TABLES),
-                    *(f"figures/effects_auto.{format}" for format in ("png", "pdf")),
-                ]
-                if VALIDATION
-                else []
-            ),
-        ),
+        [
+            *expand(f"{RESULTS}/tables/{{table}}", table=CHOICE_TABLES),
+            *CHOICE_FIGURES,
+        ]
+        if VALIDATION
+        else [],
     message:
         "The choice of effects is tested"
 
@@ -49,8 +49,6 @@ rule sum_up_choices:
     output:
         scenes=f"{RESULTS}/tables/effects_auto.csv",
         summary=f"{RESULTS}/tables/effects_auto_summary.csv",
-        figures=expand(
-            f"{RESULTS}/figures/effects_auto.{{format}}", format=["png", "pdf"]
-        ),
+        figures=CHOICE_FIGURES,
     script:
         "../scripts/sum_up_choices.py"

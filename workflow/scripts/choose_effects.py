@@ -16,7 +16,7 @@ from jointclosure.storage.text import write_text
 
 
 def main(settings: dict[str, ClosureSettings], outputs: dict[str, str], log: Logbook) -> None:
-    """Write the effects that matter in any case, and the joints closed with all effects."""
+    """Write the effects that matter, and the joints that the pilot closed with them."""
     choice = choose_for_rock(settings, log)
     chosen = {"effects": choice.effects, "error": choice.error}
     chosen["cases"] = {
@@ -28,11 +28,11 @@ def main(settings: dict[str, ClosureSettings], outputs: dict[str, str], log: Log
 
 
 def _closed(settings: dict[str, ClosureSettings], choice: RockChoice) -> xr.Dataset:
-    """Join the joints that the pilots closed with all effects, over (realization)."""
+    """Join the joints that the pilots closed with the selected effects, over (realization)."""
     parts = []
     for label, case in choice.cases.items():
-        surfaces = surfaces_of(settings[label].surfaces)
-        part = closed_before(surfaces, case.closed, settings[label])
+        used = settings[label].with_effects(choice.effects)
+        part = closed_before(surfaces_of(used.surfaces), case.closed, used)
         cases = [label] * part.sizes["realization"]
         parts.append(part.assign_coords(case=("realization", cases)))
     return xr.concat(parts, "realization")

@@ -25,7 +25,7 @@ def main(
 ) -> None:
     """Write the closures (realization, cycle, branch, stress).
 
-    ``pilot``: files of the effects that it chose, and of the joints that it closed with all.
+    ``pilot``: files of the effects that it chose, and of the joints that it closed with them.
     """
     chosen, before = pilot
     used = settings if chosen is None else settings.with_effects(chosen_effects(chosen))
@@ -39,7 +39,7 @@ def main(
             used,
             report=lambda line: log(f"{line}; {countdown()}"),
             repeated_by=repeated_by(Path(output), label),
-            before=closed_by_pilot(before, label) if before and used == settings else None,
+            before=closed_by_pilot(before, label) if before else None,
         )
         marked = (block.assign_attrs(settings=as_text(settings), scene=scene) for block in closed)
         write_netcdf_blocks(marked, "realization", output)
@@ -52,7 +52,7 @@ def chosen_effects(path: str) -> Effects:
 
 
 def closed_by_pilot(path: str, label: str) -> xr.Dataset:
-    """Return the joints of a case that the pilot closed with all effects."""
+    """Return the joints of a case that the pilot closed with the selected effects."""
     closed = read_netcdf(path)
     return closed.isel(realization=(closed.case == label).values)
 

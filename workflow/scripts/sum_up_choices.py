@@ -1,25 +1,28 @@
 """Summarise the errors of selected effects at random conditions."""
 
+from pathlib import Path
+
 import pandas as pd
 
 from jointclosure.effects.validation import validation_summary
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
-from jointclosure.plotting.effects import choice_figure
+from jointclosure.plotting.effects import choice_figure, region_figure
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import read_csv, write_csv
 
+FIGURES = {"effects_auto": choice_figure, "effects_regions": region_figure}
+
 
 def main(inputs: list[str], outputs, log: Logbook) -> None:
-    """Write all scenes, their summary, and the figure."""
+    """Write all scenes, their summary, and the figures."""
     table = pd.concat(map(read_csv, inputs), ignore_index=True)
     write_csv(table, outputs.scenes)
     summary = validation_summary(table)
     write_csv(summary, outputs.summary)
     log(summary.round(2).to_string(index=False))
-    figure = choice_figure(table)
     for output in outputs.figures:
-        save_figure(figure, output)
+        save_figure(FIGURES[Path(output).stem](table), output)
 
 
 if __name__ == "__main__":

@@ -8,16 +8,20 @@ from content.markdown import Table, markdown
 CHOICE = {
     "something was left out, of {scenes:.0f} conditions": "{changed:.0f}",
     "error within the tolerance (% of all)": "{held_percent:.0f}",
+    "where something was left out (%)": "{held_of_changed_percent:.0f}",
     "largest error (%)": "{largest_error_percent:.1f}",
     "time saved, of all conditions together (%)": "{saved_percent:.1f}",
-    "where something was left out (%)": "{saved_where_changed_percent:.0f}",
-    "where all effects act (%)": "{saved_where_unchanged_percent:.1f}",
-    "time of the pilots, of all (%)": "{pilot_percent:.1f}",
-    "largest, where all effects act (%)": "{largest_pilot_percent:.1f}",
+    "by the best scenes (%)": "{best_saved_percent:.1f}",
+    "time saved, mean over conditions (%)": "{mean_saved_percent:.1f}",
+    "by the best scenes, mean (%)": "{best_mean_saved_percent:.1f}",
+    "regret, median": "{median_regret:.2f}",
     "time saved where it is least (%)": "{least_saved_percent:.0f}",
-    "scatter of times where both did the same (%)": "{timing_scatter_percent:.1f}",
+    "largest time lost by a pilot where all effects act (%)": "{largest_lost_percent:.1f}",
+    "effectivity index, median": "{effectivity:.1f}",
+    "from 1 to 5 (% of the selections that left something out)": "{effectivity_good_percent:.0f}",
 }
 """Rows of the table of choices: their titles, and forms of their numbers."""
+EFFECTS = ("interaction", "soft_peaks", "gouge", "breakage", "substrate")
 ADDED = {
     "max. closure (%)": "max_closure",
     "residual closure (%)": "residual_closure",
@@ -28,16 +32,55 @@ CHANGES = ("cycle 1", "cycle 2", "loading, 1 MPa", "loading, 3 MPa", "loading, 1
 
 
 def choice() -> str:
-    """Tabulate how the chosen effects held, a column for each tolerance."""
-    columns = stored("effects", "effects_auto_summary").to_dict("records")
+    """Tabulate how the chosen effects held, a column for each tolerance and number of joints."""
+    columns = stored("effects_auto", "effects_auto_summary").to_dict("records")
     rows = [
         {"": title.format_map(columns[0])}
-        | {f"tolerance {100.0 * row['tolerance']:g} %": form.format_map(row) for row in columns}
+        | {
+            f"{100.0 * row['tolerance']:g} %, {row['joints']} joints": form.format_map(row)
+            for row in columns
+        }
         for title, form in CHOICE.items()
     ]
     return markdown(pd.DataFrame(rows))
 
 
+AIMS = {
+    "error within the tolerance in at least 95 % of the conditions": ("held_percent", 95.0),
+    "at least 80 % of what the best scenes save, of all together": ("share_of_best_percent", 80.0),
+    "the same, mean over the conditions": ("mean_share_of_best_percent", 80.0),
+    "no time lost over all conditions": ("saved_percent", 0.0),
+    "effectivity index from 1 to 5 in nine of ten": ("effectivity_good_percent", 90.0),
+}
+"""Aims of the selection: the column of its summary, and the least value."""
+
+
+def aims() -> str:
+    """Tabulate at which tolerances the aims are met (%), a column for each number of joints."""
+    table = stored("effects_auto", "effects_auto_summary")
+    rows = []
+    for aim, (column, least) in AIMS.items():
+        row = {"aim": aim}
+        for joints, part in table.groupby("joints"):
+            values = part.sort_values("tolerance")[column]
+            met = "met" if (values >= least).all() else "**not met**"
+            if (values >= least).any() and met != "met":
+                met = "partly met"
+            row[f"{joints} joints"] = f"{', '.join(f'{value:.0f}' for value in values)}: {met}"
+        rows.append(row)
+    return markdown(pd.DataFrame(rows))
+
+
+regions = Table(
+    "effects_auto/effects_regions",
+    {"stress / strength": "{from:g} to {to:g}", "conditions": "{conditions}"}
+    | {
+        f"without {effect.replace('_', ' ')} (%)": (
+            f"{{{effect}!p}} ({{{effect}_least!p}} to {{{effect}_largest!p}})"
+        )
+        for effect in EFFECTS
+    },
+)
 contributions = Table(
     "effects/effects_contributions",
     {

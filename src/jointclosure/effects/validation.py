@@ -1,12 +1,15 @@
-"""Validation of selected effects against the full model, at random conditions.
+"""Benchmark of selected effects at random conditions, against the full model and the best scene.
 
-Rock, roughness, stress and size are random. The surfaces are closed with all effects, and with
-those that `choose_among` selects at each tolerance. In the second case the interaction may also be
-left out of the first loading to this tolerance (`Numerics.idle_interaction`). The change of the
-mean is the error of the selection.
+Rock, roughness, stress and size are random. Every well-posed scene is closed on the same surfaces,
+so that the best one is known: the fastest whose mean maximum closures keep the tolerance. All
+selections, for every tolerance and number of joints, are made and judged on these closures. Where
+effects are selected, the interaction may also be left out of the first loading to the tolerance
+(`Numerics.idle_interaction`).
+
+Regret is the time of the selection, with its pilot, over that of the best scene. The effectivity
+index is the estimated error over the true one, which is the change of the mean over all surfaces.
 """
 
-import time
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -14,15 +17,30 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.config.typed import Configuration, Grid, Surface, Validation
-from jointclosure.effects.choice import choose_among, max_closures
-from jointclosure.ensemble.closing import close_walls
+from jointclosure.effects.choice import JOINTS, SceneChoice, choose_among
+from jointclosure.effects.pilot import Close, Closed, Pilot, closing, max_closures
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
-from jointclosure.parameters import Choices, Effects, Numerics, Rock, scene_name
+from jointclosure.parameters import Choices, Effects, Numerics, Rock, scene_name, well_posed_scenes
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.surface.synthesis import wall_pair
 
-_REPETITIONS = 2
+SHARED_BY = (JOINTS, 180, 540)
+"""Joints that share a selection: of a case of the paper's study, and of all cases of a rock."""
+LEFT_OUT = {
+    "breakage": Effects(breakage=False, gouge=False),
+    "interaction": Effects(interaction=False),
+    "substrate": Effects(interaction=False, substrate=False),
+    "gouge": Effects(gouge=False),
+    "soft_peaks": Effects(soft_peaks=False),
+}
+"""Scenes without an effect, and without those that need it, by the effect."""
+_FIRST = (1, 3)
+"""Numbers of surfaces after which a scene is given up that fails, takes `_SLOWER` times as long as
+all effects, or changes a closure by more than `_HOPELESS`."""
+_SLOWER = 1.5
+_HOPELESS = 3.0
+"""Largest change of the mean closure of the first surfaces, over the largest tolerance."""
 
 
 class RandomScene(NamedTuple):
@@ -96,68 +114,173 @@ def random_scene(settings: ValidationSettings, number: int) -> RandomScene:
     return RandomScene(rock, jrc, min(stress, rock.compressive_strength), cells)
 
 
+class _Runs:
+    """Closures of the surfaces of a scene, each made once."""
+
+    def __init__(self, settings: ValidationSettings, number: int, scene: RandomScene):
+        self.count = settings.design.realizations
+        conditions = _in_full(settings, scene)
+        walls = _walls(settings, number, scene)
+        self._close: dict[float, Close] = {}
+        for idle in (0.0, *settings.design.tolerances):
+            numerics = conditions.numerics._replace(idle_interaction=idle)
+            self._close[idle] = closing(walls, conditions._replace(numerics=numerics))
+        self._known: dict[tuple, Closed | None] = {}
+
+    def close(self, number: int, effects: Effects, idle: float = 0.0) -> Closed | None:
+        """Close a pair with some effects; the interaction may be idle to a tolerance."""
+        key = (number, effects, idle if effects.interaction else 0.0)
+        if key not in self._known:
+            # the first closure in a scene also loads kernels
+            first = all(known[1:] != key[1:] for known in self._known)
+            closed = [self._close[key[2]](number, effects) for _ in range(2 if first else 1)]
+            self._known[key] = min(filter(None, closed), key=lambda one: one.seconds)
+        return self._known[key]
+
+    def mean(self, effects: Effects, idle: float = 0.0, count: int = 0) -> "_Mean":
+        """Close the first, or all, surfaces with some effects and with all, and compare."""
+        rows = []
+        for number in range(count or self.count):
+            with_all, closed = self.close(number, Effects()), self.close(number, effects, idle)
+            assert with_all is not None  # the surface is there
+            assert closed is not None
+            rows.append(
+                (
+                    max_closures(with_all.dataset),
+                    max_closures(closed.dataset),
+                    with_all.seconds,
+                    closed.seconds,
+                )
+            )
+        full, maxima, full_seconds, seconds = map(np.array, zip(*rows, strict=True))
+        good = np.isfinite(full).all(axis=1)
+        failed = int((~np.isfinite(maxima[good])).any(axis=1).sum())
+        off = np.inf
+        if good.any() and not failed:
+            off = float(np.abs(maxima[good].mean(axis=0) / full[good].mean(axis=0) - 1.0).max())
+        return _Mean(off, float(seconds.sum()), float(full_seconds.sum()), int(good.sum()), failed)
+
+
+class _Mean(NamedTuple):
+    """Error of mean closures [1], times [s], and numbers of surfaces that count and that failed."""
+
+    error: float
+    seconds: float
+    full_seconds: float
+    samples: int
+    failed: int
+
+
 def validate(
     settings: ValidationSettings, number: int, report: Callable[[str], None] = lambda line: None
 ) -> pd.DataFrame:
-    """Close joints at random conditions with all and with selected effects, at every tolerance.
+    """Select effects at random conditions, and compare with all effects and with the best scene.
 
     Returns
     -------
     DataFrame
-        For each tolerance: the conditions, the ``chosen`` effects, ``estimated_percent``
-        and ``actual_percent`` (the largest change of a cycle's mean maximum closure),
-        ``holds``; ``full_s`` and ``chosen_s``, times of all surfaces; ``pilot_s``, time of runs of
-        the pilot that no result uses: those without effects, and also those with all effects if
-        any is left out; ``saved_percent`` of the full time, including the pilot. Times are
-        processor times. Surfaces on which the full model fails are left out (``samples`` remain).
-        If the selected effects fail on others (``failed``), there is no error, and ``holds`` is
-        false.
+        For each tolerance and number of ``joints`` that share a selection: the conditions, the
+        ``chosen`` effects, ``estimated_percent`` and ``actual_percent`` (the largest change of a
+        cycle's mean maximum closure), ``holds``; ``full_s``, ``chosen_s`` and ``best_s``, times of
+        as many joints with all effects, with the chosen ones, and of the fastest scene
+        (``best``) that keeps the tolerance; ``pilot_s``, the time of closures that no result
+        uses; ``saved_percent`` and ``best_saved_percent`` of the full time, the former with the
+        pilot; ``regret`` and ``effectivity``. Times are processor times. Surfaces on which the full
+        model fails are left out (``samples`` remain). If the selected effects fail on others
+        (``failed``), there is no error, and ``holds`` is false. ``without_<effect>_percent`` is the
+        change of the mean maximum closure without an effect, on the first surfaces at least.
     """
     scene = random_scene(settings, number)
     report(f"conditions {number}: {scene}")
+    runs = _Runs(settings, number, scene)
     design = settings.design
-    walls, conditions = _walls(settings, number, scene), _in_full(settings, scene)
-    for effects in (Effects(), Effects(breakage=False, gouge=False)):
-        close_walls(
-            *walls[0], conditions._replace(effects=effects)
-        )  # load kernels before times are measured
-    choices, all_conditions = [], [conditions]
-    for tolerance in design.tolerances:
-        numerics = conditions.numerics._replace(idle_interaction=tolerance)
-        selected = conditions._replace(numerics=numerics)
-        choices.append(choose_among(walls, selected, tolerance, report))
-        all_conditions.append(selected._replace(effects=choices[-1].effects))
-    (full, full_seconds), *chosen = _closed_in_turn(walls, all_conditions)
-    about = scene.rock._asdict() | scene._asdict()
+    scenes, changes = _means(runs, design.tolerances)
+    about = {"scene": number} | scene.rock._asdict() | scene._asdict() | changes
     del about["rock"]
     rows = []
-    for tolerance, choice, (maxima, seconds) in zip(
-        design.tolerances, choices, chosen, strict=True
-    ):
-        pilot = choice.trial_seconds
-        if choice.effects != Effects():
-            pilot += sum(pair.seconds for pair in choice.closed)
-        good = np.isfinite(full).all(axis=1)
-        failed = int((~np.isfinite(maxima[good])).any(axis=1).sum())
-        off = np.abs(maxima[good].mean(axis=0) / full[good].mean(axis=0) - 1.0).max()
-        rows.append(
-            {"scene": number, "tolerance": tolerance}
-            | about
-            | {
-                "chosen": scene_name(choice.effects),
-                "samples": int(good.sum()),
-                "failed": failed,
-                "estimated_percent": 100.0 * choice.error,
-                "actual_percent": 100.0 * off,
-                "holds": bool(off <= tolerance),
-                "full_s": full_seconds,
-                "chosen_s": seconds,
-                "pilot_s": pilot,
-                "saved_percent": 100.0 * (1.0 - (seconds + pilot) / full_seconds),
-            }
-        )
+    for tolerance in design.tolerances:
+        idle = runs.mean(Effects(), tolerance)
+        for joints in SHARED_BY:
+            pilot = Pilot(_limited(runs, tolerance), Effects(), joints)
+            choice = choose_among(pilot, tolerance, report)
+            chosen = runs.mean(choice.effects, tolerance)
+            options = {scene_name(Effects()): runs.mean(Effects())}
+            options |= {name: mean for name, mean in scenes.items() if mean.error <= tolerance}
+            options |= {"idle interaction": idle} if idle.error <= tolerance else {}
+            rows.append(
+                {"tolerance": tolerance, "joints": joints}
+                | about
+                | _judged(choice, chosen, options, joints / runs.count, tolerance)
+            )
         report(f"tolerance {tolerance:g}: {rows[-1]}")
     return pd.DataFrame(rows)
+
+
+def _limited(runs: _Runs, tolerance: float) -> Close:
+    """Return a function that closes the surfaces of a scene, as a study to a tolerance does."""
+
+    def close(number: int, effects: Effects) -> Closed | None:
+        return runs.close(number, effects, tolerance) if number < runs.count else None
+
+    return close
+
+
+def _means(runs: _Runs, tolerances: tuple[float, ...]) -> tuple[dict[str, _Mean], dict[str, float]]:
+    """Return the scenes that may be best by their names, and changes without each effect [%].
+
+    Every pair of walls is closed in all scenes before the next pair, so that a slower machine
+    affects all of them.
+    """
+    candidates = list(well_posed_scenes())
+    means: dict[Effects, _Mean] = {}
+    for number in range(runs.count):
+        for idle in (0.0, *tolerances):
+            runs.close(number, Effects(), idle)
+        for effects in candidates:
+            runs.close(number, effects)
+        if number + 1 in (*_FIRST, runs.count):
+            means |= {effects: runs.mean(effects, count=number + 1) for effects in candidates}
+            candidates = [one for one in candidates if _may_be_best(means[one], max(tolerances))]
+    changes = {}
+    for name, effects in LEFT_OUT.items():
+        changes[f"without_{name}_percent"] = 100.0 * means[effects].error
+        changes[f"without_{name}_time"] = means[effects].seconds / means[effects].full_seconds
+    return {scene_name(effects): means[effects] for effects in candidates}, changes
+
+
+def _may_be_best(mean: _Mean, tolerance: float) -> bool:
+    """Return whether a scene may be the fastest within a tolerance, from the first surfaces."""
+    return mean.seconds <= _SLOWER * mean.full_seconds and mean.error <= _HOPELESS * tolerance
+
+
+def _judged(
+    choice: SceneChoice, chosen: _Mean, options: dict[str, _Mean], scale: float, tolerance: float
+) -> dict:
+    """Compare a choice with the full model and with the best of the scenes that hold."""
+    best = min(options, key=lambda name: options[name].seconds)
+    full_s, chosen_s, best_s = (
+        scale * seconds for seconds in (chosen.full_seconds, chosen.seconds, options[best].seconds)
+    )
+    spent = chosen_s + choice.lost_seconds
+    # an error of 0 has no ratio; so has one that is only due to the idle interaction
+    compared = choice.error > 0.0 and 0.0 < chosen.error < np.inf
+    return {
+        "chosen": scene_name(choice.effects),
+        "best": best,
+        "samples": chosen.samples,
+        "failed": chosen.failed,
+        "estimated_percent": 100.0 * choice.error,
+        "actual_percent": 100.0 * chosen.error if np.isfinite(chosen.error) else np.nan,
+        "holds": bool(chosen.error <= tolerance),
+        "full_s": full_s,
+        "chosen_s": chosen_s,
+        "pilot_s": choice.lost_seconds,
+        "best_s": best_s,
+        "saved_percent": 100.0 * (1.0 - spent / full_s),
+        "best_saved_percent": 100.0 * (1.0 - best_s / full_s),
+        "regret": spent / best_s,
+        "effectivity": choice.error / chosen.error if compared else np.nan,
+    }
 
 
 def _walls(
@@ -190,62 +313,49 @@ def _in_full(settings: ValidationSettings, scene: RandomScene) -> Conditions:
     )
 
 
-def _closed_in_turn(walls: list, conditions: list[Conditions]) -> list[tuple[np.ndarray, float]]:
-    """Return maximum closures (realization, cycle) [m] at each of the conditions, and seconds.
-
-    Closures are NaN if a simulation failed. Each pair of walls is closed at all conditions before
-    the next pair, so that a slower machine affects all of them. This is done twice, and the shorter
-    time counts.
-    """
-    closures: list[list] = [[] for _ in conditions]
-    seconds = np.zeros(len(conditions))
-    for upper, lower in walls:
-        least = np.full(len(conditions), np.inf)
-        for repetition in range(_REPETITIONS):
-            for number, conditions_of_turn in enumerate(conditions):
-                start = time.process_time()
-                maxima = max_closures(close_walls(upper, lower, conditions_of_turn))
-                least[number] = min(least[number], time.process_time() - start)
-                if repetition == 0:
-                    closures[number].append(maxima)
-        seconds += least
-    return [(np.array(rows), float(spent)) for rows, spent in zip(closures, seconds, strict=True)]
-
-
 def validation_summary(table: pd.DataFrame) -> pd.DataFrame:
-    """Summarise validation at each tolerance: share of scenes within it, and time saved.
+    """Summarise validation, for each tolerance and number of joints that share a selection.
 
     ``changed`` scenes are those in which an effect was left out; in the others at most the idle
     interaction was left out. ``held_percent`` is the share of all scenes within the tolerance,
     ``held_of_changed_percent`` that of the changed ones. ``saved_percent`` is relative to the time
-    of all scenes together, ``saved_where_changed_percent`` to that of the changed ones and
-    ``saved_where_unchanged_percent`` to that of the others; all include pilots.
-    ``least_saved_percent`` is that of the scene with the smallest value. ``pilot_percent`` is the
-    share of the pilots in the full time, ``largest_pilot_percent`` the largest share among scenes
-    that keep all effects, where it is lost. ``timing_scatter_percent`` is the standard deviation
-    of the saved times, without pilots, in scenes where both runs did the same (all effects, equal
-    closures): the uncertainty of the times.
+    of all scenes together, and ``mean_saved_percent`` the mean over scenes; both include pilots.
+    ``best_saved_percent`` and ``best_mean_saved_percent`` are those of the best scenes,
+    ``share_of_best_percent`` and ``mean_share_of_best_percent`` the ratios of the two.
+    ``least_saved_percent`` is that of the scene with the smallest value, ``largest_lost_percent``
+    the largest share of a pilot among scenes that keep all effects. ``median_regret`` and
+    ``effectivity`` are medians, ``effectivity_good_percent`` is the share of the changed scenes
+    with an index from 1 to 5.
     """
     rows = []
-    for tolerance, part in table.groupby("tolerance"):
+    for (tolerance, joints), part in table.groupby(["tolerance", "joints"]):
         is_changed = part.chosen != scene_name(Effects())
         changed, unchanged = part[is_changed], part[~is_changed]
-        row = {"tolerance": tolerance, "scenes": len(part), "changed": len(changed)}
-        row["held_percent"] = 100.0 * part.holds.mean()
-        row["held_of_changed_percent"] = 100.0 * changed.holds.mean() if len(changed) else np.nan
-        row["largest_error_percent"] = part.actual_percent.max()
-        row["scenes_without_error"] = int(part.actual_percent.isna().sum())
-        for name, some in (
-            ("saved_percent", part),
-            ("saved_where_changed_percent", changed),
-            ("saved_where_unchanged_percent", unchanged),
-        ):
-            spent = (some.chosen_s + some.pilot_s).sum()
-            row[name] = 100.0 * (1.0 - spent / some.full_s.sum()) if len(some) else np.nan
-        row["least_saved_percent"] = part.saved_percent.min()
-        row["pilot_percent"] = 100.0 * part.pilot_s.sum() / part.full_s.sum()
-        row["largest_pilot_percent"] = 100.0 * (unchanged.pilot_s / unchanged.full_s).max()
-        same = unchanged[unchanged.actual_percent == 0.0]
-        row["timing_scatter_percent"] = 100.0 * (same.chosen_s / same.full_s).std()
+        saved = part.full_s - part.chosen_s - part.pilot_s
+        best = part.full_s - part.best_s
+        index = changed.effectivity.dropna()
+        row = {
+            "tolerance": tolerance,
+            "joints": joints,
+            "scenes": len(part),
+            "changed": len(changed),
+            "held_percent": 100.0 * part.holds.mean(),
+            "held_of_changed_percent": 100.0 * changed.holds.mean() if len(changed) else np.nan,
+            "largest_error_percent": part.actual_percent.max(),
+            "scenes_without_error": int(part.actual_percent.isna().sum()),
+            "saved_percent": 100.0 * saved.sum() / part.full_s.sum(),
+            "best_saved_percent": 100.0 * best.sum() / part.full_s.sum(),
+            "share_of_best_percent": 100.0 * saved.sum() / best.sum(),
+            "mean_saved_percent": part.saved_percent.mean(),
+            "best_mean_saved_percent": part.best_saved_percent.mean(),
+            "mean_share_of_best_percent": 100.0
+            * part.saved_percent.mean()
+            / part.best_saved_percent.mean(),
+            "least_saved_percent": part.saved_percent.min(),
+            "largest_lost_percent": 100.0 * (unchanged.pilot_s / unchanged.full_s).max(),
+            "median_regret": part.regret.median(),
+            "effectivity": index.median(),
+            "effectivity_good_percent": 100.0 * index.between(1.0, 5.0).mean(),
+        }
         rows.append(row)
     return pd.DataFrame(rows)

@@ -21,6 +21,8 @@ _FLOOR = 0.1
 _WIDE = 5.0
 """Ratio of times above which an axis has room for only few labels."""
 _LEAST_ERROR = 0.01
+_JOINTS = 180
+"""Number of joints of the selections that are drawn."""
 
 
 @styled
@@ -103,6 +105,55 @@ def _over_rocks(table: pd.DataFrame) -> pd.DataFrame:
 
 
 @styled
+def region_figure(table: pd.DataFrame) -> Figure:
+    """Draw the error made without each effect over the stress, relative to the rock's strength.
+
+    Parameters
+    ----------
+    table : DataFrame
+        Rows as from `jointclosure.effects.validation.validate`.
+
+    Notes
+    -----
+    There is a panel for each effect, and a point for each random condition, with its roughness as
+    colour. Shaded bands are the errors below the tolerances of the table. Errors outside of the
+    axes are drawn at their ends. Conditions at which simulations without the effect fail are
+    marked above.
+    """
+    columns = {effect: f"without_{effect}_percent" for effect in _REGIONS}
+    points = table.drop_duplicates("scene")
+    ratio = points.max_normal_stress / points.compressive_strength
+    figure, panels = panel_grid(1, len(columns), (2.9, 2.9), (1.4, 0.5), sharey=True)
+    for axes, (effect, column) in zip(panels.ravel(), columns.items(), strict=True):
+        for tolerance in sorted(table.tolerance.unique()):
+            axes.axhspan(0.0, 100.0 * tolerance, color="0.5", alpha=0.15, lw=0)
+        failed = ~np.isfinite(points[column])
+        error = points[column].clip(*_ERRORS)
+        marks = axes.scatter(
+            ratio[~failed], error[~failed], c=points.jrc[~failed], cmap="viridis",
+            vmin=0.0, vmax=20.0, s=22, edgecolors="w", linewidths=0.4, zorder=2,
+        )  # fmt: skip
+        axes.plot(ratio[failed], np.full(failed.sum(), _ERRORS[1]), "x", color="0.4", ms=4)
+        axes.set(xscale="log", yscale="log", ylim=(0.8 * _ERRORS[0], 1.3 * _ERRORS[1]))
+        axes.set_title(f"without {effect.replace('_', ' ')}")
+        axes.set_xlabel("max. stress / strength")
+        axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    panels.ravel()[0].set_ylabel("change of mean max. closure (%)")
+    figure.colorbar(marks, ax=panels, label="JRC", shrink=0.8)
+    bands = ", ".join(f"{100.0 * t:g}" for t in sorted(table.tolerance.unique()))
+    handles = [key(color="0.75", lw=6, label=f"below {bands} %")]
+    handles.append(point_key("simulations fail", marker="x", color="0.4"))
+    legend_below(figure, handles)
+    sns.despine(figure)
+    return figure
+
+
+_REGIONS = ("interaction", "soft_peaks", "gouge", "breakage")
+_ERRORS = (0.1, 400.0)
+"""Range of the axis of errors [%]."""
+
+
+@styled
 def choice_figure(table: pd.DataFrame) -> Figure:
     """Draw the error of the selected effects over stress, and the time that the selection saves.
 
@@ -115,8 +166,11 @@ def choice_figure(table: pd.DataFrame) -> Figure:
     -----
     There is a column for each tolerance. Grey conditions keep all effects: they have no error,
     are counted in the upper panels instead of drawn, and lose only the time of the pilot. Errors
-    below a hundredth of a percent are drawn there.
+    below a hundredth of a percent are drawn there. Selections for the paper's 180 joints of a rock
+    are drawn, if the table has them.
     """
+    joints = table.joints.unique()
+    table = table[table.joints == (_JOINTS if _JOINTS in joints else joints.max())]
     tolerances = sorted(table.tolerance.unique())
     figure, panels = panel_grid(
         2, len(tolerances), (3.2, 2.8), (1.4, 0.0), sharex=True, sharey="row"
