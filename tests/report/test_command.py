@@ -85,7 +85,8 @@ def test_the_folder_of_a_single_joint_has_a_page(tmp_path, capsys):
     for name, heights in (("top", 1e-3 - upper), ("bottom", lower)):
         points = np.column_stack([x.ravel(), y.ravel(), 1e3 * heights.ravel()])
         np.savetxt(tmp_path / f"{name}.xyz", points, fmt="%.6f")
-    told = ["--units", "mm", "--rock", "granite", "--stress", "2", "--output", tmp_path / "joint"]
+    told = ["--units", "mm", "--rock", "granite", "--stress", "2", "--single"]
+    told += ["--output", tmp_path / "joint"]
     scans = [tmp_path / "top.xyz", tmp_path / "bottom.xyz"]
     assert cli.main(["close", *map(str, [*scans, *told])]) == 0
     assert cli.main(["report", str(tmp_path / "joint")]) == 0

@@ -44,7 +44,9 @@ def prediction_table(observables: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for count in range(1, len(JOINTS)):
         for fitted in combinations(JOINTS, count):
-            logs = sum(likelihoods["first_closure", joint].log[:, 0] for joint in fitted)
+            logs = np.sum(
+                [likelihoods["first_closure", joint].log[:, 0] for joint in fitted], axis=0
+            )
             weights = np.exp(logs - logs.max())
             for joint in (joint for joint in JOINTS if joint not in fitted):
                 for name in PREDICTED:
