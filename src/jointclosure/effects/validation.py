@@ -43,7 +43,7 @@ _HOPELESS = 3.0
 """Largest change of the mean closure of the first surfaces, over the largest tolerance."""
 
 
-class RandomScene(NamedTuple):
+class RandomConditions(NamedTuple):
     """Rock, roughness, maximum stress [Pa], and number of cells along a square joint."""
 
     rock: Rock
@@ -90,7 +90,7 @@ def validation_settings(configuration: Configuration) -> ValidationSettings:
     )
 
 
-def random_scene(settings: ValidationSettings, number: int) -> RandomScene:
+def random_scene(settings: ValidationSettings, number: int) -> RandomConditions:
     """Return the conditions of a number, from the ranges of the design.
 
     Young's modulus, strength and stress are uniform in their logarithm. The stress is at most the
@@ -111,13 +111,13 @@ def random_scene(settings: ValidationSettings, number: int) -> RandomScene:
     )
     jrc, stress = uniform("jrc"), uniform("stress", True)
     cells = round(uniform("cells"))
-    return RandomScene(rock, jrc, min(stress, rock.compressive_strength), cells)
+    return RandomConditions(rock, jrc, min(stress, rock.compressive_strength), cells)
 
 
 class _Runs:
     """Closures of the surfaces of a scene, each made once."""
 
-    def __init__(self, settings: ValidationSettings, number: int, scene: RandomScene):
+    def __init__(self, settings: ValidationSettings, number: int, scene: RandomConditions):
         self.count = settings.design.realizations
         conditions = _in_full(settings, scene)
         walls = _walls(settings, number, scene)
@@ -284,7 +284,7 @@ def _judged(
 
 
 def _walls(
-    settings: ValidationSettings, number: int, scene: RandomScene
+    settings: ValidationSettings, number: int, scene: RandomConditions
 ) -> list[tuple[np.ndarray, np.ndarray]]:
     """Return the surface pairs of a scene."""
     return [
@@ -299,7 +299,7 @@ def _walls(
     ]
 
 
-def _in_full(settings: ValidationSettings, scene: RandomScene) -> Conditions:
+def _in_full(settings: ValidationSettings, scene: RandomConditions) -> Conditions:
     """Return the conditions of a scene with all effects."""
     return Conditions(
         settings.grid.spacing,
