@@ -5,10 +5,13 @@
 It takes half a minute. 20 pairs of walls are closed; the map is of the first of them.
 """
 
+import itertools
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
 
 import jointclosure as jc
 
@@ -22,6 +25,22 @@ def walls_of(seed: int) -> tuple[np.ndarray, np.ndarray]:
     return jc.wall_pair(jrc=JRC, shape=SHAPE, spacing=SPACING, seed=seed)
 
 
+def draw_band(axes: Axes, ensemble: xr.Dataset) -> None:
+    """Draw the mean closure of each branch, and the band between its 5 and 95 % quantiles."""
+    stress = 1e-6 * ensemble.stress
+    for cycle, branch in itertools.product(ensemble.cycle.values, ensemble.branch.values):
+        closure = 1e3 * ensemble.closure.sel(cycle=cycle, branch=branch)
+        low, high = (closure.quantile(share, "realization") for share in (0.05, 0.95))
+        colour, style = ("C0", "C1")[cycle - 1], "-" if branch == "loading" else (0, (2, 3))
+        colour = colour if style == "-" else "0.2"
+        if style == "-":
+            axes.fill_betweenx(stress, low, high, color=colour, alpha=0.15, lw=0)
+        mean = closure.mean("realization")
+        axes.plot(mean, stress, ls=style, color=colour, label=f"cycle {cycle}, {branch}")
+    axes.set(xlabel="closure from first touch (mm)", ylabel="normal stress (MPa)", ylim=0)
+    axes.legend(frameon=False)
+
+
 def main() -> None:
     """Close the joints, and draw."""
     load = {"spacing": SPACING, "rock": ROCK, "max_normal_stress": STRESS}
@@ -33,10 +52,10 @@ def main() -> None:
     )
     jc.plot.walls(upper, lower, spacing=SPACING, axes=section)
     jc.plot.aperture(joint, 0, contacts)
-    jc.plot.curves(ensemble, curves)
+    draw_band(curves, ensemble)
     section.set_title("two walls at first touch")
     contacts.set_title(f"aperture at {1e-6 * STRESS:g} MPa, contacts red")
-    curves.set_title(f"closure of {SURFACES} pairs of walls, and their mean")
+    curves.set_title(f"closure of {SURFACES} pairs: mean and 90 % band")
     figure.savefig(PICTURE, dpi=110)
 
 
