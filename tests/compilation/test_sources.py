@@ -60,6 +60,17 @@ def test_an_import_inside_of_a_function_counts(copy, tmp_path):
     assert digest(str(script)) != before
 
 
+def test_the_folder_of_a_script_does_not_count(copy, tmp_path):
+    digests = set()
+    for folder in ("a", "z"):
+        (tmp_path / folder).mkdir()
+        script = tmp_path / folder / "script.py"
+        script.write_text("from jointclosure.statistics import bootstrap\n")
+        assert (str(script) < str(copy)) == (folder == "a")
+        digests.add(digest(str(script)))
+    assert len(digests) == 1
+
+
 SCRIPTS = ROOT / "workflow/scripts"
 EDITS = {
     "plotting/study.py": "draw_figures write_report",

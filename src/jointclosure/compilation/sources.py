@@ -33,7 +33,7 @@ def code_digest(*names: str) -> str:
     Returns
     -------
     str
-        16 hexadecimal digits.
+        16 hexadecimal digits, the same wherever the package and the scripts are.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def code_digest(*names: str) -> str:
     files = closure(files)
     unseen = frozenset(call for call, shows in SHOWN_BY.items() if PACKAGE / shows not in files)
     digest = hashlib.sha256()
-    for file in sorted(files):
+    for file in sorted(files, key=lambda file: (PACKAGE not in file.parents, file)):
         digest.update(file.name.encode() + b"\0" + _code(file, unseen).encode() + b"\0")
     return digest.hexdigest()[:16]
 
