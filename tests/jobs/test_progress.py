@@ -73,6 +73,22 @@ def test_what_is_left_of_a_workflow_is_estimated_by_kind_of_job():
     assert run.text() == "3 of 6 jobs done; left: 2 close_surfaces (about 20 s)"
 
 
+def test_the_remaining_time_of_jobs_one_after_the_other_does_not_depend_on_the_moment():
+    now = [0.0]
+    run = WorkflowProgress(lambda: now[0])
+    for line in LOG.splitlines(keepends=True):
+        run.read(line)
+    for job in (4, 5):
+        run.read(f"Job {job}: Close\n")
+        now[0] += 20.0
+        run.read(f"Finished jobid: {job} (Rule: close_surfaces)\n")
+        now[0] += 5.0
+    run.read("Job 6: Close\n")
+    for _ in range(3):
+        assert "2 close_surfaces (about 40 s)" in run.text()
+        now[0] += 4.0
+
+
 def test_kinds_of_jobs_that_none_is_done_of_are_never_estimated_by_the_others():
     run = WorkflowProgress(clock=iter(range(100)).__next__)
     log = LOG.replace("make_surfaces         1", "make_surfaces         3")

@@ -108,7 +108,7 @@ class WorkflowProgress:
         self._started: dict[str, float] = {}
         self._took: dict[str, list[float]] = {}
         self._in_table = False
-        self._first = 0.0
+        self._busy_before = self._busy_since = 0.0
         self.done = self.total = 0
 
     def read(self, line: str) -> None:
@@ -117,11 +117,13 @@ class WorkflowProgress:
             self._read_table(line)
         elif match := _STARTED.match(line):
             if not self._started:
-                self._first = self._clock()
+                self._busy_since = self._clock()
             self._started.setdefault(match[1] or match[2], self._clock())
         elif match := _FINISHED.match(line):
-            start = self._started.pop(match[1], self._clock())
-            self._took.setdefault(match[2], []).append(self._clock() - start)
+            now = self._clock()
+            self._took.setdefault(match[2], []).append(now - self._started.pop(match[1], now))
+            if not self._started:
+                self._busy_before += now - self._busy_since
         elif match := _STEPS.match(line):
             self.done, self.total = int(match[1]), int(match[2])
 
@@ -149,10 +151,11 @@ class WorkflowProgress:
 
     def _seconds_a_job(self, rule: str) -> float:
         """Return the mean time between ends of a rule's jobs, in parallel as so far."""
-        elapsed = self._clock() - self._first
-        spent = sum(map(sum, self._took.values()))
+        now = self._clock()
+        busy = self._busy_before + (now - self._busy_since if self._started else 0.0)
+        spent = sum(map(sum, self._took.values())) + sum(now - s for s in self._started.values())
         took = self._took[rule]
-        return sum(took) / len(took) / max(spent / elapsed if elapsed else 1.0, 1.0)
+        return sum(took) / len(took) / max(spent / busy if busy else 1.0, 1.0)
 
 
 _STARTED = re.compile(r"(?:Job (\d+): |\s+jobid: (\d+)$)")
