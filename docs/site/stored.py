@@ -41,9 +41,9 @@ RUNS = {
         tables=(
             "table_1_rocks", "table_3_indifference", "table_3_joint_tests", "claims", "checks",
             "conclusions", "elasticities", "jrc_range", "jrc_range_claims", "max_closure",
-            "variance_reduction",
+            "table_3_predictive", "variance_reduction",
         ),
-        figures=("table_3_predictive",),
+        figures=("along_curve_elasticities", "table_3_predictive"),
     ),
     "surrogate_roll_off": Run(shipped={"surrogate": "surrogate_roll_off"}),
     "surrogate_no_roll_off": Run(shipped={"surrogate": "surrogate_no_roll_off"}),
@@ -57,6 +57,9 @@ RUNS = {
         ("effects_regions", "effects_auto_summary"), ("effects_auto", "effects_regions")
     ),
     "conclusions": Run(("earlier_readings",)),
+    "readings_average": Run(
+        ("readings_average", "readings_average_tests", "readings_average_claims")
+    ),
     "mismatch": Run(("mismatch", "mismatch_shifts"), ("mismatch",)),
     "misalignment": Run(("misalignment",), ("misalignment",)),
     "size": Run(

@@ -12,6 +12,7 @@ from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.points import close_points
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.experiments import checked_design, experiment_named
+from jointclosure.experiments.readings.average import average_tables
 from jointclosure.experiments.readings.design import (
     AS_CONFIGURED,
     CLOSURES,
@@ -169,6 +170,35 @@ def test_the_true_reading_is_ranked_first_and_its_table_is_no_rarity():
     )
     assert half.value > 0.05 > double.value
     assert half.standard_error > np.sqrt(half.value * (1.0 - half.value) / asked.repetitions)
+
+
+def test_an_average_has_the_weights_and_the_claims_of_the_readings_that_explain_the_table():
+    asked = question(table_3(seed=3, scatter=0.5), repetitions=200, groups=4)
+    truths = {"true": {"scatter": 0.5}, "near": {"scatter": 0.55}, "turned": {"factor": -1.0}}
+    tables = average_tables(list(truths), [world(48, **of) for of in truths.values()], asked, 0.95)
+    of_reading = tables["readings_average"].set_index("title")
+    for name in of_reading.columns[::2]:
+        assert of_reading[name].sum() == pytest.approx(1.0), name
+        assert of_reading.loc["turned", name] < 0.3, name
+    assert of_reading.weight["turned"] < 0.01 < of_reading.weight["near"]
+    tests = tables["readings_average_tests"]
+    assert tests.tested.tolist() == ["all", "all", "cycle 1", "cycle 2", "slate", "limestone"]
+    assert (tests.p_error > 0.0).all()
+    assert (tests.p > 0.05 - 2.0 * tests.p_error).all()
+    claims = tables["readings_average_claims"].set_index("number")
+    assert claims.verdict["2a"] == claims.verdict["5b"] == STANDS
+    assert claims.verdict["2b"] == FALLS
+    assert claims.weight_true["5a"] > 0.99
+    equal = [world(48, factor=factor) for factor in (1.0, -1.0)]
+    undecided = average_tables(["a", "b"], equal, question(table_3(seed=3, factor=0.0)), 0.95)
+    of_claim = undecided["readings_average_claims"].set_index("number").loc["5a"]
+    assert of_claim.verdict == CANNOT_BE_TOLD
+    assert of_claim.share_of_reading > 0.8
+
+
+def test_one_reading_makes_no_average():
+    tables = average_tables(["a"], [world(6)], question(table_3(seed=3)), 0.95)
+    assert all(table.empty for table in tables.values())
 
 
 def test_elasticities_too_tell_readings_apart():

@@ -90,6 +90,9 @@ _continuum = partial(
 )  # fmt: skip
 
 
+_E_OF_DOLERITE = {"rock": "dolerite", "parameter": "youngs_modulus"}
+
+
 def _steps(cycle: int) -> Number:
     """Return the error of the paper's steps, with 95 % intervals, for each rock."""
 
@@ -183,6 +186,20 @@ NUMBERS = {
     "e(nu) 2": _elasticity(parameter="poisson_ratio", cycle=2),
     "length of E 2": _jrc(parameter="youngs_modulus", cycle=2, half_width=0.0),
     "found 2a": _studies(number="2a"),
+    "repeated length of E 2": Number(
+        "paper/table_3_predictive",
+        "low_90, high_90",
+        "{low_90:.1f} to {high_90:.1f}",
+        _E_OF_DOLERITE | {"cycle": 2},
+    ),
+    "no length of E 1": span(
+        "paper/table_3_predictive",
+        "share_without_root",
+        "share_error",
+        100.0,
+        **_E_OF_DOLERITE,
+        cycle=1,
+    ),
     "e(JRC) 1": _elasticity(parameter="jrc", cycle=1),
     "e(sigma_c) 1": _elasticity(parameter="compressive_strength", cycle=1),
     "e(E) 1": _elasticity(parameter="youngs_modulus", cycle=1),

@@ -103,8 +103,11 @@ class Statement(NamedTuple):
         return (cycle - 1, cycle) if self.before else (cycle,)
 
     def least(self, model: Elastic, cycle: int, variable: str = TARGET) -> np.ndarray:
-        """Return the smallest of its margins."""
-        return np.min(list(self.margins(model, cycle, variable).values()), axis=0)
+        """Return the smallest of its margins; with ``within`` the least distance to the bound."""
+        margins = list(self.margins(model, cycle, variable).values())
+        if self.within:
+            return self.above - np.max(np.abs(margins), axis=0)
+        return np.min(margins, axis=0)
 
     def least_interval(self, intervals: list[Interval]) -> Interval:
         """Return the confidence interval of the smallest margin from simultaneous intervals.

@@ -11,6 +11,7 @@ import numpy as np
 from jointclosure.claims import statements
 from jointclosure.claims.findings import NET, TARGET, Findings
 from jointclosure.claims.statements import Closed, Statement, Value
+from jointclosure.statistics.verdicts import FALLS, STANDS, verdict
 
 OURS = "ours"
 """Source of a claim that is a variant added here and not in the paper."""
@@ -49,6 +50,11 @@ class Claim(NamedTuple):
         if self.statement is None:
             raise ValueError(f"claim {self.number}: {self.remark}")
         return self.statement
+
+    def verdict(self, least: tuple[float, float]) -> str:
+        """Return the verdict from the confidence interval of the smallest margin in all rocks."""
+        word = verdict(least, self.judged_by.true_above(), self.judged_by.alike)
+        return {STANDS: FALLS, FALLS: STANDS}.get(word, word) if self.negated else word
 
     def cycles_among(self, names: tuple[tuple[str, int], ...]) -> list[int]:
         """Return cycles with all targets (variable, cycle) that the statement needs."""

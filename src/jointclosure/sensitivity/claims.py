@@ -37,13 +37,10 @@ from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import Estimate
 from jointclosure.statistics.verdicts import (
     CANNOT_BE_TOLD,
-    FALLS,
-    STANDS,
     Frequency,
     Interval,
     frequency,
     t_interval,
-    verdict,
 )
 
 CONFIDENCE = 0.95
@@ -236,10 +233,7 @@ def _true(claim: Claim, judged: _Judged) -> tuple[str, list[dict]]:
         intervals += of_rock
         rows += _margin_rows(claim, rock, estimates, of_rock)
     least = claim.judged_by.least_interval(intervals)
-    answer = verdict(least, claim.judged_by.true_above(), claim.judged_by.alike)
-    if claim.negated:
-        answer = {STANDS: FALLS, FALLS: STANDS}.get(answer, answer)
-    return answer, rows
+    return claim.verdict(least), rows
 
 
 def _margin_rows(

@@ -82,15 +82,20 @@ def p_of_table(lengths, observed) -> float:
 
 def log_likelihoods(lengths: np.ndarray, tables: np.ndarray) -> np.ndarray:
     """Return composite log-likelihoods (m,) of tables (m, entries) under lengths (R, entries)."""
-    total = np.zeros(tables.shape[0])
-    for drawn, published in zip(lengths.T, tables.T, strict=True):
+    return log_densities(lengths, tables).sum(axis=1)
+
+
+def log_densities(lengths: np.ndarray, tables: np.ndarray) -> np.ndarray:
+    """Return the log density (m, entries) of each entry of tables under lengths (R, entries)."""
+    logs = np.empty(tables.shape)
+    for i, (drawn, published) in enumerate(zip(lengths.T, tables.T, strict=True)):
         roots = np.isfinite(drawn)
         without = (np.count_nonzero(~roots) + 0.5) / (drawn.size + 1.0)
         dash = ~np.isfinite(published)
-        total[dash] += np.log(without)
-        total[~dash] += np.log1p(-without)
-        total[~dash] += _log_density(np.log(drawn[roots]), np.log(published[~dash]))
-    return total
+        density = _log_density(np.log(drawn[roots]), np.log(published[~dash]))
+        logs[dash, i] = np.log(without)
+        logs[~dash, i] = np.log1p(-without) + density
+    return logs
 
 
 def _log_density(draws: np.ndarray, at: np.ndarray) -> np.ndarray:

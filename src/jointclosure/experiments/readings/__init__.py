@@ -12,6 +12,11 @@ from jointclosure.config.plain import from_plain, to_plain
 from jointclosure.ensemble.cases import base_case
 from jointclosure.ensemble.points import JobsOnDemand
 from jointclosure.experiments import Design, Experiment, Rounds, Tables
+from jointclosure.experiments.readings.average import (
+    AVERAGE_TABLES,
+    average_tables,
+    comparable,
+)
 from jointclosure.experiments.readings.design import (
     CLOSURES,
     Readings,
@@ -28,6 +33,7 @@ from jointclosure.experiments.readings.points import (
 )
 from jointclosure.experiments.readings.table import (
     implied_table,
+    last_rounds,
     readings_markdown,
     readings_table,
     round_table,
@@ -41,7 +47,7 @@ def readings_design(configured: Configured) -> Design:
     jobs = JobsOnDemand(*points_of_jobs(readings, configured))
     return Design(
         jobs,
-        ("readings", "readings_implied", "readings.md"),
+        ("readings", "readings_implied", "readings.md", *AVERAGE_TABLES),
         ("readings_likelihood", "readings_sensitivity"),
         {"readings": to_plain(readings), "question": _question(configured)},
         files={"paper": str(PAPER_TABLE_3)},
@@ -92,10 +98,14 @@ def readings_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tabl
     ranked, confidence = parameters["rounds"], 1.0 - question.design.significance
     table = readings_table(readings, ranked, joints, question, confidence)
     implied = implied_table(readings, ranked, joints, question)
+    averaged = average_tables(
+        *comparable(readings, last_rounds(ranked), joints), question, confidence
+    )
     return {
         "readings": table,
         "readings_implied": implied,
         "readings.md": readings_markdown(table, implied),
+        **averaged,
     }
 
 

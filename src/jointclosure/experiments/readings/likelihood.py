@@ -10,6 +10,8 @@ from jointclosure.config.properties import PROPERTIES
 from jointclosure.experiments.readings.pools import (
     Closures,
     Parameters,
+    kept_surfaces,
+    samples_of_surfaces,
     sensitivities_of,
     transferred,
 )
@@ -138,18 +140,14 @@ def _jackknifed(
 
     ``statistic`` is a function of drawn lengths (repetitions, entries) and observed ones.
     """
-    fewest = min(closures.sizes["realization"] for closures in closed.values())
-    groups = min(question.groups, fewest)
-    rules: list[Callable] = [lambda number: number >= 0]
-    rules += [lambda number, group=group: number % groups != group for group in range(groups)]
     value, *without = (
         float(
             statistic(
-                _drawn_lengths(question, _all_rocks(closed, reference, question.parameters, kept)),
-                _observed(question),
+                drawn_lengths(question, _all_rocks(closed, reference, question.parameters, kept)),
+                observed_lengths(question),
             )
         )
-        for kept in rules
+        for kept in samples_of_surfaces(closed, question.groups)
     )
     return value, np.array(without)
 
@@ -220,11 +218,11 @@ def implied_scatter(question: Question, closed: Closures, reference: Closures, f
     """
     whole = _all_rocks(closed, reference, question.parameters, lambda number: number >= 0)
     cycles = next(iter(whole.values())).cycle.values
-    observed = _observed(question).reshape(-1, cycles.size)
+    observed = observed_lengths(question).reshape(-1, cycles.size)
     likelihoods = []
     for factor in factors:
         scattered = {rock: _scattered(closures, factor) for rock, closures in whole.items()}
-        lengths = _drawn_lengths(question, scattered)
+        lengths = drawn_lengths(question, scattered)
         lengths = lengths.reshape(question.repetitions, -1, cycles.size)
         likelihoods.append(
             [log_likelihoods(lengths[:, :, i], observed[None, :, i])[0] for i in range(cycles.size)]
@@ -245,19 +243,13 @@ def _scattered(closures, factor: float):
 
 def _all_rocks(closed: Closures, reference: Closures, parameters: Parameters, kept) -> Closures:
     """Return closures of all rocks on the surfaces whose number a rule keeps."""
-    closed, reference = (
-        {
-            rock: closures[:, kept(closures.realization.values)]
-            for rock, closures in of_reading.items()
-        }
-        for of_reading in (closed, reference)
-    )
+    closed, reference = (kept_surfaces(one, kept) for one in (closed, reference))
     if set(parameters) <= set(closed):
         return closed
     return transferred(closed, reference, parameters)
 
 
-def _drawn_lengths(question: Question, closures: Closures) -> np.ndarray:
+def drawn_lengths(question: Question, closures: Closures) -> np.ndarray:
     """Draw lengths (repetitions, entries) in repetitions of the paper's study.
 
     If a resampled pool is one surface many times, it has no scatter, and the length is 0, which
@@ -270,7 +262,7 @@ def _drawn_lengths(question: Question, closures: Closures) -> np.ndarray:
     return np.maximum(lengths, np.where(lengths > 0.0, lengths, np.inf).min(axis=0))
 
 
-def _observed(question: Question) -> np.ndarray:
+def observed_lengths(question: Question) -> np.ndarray:
     """Return the paper's lengths in the order of `lengths_table`."""
     cycles = sorted({cycle for _, _, cycle in question.published})
     return np.array(

@@ -1,6 +1,6 @@
 """Closures of readings by rock, and pools from which the paper's study is drawn again."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 import pandas as pd
@@ -39,6 +39,24 @@ def in_round(readings: Readings, number: int, reading: str, joints: pd.DataFrame
 def as_configured(readings: Readings, joints: pd.DataFrame) -> Closures:
     """Return all closures of the configured reading, in all rocks."""
     return closures_of(readings, AS_CONFIGURED, joints, dict.fromkeys(readings.rocks))
+
+
+def samples_of_surfaces(closures: Closures, groups: int) -> list[Callable]:
+    """Return rules that keep all surfaces, and all but each group of a jackknife.
+
+    A rule is a function of the numbers of surfaces that returns whether each is kept. There are at
+    most as many groups as surfaces.
+    """
+    groups = min(groups, *(of_rock.sizes["realization"] for of_rock in closures.values()))
+    rules: list[Callable] = [lambda number: number >= 0]
+    return rules + [lambda number, group=i: number % groups != group for i in range(groups)]
+
+
+def kept_surfaces(closures: Closures, kept: Callable) -> Closures:
+    """Return closures on the surfaces whose number a rule keeps."""
+    return {
+        rock: of_rock[:, kept(of_rock.realization.values)] for rock, of_rock in closures.items()
+    }
 
 
 def on_cases(joints: pd.DataFrame, quantity: str) -> xr.DataArray:

@@ -4,15 +4,23 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
 from jointclosure.claims.findings import TARGET
-from jointclosure.claims.statements import PROPERTIES, Elasticities
+from jointclosure.claims.statements import PROPERTIES
 from jointclosure.claims.table import CLAIMS
 from jointclosure.ensemble.cases import BASE
-from jointclosure.experiments.readings.pools import Closures, Parameters, at_levels
+from jointclosure.experiments.readings.pools import (
+    Closures,
+    Parameters,
+    at_levels,
+    kept_surfaces,
+    samples_of_surfaces,
+)
+from jointclosure.statistics.correlations import fit_quadratic
 from jointclosure.statistics.drawn_studies import jackknife_error
 from jointclosure.statistics.standard_errors import Estimate, elasticity, variation_of
-from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, Interval, t_interval, verdict
+from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, t_interval
 
 SCATTER = "scatter"
 """Quantity S/mean at the base level; other quantities are elasticities to a parameter."""
@@ -45,57 +53,96 @@ def over_rocks(rows: pd.DataFrame) -> pd.DataFrame:
     return table.reset_index()
 
 
+class ClosedReading:
+    """Mean closures of a rock in a reading, as `jointclosure.claims.statements.Closed`.
+
+    Loops and the scatter of a study are not known of readings.
+    """
+
+    def __init__(self, of_rock: xr.DataArray, varied: Mapping) -> None:
+        self.varied = varied
+        self.fits = {
+            (name, cycle): fit_quadratic(levels, means, base)
+            for name, (levels, base) in varied.items()
+            for cycle, means in zip(
+                of_rock.cycle.values.tolist(),
+                at_levels(of_rock, name, levels, base).mean("realization").values.T,
+                strict=True,
+            )
+        }
+
+    def elasticity(self, parameter: str, cycle: int, variable: str = TARGET) -> float:
+        """Return d ln(closure)/d ln(parameter) at the rock's value."""
+        fit = self.fits[parameter, cycle]
+        return fit.c / fit.d * self.varied[parameter][1] / fit.half_range
+
+    def slopes(self, parameter: str, cycle: int, variable: str = TARGET) -> list[float]:
+        """Return the elasticity itself in place of those between levels."""
+        return [self.elasticity(parameter, cycle, variable)]
+
+    def change(self, parameter: str, cycle: int, change: float) -> float:
+        """Return the relative change of the mean closure with a change of the parameter [SI]."""
+        fit = self.fits[parameter, cycle]
+        return float(fit.at(self.varied[parameter][1] + change) / fit.d - 1.0)
+
+
+ASKED = tuple(
+    claim
+    for claim in CLAIMS
+    if claim.statement and claim.variable == TARGET
+    if claim.statement.of_elasticities or claim.statement.within
+)
+"""Claims that maximum closures at all levels can judge."""
+Margins = dict[tuple[str, str], float]
+"""Smallest margin of a claim in a rock, by number and rock."""
+
+
+def least_margins(closures: Closures, parameters: Parameters) -> Margins:
+    """Return the smallest margins of claims, in rocks with variation of all properties."""
+    margins = {}
+    for rock, of_rock in closures.items():
+        if set(PROPERTIES) <= set(parameters[rock]):
+            model = ClosedReading(of_rock, {name: parameters[rock][name] for name in PROPERTIES})
+            for claim in ASKED:
+                of_cycles = [claim.judged_by.least(model, cycle) for cycle in claim.cycles]
+                margins[claim.number, rock] = float(np.min(of_cycles))
+    return margins
+
+
 def claims_judged(
     closures: Closures, parameters: Parameters, groups: int, confidence: float
 ) -> dict[str, str]:
-    """Judge the claims on elasticities by all rocks closed in a reading.
+    """Judge the claims by all rocks closed in a reading.
 
     Returns a word of `jointclosure.statistics.verdicts` by claim. The standard error of the least
     margin of a claim in a rock is from a jackknife over groups of surfaces. A rock without
     variation of all properties is left out.
     """
-    asked = [
-        claim
-        for claim in CLAIMS
-        if claim.statement and claim.statement.of_elasticities
-        if claim.variable == TARGET and not claim.negated
-    ]
-    intervals: dict[str, list[Interval]] = {claim.number: [] for claim in asked}
-    for rock, of_rock in closures.items():
-        if not set(PROPERTIES) <= set(parameters[rock]):
-            continue
-        varied = {name: parameters[rock][name] for name in PROPERTIES}
-        numbers = of_rock.realization.values
-        count = min(groups, numbers.size)
-        whole, *parts = (
-            _elasticities(of_rock[:, kept], varied)
-            for kept in (numbers >= 0, *(numbers % count != group for group in range(count)))
-        )
-        for claim in asked:
-            (cycle,) = claim.cycles
-            value, *left_out = (
-                float(claim.judged_by.least(values, cycle)) for values in (whole, *parts)
-            )
-            estimate = (value, jackknife_error(left_out))
-            intervals[claim.number].append(t_interval(estimate, count, confidence))
-    return {
-        claim.number: verdict(
-            claim.judged_by.least_interval(intervals[claim.number]),
-            claim.judged_by.true_above(),
-            claim.judged_by.alike,
-        )
-        if intervals[claim.number]
-        else CANNOT_BE_TOLD
-        for claim in asked
-    }
-
-
-def _elasticities(of_rock, varied: Mapping) -> Elasticities:
-    return Elasticities(
-        {
-            (name, cycle): np.asarray(estimate.value)
-            for i, cycle in enumerate(of_rock.cycle.values.tolist())
-            for name, estimate in _estimates(of_rock, varied, i)
-            if name != SCATTER
-        }
+    whole, *parts = (
+        least_margins(kept_surfaces(closures, kept), parameters)
+        for kept in samples_of_surfaces(closures, groups)
     )
+    estimates = {
+        name: Estimate(value, jackknife_error([part[name] for part in parts]))
+        for name, value in whole.items()
+    }
+    return verdicts_of(estimates, len(parts), confidence)
+
+
+def verdicts_of(
+    margins: Mapping[tuple[str, str], Estimate], samples: int, confidence: float
+) -> dict[str, str]:
+    """Judge claims by the smallest margins (number, rock) and their errors from so many samples."""
+    verdicts = {}
+    for claim in ASKED:
+        intervals = [
+            t_interval(margin, samples, confidence)
+            for (number, _), margin in margins.items()
+            if number == claim.number
+        ]
+        verdicts[claim.number] = (
+            claim.verdict(tuple(min(ends) for ends in zip(*intervals, strict=True)))
+            if intervals
+            else CANNOT_BE_TOLD
+        )
+    return verdicts
