@@ -29,7 +29,7 @@ rule make_surfaces:
 
 rule choose_effects:
     input:
-        f"{RESULTS}/logs/kernels.txt",
+        ancient(f"{RESULTS}/logs/kernels.txt"),
     output:
         chosen=f"{RESULTS}/effects_of/{{rock}}.json",
         closed=f"{RESULTS}/effects_of/{{rock}}.nc",
@@ -50,7 +50,7 @@ rule close_surfaces:
             else []
         ),
         surfaces=closed_surfaces,
-        kernels=f"{RESULTS}/logs/kernels.txt",
+        kernels=ancient(f"{RESULTS}/logs/kernels.txt"),
     output:
         f"{RESULTS}/{{ensemble}}/{{case}}.{{first}}.nc",
     params:
