@@ -33,6 +33,8 @@ ADDRESS = Path(".snakemake/jobs.socket")
 """Socket in the folder of a run, by a relative path, as its length is limited."""
 _IGNORED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """Signals that the server leaves to its jobs and to Snakemake."""
+_SHARED = ("snakemake.io", "snakemake.iocontainers", "snakemake.logging", "scipy.stats")
+"""Modules that scripts load while they run: Snakemake's in each of them, scipy's in analyses."""
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
@@ -207,8 +209,7 @@ def main(listener: str, scripts: str, notes: str) -> NoReturn:
     """Serve jobs on an open listening socket."""
     for number in _IGNORED:
         signal.signal(number, signal.SIG_IGN)
-    # Snakemake begins each script with an import of these
-    for module in ("snakemake.iocontainers", "snakemake.logging"):
+    for module in _SHARED:
         importlib.import_module(module)
     sys.path.append(scripts)
     _Loop(socket.socket(fileno=int(listener)), notes).serve()
