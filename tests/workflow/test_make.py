@@ -169,9 +169,9 @@ def follow(folder: Path, program: str) -> subprocess.Popen:
         "import sys; from pathlib import Path\n"
         f"sys.path.insert(0, {str(ROOT / 'workflow/scripts')!r})\n"
         "from following import follow; from process_group import EndRequest\n"
-        f"command, log = [sys.executable, '-c', {program!r}], Path('run.log')\n"
+        f"program, log = {program!r}, Path('run.log')\n"
         "with open(log, 'a') as stream:\n"
-        "    sys.exit(follow(command, stream, log, EndRequest()))\n"
+        "    sys.exit(follow(lambda: exec(program, {}), stream, log, EndRequest()))\n"
     )
     return subprocess.Popen(
         [sys.executable, "-c", code],

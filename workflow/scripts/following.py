@@ -1,15 +1,15 @@
 """Run of Snakemake with its log in a file: progress, failures, and end."""
 
 import re
-import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TextIO
 
-from process_group import EndRequest, end_group, kill_group, shell_status, start_group
+from process_group import EndRequest, end_group, kill_group, shell_status
 
+from jointclosure.jobs.forks import ForkedGroup
 from jointclosure.jobs.logbook import failed_log
 from jointclosure.jobs.progress import WorkflowProgress
 
@@ -19,13 +19,16 @@ SECONDS, PART = 30.0, 0.1
 """Time or share of jobs between two lines on progress without a terminal."""
 
 
-def follow(command: list[str], stream: TextIO, log: Path, request: EndRequest) -> int:
-    """Run Snakemake with its log in a file, show its progress, and return its exit status."""
+def follow(snakemake: Callable[[], object], stream: TextIO, log: Path, request: EndRequest) -> int:
+    """Run Snakemake with its log in a file, show its progress, and return its exit status.
+
+    ``snakemake`` is called in a forked process.
+    """
     console = Console()
     if request:
         return ended(console, request)
     start = log.stat().st_size
-    process = start_group(command, stdout=stream, stderr=stream)
+    process = ForkedGroup(snakemake, stream)
     progress = WorkflowProgress()
     try:
         for line in lines_of(log, start, process):
@@ -59,7 +62,7 @@ def ended(console: "Console", request: EndRequest) -> int:
     return 128 + request.signal
 
 
-def lines_of(log: Path, start: int, process: subprocess.Popen) -> Iterator[str]:
+def lines_of(log: Path, start: int, process: ForkedGroup) -> Iterator[str]:
     """Generate the lines that a process writes to a file, and "" if there is none for a while."""
     with open(log, encoding="utf-8", errors="replace") as written:
         written.seek(start)

@@ -1,4 +1,4 @@
-"""Job of the workflow: its log, time and memory, the check of its inputs, and the seal of its outputs."""
+"""Job of the workflow: its log, time and memory, check of its inputs, seal of its outputs."""
 
 import resource
 import sys

@@ -24,9 +24,11 @@ import signal
 import socket
 import subprocess
 import sys
-import traceback
+from functools import partial
 from pathlib import Path
 from typing import NoReturn
+
+from jointclosure.jobs.forks import run_forked
 
 CLIENT = Path(__file__).with_name("server_client.py")
 ADDRESS = Path(".snakemake/jobs.socket")
@@ -128,7 +130,7 @@ class _Loop:
         job = os.fork()
         if not job:
             self._leave(client)
-            _run(request, streams)
+            run_forked(partial(_run, request), streams)
         for stream in streams:
             os.close(stream)
         client.send(b"+")
@@ -147,7 +149,6 @@ class _Loop:
     def _leave(self, client: socket.socket) -> None:
         """Close the files of the server in a fork."""
         signal.set_wakeup_fd(-1)
-        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         self._selector.close()
         for file in (self._listener, self._woken, self._waking, client, *self._clients.values()):
             file.close()
@@ -180,29 +181,14 @@ class _Loop:
         sys.exit()
 
 
-def _run(request: dict, streams: list[int]) -> NoReturn:
-    """Run a script as Python does, and end this process with its status."""
-    status = 1
-    try:
-        for number in _IGNORED:
-            signal.signal(number, signal.SIG_DFL)
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-        for number, stream in enumerate(streams):
-            os.dup2(stream, number)
-            os.close(stream)
-        os.chdir(request["folder"])
-        os.environ.clear()
-        os.environ.update(request["environment"])
-        sys.argv = [request["script"]]
-        sys.path.insert(0, os.path.dirname(request["script"]))
-        runpy.run_path(request["script"], run_name="__main__")
-        status = 0
-    except BaseException:
-        traceback.print_exc()
-    finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(status)
+def _run(request: dict) -> None:
+    """Run the script of a job as Python does."""
+    os.chdir(request["folder"])
+    os.environ.clear()
+    os.environ.update(request["environment"])
+    sys.argv = [request["script"]]
+    sys.path.insert(0, os.path.dirname(request["script"]))
+    runpy.run_path(request["script"], run_name="__main__")
 
 
 def main(listener: str, scripts: str, notes: str) -> NoReturn:
