@@ -34,7 +34,9 @@ onstart:
         logger.info(f"jointclosure: {NUMERICS_REMARK}")
     if workflow.local_exec:  # on a cluster each job starts on its node
         try:
-            server = JobServer(ROOT / "workflow/scripts", f"{RESULTS}/logs/*kernels.txt")
+            server = JobServer(
+                ROOT / "workflow/scripts", f"{RESULTS}/logs/*kernels.txt"
+            )
             shell.prefix(server.prefix())
         except OSError as error:
             logger.info(f"jobs start without a server: {error}")

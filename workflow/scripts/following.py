@@ -15,6 +15,9 @@ from jointclosure.jobs.progress import WorkflowProgress
 
 SHOWN = "jointclosure: "
 """Prefix of the lines of the log that are shown to the user."""
+EARLY = ("write_tables", "draw_figures")
+"""Rules after which the results of the study itself are complete, before those of its pool."""
+PARTS = "tables, figures; the ranges follow with the pool"
 SECONDS, PART = 30.0, 0.1
 """Time or share of jobs between two lines on progress without a terminal."""
 
@@ -29,7 +32,7 @@ def follow(snakemake: Callable[[], object], stream: TextIO, log: Path, request: 
         return ended(console, request)
     start = log.stat().st_size
     process = ForkedGroup(snakemake, stream)
-    progress = WorkflowProgress()
+    progress, early = WorkflowProgress(), False
     try:
         for line in lines_of(log, start, process):
             if request:
@@ -39,6 +42,10 @@ def follow(snakemake: Callable[[], object], stream: TextIO, log: Path, request: 
             progress.read(line)
             if line.startswith(SHOWN):
                 console.say(line.removeprefix(SHOWN).rstrip())
+            if not early and progress.finished(*EARLY) and progress.awaited("aggregate_pool"):
+                early = True
+                folder = log.parents[1]
+                console.say(f"The study's own tables and figures are in {folder}/ ({PARTS})")
             console.show(progress)
     finally:  # no process is left, whatever ends this one
         kill_group(process)
