@@ -37,9 +37,9 @@ def project(source: Path, config: dict) -> Path:
     return source
 
 
-def processor_time(folder: Path, *words: str) -> float:
+def processor_time(folder: Path, cache: Path, *words: str) -> float:
     """Return user and system time [s] of a Python program and of all that it waits for."""
-    settings = {"PYTHONPATH": str(folder / "src"), "JOINTCLOSURE_CACHE": str(folder / "cache")}
+    settings = {"PYTHONPATH": str(folder / "src"), "JOINTCLOSURE_CACHE": str(cache)}
     with open(folder / "output.txt", "w") as output:
         environment = os.environ | settings | {"CONFIG": "study.yaml"}
         environment.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -53,13 +53,12 @@ def processor_time(folder: Path, *words: str) -> float:
     return used.ru_utime + used.ru_stime
 
 
-def run(folder: Path, cores: int) -> dict[str, float]:
+def run(folder: Path, cache: Path) -> dict[str, float]:
     """Run the study from nothing, and once more; return both times [s]."""
     for place in ("results", ".snakemake"):
         shutil.rmtree(folder / place, ignore_errors=True)
-    os.environ["CORES"] = str(cores)
     command = ("workflow/scripts/run.py", "study")
-    return {"study": processor_time(folder, *command), "again": processor_time(folder, *command)}
+    return {name: processor_time(folder, cache, *command) for name in ("study", "again")}
 
 
 def clocks(folder: Path) -> dict[str, float]:
@@ -74,7 +73,29 @@ def clocks(folder: Path) -> dict[str, float]:
 
 def with_range(values: list[float]) -> str:
     """Format a mean with half the range."""
-    return f"{np.mean(values):.1f} ± {0.5 * np.ptp(values):.1f}"
+    return f"{np.mean(values):.3g} ± {0.5 * np.ptp(values):.1g}"
+
+
+def measured(config: dict, arguments: argparse.Namespace) -> dict[str, list[dict[str, float]]]:
+    """Return the times [s] of both versions, a dictionary a repeat."""
+    rows: dict[str, list[dict[str, float]]] = {"before": [], "now": []}
+    with tempfile.TemporaryDirectory() as name:
+        cache = (arguments.cache or Path(name, "cache")).resolve()
+        sides = {}
+        for side, revision in (("before", arguments.against), ("now", arguments.revision)):
+            (folder := Path(name, side)).mkdir()
+            source_of(revision, folder, *PARTS)
+            sides[side] = project(folder, config)
+            note = f"results/{config['study']['name']}/logs/kernels.txt"
+            kernels = ("-m", "snakemake", "--cores", "1", "--configfile", "study.yaml", "--", note)
+            processor_time(folder, cache, *kernels)
+        for repeat in range(arguments.repeats):
+            for side in sorted(sides, reverse=bool(repeat % 2)):
+                rows[side].append(run(sides[side], cache))
+            work = clocks(sides["now"])
+            for row in (rows[side][-1] for side in sides):
+                row |= work | {"start": row["study"] - row["again"] - sum(work.values())}
+    return rows
 
 
 def main(arguments: argparse.Namespace) -> None:
@@ -83,33 +104,16 @@ def main(arguments: argparse.Namespace) -> None:
     config = yaml.safe_load(arguments.config.read_text())
     if arguments.cells:
         config["grid"] = {"cells_x": arguments.cells, "cells_y": arguments.cells}
-    with tempfile.TemporaryDirectory() as name:
-        sides = {}
-        for side, revision in (("before", arguments.against), ("now", arguments.revision)):
-            (folder := Path(name, side)).mkdir()
-            source_of(revision, folder, *PARTS)
-            sides[side] = project(folder, config)
-            run(sides[side], arguments.cores)  # compiled before anything is timed
-        rows: dict[str, list[dict[str, float]]] = {side: [] for side in sides}
-        for repeat in range(arguments.repeats):
-            for side in sorted(sides, reverse=bool(repeat % 2)):
-                rows[side].append(run(sides[side], arguments.cores))
-            work = clocks(sides["now"])
-            for side in sides:
-                row = rows[side][-1]
-                row |= work | {"start": row["study"] - row["again"] - sum(work.values())}
+    os.environ["CORES"] = str(arguments.cores)
+    rows = measured(config, arguments)
+    pairs = list(zip(rows["before"], rows["now"], strict=True))
+    parts = list(pairs[0][0])
     table = pd.DataFrame(
-        {side: {key: with_range([row[key] for row in of]) for key in of[0]}
+        {side: {part: with_range([row[part] for row in of]) for part in parts}
          for side, of in rows.items()}
     )  # fmt: skip
     ratios = {
-        key: with_range(
-            [
-                now[key] / before[key]
-                for before, now in zip(rows["before"], rows["now"], strict=True)
-            ]
-        )
-        for key in table.index
+        part: with_range([now[part] / before[part] for before, now in pairs]) for part in parts
     }
     table["now over before"] = pd.Series(ratios)
     title = f"Processor time (s) of a study, {arguments.repeats} repeats"
@@ -126,5 +130,6 @@ if __name__ == "__main__":
     parser.add_argument("--cells", type=int, default=24, help="along a wall")
     parser.add_argument("--cores", type=int, default=2)
     parser.add_argument("--repeats", type=int, default=2)
+    parser.add_argument("--cache", type=Path, help="folder of compiled kernels, to use and to fill")
     parser.add_argument("--output", type=Path, help="folder for the table as CSV")
     main(parser.parse_args())
