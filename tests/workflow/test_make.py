@@ -193,6 +193,21 @@ def test_a_run_says_how_far_it_is_and_what_is_for_the_user(tmp_path):
     assert "Finished jobid: 3" in (tmp_path / "run.log").read_text()
 
 
+EARLY = """
+print("Job stats:\\njob count\\n--- ---\\nwrite_tables 1\\ndraw_figures 1\\naggregate_pool %d\\n")
+for number, rule in enumerate(("write_tables", "draw_figures")):
+    print(f"Finished jobid: {number} (Rule: {rule})", flush=True)
+"""
+
+
+@pytest.mark.parametrize("pools", [0, 1])
+def test_results_of_the_study_itself_are_announced_before_those_of_its_pool(tmp_path, pools):
+    run = follow(tmp_path, EARLY % pools)
+    said, wrong = run.communicate()
+    assert run.returncode == 0, wrong
+    assert said.count("own tables and figures are in") == pools
+
+
 def test_a_run_that_fails_says_which_rule_and_keeps_the_exit_status(tmp_path):
     run = follow(tmp_path, FAILS)
     _, wrong = run.communicate()

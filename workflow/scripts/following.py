@@ -15,9 +15,7 @@ from jointclosure.jobs.progress import WorkflowProgress
 
 SHOWN = "jointclosure: "
 """Prefix of the lines of the log that are shown to the user."""
-EARLY = ("write_tables", "draw_figures")
-"""Rules after which the results of the study itself are complete, before those of its pool."""
-PARTS = "tables, figures; the ranges follow with the pool"
+OWN_RESULTS = "The study's own tables and figures are in {folder}; its pool adds ranges"
 SECONDS, PART = 30.0, 0.1
 """Time or share of jobs between two lines on progress without a terminal."""
 
@@ -42,10 +40,8 @@ def follow(snakemake: Callable[[], object], stream: TextIO, log: Path, request: 
             progress.read(line)
             if line.startswith(SHOWN):
                 console.say(line.removeprefix(SHOWN).rstrip())
-            if not early and progress.finished(*EARLY) and progress.awaited("aggregate_pool"):
-                early = True
-                folder = log.parents[1]
-                console.say(f"The study's own tables and figures are in {folder}/ ({PARTS})")
+            if not early and (early := own_results_complete(progress)):
+                console.say(OWN_RESULTS.format(folder=log.parent.parent))
             console.show(progress)
     finally:  # no process is left, whatever ends this one
         kill_group(process)
@@ -61,6 +57,12 @@ def follow(snakemake: Callable[[], object], stream: TextIO, log: Path, request: 
     else:
         console.say("nothing was left to do")
     return shell_status(process.returncode)
+
+
+def own_results_complete(progress: WorkflowProgress) -> bool:
+    """Return whether the study's own tables and figures are complete, and its pool is not."""
+    own = progress.finished("write_tables", "draw_figures")
+    return own and progress.awaited("aggregate_pool")
 
 
 def ended(console: "Console", request: EndRequest) -> int:
