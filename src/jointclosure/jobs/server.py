@@ -98,33 +98,33 @@ class _Loop:
         self._woken.setblocking(False)
         self._waking.setblocking(False)
         signal.signal(signal.SIGCHLD, lambda *_: None)  # only to wake the loop
-        signal.set_wakeup_fd(self._waking.fileno())
+        signal.set_wakeup_fd(self._waking.fileno(), warn_on_full_buffer=False)
         self._selector = selectors.DefaultSelector()
         self._watch(listener, self._start)
         self._watch(self._woken, self._report)
-        self._watch(sys.stdin, self._end)
+        self._watch(sys.stdin, sys.exit)
 
     def _watch(self, file, reaction) -> None:
         self._selector.register(file, selectors.EVENT_READ, reaction)
 
     def serve(self) -> NoReturn:
         """Serve until the standard input ends."""
-        while True:
-            for key, _ in self._selector.select():
-                key.data()
+        try:
+            while True:
+                for key, _ in self._selector.select():
+                    key.data()
+        finally:
+            for job in self._clients:
+                os.kill(job, signal.SIGKILL)
 
     def _start(self) -> None:
         """Fork for the job of a new client."""
         client, _ = self._listener.accept()
-        data, streams, _, _ = socket.recv_fds(client, 1 << 16, 3)
-        while data and not data.endswith(b"\n"):
-            data += (part := client.recv(1 << 16))
-            if not part:
-                data = b""
-        if not data:  # the client has ended
+        try:
+            request, streams = _received(client)
+        except (OSError, ValueError):  # the client has ended
             client.close()
             return
-        request = json.loads(data)
         self._load(Path(request["script"]))
         gc.freeze()  # a fork that collects garbage does not copy what it shares
         job = os.fork()
@@ -133,8 +133,8 @@ class _Loop:
             run_forked(partial(_run, request), streams)
         for stream in streams:
             os.close(stream)
-        client.send(b"+")
         self._clients[job] = client
+        _send(client, b"+")
         self._watch(client, lambda: self._kill(job))
 
     def _load(self, script: Path) -> None:
@@ -154,9 +154,10 @@ class _Loop:
             file.close()
 
     def _kill(self, job: int) -> None:
-        """Kill the job of a client that has ended."""
-        self._forget(job)
-        os.kill(job, signal.SIGKILL)
+        """Kill the job of a client that has ended, unless it has ended as well."""
+        if job in self._clients:
+            self._forget(job)
+            os.kill(job, signal.SIGKILL)
 
     def _forget(self, job: int) -> None:
         client = self._clients.pop(job)
@@ -171,14 +172,21 @@ class _Loop:
                 job, status = ended
                 if job in self._clients:
                     code = os.waitstatus_to_exitcode(status)
-                    with contextlib.suppress(OSError):  # the client has ended
-                        self._clients[job].send(bytes([128 - code if code < 0 else code]))
+                    _send(self._clients[job], bytes([128 - code if code < 0 else code]))
                     self._forget(job)
 
-    def _end(self) -> NoReturn:
-        for job in self._clients:
-            os.kill(job, signal.SIGKILL)
-        sys.exit()
+
+def _received(client: socket.socket) -> tuple[dict, list[int]]:
+    """Receive the request of a client, and its standard streams."""
+    data, streams, _, _ = socket.recv_fds(client, 1 << 16, 3)
+    while not data.endswith(b"\n") and (part := client.recv(1 << 16)):
+        data += part
+    return json.loads(data), streams
+
+
+def _send(client: socket.socket, data: bytes) -> None:
+    with contextlib.suppress(OSError):  # the client has ended
+        client.send(data)
 
 
 def _run(request: dict) -> None:
