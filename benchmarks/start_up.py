@@ -37,11 +37,10 @@ def project(source: Path, config: dict) -> Path:
     return source
 
 
-def processor_time(folder: Path, cache: Path, *words: str) -> float:
+def processor_time(folder: Path, *words: str) -> float:
     """Return user and system time [s] of a Python program and of all that it waits for."""
-    settings = {"PYTHONPATH": str(folder / "src"), "JOINTCLOSURE_CACHE": str(cache)}
     with open(folder / "output.txt", "w") as output:
-        environment = os.environ | settings | {"CONFIG": "study.yaml"}
+        environment = os.environ | {"CONFIG": "study.yaml", "PYTHONPATH": str(folder / "src")}
         environment.pop("PYTHONDONTWRITEBYTECODE", None)
         process = subprocess.Popen(
             [sys.executable, *words], cwd=folder, env=environment, stdout=output, stderr=output
@@ -53,12 +52,12 @@ def processor_time(folder: Path, cache: Path, *words: str) -> float:
     return used.ru_utime + used.ru_stime
 
 
-def run(folder: Path, cache: Path) -> dict[str, float]:
+def run(folder: Path) -> dict[str, float]:
     """Run the study from nothing, and once more; return both times [s]."""
     for place in ("results", ".snakemake"):
         shutil.rmtree(folder / place, ignore_errors=True)
     command = ("workflow/scripts/run.py", "study")
-    return {name: processor_time(folder, cache, *command) for name in ("study", "again")}
+    return {name: processor_time(folder, *command) for name in ("study", "again")}
 
 
 def clocks(folder: Path) -> dict[str, float]:
@@ -80,7 +79,6 @@ def measured(config: dict, arguments: argparse.Namespace) -> dict[str, list[dict
     """Return the times [s] of both versions, a dictionary a repeat."""
     rows: dict[str, list[dict[str, float]]] = {"before": [], "now": []}
     with tempfile.TemporaryDirectory() as name:
-        cache = (arguments.cache or Path(name, "cache")).resolve()
         sides = {}
         for side, revision in (("before", arguments.against), ("now", arguments.revision)):
             (folder := Path(name, side)).mkdir()
@@ -88,10 +86,10 @@ def measured(config: dict, arguments: argparse.Namespace) -> dict[str, list[dict
             sides[side] = project(folder, config)
             note = f"results/{config['study']['name']}/logs/kernels.txt"
             kernels = ("-m", "snakemake", "--cores", "1", "--configfile", "study.yaml", "--", note)
-            processor_time(folder, cache, *kernels)
+            processor_time(folder, *kernels)
         for repeat in range(arguments.repeats):
             for side in sorted(sides, reverse=bool(repeat % 2)):
-                rows[side].append(run(sides[side], cache))
+                rows[side].append(run(sides[side]))
             work = clocks(sides["now"])
             for row in (rows[side][-1] for side in sides):
                 row |= work | {"start": row["study"] - row["again"] - sum(work.values())}
@@ -130,6 +128,5 @@ if __name__ == "__main__":
     parser.add_argument("--cells", type=int, default=24, help="along a wall")
     parser.add_argument("--cores", type=int, default=2)
     parser.add_argument("--repeats", type=int, default=2)
-    parser.add_argument("--cache", type=Path, help="folder of compiled kernels, to use and to fill")
     parser.add_argument("--output", type=Path, help="folder for the table as CSV")
     main(parser.parse_args())
