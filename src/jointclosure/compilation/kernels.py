@@ -2,9 +2,8 @@
 
 Numba's check of its disk cache considers only the file of a function. An edit in another module
 that the function calls is not detected and gives silently wrong numbers. Therefore the cache folder
-is named by a digest of the code of the kernels. The logger ``jointclosure``
-announces the first compilation of a process. Numba's settings, which apply to the whole process,
-are not changed.
+is named by a digest of the code of the kernels. The logger ``jointclosure`` announces the first
+compilation of a process. Numba's settings, which apply to the whole process, are not changed.
 """
 
 import hashlib
