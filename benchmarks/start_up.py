@@ -71,7 +71,9 @@ def clocks(folder: Path) -> dict[str, float]:
 
 
 def with_range(values: list[float]) -> str:
-    """Format a mean with half the range."""
+    """Format a mean with half the range, which a single value does not have."""
+    if len(values) == 1:
+        return f"{values[0]:.3g}"
     return f"{np.mean(values):.3g} ± {0.5 * np.ptp(values):.1g}"
 
 
