@@ -5,6 +5,7 @@ from snakemake.utils import min_version
 
 from jointclosure.config.files import DEFAULT
 from jointclosure.jobs.rules import complete
+from jointclosure.jobs.server import JobServer
 
 min_version("9.27")
 
@@ -31,6 +32,14 @@ include: "workflow/rules/effects.smk"
 onstart:
     if NUMERICS_REMARK:
         logger.info(f"jointclosure: {NUMERICS_REMARK}")
+    if workflow.local_exec:  # on a cluster each job starts on its node
+        try:
+            server = JobServer(
+                ROOT / "workflow/scripts", f"{RESULTS}/logs/*kernels.txt"
+            )
+            shell.prefix(server.prefix())
+        except OSError as error:
+            logger.info(f"jobs start without a server: {error}")
 
 
 rule all:

@@ -88,10 +88,11 @@ def running(source: Path) -> Iterator[Version]:
             process.kill()
 
 
-def source_of(revision: str, folder: Path) -> Path:
-    """The package's source of a revision, written into a folder."""
+def source_of(revision: str, folder: Path, *parts: str) -> Path:
+    """The package's source of a revision, and other parts of the project, written into a folder."""
     archive = folder / "source.tar"
     command = ["git", "-C", str(ROOT), "archive", "--output", str(archive), revision, "src"]
+    command += parts
     if subprocess.run(command).returncode:
         raise SystemExit(f"--against {revision}: give a revision that `git log` shows, here")
     subprocess.run(["tar", "-xf", str(archive), "-C", str(folder)], check=True)

@@ -21,7 +21,7 @@ def copy(tmp_path, monkeypatch):
 
 
 def forget():
-    for cached in (sources._imports, sources._tree, sources._code):
+    for cached in (sources.raw_digest, sources._imports, sources._tree, sources._code):
         cached.cache_clear()
 
 

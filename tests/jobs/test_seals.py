@@ -33,7 +33,7 @@ def run(folder, rule, inputs, outputs, work, sealed_by=(), **params):
         ),
         output=Named({"files": outputs, "seal": str(folder / f"seals/{rule}.json")}),
         params=params,
-        log=[str(folder / f"logs/{rule}.log")],
+        log=Named({"log": str(folder / f"logs/{rule}.log")}),
     )
     with job(wrapped):
         work()

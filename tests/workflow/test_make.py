@@ -169,9 +169,9 @@ def follow(folder: Path, program: str) -> subprocess.Popen:
         "import sys; from pathlib import Path\n"
         f"sys.path.insert(0, {str(ROOT / 'workflow/scripts')!r})\n"
         "from following import follow; from process_group import EndRequest\n"
-        f"command, log = [sys.executable, '-c', {program!r}], Path('run.log')\n"
+        f"program, log = {program!r}, Path('run.log')\n"
         "with open(log, 'a') as stream:\n"
-        "    sys.exit(follow(command, stream, log, EndRequest()))\n"
+        "    sys.exit(follow(lambda: exec(program, {}), stream, log, EndRequest()))\n"
     )
     return subprocess.Popen(
         [sys.executable, "-c", code],
@@ -191,6 +191,21 @@ def test_a_run_says_how_far_it_is_and_what_is_for_the_user(tmp_path):
     assert said.splitlines()[-1] == "3 of 3 jobs done"
     assert "Finished jobid" not in said
     assert "Finished jobid: 3" in (tmp_path / "run.log").read_text()
+
+
+EARLY = """
+print("Job stats:\\njob count\\n--- ---\\nwrite_tables 1\\ndraw_figures 1\\naggregate_pool %d\\n")
+for number, rule in enumerate(("write_tables", "draw_figures")):
+    print(f"Finished jobid: {number} (Rule: {rule})", flush=True)
+"""
+
+
+@pytest.mark.parametrize("pools", [0, 1])
+def test_results_of_the_study_itself_are_announced_before_those_of_its_pool(tmp_path, pools):
+    run = follow(tmp_path, EARLY % pools)
+    said, wrong = run.communicate()
+    assert run.returncode == 0, wrong
+    assert said.count("own tables and figures are in") == pools
 
 
 def test_a_run_that_fails_says_which_rule_and_keeps_the_exit_status(tmp_path):

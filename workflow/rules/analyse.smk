@@ -3,13 +3,10 @@
 
 rule measure_covariates:
     input:
-        ensembles=list(dict.fromkeys([f"{RESULTS}/study.nc", POOL])),
+        ensemble=f"{RESULTS}/study.nc",
     output:
-        covariates=(
-            list(dict.fromkeys([COVARIATES, POOL_COVARIATES]))
-            if VARIATES
-            else f"{RESULTS}/covariates.nc"
-        ),
+        f"{RESULTS}/covariates.nc",
+    priority: EARLY
     params:
         grid=to_plain(CONFIGURATION.grid),
         surface=to_plain(CONFIGURATION.surface),
@@ -17,6 +14,17 @@ rule measure_covariates:
         root_seed=CONFIGURATION.study.root_seed,
     script:
         "../scripts/measure_covariates.py"
+
+
+if "pool" in ENSEMBLES:
+
+    use rule measure_covariates as measure_pool_covariates with:
+        input:
+            ensemble=POOL,
+            known=f"{RESULTS}/covariates.nc",
+        output:
+            f"{RESULTS}/pool_covariates.nc",
+        priority: 0
 
 
 rule reduce_variance:
@@ -36,15 +44,23 @@ rule reduce_variance:
 rule fit_correlations:
     input:
         study=f"{RESULTS}/study.nc",
-        pool=POOL,
         covariates=COVARIATES,
-        pool_covariates=POOL_COVARIATES,
     output:
         correlations=f"{RESULTS}/tables/correlations.csv",
         closures=f"{RESULTS}/tables/max_closure.csv",
-        elasticities=f"{RESULTS}/tables/elasticities.csv",
+    priority: EARLY
     script:
         "../scripts/fit_correlations.py"
+
+
+rule fit_elasticities:
+    input:
+        ensemble=POOL,
+        covariates=POOL_COVARIATES,
+    output:
+        f"{RESULTS}/tables/elasticities.csv",
+    script:
+        "../scripts/fit_elasticities.py"
 
 
 rule find_indifference_intervals:
@@ -54,6 +70,7 @@ rule find_indifference_intervals:
         covariates=COVARIATES,
     output:
         f"{RESULTS}/tables/table_3_indifference.csv",
+    priority: EARLY
     params:
         statistics=to_plain(CONFIGURATION.statistics),
         root_seed=CONFIGURATION.study.root_seed,
@@ -67,6 +84,7 @@ rule fit_measured:
         curves=CURVE_FILES,
     output:
         f"{RESULTS}/tables/measured_fit.csv",
+    priority: EARLY
     params:
         curves=to_plain(CURVES),
         seating_stress=CONFIGURATION.seating_stress,
@@ -79,6 +97,7 @@ rule tabulate_flow:
         study=f"{RESULTS}/study.nc",
     output:
         f"{RESULTS}/tables/hydraulic_aperture.csv",
+    priority: EARLY
     script:
         "../scripts/tabulate_flow.py"
 

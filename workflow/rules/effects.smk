@@ -29,7 +29,7 @@ rule effects_auto:
 
 rule validate_choice:
     input:
-        f"{RESULTS}/logs/effects_kernels.txt",
+        ancient(f"{RESULTS}/logs/effects_kernels.txt"),
     output:
         f"{RESULTS}/effects/random_scene_{{number}}.csv",
     wildcard_constraints:

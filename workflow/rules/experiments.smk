@@ -19,7 +19,7 @@ rule compile_experiment:
 
 rule close_points:
     input:
-        f"{RESULTS}/logs/{{experiment}}_kernels.txt",
+        ancient(f"{RESULTS}/logs/{{experiment}}_kernels.txt"),
     output:
         f"{RESULTS}/{{experiment}}/{{job}}.nc",
     params:
@@ -58,7 +58,7 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
         name:
             f"estimate_{NAME}"
         input:
-            f"{RESULTS}/logs/{NAME}_kernels.txt",
+            ancient(f"{RESULTS}/logs/{NAME}_kernels.txt"),
         output:
             f"{RESULTS}/tables/{NAME}_estimate.csv",
         priority: 100

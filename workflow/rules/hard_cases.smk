@@ -35,7 +35,7 @@ rule compile_hard_cases:
 
 rule close_hard_cases:
     input:
-        f"{HARD_RESULTS}/logs/kernels.txt",
+        ancient(f"{HARD_RESULTS}/logs/kernels.txt"),
     output:
         table=f"{HARD_RESULTS}/cases/{{hard_group}}.csv",
         curves=f"{HARD_RESULTS}/cases/{{hard_group}}.curves.csv",
@@ -47,7 +47,7 @@ rule close_hard_cases:
 
 rule measure_numerics:
     input:
-        f"{HARD_RESULTS}/logs/kernels.txt",
+        ancient(f"{HARD_RESULTS}/logs/kernels.txt"),
     output:
         numerics=f"{HARD_RESULTS}/tables/numerics.csv",
         loads=f"{HARD_RESULTS}/tables/sweep_loads.csv",

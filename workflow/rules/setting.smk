@@ -66,23 +66,20 @@ TABLES = [
     *(["measured_fit.csv"] if CURVES else []),
     *(["hydraulic_aperture.csv"] if FLOW else []),
 ]
-FIGURES = [
+# figures of the study itself, and of its pool
+STUDY_FIGURES = [
     "fig_3_equivalent_stress",
     "fig_5_closure",
     "wall_pair",
     *(["hydraulic_aperture"] if FLOW else []),
-    *(
-        [
-            "table_3_predictive",
-            "table_3_intervals",
-            "trends_max_closure",
-            "along_curve_elasticities",
-            "along_curve_intervals",
-        ]
-        if VARIED
-        else []
-    ),
+    *(["table_3_intervals", "trends_max_closure"] if VARIED else []),
 ]
+POOL_FIGURES = (
+    ["table_3_predictive", "along_curve_elasticities", "along_curve_intervals"]
+    if VARIED
+    else []
+)
+FIGURES = [*STUDY_FIGURES, *POOL_FIGURES]
 
 
 def code_of(*scripts):
@@ -90,6 +87,8 @@ def code_of(*scripts):
     return code_digest(*(str(ROOT / f"workflow/scripts/{name}.py") for name in scripts))
 
 
+# priority of the jobs of the study itself: its tables and figures are complete before its pool is closed
+EARLY = 1
 # covariates of the study's cases and of its pool, where asked for; of scanned walls the means are not known
 SYNTHETIC = any(rock.walls is None for rock in ROCKS.values())
 VARIATES = CONFIGURATION.statistics.control_variates is not None and SYNTHETIC

@@ -6,6 +6,7 @@ from jointclosure.effects.choice import possible_scenes
 rule compile_kernels:
     output:
         f"{RESULTS}/logs/kernels.txt",
+    priority: EARLY
     params:
         kernels=kernels_of(
             (scene, CONFIGURATION.choices, CONFIGURATION.numerics)
@@ -19,6 +20,7 @@ rule compile_kernels:
 rule make_surfaces:
     output:
         f"{RESULTS}/{{ensemble}}/{{case}}.{{first}}.surfaces.nc",
+    priority: lambda wildcards: EARLY if wildcards.ensemble == "cases" else 0
     params:
         settings=lambda wildcards: surfaces_of(
             wildcards.ensemble, wildcards.case, wildcards.first
@@ -29,10 +31,11 @@ rule make_surfaces:
 
 rule choose_effects:
     input:
-        f"{RESULTS}/logs/kernels.txt",
+        ancient(f"{RESULTS}/logs/kernels.txt"),
     output:
         chosen=f"{RESULTS}/effects_of/{{rock}}.json",
         closed=f"{RESULTS}/effects_of/{{rock}}.nc",
+    priority: EARLY
     params:
         settings=lambda wildcards: closures_of_rock(wildcards.rock),
     script:
@@ -50,9 +53,10 @@ rule close_surfaces:
             else []
         ),
         surfaces=closed_surfaces,
-        kernels=f"{RESULTS}/logs/kernels.txt",
+        kernels=ancient(f"{RESULTS}/logs/kernels.txt"),
     output:
         f"{RESULTS}/{{ensemble}}/{{case}}.{{first}}.nc",
+    priority: lambda wildcards: EARLY if wildcards.ensemble == "cases" else 0
     params:
         settings=lambda wildcards: to_plain(
             closure_of(
@@ -76,6 +80,7 @@ rule aggregate:
         ],
     output:
         f"{RESULTS}/study.nc",
+    priority: EARLY
     params:
         ensemble="cases",
         configuration=config,
@@ -94,5 +99,6 @@ if "pool" in ENSEMBLES:
             walls=rules.aggregate.input.walls,
         output:
             f"{RESULTS}/pool.nc",
+        priority: 0
         params:
             ensemble="pool",

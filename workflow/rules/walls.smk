@@ -17,7 +17,7 @@ rule prepare_walls:
         ],
     output:
         f"{RESULTS}/walls/{{rock}}.nc",
-    priority: 1
+    priority: EARLY
     params:
         walls=lambda wildcards: to_plain(ROCKS[wildcards.rock].walls),
         digests=lambda wildcards: slices.wall_digests(ROCKS[wildcards.rock].walls),
@@ -36,6 +36,7 @@ rule cut_surfaces:
         f"{RESULTS}/{{ensemble}}/{{case}}.{{first}}.surfaces.nc",
     wildcard_constraints:
         case="|".join(map(re.escape, sorted(SCANNED))) or "(?!)",
+    priority: lambda wildcards: EARLY if wildcards.ensemble == "cases" else 0
     params:
         settings=lambda wildcards: surfaces_of(
             wildcards.ensemble, wildcards.case, wildcards.first

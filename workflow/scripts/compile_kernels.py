@@ -1,20 +1,37 @@
 """Compile all necessary kernels before the jobs start."""
 
+import json
+from pathlib import Path
+
 from jointclosure.compilation.kernels import cache_folder
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.joint.warmup import compile_kernels
 from jointclosure.parameters import Choices, scene_of
-from jointclosure.storage.text import write_text
+from jointclosure.storage.text import read_text, write_text
 
 
 def main(kernels: list[list[str]], output: str, log: Logbook) -> None:
-    """Compile, and write the name of the folder of the machine code."""
+    """Compile, and write a note with the kernels and the name of the folder of the machine code."""
     log(f"kernels are kept in {cache_folder()}")
-    for scene, peaks, solver, breakage in kernels:
-        compile_kernels(scene_of(scene), Choices(peaks=peaks), solver, breakage)
-        log(f"{scene}, {peaks} peaks, {solver}, {breakage}")
-    write_text(f"kernels compiled for {cache_folder().name}\n", output)
+    for kernel in kernels:
+        compiled(*kernel)
+        log(", ".join(kernel))
+    write_text(json.dumps({"folder": cache_folder().name, "kernels": kernels}) + "\n", output)
+
+
+def compiled(scene: str, peaks: str, solver: str, breakage: str) -> None:
+    """Compile the kernels of a scene, or load them."""
+    compile_kernels(scene_of(scene), Choices(peaks=peaks), solver, breakage)
+
+
+def load(note: Path) -> None:
+    """Load the kernels of a note, unless it is of other code."""
+    text = read_text(note)
+    content = json.loads(text) if text.startswith("{") else {}  # notes of earlier versions
+    if content.get("folder") == cache_folder().name:
+        for kernel in content["kernels"]:
+            compiled(*kernel)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Draw all figures of the study, as PNG and PDF."""
+"""Draw the figures of the study itself, as PNG and PDF."""
 
 from pathlib import Path
 
@@ -10,7 +10,6 @@ from jointclosure.ensemble.settings import SurfaceSettings, check_settings
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.measured.curves import CurveSettings, measured_curves
-from jointclosure.plotting import sensitivity
 from jointclosure.plotting import study as plotting
 from jointclosure.plotting.flow import flow_figure
 from jointclosure.plotting.measured import Measurements
@@ -52,18 +51,6 @@ def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None
             surfaces.lower.values[0],
             surfaces.attrs["spacing_m"],
             f"{first.title}, {roughness_title(first)}, realisation 0",
-        ),
-        "table_3_predictive": lambda: sensitivity.predictive_figure(
-            read_netcdf(inputs["drawn"]),
-            read_csv(inputs["paper"]),
-            rocks,
-            settings["realizations"],
-        ),
-        "along_curve_elasticities": lambda: sensitivity.along_curve_figure(
-            read_csv(inputs["along"]), rocks, "elasticities"
-        ),
-        "along_curve_intervals": lambda: sensitivity.along_curve_figure(
-            read_csv(inputs["along"]), rocks, "intervals"
         ),
         "hydraulic_aperture": lambda: flow_figure(
             read_csv(inputs["flow"]), rocks, settings["seating_stress"]

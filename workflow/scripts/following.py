@@ -1,32 +1,36 @@
 """Run of Snakemake with its log in a file: progress, failures, and end."""
 
 import re
-import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TextIO
 
-from process_group import EndRequest, end_group, kill_group, shell_status, start_group
+from process_group import EndRequest, end_group, kill_group, shell_status
 
+from jointclosure.jobs.forks import ForkedGroup
 from jointclosure.jobs.logbook import failed_log
 from jointclosure.jobs.progress import WorkflowProgress
 
 SHOWN = "jointclosure: "
 """Prefix of the lines of the log that are shown to the user."""
+OWN_RESULTS = "The study's own tables and figures are in {folder}; its pool adds ranges"
 SECONDS, PART = 30.0, 0.1
 """Time or share of jobs between two lines on progress without a terminal."""
 
 
-def follow(command: list[str], stream: TextIO, log: Path, request: EndRequest) -> int:
-    """Run Snakemake with its log in a file, show its progress, and return its exit status."""
+def follow(snakemake: Callable[[], object], stream: TextIO, log: Path, request: EndRequest) -> int:
+    """Run Snakemake with its log in a file, show its progress, and return its exit status.
+
+    ``snakemake`` is called in a forked process.
+    """
     console = Console()
     if request:
         return ended(console, request)
     start = log.stat().st_size
-    process = start_group(command, stdout=stream, stderr=stream)
-    progress = WorkflowProgress()
+    process = ForkedGroup(snakemake, stream)
+    progress, early = WorkflowProgress(), False
     try:
         for line in lines_of(log, start, process):
             if request:
@@ -36,6 +40,8 @@ def follow(command: list[str], stream: TextIO, log: Path, request: EndRequest) -
             progress.read(line)
             if line.startswith(SHOWN):
                 console.say(line.removeprefix(SHOWN).rstrip())
+            if not early and (early := own_results_complete(progress)):
+                console.say(OWN_RESULTS.format(folder=log.parent.parent))
             console.show(progress)
     finally:  # no process is left, whatever ends this one
         kill_group(process)
@@ -53,13 +59,19 @@ def follow(command: list[str], stream: TextIO, log: Path, request: EndRequest) -
     return shell_status(process.returncode)
 
 
+def own_results_complete(progress: WorkflowProgress) -> bool:
+    """Return whether the study's own tables and figures are complete, and its pool is not."""
+    own = progress.finished("write_tables", "draw_figures")
+    return own and progress.awaited("aggregate_pool")
+
+
 def ended(console: "Console", request: EndRequest) -> int:
     """Print how an ended run can be continued, and return its exit status."""
     console.say(str(request))
     return 128 + request.signal
 
 
-def lines_of(log: Path, start: int, process: subprocess.Popen) -> Iterator[str]:
+def lines_of(log: Path, start: int, process: ForkedGroup) -> Iterator[str]:
     """Generate the lines that a process writes to a file, and "" if there is none for a while."""
     with open(log, encoding="utf-8", errors="replace") as written:
         written.seek(start)

@@ -6,6 +6,7 @@ from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.ensemble.covariates import (
     Covariates,
     as_dataset,
+    from_dataset,
     known_covariates,
     measure_covariates,
 )
@@ -14,22 +15,25 @@ from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 
 
-def main(ensembles: dict[str, str], settings: dict, log: Logbook) -> None:
-    """Write the covariates of each ensemble: files of covariates by files of closures."""
+def main(ensemble: str, known: str | None, settings: dict, output: str, log: Logbook) -> None:
+    """Write the covariates of an ensemble; their means are those of the file ``known``, if any."""
     grid, surface = from_plain(Grid, settings["grid"]), from_plain(Surface, settings["surface"])
-    known = known_covariates(settings["surfaces"], settings["root_seed"], grid, surface)
-    for closures, output in ensembles.items():
-        study = read_netcdf(closures, without=CURVES)
-        covariates = Covariates(measure_covariates(study, grid, surface), known)
-        write_netcdf(as_dataset(covariates, study), output)
-        log(f"wrote {output}: means from {known.surfaces} surfaces")
+    if known:
+        means = from_dataset(read_netcdf(known)).known
+    else:
+        means = known_covariates(settings["surfaces"], settings["root_seed"], grid, surface)
+    study = read_netcdf(ensemble, without=CURVES)
+    covariates = Covariates(measure_covariates(study, grid, surface), means)
+    write_netcdf(as_dataset(covariates, study), output)
+    log(f"wrote {output}: means from {means.surfaces} surfaces")
 
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:
-        outputs = snakemake.output
         main(
-            dict(zip(snakemake.input.ensembles, outputs.covariates, strict=True)),
+            snakemake.input.ensemble,
+            snakemake.input.get("known"),
             dict(snakemake.params),
+            snakemake.output[0],
             logbook,
         )

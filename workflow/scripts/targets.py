@@ -95,7 +95,7 @@ def run_target(name: str, request: EndRequest) -> int:
         for goal in target.goals:
             while True:
                 words = [*command, *given, *planned(override, folder), "--", goal]
-                status = follow(words, stream, log, request)
+                status = follow(partial(run_snakemake, words), stream, log, request)
                 if status:
                     return status
                 if goal != "all" or not enlarged(override, folder):
@@ -167,7 +167,7 @@ def enlarged(override: str, folder: Path) -> bool:
 
 
 def snakemake(profile: str, cores: str) -> list[str]:
-    """Return the command, without goals and configuration."""
+    """Return the arguments, without goals and configuration."""
     file = Path(profile) / "config.yaml"
     if not file.is_file():
         raise InputError(f"PROFILE={profile}: has no config.yaml")
@@ -182,8 +182,15 @@ def snakemake(profile: str, cores: str) -> list[str]:
         if name not in (None, "local") and not importlib.util.find_spec(plugin):
             advice = _ADVICE.get(settings.get("executor"), f"install {plugin.replace('_', '-')}")
             raise InputError(f"PROFILE={profile}: needs {plugin}, which is not installed: {advice}")
-    command = [sys.executable, "-m", "snakemake", "--workflow-profile", profile]
-    return [*command, *(["--cores", cores] if cores else [])]
+    return ["--workflow-profile", profile, *(["--cores", cores] if cores else [])]
+
+
+def run_snakemake(arguments: list[str]) -> None:
+    """Run Snakemake in this process."""
+    from snakemake.cli import main
+
+    sys.argv = ["snakemake", *arguments]  # the Snakefile reads them too
+    main()
 
 
 def release_lock(command: list[str], request: EndRequest) -> None:
@@ -193,10 +200,12 @@ def release_lock(command: list[str], request: EndRequest) -> None:
     for process in psutil.process_iter():
         try:
             words = process.cmdline()
-            here = "--workflow-profile" in words and Path(process.cwd()) == Path.cwd().resolve()
+            runs = {"--workflow-profile", "workflow/scripts/run.py"} & set(words)
+            here = runs and Path(process.cwd()) == Path.cwd().resolve()
         except psutil.Error:
             continue
         if here and process.pid != os.getpid():
             raise InputError(f"another run is at work in this folder (process {process.pid})")
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    run_group([*command, "--unlock"], request, **quiet)
+    words = [sys.executable, "-m", "snakemake", *command, "--unlock"]
+    run_group(words, request, **quiet)

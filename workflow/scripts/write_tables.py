@@ -15,7 +15,7 @@ def main(inputs: dict, rocks: dict[str, StudyRock], outputs: dict, log: Logbook)
     write_csv(rock_table(rocks, closures), outputs["rocks"])
     write_csv(case_table(rocks, closures), outputs["cases"])
     write_text(table_3_latex(table, titles), outputs["latex"])
-    elasticities = read_csv(inputs["elasticities"])
+    elasticities = read_csv(inputs["elasticities"]) if inputs["elasticities"] else None
     write_text(table_3_markdown(table, titles, elasticities), outputs["markdown"])
     log(f"wrote {', '.join(outputs.values())}")
 

@@ -2,16 +2,12 @@
 
 Numba's check of its disk cache considers only the file of a function. An edit in another module
 that the function calls is not detected and gives silently wrong numbers. Therefore the cache folder
-is named by a digest of the code of the kernels. It is beside the sources, or in the user's cache
-folder if that is read-only; ``JOINTCLOSURE_CACHE`` overrides both. The logger ``jointclosure``
-announces the first compilation of a process. Numba's settings, which apply to the whole process,
-are not changed.
+is named by a digest of the code of the kernels. The logger ``jointclosure`` announces the first
+compilation of a process. Numba's settings, which apply to the whole process, are not changed.
 """
 
-import contextlib
 import hashlib
 import logging
-import os
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
@@ -21,7 +17,7 @@ import numba
 import numpy as np
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 
-from jointclosure.compilation.sources import PACKAGE, code_digest, raw_digest
+from jointclosure.compilation.sources import PACKAGE, cache_root, code_digest
 
 KERNEL_PARTS = ("mechanics", "solvers", "compilation")
 """Packages that contain kernels; modules that they import are included too."""
@@ -30,28 +26,7 @@ KERNEL_PARTS = ("mechanics", "solvers", "compilation")
 @lru_cache(maxsize=None)
 def cache_folder() -> Path:
     """Return the folder of the compiled kernels for their present code."""
-    root = _cache_root()
-    # the digest of the code takes most of the time at the start of a job: it is stored
-    known = root / f"kernels-of-{raw_digest()}"
-    if known.is_file() and (code := known.read_text(encoding="utf-8")):
-        return root / f"numba-{code}"
-    code = code_digest(*KERNEL_PARTS)
-    with contextlib.suppress(OSError):  # without it only the next start takes longer
-        root.mkdir(parents=True, exist_ok=True)
-        temporary = known.with_suffix(f".{os.getpid()}")
-        temporary.write_text(code, encoding="utf-8")
-        temporary.replace(known)
-    return root / f"numba-{code}"
-
-
-def _cache_root() -> Path:
-    if chosen := os.environ.get("JOINTCLOSURE_CACHE"):
-        return Path(chosen)
-    beside = PACKAGE / "__pycache__"
-    if os.access(beside if beside.exists() else PACKAGE, os.W_OK):
-        return beside
-    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(home) / "jointclosure"
+    return cache_root() / f"numba-{code_digest(*KERNEL_PARTS)}"
 
 
 class _Folder(_CacheLocator):

@@ -8,7 +8,11 @@ modules.
 """
 
 import ast
+import contextlib
 import hashlib
+import json
+import os
+import sys
 from functools import lru_cache
 from pathlib import Path
 
@@ -39,7 +43,29 @@ def code_digest(*names: str) -> str:
     ------
     FileNotFoundError
         If a module or script does not exist.
+
+    Notes
+    -----
+    Digests are stored in `cache_root` for the bytes of the package and of the scripts, since
+    reading the syntax takes most of the time at the start of a run.
     """
+    scripts = [Path(name).read_bytes() for name in names if name.endswith(".py")]
+    files = [name.rpartition("/")[2] for name in names]
+    key = hashlib.sha256(b"\0".join([repr(files).encode(), *scripts])).hexdigest()
+    store = cache_root() / f"digests-{sys.implementation.cache_tag}-{raw_digest()}.json"
+    known = json.loads(store.read_text(encoding="utf-8")) if store.is_file() else {}
+    if key not in known:
+        known[key] = _code_digest(*names)
+        with contextlib.suppress(OSError):  # without it only the next start takes longer
+            store.parent.mkdir(parents=True, exist_ok=True)
+            temporary = store.with_suffix(f".{os.getpid()}")
+            temporary.write_text(json.dumps(known), encoding="utf-8")
+            temporary.replace(store)
+    return known[key]
+
+
+def _code_digest(*names: str) -> str:
+    """Return `code_digest`, from the files."""
     files: set[Path] = set()
     for name in names:
         files |= {Path(name).resolve()} if name.endswith(".py") else _files_of(name)
@@ -56,6 +82,22 @@ def package_digest() -> str:
     return code_digest(*(_name(file) for file in PACKAGE.rglob("*.py")))
 
 
+def cache_root() -> Path:
+    """Return the folder of compiled kernels and of digests.
+
+    It is beside the sources, or in the user's cache folder if that is read-only;
+    ``JOINTCLOSURE_CACHE`` overrides both.
+    """
+    if chosen := os.environ.get("JOINTCLOSURE_CACHE"):
+        return Path(chosen)
+    beside = PACKAGE / "__pycache__"
+    if os.access(beside if beside.exists() else PACKAGE, os.W_OK):
+        return beside
+    home = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(home) / "jointclosure"
+
+
+@lru_cache(maxsize=None)
 def raw_digest() -> str:
     """Return the digest of the bytes of all modules of the package.
 

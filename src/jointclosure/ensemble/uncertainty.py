@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+import scipy
 import xarray as xr
-from scipy.stats.qmc import LatinHypercube
 
 from jointclosure.config.measured_joints import measured_range
 from jointclosure.engineering.curves import cycle_table, net_responses
@@ -265,7 +265,7 @@ def variants_of(
     for name, source in sources.items():
         for value in source.values[0 if source.continuous else 1 :]:
             yield joint.changed(name, value)._replace(source=name, value=_text(name, value))
-    shares = LatinHypercube(len(sources), rng=generator(seed)).random(draws)
+    shares = scipy.stats.qmc.LatinHypercube(len(sources), rng=generator(seed)).random(draws)
     for row in shares:
         drawn = joint._replace(source=ALL)
         texts = []

@@ -1,5 +1,8 @@
-"""Job of the workflow: its log, the check of its inputs, and the seal of its outputs."""
+"""Job of the workflow: its log, time and memory, check of its inputs, seal of its outputs."""
 
+import resource
+import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,7 +16,8 @@ def job(snakemake) -> Iterator[Logbook]:
     """Open the log of a job, check its inputs, and seal its outputs.
 
     Before the work, all results that the job reads must be those listed by their seals (inputs
-    named ``seals``). After it, the outputs are sealed if the rule has an output ``seal``.
+    named ``seals``). After it, the outputs are sealed if the rule has an output ``seal``, and the
+    time and memory that the job took are written to the log ``benchmark``, if the rule has one.
 
     Parameters
     ----------
@@ -24,6 +28,7 @@ def job(snakemake) -> Iterator[Logbook]:
     ------
     Logbook
     """
+    start = time.monotonic()
     with logging_to(snakemake.log[0]) as logbook:
         seals = listed(snakemake.input.get("seals", []))
         results = _results(Path(snakemake.log[0]))
@@ -34,6 +39,17 @@ def job(snakemake) -> Iterator[Logbook]:
         if seal := snakemake.output.get("seal"):
             outputs = [path for path in snakemake.output if path != seal]
             write_seal(seal, outputs, dict(snakemake.params), inputs, seals)
+    if benchmark := snakemake.log.get("benchmark"):
+        _write_benchmark(benchmark, time.monotonic() - start)
+
+
+def _write_benchmark(path: str, seconds: float) -> None:
+    """Write elapsed time [s], largest memory [MB] and processor time [s] of this process."""
+    used = [resource.getrusage(of) for of in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    memory = max(use.ru_maxrss for use in used) / (1e6 if sys.platform == "darwin" else 1e3)
+    processor = sum(use.ru_utime + use.ru_stime for use in used)
+    row = f"{seconds:.2f}\t{memory:.2f}\t{processor:.2f}"
+    Path(path).write_text(f"s\tmax_rss\tcpu_time\n{row}\n", encoding="utf-8")
 
 
 def listed(paths) -> list[str]:

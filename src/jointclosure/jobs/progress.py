@@ -127,6 +127,14 @@ class WorkflowProgress:
         elif match := _STEPS.match(line):
             self.done, self.total = int(match[1]), int(match[2])
 
+    def finished(self, *rules: str) -> bool:
+        """Return whether all jobs of some rules have finished in this run."""
+        return all(0 < self._jobs.get(rule, 0) <= len(self._took.get(rule, [])) for rule in rules)
+
+    def awaited(self, rule: str) -> bool:
+        """Return whether jobs of a rule are left."""
+        return len(self._took.get(rule, [])) < self._jobs.get(rule, 0)
+
     def _read_table(self, line: str) -> None:
         self._in_table = bool(line.strip())
         words = line.split()

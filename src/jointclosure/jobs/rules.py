@@ -3,9 +3,9 @@
 A rule names its input, output, parameters and script. `complete` adds the rest to all rules of a
 workflow, once they are read:
 
-- ``log``, ``benchmark``, and an output ``seal`` (`jointclosure.storage.seals`), in the folders
-  ``logs``, ``benchmarks`` and ``seals`` of the study's results, under the name of the rule and
-  behind it the wildcards of its outputs;
+- a log, a log ``benchmark`` of time and memory, and an output ``seal``
+  (`jointclosure.storage.seals`), in the folders ``logs``, ``benchmarks`` and ``seals`` of the
+  study's results, under the name of the rule and behind it the wildcards of its outputs;
 - inputs ``seals``: the seals of the jobs that make its inputs;
 - a parameter ``code``, the digest of its script and of all that this imports;
 - a message: the first line of its script's docstring, and its wildcards.
@@ -130,9 +130,8 @@ def complete(rules: Iterable[Any], environment: str, without_seal: Collection[st
 
 
 def _complete(rule: Any, environment: str, sealed: bool) -> None:
-    rule.log_modifier = rule.benchmark_modifier = rule.output_modifier
-    rule.set_log(_file(rule, "logs", "log"))
-    rule.benchmark = _file(rule, "benchmarks", "tsv")
+    rule.log_modifier = rule.output_modifier
+    rule.set_log(_file(rule, "logs", "log"), benchmark=_file(rule, "benchmarks", "tsv"))
     rule.conda_env = environment
     script = Path(rule.basedir.join(rule.script).get_path_or_uri(secret_free=True))
     if not rule.params.get("code"):

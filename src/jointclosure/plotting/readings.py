@@ -2,7 +2,7 @@
 
 import numpy as np
 import pandas as pd
-import scipy.stats
+import scipy
 import seaborn as sns
 from matplotlib.figure import Figure
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import IO
 
 import numpy as np
-import scipy.io
+import scipy
 import xarray as xr
 
 from jointclosure.inputs import InputError

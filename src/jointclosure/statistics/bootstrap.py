@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
-import scipy.stats
+import scipy
 
 from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.paired import paired_indifference_interval

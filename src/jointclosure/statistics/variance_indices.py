@@ -20,8 +20,8 @@ from math import factorial
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from scipy.special import ndtr, ndtri
-from scipy.stats import qmc
 
 from jointclosure.inputs import InputError
 from jointclosure.statistics.orthonormal import Term, design_matrix, fitted, terms_of
@@ -54,7 +54,9 @@ def sampled_rows(inputs: int, rows: int, seed: int) -> np.ndarray:
 
     It is a scrambled Sobol' sequence in twice as many dimensions; a power of 2 of rows is balanced.
     """
-    both = qmc.Sobol(2 * inputs, scramble=True, rng=np.random.default_rng(seed)).random(rows)
+    both = scipy.stats.qmc.Sobol(2 * inputs, scramble=True, rng=np.random.default_rng(seed)).random(
+        rows
+    )
     a, b = both[:, :inputs], both[:, inputs:]
     points = np.repeat(a[:, None, :], inputs + 2, axis=1)
     points[:, 1] = b
@@ -219,7 +221,7 @@ def _drawn_variances(values, terms, coefficients, correlations, draws, subsets):
         raise InputError(
             f"correlations {dict(correlations)}: must be correlations of normal variables"
         )
-    random = qmc.Sobol(2 * d, scramble=True, rng=np.random.default_rng(0)).random(draws)
+    random = scipy.stats.qmc.Sobol(2 * d, scramble=True, rng=np.random.default_rng(0)).random(draws)
     normal, other = ndtri(random[:, :d]), ndtri(random[:, d:])
     first = normal @ np.linalg.cholesky(matrix).T
     response = design_matrix(ndtr(first), values, terms) @ coefficients

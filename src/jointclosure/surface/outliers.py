@@ -2,7 +2,6 @@
 
 import numpy as np
 import scipy
-import scipy.sparse
 
 from jointclosure.surface.measured import Cloud, Scan
 
