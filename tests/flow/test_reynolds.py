@@ -235,9 +235,9 @@ def test_pressures_are_those_of_a_dense_solution():
     cubes = (field / field.max()) ** 3
     cells = np.arange(field.size).reshape(field.shape)
     matrix, load = np.zeros((field.size, field.size)), np.zeros(field.size)
-    for a, b in [*zip(cells[:, :-1].flat, cells[:, 1:].flat, strict=True)] + [
-        *zip(cells.flat, np.roll(cells, -1, axis=0).flat, strict=True)
-    ]:
+    along = zip(cells[:, :-1].flat, cells[:, 1:].flat, strict=True)
+    across = zip(cells.flat, np.roll(cells, -1, axis=0).flat, strict=True)
+    for a, b in (*along, *across):
         face = 2.0 / (1.0 / cubes.flat[a] + 1.0 / cubes.flat[b])
         matrix[[a, b], [a, b]] += face
         matrix[[a, b], [b, a]] -= face
