@@ -34,7 +34,7 @@ def provenance(configuration: dict[str, Any]) -> dict[str, str]:
         "provenance_versions": json.dumps({"python": platform.python_version()} | versions),
         "provenance_commit": _commit(),
         "provenance_realizations_per_job": str(split),
-        "provenance_machine": f"{platform.system()} {platform.machine()}, {_processor()}",
+        "provenance_machine": f"{platform.system()} {platform.machine()}, {processor()}",
     }
 
 
@@ -57,7 +57,7 @@ def _commit() -> str:
     return answer.stdout.strip() or "unknown (not a git checkout)"
 
 
-def _processor() -> str:
+def processor() -> str:
     """Return the model of the processor, if the system states it, and the number of cores."""
     path = Path("/proc/cpuinfo")
     text = path.read_text(encoding="utf-8") if path.is_file() else ""
