@@ -82,7 +82,7 @@ RUNS = {
     "measured_joints": Run(
         ("measured_joints", "measured_joints_predictions"), ("measured_joints",)
     ),
-    "hard_cases": Run(figures=("numerics",)),
+    "hard_cases": Run(("hard_case_errors", "analytic"), ("numerics",)),
     "solver_speed": Run(("study", "elastic", "reference")),
     "versions": Run(("versions",)),
     "peers": Run(("peers",)),

@@ -22,9 +22,9 @@ def main(outputs: dict[str, str], log: Logbook) -> None:
         ]
     )
     tables = {"numerics": table, "loads": sweeps.load_table(), "analytic": analytic_table()}
-    for name, path in outputs.items():
-        write_csv(tables[name], path)
-        log(f"wrote {path}: {len(tables[name])} rows")
+    for name, rows in tables.items():
+        write_csv(rows, outputs[name])
+        log(f"wrote {outputs[name]}: {len(rows)} rows")
 
 
 if __name__ == "__main__":
