@@ -43,9 +43,8 @@ def test_an_error_that_grows_is_named_unless_it_is_rounding():
 
 
 def test_every_answered_case_has_stored_errors():
-    assert set(STORED.index) == {
-        name for name, case in CASES.items() if case["expect"] != "refused"
-    }
+    answered = {name for name, case in CASES.items() if case["expect"] == "answer"}
+    assert answered <= set(STORED.index) <= set(CASES)
 
 
 def test_there_are_at_least_40_cases_with_what_is_hard_and_what_must_hold():

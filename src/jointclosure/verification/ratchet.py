@@ -10,7 +10,7 @@ from importlib.metadata import version
 import numpy as np
 import pandas as pd
 
-from jointclosure.storage.provenance import processor
+from jointclosure.storage.provenance import commit, processor
 
 ERRORS: dict[str, tuple[str, ...]] = {
     "forces": ("residual", "without_overlap", "without_force"),
@@ -27,7 +27,7 @@ _PACKAGES = ("numpy", "scipy", "numba")
 
 
 def error_table(cases: pd.DataFrame) -> pd.DataFrame:
-    """Tabulate the errors of the judged cases, with the processor and the versions used.
+    """Tabulate the errors of the judged cases, with processor, versions and commit.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def error_table(cases: pd.DataFrame) -> pd.DataFrame:
         largest = judged[[f"oracle_{field}" for field in fields]].max(axis=1)
         table[error] = [float(f"{value:.3g}") for value in largest]
     versions = " ".join(f"{package} {version(package)}" for package in _PACKAGES)
-    return table.assign(processor=processor(), versions=versions)
+    return table.assign(processor=processor(), versions=versions, commit=commit())
 
 
 def grown_errors(stored: Mapping, worst: Mapping[str, float]) -> list[str]:
