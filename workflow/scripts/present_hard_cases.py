@@ -9,6 +9,7 @@ from jointclosure.jobs.logbook import Logbook
 from jointclosure.plotting.hard_cases import hard_case_page
 from jointclosure.plotting.numerics import numerics_figure
 from jointclosure.storage.figures import save_figure
+from jointclosure.storage.provenance import commit, processor, versions_of
 from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.verification.formulas import formula_rows
 from jointclosure.verification.ratchet import error_table
@@ -25,7 +26,13 @@ def main(inputs: dict, order: list[str], outputs: dict, log: Logbook) -> None:
     rows = pd.DataFrame(formula_rows(formulas, loads))
     whole = pd.concat([table, rows], ignore_index=True)
     write_csv(whole, outputs["table"])
-    write_csv(error_table(table), outputs["errors"])
+    versions = versions_of("numpy", "scipy", "numba")
+    origin = {
+        "processor": processor(),
+        "versions": " ".join(f"{package} {version}" for package, version in versions.items()),
+        "commit": commit(),
+    }
+    write_csv(error_table(table, origin), outputs["errors"])
     figures = {"hard_cases": hard_case_page(table, curves), "numerics": numerics_figure(formulas)}
     for path in outputs["figures"]:
         save_figure(figures[Path(path).stem], path)

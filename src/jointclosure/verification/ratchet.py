@@ -5,12 +5,9 @@ present error of every case is the limit of the next one, up to a factor and to 
 """
 
 from collections.abc import Mapping
-from importlib.metadata import version
 
 import numpy as np
 import pandas as pd
-
-from jointclosure.storage.provenance import commit, processor
 
 ERRORS: dict[str, tuple[str, ...]] = {
     "forces": ("residual", "without_overlap", "without_force"),
@@ -23,24 +20,24 @@ GROWTH = 4.0
 """Allowed ratio of an error to the stored one."""
 FLOOR = 64.0 * np.finfo(float).eps
 """Error below which nothing is judged: rounding of sums."""
-_PACKAGES = ("numpy", "scipy", "numba")
 
 
-def error_table(cases: pd.DataFrame) -> pd.DataFrame:
-    """Tabulate the errors of the judged cases, with processor, versions and commit.
+def error_table(cases: pd.DataFrame, origin: Mapping[str, str]) -> pd.DataFrame:
+    """Tabulate the errors of the judged cases, with what gave them.
 
     Parameters
     ----------
     cases : DataFrame
         Rows of `jointclosure.verification.hard_cases.row_of`.
+    origin : mapping
+        ``processor``, ``versions`` and ``commit``.
     """
     judged = cases[cases.states_judged > 0]
     table = pd.DataFrame({"name": judged.name, "group": judged.group})
     for error, fields in ERRORS.items():
         largest = judged[[f"oracle_{field}" for field in fields]].max(axis=1)
         table[error] = [float(f"{value:.3g}") for value in largest]
-    versions = " ".join(f"{package} {version(package)}" for package in _PACKAGES)
-    return table.assign(processor=processor(), versions=versions, commit=commit())
+    return table.assign(**origin)
 
 
 def grown_errors(stored: Mapping, worst: Mapping[str, float]) -> list[str]:
