@@ -105,3 +105,11 @@ def test_a_surface_in_the_form_of_the_challenge_is_closed(monkeypatch, tmp_path,
     assert "12 x 12 heights" in capsys.readouterr().out
     area = challenge.table(challenge.SIDE * heights)["relative contact area"]
     assert (np.diff(area) >= 0.0).all()
+
+
+def test_flows_are_timed_with_those_codes_that_are_installed(monkeypatch, capsys):
+    monkeypatch.syspath_prepend(BENCHMARKS)
+    importlib.import_module("flow").main([256], 1)
+    printed = capsys.readouterr().out
+    assert "jointclosure" in printed
+    assert "is left out" in printed or "reynoldsflow, scipy-spsolve" in printed
