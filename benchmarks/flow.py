@@ -9,7 +9,9 @@ multigrid; "cholesky" (CHOLMOD) needs scikit-sparse and SuiteSparse.
 
     pip install reynoldsflow
 
-Run as `python benchmarks/flow.py`. Without that package only our times are printed.
+Run as `python benchmarks/flow.py`. Without that package only our times are printed. With
+`--output build/benchmarks` the table is written too, and
+`python docs/site/publish.py build/benchmarks flow` stores it for the page.
 """
 
 import os
@@ -22,12 +24,14 @@ import itertools
 import time
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from yardstick import machine
 
 from jointclosure.flow.reynolds import flow_along
+from jointclosure.storage.text import write_csv
 from jointclosure.verification.published_flow import PUBLISHED_FLUXES, published_gap
 
 SOLVERS = ("scipy-spsolve", "scipy.amg-rs", "cholesky")
@@ -59,8 +63,8 @@ def codes() -> dict[str, Callable[[np.ndarray], float]]:
     return runs
 
 
-def main(cells: list[int], repeats: int) -> None:
-    """Print processor times and errors of all codes."""
+def main(cells: list[int], repeats: int, output: Path | None = None) -> None:
+    """Print processor times and errors of all codes; write them as flow.csv in a folder."""
     runs, rows = codes(), []
     for number in cells:
         gap = published_gap(number)
@@ -71,17 +75,22 @@ def main(cells: list[int], repeats: int) -> None:
             times[name] += [time.process_time() - start] if repeat else []
             if repeat == repeats:
                 error = flux / PUBLISHED_FLUXES[number] - 1.0
-                rows.append({"cells": number, "code": name, "relative error of flux": error})
+                published = {"cells": number, "published": PUBLISHED_FLUXES[number]}
+                rows.append(published | {"code": name, "relative error of flux": error})
         for row in rows[-len(runs) :]:
             row |= {"median s": np.median(times[row["code"]])}
             row |= {"least s": min(times[row["code"]]), "most s": max(times[row["code"]])}
             row["over ours"] = row["median s"] / np.median(times["jointclosure"])
     print(f"\n{machine()}\n{repeats} runs in turn\n")
-    print(pd.DataFrame(rows).to_string(index=False, float_format="%.3g"))
+    table = pd.DataFrame(rows)
+    print(table.to_string(index=False, float_format="%.3g"))
+    if output:
+        write_csv(table.assign(runs=repeats), output / "flow.csv")
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--cells", type=int, nargs="+", default=list(PUBLISHED_FLUXES))
     parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--output", type=Path)
     main(**vars(parser.parse_args()))

@@ -12,9 +12,12 @@ ContactMechanics.
 
 Run as `python benchmarks/limited_pressure.py`, it presses a rough patch (rms gradient 0.08,
 hardness 0.1 E*) nearly to full contact, where an open question on ContactMechanics reports no
-convergence (docs/questions.md).
+convergence (docs/questions.md). A folder as an argument is where the table is written, as
+limited_pressure.csv, which `python docs/site/publish.py <folder> limited_pressure` stores.
 """
 
+import sys
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +27,7 @@ import scipy
 from peers import MODULUS, SPACING, TABLE, displacement
 
 import jointclosure as jc
+from jointclosure.storage.text import write_csv
 
 OUTSIDE, FREE, LIMITED = -1, 0, 1
 BLOCKS = 10
@@ -201,8 +205,13 @@ def towards_full_contact(code: str, cells: int) -> pd.DataFrame:
 
 
 if __name__ == "__main__":
+    tables = []
     for name in CODES:
         try:
-            print(towards_full_contact(name, 40).to_string(index=False, float_format="%.4g"))
+            tables.append(towards_full_contact(name, 40))
         except ImportError as error:
             print(f"{name} is left out: it is not installed here ({error})")
+    table = pd.concat(tables)
+    print(table.to_string(index=False, float_format="%.4g"))
+    for folder in sys.argv[1:]:
+        write_csv(table, Path(folder) / "limited_pressure.csv")

@@ -58,9 +58,7 @@ def _solutions() -> dict[str, Solution]:
         ),
         "flat punch": Solution(
             lambda r: np.where(r <= a, 0.0, -_DEPTH),
-            lambda r: (
-                modulus * _APPROACH / (np.pi * np.sqrt(a**2 - np.minimum(r, 0.999999 * a) ** 2))
-            ),
+            lambda r: modulus * _APPROACH / (np.pi * np.sqrt(a**2 - r**2)),
             _APPROACH,
             2.0 * modulus * a * _APPROACH,
         ),
@@ -70,7 +68,7 @@ def _solutions() -> dict[str, Solution]:
 SOLUTIONS = _solutions()
 
 
-def force_error(name: str, cells: int) -> dict[str, float]:
+def errors_of(name: str, cells: int) -> dict[str, float]:
     """Compare one indenter with its exact solution.
 
     Parameters
@@ -121,7 +119,7 @@ def analytic_table(cells: Sequence[int] = (4, 8, 16, 32)) -> pd.DataFrame:
     """
     rows = []
     for name in SOLUTIONS:
-        errors = [force_error(name, number) for number in cells]
+        errors = [errors_of(name, number) for number in cells]
         before = None
         for number, error in zip(cells, errors, strict=True):
             order = np.nan
