@@ -82,3 +82,34 @@ def test_mating_walls_close_less_and_net_closures_are_smaller_and_stiffer(monkey
     assert (table.kn_net_mean > table.kn_gross_mean).all()
     assert (table.stays_net_mean > table.stays_gross_mean).all()
     assert np.isfinite(table.drop(columns="walls").to_numpy(dtype=float)).all()
+
+
+def test_limited_pressures_reach_nearly_full_contact(monkeypatch):
+    monkeypatch.syspath_prepend(BENCHMARKS)
+    limited = importlib.import_module("limited_pressure")
+    table = limited.towards_full_contact("own", 16)
+    assert table["p / E*"].tolist() == list(limited.PRESSURES)
+    assert table[["closure", "in contact", "at the hardness"]].diff()[1:].ge(0.0).all(axis=None)
+    share = table["p / E*"] / limited.HARDNESS  # no cell carries more than the hardness
+    assert (table["in contact"] >= share).all()
+    assert table["in contact"].iloc[-1] > 0.98
+
+
+def test_a_surface_in_the_form_of_the_challenge_is_closed(monkeypatch, tmp_path, capsys):
+    monkeypatch.syspath_prepend(BENCHMARKS)
+    challenge = importlib.import_module("challenge")
+    heights = np.random.default_rng(1).normal(size=(12, 12)) * 1e-3
+    file = tmp_path / "surface.0012x0012.ASCII.dat"
+    np.savetxt(file, heights)
+    challenge.main(file, "highest")
+    assert "12 x 12 heights" in capsys.readouterr().out
+    area = challenge.table(challenge.SIDE * heights)["relative contact area"]
+    assert (np.diff(area) >= 0.0).all()
+
+
+def test_flows_are_timed_with_those_codes_that_are_installed(monkeypatch, capsys):
+    monkeypatch.syspath_prepend(BENCHMARKS)
+    importlib.import_module("flow").main([256], 1)
+    printed = capsys.readouterr().out
+    assert "jointclosure" in printed
+    assert "is left out" in printed or "reynoldsflow, scipy-spsolve" in printed

@@ -162,9 +162,10 @@ def _provenance(results: Path) -> dict[str, str] | None:
 
 
 def _configuration(run: str) -> dict | None:
-    """Configuration of the file that is called like a run; None where there is none."""
+    """Configuration of the study that is called like a run; None where there is none."""
     path = ROOT / f"config/{run}.yaml"
-    return merged_study(path) if path.is_file() else None
+    keys = merged_study(path) if path.is_file() else None
+    return keys if keys and keys["study"]["name"] == run else None
 
 
 def _file(keys: dict) -> str:

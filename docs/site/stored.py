@@ -85,7 +85,9 @@ RUNS = {
     "measured_joints": Run(
         ("measured_joints", "measured_joints_predictions"), ("measured_joints",)
     ),
-    "hard_cases": Run(figures=("numerics",)),
+    "hard_cases": Run(("hard_case_errors", "analytic"), ("numerics",)),
+    "flow": Run(("flow",)),
+    "limited_pressure": Run(("limited_pressure",)),
     "solver_speed": Run(("study", "elastic", "reference")),
     "versions": Run(("versions",)),
     "peers": Run(("peers",)),

@@ -12,8 +12,11 @@ from jointclosure.flow.reynolds import (
     DIRECTIONS,
     FLOWS,
     NOT_SOLVED,
+    SIDES,
     flow_along,
 )
+from jointclosure.inputs import InputError
+from jointclosure.verification.published_flow import PUBLISHED_FLUXES, published_gap
 
 
 def random_field(seed: int, shape=(40, 60), contact=0.1) -> np.ndarray:
@@ -194,3 +197,58 @@ def test_a_singular_system_is_not_solved_and_no_crash(monkeypatch):
     flow = flow_along(random_field(5), "x")
     assert flow.status == NOT_SOLVED
     assert np.isnan(flow.hydraulic_aperture)
+
+
+@pytest.mark.parametrize(
+    "cells", [256, *(pytest.param(n, marks=pytest.mark.slow) for n in (512, 1024))]
+)
+def test_a_published_flow_with_periodic_sides_is_reproduced(cells):
+    flow = flow_along(published_gap(cells), "y", "periodic")
+    assert flow.hydraulic_aperture**3 == pytest.approx(PUBLISHED_FLUXES[cells], rel=1e-9)
+
+
+@pytest.mark.parametrize("shape", [(14, 11), (15, 10), (2, 5), (1, 6)])
+def test_a_flow_with_periodic_sides_does_not_depend_on_where_the_sides_are(shape):
+    field = random_field(4, shape, contact=0.0) + 1e-6
+    flow = flow_along(field, "x", "periodic")
+    shifted = flow_along(np.roll(field, shape[0] // 2, axis=0), "x", "periodic")
+    assert flow.status == FLOWS
+    assert shifted.hydraulic_aperture == pytest.approx(flow.hydraulic_aperture, rel=1e-12)
+
+
+def test_a_channel_across_the_sides_flows_only_where_they_are_joined():
+    field = np.zeros((6, 8))
+    field[0, :5] = field[-1, 4:] = 1e-4
+    assert flow_along(field, "x").status == BLOCKED
+    assert flow_along(field, "x", "periodic").status == FLOWS
+
+
+def test_joined_sides_do_not_hinder_what_closed_ones_let_through():
+    field = random_field(2)
+    closed, periodic = (flow_along(field, "x", sides).hydraulic_aperture for sides in SIDES)
+    assert periodic > closed
+
+
+def test_pressures_are_those_of_a_dense_solution():
+    """Every other cell is eliminated by hand: the pressures are compared with a plain matrix."""
+    field = random_field(6, (9, 7)) + 1e-6
+    cubes = (field / field.max()) ** 3
+    cells = np.arange(field.size).reshape(field.shape)
+    matrix, load = np.zeros((field.size, field.size)), np.zeros(field.size)
+    along = zip(cells[:, :-1].flat, cells[:, 1:].flat, strict=True)
+    across = zip(cells.flat, np.roll(cells, -1, axis=0).flat, strict=True)
+    for a, b in (*along, *across):
+        face = 2.0 / (1.0 / cubes.flat[a] + 1.0 / cubes.flat[b])
+        matrix[[a, b], [a, b]] += face
+        matrix[[a, b], [b, a]] -= face
+    for side in (0, -1):
+        matrix[cells[:, side], cells[:, side]] += 2.0 * cubes[:, side]
+    load[cells[:, 0]] = 2.0 * cubes[:, 0]
+    pressure = flow_along(field, "x", "periodic").pressure
+    assert pressure.ravel() == pytest.approx(np.linalg.solve(matrix, load), rel=1e-10)
+
+
+@pytest.mark.parametrize(("key", "given"), [("direction", ("z",)), ("sides", ("x", "open"))])
+def test_an_unknown_direction_or_side_is_refused(key, given):
+    with pytest.raises(InputError, match=f"{key} = '{given[-1]}'"):
+        flow_along(np.ones((3, 3)), *given)

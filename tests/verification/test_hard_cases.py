@@ -6,11 +6,14 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.config.files import read_plain
+from jointclosure.storage.text import read_csv
 from jointclosure.verification.hard_cases import failed_requirements, merged_cases, run_case
+from jointclosure.verification.ratchet import ERRORS, FLOOR, grown_errors
 
 ROOT = Path(__file__).parents[2]
 STUDY = read_plain(ROOT / "config/hard_cases.yaml")
 CASES = merged_cases(STUDY)
+STORED = read_csv(ROOT / "docs/results/hard_cases/hard_case_errors.csv").set_index("name")
 
 
 def marked(name):
@@ -20,7 +23,28 @@ def marked(name):
 
 @pytest.mark.parametrize("name", [marked(name) for name in CASES])
 def test_a_hard_case_holds(name):
-    assert failed_requirements(run_case(CASES[name]), CASES) == []
+    """Its requirements hold, and no error is more than four times that of the stored table."""
+    outcome = run_case(CASES[name])
+    assert failed_requirements(outcome, CASES) == []
+    if outcome.judge.states:
+        assert grown_errors(STORED.loc[name], outcome.judge.worst) == []
+
+
+def test_an_error_that_grows_is_named_unless_it_is_rounding():
+    fields = [field for names in ERRORS.values() for field in names]
+    stored = dict.fromkeys(ERRORS, 1e-11) | {"processor": "", "versions": ""}
+    present = dict.fromkeys(fields, 3.9e-11)
+    assert grown_errors(stored, present) == []
+    grown = grown_errors(stored, present | {"residual": 4.1e-11, "load": float("nan")})
+    assert [line.split()[0] for line in grown] == ["residual", "load"]
+    small = stored | {"load": 0.0}
+    assert grown_errors(small, present | {"load": 3.9 * FLOOR}) == []
+    assert grown_errors(small, present | {"load": 4.1 * FLOOR})
+
+
+def test_every_answered_case_has_stored_errors():
+    answered = {name for name, case in CASES.items() if case["expect"] == "answer"}
+    assert answered <= set(STORED.index) <= set(CASES)
 
 
 def test_there_are_at_least_40_cases_with_what_is_hard_and_what_must_hold():

@@ -19,6 +19,8 @@ wildcard_constraints:
 rule hard_cases:
     input:
         f"{HARD_RESULTS}/tables/hard_cases.csv",
+        f"{HARD_RESULTS}/tables/hard_case_errors.csv",
+        f"{HARD_RESULTS}/tables/analytic.csv",
         HARD_FIGURES,
     message:
         "The hard cases are closed and judged"
@@ -51,6 +53,7 @@ rule measure_numerics:
     output:
         numerics=f"{HARD_RESULTS}/tables/numerics.csv",
         loads=f"{HARD_RESULTS}/tables/sweep_loads.csv",
+        analytic=f"{HARD_RESULTS}/tables/analytic.csv",
     script:
         "../scripts/measure_numerics.py"
 
@@ -63,6 +66,7 @@ rule present_hard_cases:
         loads=f"{HARD_RESULTS}/tables/sweep_loads.csv",
     output:
         table=f"{HARD_RESULTS}/tables/hard_cases.csv",
+        errors=f"{HARD_RESULTS}/tables/hard_case_errors.csv",
         figures=HARD_FIGURES,
     params:
         order=list(HARD_CASES),

@@ -1,4 +1,4 @@
-"""Measure the errors of the paper's formulas and sweep, and of ours."""
+"""Measure the errors of the paper's formulas and sweep, of ours, and of elastic joints."""
 
 import numpy as np
 import pandas as pd
@@ -7,10 +7,11 @@ from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.text import write_csv
 from jointclosure.verification import printed, sweeps
+from jointclosure.verification.analytic import analytic_table
 
 
-def main(numerics: str, loads: str, log: Logbook) -> None:
-    """Write the errors over their ranges, and both sweeps over loads."""
+def main(outputs: dict[str, str], log: Logbook) -> None:
+    """Write the errors over their ranges, both sweeps over loads, and exact solutions' errors."""
     half_ranges = np.logspace(-9, -0.5, 52)
     table = pd.concat(
         [
@@ -20,12 +21,12 @@ def main(numerics: str, loads: str, log: Logbook) -> None:
             sweeps.convergence_histories(),
         ]
     )
-    write_csv(table, numerics)
-    log(f"wrote {numerics}: {len(table)} errors")
-    write_csv(sweeps.load_table(), loads)
-    log(f"wrote {loads}")
+    tables = {"numerics": table, "loads": sweeps.load_table(), "analytic": analytic_table()}
+    for name, rows in tables.items():
+        write_csv(rows, outputs[name])
+        log(f"wrote {outputs[name]}: {len(rows)} rows")
 
 
 if __name__ == "__main__":
     with job(snakemake) as logbook:
-        main(snakemake.output.numerics, snakemake.output.loads, logbook)
+        main(dict(snakemake.output), logbook)

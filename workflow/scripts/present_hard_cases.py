@@ -1,4 +1,4 @@
-"""Join the groups of hard cases in one table, and draw the cases and the numerical errors."""
+"""Join the groups of hard cases in one table with their errors; draw cases and errors."""
 
 from pathlib import Path
 
@@ -9,8 +9,10 @@ from jointclosure.jobs.logbook import Logbook
 from jointclosure.plotting.hard_cases import hard_case_page
 from jointclosure.plotting.numerics import numerics_figure
 from jointclosure.storage.figures import save_figure
+from jointclosure.storage.provenance import commit, processor, versions_of
 from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.verification.formulas import formula_rows
+from jointclosure.verification.ratchet import error_table
 
 INPUTS = ("tables", "curves", "formulas", "loads")
 
@@ -24,6 +26,13 @@ def main(inputs: dict, order: list[str], outputs: dict, log: Logbook) -> None:
     rows = pd.DataFrame(formula_rows(formulas, loads))
     whole = pd.concat([table, rows], ignore_index=True)
     write_csv(whole, outputs["table"])
+    versions = versions_of("numpy", "scipy", "numba")
+    origin = {
+        "processor": processor(),
+        "versions": " ".join(f"{package} {version}" for package, version in versions.items()),
+        "commit": commit(),
+    }
+    write_csv(error_table(table, origin), outputs["errors"])
     figures = {"hard_cases": hard_case_page(table, curves), "numerics": numerics_figure(formulas)}
     for path in outputs["figures"]:
         save_figure(figures[Path(path).stem], path)
@@ -35,6 +44,10 @@ if __name__ == "__main__":
         main(
             {name: listed(snakemake.input[name]) for name in INPUTS},
             snakemake.params.order,
-            {"table": snakemake.output.table, "figures": list(snakemake.output.figures)},
+            {
+                "table": snakemake.output.table,
+                "errors": snakemake.output.errors,
+                "figures": list(snakemake.output.figures),
+            },
             logbook,
         )

@@ -9,7 +9,11 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
+from jointclosure.inputs import InputError
+
 DIRECTIONS = ("x", "y")
+SIDES = ("closed", "periodic")
+"""Sides along the flow: nothing passes, or what leaves at one enters at the other."""
 FLOWS, BLOCKED, NOT_SOLVED, AT_LEAST = range(4)
 STATUSES = {
     FLOWS: "flows",
@@ -47,27 +51,40 @@ class Flow(NamedTuple):
 class _Network(NamedTuple):
     """Conductances between nodes: the cells in C order, then the inlet and the outlet.
 
-    ``first`` and ``second`` (n,) are the nodes of each face.
+    ``first`` and ``second`` (n,) are the nodes of each face, ``shape`` (rows, columns) is that of
+    the cells.
     """
 
     first: np.ndarray
     second: np.ndarray
     conductance: np.ndarray
-    nodes: int
+    shape: tuple[int, int]
+
+    @property
+    def nodes(self) -> int:
+        """Number of nodes."""
+        return self.shape[0] * self.shape[1] + 2
 
 
-def flow_along(aperture: np.ndarray, direction: str) -> Flow:
-    """Compute the flow from one side of a joint to the opposite one, with closed other sides.
+def flow_along(aperture: np.ndarray, direction: str, sides: str = "closed") -> Flow:
+    """Compute the flow from one side of a joint to the opposite one.
 
     Parameters
     ----------
     aperture : array (y, x)
         Distance of the walls, 0 in contact; not negative. Cells are square.
     direction : {"x", "y"}
+    sides : {"closed", "periodic"}
+        The two sides along the flow: nothing passes them, or they are joined to each other.
 
     Returns
     -------
     Flow
+
+    Raises
+    ------
+    InputError
+        If the direction or the sides are none of these.
 
     Notes
     -----
@@ -75,12 +92,15 @@ def flow_along(aperture: np.ndarray, direction: str) -> Flow:
     outer faces half a cell's resistance. The result is exact if apertures vary only along the
     flow, or only across it. The sparse system is solved directly.
     """
+    for name, value, allowed in (("direction", direction, DIRECTIONS), ("sides", sides, SIDES)):
+        if value not in allowed:
+            raise InputError(f"{name} = {value!r} must be one of {', '.join(allowed)}")
     field = aperture if direction == "x" else aperture.T
     largest = float(field.max())
     nowhere = np.full(aperture.shape, np.nan)
     if not largest > 0.0:
         return Flow(0.0, BLOCKED, 0.0, nowhere)
-    network, left_out = _networks((field / largest) ** 3)
+    network, left_out = _networks((field / largest) ** 3, sides)
     joined = _joined(network)
     if joined is None:
         status = BLOCKED if _joined(_together(network, left_out)) is None else AT_LEAST
@@ -101,13 +121,15 @@ def flow_along(aperture: np.ndarray, direction: str) -> Flow:
     return Flow(hydraulic, status, imbalance, shown if direction == "x" else shown.T)
 
 
-def _networks(transmissivity: np.ndarray) -> tuple[_Network, _Network]:
-    """Return open faces between cells (y, x) and to both sides along x, and `CLOSED` ones."""
+def _networks(transmissivity: np.ndarray, sides: str) -> tuple[_Network, _Network]:
+    """Return open faces between cells (y, x) and to inlet and outlet, and `CLOSED` ones."""
     rows, columns = transmissivity.shape
     cells = np.arange(rows * columns).reshape(rows, columns)
     inlet, outlet = cells.size, cells.size + 1
-    first = np.concatenate([cells[:, :-1].ravel(), cells[:-1].ravel()])
-    second = np.concatenate([cells[:, 1:].ravel(), cells[1:].ravel()])
+    joined_rows = slice(-1, None) if sides == "periodic" and rows > 1 else slice(0)
+    first = np.concatenate([cells[:, :-1].ravel(), cells[:-1].ravel(), cells[joined_rows].ravel()])
+    across = cells[: cells[joined_rows].shape[0]]
+    second = np.concatenate([cells[:, 1:].ravel(), cells[1:].ravel(), across.ravel()])
     through = transmissivity.ravel()
     one, other = through[first], through[second]
     both = one + other
@@ -115,14 +137,14 @@ def _networks(transmissivity: np.ndarray) -> tuple[_Network, _Network]:
     first = np.concatenate([first, cells[:, 0], cells[:, -1]])
     second = np.concatenate([second, np.full(rows, inlet), np.full(rows, outlet)])
     conductance = np.concatenate([inner, 2.0 * through[cells[:, 0]], 2.0 * through[cells[:, -1]]])
-    # total conductance of each cell; inlet and outlet are not cells
     nodes = cells.size + 2
+    # total conductance of each cell; inlet and outlet are not cells
     total = np.bincount(first, conductance, nodes) + np.bincount(second, conductance, nodes)
     total[-2:] = 0.0
     is_open = conductance > CLOSED * np.maximum(total[first], total[second])
     nearly = ~is_open & (conductance > 0.0)
     opened, left_out = (
-        _Network(first[faces], second[faces], conductance[faces], nodes)
+        _Network(first[faces], second[faces], conductance[faces], (rows, columns))
         for faces in (is_open, nearly)
     )
     return opened, left_out
@@ -134,7 +156,7 @@ def _together(one: _Network, other: _Network) -> _Network:
         np.concatenate([one.first, other.first]),
         np.concatenate([one.second, other.second]),
         np.concatenate([one.conductance, other.conductance]),
-        one.nodes,
+        one.shape,
     )
 
 
@@ -147,7 +169,8 @@ def _left_out_flow(
     used is the solved one, with one value in each group of cells that open faces connect to neither
     side.
     """
-    first, second, conductance, nodes = left_out
+    first, second, conductance, _ = left_out
+    nodes = left_out.nodes
     if not first.size:
         return 0.0
     group = _groups(network)
@@ -179,39 +202,65 @@ def _groups(network: _Network) -> np.ndarray:
 def _pressures(network: _Network, joined: np.ndarray) -> np.ndarray:
     """Return pressures of all nodes (2, n): from 1 at the inlet to 0 at the outlet, and reversed.
 
-    Each one is exact where it is small. 0 in nodes that are not connected.
+    Each one is exact where it is small. 0 in nodes that are not connected. Every second cell, as
+    the black fields of a chess board, has only cells as neighbours that are not eliminated. Its
+    pressure is eliminated by hand, so that half of the cells is left to be factorised.
     """
-    unknown = joined.copy()
-    unknown[-2:] = False
-    number = np.cumsum(unknown) - 1
-    first, second, conductance, nodes = network
+    first, second, conductance, _ = network
+    nodes, black = network.nodes, _black(network, joined)
     diagonal = np.bincount(first, conductance, nodes) + np.bincount(second, conductance, nodes)
-    inner = unknown[first] & unknown[second]
-    row, column = number[first[inner]], number[second[inner]]
-    beside, unknowns = -conductance[inner], number[unknown]
-    matrix = scipy.sparse.csc_array(
-        (
-            np.concatenate([beside, beside, diagonal[unknown]]),
-            (np.concatenate([row, column, unknowns]), np.concatenate([column, row, unknowns])),
-        ),
-        shape=(unknowns.size, unknowns.size),
-    )
-    # symmetric and diagonally dominant: pivoting is not needed
+    white = joined & ~black
+    white[-2:] = False
+    coupling = _matrix(network, white, black)
+    among_white = _matrix(network, white, white)
+    loads = [
+        np.bincount(first[second == side], conductance[second == side], nodes)
+        for side in (nodes - 2, nodes - 1)
+    ]
+    # symmetric and diagonally dominant: pivoting is not needed; narrow panels suit small supernodes
+    share = coupling / diagonal[black]
+    matrix = scipy.sparse.diags_array(diagonal[white]) - among_white - share @ coupling.T
     factors = scipy.sparse.linalg.splu(
-        matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        matrix.tocsc(),
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        panel_size=2,
+        options={"SymmetricMode": True},
     )
     pressures = np.zeros((2, nodes))
-    for pressure, side in zip(pressures, (nodes - 2, nodes - 1), strict=True):
-        here = second == side
-        load = np.bincount(first[here], conductance[here], nodes)
-        pressure[unknown] = factors.solve(load[unknown])
+    for pressure, load, side in zip(pressures, loads, (nodes - 2, nodes - 1), strict=True):
+        pressure[white] = factors.solve(load[white] + share @ load[black])
+        pressure[black] = (load[black] + coupling.T @ pressure[white]) / diagonal[black]
         pressure[side] = 1.0
     return pressures
 
 
+def _black(network: _Network, joined: np.ndarray) -> np.ndarray:
+    """Return the connected cells (n,) no two of which have a common face; never all of them."""
+    rows, columns = network.shape
+    odd = (np.add.outer(np.arange(rows), np.arange(columns)) % 2).astype(bool)
+    odd ^= odd.flat[np.argmax(joined[:-2])]
+    odd[rows - rows % 2 :] = False  # in an odd number of joined rows, the last one meets the first
+    return np.append(odd, [False, False]) & joined
+
+
+def _matrix(network: _Network, rows: np.ndarray, columns: np.ndarray) -> scipy.sparse.csr_array:
+    """Return the conductances between two sets (n,) of nodes."""
+    first, second, conductance, _ = network
+    entries = []
+    for here, there in ((first, second), (second, first)):
+        at = rows[here] & columns[there]
+        row, column = (np.cumsum(rows) - 1)[here[at]], (np.cumsum(columns) - 1)[there[at]]
+        entries.append((conductance[at], row, column))
+    value, row, column = (np.concatenate(parts) for parts in zip(*entries, strict=True))
+    shape = int(rows.sum()), int(columns.sum())
+    return scipy.sparse.csr_array((value, (row, column)), shape=shape)
+
+
 def _balance(network: _Network, pressures: np.ndarray) -> tuple[float, float]:
     """Return the outflow, and the sum of all cells' imbalances over it, computed from faces."""
-    first, second, conductance, nodes = network
+    first, second, conductance, _ = network
+    nodes = network.nodes
     fall, rise = pressures[:, second] - pressures[:, first]
     near_outlet = pressures[0][first] < 0.5
     flux = conductance * np.where(near_outlet, fall, -rise)

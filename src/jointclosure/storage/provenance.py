@@ -32,9 +32,9 @@ def provenance(configuration: dict[str, Any]) -> dict[str, str]:
         "root_seed": str(configuration["study"]["root_seed"]),
         "source_digest": package_digest(),
         "provenance_versions": json.dumps({"python": platform.python_version()} | versions),
-        "provenance_commit": _commit(),
+        "provenance_commit": commit(),
         "provenance_realizations_per_job": str(split),
-        "provenance_machine": f"{platform.system()} {platform.machine()}, {_processor()}",
+        "provenance_machine": f"{platform.system()} {platform.machine()}, {processor()}",
     }
 
 
@@ -47,7 +47,7 @@ def versions_of(*packages: str) -> dict[str, str]:
     return versions
 
 
-def _commit() -> str:
+def commit() -> str:
     """Return the commit of the sources, with a mark if they were edited since."""
     command = ["git", "-C", str(PACKAGE), "describe", "--always", "--dirty", "--abbrev=12"]
     try:
@@ -57,7 +57,7 @@ def _commit() -> str:
     return answer.stdout.strip() or "unknown (not a git checkout)"
 
 
-def _processor() -> str:
+def processor() -> str:
     """Return the model of the processor, if the system states it, and the number of cores."""
     path = Path("/proc/cpuinfo")
     text = path.read_text(encoding="utf-8") if path.is_file() else ""

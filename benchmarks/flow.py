@@ -1,0 +1,96 @@
+"""How long the flow through a published gap takes, here and in reynoldsflow.
+
+Both codes solve the same discretisation of Reynolds' equation on the same gap with periodic sides
+(`jointclosure.verification.published_flow`), and must give the published flux. Times are those of
+one thread's processor time, of the whole call (connections, matrix, factorisation, solution,
+fluxes), medians of runs in turn after one that is not counted. Its solvers that need only its own
+dependencies are asked for: "scipy-spsolve" factorises by SuperLU as we do, "scipy.amg-rs" is
+multigrid; "cholesky" (CHOLMOD) needs scikit-sparse and SuiteSparse.
+
+    pip install reynoldsflow
+
+Run as `python benchmarks/flow.py`. Without that package only our times are printed. With
+`--output build/benchmarks` the table is written too, and
+`python docs/site/publish.py build/benchmarks flow` stores it for the page.
+"""
+
+import os
+
+os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
+os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
+
+import argparse
+import itertools
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from yardstick import machine
+
+from jointclosure.flow.reynolds import flow_along
+from jointclosure.storage.text import write_csv
+from jointclosure.verification.published_flow import PUBLISHED_FLUXES, published_gap
+
+SOLVERS = ("scipy-spsolve", "scipy.amg-rs", "cholesky")
+
+
+def ours(gap: np.ndarray) -> float:
+    """Return the flux of jointclosure."""
+    return flow_along(gap, "y", "periodic").hydraulic_aperture ** 3
+
+
+def theirs(gap: np.ndarray, solver: str) -> float:
+    """Return the flux of reynoldsflow: its outflow per cell of the last row."""
+    from reynoldsflow import transport
+
+    _, _, flux = transport.solve_fluid_problem(gap, solver=solver)
+    return abs(float(flux[-1, :, 0].mean()))
+
+
+def codes() -> dict[str, Callable[[np.ndarray], float]]:
+    """Return the codes that are installed here, by name; names those that are left out."""
+    runs = {"jointclosure": ours}
+    for solver in SOLVERS:
+        run = partial(theirs, solver=solver)
+        try:
+            run(published_gap(16) + 1.0)
+            runs[f"reynoldsflow, {solver}"] = run
+        except Exception as error:  # a package or a library of it that is missing
+            print(f"reynoldsflow, {solver}, is left out: {error}")
+    return runs
+
+
+def main(cells: list[int], repeats: int, output: Path | None = None) -> None:
+    """Print processor times and errors of all codes; write them as flow.csv in a folder."""
+    runs, rows = codes(), []
+    for number in cells:
+        gap = published_gap(number)
+        times: dict[str, list[float]] = {name: [] for name in runs}
+        for repeat, name in itertools.product(range(repeats + 1), runs):
+            start = time.process_time()
+            flux = runs[name](gap)
+            times[name] += [time.process_time() - start] if repeat else []
+            if repeat == repeats:
+                error = flux / PUBLISHED_FLUXES[number] - 1.0
+                published = {"cells": number, "published": PUBLISHED_FLUXES[number]}
+                rows.append(published | {"code": name, "relative error of flux": error})
+        for row in rows[-len(runs) :]:
+            row |= {"median s": np.median(times[row["code"]])}
+            row |= {"least s": min(times[row["code"]]), "most s": max(times[row["code"]])}
+            row["over ours"] = row["median s"] / np.median(times["jointclosure"])
+    print(f"\n{machine()}\n{repeats} runs in turn\n")
+    table = pd.DataFrame(rows)
+    print(table.to_string(index=False, float_format="%.3g"))
+    if output:
+        write_csv(table.assign(runs=repeats), output / "flow.csv")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--cells", type=int, nargs="+", default=list(PUBLISHED_FLUXES))
+    parser.add_argument("--repeats", type=int, default=5)
+    parser.add_argument("--output", type=Path)
+    main(**vars(parser.parse_args()))

@@ -1,0 +1,48 @@
+"""Tables that compare with exact solutions, the oracle and other codes, of several pages."""
+
+from content.markdown import Table
+
+analytic = Table(
+    "hard_cases/analytic",
+    {
+        "indenter": "{indenter}",
+        "cells along the contact's radius": "{cells}",
+        "force (%)": lambda group: f"{100 * group['force_error']:+.1f}",
+        "order of its error": "{order:.2f}",
+        "pressures (%)": lambda group: f"{100 * group['pressure_error']:.0f}",
+        "cells in contact (%)": lambda group: f"{100 * group['area_error']:+.0f}",
+    },
+)
+errors = Table(
+    "hard_cases/hard_case_errors",
+    {
+        "cases": lambda group: str(len(group.rows)),
+        "forces": "{forces max:.0e}",
+        "sum of forces": "{load max:.0e}",
+        "strength": "{strength max:.0e}",
+    },
+    rows={"group": "{group}"},
+)
+flow = Table(
+    "flow/flow",
+    {
+        "cells": "{cells} x {cells}",
+        "code": "{code}",
+        "published flux": "{published:.12g}",
+        "difference from it": "{relative error of flux:+.0e}",
+        "seconds": "{median s:.2g} ({least s:.2g} to {most s:.2g})",
+        "over ours": "{over ours:.1f}",
+    },
+)
+limited_pressure = Table(
+    "limited_pressure/limited_pressure",
+    {
+        "closure (µm)": "{closure min:.1f}",
+        "difference between the codes": lambda group: (
+            f"{group['closure max'] / group['closure min'] - 1.0:.0e}"
+        ),
+        "share of cells in contact": "{in contact:.2f}",
+        "share at the hardness": "{at the hardness:.2f}",
+    },
+    rows={"p / E*": "{p / E*:g}"},
+)

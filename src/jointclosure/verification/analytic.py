@@ -1,0 +1,131 @@
+"""Elastic joints beside the exact solutions of smooth indenters on a half-space.
+
+A sphere (Hertz 1882), a cone (Sneddon 1965) and a flat cylinder (Boussinesq 1885) are pressed
+against a flat wall, in the scene with substrates and interaction, without breakage. Each cell of
+the model has an asperity on a base of half a cell. What these add vanishes with the spacing, so
+that the force converges to that of the continuum.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from jointclosure.joint.simulation import equilibrium
+from jointclosure.parameters import Effects, Rock
+from jointclosure.solvers.joint import CONVERGED
+
+ELASTIC = Effects(substrate=True, interaction=True, breakage=False, gouge=False, soft_peaks=False)
+ROCK = Rock(youngs_modulus=78e9, poisson_ratio=0.2, compressive_strength=165e6)
+RADIUS = 1e-3
+"""Radius a of the contact [m]."""
+MODULUS = 0.5 * ROCK.youngs_modulus / (1.0 - ROCK.poisson_ratio**2)
+"""Effective modulus E* of two such walls [Pa]."""
+_CURVATURE, _SLOPE, _APPROACH, _DEPTH = 50.0, 0.05, 1e-6, 1e-3
+
+
+class Solution(NamedTuple):
+    """Exact solution for a contact of radius a = `RADIUS`.
+
+    ``heights`` and ``pressure`` are functions of the distance from the axis [m], the latter within
+    a; ``closure`` [m] and ``force`` [N].
+    """
+
+    heights: Callable[[np.ndarray], np.ndarray]
+    pressure: Callable[[np.ndarray], np.ndarray]
+    closure: float
+    force: float
+
+
+def _solutions() -> dict[str, Solution]:
+    """Return the solutions, Johnson 1985, Eqs. (4.22) to (4.24), (5.10), (3.34) to (3.36)."""
+    a, modulus = RADIUS, MODULUS
+    hertz = 2.0 * modulus * a * _CURVATURE / np.pi
+    cone = 0.5 * np.pi * _SLOPE * a
+    return {
+        "sphere": Solution(
+            lambda r: -0.5 * _CURVATURE * r**2,
+            lambda r: hertz * np.sqrt(1.0 - (r / a) ** 2),
+            _CURVATURE * a**2,
+            4.0 / 3.0 * modulus * _CURVATURE * a**3,
+        ),
+        "cone": Solution(
+            lambda r: -_SLOPE * r,
+            lambda r: 0.5 * modulus * _SLOPE * np.arccosh(a / np.maximum(r, 1e-12 * a)),
+            cone,
+            2.0 * modulus * cone**2 / (np.pi * _SLOPE),
+        ),
+        "flat punch": Solution(
+            lambda r: np.where(r <= a, 0.0, -_DEPTH),
+            lambda r: modulus * _APPROACH / (np.pi * np.sqrt(a**2 - r**2)),
+            _APPROACH,
+            2.0 * modulus * a * _APPROACH,
+        ),
+    }
+
+
+SOLUTIONS = _solutions()
+
+
+def errors_of(name: str, cells: int) -> dict[str, float]:
+    """Compare one indenter with its exact solution.
+
+    Parameters
+    ----------
+    name : str
+        A key of `SOLUTIONS`.
+    cells : int
+        Cells along the radius of the contact.
+
+    Returns
+    -------
+    dict
+        ``force_error``, relative; ``pressure_error``, sum of differences of cells' forces from the
+        exact pressures in their middles over the force; ``area_error``, relative error of the area
+        of cells with force.
+    """
+    solution, spacing = SOLUTIONS[name], RADIUS / cells
+    x = spacing * np.arange(-(cells + cells // 2 + 2), cells + cells // 2 + 3)
+    distance = np.hypot(x, x[:, None])
+    heights = solution.heights(distance)
+    result = equilibrium(
+        heights,
+        np.zeros(heights.shape),
+        spacing=spacing,
+        rock=ROCK,
+        closure=solution.closure,
+        effects=ELASTIC,
+        unusual_values=True,
+    )
+    if int(result.status) != CONVERGED:
+        raise RuntimeError(f"{name}, {cells} cells: not converged")
+    force, inside = result.force.values, distance < RADIUS
+    exact = np.zeros(force.shape)
+    exact[inside] = spacing**2 * solution.pressure(distance[inside])
+    area = np.count_nonzero(force) * spacing**2 / (np.pi * RADIUS**2)
+    return {
+        "force_error": float(force.sum()) / solution.force - 1.0,
+        "pressure_error": float(np.abs(force - exact).sum()) / solution.force,
+        "area_error": area - 1.0,
+    }
+
+
+def analytic_table(cells: Sequence[int] = (4, 8, 16, 32)) -> pd.DataFrame:
+    """Tabulate the errors of all indenters by grid, and the observed order of the force.
+
+    ``order`` is the power of the spacing with which the error of the force fell since the grid
+    before, NaN for the first.
+    """
+    rows = []
+    for name in SOLUTIONS:
+        errors = [errors_of(name, number) for number in cells]
+        before = None
+        for number, error in zip(cells, errors, strict=True):
+            order = np.nan
+            if before is not None:
+                fell = abs(before[1] / error["force_error"])
+                order = float(np.log(fell) / np.log(number / before[0]))
+            rows.append({"indenter": name, "cells": number, **error, "order": order})
+            before = number, error["force_error"]
+    return pd.DataFrame(rows)
