@@ -1,6 +1,6 @@
 """Interaction of all contacts of a grid: a convolution, Eqs. (17) to (20).
 
-Kernels call `scipy.fft` through rocket-fft, which makes it available in Numba.
+Kernels call `numpy.fft` through rocket-fft, which makes it available in Numba.
 """
 
 import math
@@ -23,17 +23,18 @@ class Influence(NamedTuple):
     """Displacements by unit forces [m/N] on a grid of (ny, nx) cells.
 
     ``table`` (ny, nx) is indexed by distance in cells, with 0 at distance 0: the
-    displacement of a contact by itself is the substrate's term. ``spectrum`` is the
-    transform of the table wrapped around a grid of (rows, columns), large
-    enough to avoid periodic images. ``patch_table`` is the mean
+    displacement of a contact by itself is the substrate's term. ``spectrum`` (columns // 2 + 1,
+    rows) is the transform of the table wrapped around a grid of (rows, columns), large
+    enough to avoid periodic images. ``padded`` (ny, columns), zero beyond nx, and ``wave``, like
+    the spectrum, are working memory of `interaction_field`. ``patch_table`` is the mean
     influence between square patches of ``patch`` cells by distance in patches.
-    Spectrum and patches are empty if they are not needed.
+    Spectrum, working memory and patches are empty if they are not needed.
     """
 
     table: np.ndarray
     spectrum: np.ndarray
-    rows: int
-    columns: int
+    padded: np.ndarray
+    wave: np.ndarray
     patch: int
     patch_table: np.ndarray
 
@@ -179,14 +180,21 @@ def patch_influence(table, side):
 def interaction_field(influence, force):
     """Compute displacements (y, x) [m] by forces (y, x) [N], Eqs. (17) and (18) summed.
 
-    The transform is done axis by axis, because rows of the padding are zero or not needed.
+    The transform is done axis by axis, because rows of the padding are zero or not needed, and in
+    memory that is allocated once. There a column is contiguous, which is faster.
     """
     ny, nx = force.shape
-    wave = scipy.fft.rfft(force, influence.columns, 1)
-    wave = scipy.fft.fft(wave, influence.rows, 0)
+    padded, wave = influence.padded, influence.wave
+    padded[:, :nx] = force
+    inside = wave[:, :ny].T
+    np.fft.rfft(padded, axis=1, out=inside)
+    wave[:, ny:] = 0.0
+    np.fft.fft(wave, axis=1, out=wave)
     wave *= influence.spectrum
-    wave = scipy.fft.ifft(wave, influence.rows, 0)
-    return scipy.fft.irfft(wave[:ny], influence.columns, 1)[:, :nx]
+    np.fft.ifft(wave, axis=1, out=wave)
+    field = np.empty(padded.shape)
+    np.fft.irfft(inside, padded.shape[1], axis=1, out=field)
+    return field[:, :nx]
 
 
 @kernel
@@ -238,7 +246,9 @@ def influence_of(table: np.ndarray) -> Influence:
         wrapped[:, 1 - nx :] = wrapped[:, nx - 1 : 0 : -1]
     side = max(_PATCH, round(math.sqrt(table.size) / _PATCHES_ACROSS))
     patches = patch_influence(table, side)
-    return Influence(table, scipy.fft.rfft2(wrapped, workers=1), rows, columns, side, patches)
+    spectrum = np.ascontiguousarray(scipy.fft.rfft2(wrapped, workers=1).T)
+    padded, wave = np.zeros((ny, columns)), np.empty_like(spectrum)
+    return Influence(table, spectrum, padded, wave, side, patches)
 
 
 def dense_limit(shape: tuple[int, int]) -> int:
@@ -252,4 +262,5 @@ def dense_limit(shape: tuple[int, int]) -> int:
 
 def dense_influence(table: np.ndarray) -> Influence:
     """Make the interaction for few contacts, with cheap dense products: only the table."""
-    return Influence(table, np.zeros((0, 0), np.complex128), 0, 0, 0, np.zeros((0, 0)))
+    nothing, wave = np.zeros((0, 0)), np.zeros((0, 0), np.complex128)
+    return Influence(table, wave, nothing, wave, 0, nothing)
