@@ -154,11 +154,8 @@ def fit_of(x: np.ndarray, ms: np.ndarray, at: np.ndarray) -> dict[str, np.ndarra
     }
 
 
-def summarised(closed: pd.DataFrame, beyond: int) -> pd.DataFrame:
-    """Medians of all surfaces at each point, and the fit of each curve, in columns.
-
-    ``beyond`` is a number of cells along a grid that was not closed: its row has only the fit.
-    """
+def summarised(closed: pd.DataFrame) -> pd.DataFrame:
+    """Medians of all surfaces at each point, and the fit of each curve, in columns."""
     parts = []
     for (axis, scene), part in closed.groupby(["axis", "scene"], sort=False):
         rows = []
@@ -167,19 +164,26 @@ def summarised(closed: pd.DataFrame, beyond: int) -> pd.DataFrame:
             row |= spread(list(group.ms), "ms", 1.0) | {"MB": group.MB.max()}
             row |= {"pairs": group.ms.median() / group["pair ms"].max()}
             rows.append(row | {"pair ms": group["pair ms"].max()})
-        if axis == "cells":
-            rows.append({"axis": axis, "scene": scene, "value": beyond, "surfaces": 0})
         table = pd.DataFrame(rows)
         x, at = abscissa(axis, part["value"]), abscissa(axis, table["value"])
         parts.append(table.assign(**fit_of(x, part.ms.to_numpy(), at)))
     return pd.concat(parts, ignore_index=True)
 
 
+def extrapolated(closed: pd.DataFrame, cells: int) -> pd.DataFrame:
+    """Times on a square grid that was not closed, by the fit over the numbers of cells."""
+    at, rows = abscissa("cells", [cells]), []
+    for scene, part in closed[closed.axis == "cells"].groupby("scene", sort=False):
+        fit = fit_of(abscissa("cells", part["value"]), part.ms.to_numpy(), at)
+        rows.append({"scene": scene, "cells": cells} | {name: v[0] for name, v in fit.items()})
+    return pd.DataFrame(rows)
+
+
 def draw(axes, axis: str, table: pd.DataFrame) -> None:
     """Time against one of the four, with the curves, their interval and the memory."""
     title, label = TITLES[axis]
     for k, scene in enumerate(SCENES):
-        part = table[(table.axis == axis) & (table.scene == scene) & (table.surfaces > 0)]
+        part = table[(table.axis == axis) & (table.scene == scene)]
         x = abscissa(axis, part["value"])
         error = (part.ms - part["ms min"], part["ms max"] - part.ms)
         slopes = [f"{part.exponent.iloc[i]:.2f} ± {part['standard error'].iloc[i]:.2f}"
@@ -194,8 +198,7 @@ def draw(axes, axis: str, table: pd.DataFrame) -> None:
         axes.plot(fine, curve["fitted ms"], "--", color=f"C{k}", lw=1)
         axes.fill_between(fine, curve["low ms"], curve["high ms"], color=f"C{k}", alpha=0.15, lw=0)
     axes.set(xscale="log", yscale="log", title=title, xlabel=label, ylabel="time (ms)")
-    measured = table[(table.axis == axis) & (table.surfaces > 0)]
-    memory = measured.groupby("value").MB.max()
+    memory = table[table.axis == axis].groupby("value").MB.max()
     names = [f"{v:g}{'²' * (axis == 'cells')}\n{mb:.0f} MB" for v, mb in memory.items()]
     axes.set_xticks(abscissa(axis, memory.index), names)
     axes.xaxis.set_minor_locator(matplotlib.ticker.NullLocator())
@@ -232,9 +235,11 @@ def main(surfaces: int, limit: float, beyond: int, output: Path | None) -> None:
             if output:
                 output.mkdir(parents=True, exist_ok=True)
                 pd.DataFrame(rows).to_csv(output / "growth_so_far.csv", index=False)
-    table = summarised(pd.DataFrame(rows), beyond)
+    closed = pd.DataFrame(rows)
+    table = summarised(closed)
     for axis, part in table.groupby("axis", sort=False):
         show(TITLES[axis][0], part.drop(columns=["axis", "surfaces", "pair ms"]), None, axis)
+    show("Extrapolated", extrapolated(closed, beyond), output, "growth_beyond")
     if output:
         table.to_csv(output / "growth.csv", index=False)
         (output / "growth_so_far.csv").unlink()
