@@ -85,6 +85,7 @@ RUNS = {
     "hard_cases": Run(figures=("numerics",)),
     "solver_speed": Run(("study", "elastic", "reference")),
     "versions": Run(("versions",)),
+    "versions_same_bits": Run(("versions",)),
     "peers": Run(("peers",)),
     "growth": Run(("growth",), ("growth",)),
     "breakage_methods": Run(("breakage_methods",)),
