@@ -6,12 +6,15 @@ realisations that are made and closed as a case of a study, or the JRC. Each in 
 (20 stresses up the curve) and in the full model (the paper's displacement and breakage steps,
 whatever the grid and the walls).
 
-A point is the median over --surfaces random surfaces; what takes less than a second is called
-again, and its median taken. A grid is left out, and those beyond it, if the last two let expect
-more than --seconds for one surface. Exponents are least squares of log time over log value, each
-point the median of its surfaces, with the standard error of the slope; of the cells the exponent
-is that of their number. An exponent describes the range that was measured: where overheads or
-another regime begin, a power law does not hold, and the standard error shows it. FFT pairs
+Every surface is closed in a process of its own, after a small joint that loads the kernels: seconds
+of CPU time (what takes less than one is called again, and its median taken), and the peak memory. A
+point is the median over --surfaces random surfaces. A grid is left out, and those beyond it, if the
+last two let expect more than --seconds for one surface.
+
+The curve is a parabola of log time over log value, by least squares over all surfaces, with the
+interval that holds 95 % of single surfaces. Exponents are its slopes at both ends, with standard
+errors; of the cells they are those of their number. The time on 1,000 x 1,000 cells (--beyond) is
+what the curve gives there, with that interval: an extrapolation. FFT pairs
 (benchmarks/yardstick.py) are timed in between. One thread. Run as `python benchmarks/growth.py`.
 """
 
@@ -34,10 +37,12 @@ from yardstick import (
     SCENES,
     SPACING,
     Pair,
+    called_alone,
     case_settings,
     close,
     machine,
     median_time,
+    peak_memory,
     show,
     spread,
     timed,
@@ -50,10 +55,10 @@ from jointclosure.ensemble.surfaces import surfaces_of
 
 BASE = {"cells": 100, "stress_mpa": 30.0, "jrc": 8.0}
 VALUES = {
-    "cells": (32, 64, 128, 256, 512),
+    "cells": (50, 100, 200, 400),
     "stress_mpa": (1.0, 3.0, 10.0, 30.0, 100.0),
-    "realisations": (1, 2, 4, 8, 16),
-    "jrc": (2.0, 6.0, 10.0, 15.0, 20.0),
+    "realisations": (1, 2, 4, 8),
+    "jrc": (2.0, 5.0, 10.0, 20.0),
 }
 TITLES = {
     "cells": ("Cells", "cells of the grid"),
@@ -91,60 +96,111 @@ def case_of(scene: str, seed: int, realisations: int):
     return run
 
 
-def seconds_of(run, pair: Pair) -> float:
-    """Seconds of a call, a median where it is short."""
-    pair.sample()
+def closed_alone(axis: str, scene: str, seed: int, value: float) -> tuple[float, float]:
+    """Seconds, and peak memory [MB] of this process, for one point of an axis."""
+    warm_up("fast")
+    if axis == "realisations":
+        run = case_of(scene, seed, int(value))
+    else:
+        changed = BASE | {axis: value}
+        run = one_joint(scene, seed, int(changed.pop("cells")), **changed)
     seconds, _ = timed(run)
-    return seconds if seconds > 1.0 else median_time(run, 3, pair.sample)
+    return (seconds if seconds > 1.0 else median_time(run, 3)), peak_memory()
 
 
 def points(axis: str, scene: str, surfaces: int, limit: float) -> list[dict]:
-    """Times along one axis."""
-    rows = []
+    """Times and memory along one axis, one row a surface."""
+    rows, medians = [], []
     for value in VALUES[axis]:
-        if axis == "cells" and len(rows) > 1:
-            before, last = rows[-2], rows[-1]
-            slope = np.log(last["ms"] / before["ms"]) / np.log(last["value"] / before["value"])
-            if 1e-3 * last["ms"] * (value / last["value"]) ** slope > limit:
+        if axis == "cells" and len(medians) > 1:
+            (before, early), (last, late) = medians[-2:]
+            slope = np.log(late / early) / np.log(last / before)
+            if late * (value / last) ** slope > limit:
                 break
         pair, times = Pair(), []
         for seed in range(surfaces):
-            if axis == "realisations":
-                run = case_of(scene, seed, value)
-            else:
-                run = one_joint(scene, seed, **(BASE | {axis: value}))
-            times.append(seconds_of(run, pair))
-        row = {"axis": axis, "scene": scene, "value": value, "surfaces": surfaces}
-        row |= spread(times, "ms", 1e3) | {"pairs": np.median(times) / pair.seconds}
-        rows.append(row | {"pair ms": 1e3 * pair.seconds})
+            pair.sample()
+            seconds, memory = called_alone(closed_alone, axis, scene, seed, float(value))
+            times.append(seconds)
+            row = {"axis": axis, "scene": scene, "value": value, "seed": seed}
+            rows.append(row | {"ms": 1e3 * seconds, "MB": memory})
+        medians.append((value, float(np.median(times))))
+        rows[-1]["pair ms"] = 1e3 * pair.seconds
     return rows
 
 
-def with_exponents(table: pd.DataFrame) -> pd.DataFrame:
-    """The table and the fit of each curve, in columns."""
-    for (axis, _), part in table.groupby(["axis", "scene"]):
-        drawn = abscissa(axis, part["value"])
-        fit = scipy.stats.linregress(np.log(drawn), np.log(part.ms))
-        table.loc[part.index, ["exponent", "standard error"]] = fit.slope, fit.stderr
-        table.loc[part.index, "fitted ms"] = np.exp(fit.intercept) * drawn**fit.slope
-    return table
+def fit_of(x: np.ndarray, ms: np.ndarray, at: np.ndarray) -> dict[str, np.ndarray]:
+    """Times at places ``at`` by a parabola in logarithms, its slope there, and both uncertainties.
+
+    ``low`` and ``high`` are the ends of the interval that holds 95 % of single surfaces.
+    """
+    middle = np.log(x).mean()
+    design = np.vander(np.log(x) - middle, 3)
+    coefficients, *_ = np.linalg.lstsq(design, np.log(ms), rcond=None)
+    freedom = x.size - 3
+    variance = ((np.log(ms) - design @ coefficients) ** 2).sum() / freedom
+    covariance = variance * np.linalg.inv(design.T @ design)
+    u = np.log(at) - middle
+    here, slope = np.vander(u, 3), np.stack([2.0 * u, np.ones(u.size), np.zeros(u.size)], axis=1)
+    error = np.sqrt(np.einsum("ij,jk,ik->i", here, covariance, here) + variance)
+    half = scipy.stats.t.ppf(0.975, freedom) * error
+    fitted = here @ coefficients
+    return {
+        "fitted ms": np.exp(fitted),
+        "low ms": np.exp(fitted - half),
+        "high ms": np.exp(fitted + half),
+        "exponent": slope @ coefficients,
+        "standard error": np.sqrt(np.einsum("ij,jk,ik->i", slope, covariance, slope)),
+    }
+
+
+def summarised(closed: pd.DataFrame) -> pd.DataFrame:
+    """Medians of all surfaces at each point, and the fit of each curve, in columns."""
+    parts = []
+    for (axis, scene), part in closed.groupby(["axis", "scene"], sort=False):
+        rows = []
+        for value, group in part.groupby("value"):
+            row = {"axis": axis, "scene": scene, "value": value, "surfaces": len(group)}
+            row |= spread(list(group.ms), "ms", 1.0) | {"MB": group.MB.max()}
+            row |= {"pairs": group.ms.median() / group["pair ms"].max()}
+            rows.append(row | {"pair ms": group["pair ms"].max()})
+        table = pd.DataFrame(rows)
+        x, at = abscissa(axis, part["value"]), abscissa(axis, table["value"])
+        parts.append(table.assign(**fit_of(x, part.ms.to_numpy(), at)))
+    return pd.concat(parts, ignore_index=True)
+
+
+def extrapolated(closed: pd.DataFrame, cells: int) -> pd.DataFrame:
+    """Times on a square grid that was not closed, by the fit over the numbers of cells."""
+    at, rows = abscissa("cells", [cells]), []
+    for scene, part in closed[closed.axis == "cells"].groupby("scene", sort=False):
+        fit = fit_of(abscissa("cells", part["value"]), part.ms.to_numpy(), at)
+        rows.append({"scene": scene, "cells": cells} | {name: v[0] for name, v in fit.items()})
+    return pd.DataFrame(rows)
 
 
 def draw(axes, axis: str, table: pd.DataFrame) -> None:
-    """Time against one of the four, with the fitted powers."""
+    """Time against one of the four, with the curves, their interval and the memory."""
     title, label = TITLES[axis]
     for k, scene in enumerate(SCENES):
         part = table[(table.axis == axis) & (table.scene == scene)]
         x = abscissa(axis, part["value"])
         error = (part.ms - part["ms min"], part["ms max"] - part.ms)
-        slope = f"{part.exponent.iloc[0]:.2f} ± {part['standard error'].iloc[0]:.2f}"
-        name = f"{scene}: exponent {slope}".replace("-", "−")
+        slopes = [f"{part.exponent.iloc[i]:.2f} ± {part['standard error'].iloc[i]:.2f}"
+                  for i in (0, -1)]  # fmt: skip
+        name = f"{scene}: exponent {slopes[0]} to {slopes[1]}".replace("-", "−")
         axes.errorbar(x, part.ms, error, fmt="os"[k], color=f"C{k}", capsize=3, ms=5, label=name)
-        axes.plot(x, part["fitted ms"], "--", color=f"C{k}", lw=1)
+        fine = np.geomspace(x[0], x[-1], 100)
+        curve = {}
+        for column in ("fitted ms", "low ms", "high ms"):
+            through = np.polyfit(np.log(x), np.log(part[column]), min(3, x.size - 1))
+            curve[column] = np.exp(np.polyval(through, np.log(fine)))
+        axes.plot(fine, curve["fitted ms"], "--", color=f"C{k}", lw=1)
+        axes.fill_between(fine, curve["low ms"], curve["high ms"], color=f"C{k}", alpha=0.15, lw=0)
     axes.set(xscale="log", yscale="log", title=title, xlabel=label, ylabel="time (ms)")
-    values = table["value"][table.axis == axis].astype(float).unique()
-    names = [f"{value:g}{'²' * (axis == 'cells')}" for value in values]
-    axes.set_xticks(abscissa(axis, values), names)
+    memory = table[table.axis == axis].groupby("value").MB.max()
+    names = [f"{v:g}{'²' * (axis == 'cells')}\n{mb:.0f} MB" for v, mb in memory.items()]
+    axes.set_xticks(abscissa(axis, memory.index), names)
     axes.xaxis.set_minor_locator(matplotlib.ticker.NullLocator())
     low, high = axes.get_ylim()
     axes.set_ylim(low, high * (high / low) ** 0.35)  # room for the legend
@@ -161,12 +217,13 @@ def figure_of(table: pd.DataFrame):
     pair = table["pair ms"].median()
     figure.suptitle(
         "Time to close a joint: 100 × 100 cells, 30 MPa, JRC 8, dolerite, one cycle\n"
-        f"medians and extremes over surfaces, and fitted powers; one FFT pair is {pair:.2f} ms"
+        "medians and extremes over surfaces, parabolas in logarithms with the interval of 95 %\n"
+        f"of surfaces, exponents at both ends, largest memory; one FFT pair is {pair:.2f} ms"
     )
     return figure
 
 
-def main(surfaces: int, limit: float, output: Path | None) -> None:
+def main(surfaces: int, limit: float, beyond: int, output: Path | None) -> None:
     """Print machine and times; write them, and the figure."""
     print(machine(), flush=True)
     warm_up("fast")
@@ -178,12 +235,12 @@ def main(surfaces: int, limit: float, output: Path | None) -> None:
             if output:
                 output.mkdir(parents=True, exist_ok=True)
                 pd.DataFrame(rows).to_csv(output / "growth_so_far.csv", index=False)
-    table = with_exponents(pd.DataFrame(rows))
+    closed = pd.DataFrame(rows)
+    table = summarised(closed)
     for axis, part in table.groupby("axis", sort=False):
-        left_out = ["axis", "surfaces", "pair ms", "fitted ms"]
-        show(TITLES[axis][0], part.drop(columns=left_out), None, axis)
+        show(TITLES[axis][0], part.drop(columns=["axis", "surfaces", "pair ms"]), None, axis)
+    show("Extrapolated", extrapolated(closed, beyond), output, "growth_beyond")
     if output:
-        output.mkdir(parents=True, exist_ok=True)
         table.to_csv(output / "growth.csv", index=False)
         (output / "growth_so_far.csv").unlink()
         figure_of(table).savefig(output / "growth.png", dpi=150)
@@ -194,7 +251,8 @@ if __name__ == "__main__":
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--surfaces", type=int, default=5)
-    parser.add_argument("--seconds", type=float, default=60.0, help="most for one surface")
+    parser.add_argument("--seconds", type=float, default=200.0, help="most for one surface")
+    parser.add_argument("--beyond", type=int, default=1000, help="cells along the largest grid")
     parser.add_argument("--output", type=Path, help="folder for a CSV and a figure")
     arguments = parser.parse_args()
-    main(arguments.surfaces, arguments.seconds, arguments.output)
+    main(arguments.surfaces, arguments.seconds, arguments.beyond, arguments.output)

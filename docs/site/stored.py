@@ -90,6 +90,7 @@ RUNS = {
     "limited_pressure": Run(("limited_pressure",)),
     "solver_speed": Run(("study", "elastic", "reference")),
     "versions": Run(("versions",)),
+    "versions_same_bits": Run(("versions",)),
     "peers": Run(("peers",)),
     "growth": Run(("growth",), ("growth",)),
     "breakage_methods": Run(("breakage_methods",)),

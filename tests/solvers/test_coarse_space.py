@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from jointclosure.mechanics.contact import force_near, force_of_overlap
+from jointclosure.mechanics.contact import force_of_overlap
 from jointclosure.solvers import conjugate_gradients, equilibrium
-from jointclosure.solvers.coarse_space import coarse_space, patch_weights, precondition
+from jointclosure.solvers.coarse_space import coarse_space, patch_shares, precondition
+from jointclosure.solvers.contacts import Contacts, contact_roots
 from jointclosure.solvers.interaction_operator import (
     influence_matrix,
     influence_of,
@@ -34,8 +35,8 @@ def test_preconditioner_is_symmetric_positive_definite(shape):
     # fully loaded, where the patches' system is furthest from the identity
     stiffness[:] = 1.0 / SUBSTRATE
     space = coarse_space(influence, cells, stiffness)
-    share = patch_weights(space, np.sqrt(stiffness))
-    matrix = np.array([precondition(space, share, row) for row in np.eye(cells.size)])
+    shares = patch_shares(space, np.sqrt(stiffness))
+    matrix = np.array([precondition(space, shares, row) for row in np.eye(cells.size)])
     assert (space.inverse.size > 0) == (cells.size >= 100)
     np.testing.assert_allclose(matrix, matrix.T, atol=1e-12)
     assert np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min() > 0.0
@@ -47,8 +48,8 @@ def test_patches_take_most_of_the_spread_of_the_eigenvalues():
     interaction = influence_matrix(influence.table, cells)
     system = np.eye(cells.size) + root[:, None] * interaction * root
     space = coarse_space(influence, cells, stiffness)
-    share = patch_weights(space, root)
-    matrix = np.array([precondition(space, share, row) for row in np.eye(cells.size)])
+    shares = patch_shares(space, root)
+    matrix = np.array([precondition(space, shares, row) for row in np.eye(cells.size)])
     plain = np.linalg.eigvalsh(system)
     factor = np.linalg.cholesky(0.5 * (matrix + matrix.T))
     better = np.linalg.eigvalsh(factor.T @ system @ factor)
@@ -105,10 +106,13 @@ def test_a_given_interaction_saves_a_product_and_changes_nothing():
 
 @pytest.mark.parametrize("guess", [0.0, 0.3, 1.1, 1e30])
 def test_force_from_a_guess_is_the_force(guess):
-    for overlap in 10.0 ** np.arange(-30, 3, 3.0):
-        for asperity in (0.0, 1e-12, 1e-8, 1e3):
-            force, slope = force_of_overlap(overlap, SUBSTRATE, asperity)
-            near, near_slope = force_near(overlap, SUBSTRATE, asperity, guess * np.cbrt(force))
-            assert near == pytest.approx(force, rel=1e-14, abs=0.0)
-            assert near_slope == pytest.approx(slope, rel=1e-14, abs=0.0)
-    assert force_near(-1e-6, SUBSTRATE, 1e-8, 1.0) == (0.0, 0.0)
+    overlap, asperity = np.meshgrid(10.0 ** np.arange(-30, 3, 3.0), (0.0, 1e-12, 1e-8, 1e3))
+    overlap, asperity = overlap.ravel(), asperity.ravel()
+    overlap[0] = -1e-6
+    force = np.array(
+        [force_of_overlap(o, SUBSTRATE, b)[0] for o, b in zip(overlap, asperity, strict=True)]
+    )
+    contacts = Contacts(np.arange(force.size), overlap, asperity, np.inf + force, SUBSTRATE)
+    roots = contact_roots(contacts, overlap, guess * np.cbrt(force))
+    np.testing.assert_allclose(roots**3, force, rtol=1e-14, atol=0.0)
+    assert roots[0] == 0.0

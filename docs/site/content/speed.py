@@ -105,3 +105,15 @@ versions = Table(
         for cycle in (1, 2)
     },
 )
+same_bits = Table(
+    "versions_same_bits/versions",
+    {
+        "rock": "{rock}",
+        "median of the ratios": "{median ratio:.2f} ({from:.2f} to {to:.2f})",
+        "of single surfaces": "{least of a surface:.2f} to {largest of a surface:.2f}",
+        "ms": "{ms now:,.0f} ({ms before:,.0f})",
+        "products": "{products now:,.0f} ({products before:,.0f})",
+        "surfaces": "{surfaces}",
+        "of them the same to the last bit": "{identical}",
+    },
+)

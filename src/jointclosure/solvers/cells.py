@@ -37,15 +37,15 @@ def neighbourhood(heights, y, x, out):
 
 
 @kernel
-def wall_curvature(height, neighbours, least_curvature, concave, spacing):
+def wall_curvature(here, west, east, south, north, least_curvature, concave, spacing):
     """Compute the Gaussian curvature of a wall's cell from its neighbours' heights [1/m].
+
+    There is no branch, so that a loop over many cells becomes vector code.
 
     Parameters
     ----------
-    height : float
-        Height of the cell [m].
-    neighbours : array (8,)
-        In the order of `jointclosure.mechanics.gouge`, infinite outside the grid [m].
+    here, west, east, south, north : float
+        Heights of the cell and of its neighbours, infinite outside the grid [m].
     least_curvature : float
         1 / largest radius, or 0 [1/m].
     concave : float
@@ -53,19 +53,36 @@ def wall_curvature(height, neighbours, least_curvature, concave, spacing):
     spacing : float
         Grid spacing [m].
     """
-    west, east, south, north = neighbours[3], neighbours[4], neighbours[1], neighbours[6]
-    if west == math.inf:
-        west = east
-    if east == math.inf:
-        east = west
-    if south == math.inf:
-        south = north
-    if north == math.inf:
-        north = south
-    if west == math.inf or south == math.inf:
-        return least_curvature  # a single cell in this direction is straight
-    curvature = gaussian_curvature(west, east, south, north, height, concave, spacing)
-    return max(curvature, least_curvature)
+    left = east if west == math.inf else west
+    right = west if east == math.inf else east
+    below = north if south == math.inf else south
+    above = south if north == math.inf else north
+    curvature = gaussian_curvature(left, right, below, above, here, concave, spacing)
+    # NaN for a single cell in a direction, which is straight
+    return curvature if curvature > least_curvature else least_curvature
+
+
+@kernel
+def curvature_among(here, neighbours, law):
+    """Compute `wall_curvature` of a cell from the heights of its `neighbourhood` (8,) [1/m]."""
+    south, west, east, north = neighbours[1], neighbours[3], neighbours[4], neighbours[6]
+    return wall_curvature(
+        here, west, east, south, north, law.least_curvature, law.concave, law.spacing
+    )
+
+
+@kernel
+def curvature_at(heights, y, x, law):
+    """Compute `wall_curvature` of a cell of a wall (y, x) [1/m]."""
+    ny, nx = heights.shape
+    west = heights[y, x - 1] if x > 0 else math.inf
+    east = heights[y, x + 1] if x < nx - 1 else math.inf
+    south = heights[y - 1, x] if y > 0 else math.inf
+    north = heights[y + 1, x] if y < ny - 1 else math.inf
+    here = heights[y, x]
+    return wall_curvature(
+        here, west, east, south, north, law.least_curvature, law.concave, law.spacing
+    )
 
 
 @kernel
@@ -130,7 +147,6 @@ def overlapping_cells(upper, lower, offset, peaks, law):
     overlap = np.empty(count)
     curvature = np.empty(count)
     compliance = np.empty(count)
-    around = np.empty(8)
     k = 0
     for y in range(ny):
         for x in range(nx):
@@ -138,14 +154,7 @@ def overlapping_cells(upper, lower, offset, peaks, law):
             if gap > 0.0:
                 cells[k] = y * nx + x
                 overlap[k] = gap
-                neighbourhood(upper, y, x, around)
-                kappa = wall_curvature(
-                    upper[y, x], around, law.least_curvature, law.concave, law.spacing
-                )
-                neighbourhood(lower, y, x, around)
-                kappa += wall_curvature(
-                    lower[y, x], around, law.least_curvature, law.concave, law.spacing
-                )
+                kappa = curvature_at(upper, y, x, law) + curvature_at(lower, y, x, law)
                 curvature[k] = kappa
                 compliance[k] = asperity_compliance(kappa, law.asperity_modulus[peaks[y, x]])
                 k += 1

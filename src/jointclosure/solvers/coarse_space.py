@@ -25,6 +25,14 @@ class CoarseSpace(NamedTuple):
     inverse: np.ndarray
 
 
+class Shares(NamedTuple):
+    """Contacts (m,) with a share in a patch, the patch (m,), and the share (m,)."""
+
+    contact: np.ndarray
+    patch: np.ndarray
+    share: np.ndarray
+
+
 @kernel
 def no_coarse_space(n):
     """Return a `CoarseSpace` of contacts (n,) without patches, which changes nothing."""
@@ -93,35 +101,37 @@ def coarse_space(influence: Influence, cells, stiffness):
 
 
 @kernel
-def patch_weights(space: CoarseSpace, weight):
-    """Return the contacts' shares (n,) in their patches: W over its norm in the patch."""
-    share = np.zeros(weight.size)
-    count = space.inverse.shape[0]
-    if count == 0:
-        return share
+def patch_shares(space: CoarseSpace, weight):
+    """Return the `Shares` of the contacts in their patches: W over its norm in the patch."""
+    n, count = weight.size, space.inverse.shape[0]
+    contact = np.empty(n if count > 0 else 0, np.int64)
     square = np.zeros(count)
-    for i in range(weight.size):
-        if space.patch[i] >= 0:
-            square[space.patch[i]] += weight[i] * weight[i]
-    for i in range(weight.size):
+    m = 0
+    for i in range(contact.size):
         if weight[i] > 0.0 and space.patch[i] >= 0:
-            share[i] = weight[i] / np.sqrt(square[space.patch[i]])
-    return share
+            square[space.patch[i]] += weight[i] * weight[i]
+            contact[m] = i
+            m += 1
+    contact = contact[:m]
+    patch, share = np.empty(m, np.int64), np.empty(m)
+    for k in range(m):
+        patch[k] = space.patch[contact[k]]
+        share[k] = weight[contact[k]] / np.sqrt(square[patch[k]])
+    return Shares(contact, patch, share)
 
 
 @kernel
-def precondition(space: CoarseSpace, share, residual):
+def precondition(space: CoarseSpace, shares: Shares, residual):
     """Multiply a residual (n,) by (I + Z (E^-1 - I) Z^T), E the patches' system."""
     answer = residual.copy()
     count = space.inverse.shape[0]
     if count == 0:
         return answer
+    contact, patch, share = shares.contact, shares.patch, shares.share
     coarse = np.zeros(count)
-    for i in range(residual.size):
-        if space.patch[i] >= 0:
-            coarse[space.patch[i]] += share[i] * residual[i]
+    for k in range(contact.size):
+        coarse[patch[k]] += share[k] * residual[contact[k]]
     coarse = symmetric_times(space.inverse, coarse) - coarse
-    for i in range(residual.size):
-        if space.patch[i] >= 0:
-            answer[i] += share[i] * coarse[space.patch[i]]
+    for k in range(contact.size):
+        answer[contact[k]] += share[k] * coarse[patch[k]]
     return answer

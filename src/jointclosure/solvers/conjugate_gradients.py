@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from jointclosure.compilation.kernels import kernel
-from jointclosure.solvers.coarse_space import patch_weights, precondition
+from jointclosure.solvers.coarse_space import patch_shares, precondition
 from jointclosure.solvers.interaction_operator import interaction_product
 from jointclosure.solvers.products import inner
 
@@ -62,7 +62,7 @@ def newton_direction(influence, matrix, cells, space, step, secant, shortfall, t
     if bound:
         normal = weight / size
         solution = normal * (shortfall / size)
-        elastic_displacement, _ = interaction_product(
+        elastic_displacement = interaction_product(
             influence, matrix, cells, weight * solution, scratch
         )
         rest -= solution + weight * elastic_displacement
@@ -70,16 +70,16 @@ def newton_direction(influence, matrix, cells, space, step, secant, shortfall, t
     # the shift removes the part of the residual along the normal
     shift = -inner(normal, rest) / size if bound else 0.0
     inside = rest + normal * (shift * size) if bound else rest
-    share = patch_weights(space, weight)
-    across = precondition(space, share, normal)
+    shares = patch_shares(space, weight)
+    across = precondition(space, shares, normal)
     depth = inner(normal, across) if bound else 1.0
-    search = precondition(space, share, inside)
+    search = precondition(space, shares, inside)
     search -= across * (inner(normal, search) / depth)
     square = inner(inside, search)
     enough = tolerance * tolerance * inner(inside, inside)
     # not positive: the plane is a point, or only rounding errors are left
     while square > 0.0 and inner(inside, inside) > enough and used < MOST_CONJUGATE_GRADIENT_STEPS:
-        image, _ = interaction_product(influence, matrix, cells, weight * search, scratch)
+        image = interaction_product(influence, matrix, cells, weight * search, scratch)
         used += 1
         for i in range(n):
             image[i] = search[i] + weight[i] * image[i]
@@ -90,7 +90,7 @@ def newton_direction(influence, matrix, cells, space, step, secant, shortfall, t
             inside[i] -= length * (image[i] - along * normal[i])
         if bound:
             shift += length * along / size
-        ahead = precondition(space, share, inside)
+        ahead = precondition(space, shares, inside)
         ahead -= across * (inner(normal, ahead) / depth)
         following = inner(inside, ahead)
         for i in range(n):

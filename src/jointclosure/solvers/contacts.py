@@ -9,10 +9,13 @@ import numpy as np
 
 from jointclosure.compilation.kernels import kernel
 from jointclosure.mechanics.contact import (
+    MOST_ROOT_STEPS,
     cube_root,
-    force_near,
     force_of_overlap,
+    force_of_root,
     overlap_of_force,
+    root_from,
+    shorter_root,
 )
 
 
@@ -28,6 +31,39 @@ class Contacts(NamedTuple):
     compliance: np.ndarray
     limit: np.ndarray
     substrate: float
+
+
+@kernel
+def contact_roots(contacts, overlap, guess):
+    """Compute F^(1/3) (n,) of the contacts at overlaps (n,) [m] from guesses (n,), 0 for none.
+
+    The result is that of `force_of_overlap`, but all contacts take a Newton step together.
+    """
+    n, substrate = overlap.size, contacts.substrate
+    root = np.empty(n)
+    unsolved = np.empty(n, np.int64)
+    sought, compliance, bound = np.empty(n), np.empty(n), np.empty(n)
+    left = np.ones(n)
+    m = 0
+    for i in range(n):
+        root[i], exact = root_from(overlap[i], substrate, contacts.compliance[i], guess[i])
+        if not exact:
+            unsolved[m] = i
+            sought[m], compliance[m], bound[m] = overlap[i], contacts.compliance[i], root[i]
+            m += 1
+    for _ in range(MOST_ROOT_STEPS):
+        number = 0.0
+        for k in range(m):
+            t, exact = shorter_root(sought[k], substrate, compliance[k], bound[k])
+            bound[k] = t if left[k] > 0.0 else bound[k]
+            left[k] = 0.0 if exact else left[k]
+        for k in range(m):
+            number = max(number, left[k])
+        if number == 0.0:
+            break
+    for k in range(m):
+        root[unsolved[k]] = bound[k]
+    return root
 
 
 @kernel
@@ -55,11 +91,15 @@ def contact_response(contacts, shift, elastic_displacement, force, answer, secan
     difference = 0.0
     total = 0.0
     substrate = contacts.substrate
+    overlaps = contacts.overlap + shift - elastic_displacement
+    present_root = np.zeros(force.size)
     for i in range(force.size):
-        overlap = contacts.overlap[i] + shift - elastic_displacement[i]
-        compliance = contacts.compliance[i]
-        root = cube_root(force[i]) if force[i] > 0.0 else 0.0
-        new, slope = force_near(overlap, substrate, compliance, root)
+        if force[i] > 0.0:
+            present_root[i] = cube_root(force[i])
+    roots = contact_roots(contacts, overlaps, present_root)
+    for i in range(force.size):
+        overlap, compliance, root = overlaps[i], contacts.compliance[i], present_root[i]
+        new, slope = force_of_root(roots[i], substrate, compliance)
         if new > contacts.limit[i]:
             new = contacts.limit[i]
             slope = 0.0
@@ -134,13 +174,9 @@ def coordinate_sweep(table, contacts, shift, force):
 @kernel
 def separate_equilibrium(contacts, shift):
     """Compute forces (n,) [N] of contacts that do not interact."""
-    force = np.empty(contacts.overlap.size)
-    for i in range(force.size):
-        answer = force_of_overlap(
-            contacts.overlap[i] + shift, contacts.substrate, contacts.compliance[i]
-        )[0]
-        force[i] = min(answer, contacts.limit[i])
-    return force
+    overlap = contacts.overlap + shift
+    root = contact_roots(contacts, overlap, np.zeros(overlap.size))
+    return np.minimum(root * root * root, contacts.limit)
 
 
 @kernel

@@ -1,6 +1,6 @@
 """Interaction of all contacts of a grid: a convolution, Eqs. (17) to (20).
 
-Kernels call `scipy.fft` through rocket-fft, which makes it available in Numba.
+Kernels call `numpy.fft` through rocket-fft, which makes it available in Numba.
 """
 
 import math
@@ -23,17 +23,19 @@ class Influence(NamedTuple):
     """Displacements by unit forces [m/N] on a grid of (ny, nx) cells.
 
     ``table`` (ny, nx) is indexed by distance in cells, with 0 at distance 0: the
-    displacement of a contact by itself is the substrate's term. ``spectrum`` is the
-    transform of the table wrapped around a grid of (rows, columns), large
-    enough to avoid periodic images. ``patch_table`` is the mean
+    displacement of a contact by itself is the substrate's term. ``spectrum`` (columns // 2 + 1,
+    rows) is the transform of the table wrapped around a grid of (rows, columns), large
+    enough to avoid periodic images. ``padded`` and ``field`` (ny, columns), the first zero beyond
+    nx, and ``wave``, like the spectrum, are working memory. ``patch_table`` is the mean
     influence between square patches of ``patch`` cells by distance in patches.
-    Spectrum and patches are empty if they are not needed.
+    Spectrum, working memory and patches are empty if they are not needed.
     """
 
     table: np.ndarray
     spectrum: np.ndarray
-    rows: int
-    columns: int
+    padded: np.ndarray
+    field: np.ndarray
+    wave: np.ndarray
     patch: int
     patch_table: np.ndarray
 
@@ -94,6 +96,8 @@ def fill_influence(matrix, wide, middle, place, known):
 def influence_matrix(table, cells):
     """Compute the dense influence matrix (n, n) [m/N] between cells given by flat index."""
     matrix = np.empty((cells.size, cells.size))
+    if cells.size == 0:
+        return matrix
     wide, middle = influence_by_place(table)
     fill_influence(matrix, wide, middle, places(cells, table.shape[1]), 0)
     return matrix
@@ -176,17 +180,29 @@ def patch_influence(table, side):
 
 
 @kernel
-def interaction_field(influence, force):
-    """Compute displacements (y, x) [m] by forces (y, x) [N], Eqs. (17) and (18) summed.
+def set_interaction_field(influence, force):
+    """Set `Influence.field` to displacements [m] by forces (y, x) [N], Eqs. (17) and (18) summed.
 
-    The transform is done axis by axis, because rows of the padding are zero or not needed.
+    The transform is done axis by axis, because rows of the padding are zero or not needed, and in
+    memory that is allocated once. There a column is contiguous, which is faster.
     """
     ny, nx = force.shape
-    wave = scipy.fft.rfft(force, influence.columns, 1)
-    wave = scipy.fft.fft(wave, influence.rows, 0)
+    padded, wave = influence.padded, influence.wave
+    padded[:, :nx] = force
+    inside = wave[:, :ny].T
+    np.fft.rfft(padded, axis=1, out=inside)
+    wave[:, ny:] = 0.0
+    np.fft.fft(wave, axis=1, out=wave)
     wave *= influence.spectrum
-    wave = scipy.fft.ifft(wave, influence.rows, 0)
-    return scipy.fft.irfft(wave[:ny], influence.columns, 1)[:, :nx]
+    np.fft.ifft(wave, axis=1, out=wave)
+    np.fft.irfft(inside, padded.shape[1], axis=1, out=influence.field)
+
+
+@kernel
+def interaction_field(influence, force):
+    """Compute displacements (y, x) [m] by forces (y, x) [N], Eqs. (17) and (18) summed."""
+    set_interaction_field(influence, force)
+    return influence.field[:, : force.shape[1]].copy()
 
 
 @kernel
@@ -194,20 +210,20 @@ def interaction_product(influence, matrix, cells, values, force):
     """Compute displacements (n,) [m] at cells by forces (n,) [N] at the same cells.
 
     The dense matrix is used if it is given (its size is not 0), otherwise the convolution with
-    ``force`` (y, x) as working memory, zero away from the cells. The convolution also gives the
-    displacements (y, x) at all cells, which are empty otherwise.
+    ``force`` (y, x) as working memory, zero away from the cells. The convolution also sets
+    `Influence.field`, the displacements of all cells.
     """
     if matrix.size > 0:
-        return symmetric_times(matrix, values), force[:, :0]
+        return symmetric_times(matrix, values)
     flat = force.ravel()
     for i in range(cells.size):
         flat[cells[i]] = values[i]
-    field = interaction_field(influence, force)
+    set_interaction_field(influence, force)
     nx = force.shape[1]
     answer = np.empty(cells.size)
     for i in range(cells.size):
-        answer[i] = field[cells[i] // nx, cells[i] % nx]
-    return answer, field
+        answer[i] = influence.field[cells[i] // nx, cells[i] % nx]
+    return answer
 
 
 def mean_displacement(table: np.ndarray) -> np.ndarray:
@@ -238,7 +254,9 @@ def influence_of(table: np.ndarray) -> Influence:
         wrapped[:, 1 - nx :] = wrapped[:, nx - 1 : 0 : -1]
     side = max(_PATCH, round(math.sqrt(table.size) / _PATCHES_ACROSS))
     patches = patch_influence(table, side)
-    return Influence(table, scipy.fft.rfft2(wrapped, workers=1), rows, columns, side, patches)
+    spectrum = np.ascontiguousarray(scipy.fft.rfft2(wrapped, workers=1).T)
+    padded, field = np.zeros((2, ny, columns))
+    return Influence(table, spectrum, padded, field, np.empty_like(spectrum), side, patches)
 
 
 def dense_limit(shape: tuple[int, int]) -> int:
@@ -252,4 +270,5 @@ def dense_limit(shape: tuple[int, int]) -> int:
 
 def dense_influence(table: np.ndarray) -> Influence:
     """Make the interaction for few contacts, with cheap dense products: only the table."""
-    return Influence(table, np.zeros((0, 0), np.complex128), 0, 0, 0, np.zeros((0, 0)))
+    nothing, wave = np.zeros((0, 0)), np.zeros((0, 0), np.complex128)
+    return Influence(table, wave, nothing, nothing, wave, 0, nothing)

@@ -83,9 +83,11 @@ def _judged(problem, force, elastic_displacement, field, shift):
 @kernel
 def _iterate(problem, force, shift):
     """Make an iterate from forces, with one product with the interaction."""
-    elastic_displacement, field = interaction_product(
+    elastic_displacement = interaction_product(
         problem.influence, problem.matrix, problem.contacts.cells, force, problem.grid
     )
+    known = 0 if problem.matrix.size > 0 else problem.grid.shape[1]
+    field = problem.influence.field[:, :known].copy()
     return _judged(problem, force, elastic_displacement, field, shift)
 
 
@@ -135,7 +137,6 @@ def _lowered(problem, state, trial):
         elastic_displacement = state.elastic_displacement + part * moved
         if energy(contacts, shift, elastic_displacement, force) < before:
             field = state.field + part * (trial.field - state.field)
-            field = field[:, : state.field.shape[1]]
             return _judged(problem, force, elastic_displacement, field, shift), 0
     force = state.force.copy()
     for _ in range(_SWEEPS):
@@ -161,7 +162,7 @@ def interacting_equilibrium(
     force = np.minimum(start, contacts.limit)
     given = elastic_displacement.size == n
     if given:
-        state = _judged(problem, force, elastic_displacement, grid[:, :0], 0.0)
+        state = _judged(problem, force, elastic_displacement, grid[:, :0].copy(), 0.0)
     else:
         state = _iterate(problem, force, 0.0)
     products = 0 if given else 1

@@ -23,8 +23,8 @@ import math
 import numpy as np
 
 from jointclosure.compilation.kernels import kernel
-from jointclosure.mechanics.curvature import gaussian_curvature
 from jointclosure.mechanics.gouge import fall, passed_share, upper_share
+from jointclosure.solvers.cells import wall_curvature
 
 BATCH = 128
 UPPER, LOWER = 0, 1
@@ -112,23 +112,11 @@ def scatter(batch, i, cell, upper, lower, stride):
 
 
 @kernel
-def curvature_of(here, west, east, south, north, least_curvature, concave, spacing):
-    """Compute `jointclosure.solvers.cells.wall_curvature` without a branch."""
-    left = east if west == math.inf else west
-    right = west if east == math.inf else east
-    below = north if south == math.inf else south
-    above = south if north == math.inf else north
-    curvature = gaussian_curvature(left, right, below, above, here, concave, spacing)
-    # NaN for a single cell in a direction, which is straight
-    return curvature if curvature > least_curvature else least_curvature
-
-
-@kernel
 def assess(batch, n, least_curvature, concave, spacing, allowed):
     """Compute curvatures, overlap, stress ratio, and whether it exceeds the allowed one."""
     for i in range(n):
         for wall in range(2):
-            batch.curvature[wall, i] = curvature_of(
+            batch.curvature[wall, i] = wall_curvature(
                 batch.heights[wall, CENTRE, i],
                 batch.heights[wall, WEST, i],
                 batch.heights[wall, EAST, i],
@@ -268,7 +256,7 @@ def curvature_after(batch, i, wall, loss, tie_tolerance, least_curvature, concav
         east += rise * fall(here, east, tie_tolerance)
         south += rise * fall(here, south, tie_tolerance)
         north += rise * fall(here, north, tie_tolerance)
-    return curvature_of(
+    return wall_curvature(
         here - share * loss, west, east, south, north, least_curvature, concave, spacing
     )
 

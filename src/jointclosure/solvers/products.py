@@ -9,6 +9,9 @@ import numpy as np
 
 from jointclosure.compilation.kernels import kernel
 
+PIVOTS, LANES = 4, 8
+"""Number of pivots of one pass over a matrix, and of the values of a vector at most."""
+
 
 @kernel
 def inner(one, other):
@@ -54,28 +57,58 @@ def symmetric_inverse(matrix):
     """Invert a symmetric positive definite matrix (n, n) by sweeping pivot by pivot.
 
     The sweep operator (Goodnight 1979) on the lower triangle needs no pivoting for a positive
-    definite matrix.
+    definite matrix. `PIVOTS` pivots share one pass over the matrix. Every element is computed by
+    the same operations in the same order as pivot by pivot.
     """
     n = matrix.shape[0]
-    swept = matrix.copy()
-    column = np.empty(n)
-    for k in range(n):
-        column[:k] = swept[k, :k]
-        column[k:] = swept[k:, k]
-        pivot = column[k]
-        for i in range(n):
-            share = column[i] / pivot
-            row = swept[i]
-            for j in range(i + 1):
-                row[j] -= share * column[j]
-        for i in range(n):
-            if i < k:
-                swept[k, i] = column[i] / pivot
-            elif i > k:
-                swept[i, k] = column[i] / pivot
-        swept[k, k] = -1.0 / pivot
+    wide = n + -n % LANES  # whole vectors: what they add to the upper triangle is not used
+    swept = np.zeros((n, wide))
+    swept[:, :n] = matrix
+    columns, shares = np.zeros((PIVOTS, wide)), np.zeros((PIVOTS, wide))
+    for first in range(0, n, PIVOTS):
+        width = min(PIVOTS, n - first)
+        shares[width:] = 0.0
+        for q in range(width):
+            column, k = columns[q], first + q
+            column[:k] = swept[k, :k]
+            column[k:n] = swept[k:, k]
+            _follow_pivots(column, k, first, 0, q, columns, shares)
+            for i in range(n):
+                shares[q, i] = column[i] / column[k]
+        _subtract_products(swept, columns, shares)
+        for q in range(width):
+            k = first + q
+            row = shares[q].copy()
+            row[k] = -1.0 / columns[q, k]
+            _follow_pivots(row, k, first, q + 1, width, columns, shares)
+            swept[k, :k] = row[:k]
+            swept[k:, k] = row[k:n]
+    answer = np.empty((n, n))
     for i in range(n):
         for j in range(i + 1):
-            swept[i, j] = -swept[i, j]
-            swept[j, i] = swept[i, j]
-    return swept
+            answer[i, j] = answer[j, i] = -swept[i, j]
+    return answer
+
+
+@kernel
+def _follow_pivots(row, k, first, start, stop, columns, shares):
+    """Sweep row and column k of a symmetric matrix by the pivots from ``start`` to ``stop``."""
+    for r in range(start, stop):
+        column, share = columns[r], shares[r]
+        at_column, at_share = column[k], share[k]
+        for i in range(k):
+            row[i] -= at_share * column[i]
+        for i in range(k, row.size):
+            row[i] -= share[i] * at_column
+        row[first + r] = at_share
+
+
+@kernel
+def _subtract_products(swept, columns, shares):
+    """Subtract the products of `PIVOTS` shares and columns in turn from the lower triangle."""
+    c0, c1, c2, c3 = columns[0], columns[1], columns[2], columns[3]
+    for i in range(swept.shape[0]):
+        row = swept[i]
+        s0, s1, s2, s3 = shares[0, i], shares[1, i], shares[2, i], shares[3, i]
+        for j in range(i + LANES - i % LANES):
+            row[j] = row[j] - s0 * c0[j] - s1 * c1[j] - s2 * c2[j] - s3 * c3[j]

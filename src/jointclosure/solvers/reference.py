@@ -13,7 +13,7 @@ from jointclosure.compilation.kernels import kernel
 from jointclosure.mechanics.contact import asperity_compliance, force_of_overlap
 from jointclosure.mechanics.gouge import drops, passed_share, shed, upper_share
 from jointclosure.mechanics.strength import is_overstressed
-from jointclosure.solvers.cells import is_peak, neighbourhood, overlapping_cells, wall_curvature
+from jointclosure.solvers.cells import curvature_among, is_peak, neighbourhood, overlapping_cells
 from jointclosure.solvers.joint import (
     CONVERGED,
     NOT_CONVERGED,
@@ -94,12 +94,8 @@ def reference_kernel(interaction: bool, breakage: bool, gouge: bool, current_pea
                         state = 2 * is_peak(upper[y, x], around_upper)
                         state += is_peak(lower[y, x], around_lower)
                         peaks[y, x] = state
-                    kappa_upper = wall_curvature(
-                        upper[y, x], around_upper, law.least_curvature, law.concave, law.spacing
-                    )
-                    kappa_lower = wall_curvature(
-                        lower[y, x], around_lower, law.least_curvature, law.concave, law.spacing
-                    )
+                    kappa_upper = curvature_among(upper[y, x], around_upper, law)
+                    kappa_lower = curvature_among(lower[y, x], around_lower, law)
                     kappa = kappa_upper + kappa_lower
                     # 4. breakage: 4.3 until the contact holds with its new geometry
                     if not breakage or not overlap > 0.0:
