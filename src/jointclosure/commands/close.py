@@ -52,9 +52,11 @@ from jointclosure.storage.text import write_csv, write_text
 from jointclosure.surface.mismatch import Mismatch
 from jointclosure.surface.registration import ORIENTATIONS, SHIFTS, RegisteredPair
 
+_WALL = "scan of the {} wall; x.txt,y.txt,z.txt for matrices in three files; or flat"
 _EXAMPLES = """examples:
   jointclosure close top.xyz bottom.xyz --units mm --rock granite
   jointclosure close top.stl bottom.stl --units mm --rock granite --stress 5 --cycles 3
+  jointclosure close aperture.asc flat --orientation common_frame --units mm --rock granite
   jointclosure close top.csv bottom.csv --units mm --youngs-modulus 60 --poisson-ratio 0.22 \\
       --strength 180 --stress 15 --grid-spacing 0.5 --output my_joint
 
@@ -72,8 +74,8 @@ def add_to(commands) -> None:
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    command.add_argument("upper", type=Path, help="scan of the upper wall")
-    command.add_argument("lower", type=Path, help="scan of the lower wall")
+    command.add_argument("upper", type=Path, help=_WALL.format("upper"))
+    command.add_argument("lower", type=Path, help=_WALL.format("lower"))
     scans = command.add_argument_group("scans")
     scans.add_argument(
         "--units", choices=list(UNITS), help="units of the scans, if the files do not state them"
@@ -221,7 +223,7 @@ def _pair(arguments, settings: Configured) -> RegisteredPair:
         ("upper", upper),
         ("lower", lower),
     ):  # before registration, which may take minutes
-        for remark in cautions(scan.remarks):
+        for remark in () if isinstance(scan, str) else cautions(scan.remarks):
             print(f"- {name} wall: {remark}")
     allowed = settings.typed.study.unusual_values == "allow"
     return brought_together(upper, lower, walls, spacing, allowed)
