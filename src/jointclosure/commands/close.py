@@ -28,6 +28,7 @@ from jointclosure.config.rocks import rock_record, rock_text
 from jointclosure.config.units import to_si
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.cases import cases_of
+from jointclosure.ensemble.expected_cost import check_cells, expected_cost
 from jointclosure.ensemble.measured_walls import brought_together
 from jointclosure.ensemble.scanned_joint import (
     RESOLVED_KEYS,
@@ -240,6 +241,11 @@ def _closed(settings: Configured, pair: RegisteredPair, arguments) -> ClosedJoin
         f"{rock_text(conditions.rock, name)}; {nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm: "
         f"{describe_load(conditions.max_normal_stress, conditions.cycle_count)}"
     )
+    check_cells(pair.upper.shape, pair.spacing, arguments.grid_spacing is not None)
+    of_pair = conditions._replace(spacing=pair.spacing)
+    cost = expected_cost(pair.upper, pair.lower, of_pair, arguments.single)
+    if cost is not None:
+        print(f"- {cost.sentence(pair.upper.shape, pair.spacing)}", flush=True)
     with shown_progress(conditions.cycle_count) as report:
         stresses = kept_stresses(arguments, conditions)
         return closed_pair(pair, conditions, report, stresses, rock_name=name)

@@ -12,6 +12,7 @@ from jointclosure.config.rocks import given_rock, rock_text
 from jointclosure.config.units import to_si
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.closing import close_walls
+from jointclosure.ensemble.expected_cost import check_cells, expected_cost
 from jointclosure.ensemble.uncertainty import Budget, uncertainty_budget
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
@@ -151,6 +152,10 @@ def close(
     if not unusual:
         for doubt in pair.warnings:
             warnings.warn(doubt, stacklevel=2)
+    check_cells(pair.upper.shape, pair.spacing, stated.spacing is not None)
+    cost = expected_cost(pair.upper, pair.lower, stated._replace(spacing=pair.spacing), single)
+    if cost is not None:
+        warnings.warn(cost.sentence(pair.upper.shape, pair.spacing), stacklevel=2)
     joint = closed_pair(pair, stated, report, snapshots, rock_name=name)
     return joint if single else with_range(joint, ranges)
 
