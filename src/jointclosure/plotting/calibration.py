@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from jointclosure.joint.protocol import LOADING
 from jointclosure.measured.fit import Fit
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 
@@ -18,7 +19,7 @@ def fit_figure(result: Fit, title: str) -> Figure:
     result : Fit
     title : str
     """
-    figure, panels = subplots(2, 2, figsize=(12.5, 6.4), height_ratios=(2, 1))
+    figure, panels = subplots(2, 2, figsize=(12.5, 6.4), height_ratios=(2, 1), sharex="col")
     above, below = panels[:, 1]
     grid = panels[0, 0].get_gridspec()
     for axes in panels[:, 0]:
@@ -52,6 +53,7 @@ def fit_figure(result: Fit, title: str) -> Figure:
     below.set_xlabel("compressive strength (MPa)" if result.scanned else "mismatch wavelength (mm)")
     below.legend(frameon=False, loc="lower right")
     decimal_ticks(below.xaxis)
+    decimal_ticks(above.yaxis)
     figure.suptitle(title, parse_math=False)
     return figure
 
@@ -60,22 +62,26 @@ def _draw_curve(axes, result: Fit) -> None:
     """Draw the measured curve since seating on the band of the fitted joints, by cycle."""
     closures = 1e3 * result.simulated.closures[_fitted(result)]
     stresses = 1e-6 * result.simulated.stresses
+    kind = "fitted" if result.interval_holds else "nearest"
     for cycle in range(1, result.measured.cycles + 1):
         colour = f"C{cycle - 1}"
         for branch in (0, 1) if cycle in result.measured.unloaded else (0,):
             low, high = np.nanpercentile(closures[:, cycle - 1, branch], (5.0, 95.0), axis=0)
-            label = f"cycle {cycle}: nine in ten fitted joints" if branch == 0 else None
+            label = f"cycle {cycle}: nine in ten {kind} joints" if branch == 0 else None
             axes.fill_betweenx(stresses, low, high, color=colour, alpha=0.25, lw=0.0, label=label)
         if result.curve is None:
             continue
-        for _, stress, closure in result.curve.since_seating(cycle, result.measured.seating):
+        seating = result.measured.seating
+        for branch, stress, closure in result.curve.since_seating(cycle, seating):
+            if branch == LOADING:
+                stress, closure = np.append(seating, stress), np.append(0.0, closure)
             axes.plot(1e3 * closure, 1e-6 * stress, "o-", ms=3, lw=1.2, color=colour)
         axes.plot([], [], "o-", ms=3, color=colour, label=f"cycle {cycle}: measured")
     axes.set(
         xlabel="net closure since seating of the cycle (mm)", ylabel="normal stress (MPa)",
         xlim=(min(0.0, axes.get_xlim()[0]), None),
     )  # fmt: skip
-    axes.legend(frameon=False, fontsize=8, loc="upper left")
+    axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.09))
 
 
 def _fitted(result: Fit) -> np.ndarray:
