@@ -15,6 +15,10 @@ _PLACES = (
     ((-5, -4), "right", "top"),
     ((0, 6), "center", "bottom"),
     ((0, -6), "center", "top"),
+    ((8, 11), "left", "bottom"),
+    ((8, -11), "left", "top"),
+    ((-8, 11), "right", "bottom"),
+    ((-8, -11), "right", "top"),
 )
 """Offsets [points] from a mark's middle that are tried in turn, and the alignment of text there."""
 _STAR = 8.0
