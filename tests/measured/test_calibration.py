@@ -211,6 +211,16 @@ def test_the_strength_of_scanned_walls_is_within_its_interval():
     assert fit_figure(result, "a joint").axes
 
 
+def test_a_cycle_measured_from_a_new_zero_is_read_as_one_that_continues():
+    rows = "0.5,0,1\n5,0.1,1\n0.5,0.05,1\n"
+    readings = []
+    for zero in (0.0, 0.05):
+        later = f"0.5,{zero},2\n2.75,{zero + 0.03},2\n5,{zero + 0.05},2\n"
+        curve = parsed_curve("stress_MPa,closure_mm,cycle\n" + rows + later, "lab.csv")
+        readings.append(readings_of_curve(curve, SEATING).values)
+    np.testing.assert_allclose(*readings)
+
+
 def test_levels_without_points_are_not_read():
     text = "stress_MPa,closure_mm,cycle\n0.5,0,1\n5,0.1,1\n0.5,0.05,1\n"
     text += "0.5,0.05,2\n2.75,.08,2\n5,.1,2\n"

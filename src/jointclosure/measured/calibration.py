@@ -27,6 +27,8 @@ CURVE_POINTS = 25
 """Number of stresses, from seating to the maximum, at which curves of joints are kept."""
 _STEPS = 161
 """Number of wavelengths, and of strengths, at which the likelihood is computed."""
+_SAME_STRESS = 1e-3
+"""Largest difference of equal stresses, over the largest stress of a curve."""
 _SAME_LOAD = 0.02
 """Largest allowed relative difference of the largest stresses of cycles."""
 
@@ -176,13 +178,23 @@ def _levels_read(stress: np.ndarray, seating_stress: float) -> tuple[int, ...]:
 def _as_history(curve: MeasuredCurve) -> xr.Dataset:
     """Convert a measured curve to a history, to be read like that of a simulated joint.
 
-    It has no bulk indentation, because the deformation of the intact rock was subtracted.
+    It has no bulk indentation, because the deformation of the intact rock was subtracted. A cycle
+    that begins at the stress at which the one before ended continues its closure, also if its
+    closures were measured from a new zero.
     """
-    branches = [
-        (cycle, branch, *points)
-        for cycle in curve.cycles
-        for branch, points in curve.branches(cycle).items()
-    ]
+    branches: list[tuple[int, str, np.ndarray, np.ndarray]] = []
+    for cycle in curve.cycles:
+        of_cycle = curve.branches(cycle)
+        first, zero = (points[0] for points in of_cycle[LOADING])
+        offset = 0.0
+        if branches and branches[-1][2].size:
+            before, end = branches[-1][2][-1], branches[-1][3][-1]
+            again = abs(before - first) <= _SAME_STRESS * curve.stress.max()
+            offset = end - zero if again else 0.0
+        branches += [
+            (cycle, branch, stress, closure + offset)
+            for branch, (stress, closure) in of_cycle.items()
+        ]
     names = np.concatenate([[branch] * stress.size for _, branch, stress, _ in branches])
     cycles = np.concatenate([np.full(stress.size, cycle) for cycle, _, stress, _ in branches])
     columns = {

@@ -173,6 +173,7 @@ def fit(
     effects: Effects = Effects(),
     choices: Choices = Choices(),
     numerics: Numerics = Numerics(),
+    simulated: Simulated | None = None,
     report: Callable[[float], None] = lambda share: None,
 ) -> Fit:
     """Estimate the mismatch wavelength of a joint from its measured closure, or its strength.
@@ -217,6 +218,9 @@ def fit(
         As for `jointclosure.wall_pair`.
     effects, choices, numerics
         As for `jointclosure.simulate`.
+    simulated : Simulated, optional
+        Joints of a fit with the same arguments to another curve, of the same cycles and stresses,
+        which are then not closed again.
     report : callable
         Called with the share of finished joints.
 
@@ -260,9 +264,13 @@ def fit(
         wavelengths = np.array([np.clip(pair.mismatch.wavelength, *wavelengths[[0, -1]])])
     factors = np.geomspace(*STRENGTH_RANGE, STRENGTHS) if fit_strength else np.ones(1)
     strengths = intact.compressive_strength * factors
-    simulated = simulated_readings(
-        walls, conditions, measured, wavelengths, strengths, surfaces, report
-    )
+    if simulated is None:
+        simulated = simulated_readings(
+            walls, conditions, measured, wavelengths, strengths, surfaces, report
+        )
+    expected = (wavelengths.size, strengths.size, surfaces, measured.values.size)
+    if simulated.logs.shape != expected:
+        raise InputError(f"simulated: of shape {simulated.logs.shape}, must be {expected}")
     likelihood = likelihood_of(measured, simulated.logs, wavelengths, strengths, closure_error)
     return Fit(
         likelihood.interval(0) if pair is None else Interval(*pair.mismatch),
