@@ -95,11 +95,11 @@ measured_readings = Table(
     "measured_fit/measured_fit_readings",
     {
         "joint": "{joint}",
-        "side simulated (mm)": "{side_mm:g}",
         "reading": "{name}",
-        "measured": lambda group: f"{group['measured']:.2g} {group['unit']}",
+        "measured": lambda group: f"{group['measured']:.3g} {group['unit']}",
         "wavelengths at which joints have it (mm)": _agreement,
     },
+    prepare=lambda table: table[table.side_mm == table.side_mm.max()],
 )
 
 
