@@ -2,10 +2,10 @@
 
 import math
 
-from jointclosure.measured.fit import DOUBTFUL
 from stored import stored
 
 from content.markdown import Form, Group, Table, chosen, rows_of
+from jointclosure.measured.fit import DOUBTFUL
 
 NAMES = {
     "closure_net_since_seating_mm": "net closure since 0.5 MPa (mm)",
