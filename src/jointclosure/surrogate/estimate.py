@@ -171,11 +171,11 @@ def _tested_law(
         return chosen, _worst(chosen.errors, ratio), ""
     given = {name: (value, value) for name, value in walls._asdict().items()}
     given |= {"spacing": (spacing, spacing), "cells": (float(min(shape)), float(max(shape)))}
-    around = {kind: nodes_around(given, kind.roll_off) for kind in _calibrations()}
-    tested = {kind: nodes for kind, nodes in around.items() if not isinstance(nodes, Outside)}
+    around = [(kind, nodes_around(given, kind.roll_off)) for kind in _calibrations()]
+    tested = [(kind, nodes) for kind, nodes in around if not isinstance(nodes, Outside)]
     if tested:
-        kind = min(tested, key=lambda kind: _away(tested[kind], walls.height_over_slope))
-        errors = errors_at(tested[kind], ratio)
+        kind, nodes = min(tested, key=lambda pair: _away(pair[1], walls.height_over_slope))
+        errors = errors_at(nodes, ratio)
         modulus = rock.youngs_modulus / strength_of(rock)
         least, most = kind.tested["modulus_over_strength"]
         if np.isfinite(errors).all() and least <= modulus <= most:
@@ -183,7 +183,11 @@ def _tested_law(
         named = list(_outside(kind, walls, shape, spacing, rock, ratio))
         load = [text for text in named if "strength =" in text]
         return kind, np.full(ratio.shape, np.nan), load[0]
-    return chosen, np.full(ratio.shape, np.nan), _nearest_domain(around[chosen], outside[0])
+    return (
+        chosen,
+        np.full(ratio.shape, np.nan),
+        _nearest_domain(next(found for kind, found in around if kind is chosen), outside[0]),
+    )
 
 
 def _away(nodes: list[Node], height_over_slope: float) -> float:
