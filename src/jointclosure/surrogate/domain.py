@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.config.files import SURROGATE_DOMAIN
-from jointclosure.storage.text import read_csv
 
 AXES = ("spacing", "cells", "rms_slope")
 """Quantities along which nodes lie around a joint."""
@@ -112,7 +111,7 @@ def errors_at(nodes: Sequence[Node], ratio: np.ndarray) -> np.ndarray:
 @lru_cache(maxsize=1)
 def _nodes() -> tuple[Node, ...]:
     """Return all tested nodes."""
-    table = read_csv(SURROGATE_DOMAIN)
+    table = pd.read_csv(SURROGATE_DOMAIN)
     keys = ["roll_off_mm", "spacing_m", "cells", "jrc"]
     nodes = []
     for (roll_off, spacing, cells, jrc), part in table.groupby(keys, dropna=False):
