@@ -47,6 +47,7 @@ RUNS = {
     ),
     "surrogate_roll_off": Run(shipped={"surrogate": "surrogate_roll_off"}),
     "surrogate_no_roll_off": Run(shipped={"surrogate": "surrogate_no_roll_off"}),
+    "surrogate_domain": Run(shipped={"surrogate_domain": "surrogate_domain"}),
     "accuracy": Run(
         tables=("accuracy_cost", "accuracy_sources", "accuracy_orders", "accuracy_split"),
         figures=("accuracy_regularised", "accuracy_sources", "accuracy_total"),
@@ -82,6 +83,7 @@ RUNS = {
     "global_sensitivity_full": Run(("global_sensitivity_estimate",)),
     "continuum": Run(("continuum", "continuum_codes"), ("continuum",)),
     "validation": Run(("validation",)),
+    "measured_fit": Run(("measured_fit", "measured_fit_readings")),
     "measured_joints": Run(
         ("measured_joints", "measured_joints_predictions"), ("measured_joints",)
     ),

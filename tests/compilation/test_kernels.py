@@ -31,6 +31,9 @@ BOTH = (
 )
 
 
+DECORATORS = ("kernel", "large_kernel")
+
+
 def all_kernels() -> set[str]:
     """Module and name of every function that is decorated as a kernel."""
     found = set()
@@ -38,7 +41,7 @@ def all_kernels() -> set[str]:
         module = ".".join(("jointclosure", *file.relative_to(PACKAGE).with_suffix("").parts))
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.FunctionDef) and any(
-                isinstance(mark, ast.Name) and mark.id == "kernel" for mark in node.decorator_list
+                isinstance(mark, ast.Name) and mark.id in DECORATORS for mark in node.decorator_list
             ):
                 found.add(f"{module}.{node.name}")
     return found

@@ -8,7 +8,9 @@ from jointclosure.ensemble.closing import close_walls
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.history import branch_of, read_along
 from jointclosure.joint.protocol import LOADING, UNLOADING
+from jointclosure.measured.agreement import quantities_of
 from jointclosure.measured.calibration import (
+    Simulated,
     likelihood_of,
     readings_of_curve,
     readings_of_history,
@@ -16,6 +18,9 @@ from jointclosure.measured.calibration import (
 )
 from jointclosure.measured.curves import MeasuredCurve, parsed_curve
 from jointclosure.measured.fit import Fit, assumptions, fit
+from jointclosure.plotting.calibration import fit_figure
+from jointclosure.surface.measured import Scan
+from jointclosure.surface.registration import registered
 from tests.conftest import SPACING
 
 GRANITE = jc.Rock(73e9, 0.25, 173e6)
@@ -42,7 +47,7 @@ def curve_of(history):
 def simulated():
     asked = readings_of_curve(curve_of(close_walls(*walls(1, 2e-3), CONDITIONS)), SEATING)
     strengths = np.array([GRANITE.compressive_strength])
-    return simulated_readings(walls, CONDITIONS, asked, WAVELENGTHS, strengths, 10)
+    return simulated_readings(walls, CONDITIONS, asked, WAVELENGTHS, strengths, 10).logs
 
 
 def test_a_curve_is_read_as_the_history_that_it_was_measured_of():
@@ -113,8 +118,9 @@ def fitted(values, scatter=0.1, strengths=(160e6,), rock=GRANITE):
     simulated = mean + scatter / 0.1 * (np.array(logs) - mean)
     found = likelihood_of(measured, simulated, wavelengths, strengths, 1e-3)
     strength = found.interval(1) if strengths.size > 1 else None
-    assumed = assumptions(rock, 10.0, (64, 32), SPACING, 3e-3)
-    return Fit(found.interval(0), strength, found.p_value, measured, simulated, found, assumed)
+    assumed = assumptions(rock, (10.0, 10.0), (64, 32), SPACING, 3e-3)
+    joints = Simulated(simulated, np.empty(0), np.empty(0))
+    return Fit(found.interval(0), strength, found.p_value, measured, joints, found, assumed)
 
 
 def test_a_reading_between_the_wavelengths_that_were_closed_is_not_called_impossible():
@@ -161,10 +167,12 @@ def test_a_fit_says_its_interval_in_words_and_doubts_a_curve_that_no_joint_makes
     assert found.compressive_strength is None
     assert "95 % interval" in repr(found)
     assert "\n" not in repr(found)
-    assert found.simulated.shape == (8, 1, 4, 3)
+    assert found.simulated.logs.shape == (8, 1, 4, 3)
     path.write_text(GOOD.replace("0.12", "40"))
     odd = fit(path, **about)
-    warning, missed, nearest, assumed = odd.sentences()
+    warning, missed, nearest, closure, stiffness, assumed = odd.sentences()
+    assert "no joint has it" in closure
+    assert "no joint has it" in stiffness
     assert warning.startswith(
         "Warning: the model does not explain this curve: fewer than 1 in 1000"
     )
@@ -174,6 +182,55 @@ def test_a_fit_says_its_interval_in_words_and_doubts_a_curve_that_no_joint_makes
     assert nearest == "nearest are independent walls"
     assert "3 x 3 mm" in assumed
     assert "excluded" not in repr(odd)
+
+
+def test_a_range_of_jrc_widens_the_scatter_of_the_joints(tmp_path):
+    path = tmp_path / "lab.csv"
+    path.write_text(GOOD)
+    about = {"rock": "granite", "shape": (12, 12), "surfaces": 4}
+    one, several = (fit(path, jrc=jrc, **about) for jrc in (10.0, (2.0, 18.0)))
+    assert several.likelihood.scatter[-1, -1] > one.likelihood.scatter[-1, -1]
+    assert "JRC 2 to 18" in several.assumed
+    for wrong in (None, (18.0, 2.0), (1.0, 2.0, 3.0)):
+        with pytest.raises(jc.InputError, match="jrc"):
+            fit(path, jrc=wrong, **about)
+
+
+def test_the_strength_of_scanned_walls_is_within_its_interval():
+    upper, lower = jc.wall_pair(10.0, SHAPE, SPACING, 3, mismatch_wavelength=3e-3)
+    scans = [Scan(wall, (SPACING, SPACING)) for wall in (-upper, lower)]
+    pair = registered(*scans, orientation="common_frame", cut_spikes=False)
+    weak = GRANITE._replace(compressive_strength=130e6)
+    curve = curve_of(close_walls(pair.upper, pair.lower, CONDITIONS._replace(rock=weak)))
+    result = fit(curve, rock=GRANITE, pair=pair, seating_stress=SEATING, surfaces=6)
+    assert result.scanned
+    assert result.mismatch_wavelength == pair.mismatch
+    assert result.compressive_strength.low <= 130e6 <= result.compressive_strength.high
+    closure = result.agreements()[0]
+    assert closure.low <= 130e6 <= closure.high
+    assert fit_figure(result, "a joint").axes
+
+
+def test_a_cycle_measured_from_a_new_zero_is_read_as_one_that_continues():
+    rows = "0.5,0,1\n5,0.1,1\n0.5,0.05,1\n"
+    readings = []
+    for zero in (0.0, 0.05):
+        later = f"0.5,{zero},2\n2.75,{zero + 0.03},2\n5,{zero + 0.05},2\n"
+        curve = parsed_curve("stress_MPa,closure_mm,cycle\n" + rows + later, "lab.csv")
+        readings.append(readings_of_curve(curve, SEATING).values)
+    np.testing.assert_allclose(*readings)
+
+
+def test_levels_without_points_are_not_read():
+    text = "stress_MPa,closure_mm,cycle\n0.5,0,1\n5,0.1,1\n0.5,0.05,1\n"
+    text += "0.5,0.05,2\n2.75,.08,2\n5,.1,2\n"
+    measured = readings_of_curve(parsed_curve(text, "lab.csv"), SEATING)
+    assert measured.places() == [(1, 5e6), (1, None), (2, 2.75e6), (2, 5e6)]
+    np.testing.assert_allclose(1e3 * measured.values, [0.1, 0.05, 0.03, 0.05], rtol=1e-6)
+    closure, stays, later, stiffness = quantities_of(measured.values, measured, 0.02)
+    assert stays.values == pytest.approx(50.0)
+    assert stiffness.values == pytest.approx(2.25 / 0.02)
+    assert (closure.unit, later.unit, stiffness.unit) == ("mm", "mm", "MPa/mm")
 
 
 @pytest.mark.parametrize(

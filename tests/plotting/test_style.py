@@ -1,7 +1,17 @@
-"""Importing the figures, or drawing one, leaves the process as it is."""
+"""Importing the figures, or drawing one, leaves the process as it is; labels, words, sizes."""
 
 import subprocess
 import sys
+
+import numpy as np
+import pytest
+
+import jointclosure as jc
+from jointclosure.plotting.labels import Label, label_marks
+from jointclosure.plotting.size import spectrum_title
+from jointclosure.plotting.snapshots import snapshot_figure
+from jointclosure.plotting.style import StyledFigure
+from tests.conftest import DOLERITE, SPACING
 
 PROGRAM = """
 import matplotlib
@@ -24,3 +34,32 @@ def test_figures_leave_the_backend_and_the_style_of_the_process_alone(tmp_path):
     )
     assert answer.returncode == 0, answer.stderr
     assert (tmp_path / "figure.png").stat().st_size > 1000
+
+
+def test_names_of_spectra_are_written_in_words():
+    names = ["roll_off_3mm", "no_roll_off", "hurst_05_roll_off_3mm", "hurst_05"]
+    words = ["roll-off 3 mm", "no roll-off", "H = 0.5, roll-off 3 mm", "H = 0.5"]
+    assert [spectrum_title(name) for name in names] == words
+
+
+def test_labels_of_marks_do_not_meet():
+    figure = StyledFigure(figsize=(3.0, 3.0))
+    axes = figure.add_subplot()
+    axes.plot([1.0], [1.0], "*", ms=13)
+    axes.plot([1.02, 0.98], [1.0, 1.0], "o", ms=5)
+    axes.set(xlim=(0.5, 1.5), ylim=(0.5, 1.5))
+    label_marks(axes, [Label("0.5", 1.02, 1.0, "C0"), Label("1", 0.98, 1.0, "C1")])
+    boxes = [text.get_window_extent() for text in axes.texts]
+    assert len(boxes) == 2
+    assert not boxes[0].padded(2.0).overlaps(boxes[1])
+
+
+@pytest.mark.parametrize("number", [1, 3, 12, 24])
+def test_snapshots_fill_at_most_two_screens(number):
+    upper, lower = jc.wall_pair(8.0, (12, 12), SPACING, 1)
+    loads = {"max_normal_stress": 2e6, "snapshots": [1e6]}
+    closed = jc.simulate(upper, lower, spacing=SPACING, rock=DOLERITE, **loads)
+    kept = np.arange(number) % closed.sizes["snapshot"]
+    figure = snapshot_figure(closed.isel(snapshot=kept), "joint")
+    width, height = figure.get_size_inches()
+    assert 1280.0 * height / width <= 2.0 * 800.0

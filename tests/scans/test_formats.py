@@ -262,12 +262,37 @@ def test_text_as_instruments_and_people_write_it_is_read(wall, tmp_path):
         "x_mm,y_mm,z_um",
         "# x [mm] y [mm] z [um]",
         "X (mm);Y (mm);Z (µm)",
+        "X Position [MM];Y Position [MM];Height [UM]",
+        "x/mm y/mm z/um",
+        "X, mm;Y, mm;Z, um",
     ],
 )
 def test_a_head_says_the_units_also_as_a_comment(head, wall, tmp_path):
     lines = [f"{x:.9f} {y:.9f} {1e3 * z:.9f}" for x, y, z in points_of(wall)]
     (tmp_path / "a.txt").write_bytes("\n".join([head, *lines]).encode("latin-1"))
     np.testing.assert_allclose(read_scan(tmp_path / "a.txt").heights, 1e-3 * wall, atol=1e-12)
+
+
+LETTER = "Dear all,\nthe scan is lost.\n"
+UNLIKE = {
+    "a.foo": (LETTER.encode(), "text"),
+    "a.stl": (b"\x89PNG\r\n\x1a\n" + bytes(80), "PNG"),
+    "a.npy": (b"PK\x03\x04" + bytes(80), "archive"),
+    "b.foo": (bytes(range(256)), "no form"),
+    "empty.xyz": (b"", "empty"),
+    "a.obj": (b"v 0 0 0\nv 1 0 x\n", "line 2"),
+    "b.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "vertex 9"),
+    "c.obj": (LETTER.encode(), "no vertices"),
+}
+
+
+@pytest.mark.parametrize("name", UNLIKE)
+def test_a_file_of_no_form_is_refused_in_one_line_with_the_nearest_form(name, tmp_path):
+    content, nearest = UNLIKE[name]
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(jc.InputError, match=nearest) as error:
+        read_scan(tmp_path / name, units="mm")
+    assert len(str(error.value).splitlines()) == 1
 
 
 @pytest.mark.parametrize("head", ["", "depth,east,north,height\n"])

@@ -98,6 +98,14 @@ def as_surfer(path, ground):
     return {"units": "mm"}
 
 
+def as_three_files(path, ground):
+    for name, matrix in zip(
+        "xyz", ground.points().T.reshape(3, *ground.heights.shape), strict=True
+    ):
+        np.savetxt(path.parent / f"{name}.dat.txt", matrix, "%.6f")
+    return {"units": "mm"}
+
+
 def as_mesh(path, ground):
     trimesh = pytest.importorskip("trimesh")
     ny, nx = ground.heights.shape
@@ -136,6 +144,7 @@ FORMS = {
     "a.ply": as_mesh,
     "a.obj": as_mesh,
     "a.txt": as_matrix,
+    "x.dat.txt,y.dat.txt,z.dat.txt": as_three_files,
     "a.mat": as_matlab,
     "a.grd": as_surfer,
     "b.grd": as_surfer,
@@ -158,7 +167,9 @@ def grounds(draw):
 
 
 def read_in(form: str, ground: Ground, folder: Path) -> Scan:
-    return read_scan(folder / form, **FORMS[form](folder / form, ground))
+    given = FORMS[form](folder / form, ground)
+    parts = [folder / part for part in form.split(",")]
+    return read_scan(parts if len(parts) > 1 else parts[0], **given)
 
 
 @RANDOM
@@ -215,6 +226,39 @@ def test_a_lost_line_changes_a_joint_at_its_place_only(joint, expected, tmp_path
         largest = difference[place]
         difference[place] = 0.0
         assert difference.max() <= 0.02 * largest  # of the plane, to which one height counts
+
+
+def test_three_matrices_of_different_shapes_are_refused(joint, tmp_path):
+    given = as_three_files(tmp_path / "a", joint[0])
+    np.savetxt(tmp_path / "y.dat.txt", np.ones((3, 4)))
+    with pytest.raises(jc.InputError, match="24 x 26, 3 x 4, 24 x 26"):
+        read_scan(",".join(str(tmp_path / f"{name}.dat.txt") for name in "xyz"), **given)
+
+
+def test_an_aperture_map_on_a_flat_wall_is_a_rough_wall_under_a_flat_one(joint):
+    rough = joint[1].heights
+    tilted = rough + 0.02 * np.indices(rough.shape)[1]
+    lower, aperture = (Scan(1e-3 * part, (3e-4, 3e-4)) for part in (tilted, rough.max() - rough))
+    under = registered("flat", lower, cut_spikes=False)
+    mapped = registered(aperture, "flat", orientation="common_frame", cut_spikes=False)
+    turned = registered(lower, "flat", orientation="towards", cut_spikes=False)
+    for pair in (mapped, turned):
+        np.testing.assert_allclose(pair.aperture, under.aperture, atol=1e-12)
+    assert not under.upper.any()
+    assert not mapped.lower.any()
+    assert not under.warnings
+    for scans, orientation in (((lower, "flat"), None), (("flat", "flat"), None)):
+        with pytest.raises(jc.InputError, match="flat"):
+            registered(*scans, orientation=orientation)
+    with pytest.raises(jc.InputError, match="must be left out"):
+        registered("flat", lower, orientation="towards")
+
+
+def test_a_joint_with_a_flat_wall_closes(joint):
+    lower = Scan(1e-3 * joint[1].heights, (3e-4, 3e-4))
+    closed = jc.close("flat", lower, rock=DOLERITE, max_normal_stress=1e6, single=True)
+    assert closed.history.status == 0
+    assert (closed.history.max_closure > 0.0).all()
 
 
 def walls_of_files(upper, lower, spacing, **_):

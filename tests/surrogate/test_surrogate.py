@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.config.files import SURROGATES
+from jointclosure.config.files import SURROGATE_DOMAIN, SURROGATES
 from jointclosure.ensemble.surfaces import walls_of_seed
 from jointclosure.storage.text import read_csv
 from jointclosure.surface.bearing import bearing_depths
@@ -172,7 +172,7 @@ def test_an_estimate_is_within_three_of_its_errors_of_a_simulation(walls):
             "max_normal_stress over compressive strength = 0.5455",
         ),
         ({"rock": DOLERITE._replace(youngs_modulus=20e9)}, "Young's modulus over"),
-        ({"spacing": 0.5e-3}, "RMS slope|spacing"),
+        ({"spacing": 2e-3}, "RMS slope|spacing"),
         ({"upper": np.zeros((100, 100)), "lower": np.zeros((100, 100))}, "RMS slope"),
     ],
 )
@@ -277,10 +277,35 @@ def test_what_is_no_stress_or_no_rock_is_named(walls, change, named):
         jc.estimate(*walls, **given)
 
 
-def test_a_smaller_joint_is_refused(walls):
-    part = [wall[:50, :50] for wall in walls]
-    with pytest.raises(jc.InputError, match=r"length of the walls \[m\] = 0.0125"):
-        jc.estimate(*part, spacing=0.25e-3, rock=DOLERITE, max_normal_stress=10e6)
+@pytest.mark.parametrize(
+    ("cells", "spacing", "jrc", "message"),
+    [
+        (40, 0.25e-3, 8.0, "cells along a side = 40: the law was tested from 50 to 200"),
+        (60, 2e-3, 8.0, r"spacing \[m\] = 0.002: the law was tested from 0.0001 to 0.001"),
+        (60, 0.25e-3, 0.1, "RMS slope of the walls = .*: the law was tested from"),
+    ],
+)
+def test_a_joint_beyond_all_tests_is_refused_with_the_tested_range(cells, spacing, jrc, message):
+    pair = jc.wall_pair(jrc, (cells, cells), spacing, 1, roll_off=None)
+    with pytest.raises(jc.InputError, match=message):
+        jc.estimate(*pair, spacing=spacing, rock=DOLERITE, max_normal_stress=10e6)
+
+
+def test_an_estimate_beyond_the_constants_has_the_errors_of_the_nodes_around(roll_off):
+    given = {"rock": DOLERITE, "max_normal_stress": 30e6}
+    table = read_csv(SURROGATE_DOMAIN)
+    kind = table.roll_off_mm.isna() if roll_off is None else table.roll_off_mm.notna()
+    at_stress = table[kind & (table.stress_over_strength == table.stress_over_strength.max())]
+    at_node = at_stress[(at_stress.spacing_m == 1e-3) & (at_stress.cells == 50)]
+    between = at_stress[(at_stress.spacing_m >= 0.25e-3) & (at_stress.cells <= 100)]
+    for spacing, cells, errors in ((1e-3, 50, at_node), (0.5e-3, 70, between)):
+        pair = jc.wall_pair(4.0, (cells, cells), spacing, 11, roll_off=roll_off)
+        found = jc.estimate(*pair, spacing=spacing, **given)
+        around = errors[errors.jrc.isin([2.0, 6.0])]
+        assert found.roll_off == roll_off
+        assert found.rms_error == pytest.approx(0.01 * around.rms_percent.max())
+        closed = jc.simulate(*pair, spacing=spacing, cycles=1, **given)
+        assert abs(found.closure / float(closed.max_closure[0]) - 1.0) < 3.0 * found.rms_error
 
 
 @pytest.mark.parametrize("stress", [0.0, -1e6, [1e7, 0.0]])

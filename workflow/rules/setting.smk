@@ -9,6 +9,7 @@ from jointclosure.config.walls import check_files, wall_files
 from jointclosure.ensemble import cases
 from jointclosure.ensemble import slices
 from jointclosure.compilation.sources import PACKAGE, code_digest
+from jointclosure.scans import files_of
 from jointclosure.storage.text import read_csv, read_text
 from jointclosure.measured import curves as measured
 from jointclosure.joint.warmup import kernels_of

@@ -13,7 +13,9 @@ rule prepare_walls:
     input:
         # contents count and not the time of a file: they are among the parameters
         lambda wildcards: [
-            ancient(file) for file in wall_files(ROCKS[wildcards.rock].walls).values()
+            ancient(str(file))
+            for scan in wall_files(ROCKS[wildcards.rock].walls).values()
+            for file in files_of(scan)
         ],
     output:
         f"{RESULTS}/walls/{{rock}}.nc",

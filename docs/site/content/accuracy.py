@@ -179,3 +179,19 @@ limits = Table(
     | {title: f"{{least_{name}:.3g}} to {{most_{name}:.3g}}" for name, title in LIMITS.items()},
     prepare=lambda table: _laws(table).drop_duplicates("roll_off_mm"),
 )
+
+
+surrogate_domain = Table(
+    "surrogate_domain/surrogate_domain",
+    rows={
+        "walls": lambda group: (
+            f"roll-off {group['roll_off_mm']:g} mm" if group["roll_off_mm"] > 0.0 else "no roll-off"
+        ),
+        "spacing (mm)": lambda group: f"{1e3 * group['spacing_m']:g}",
+        "cells a side": "{cells:g}",
+        "joints": "{joints:g}",
+    },
+    across="JRC {jrc:g}",
+    cell="{rms_percent:.0f}",
+    prepare=lambda table: table[table.stress_over_strength == table.stress_over_strength.max()],
+)

@@ -5,6 +5,7 @@ import math
 from stored import stored
 
 from content.markdown import Form, Group, Table, chosen, rows_of
+from jointclosure.measured.fit import DOUBTFUL
 
 NAMES = {
     "closure_net_since_seating_mm": "net closure since 0.5 MPa (mm)",
@@ -60,6 +61,45 @@ unmated = Table(
         "in apertures": "{apertures:.1f}",
     },
     prepare=lambda table: table.replace({"apertures": {math.inf: math.nan}}),
+)
+
+
+def _length(value: float) -> str:
+    return "none" if math.isinf(value) else "mated" if value == 0.0 else f"{value:.2g}"
+
+
+def _fitted(group: Group) -> str:
+    if group["p_value"] < DOUBTFUL:
+        return "not explained"
+    value, low, high = (group[f"{name}_mm"] for name in ("wavelength", "low", "high"))
+    return f"{_length(value)} ({_length(low)} to {_length(high)})"
+
+
+def _agreement(group: Group) -> str:
+    if math.isnan(group["low"]):
+        least, most = group["least"], group["most"]
+        return f"none: nearest {least:.2g} to {most:.2g}"
+    return f"{1e3 * group['low']:.2g} to {1e3 * group['high']:.2g}"
+
+
+measured_fits = Table(
+    "measured_fit/measured_fit",
+    {
+        "joint": "{joint}",
+        "side simulated (mm)": "{side_mm:g}",
+        "mismatch wavelength (95 % interval, mm)": _fitted,
+        "joints as far from their mean (%)": lambda group: f"{100.0 * group['p_value']:.2g}",
+    },
+)
+measured_readings = Table(
+    "measured_fit/measured_fit_readings",
+    {
+        "joint": "{joint}",
+        "reading": "{name}",
+        "measured": lambda group: f"{group['measured']:.3g} {group['unit']}",
+        "wavelengths at which joints have it (mm)": _agreement,
+    },
+    prepare=lambda table: table[table.side_mm == table.side_mm.max()],
 )
 
 

@@ -28,6 +28,7 @@ from jointclosure.config.rocks import rock_record, rock_text
 from jointclosure.config.units import to_si
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.cases import cases_of
+from jointclosure.ensemble.expected_cost import check_cells, expected_cost
 from jointclosure.ensemble.measured_walls import brought_together
 from jointclosure.ensemble.scanned_joint import (
     RESOLVED_KEYS,
@@ -52,9 +53,11 @@ from jointclosure.storage.text import write_csv, write_text
 from jointclosure.surface.mismatch import Mismatch
 from jointclosure.surface.registration import ORIENTATIONS, SHIFTS, RegisteredPair
 
+_WALL = "scan of the {} wall; x.txt,y.txt,z.txt for matrices in three files; or flat"
 _EXAMPLES = """examples:
   jointclosure close top.xyz bottom.xyz --units mm --rock granite
   jointclosure close top.stl bottom.stl --units mm --rock granite --stress 5 --cycles 3
+  jointclosure close aperture.asc flat --orientation common_frame --units mm --rock granite
   jointclosure close top.csv bottom.csv --units mm --youngs-modulus 60 --poisson-ratio 0.22 \\
       --strength 180 --stress 15 --grid-spacing 0.5 --output my_joint
 
@@ -72,8 +75,8 @@ def add_to(commands) -> None:
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    command.add_argument("upper", type=Path, help="scan of the upper wall")
-    command.add_argument("lower", type=Path, help="scan of the lower wall")
+    command.add_argument("upper", type=Path, help=_WALL.format("upper"))
+    command.add_argument("lower", type=Path, help=_WALL.format("lower"))
     scans = command.add_argument_group("scans")
     scans.add_argument(
         "--units", choices=list(UNITS), help="units of the scans, if the files do not state them"
@@ -221,7 +224,7 @@ def _pair(arguments, settings: Configured) -> RegisteredPair:
         ("upper", upper),
         ("lower", lower),
     ):  # before registration, which may take minutes
-        for remark in cautions(scan.remarks):
+        for remark in () if isinstance(scan, str) else cautions(scan.remarks):
             print(f"- {name} wall: {remark}")
     allowed = settings.typed.study.unusual_values == "allow"
     return brought_together(upper, lower, walls, spacing, allowed)
@@ -238,6 +241,11 @@ def _closed(settings: Configured, pair: RegisteredPair, arguments) -> ClosedJoin
         f"{rock_text(conditions.rock, name)}; {nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm: "
         f"{describe_load(conditions.max_normal_stress, conditions.cycle_count)}"
     )
+    check_cells(pair.upper.shape, pair.spacing, arguments.grid_spacing is not None)
+    of_pair = conditions._replace(spacing=pair.spacing)
+    cost = expected_cost(pair.upper, pair.lower, of_pair, arguments.single)
+    if cost is not None:
+        print(f"- {cost.sentence(pair.upper.shape, pair.spacing)}", flush=True)
     with shown_progress(conditions.cycle_count) as report:
         stresses = kept_stresses(arguments, conditions)
         return closed_pair(pair, conditions, report, stresses, rock_name=name)

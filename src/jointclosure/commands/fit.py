@@ -17,19 +17,23 @@ from jointclosure.commands.joint_options import (
 )
 from jointclosure.config.configuration import Configured
 from jointclosure.ensemble.cases import cases_of
+from jointclosure.ensemble.scanned_joint import read_wall
 from jointclosure.inputs import InputError
 from jointclosure.jobs.progress import bar
 from jointclosure.measured.calibration import Interval
 from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS, parsed_curve
 from jointclosure.measured.fit import Fit, assumptions, fit
+from jointclosure.scans.units import UNITS
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.folders import replace_files
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import read_text, write_text
+from jointclosure.surface.registration import ORIENTATIONS, RegisteredPair, registered
 
 _EXAMPLES = """examples:
   jointclosure fit curve.csv --rock granite --jrc 10
-  jointclosure fit curve.csv --rock granite --jrc 10 --fit-strength --output my_fit
+  jointclosure fit curve.csv --rock granite --jrc 6,10 --fit-strength --output my_fit
+  jointclosure fit curve.csv --rock granite --scans top.xyz bottom.xyz --units mm
   jointclosure fit curve.csv --youngs-modulus 60 --poisson-ratio 0.22 --strength 180 --jrc 8 \\
       --stress-unit MPa --closure-unit mm --seating 0.25
 
@@ -65,7 +69,15 @@ def add_to(commands) -> None:
     add_seating(curve)
     add_rock(command)
     joint = command.add_argument_group("joint")
-    joint.add_argument("--jrc", type=float, metavar="JRC", help="joint roughness coefficient")
+    joint.add_argument(
+        "--jrc", type=_jrc, metavar="JRC", help="joint roughness coefficient, or its range: 6,10"
+    )
+    joint.add_argument(
+        "--scans", nargs=2, metavar=("UPPER", "LOWER"),
+        help="scans of the walls, if there are any: the strength is then fitted",
+    )  # fmt: skip
+    joint.add_argument("--units", choices=list(UNITS), help="units of the scans, if not stated")
+    joint.add_argument("--orientation", choices=list(ORIENTATIONS), help="of the upper scan")
     size = joint.add_mutually_exclusive_group()
     size.add_argument("--size", type=float, metavar="mm", help="side of the measured joint")
     size.add_argument(
@@ -102,19 +114,28 @@ def run(arguments) -> int:
         read_text(arguments.curve), str(arguments.curve), arguments.stress_unit,
         arguments.closure_unit, cycle=1, names=arguments.columns,
     )  # fmt: skip
+    pair = _pair(arguments)
+    jrc = arguments.jrc
+    if isinstance(jrc, tuple):  # the configuration has one value
+        arguments.jrc = 0.5 * (jrc[0] + jrc[1])
     settings = _settings(arguments, float(curve.stress.max()))
     configuration, case = settings.typed, cases_of(settings.typed)[0]
     surface = configuration.surface
     grid = configuration.grid
-    assumed = assumptions(
-        case.intact, case.jrc, grid.shape, grid.spacing, surface.roll_off, arguments.fit_strength
-    )
-    print(f"assumed (--jrc, --size or --cells, --spacing and --set change it): {assumed}")
+    jrcs = jrc if isinstance(jrc, tuple) else (case.jrc, case.jrc)
+    if pair is None:
+        assumed = assumptions(
+            case.intact, jrcs, grid.shape, grid.spacing, surface.roll_off, arguments.fit_strength
+        )
+        print(f"assumed (--jrc, --size or --cells, --spacing and --set change it): {assumed}")
+    else:
+        print("\n".join(f"- {line}" for line in pair.report))
     with bar("closing") as show:
         result = fit(
             arguments.curve,
             rock=case.intact,
-            jrc=case.jrc,
+            jrc=jrcs,
+            pair=pair,
             shape=grid.shape,
             spacing=grid.spacing,
             seating_stress=configuration.seating_stress,
@@ -145,6 +166,34 @@ def run(arguments) -> int:
     return 0
 
 
+def _jrc(text: str) -> float | tuple[float, float]:
+    """Return a JRC or the ends of its range."""
+    ends = [float(word) for word in text.split(",")]
+    if len(ends) > 2:
+        raise ValueError(text)
+    return ends[0] if len(ends) == 1 else (ends[0], ends[1])
+
+
+def _pair(arguments) -> RegisteredPair | None:
+    """Read and register the scans of the walls, if there are any."""
+    if arguments.scans is None:
+        return None
+    for option in ("jrc", "size"):
+        if getattr(arguments, option) is not None:
+            raise InputError(f"--{option}: must be left out with --scans")
+    arguments.jrc = _UNUSED_JRC
+    upper, lower = (read_wall(wall, arguments.units) for wall in arguments.scans)
+    spacing = None if arguments.spacing is None else 1e-3 * arguments.spacing
+    try:
+        return registered(upper, lower, spacing, orientation=arguments.orientation)
+    except InputError as error:
+        raise InputError(f"{' and '.join(arguments.scans)}: {error}") from None
+
+
+_UNUSED_JRC = 10.0
+"""JRC of the configuration where walls are scanned, which is not used."""
+
+
 def _settings(arguments, largest: float) -> Configured:
     """Return the checked configuration of the arguments."""
     base = base_keys(arguments)
@@ -168,7 +217,9 @@ def _record(result: Fit, settings: Configured) -> dict:
         "p_value": result.p_value,
         "interval_holds": result.interval_holds,
         "assumed": result.assumed,
-        "stress_MPa": (1e-6 * result.measured.levels).tolist(),
+        "readings": [reading._asdict() for reading in result.agreements()],
+        "scanned_walls": result.scanned,
+        "measured_names": result.measured.names(),
         "measured_mm": (1e3 * result.measured.values).tolist(),
         "likelihood": {
             "wavelength_mm": (1e3 * result.likelihood.wavelengths).tolist(),

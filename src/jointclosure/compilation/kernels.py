@@ -103,12 +103,25 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     factory, compiled in two processes, could have the same name, and fail in a third process that
     loads both from the cache.
     """
+    return _compiled(function, inlined=True)
+
+
+def large_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a kernel as `kernel`, without copying its code into its callers.
+
+    For kernels that are called once an iteration: compilation is faster, and results are the same.
+    """
+    return _compiled(function, inlined=False)
+
+
+def _compiled(function: Callable[..., Any], inlined: bool) -> Callable[..., Any]:
+    """Name a kernel after the plain values that it closes over, and compile it."""
     cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
     flags = [(name, cell.cell_contents) for name, cell in cells]
     function.__qualname__ += "".join(
         f"_{name}_{value}" for name, value in flags if isinstance(value, bool)
     )
-    compiled = numba.njit(function, error_model="numpy", nogil=True, forceinline=True)
+    compiled = numba.njit(function, error_model="numpy", nogil=True, forceinline=inlined)
     if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         return np.errstate(divide="ignore", invalid="ignore", over="ignore")(compiled)
     # like `enable_caching`, which would use the folder set for the whole process

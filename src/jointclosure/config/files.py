@@ -20,6 +20,9 @@ SURROGATES = tuple(
 )
 """Constants of the bearing-area law and its errors, for the walls of the default study and for
 walls with waves of all lengths; `snakemake surrogate` makes such a table."""
+SURROGATE_DOMAIN = Path(__file__).with_name("surrogate_domain.csv")
+"""Errors of the bearing-area law at other spacings, sizes and JRC; `benchmarks/surrogate_domain.py`
+makes it."""
 PAPER_TABLE_3 = Path(__file__).with_name("paper_table_3.csv")
 """The paper's Table 3."""
 MEASURED_JOINTS = Path(__file__).with_name("measured_joints.csv")

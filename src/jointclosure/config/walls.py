@@ -6,11 +6,13 @@ from pathlib import Path
 from jointclosure.config.keys.configuration import SECTIONS
 from jointclosure.config.typed import SIDES, Configuration, Walls
 from jointclosure.inputs import InputError
+from jointclosure.scans import files_of
+from jointclosure.surface.measured import FLAT
 from jointclosure.surface.measured_pairs import PARTNERS
 
 
 def wall_files(walls: Walls) -> dict[str, str]:
-    """Return the files of scanned walls by "upper" and "lower"."""
+    """Return the scans of walls by "upper" and "lower": a file, or three with commas."""
     return {side: getattr(walls, side) for side in SIDES if getattr(walls, side) not in PARTNERS}
 
 
@@ -55,7 +57,7 @@ def _registration_problems(walls: dict, files: list[str], where: str) -> Iterato
             if walls[key] is not None:
                 yield f"{where}.{key} = {walls[key]}: only with bring_together: true"
         return
-    if len(files) < 2:
+    if len(files) < 2 and FLAT not in (walls["upper"], walls["lower"]):
         yield f"{where}.bring_together = true: needs two files, upper and lower"
     if walls["inverted"]:
         yield (
@@ -73,7 +75,7 @@ def check_files(configuration: Configuration) -> None:
     """Raise `InputError` if a file of the study's walls does not exist."""
     for name, rock in configuration.rocks.items():
         for side, file in (wall_files(rock.walls) if rock.walls else {}).items():
-            if not Path(file).is_file():
+            if not all(part.is_file() for part in files_of(file)):
                 raise InputError(
                     f"rocks.{name}.walls.{side} = {file!r}: not found in {Path.cwd()}; must be "
                     f"a path (from there, or absolute) or one of {', '.join(PARTNERS)}"

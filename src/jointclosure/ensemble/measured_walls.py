@@ -56,6 +56,11 @@ def prepared_walls(
     """
     walls = xr.Dataset(attrs={"spacing_m": spacing, "partner": ""})
     if settings.bring_together:
+        if len(scans) < 2:
+            raise InputError(
+                f"{settings.upper} and {settings.lower}: bring_together must be false in a study "
+                "where one wall is flat"
+            )
         both = scans["upper"], scans["lower"]
         pair = brought_together(*both, settings, spacing, unusual_values)
         heights = {"upper": (pair.upper, 0.0), "lower": (pair.lower, 0.0)}
@@ -96,8 +101,8 @@ def _check_plausible(walls: dict[str, np.ndarray], settings: Walls, spacing: flo
 
 
 def brought_together(
-    upper: Scan | Cloud,
-    lower: Scan | Cloud,
+    upper: Scan | Cloud | str,
+    lower: Scan | Cloud | str,
     settings: Walls,
     spacing: float | None,
     unusual_values: bool,

@@ -12,6 +12,7 @@ from jointclosure.config.rocks import given_rock, rock_text
 from jointclosure.config.units import to_si
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.closing import close_walls
+from jointclosure.ensemble.expected_cost import check_cells, expected_cost
 from jointclosure.ensemble.uncertainty import Budget, uncertainty_budget
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
@@ -19,9 +20,11 @@ from jointclosure.joint.loading import describe_load
 from jointclosure.joint.protocol import FAILURE, Report
 from jointclosure.parameters import Numerics
 from jointclosure.scans import read_scan
-from jointclosure.surface.measured import Cloud, Scan
+from jointclosure.surface.measured import FLAT, Cloud, Scan
 from jointclosure.surface.registration import RegisteredPair, registered
 
+Wall = str | Path | Sequence[str | Path] | Scan | Cloud
+"""A wall: file or three files of x, y and heights, scan, or "flat"."""
 RESOLVED_KEYS: dict[str, Any] = {
     "breakage": "resolved",
     "tolerance": 0.01,
@@ -85,8 +88,8 @@ class ClosedJoint(NamedTuple):
 
 @takes_conditions
 def close(
-    upper: str | Path | Scan | Cloud,
-    lower: str | Path | Scan | Cloud,
+    upper: Wall,
+    lower: Wall,
     *,
     conditions: Conditions | None = None,
     units: str | None = None,
@@ -103,9 +106,10 @@ def close(
 
     Parameters
     ----------
-    upper, lower : path, Scan or Cloud
+    upper, lower : path, three paths, Scan, Cloud or "flat"
         Files for `jointclosure.read_scan`, or what it returned. Use it directly if a scan has no
-        spacing, which is an argument of `read_scan`.
+        spacing, which is an argument of `read_scan`. One of both may be flat, such as a saw cut;
+        see `jointclosure.surface.registration.registered`.
     units : {"m", "mm", "um", "nm"}, optional
         Units of both files, if the files do not state them.
     orientation, shift, cut_spikes
@@ -148,6 +152,10 @@ def close(
     if not unusual:
         for doubt in pair.warnings:
             warnings.warn(doubt, stacklevel=2)
+    check_cells(pair.upper.shape, pair.spacing, stated.spacing is not None)
+    cost = expected_cost(pair.upper, pair.lower, stated._replace(spacing=pair.spacing), single)
+    if cost is not None:
+        warnings.warn(cost.sentence(pair.upper.shape, pair.spacing), stacklevel=2)
     joint = closed_pair(pair, stated, report, snapshots, rock_name=name)
     return joint if single else with_range(joint, ranges)
 
@@ -181,15 +189,17 @@ def with_range(
 
 
 def read_wall(
-    wall: str | Path | Scan | Cloud,
+    wall: Wall,
     units: str | None = None,
     spacing: float | None = None,
     variable: str | None = None,
-) -> Scan | Cloud:
-    """Return a scan, read from its file if needed; arguments as for `jointclosure.read_scan`."""
+) -> Scan | Cloud | str:
+    """Return a scan or "flat", read from its file; arguments as for `jointclosure.read_scan`."""
     if isinstance(wall, Scan | Cloud):
         return wall
-    if not isinstance(wall, str | Path):
+    if isinstance(wall, str | Path) and str(wall) == FLAT:
+        return FLAT
+    if not isinstance(wall, str | Path | tuple | list):
         raise InputError(
             f"a wall of type {type(wall).__name__}: must be a file, or a Scan or Cloud of it; "
             "walls that are arrays, with heights towards each other, are closed by simulate"

@@ -93,10 +93,7 @@ class Variant(NamedTuple):
 
     def walls(self, upper: np.ndarray, lower: np.ndarray) -> Walls:
         """Return the walls (y, x) [m] of the variant."""
-        for axis, cells in enumerate(self.shift):
-            kept = np.arange(upper.shape[axis] - abs(cells))
-            upper = upper.take(kept + max(cells, 0), axis)
-            lower = lower.take(kept + max(-cells, 0), axis)
+        upper, lower = shifted_walls(upper, lower, self.shift)
         return upper[:: self.step, :: self.step], lower[:: self.step, :: self.step]
 
     def changed(self, name: str, value: Any) -> "Variant":
@@ -114,6 +111,15 @@ class Variant(NamedTuple):
             return self._replace(conditions=conditions._replace(choices=choices))
         rock = tuple(wall._replace(**{name: value}) for wall in both_walls(conditions.rock))
         return self._replace(conditions=conditions._replace(rock=rock))
+
+
+def shifted_walls(upper: np.ndarray, lower: np.ndarray, shift: tuple[int, int]) -> Walls:
+    """Return walls (y, x) with the upper one shifted by cells, where they still overlap."""
+    for axis, cells in enumerate(shift):
+        kept = np.arange(upper.shape[axis] - abs(cells))
+        upper = upper.take(kept + max(cells, 0), axis)
+        lower = lower.take(kept + max(-cells, 0), axis)
+    return upper, lower
 
 
 class Source(NamedTuple):

@@ -23,8 +23,12 @@ from jointclosure.parameters import both_walls
 PARTS = (0.25, 0.5, 1.0)
 """Stresses at which closures of a loading are read, as shares of the range above seating."""
 CONFIDENCE = 0.95
+CURVE_POINTS = 25
+"""Number of stresses, from seating to the maximum, at which curves of joints are kept."""
 _STEPS = 161
 """Number of wavelengths, and of strengths, at which the likelihood is computed."""
+_SAME_STRESS = 1e-3
+"""Largest difference of equal stresses, over the largest stress of a curve."""
 _SAME_LOAD = 0.02
 """Largest allowed relative difference of the largest stresses of cycles."""
 
@@ -33,7 +37,9 @@ class Readings(NamedTuple):
     """Readings of a curve: closures since seating on loading, and recovered closures on unloading.
 
     ``cycles`` were measured, from the first on; ``unloaded`` are those unloaded back to seating.
-    ``levels`` [Pa] are the stresses of the loadings; ``seating`` [Pa]; ``values`` (n,) [m].
+    ``levels`` [Pa] are the stresses of the loadings; ``seating`` [Pa]; ``values`` (n,) [m]. Levels
+    at which a loading has too few points are not read: ``read`` has the numbers of those that are,
+    by cycle, and is empty if all are.
     """
 
     cycles: int
@@ -41,16 +47,38 @@ class Readings(NamedTuple):
     levels: np.ndarray
     seating: float
     values: np.ndarray
+    read: tuple[tuple[int, ...], ...] = ()
+
+    def places(self) -> list[tuple[int, float | None]]:
+        """Return the cycle and the stress [Pa] of each value, None for a recovered closure."""
+        places: list[tuple[int, float | None]] = []
+        for cycle in range(1, self.cycles + 1):
+            numbers = self.read[cycle - 1] if self.read else range(len(self.levels))
+            places += [(cycle, float(self.levels[number])) for number in numbers]
+            places += [(cycle, None)] * (cycle in self.unloaded)
+        return places
 
     def names(self) -> list[str]:
         """Return a description of each value."""
-        names = []
-        for cycle in range(1, self.cycles + 1):
-            names += [
-                f"closure of cycle {cycle} at {1e-6 * level:.3g} MPa" for level in self.levels
-            ]
-            names += [f"closure recovered in cycle {cycle}"] * (cycle in self.unloaded)
-        return names
+        return [
+            f"closure recovered in cycle {cycle}"
+            if level is None
+            else f"closure of cycle {cycle} at {1e-6 * level:.3g} MPa"
+            for cycle, level in self.places()
+        ]
+
+
+class Simulated(NamedTuple):
+    """Simulated joints (wavelengths, strengths, joints, ...) of a fit.
+
+    ``logs`` (..., readings) are logarithms of their readings; all readings of a joint are NaN if
+    one is missing. ``closures`` (..., cycles, 2, stresses) are net closures [m] on loading and
+    unloading since the seating of each cycle, at ``stresses`` [Pa].
+    """
+
+    logs: np.ndarray
+    closures: np.ndarray
+    stresses: np.ndarray
 
 
 class Interval(NamedTuple):
@@ -93,7 +121,9 @@ class Likelihood(NamedTuple):
         threshold = profile[best] - 0.5 * scipy.stats.chi2.ppf(CONFIDENCE, 1)
         within = np.flatnonzero(profile >= threshold)
         estimate = [float(values[i]) for i in (best, within[0], within[-1])]
-        if axis == 0:  # the ends of the simulated wavelengths represent all beyond
+        if (
+            axis == 0 and values.size > 1
+        ):  # the ends of the simulated wavelengths represent all beyond
             ends = {0: 0.0, values.size - 1: np.inf}
             estimate = [
                 ends.get(int(i), value)
@@ -126,23 +156,45 @@ def readings_of_curve(curve: MeasuredCurve, seating_stress: float) -> Readings:
         for cycle in cycles
         if curve.branches(cycle)[UNLOADING][0].min(initial=np.inf) <= seating_stress
     )
-    asked = Readings(len(cycles), unloaded, levels, seating_stress, np.empty(0))
+    read = tuple(
+        _levels_read(curve.branches(cycle)[LOADING][0], seating_stress) for cycle in cycles
+    )
+    asked = Readings(len(cycles), unloaded, levels, seating_stress, np.empty(0), read)
     values = readings_of_history(_as_history(curve), asked)
     if not np.all(values > 0.0):
         raise InputError("closure must increase with stress on loading, and decrease on unloading")
     return asked._replace(values=values)
 
 
+def _levels_read(stress: np.ndarray, seating_stress: float) -> tuple[int, ...]:
+    """Return the numbers of the levels for which a loading has points enough.
+
+    The largest needs none between it and seating, the half one, and the quarter two.
+    """
+    between = int(((stress > seating_stress) & (stress < stress.max())).sum())
+    return tuple(range(max(len(PARTS) - 1 - between, 0), len(PARTS)))
+
+
 def _as_history(curve: MeasuredCurve) -> xr.Dataset:
     """Convert a measured curve to a history, to be read like that of a simulated joint.
 
-    It has no bulk indentation, because the deformation of the intact rock was subtracted.
+    It has no bulk indentation, because the deformation of the intact rock was subtracted. A cycle
+    that begins at the stress at which the one before ended continues its closure, also if its
+    closures were measured from a new zero.
     """
-    branches = [
-        (cycle, branch, *points)
-        for cycle in curve.cycles
-        for branch, points in curve.branches(cycle).items()
-    ]
+    branches: list[tuple[int, str, np.ndarray, np.ndarray]] = []
+    for cycle in curve.cycles:
+        of_cycle = curve.branches(cycle)
+        first, zero = (points[0] for points in of_cycle[LOADING])
+        offset = 0.0
+        if branches and branches[-1][2].size:
+            before, end = branches[-1][2][-1], branches[-1][3][-1]
+            again = abs(before - first) <= _SAME_STRESS * curve.stress.max()
+            offset = end - zero if again else 0.0
+        branches += [
+            (cycle, branch, stress, closure + offset)
+            for branch, (stress, closure) in of_cycle.items()
+        ]
     names = np.concatenate([[branch] * stress.size for _, branch, stress, _ in branches])
     cycles = np.concatenate([np.full(stress.size, cycle) for cycle, _, stress, _ in branches])
     columns = {
@@ -158,11 +210,14 @@ def _as_history(curve: MeasuredCurve) -> xr.Dataset:
 def readings_of_history(history: xr.Dataset, asked: Readings) -> np.ndarray:
     """Return the same readings of a simulated joint, net of bulk indentation; NaN if missing."""
     stresses = np.append(asked.seating, asked.levels)
+    closures = closures_at(history, stresses)
     values = []
-    for cycle, (loading, unloading) in enumerate(closures_at(history, stresses), start=1):
-        values += (loading[1:] - loading[0]).tolist()
-        if cycle in asked.unloaded:
+    for cycle, level in asked.places():
+        loading, unloading = closures[cycle - 1]
+        if level is None:
             values.append(loading[-1] - unloading[0])
+        else:
+            values.append(loading[int(np.argmax(stresses == level))] - loading[0])
     return np.array(values)
 
 
@@ -174,8 +229,8 @@ def simulated_readings(
     strengths: np.ndarray,
     surfaces: int,
     report: Callable[[float], None] = lambda share: None,
-) -> np.ndarray:
-    """Return logarithms of readings of joints (wavelengths, strengths, surfaces, readings).
+) -> Simulated:
+    """Close joints at all wavelengths and strengths, and read them as a measured curve.
 
     Parameters
     ----------
@@ -193,20 +248,23 @@ def simulated_readings(
 
     Returns
     -------
-    array
-        All readings of a joint are NaN if one is missing.
+    Simulated
     """
     shape = (len(wavelengths), len(strengths), surfaces)
     intact = both_walls(conditions.rock)[0]
     logs = np.full((*shape, asked.values.size), np.nan)
+    stresses = np.linspace(asked.seating, asked.levels[-1], CURVE_POINTS)
+    closures = np.full((*shape, asked.cycles, 2, CURVE_POINTS), np.nan)
     for count, (i, j, k) in enumerate(np.ndindex(shape), start=1):
         rock = intact._replace(compressive_strength=float(strengths[j]))
         closed = close_walls(*walls(count, float(wavelengths[i])), conditions._replace(rock=rock))
         values = readings_of_history(closed, asked)
         if closed.status < FAILURE and np.all(values > 0.0):
             logs[i, j, k] = np.log(values)
+            along = closures_at(closed, stresses)
+            closures[i, j, k] = along - along[:, :1, :1]
         report(count / np.prod(shape))
-    return logs
+    return Simulated(logs, closures, stresses)
 
 
 def likelihood_of(
@@ -221,7 +279,7 @@ def likelihood_of(
     Parameters
     ----------
     simulated : array (wavelengths, strengths, surfaces, readings)
-        As from `simulated_readings`.
+        ``logs`` of `simulated_readings`.
     wavelengths, strengths : array
         Values at which these were closed.
     error : float
@@ -246,14 +304,14 @@ def likelihood_of(
     logs = simulated.reshape(-1, simulated.shape[-1])
     known = np.isfinite(logs).all(axis=1)
     rows, logs = rows[known], logs[known]
-    size = logs.shape[1]
-    if len(logs) < 3 * (_terms(rows).shape[1] + size):
+    size, varied = logs.shape[1], (x.size > 1, y.size > 1)
+    if len(logs) < 3 * (_terms(rows, varied).shape[1] + size):
         raise InputError(
             f"{len(logs)} of {known.size} joints could be read: too few to fit; a longer range of "
             "stresses or more surfaces are needed"
         )
-    weights, *_ = np.linalg.lstsq(_terms(rows), logs, rcond=None)
-    residuals = logs - _terms(rows) @ weights
+    weights, *_ = np.linalg.lstsq(_terms(rows, varied), logs, rcond=None)
+    residuals = logs - _terms(rows, varied) @ weights
     fine_x, fine_y = (np.linspace(0.0, 1.0, _STEPS if part.size > 1 else 1) for part in (x, y))
     width = 1.0 / max(x.size - 1, 1)
     log = np.empty((fine_x.size, fine_y.size))
@@ -265,7 +323,7 @@ def likelihood_of(
         freedom = 1.0 / float(np.sum(near**2)) - 1.0
         scatter = (residuals * near[:, None]).T @ residuals * (1.0 + 1.0 / freedom)
         scatter += error**2 * np.eye(size)
-        means[i] = _terms(np.column_stack([np.full(fine_y.size, place), fine_y])) @ weights
+        means[i] = _terms(np.column_stack([np.full(fine_y.size, place), fine_y]), varied) @ weights
         spread[i] = np.sqrt(np.diag(scatter))
         apart = np.log(measured.values) - means[i]
         squares = np.einsum("ij,ij->i", apart @ np.linalg.inv(scatter), apart)
@@ -294,10 +352,11 @@ def _unscaled(part: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.exp(first + part * (last - first))
 
 
-def _terms(rows: np.ndarray) -> np.ndarray:
-    """Return terms of the mean: cubic in the first column, and of the second if it varies."""
+def _terms(rows: np.ndarray, varied: tuple[bool, bool]) -> np.ndarray:
+    """Return terms of the mean: cubic in the first column, quadratic in the second, if varied."""
     x, y = rows.T
-    terms = [np.ones_like(x), x, x**2, x**3]
-    if y.any():
-        terms += [y, y**2, x * y, x**2 * y]
+    terms = [np.ones_like(x)]
+    terms += [x, x**2, x**3] if varied[0] else []
+    terms += [y, y**2] if varied[1] else []
+    terms += [x * y, x**2 * y] if all(varied) else []
     return np.stack(terms, axis=1)

@@ -1,4 +1,4 @@
-"""Fit of a joint to its measured closure: mismatch wavelength, and strength if requested."""
+"""Fit of a joint to its measured closure: mismatch wavelength, or strength of scanned walls."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -8,22 +8,26 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.config.rocks import named_rock
+from jointclosure.ensemble.uncertainty import shifted_walls
 from jointclosure.inputs import InputError, check_number, check_positive, check_seed
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.loading import SEATING_STRESS
+from jointclosure.measured.agreement import Agreement, agreements
 from jointclosure.measured.calibration import (
     Interval,
     Likelihood,
     Readings,
+    Simulated,
     likelihood_of,
     readings_of_curve,
     simulated_readings,
 )
 from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_curve
-from jointclosure.parameters import Choices, Effects, Numerics, Rock, check_rock
-from jointclosure.statistics.randomness import seed_of
+from jointclosure.parameters import PROPERTIES, Choices, Effects, Numerics, Rock, check_rock
+from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.text import read_text
+from jointclosure.surface.registration import RegisteredPair
 from jointclosure.surface.synthesis import ROLL_OFF, wall_pair
 
 WAVELENGTHS, STRENGTHS = 8, 4
@@ -43,27 +47,36 @@ class Fit(NamedTuple):
     ----------
     mismatch_wavelength : Interval
         [m], with the ends of its 95 % interval; 0 if mated walls are not excluded, infinite if
-        independent walls are not excluded.
+        independent walls are not excluded. Of scanned walls it is the measured one.
     compressive_strength : Interval or None
         [Pa]; None if it was not fitted.
     p_value : float
         Probability that such a joint is at least as far from their mean as the measured one.
     measured : Readings
         Readings of the curve.
-    simulated : array (wavelengths, strengths, joints, readings)
-        Logarithms of the same readings of the simulated joints.
+    simulated : Simulated
+        The same readings of the simulated joints, and their curves.
     likelihood : Likelihood
     assumed : str
         Description of the simulated joints from `assumptions`; intervals are valid only for these.
+    closure_error : float
+        Relative error of measured closures.
+    curve : MeasuredCurve or None
+        The measured curve, for the figure.
+    scanned : bool
+        Whether the walls are scanned; otherwise they are synthetic.
     """
 
     mismatch_wavelength: Interval
     compressive_strength: Interval | None
     p_value: float
     measured: Readings
-    simulated: np.ndarray
+    simulated: Simulated
     likelihood: Likelihood
     assumed: str
+    closure_error: float = 0.02
+    curve: MeasuredCurve | None = None
+    scanned: bool = False
 
     @property
     def interval_holds(self) -> bool:
@@ -73,19 +86,45 @@ class Fit(NamedTuple):
     def sentences(self) -> list[str]:
         """Describe the estimates, or that the model does not explain the curve, and assumptions."""
         if not self.interval_holds:
-            nearest = f"nearest are {_near(self.mismatch_wavelength.value)}"
-            return [*self._missed(), nearest, f"assumed: {self.assumed}"]
-        lines = [f"mismatch wavelength {_stated(self.mismatch_wavelength, 1e3, 'mm')}"]
+            nearest = [f"nearest are {_near(self.mismatch_wavelength.value)}"] * (not self.scanned)
+            return [*self._missed(), *nearest, *self._compared(), f"assumed: {self.assumed}"]
+        lines = []
+        if not self.scanned:
+            lines.append(f"mismatch wavelength {_stated(self.mismatch_wavelength, 1e3, 'mm')}")
         if self.compressive_strength is not None:
             tried = self.likelihood.strengths[[0, -1]]
             strength = _stated(self.compressive_strength, 1e-6, "MPa", *tried)
             lines.append(f"compressive strength {strength}")
-        if math.isinf(self.mismatch_wavelength.high):
+        if math.isinf(self.mismatch_wavelength.high) and not self.scanned:
             lines.append("independent walls are not excluded")
-        if self.mismatch_wavelength.low == 0.0:
+        if self.mismatch_wavelength.low == 0.0 and not self.scanned:
             lines.append("mated walls are not excluded")
         lines.append(f"{100.0 * self.p_value:.2g} % of such joints are as far from their mean")
-        return [*lines, f"valid only for the assumed joint: {self.assumed}"]
+        return [*lines, *self._compared(), f"valid only for the assumed joint: {self.assumed}"]
+
+    def agreements(self) -> list[Agreement]:
+        """Compare closure, stiffness and what stays with single joints, each by itself."""
+        return agreements(self.measured, self.simulated.logs, self.likelihood, self.closure_error)
+
+    def _compared(self) -> list[str]:
+        """Describe at which wavelengths, or strengths of scanned walls, a reading is met."""
+        tried = self.likelihood.strengths if self.scanned else self.likelihood.wavelengths
+        scale, unit = (1e-6, "MPa") if self.scanned else (1e3, "mm")
+        what = "strengths" if self.scanned else "mismatch wavelengths"
+        lines = []
+        for reading in self.agreements():
+            value = f"{reading.name}, measured {reading.measured:.3g} {reading.unit}: "
+            if math.isnan(reading.low):
+                lines.append(
+                    f"{value}no joint has it, the nearest have {reading.least:.3g} to "
+                    f"{reading.most:.3g} {reading.unit}"
+                )
+                continue
+            low, high = (f"{scale * end:.3g}" for end in (reading.low, reading.high))
+            low += " or less" if reading.low == tried[0] else ""
+            high += f" {unit} or more" if reading.high == tried[-1] else f" {unit}"
+            lines.append(f"{value}joints have it at {what} from {low} to {high}")
+        return lines
 
     def _missed(self) -> list[str]:
         """Warn that the model does not explain the curve, and name a reading that no joint has."""
@@ -117,7 +156,8 @@ def fit(
     curve: str | Path | MeasuredCurve,
     *,
     rock: str | Rock,
-    jrc: float,
+    jrc: float | tuple[float, float] | None = None,
+    pair: RegisteredPair | None = None,
     shape: tuple[int, int] = (64, 64),
     spacing: float = 0.25e-3,
     seating_stress: float = SEATING_STRESS,
@@ -133,9 +173,10 @@ def fit(
     effects: Effects = Effects(),
     choices: Choices = Choices(),
     numerics: Numerics = Numerics(),
+    simulated: Simulated | None = None,
     report: Callable[[float], None] = lambda share: None,
 ) -> Fit:
-    """Estimate the mismatch wavelength of a joint from its measured closure.
+    """Estimate the mismatch wavelength of a joint from its measured closure, or its strength.
 
     Parameters
     ----------
@@ -146,8 +187,13 @@ def fit(
         intact rock.
     rock : str or Rock
         Rock of both walls, by name (`jointclosure.config.rocks.named_rock`) or properties.
-    jrc : float
-        Joint roughness coefficient of both walls.
+    jrc : float or (float, float)
+        Joint roughness coefficient of both walls; or the ends of a range, in which every simulated
+        joint has a random one, so that intervals include it. Not needed for scanned walls.
+    pair : RegisteredPair, optional
+        The walls of the joint, if they were scanned (`jointclosure.surface.registration`). The
+        strength is then fitted, and the simulated joints differ in the position of the walls, which
+        is known to one cell along x and y. ``jrc``, ``shape`` and ``spacing`` are not used.
     shape : (ny, nx)
         Cells of the simulated joints. They should be as large as the measured joint if the time
         allows, because closure depends on the size.
@@ -172,6 +218,9 @@ def fit(
         As for `jointclosure.wall_pair`.
     effects, choices, numerics
         As for `jointclosure.simulate`.
+    simulated : Simulated, optional
+        Joints of a fit with the same arguments to another curve, of the same cycles and stresses,
+        which are then not closed again.
     report : callable
         Called with the share of finished joints.
 
@@ -189,56 +238,90 @@ def fit(
     """
     intact = named_rock(rock) if isinstance(rock, str) else rock
     check_rock(intact)
+    if pair is not None:
+        shape, spacing, fit_strength = pair.upper.shape, pair.spacing, True
+    jrcs = _jrc_range(jrc, pair)
     _check(surfaces, closure_error, seed, seating_stress, shape)
-    measured = _measured(curve, seating_stress, stress_unit, closure_unit, columns)
+    curve, measured = _measured(curve, seating_stress, stress_unit, closure_unit, columns)
     stress = float(measured.levels[-1])
     conditions = Conditions(
         spacing, intact, stress, measured.cycles, seating_stress, effects, choices, numerics
     ).checked()
 
     def walls(number: int, wavelength: float) -> tuple[np.ndarray, np.ndarray]:
+        if pair is not None:
+            y, x = generator(seed_of(seed, "shift", number)).integers(-1, 2, 2).tolist()
+            return shifted_walls(pair.upper, pair.lower, (y, x))
+        low, high = jrcs
+        drawn = low if low == high else generator(seed_of(seed, "jrc", number)).uniform(low, high)
         return wall_pair(
-            jrc, shape, spacing, seed_of(seed, "fit", number), hurst,
+            float(drawn), shape, spacing, seed_of(seed, "fit", number), hurst,
             mismatch_wavelength=wavelength, roll_off=roll_off,
         )  # fmt: skip
 
     wavelengths = np.geomspace(2.0 * spacing, min(shape) * spacing, WAVELENGTHS)
+    if pair is not None:
+        wavelengths = np.array([np.clip(pair.mismatch.wavelength, *wavelengths[[0, -1]])])
     factors = np.geomspace(*STRENGTH_RANGE, STRENGTHS) if fit_strength else np.ones(1)
     strengths = intact.compressive_strength * factors
-    simulated = simulated_readings(
-        walls, conditions, measured, wavelengths, strengths, surfaces, report
-    )
-    likelihood = likelihood_of(measured, simulated, wavelengths, strengths, closure_error)
-    strength = likelihood.interval(1) if fit_strength else None
-    assumed = assumptions(intact, jrc, shape, spacing, roll_off, fit_strength)
+    if simulated is None:
+        simulated = simulated_readings(
+            walls, conditions, measured, wavelengths, strengths, surfaces, report
+        )
+    expected = (wavelengths.size, strengths.size, surfaces, measured.values.size)
+    if simulated.logs.shape != expected:
+        raise InputError(f"simulated: of shape {simulated.logs.shape}, must be {expected}")
+    likelihood = likelihood_of(measured, simulated.logs, wavelengths, strengths, closure_error)
     return Fit(
-        likelihood.interval(0),
-        strength,
+        likelihood.interval(0) if pair is None else Interval(*pair.mismatch),
+        likelihood.interval(1) if fit_strength else None,
         likelihood.p_value,
         measured,
         simulated,
         likelihood,
-        assumed,
+        assumptions(intact, jrcs, shape, spacing, roll_off, fit_strength),
+        closure_error,
+        curve,
+        pair is not None,
     )
+
+
+def _jrc_range(
+    jrc: float | tuple[float, float] | None, pair: RegisteredPair | None
+) -> tuple[float, float]:
+    """Return the ends of the range of the JRC; (nan, nan) for scanned walls."""
+    if pair is not None:
+        return math.nan, math.nan
+    ends = tuple(jrc) if isinstance(jrc, tuple | list) else (jrc, jrc)
+    if jrc is None or len(ends) != 2:
+        raise InputError(f"jrc = {jrc!r}: must be a number or (lowest, highest) without scans")
+    for end in ends:
+        PROPERTIES["jrc"].check("jrc", end)
+    if ends[0] > ends[1]:
+        raise InputError(f"jrc = {jrc!r}: the lowest value must come first")
+    return ends
 
 
 def assumptions(
     rock: Rock,
-    jrc: float,
+    jrc: tuple[float, float],
     shape: tuple[int, int],
     spacing: float,
     roll_off: float | None,
     fit_strength: bool = False,
 ) -> str:
-    """Describe the simulated joints; arguments as for `fit`."""
+    """Describe the simulated joints; arguments as for `fit`, a JRC of NaN for scanned walls."""
     ny, nx = (1e3 * spacing * cells for cells in shape)
     waves = (
         "of all lengths" if roll_off is None else f"weaker beyond {1e3 * roll_off:g} mm (roll-off)"
     )
     factors = STRENGTH_RANGE if fit_strength else (1.0,)
     strength = " to ".join(f"{1e-6 * factor * rock.compressive_strength:g}" for factor in factors)
+    roughness = f"JRC {' to '.join(f'{end:g}' for end in dict.fromkeys(jrc))}, waves {waves}"
+    if math.isnan(jrc[0]):
+        roughness = "scanned walls, the upper one displaced by up to one cell along x and y"
     return (
-        f"JRC {jrc:g}, {nx:g} x {ny:g} mm at a spacing of {1e3 * spacing:g} mm, waves {waves}, "
+        f"{roughness}, {nx:g} x {ny:g} mm at a spacing of {1e3 * spacing:g} mm, "
         f"E {1e-9 * rock.youngs_modulus:g} GPa, Poisson's ratio {rock.poisson_ratio:g},"
         f" strength {strength} MPa; measured closures net of the intact "
         "rock's deformation"
@@ -251,7 +334,7 @@ def _measured(
     stress_unit: str | None,
     closure_unit: str | None,
     columns: Sequence[str] | None,
-) -> Readings:
+) -> tuple[MeasuredCurve, Readings]:
     """Read and check a curve."""
     if isinstance(curve, MeasuredCurve):
         name = "curve"
@@ -263,7 +346,7 @@ def _measured(
         curve = parsed_curve(text, name, stress_unit, closure_unit, cycle=1, names=columns)
     check_loadings(curve, name, seating_stress)
     try:
-        return readings_of_curve(curve, seating_stress)
+        return curve, readings_of_curve(curve, seating_stress)
     except InputError as error:
         raise InputError(f"{name}: {error}") from None
 

@@ -14,6 +14,7 @@ import scipy
 
 from jointclosure.config.measured_joints import JOINTS, Measured, measured
 from jointclosure.joint.protocol import FAILURE
+from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.statistics.randomness import generator, seed_of
 
 BASE = "default choices"
@@ -74,6 +75,33 @@ def observables_of(joints: pd.DataFrame, film_cells: float) -> pd.DataFrame:
         }
     )
     return table.dropna().reset_index()
+
+
+def digitised_curve(joint: str) -> MeasuredCurve:
+    """Return both loadings of a measured joint, with the points that were read off.
+
+    These are seating and the largest stress, the return to seating, and half of the largest stress
+    on the later loading, by its stiffness. Closures are net of the rock.
+    """
+    stress, seating = (measured(name).value for name in ("largest_stress", "seating_stress"))
+    first, later, stiffness = (
+        measured(name, joint).value
+        for name in ("first_closure", "later_closure", "later_stiffness")
+    )
+    stays, later_stays = (
+        0.01 * measured(f"{name}_residual_share", joint).value for name in ("first", "later")
+    )
+    half = later - 0.5 * stress / stiffness
+    points = np.array(
+        [
+            (seating, 0.0, 1), (stress, first, 1), (seating, stays * first, 1),
+            (seating, 0.0, 2), (0.5 * stress, half, 2), (stress, later, 2),
+            (seating, later_stays * later, 2),
+        ]
+    )  # fmt: skip
+    stresses, closures, cycles = points.T
+    lines = np.arange(1, len(points) + 1)
+    return MeasuredCurve(1e6 * stresses, 1e-3 * closures, cycles.astype(int), lines)
 
 
 class _Walls(NamedTuple):

@@ -3,53 +3,102 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from jointclosure.joint.protocol import LOADING
 from jointclosure.measured.fit import Fit
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 
 
 @styled
 def fit_figure(result: Fit, title: str) -> Figure:
-    """Draw the measured readings among those of the joints, and the likelihood of wavelengths.
+    """Draw the curve on the band of the fitted joints, readings by wavelength, and likelihood.
+
+    Where walls are scanned, readings and likelihood are drawn over the strength.
 
     Parameters
     ----------
     result : Fit
     title : str
     """
-    figure, (above, below) = subplots(2, 1, figsize=(6.4, 6.4), sharex=True, height_ratios=(2, 1))
-    tried = result.likelihood.wavelengths
-    nodes = 1e3 * np.geomspace(tried[0], tried[-1], len(result.simulated))
-    names = _names(result)
-    for number, name in enumerate(names):
-        closed = 1e3 * np.exp(result.simulated[..., number]).reshape(len(nodes), -1)
+    figure, panels = subplots(2, 2, figsize=(12.5, 6.4), height_ratios=(2, 1), sharex="col")
+    above, below = panels[:, 1]
+    grid = panels[0, 0].get_gridspec()
+    for axes in panels[:, 0]:
+        axes.remove()
+    curve = figure.add_subplot(grid[:, 0])
+    _draw_curve(curve, result)
+    axis, scale = (1, 1e-6) if result.scanned else (0, 1e3)
+    tried = scale * (result.likelihood.wavelengths, result.likelihood.strengths)[axis]
+    logs = np.moveaxis(result.simulated.logs, axis, 0)
+    nodes = np.geomspace(tried[0], tried[-1], len(logs))
+    for number, name in enumerate(result.measured.names()):
+        closed = 1e3 * np.exp(logs[..., number]).reshape(len(nodes), -1)
         colour = f"C{number % 10}"
         across = np.broadcast_to(nodes[:, None], closed.shape)
         above.plot(across.ravel(), closed.ravel(), ".", ms=3, color=colour, alpha=0.5)
         above.axhline(1e3 * result.measured.values[number], color=colour, lw=1.1, label=name)
-    above.set(yscale="log", title=title, ylabel="closure (mm)")
+    above.set(xscale="log", yscale="log", ylabel="closure (mm)")
     above.legend(
         frameon=False, fontsize=8, title="lines: measured\ndots: simulated",
         loc="upper left", bbox_to_anchor=(1.0, 1.0),
     )  # fmt: skip
-    profile = result.likelihood.log.max(axis=1)
-    below.plot(1e3 * result.likelihood.wavelengths, profile - profile.max(), color="C0")
-    if result.interval_holds:
-        low, high = np.clip(1e3 * np.array(result.mismatch_wavelength[1:]), nodes[0], nodes[-1])
+    profile = result.likelihood.log.max(axis=1 - axis)
+    below.plot(tried, profile - profile.max(), color="C0")
+    interval = result.compressive_strength if result.scanned else result.mismatch_wavelength
+    if result.interval_holds and interval is not None:
+        low, high = np.clip(scale * np.array(interval[1:]), nodes[0], nodes[-1])
         below.axvspan(low, high, color="0.9", lw=0.0, label="95 % interval")
     else:
         below.plot([], [], " ", label="the model does not explain this curve: no interval is valid")
     below.set(xscale="log", ylim=(-12.0, 1.0), ylabel="log likelihood")
-    below.set_xlabel("mismatch wavelength (mm)")
+    below.set_xlabel("compressive strength (MPa)" if result.scanned else "mismatch wavelength (mm)")
     below.legend(frameon=False, loc="lower right")
     decimal_ticks(below.xaxis)
+    decimal_ticks(above.yaxis)
+    figure.suptitle(title, parse_math=False)
     return figure
 
 
-def _names(result: Fit) -> list[str]:
-    """Return names of the readings, in their order."""
-    names = []
+def _draw_curve(axes, result: Fit) -> None:
+    """Draw the measured curve since seating on the band of the fitted joints, by cycle."""
+    closures = 1e3 * result.simulated.closures[_fitted(result)]
+    stresses = 1e-6 * result.simulated.stresses
+    kind = "fitted" if result.interval_holds else "nearest"
     for cycle in range(1, result.measured.cycles + 1):
-        names += [f"cycle {cycle} to {1e-6 * level:.3g} MPa" for level in result.measured.levels]
-        if cycle in result.measured.unloaded:
-            names.append(f"cycle {cycle} recovered")
-    return names
+        colour = f"C{cycle - 1}"
+        for branch in (0, 1) if cycle in result.measured.unloaded else (0,):
+            low, high = np.nanpercentile(closures[:, cycle - 1, branch], (5.0, 95.0), axis=0)
+            label = f"cycle {cycle}: nine in ten {kind} joints" if branch == 0 else None
+            axes.fill_betweenx(stresses, low, high, color=colour, alpha=0.25, lw=0.0, label=label)
+        if result.curve is None:
+            continue
+        seating = result.measured.seating
+        for branch, stress, closure in result.curve.since_seating(cycle, seating):
+            if branch == LOADING:
+                stress, closure = np.append(seating, stress), np.append(0.0, closure)
+            axes.plot(1e3 * closure, 1e-6 * stress, "o-", ms=3, lw=1.2, color=colour)
+        axes.plot([], [], "o-", ms=3, color=colour, label=f"cycle {cycle}: measured")
+    axes.set(
+        xlabel="net closure since seating of the cycle (mm)", ylabel="normal stress (MPa)",
+        xlim=(min(0.0, axes.get_xlim()[0]), None),
+    )  # fmt: skip
+    axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.09))
+
+
+def _fitted(result: Fit) -> np.ndarray:
+    """Return which joints (wavelengths, strengths, joints) are fitted ones.
+
+    These are the ones of the simulated wavelength and strength nearest to the most likely values,
+    and of all others within both intervals if these are valid.
+    """
+    kept = np.ones(result.simulated.logs.shape[:3], bool)
+    best = np.unravel_index(int(result.likelihood.log.argmax()), result.likelihood.log.shape)
+    fine = (result.likelihood.wavelengths, result.likelihood.strengths)
+    for axis, values in enumerate(fine):
+        count = kept.shape[axis]
+        nodes = np.geomspace(values[0], values[-1], count)
+        near = np.arange(count) == int(np.abs(np.log(nodes / values[best[axis]])).argmin())
+        if result.interval_holds and values.size > 1:
+            low, high = result.likelihood.interval(axis)[1:]
+            near |= (nodes >= low) & (nodes <= high)
+        kept &= np.expand_dims(near, [other for other in range(3) if other != axis])
+    return kept & np.isfinite(result.simulated.logs).all(axis=-1)

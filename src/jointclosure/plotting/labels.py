@@ -9,16 +9,22 @@ from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Bbox
 
 _PLACES = (
-    ((4, 3), "left", "bottom"),
-    ((4, -3), "left", "top"),
-    ((-4, 3), "right", "bottom"),
-    ((-4, -3), "right", "top"),
-    ((0, 5), "center", "bottom"),
-    ((0, -5), "center", "top"),
+    ((5, 4), "left", "bottom"),
+    ((5, -4), "left", "top"),
+    ((-5, 4), "right", "bottom"),
+    ((-5, -4), "right", "top"),
+    ((0, 6), "center", "bottom"),
+    ((0, -6), "center", "top"),
+    ((8, 11), "left", "bottom"),
+    ((8, -11), "left", "top"),
+    ((-8, 11), "right", "bottom"),
+    ((-8, -11), "right", "top"),
 )
 """Offsets [points] from a mark's middle that are tried in turn, and the alignment of text there."""
-_STAR = 6.0
-"""Half-width of a large mark [points]."""
+_STAR = 8.0
+"""Half-width of a large mark, with some room [points]."""
+_APART = 2.0
+"""Smallest distance of labels from each other and from marks [points]."""
 
 
 class Label(NamedTuple):
@@ -61,7 +67,8 @@ def label_marks(axes: Axes, labels: Sequence[Label], size: float = 6.0) -> None:
             box = text.get_window_extent()
             inside = within.x0 <= box.x0 and box.x1 <= within.x1
             inside &= within.y0 <= box.y0 and box.y1 <= within.y1
-            if inside and not any(box.overlaps(other) for other in taken):
+            wide = box.padded(_APART * figure.dpi / 72.0)
+            if inside and not any(wide.overlaps(other) for other in taken):
                 taken.append(box)
                 break
             text.remove()

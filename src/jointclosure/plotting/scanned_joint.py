@@ -24,8 +24,13 @@ def pair_figure(pair: RegisteredPair, title: str) -> Figure:
     _draw_wall(panels[0, 1], pair.lower, pair, "lower wall, seen from above")
     _draw_aperture(panels[0, 2], pair)
     _draw_section(panels[1, 0], pair)
-    _draw_mating(panels[1, 1], pair)
-    _draw_orientations(panels[1, 2], pair)
+    if pair.fits:
+        _draw_mating(panels[1, 1], pair)
+        _draw_orientations(panels[1, 2], pair)
+    else:
+        panels[1, 1].set_axis_off()
+        panels[1, 2].set_axis_off()
+        panels[1, 1].set_title("one wall is flat: no correlation")
     figure.suptitle(title, parse_math=False)  # a file's name is not a formula
     for axes in panels[1]:
         sns.despine(ax=axes)

@@ -1,5 +1,7 @@
 """Figure of closure, residual closure and stiffness over patch length and spacing."""
 
+import re
+
 import pandas as pd
 import seaborn as sns
 from matplotlib.axes import Axes
@@ -8,11 +10,11 @@ from matplotlib.figure import Figure
 from jointclosure.plotting.style import legend_below, styled, subplots, ticks_at
 
 _ROWS = (
-    ("closure_seated_net_mm", 1, "net closure since seating,\ncycle 1"),
-    ("closure_net_mm", 1, "net closure from first touch,\ncycle 1"),
-    ("residual_closure_mm", 1, "residual closure, cycle 1"),
-    ("closure_seated_net_mm", 2, "net closure since seating,\ncycle 2"),
-    ("net_stiffness_MPa_per_mm", 2, "net stiffness from half\nof the stress, cycle 2"),
+    ("closure_seated_net_mm", 1, "net closure\nsince seating,\ncycle 1"),
+    ("closure_net_mm", 1, "net closure\nfrom first touch,\ncycle 1"),
+    ("residual_closure_mm", 1, "residual closure,\ncycle 1"),
+    ("closure_seated_net_mm", 2, "net closure\nsince seating,\ncycle 2"),
+    ("net_stiffness_MPa_per_mm", 2, "net stiffness\nfrom half the\nstress, cycle 2"),
 )
 _MARKERS = "osD^vP*X"
 
@@ -33,7 +35,7 @@ def size_figure(table: pd.DataFrame) -> Figure:
     """
     table = table[table.rock == table.rock.iloc[0]]
     base = table[(table.closure_mm_ratio == 1.0) & (table.closure_mm_error == 0.0)].iloc[0]
-    figure, panels = subplots(len(_ROWS), 2, figsize=(9.0, 14.0), sharey="row", sharex="col")
+    figure, panels = subplots(len(_ROWS), 2, figsize=(9.0, 11.0), sharey="row", sharex="col")
     for row, (column, cycle, title) in zip(panels, _ROWS, strict=True):
         rows = table[table.cycle == cycle]
         lines = (
@@ -42,7 +44,8 @@ def size_figure(table: pd.DataFrame) -> Figure:
         )
         for axes, (along, part) in zip(row, lines, strict=True):
             _against(axes, part, along, column)
-        row[0].set_ylabel(f"{title}\nover that of the base")
+        row[0].set_ylabel(title)
+    figure.supylabel("ratio to the joints of the base")
     panels[-1][0].set_xlabel("patch length (mm)")
     panels[-1][1].set_xlabel("spacing (mm)")
     panels[0][0].set_title(f"spacing {base.spacing_mm:g} mm")
@@ -50,6 +53,14 @@ def size_figure(table: pd.DataFrame) -> Figure:
     handles = panels[0][0].get_legend_handles_labels()[0]
     legend_below(figure, handles, 3, title="bars: standard errors of ratios of the same walls")
     return figure
+
+
+def spectrum_title(name: str) -> str:
+    """Return the words for the name of a spectrum, such as "H = 0.5, roll-off 3 mm"."""
+    words = re.sub(r"\bhurst (\d)(\d+)", r"H = \1.\2,", name.replace("_", " "))
+    words = re.sub(r"\bno roll off\b", "no roll-off", words)
+    words = re.sub(r"\broll off (\d+)mm", r"roll-off \1 mm", words)
+    return words.rstrip(",")
 
 
 def _against(axes: Axes, table: pd.DataFrame, along: str, column: str) -> None:
@@ -63,7 +74,7 @@ def _against(axes: Axes, table: pd.DataFrame, along: str, column: str) -> None:
         axes.errorbar(
             part[along] * aside, part[f"{column}_ratio"], part[f"{column}_error"], color=colour,
             marker=_MARKERS[number % len(_MARKERS)], ms=4, lw=1.0, capsize=2,
-            label=spectrum.replace("_", " "),
+            label=spectrum_title(spectrum),
         )  # fmt: skip
     axes.set_xscale("log")
     axes.set_yscale("log")

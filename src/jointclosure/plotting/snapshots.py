@@ -1,5 +1,6 @@
 """Maps of a joint at the requested stresses: aperture, contact forces, damage."""
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -14,12 +15,14 @@ from jointclosure.engineering.curves import spacing_of
 from jointclosure.plotting.scanned_joint import map_extent
 from jointclosure.plotting.style import panel_grid, styled
 
+_ROWS = 3
+"""Rows of full size; with n snapshots each map has sqrt(n / 3) columns."""
 _MAP: dict[str, Any] = {"origin": "lower", "interpolation": "nearest"}
 
 
 @styled
 def snapshot_figure(closed: xr.Dataset, title: str) -> Figure:
-    """Draw a row for each snapshot: aperture with contacts, stress of cells, change of the walls.
+    """Draw each snapshot: aperture with contacts, stress of cells, change of the walls.
 
     Parameters
     ----------
@@ -29,24 +32,36 @@ def snapshot_figure(closed: xr.Dataset, title: str) -> Figure:
 
     Notes
     -----
-    Colour scales are the same in all rows; a few cells may be beyond their ends. The stress
-    is the mean over a whole cell; contacts are smaller.
+    Up to three snapshots have a row each. Of more, each map has several columns, so that the figure
+    is at most about 1.2 times as high as wide; snapshots follow each other downwards, then to the
+    right. Colour scales are the same for all; a few cells may be beyond their ends. The stress is
+    the mean over a whole cell; contacts are smaller.
     """
     number = closed.sizes["snapshot"]
-    figure, panels = panel_grid(number, 3, (3.5, 3.2), (0.0, 1.3), sharex=True, sharey=True)
-    for column, maps in zip(panels.T, MAPS.values(), strict=True):
-        drawn = maps(closed)
-        for k, axes in enumerate(column):
+    blocks = math.ceil(math.sqrt(number / _ROWS))
+    rows = math.ceil(number / blocks)
+    size = 3.5 / blocks
+    figure, panels = panel_grid(
+        rows, 3 * blocks, (size, size - 0.1), (0.0, 1.3), sharex=True, sharey=True
+    )
+    titles = [describe_state(closed.isel(snapshot=k)) for k in range(number)]
+    for group, maps in enumerate(MAPS.values()):
+        drawn, columns = maps(closed), panels[:, group * blocks : (group + 1) * blocks]
+        for k, axes in enumerate(columns.T.flat):
+            if k >= number:
+                axes.set_axis_off()
+                continue
             image = draw_map(axes, closed, drawn, k)
+            if group == 0:
+                draw_contacts(axes, closed, k)
+            words = [titles[k][0]] * (blocks > 1 and group > 0) + [titles[k][group]]
+            axes.set_title("\n".join(words), fontsize=9.0 if blocks == 1 else 6.5)
         figure.colorbar(
-            image, ax=column, label=drawn.label, location="top", aspect=30, pad=0.01,
+            image, ax=columns, label=drawn.label, location="top", aspect=30, pad=0.01,
             extend=drawn.beyond,
         )  # fmt: skip
-    for k, row in enumerate(panels):
-        draw_contacts(row[0], closed, k)
-        for axes, title_of_map in zip(row, describe_state(closed.isel(snapshot=k)), strict=True):
-            axes.set_title(title_of_map, fontsize=9)
-        row[0].set_ylabel("y (mm)")
+    for axes in panels[:, 0]:
+        axes.set_ylabel("y (mm)")
     for axes in panels[-1]:
         axes.set_xlabel("x (mm)")
     figure.suptitle(title, parse_math=False)

@@ -7,13 +7,15 @@ surface scanners need its extra ``walls``. A reader returns the content of a fil
 
 import functools
 import hashlib
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.scans import esri, grids, instruments, meshes, points, surfer
-from jointclosure.scans.contents import Contents
+from jointclosure.scans.contents import Contents, check_no_variable
+from jointclosure.scans.likeness import nearest_form
 from jointclosure.scans.sentinels import missing_heights
 from jointclosure.scans.units import doubted, settled, size_of
 from jointclosure.surface.measured import Cloud, Scan
@@ -38,7 +40,7 @@ READERS = {
 
 
 def read_scan(
-    path: str | Path,
+    path: str | Path | Sequence[str | Path],
     *,
     units: str | None = None,
     spacing: float | None = None,
@@ -48,8 +50,9 @@ def read_scan(
 
     Parameters
     ----------
-    path : path
-        The suffix of its name determines the format, see `READERS`.
+    path : path, or three paths
+        The suffix of its name determines the format, see `READERS`. Three files, as a sequence or
+        as "x.txt,y.txt,z.txt", are matrices of x, y and heights.
     units : {"m", "mm", "um", "nm"}, optional
         Units of heights and distances, if the file does not state them.
     spacing : float, optional
@@ -69,21 +72,65 @@ def read_scan(
         If the file does not exist, its format cannot be read, or units are not stated or
         contradict those of the file. The message names the file, the problem and what is allowed.
     """
-    path = Path(path)
-    if not path.is_file():
-        raise InputError(f"{path}: file not found")
-    reader = READERS.get(path.suffix.lower(), instruments.read_any)
+    files = files_of(path)
+    for file in files:
+        if not file.is_file():
+            raise InputError(f"{file}: file not found")
+        if not file.stat().st_size:
+            raise InputError(f"{file}: the file is empty")
     try:
-        contents = reader(path, variable)
+        contents = (
+            _contents(files[0], variable) if len(files) == 1 else _of_matrices(files, variable)
+        )
         return _in_metres(contents, units, spacing)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from None
+        raise InputError(f"{', '.join(map(str, files))}: {error}") from None
+
+
+def files_of(path: str | Path | Sequence[str | Path]) -> tuple[Path, ...]:
+    """Return the file of a scan, or its three files of x, y and heights, as for `read_scan`."""
+    if not isinstance(path, str | Path):
+        parts = list(path)
+    elif Path(path).is_file() or str(path).count(",") != 2:
+        return (Path(path),)
+    else:
+        parts = str(path).split(",")
+    if len(parts) != 3:
+        raise InputError(f"{parts}: must be one file, or three with x, y and heights")
+    return Path(parts[0]), Path(parts[1]), Path(parts[2])
+
+
+def _contents(path: Path, variable: str | None) -> Contents:
+    """Read one file; an error also names the form that its content is most like."""
+    try:
+        return READERS.get(path.suffix.lower(), instruments.read_any)(path, variable)
+    except InputError as error:
+        raise InputError(f"{error}{nearest_form(path)}") from None
+
+
+def _of_matrices(files: tuple[Path, ...], variable: str | None) -> Contents:
+    """Read matrices of x, y and heights from three files."""
+    check_no_variable(variable)
+    parts = []
+    for file in files:
+        try:
+            text = READERS.get(file.suffix.lower()) is points.read_text
+            parts.append(points.read_matrix(file) if text else _contents(file, None))
+        except InputError as error:
+            raise InputError(f"{file}: {error}") from None
+    return points.joined(*parts)
 
 
 def file_digest(path: str | Path) -> str:
-    """Return the SHA-256 of a file's content, recomputed if its time or size has changed."""
-    about = Path(path).stat()
-    return _digest(str(path), about.st_mtime_ns, about.st_size)
+    """Return the SHA-256 of a scan's content, recomputed if its time or size has changed.
+
+    Of three files it is that of their digests.
+    """
+    parts = []
+    for file in files_of(path):
+        about = file.stat()
+        parts.append(_digest(str(file), about.st_mtime_ns, about.st_size))
+    return parts[0] if len(parts) == 1 else hashlib.sha256("".join(parts).encode()).hexdigest()
 
 
 @functools.cache

@@ -12,8 +12,14 @@ from jointclosure.scans.contents import Contents, check_size, reading_as
 def read_any(path: Path, variable: str | None) -> Contents:
     """Read a channel of a scanner's file, by default the default channel of the file."""
     with needs("walls", f"{path.suffix or 'a file without suffix'}: a scanner's format"):
+        from SurfaceTopography.Exceptions import CannotDetectFileFormat
         from SurfaceTopography.IO import open_topography
-    with reading_as("a scanner's file"), open_topography(str(path)) as reader:
+    with reading_as("a scanner's file"):
+        try:
+            opened = open_topography(str(path))
+        except CannotDetectFileFormat:  # its message has the errors of all readers
+            raise InputError("is of no form that is read here") from None
+    with reading_as("a scanner's file"), opened as reader:
         index = None
         if variable is not None:
             names = [channel.name for channel in reader.channels]

@@ -21,6 +21,8 @@ def read_mesh(path: Path, variable: str | None) -> Contents:
     with needs("walls", form.upper()):
         import trimesh
     points, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=int)], 0
+    if form == "obj":
+        _check_obj(path)
     with reading_as(form.upper()), path.open("rb") as file:
         for part in trimesh.load_scene(file, file_type=form).geometry.values():
             points.append(np.array(part.vertices, dtype=float))
@@ -31,6 +33,46 @@ def read_mesh(path: Path, variable: str | None) -> Contents:
     vertices = np.concatenate(points)
     _check_single_sheet(vertices, np.concatenate(faces))
     return contents_of(vertices)
+
+
+def _check_obj(path: Path) -> None:
+    """Raise `InputError` if an OBJ file has no vertices, or a line that no mesh has."""
+    vertices, largest = 0, (0, 0)  # number of a vertex in a face, and its line
+    with path.open(encoding="latin-1") as file:
+        for number, line in enumerate(file, start=1):
+            words = line.split()
+            if line.startswith("v "):
+                vertices += 1
+                if not _numbers(words[1:4]):
+                    raise InputError(
+                        f"line {number}, {line.strip()[:60]!r}: must be v and the numbers x, y, z"
+                    )
+            elif line.startswith("f "):
+                corners = [word.split("/")[0] for word in words[1:]]
+                if len(corners) < 3 or not all(_is_whole(word) for word in corners):
+                    raise InputError(
+                        f"line {number}, {line.strip()[:60]!r}: must be f and the numbers of three "
+                        "or more vertices"
+                    )
+                largest = max(largest, (max(map(int, corners)), number))
+    if not vertices:
+        raise InputError("has no vertices (lines 'v x y z')")
+    if largest[0] > vertices:
+        raise InputError(
+            f"line {largest[1]}: a face has vertex {largest[0]}, but there are {vertices} vertices"
+        )
+
+
+def _numbers(words: list[str]) -> bool:
+    """Return whether these are three numbers."""
+    try:
+        return len([float(word) for word in words]) == 3
+    except ValueError:
+        return False
+
+
+def _is_whole(word: str) -> bool:
+    return word.removeprefix("-").isdecimal()
 
 
 def _check_single_sheet(points: np.ndarray, faces: np.ndarray) -> None:

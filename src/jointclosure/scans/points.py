@@ -9,7 +9,7 @@ from jointclosure.scans.contents import Contents, reading_as
 from jointclosure.scans.lattice import lattice_of, merged_points
 from jointclosure.scans.sentinels import missing_heights, missing_sentence, missing_values
 from jointclosure.scans.text import Table, read_table
-from jointclosure.scans.units import size_of, split_name
+from jointclosure.scans.units import axis_name, size_of, split_name
 from jointclosure.surface.outliers import strays
 
 LEAST_COLUMNS = 12
@@ -40,6 +40,36 @@ def read_text(path: Path, variable: str | None) -> Contents:
     contents = contents_of(values)
     return contents._replace(
         height_units=z, length_units=x, remarks=table.remarks + contents.remarks
+    )
+
+
+def read_matrix(path: Path) -> Contents:
+    """Read a text file as one matrix (y, x), of heights or of places."""
+    with reading_as("a matrix", ValueError):
+        table = read_table(path)
+    return Contents(table.values, remarks=table.remarks)
+
+
+def joined(x: Contents, y: Contents, z: Contents) -> Contents:
+    """Return heights of one file at the places x and y of two others, as `contents_of`.
+
+    Raises
+    ------
+    InputError
+        If the three matrices differ in shape, or x and y in units.
+    """
+    shapes = [np.shape(part.heights) for part in (x, y, z)]
+    if len(set(shapes)) > 1:
+        listed = ", ".join(" x ".join(map(str, shape)) for shape in shapes)
+        raise InputError(f"matrices of {listed} (rows x columns): must be equal for x, y and z")
+    if x.height_units != y.height_units:
+        raise InputError(f"x is in {x.height_units} and y in {y.height_units}: must be the same")
+    columns = [np.asarray(part.heights, dtype=float).ravel() for part in (x, y, z)]
+    contents = contents_of(np.stack(columns, axis=1))
+    return contents._replace(
+        height_units=z.height_units,
+        length_units=x.height_units,
+        remarks=x.remarks + y.remarks + z.remarks + contents.remarks,
     )
 
 
@@ -113,7 +143,7 @@ def cleaned(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
 def _columns(table: Table, variable: str | None) -> list[int]:
     """Return the numbers of the columns of x, y and z."""
     width = table.values.shape[1]
-    bare = [split_name(name)[0].lower() for name in table.names]
+    bare = [axis_name(name) for name in table.names]
     if variable is not None:
         return _stated_columns(table.names, bare, width, variable)
     if table.names:

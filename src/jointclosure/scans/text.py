@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.inputs import InputError
-from jointclosure.scans.units import is_unit, split_name
+from jointclosure.scans.units import axis_name, is_unit
 
 COMMENTS = ("#", "%", "//", "!")
 _MISSING = ("", "nan", "na", "n/a", "null", "none", "-", "--", "---", "***", "bad", "inf", "-inf")
@@ -139,7 +139,7 @@ def _names(head: list[str]) -> tuple[list[str], list[str | None], list[str]]:
         words = _split_names(bare.lstrip("#%/! ") if comment else bare)
         if not words:
             continue
-        if {split_name(word)[0].lower() for word in words} >= {"x", "y", "z"}:
+        if {axis_name(word) for word in words} >= {"x", "y", "z"}:
             if names:
                 remarks.append(f"line {number} repeats the names of the columns")
             names = words

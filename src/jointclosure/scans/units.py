@@ -63,8 +63,28 @@ def settled(what: str, of_file: str | None, stated: str | None, sides=None) -> s
 
 
 def split_name(name: str) -> tuple[str, str | None]:
-    """Return ("Z", "mm") for "Z_mm", "Z (mm)" or "Z [mm]"; ("Z", None) for a name without units."""
-    match = re.fullmatch(r"\s*(.*?)(?:_|\s*[(\[])([a-zµμ]+)[)\]]?\s*", name)
-    if match and match[2] in SPELT:
-        return match[1], match[2]
+    """Return ("Z", "mm") for names such as "Z_mm", "Z [mm]", "Z/mm", "Z, mm" and "Z in mm".
+
+    For a name without units it is ("Z", None).
+    """
+    match = re.fullmatch(_NAME_AND_UNIT, name)
+    if match:
+        unit = match[2] if match[2] in SPELT else match[2].lower()  # MM for mm
+        if unit in SPELT:
+            return match[1], unit
     return name.strip(), None
+
+
+def axis_name(name: str) -> str:
+    """Return "x", "y" or "z" for the name of a column of points, else the name in lower case.
+
+    Units, and words such as position, are left out; height and elevation are z.
+    """
+    bare = split_name(name)[0].lower()
+    if bare in ("height", "elevation"):
+        return "z"
+    match = re.fullmatch(r"([xyz])[ _-]?(?:pos(?:ition)?|coord(?:inate)?|axis|value)", bare)
+    return match[1] if match else bare
+
+
+_NAME_AND_UNIT = r"\s*(.*?)(?:_|\s*/\s*|\s*,\s*|\s+in\s+|[_\s]*[(\[])\s*([A-Za-zµμ]+)\s*[)\]]?\s*"

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.compilation.kernels import kernel
+from jointclosure.compilation.kernels import kernel, large_kernel
 from jointclosure.solvers.interaction_operator import Influence
 from jointclosure.solvers.products import symmetric_inverse, symmetric_times
 
@@ -39,7 +39,7 @@ def no_coarse_space(n):
     return CoarseSpace(np.full(n, -1), np.empty((0, 0)))
 
 
-@kernel
+@large_kernel
 def coarse_space(influence: Influence, cells, stiffness):
     """Make patches of contacts, and the inverse of the system between them.
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from jointclosure.compilation.kernels import kernel
+from jointclosure.compilation.kernels import large_kernel
 from jointclosure.solvers.coarse_space import patch_shares, precondition
 from jointclosure.solvers.interaction_operator import interaction_product
 from jointclosure.solvers.products import inner
@@ -12,7 +12,7 @@ from jointclosure.solvers.products import inner
 MOST_CONJUGATE_GRADIENT_STEPS = 1000
 
 
-@kernel
+@large_kernel
 def newton_direction(influence, matrix, cells, space, step, secant, shortfall, tolerance, scratch):
     """Solve (D + K) d = D step + shift by conjugate gradients, D the secant compliances.
 

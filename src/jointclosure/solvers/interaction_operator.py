@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.fft
 
-from jointclosure.compilation.kernels import kernel
+from jointclosure.compilation.kernels import kernel, large_kernel
 from jointclosure.mechanics.interaction import interaction_displacement
 from jointclosure.solvers.products import symmetric_times
 
@@ -205,7 +205,7 @@ def interaction_field(influence, force):
     return influence.field[:, : force.shape[1]].copy()
 
 
-@kernel
+@large_kernel
 def interaction_product(influence, matrix, cells, values, force):
     """Compute displacements (n,) [m] at cells by forces (n,) [N] at the same cells.
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.compilation.kernels import kernel
+from jointclosure.compilation.kernels import kernel, large_kernel
 from jointclosure.solvers.coarse_space import coarse_space, no_coarse_space
 from jointclosure.solvers.conjugate_gradients import newton_direction
 from jointclosure.solvers.contacts import Contacts, contact_response, coordinate_sweep, energy
@@ -80,7 +80,7 @@ def _judged(problem, force, elastic_displacement, field, shift):
     return Iterate(force, elastic_displacement, field, shift, difference, total, missing)
 
 
-@kernel
+@large_kernel
 def _iterate(problem, force, shift):
     """Make an iterate from forces, with one product with the interaction."""
     elastic_displacement = interaction_product(
@@ -96,7 +96,7 @@ def _misfit(state):
     return max(state.difference, abs(state.missing))
 
 
-@kernel
+@large_kernel
 def _newton_step(problem, space, state, tolerance):
     """Return the iterate after a Newton step, and the number of products."""
     # as exact as the error of Newton's method requires, and not beyond the tolerance
@@ -118,7 +118,7 @@ def _newton_step(problem, space, state, tolerance):
     return _iterate(problem, force, state.shift + moved), used + 1
 
 
-@kernel
+@large_kernel
 def _lowered(problem, state, trial):
     """Return an iterate with a lower energy than the state, and the number of products.
 

@@ -7,7 +7,7 @@ partial sums, which vector units of any width compute in parallel.
 
 import numpy as np
 
-from jointclosure.compilation.kernels import kernel
+from jointclosure.compilation.kernels import kernel, large_kernel
 
 PIVOTS, LANES = 4, 8
 """Number of pivots of one pass over a matrix, and of the values of a vector at most."""
@@ -52,7 +52,7 @@ def symmetric_times(matrix, vector):
     return answer
 
 
-@kernel
+@large_kernel
 def symmetric_inverse(matrix):
     """Invert a symmetric positive definite matrix (n, n) by sweeping pivot by pivot.
 

@@ -10,6 +10,8 @@ import scipy
 
 from jointclosure.inputs import InputError
 
+FLAT = "flat"
+"""Word for a flat wall, such as a saw cut, in place of a scan."""
 LARGEST_TILT = 20.0
 """Largest inclination of a scan's mean plane [degrees] for which heights represent a wall."""
 REACH = 2.0
@@ -79,6 +81,18 @@ def point_distance(scan: Scan | Cloud) -> float:
             f"{len(scan.points)} points: they lie on one line or are too few for a wall"
         ) from None
     return float(np.sqrt(area / len(scan.points)))
+
+
+def plane_of(scan: Scan | Cloud, sign: int = 1) -> Scan | Cloud:
+    """Return a flat wall: the mean plane of a scan at its places, with heights times a sign."""
+    if isinstance(scan, Cloud):
+        x, y, heights = scan.points.T
+        plane = heights - _levelled(x, y, heights)
+        return Cloud(np.stack([x, y, sign * plane], axis=1))
+    ny, nx = scan.heights.shape
+    y, x = np.indices((ny, nx)) * np.reshape(scan.spacing, (2, 1, 1))
+    level = _levelled(x.ravel(), y.ravel(), scan.heights.ravel()).reshape(ny, nx)
+    return Scan(sign * (scan.heights - level), scan.spacing, scan.origin)
 
 
 def wall_on_grid(

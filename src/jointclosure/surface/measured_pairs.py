@@ -6,13 +6,13 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.statistics.randomness import generator, seed_of
-from jointclosure.surface.measured import windows
+from jointclosure.surface.measured import FLAT, windows
 from jointclosure.surface.roughness import detrended
 from jointclosure.surface.synthesis import synthetic_wall
 
-PARTNERS = ("rotated", "mirrored", "synthetic")
+PARTNERS = ("rotated", "mirrored", "synthetic", FLAT)
 """Partners of a single scanned wall: the wall itself, turned by 180 degrees in its plane or
-mirrored in x, or an independent synthetic wall with its slope and Hurst exponent."""
+mirrored in x, an independent synthetic wall with its slope and Hurst exponent, or a flat wall."""
 
 _SYNTHETIC_STREAM = "matching"
 """Name of the random stream of synthetic partners: a former term, kept because another name would
@@ -97,6 +97,8 @@ class Cutter:
                     self.normalise,
                 )  # fmt: skip
                 origins[other] = (-1, -1)
+            elif self.walls.partner == FLAT:
+                cut[other], origins[other] = np.zeros(self.shape), (-1, -1)
             else:
                 origins[other] = self._origin("partner", realization)
                 same = self._cut(names[0], origins[other])

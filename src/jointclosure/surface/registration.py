@@ -13,9 +13,11 @@ from jointclosure.parameters import AS_IT_IS
 from jointclosure.surface.implausible import check_pair, check_scans
 from jointclosure.surface.mating import Mating, best_shift, mating, slope_correlation_over_shifts
 from jointclosure.surface.measured import (
+    FLAT,
     LARGEST_FILLED_SHARE,
     Cloud,
     Scan,
+    plane_of,
     point_distance,
     wall_on_grid,
 )
@@ -132,8 +134,8 @@ class RegisteredPair(NamedTuple):
 
 
 def registered(
-    upper: Scan | Cloud,
-    lower: Scan | Cloud,
+    upper: Scan | Cloud | str,
+    lower: Scan | Cloud | str,
     spacing: float | None = None,
     *,
     orientation: str | None = None,
@@ -146,8 +148,10 @@ def registered(
 
     Parameters
     ----------
-    upper, lower : Scan or Cloud
-        In metres; heights of the lower scan count towards the upper wall.
+    upper, lower : Scan, Cloud or "flat"
+        In metres; heights of the lower scan count towards the upper wall. One of both may be flat.
+        If that is the lower one, ``orientation`` has to be stated: an aperture map is an upper wall
+        in a "common_frame", and heights of a scan from above count "towards" the lower wall.
     spacing : float, optional
         Grid spacing of the walls [m], by default the larger point distance of the scans.
     orientation : str, optional
@@ -172,6 +176,8 @@ def registered(
         size are not those of a wall.
     """
     _check_choices(orientation, shift)
+    flat = [side for side, scan in (("upper", upper), ("lower", lower)) if isinstance(scan, str)]
+    upper, lower = _both_scans(upper, lower, orientation)
     distances = point_distance(upper), point_distance(lower)
     spacing = max(distances) if spacing is None else float(spacing)
     if not unusual_values:
@@ -180,29 +186,63 @@ def registered(
     clouds = []
     for side, scan in (("upper", upper), ("lower", lower)):
         report += [prefixed(f"{side} wall: ", remark) for remark in scan.remarks]
-        kept, removed = without_spikes(scan) if cut_spikes else (scan, "")
+        cut = cut_spikes and side not in flat
+        kept, removed = without_spikes(scan) if cut else (scan, "")
         report += [f"{side} wall: {removed}; they were cut"] if removed else []
         clouds.append(points_of(kept))
     placed = [_Placed.of(cloud, spacing) for cloud in clouds]
-    fits = _compared(placed[0], placed[1], spacing)
-    name = _chosen(fits, orientation, unusual_values, report)
-    whole_cells = all(isinstance(scan, Scan) for scan in (upper, lower))
-    best = _refined(
-        placed[0], placed[1], spacing, next(fit for fit in fits if fit.orientation == name)
-    )
-    mated = best.whole if whole_cells else best.exact
-    moved = shift == "mated" or (shift is None and name != "common_frame")
+    if flat:
+        fits, name, mated = [], orientation or "common_frame", (0.0, 0.0)
+        report.append(f"the {flat[0]} wall is flat, parallel to the mean plane of the other")
+    else:
+        fits = _compared(placed[0], placed[1], spacing)
+        name = _chosen(fits, orientation, unusual_values, report)
+        best = _refined(
+            placed[0], placed[1], spacing, next(fit for fit in fits if fit.orientation == name)
+        )
+        whole_cells = all(isinstance(scan, Scan) for scan in (upper, lower))
+        mated = best.whole if whole_cells else best.exact
+    moved = not flat and (shift == "mated" or (shift is None and name != "common_frame"))
     applied = mated if moved else (0.0, 0.0)
-    report.append(_describe_shift(mated, moved))
+    if not flat:
+        report.append(_describe_shift(mated, moved))
     turned = _oriented(clouds[0], placed[0], spacing, ORIENTATIONS[name])
     raised = turned + np.array([applied[1], applied[0], 0.0])
     overlap = overlap_of(raised, clouds[1], spacing, distances, largest_filled_share)
+    if flat:  # without rounding
+        overlap = overlap._replace(**{flat[0]: np.zeros(overlap.upper.shape)})
     pair = _described(overlap, spacing, name, fits, applied, mated, report)
     if not unusual_values:
         if problems := slope_doubts({"upper": pair.upper, "lower": pair.lower}, spacing):
             raise InputError(f"{'; '.join(problems)}; {AS_IT_IS}")
-        check_pair(overlap.upper - overlap.lower, pair.correlation, name == "common_frame")
+        common_frame = name == "common_frame" and not flat
+        check_pair(overlap.upper - overlap.lower, pair.correlation, common_frame)
     return pair
+
+
+def _both_scans(
+    upper: Scan | Cloud | str, lower: Scan | Cloud | str, orientation: str | None
+) -> tuple[Scan | Cloud, Scan | Cloud]:
+    """Return both walls as scans; a flat one has the places and the mean plane of the other."""
+    for side, wall in (("upper", upper), ("lower", lower)):
+        if isinstance(wall, str) and wall != FLAT:
+            raise InputError(f"{side} = {wall!r}: must be a Scan, a Cloud or {FLAT!r}")
+    if isinstance(upper, str) and isinstance(lower, str):
+        raise InputError("upper and lower: both walls are flat; one must be a scan")
+    if isinstance(upper, str):
+        assert not isinstance(lower, str)
+        if orientation is not None:
+            raise InputError(f"orientation = {orientation!r}: must be left out for a flat wall")
+        return plane_of(lower), lower
+    if isinstance(lower, str):
+        if orientation not in ("common_frame", "towards"):
+            raise InputError(
+                f"orientation = {orientation!r}: must be common_frame (the heights are an "
+                "aperture map) or towards (they count towards the other wall) where the lower wall "
+                "is flat"
+            )
+        return upper, plane_of(upper, ORIENTATIONS[orientation].sign)
+    return upper, lower
 
 
 class _Placed(NamedTuple):
@@ -356,8 +396,12 @@ def _described(
     aperture = together.max() - together
     ny, nx = upper.shape
     y, x = (int(i) for i in np.unravel_index(int(np.argmin(aperture)), aperture.shape))
-    correlation = float(np.corrcoef(upper.ravel(), -lower.ravel())[0, 1])
-    mismatch = measured_mismatch(upper, lower, spacing)
+    if fits:
+        correlation = float(np.corrcoef(upper.ravel(), -lower.ravel())[0, 1])
+        mismatch, fit = measured_mismatch(upper, lower, spacing), mating(upper, lower, spacing)
+    else:  # one wall is flat and has no waves
+        correlation, mismatch = 0.0, Mismatch(np.inf, np.inf, np.inf)
+        fit = Mating(np.empty(0), np.empty(0), np.empty(0))
     early = float(np.quantile(aperture, 1e-3))
     gap = float(np.mean(overlap.upper - overlap.lower))
     filled_words = (
@@ -369,7 +413,11 @@ def _described(
         f"the plane common to both walls, inclined by {overlap.inclination:.2f} degrees, was "
         f"removed; the walls were inclined to each other by {overlap.relative:.3f} degrees and are "
         "set parallel",
-        f"heights correlate by {correlation:.3f}; {_describe_mating(mismatch)}",
+        *(
+            [f"heights correlate by {correlation:.3f}; {_describe_mating(mismatch)}"]
+            if fits
+            else []
+        ),
         f"at first touch, at cell (y, x) = ({y}, {x}), the mean aperture is "
         f"{1e3 * aperture.mean():.3g} mm",
     ]
@@ -379,7 +427,7 @@ def _described(
     report += [caution(doubt) for doubt in _doubts(overlap)]
     if mismatch.wavelength == 0.0 and correlation > _ALIKE:
         report.append(caution(_ONE_WALL))
-    if name == "common_frame" and applied == (0.0, 0.0):
+    if fits and name == "common_frame" and applied == (0.0, 0.0):
         side = "above" if gap > 0.0 else "below"
         lies = (
             f"as scanned the upper wall lies {1e3 * abs(gap):.3g} mm {side} the lower one in the "
@@ -388,7 +436,7 @@ def _described(
         report.append(lies if gap > 0.0 else caution(_BELOW, f"{lies}: "))
     return RegisteredPair(
         upper, lower, spacing, aperture, (y, x), name, fits, applied, mated, correlation,
-        mating(upper, lower, spacing), mismatch, overlap.share, report,
+        fit, mismatch, overlap.share, report,
     )  # fmt: skip
 
 

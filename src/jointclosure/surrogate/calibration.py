@@ -24,6 +24,8 @@ ALLOWED = 4.0
 """Standard deviations about the mean of the joints' walls within which each measure of other walls
 must be for these to count as the same kind. 99.99 % of walls of this kind satisfy this if measures
 are normal."""
+_BOUNDED = ("slope_ratio", "correlation")
+"""Measures of walls that are bounded by their values, not by logarithms."""
 _FRACTIONS = np.geomspace(1e-4, 0.6, 200)
 _START = BearingLaw(0.3, 0.8)
 
@@ -94,7 +96,11 @@ def calibrate(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> pd.DataFram
         "length_m": grid.spacing * min(grid.shape),
         "least_modulus_over_strength": stiff.min(),
         "most_modulus_over_strength": stiff.max(),
-    } | _allowed([walls for joints in cases for walls in joints.walls])
+    }
+    allowed = bounds_of([walls for joints in cases for walls in joints.walls])
+    for end in ("least", "most"):
+        about[f"{end}_height_over_slope_m"] = allowed[f"{end}_height_over_slope"]
+        about |= {f"{end}_{name}": allowed[f"{end}_{name}"] for name in _BOUNDED}
     rows: list[dict] = []
     for joints in cases:
         case = ensemble.isel(case=joints.case)
@@ -109,11 +115,12 @@ def calibrate(ensemble: xr.Dataset, grid: Grid, surface: Surface) -> pd.DataFram
     return pd.DataFrame(rows)
 
 
-def _allowed(walls: list[WallMeasures]) -> dict[str, float]:
-    """Return the bounds of the measures of walls of the joints' kind; of heights by logarithm."""
-    heights = np.log([measures.height_over_slope for measures in walls])
-    ends = {"height_over_slope_m": np.exp(_ends(heights))}
-    for name in ("slope_ratio", "correlation"):
+def bounds_of(walls: list[WallMeasures]) -> dict[str, float]:
+    """Return the bounds of measures of one kind of walls; of heights and slopes by logarithm."""
+    ends = {}
+    for name in ("height_over_slope", "rms_slope"):
+        ends[name] = np.exp(_ends(np.log([getattr(measures, name) for measures in walls])))
+    for name in _BOUNDED:
         ends[name] = _ends(np.array([getattr(measures, name) for measures in walls]))
     return {
         f"{end}_{name}": float(both[i])

@@ -25,6 +25,7 @@ from jointclosure.inputs import InputError, check_length, real_array
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.parameters import Rock, both_walls, strength_of
 from jointclosure.surface.bearing import bearing_depths
+from jointclosure.surrogate.domain import MEASURES, Node, Outside, errors_at, nodes_around
 
 ALL_ROCKS = "all"
 """Name of the constants for all rocks."""
@@ -131,7 +132,9 @@ def estimate(
     The law is for the full model with the paper's settings, for independent walls, and for the
     first loading only; it does not contain unloading, later cycles or the effect of Young's
     modulus. Constants are those of walls with a roll-off of 3 mm or without roll-off, selected by
-    the RMS height over slope of the given walls.
+    the RMS height over slope of the given walls. They were fitted to joints of 25 mm at a spacing
+    of 0.25 mm and JRC 5 to 10; at other spacings, sizes and JRC the error is that of joints
+    simulated there (`jointclosure.surrogate.domain`).
     """
     check_length("spacing", spacing)
     upper, lower = checked_walls(upper, lower, spacing)
@@ -144,17 +147,64 @@ def estimate(
     if not np.all(stresses > 0.0):
         raise InputError(f"max_normal_stress = {max_normal_stress!r} Pa: must be positive")
     measures = wall_measures(upper, lower, spacing)
-    chosen = _nearest(measures.height_over_slope)
     ratio = stresses / strength_of(rock)
-    outside = list(_outside(chosen, measures, upper.shape, spacing, rock, ratio))
+    chosen, error, outside = _tested_law(measures, upper.shape, spacing, rock, ratio)
     if outside and not extrapolate:
-        raise InputError(f"{outside[0]}; extrapolate=True returns a closure without an error")
+        raise InputError(f"{outside}; extrapolate=True returns a closure without an error")
     fraction = chosen.law.fraction(ratio)
     closure = bearing_depths(upper + lower, fraction)
-    error = np.full(ratio.shape, np.nan) if outside else _worst(chosen.errors, ratio)
     if stresses.ndim == 0:
         return Estimate(float(closure), float(fraction), float(error), chosen.roll_off)
     return Estimate(closure, fraction, error, chosen.roll_off)
+
+
+def _tested_law(
+    walls: WallMeasures, shape: tuple[int, ...], spacing: float, rock: Rock, ratio: np.ndarray
+) -> tuple["_Calibration", np.ndarray, str]:
+    """Return the law of a joint, its errors, and what lies outside of all tests ("": nothing).
+
+    The law is tested at the joints of its constants, and with other errors in a wider domain.
+    """
+    chosen = _nearest(walls.height_over_slope)
+    outside = list(_outside(chosen, walls, shape, spacing, rock, ratio))
+    if not outside:
+        return chosen, _worst(chosen.errors, ratio), ""
+    given = {name: (value, value) for name, value in walls._asdict().items()}
+    given |= {"spacing": (spacing, spacing), "cells": (float(min(shape)), float(max(shape)))}
+    around = [(kind, nodes_around(given, kind.roll_off)) for kind in _calibrations()]
+    tested = [(kind, nodes) for kind, nodes in around if not isinstance(nodes, Outside)]
+    if tested:
+        kind, nodes = min(tested, key=lambda pair: _away(pair[1], walls.height_over_slope))
+        errors = errors_at(nodes, ratio)
+        modulus = rock.youngs_modulus / strength_of(rock)
+        least, most = kind.tested["modulus_over_strength"]
+        if np.isfinite(errors).all() and least <= modulus <= most:
+            return kind, errors, ""
+        named = list(_outside(kind, walls, shape, spacing, rock, ratio))
+        load = [text for text in named if "strength =" in text]
+        return kind, np.full(ratio.shape, np.nan), load[0]
+    return (
+        chosen,
+        np.full(ratio.shape, np.nan),
+        _nearest_domain(next(found for kind, found in around if kind is chosen), outside[0]),
+    )
+
+
+def _away(nodes: list[Node], height_over_slope: float) -> float:
+    """Return how far heights over slope are from the middle of those of nodes, as a logarithm."""
+    middle = np.mean([np.log(node.bounds["height_over_slope"]).mean() for node in nodes])
+    return abs(float(np.log(height_over_slope) - middle))
+
+
+def _nearest_domain(outside: Outside | list[Node], text: str) -> str:
+    """Name the quantity that is outside of the wider domain, or of that of the constants."""
+    if not isinstance(outside, Outside) or outside.name in MEASURES:
+        return text
+    title = _TESTED[outside.name].title if outside.name in _TESTED else "cells along a side"
+    return (
+        f"{title} = {outside.value:.4g}: the law was tested from {outside.least:.4g} to "
+        f"{outside.most:.4g}"
+    )
 
 
 def _one_rock(rock: Rock) -> Rock:
@@ -285,6 +335,11 @@ def _worst(errors: list[tuple[np.ndarray, np.ndarray]], ratio: np.ndarray) -> np
     at = np.log(ratio)
     errors_of_rocks = [np.interp(at, logs, rms, right=np.nan) for logs, rms in errors]
     return np.nanmax(errors_of_rocks, axis=0)
+
+
+def law_of(roll_off: float | None) -> BearingLaw:
+    """Return the law of walls with a roll-off [m] to which constants were fitted."""
+    return next(kind.law for kind in _calibrations() if kind.roll_off == roll_off)
 
 
 @lru_cache(maxsize=1)

@@ -37,9 +37,9 @@ RockEffectKeys = create_model(
 
 
 _WALL = entry(
-    "A file, relative to where the study is run (or absolute); or, where the other wall is a file: "
-    "rotated (that wall, turned by 180 degrees), mirrored, or synthetic (a wall of its slope "
-    "and Hurst exponent, independent of it)."
+    "A file, relative to where the study is run (or absolute), or three with commas (x.txt,y.txt,"
+    "z.txt); or, where the other wall is a file: rotated (that wall, turned by 180 degrees), "
+    "mirrored, synthetic (a wall of its slope and Hurst exponent, independent of it), or flat."
 )
 
 

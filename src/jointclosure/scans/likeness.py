@@ -1,0 +1,49 @@
+"""Form that a file which cannot be read is most like, by its first bytes."""
+
+from pathlib import Path
+
+from jointclosure.inputs import InputError
+from jointclosure.scans.points import read_text
+
+_STARTS = {
+    b"\x93NUMPY": "an array of numpy (.npy)",
+    b"PK\x03\x04": "an archive (.npz, a workbook of Excel, .zip)",
+    b"\x1f\x8b": "a file compressed by gzip",
+    b"\x89HDF": "HDF5 (.nc, or MATLAB 7.3: save with -v7)",
+    b"CDF": "netCDF (.nc)",
+    b"MATLAB": "a MATLAB file (.mat)",
+    b"ply": "a PLY mesh (.ply)",
+    b"solid": "an STL mesh (.stl)",
+    b"DSAA": "a Surfer grid (.grd)",
+    b"DSBB": "a Surfer grid (.grd)",
+    b"ncols": "an ESRI grid (.asc)",
+    b"II*\0": "TIFF (.tif)",
+    b"MM\0*": "TIFF (.tif)",
+    b"%PDF": "PDF, which has no heights",
+    b"\x89PNG": "a PNG picture, which has no heights",
+    b"\xff\xd8\xff": "a JPEG picture, which has no heights",
+}
+"""Forms by the first bytes of a file."""
+_PROBED = 4096
+"""Number of bytes by which text is recognised."""
+
+
+def nearest_form(path: Path) -> str:
+    """Return the end of an error message: what a file is most like, and what is wrong with it.
+
+    Empty where the form follows from the name.
+    """
+    with path.open("rb") as file:
+        start = file.read(_PROBED)
+    for mark, form in _STARTS.items():
+        if start.lower().startswith(mark.lower()):
+            return "" if path.suffix.lower() in form else f"; its content is that of {form}"
+    if path.suffix.lower() in (".csv", ".xyz", ".txt", ".obj"):
+        return ""
+    if b"\0" in start or not start.decode("utf-8", errors="replace").isascii():
+        return "; its first bytes are of no form that is known here"
+    try:
+        read_text(path, None)
+    except InputError as error:
+        return f"; its content is text; read as points it {error}"
+    return "; its content is text with points: rename it to .txt"
