@@ -23,16 +23,6 @@ rule write_tables:
         "../scripts/write_tables.py"
 
 
-def drawn(figures):
-    """Files of figures; Snakemake's report shows the PNG."""
-    files = expand(f"{RESULTS}/figures/{{figure}}.png", figure=figures)
-    shown = [
-        (report(file, caption=CAPTIONS / f"{Path(file).stem}.rst", category="Figures"))
-        for file in files
-    ]
-    return [*shown, *expand(f"{RESULTS}/figures/{{figure}}.pdf", figure=figures)]
-
-
 rule draw_figures:
     input:
         study=f"{RESULTS}/study.nc",

@@ -162,3 +162,13 @@ wildcard_constraints:
     ensemble="cases|pool",
     case="[a-z0-9_-]+",
     first="[0-9]+",
+
+
+def drawn(figures):
+    """Files of figures; Snakemake's report shows the PNG."""
+    files = expand(f"{RESULTS}/figures/{{figure}}.png", figure=figures)
+    shown = [
+        (report(file, caption=CAPTIONS / f"{Path(file).stem}.rst", category="Figures"))
+        for file in files
+    ]
+    return [*shown, *expand(f"{RESULTS}/figures/{{figure}}.pdf", figure=figures)]

@@ -293,13 +293,14 @@ def _jrc_range(
     if pair is not None:
         return math.nan, math.nan
     ends = tuple(jrc) if isinstance(jrc, tuple | list) else (jrc, jrc)
-    if jrc is None or len(ends) != 2:
+    lowest, highest = ends if len(ends) == 2 else (None, None)
+    if lowest is None or highest is None:
         raise InputError(f"jrc = {jrc!r}: must be a number or (lowest, highest) without scans")
     for end in ends:
         PROPERTIES["jrc"].check("jrc", end)
-    if ends[0] > ends[1]:
+    if lowest > highest:
         raise InputError(f"jrc = {jrc!r}: the lowest value must come first")
-    return ends
+    return lowest, highest
 
 
 def assumptions(

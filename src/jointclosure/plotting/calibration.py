@@ -94,7 +94,7 @@ def _fitted(result: Fit) -> np.ndarray:
     best = np.unravel_index(int(result.likelihood.log.argmax()), result.likelihood.log.shape)
     fine = (result.likelihood.wavelengths, result.likelihood.strengths)
     for axis, values in enumerate(fine):
-        count = kept.shape[axis]
+        count: int = kept.shape[axis]
         nodes = np.geomspace(values[0], values[-1], count)
         near = np.arange(count) == int(np.abs(np.log(nodes / values[best[axis]])).argmin())
         if result.interval_holds and values.size > 1:

@@ -90,7 +90,7 @@ def read_scan(
 def files_of(path: str | Path | Sequence[str | Path]) -> tuple[Path, ...]:
     """Return the file of a scan, or its three files of x, y and heights, as for `read_scan`."""
     if not isinstance(path, str | Path):
-        parts = list(path)
+        parts = [str(part) for part in path]
     elif Path(path).is_file() or str(path).count(",") != 2:
         return (Path(path),)
     else:

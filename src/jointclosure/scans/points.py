@@ -58,7 +58,7 @@ def joined(x: Contents, y: Contents, z: Contents) -> Contents:
     InputError
         If the three matrices differ in shape, or x and y in units.
     """
-    shapes = [np.shape(part.heights) for part in (x, y, z)]
+    shapes = [np.asarray(part.heights).shape for part in (x, y, z)]
     if len(set(shapes)) > 1:
         listed = ", ".join(" x ".join(map(str, shape)) for shape in shapes)
         raise InputError(f"matrices of {listed} (rows x columns): must be equal for x, y and z")

@@ -210,7 +210,10 @@ def registered(
     raised = turned + np.array([applied[1], applied[0], 0.0])
     overlap = overlap_of(raised, clouds[1], spacing, distances, largest_filled_share)
     if flat:  # without rounding
-        overlap = overlap._replace(**{flat[0]: np.zeros(overlap.upper.shape)})
+        zeros = np.zeros(overlap.upper.shape)
+        overlap = (
+            overlap._replace(upper=zeros) if flat[0] == "upper" else overlap._replace(lower=zeros)
+        )
     pair = _described(overlap, spacing, name, fits, applied, mated, report)
     if not unusual_values:
         if problems := slope_doubts({"upper": pair.upper, "lower": pair.lower}, spacing):

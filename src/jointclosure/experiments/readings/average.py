@@ -6,11 +6,12 @@ them, so that errors contain those of the weights.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
+from jointclosure.claims.table import Claim
 from jointclosure.experiments.readings.design import Readings
 from jointclosure.experiments.readings.likelihood import (
     Question,
@@ -96,7 +97,7 @@ def average_tables(
         averages([kept_surfaces(one, kept) for one in closures], question, entries)
         for kept in samples_of_surfaces(closures[0], question.groups)
     )
-    of_readings: dict[str, Sequence] = {"title": titles}
+    of_readings: dict[str, Any] = {"title": titles}
     for name, values in whole.weights.items():
         column = "weight" if name == ALL else f"weight by {name}"
         errors = [
@@ -232,7 +233,7 @@ def _mean(one: Averages, name: tuple[str, str]) -> float:
     return float(one.weights[ALL] @ np.array([margins[name] for margins in one.margins]))
 
 
-def _weight_true(one: Averages, claim) -> float:
+def _weight_true(one: Averages, claim: Claim) -> float:
     """Return the weight of the readings in which a claim is true of the mean closures."""
     above = claim.judged_by.true_above()
     true = [
