@@ -33,7 +33,6 @@ from jointclosure.experiments.readings.points import (
 )
 from jointclosure.experiments.readings.table import (
     implied_table,
-    last_rounds,
     readings_markdown,
     readings_table,
     round_table,
@@ -98,9 +97,7 @@ def readings_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tabl
     ranked, confidence = parameters["rounds"], 1.0 - question.design.significance
     table = readings_table(readings, ranked, joints, question, confidence)
     implied = implied_table(readings, ranked, joints, question)
-    averaged = average_tables(
-        *comparable(readings, last_rounds(ranked), joints), question, confidence
-    )
+    averaged = average_tables(*comparable(readings, ranked, joints), question, confidence)
     return {
         "readings": table,
         "readings_implied": implied,

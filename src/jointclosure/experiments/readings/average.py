@@ -1,6 +1,6 @@
 """Averages over readings: Table 3, and claims, with readings weighted by likelihood.
 
-Compared are the readings that the paper's text allows and that were closed in all rocks, on common
+Compared are the readings of the last round of all rocks that the paper's text allows, on common
 surfaces. Weights, probabilities and margins are computed on all surfaces and without each group of
 them, so that errors contain those of the weights.
 """
@@ -20,7 +20,7 @@ from jointclosure.experiments.readings.likelihood import (
 )
 from jointclosure.experiments.readings.pools import (
     Closures,
-    closures_of,
+    in_round,
     kept_surfaces,
     samples_of_surfaces,
 )
@@ -110,15 +110,18 @@ def average_tables(
 
 
 def comparable(
-    readings: Readings, last: Mapping[str, int], joints: pd.DataFrame
+    readings: Readings, ranked: Sequence[pd.DataFrame], joints: pd.DataFrame
 ) -> tuple[list[str], list[Closures]]:
-    """Return readings that were closed in all rocks, and their closures on common surfaces.
+    """Return the readings of the last round of all rocks, and their closures on common surfaces.
+
+    Readings that were dropped before are behind the best by more than the margin of their round,
+    and have no weight. Readings that the paper's text contradicts are left out.
 
     Parameters
     ----------
     readings : Readings
-    last : mapping
-        Last round of each reading that was closed.
+    ranked : sequence of DataFrame
+        Ranking of each round; empty where no reading entered.
     joints : DataFrame
         As from `jointclosure.ensemble.points.close_points`, of all rounds.
 
@@ -127,17 +130,16 @@ def comparable(
     titles : list of str
     closures : list of mapping
     """
-    names = [
-        name
-        for name, number in last.items()
-        if readings.reading(name).allowed and readings.rounds[number].rocks == readings.rocks
-    ]
-    if not names:
+    of_all_rocks = (
+        number
+        for number, one in enumerate(readings.rounds)
+        if one.rocks == readings.rocks and not ranked[number].empty
+    )
+    last = max(of_all_rocks, default=None)
+    if last is None:
         return [], []
-    most = min(readings.rounds[last[name]].realizations for name in names)
-    closures = [
-        closures_of(readings, name, joints, dict.fromkeys(readings.rocks, most)) for name in names
-    ]
+    names = [name for name in ranked[last].reading if readings.reading(name).allowed]
+    closures = [in_round(readings, last, name, joints) for name in names]
     common = {
         rock: set.intersection(*(set(one[rock].realization.values.tolist()) for one in closures))
         for rock in readings.rocks
