@@ -50,8 +50,8 @@ def test_every_joint_table_and_figure_is_there(experiment):
     dataset = read_netcdf(results / f"{name}.nc")
     assert "configuration" in dataset.attrs
     joints = as_table(dataset)
-    of_points = sum(joints_of(design.jobs[job]) for job in closed_jobs(experiment))
-    assert len(joints) == of_points * joints.cycle.nunique()
+    points = [point for job in closed_jobs(experiment) for point in design.jobs[job]]
+    assert len(joints) == sum(joints_of([point]) * point.settings.cycles for point in points)
     for table in design.tables:
         if table.endswith(".md"):
             assert (results / f"tables/{table}").read_text().count("|") > 10

@@ -6,7 +6,7 @@ import pandas as pd
 from stored import stored
 
 from content.global_sensitivity import percents
-from content.markdown import Group, markdown, rows_of
+from content.markdown import Group, Table, markdown, rows_of
 from jointclosure.report.findings import NOT_TRIED, conclusion_sheet, moved_sheet
 from jointclosure.report.sheets import ABSENT, Sheet
 
@@ -80,3 +80,29 @@ def net() -> str:
             row[f"choices{suffix} (%)"] = percents(Group(rows_of(of_claim, response=response)))
         rows.append(row)
     return markdown(pd.DataFrame(rows))
+
+
+readings = Table(
+    "readings_average/readings_average",
+    {
+        "reading": "{title}",
+        "weight": "{weight±weight, error}",
+        "by cycle 1 only": "{weight by cycle 1±weight by cycle 1, error}",
+        "by cycle 2 only": "{weight by cycle 2±weight by cycle 2, error}",
+    },
+)
+readings_tests = Table(
+    "readings_average/readings_average_tests",
+    {"entries tested": "{tested}", "entries that give the weights": "{seen}", "p": "{p±p_error}"},
+)
+readings_claims = Table(
+    "readings_average/readings_average_claims",
+    {
+        "No.": "{number}",
+        "claim": "{claim}",
+        "least margin": "{margin±margin_error} ({rock})",
+        "share of the reading in its variance": "{share_of_reading:.0%}",
+        "weight of readings where it is true": "{weight_true±weight_true_error}",
+        "verdict": "{verdict}",
+    },
+)
