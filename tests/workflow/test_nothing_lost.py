@@ -70,8 +70,10 @@ def processes_of(run: subprocess.Popen) -> tuple[list, list]:
     """Snakemake itself, and the jobs under it."""
     try:
         below = psutil.Process(run.pid).children(recursive=True)
-        engines = [p for p in below if "--workflow-profile" in p.cmdline()]
-        jobs = [p for p in below if ".snakemake/scripts" in " ".join(p.cmdline()[1:2])]
+        servers = {p.pid: p for p in below if "jointclosure.jobs.server" in p.cmdline()}
+        # jobs are forks of the server, which Snakemake starts
+        jobs = [p for p in servers.values() if p.ppid() in servers]
+        engines = [p.parent() for p in servers.values() if p.ppid() not in servers]
     except psutil.NoSuchProcess:
         return [], []
     return engines, jobs
@@ -127,7 +129,7 @@ def truncate(folder: Path) -> str:
 
 def take_another_case(folder: Path) -> str:
     shutil.copy(folder / "results/tiny/cases/slate-jrc-level_3.0.nc", folder / CASE)
-    return "case.jrc is 8, must be 5"
+    return "case.jrc is 8.0, must be 5.0"
 
 
 @pytest.mark.parametrize("spoil", [flip_a_bit, truncate, take_another_case])

@@ -12,7 +12,6 @@ from jointclosure.config.walls import wall_problems
 from jointclosure.inputs import InputError
 from jointclosure.parameters import USUAL as _OF_ROCK
 from jointclosure.parameters import check_choices, check_numerics, check_scene
-from jointclosure.solvers.registry import SOLVERS
 from jointclosure.surface.roughness import relation_of
 from jointclosure.surface.synthesis import check_mismatch, spectrum_of
 
@@ -55,7 +54,7 @@ def contradictions(keys: dict, typed: Callable[[dict], Configuration]) -> Iterat
         lambda: spectrum_of(surface.hurst, surface.rule, surface.roll_off, spacing),
         lambda: check_mismatch(surface.mismatch_wavelength, surface.correlation),
         lambda: check_choices(configuration.choices, spacing),
-        lambda: check_numerics(configuration.numerics, tuple(SOLVERS)),
+        lambda: check_numerics(configuration.numerics),
     )
     for check in checks:
         try:

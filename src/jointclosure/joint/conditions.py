@@ -18,7 +18,6 @@ from jointclosure.parameters import (
     check_scene,
     check_usual,
 )
-from jointclosure.solvers.registry import SOLVERS
 
 Function = TypeVar("Function", bound=Callable)
 
@@ -106,7 +105,7 @@ class Conditions(NamedTuple):
         """
         pair: tuple[Rock, Rock] = both_walls(self.rock)
         check_scene(self.effects)
-        check_numerics(self.numerics, tuple(SOLVERS))
+        check_numerics(self.numerics)
         known = {} if self.spacing is None else {"spacing": self.grid_spacing}
         load, largest = self.load, self.largest_stress
         _check_seating(self.seating_stress, load)

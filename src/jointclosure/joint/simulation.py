@@ -45,7 +45,7 @@ from jointclosure.parameters import (
     in_double,
 )
 from jointclosure.solvers.joint import Joint, Settled, Solver
-from jointclosure.solvers.registry import SOLVERS, solver_named
+from jointclosure.solvers.registry import solver_named
 
 if TYPE_CHECKING:
     from jointclosure.joint.flow import FlowAlongHistory
@@ -300,7 +300,7 @@ def equilibrium(
     rock = both_walls(rock)
     effects = effects._replace(breakage=False, gouge=False)
     check_scene(effects)
-    check_numerics(numerics, tuple(SOLVERS))
+    check_numerics(numerics)
     check_choices(choices, spacing)
     check_number("closure", closure)
     if not abs(closure) <= LENGTHS[1]:

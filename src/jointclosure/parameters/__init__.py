@@ -306,8 +306,12 @@ def check_choices(choices: Choices, spacing: float = 0.0) -> None:
         raise InputError(f"tie_tolerance = {choices.tie_tolerance!r}: must lie in (0, 0.001)")
 
 
-def check_numerics(numerics: Numerics, solvers: tuple[str, ...] | None = None) -> None:
-    """Raise `InputError` if a step or tolerance, or the solver if given, is out of its range."""
+SOLVER_NAMES = ("fast", "reference")
+"""Names of the solvers of `jointclosure.solvers.registry`."""
+
+
+def check_numerics(numerics: Numerics) -> None:
+    """Raise `InputError` if a step, a tolerance or the solver is out of its range."""
     if not isinstance(numerics, Numerics):
         raise InputError(f"numerics = {numerics!r}: must be a Numerics")
     for prefix in ("", "later_"):
@@ -342,8 +346,7 @@ def check_numerics(numerics: Numerics, solvers: tuple[str, ...] | None = None) -
     check_number("idle_interaction", numerics.idle_interaction)
     if not 0.0 <= numerics.idle_interaction < 1.0:
         raise InputError(f"idle_interaction = {numerics.idle_interaction!r}: must lie in [0, 1)")
-    if solvers is not None:
-        check_one_of("solver", numerics.solver, solvers)
+    check_one_of("solver", numerics.solver, SOLVER_NAMES)
     for name in ("most_steps", "most_breakage_steps"):
         check_number(name, getattr(numerics, name))
         if not getattr(numerics, name) >= 1.0:

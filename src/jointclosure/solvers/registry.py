@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from jointclosure.inputs import InputError
+from jointclosure.parameters import SOLVER_NAMES
 
 if TYPE_CHECKING:
     from jointclosure.solvers.joint import Solver
@@ -24,7 +25,9 @@ def _reference() -> "Solver":
     return ReferenceSolver()
 
 
-SOLVERS: dict[str, "Callable[[], Solver]"] = {"fast": _fast, "reference": _reference}
+SOLVERS: dict[str, "Callable[[], Solver]"] = dict(
+    zip(SOLVER_NAMES, (_fast, _reference), strict=True)
+)
 
 
 def solver_named(name: str) -> "Solver":

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Discriminator, Tag
 
 from jointclosure.config.keys.entries import Keys, Share, entry
-from jointclosure.solvers.registry import SOLVERS
+from jointclosure.parameters import SOLVER_NAMES
 
 
 class WantedKeys(Keys):
@@ -44,7 +44,7 @@ class NumericsKeys(Keys):
         "accuracy of a result, {of: mean, within: 0.05}.",
         None,
     )
-    solver: Literal[tuple(SOLVERS)] = entry(
+    solver: Literal[SOLVER_NAMES] = entry(
         "fast, or reference: the paper's own loop, for small grids."
     )
     breakage: Literal["fixed_step", "resolved"] = entry(
