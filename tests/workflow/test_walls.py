@@ -87,7 +87,7 @@ def test_a_file_that_is_not_there_is_refused_before_any_job(study):
     answer = snakemake(study, config=configured(study, "bad.yaml", lower="scans/lowr.npz"))
     assert answer.returncode != 0
     said = answer.stdout + answer.stderr
-    assert "rocks.slate.walls.lower = 'scans/lowr.npz': file not found" in said
+    assert "rocks.slate.walls.lower = 'scans/lowr.npz': not found in" in said
 
 
 @pytest.mark.parametrize(

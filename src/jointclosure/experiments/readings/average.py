@@ -222,8 +222,8 @@ def _claims(whole: Averages, parts: list[Averages], confidence: float) -> pd.Dat
                 "margin": margins[least].value,
                 "margin_error": margins[least].standard_error,
                 "share_of_reading": shares[least],
-                "weight_true": true,
-                "weight_true_error": jackknife_error(without),
+                "weight_true": round(true, 12),  # weights sum to 1 but for rounding
+                "weight_true_error": round(jackknife_error(without), 12),
                 "verdict": verdicts[claim.number],
             }
         )
