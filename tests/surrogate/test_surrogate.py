@@ -308,6 +308,18 @@ def test_an_estimate_beyond_the_constants_has_the_errors_of_the_nodes_around(rol
         assert abs(found.closure / float(closed.max_closure[0]) - 1.0) < 3.0 * found.rms_error
 
 
+@pytest.mark.parametrize("factor", [1.0 - 1e-9, 1.01, 1.3])
+def test_a_stress_that_only_the_constants_were_tested_at_is_refused_elsewhere(factor):
+    rock = jc.Rock(youngs_modulus=42e9, poisson_ratio=0.2, compressive_strength=105e6)
+    walls = jc.wall_pair(jrc=8, shape=(100, 100), spacing=0.5e-3, seed=1)
+    given = {"spacing": 0.5e-3, "rock": rock, "max_normal_stress": factor * 30e6 * 105 / 165}
+    beyond = jc.estimate(*walls, **given, extrapolate=True)
+    assert np.isnan(beyond.rms_error) == (factor > 1.0)
+    if factor > 1.0:
+        with pytest.raises(jc.InputError, match=r"strength = 0.\d+: .* from 0.01 to 0.1818"):
+            jc.estimate(*walls, **given)
+
+
 @pytest.mark.parametrize("stress", [0.0, -1e6, [1e7, 0.0]])
 def test_stresses_must_be_positive(walls, stress):
     with pytest.raises(jc.InputError, match="max_normal_stress"):

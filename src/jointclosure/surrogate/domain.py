@@ -99,13 +99,15 @@ def _bounds(nodes: Sequence[Node], name: str) -> tuple[float, float]:
 def errors_at(nodes: Sequence[Node], ratio: np.ndarray) -> np.ndarray:
     """Return the largest rms error of the nodes, linear in the logarithm of stress over strength.
 
-    NaN beyond the tested stresses.
+    Stresses must be within `stresses_of` the nodes.
     """
-    errors = [
-        np.interp(np.log(ratio), node.logs, node.errors, left=np.nan, right=np.nan)
-        for node in nodes
-    ]
-    return np.max(errors, axis=0)
+    return np.max([np.interp(np.log(ratio), node.logs, node.errors) for node in nodes], axis=0)
+
+
+def stresses_of(nodes: Sequence[Node]) -> tuple[float, float]:
+    """Return the smallest and largest stress over strength at which all nodes are tested."""
+    least, most = max(node.logs[0] for node in nodes), min(node.logs[-1] for node in nodes)
+    return float(np.exp(least)), float(np.exp(most))
 
 
 @lru_cache(maxsize=1)

@@ -25,7 +25,14 @@ from jointclosure.inputs import InputError, check_length, real_array
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.parameters import Rock, both_walls, strength_of
 from jointclosure.surface.bearing import bearing_depths
-from jointclosure.surrogate.domain import MEASURES, Node, Outside, errors_at, nodes_around
+from jointclosure.surrogate.domain import (
+    MEASURES,
+    Node,
+    Outside,
+    errors_at,
+    nodes_around,
+    stresses_of,
+)
 
 ALL_ROCKS = "all"
 """Name of the constants for all rocks."""
@@ -166,28 +173,30 @@ def _tested_law(
     The law is tested at the joints of its constants, and with other errors in a wider domain.
     """
     chosen = _nearest(walls.height_over_slope)
-    outside = list(_outside(chosen, walls, shape, spacing, rock, ratio))
+    outside = dict(_outside(chosen, walls, shape, spacing, rock, ratio))
     if not outside:
         return chosen, _worst(chosen.errors, ratio), ""
+    unknown = np.full(ratio.shape, np.nan)
+    if set(outside) <= set(_LOADS):  # the wider domain is of other walls
+        return chosen, unknown, next(iter(outside.values()))
     given = {name: (value, value) for name, value in walls._asdict().items()}
     given |= {"spacing": (spacing, spacing), "cells": (float(min(shape)), float(max(shape)))}
     around = [(kind, nodes_around(given, kind.roll_off)) for kind in _calibrations()]
     tested = [(kind, nodes) for kind, nodes in around if not isinstance(nodes, Outside)]
     if tested:
         kind, nodes = min(tested, key=lambda pair: _away(pair[1], walls.height_over_slope))
-        errors = errors_at(nodes, ratio)
-        modulus = rock.youngs_modulus / strength_of(rock)
-        least, most = kind.tested["modulus_over_strength"]
-        if np.isfinite(errors).all() and least <= modulus <= most:
-            return kind, errors, ""
-        named = list(_outside(kind, walls, shape, spacing, rock, ratio))
-        load = [text for text in named if "strength =" in text]
-        return kind, np.full(ratio.shape, np.nan), load[0]
-    return (
-        chosen,
-        np.full(ratio.shape, np.nan),
-        _nearest_domain(next(found for kind, found in around if kind is chosen), outside[0]),
-    )
+        wider = kind._replace(tested=kind.tested | {"stress_over_strength": stresses_of(nodes)})
+        named = dict(_outside(wider, walls, shape, spacing, rock, ratio))
+        for name in _LOADS:
+            if name in named:
+                return kind, unknown, named[name]
+        return kind, errors_at(nodes, ratio), ""
+    domain = next(found for kind, found in around if kind is chosen)
+    return chosen, unknown, _nearest_domain(domain, next(iter(outside.values())))
+
+
+_LOADS = ("stress_over_strength", "modulus_over_strength")
+"""Tested ratios that do not depend on the walls."""
 
 
 def _away(nodes: list[Node], height_over_slope: float) -> float:
@@ -297,8 +306,8 @@ def _outside(
     spacing: float,
     rock: Rock,
     ratio: np.ndarray,
-) -> Iterator[str]:
-    """Generate a sentence on each value outside of the tested range."""
+) -> Iterator[tuple[str, str]]:
+    """Generate the name of each measure outside of the tested range, and a sentence on it."""
     given = {name: (value, value) for name, value in walls._asdict().items()} | {
         "stress_over_strength": (ratio.min(), ratio.max()),
         "modulus_over_strength": (rock.youngs_modulus / strength_of(rock),) * 2,
@@ -317,7 +326,7 @@ def _outside(
                     f"; likely {cause}: `.venv/bin/snakemake surrogate` on a study of "
                     "such walls computes their constants"
                 )
-            yield message
+            yield name, message
 
 
 def _ranges(name: str, chosen: _Calibration) -> str:
