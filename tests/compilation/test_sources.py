@@ -71,6 +71,15 @@ def test_the_folder_of_a_script_does_not_count(copy, tmp_path):
     assert len(digests) == 1
 
 
+def test_a_damaged_store_of_digests_is_written_again(copy, tmp_path, monkeypatch):
+    monkeypatch.setenv("JOINTCLOSURE_CACHE", str(tmp_path / "cache"))
+    expected = digest("statistics")
+    (store,) = (tmp_path / "cache").glob("digests-*")
+    store.write_text(store.read_text()[:-5])
+    assert digest("statistics") == expected
+    assert expected in store.read_text()
+
+
 SCRIPTS = ROOT / "workflow/scripts"
 EDITS = {
     "plotting/study.py": "draw_figures write_report",

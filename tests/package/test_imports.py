@@ -20,12 +20,17 @@ FILES = {"netCDF4", "numpy", "pandas", "xarray"}
 """What reading and writing datasets takes."""
 
 
+def run(code: str) -> str:
+    """Run code in a fresh process; what it prints."""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
 def loaded(code: str) -> set[str]:
     """Which heavy modules a fresh process has loaded after some code."""
-    report = f"import json, sys\n{code}\nprint(json.dumps(list(sys.modules)))"
-    command = [sys.executable, "-c", report]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    return HEAVY & set(json.loads(done.stdout.splitlines()[-1]))
+    printed = run(f"import json, sys\n{code}\nprint(json.dumps(list(sys.modules)))")
+    return HEAVY & set(json.loads(printed.splitlines()[-1]))
 
 
 def test_the_package_itself_loads_nothing():
@@ -40,7 +45,7 @@ def test_help_loads_no_command():
 
 def test_a_command_loads_its_own_module_and_no_other_command():
     """One process: modules of the commands are forgotten before each."""
-    code = (
+    run(
         "import sys\n"
         "from jointclosure.commands import COMMANDS, cli\n"
         f"prefix = {PREFIX!r}\n"
@@ -51,8 +56,6 @@ def test_a_command_loads_its_own_module_and_no_other_command():
         "    loaded = {module.removeprefix(prefix) for module in sys.modules}\n"
         "    assert loaded & set(COMMANDS) == {name}, (name, loaded & set(COMMANDS))\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize(
@@ -70,7 +73,7 @@ def test_a_job_loads_what_it_needs_and_no_more(script, needed):
 
 def test_neither_flow_nor_snapshots_are_loaded_where_none_is_asked_for():
     """One process: without both, then with both."""
-    code = (
+    run(
         "import sys, jointclosure as jc\n"
         "walls = jc.wall_pair(8.0, (8, 8), 0.25e-3, seed=1)\n"
         "about = dict(spacing=0.25e-3, rock=jc.Rock(78e9, 0.2, 165e6), max_normal_stress=1e6)\n"
@@ -81,8 +84,6 @@ def test_neither_flow_nor_snapshots_are_loaded_where_none_is_asked_for():
         "assert loaded() == [], loaded()\n"
         "assert len(loaded(flow=True, snapshots=[1e6])) == 3\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
 
 
 def test_every_public_name_is_what_its_module_defines():

@@ -14,7 +14,7 @@ from jointclosure.plotting import study as plotting
 from jointclosure.plotting.flow import flow_figure
 from jointclosure.plotting.measured import Measurements
 from jointclosure.sensitivity.tables import roughness_title
-from jointclosure.storage.figures import save_figure
+from jointclosure.storage.figures import save_figures
 from jointclosure.storage.netcdf import read_netcdf, reading_netcdf
 from jointclosure.storage.text import read_csv, read_text
 
@@ -59,9 +59,7 @@ def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None
         "trends_max_closure": lambda: plotting.trend_figure(closures, study, rocks),
     }
     figures = {name: draw[name]() for name in {Path(output).stem for output in outputs}}
-    for output in outputs:
-        save_figure(figures[Path(output).stem], output)
-        log(f"drew {output}")
+    save_figures(figures, outputs, log)
 
 
 if __name__ == "__main__":

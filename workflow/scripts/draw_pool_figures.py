@@ -1,13 +1,11 @@
 """Draw the figures of the study's pool, as PNG and PDF."""
 
-from pathlib import Path
-
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import StudyRock
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.plotting.sensitivity import along_curve_figure, predictive_figure
-from jointclosure.storage.figures import save_figure
+from jointclosure.storage.figures import save_figures
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv
 
@@ -23,9 +21,7 @@ def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None
         "along_curve_elasticities": along_curve_figure(along, rocks, "elasticities"),
         "along_curve_intervals": along_curve_figure(along, rocks, "intervals"),
     }
-    for output in outputs:
-        save_figure(figures[Path(output).stem], output)
-        log(f"drew {output}")
+    save_figures(figures, outputs, log)
 
 
 if __name__ == "__main__":

@@ -1,14 +1,12 @@
 """Join the groups of hard cases in one table with their errors; draw cases and errors."""
 
-from pathlib import Path
-
 import pandas as pd
 
 from jointclosure.jobs.job import job, listed
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.plotting.hard_cases import hard_case_page
 from jointclosure.plotting.numerics import numerics_figure
-from jointclosure.storage.figures import save_figure
+from jointclosure.storage.figures import save_figures
 from jointclosure.storage.provenance import commit, processor, versions_of
 from jointclosure.storage.text import read_csv, write_csv
 from jointclosure.verification.formulas import formula_rows
@@ -34,8 +32,7 @@ def main(inputs: dict, order: list[str], outputs: dict, log: Logbook) -> None:
     }
     write_csv(error_table(table, origin), outputs["errors"])
     figures = {"hard_cases": hard_case_page(table, curves), "numerics": numerics_figure(formulas)}
-    for path in outputs["figures"]:
-        save_figure(figures[Path(path).stem], path)
+    save_figures(figures, outputs["figures"], log)
     log(f"{int(whole.holds.sum())} of {len(whole)} hold")
 
 

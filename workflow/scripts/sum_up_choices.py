@@ -1,14 +1,12 @@
 """Summarise the errors of selected effects at random conditions."""
 
-from pathlib import Path
-
 import pandas as pd
 
 from jointclosure.effects.validation import validation_summary
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.plotting.effects import choice_figure, region_figure
-from jointclosure.storage.figures import save_figure
+from jointclosure.storage.figures import save_figures
 from jointclosure.storage.text import read_csv, write_csv
 
 FIGURES = {"effects_auto": choice_figure, "effects_regions": region_figure}
@@ -21,8 +19,7 @@ def main(inputs: list[str], outputs, log: Logbook) -> None:
     summary = validation_summary(table)
     write_csv(summary, outputs.summary)
     log(summary.round(2).to_string(index=False))
-    for output in outputs.figures:
-        save_figure(FIGURES[Path(output).stem](table), output)
+    save_figures({name: draw(table) for name, draw in FIGURES.items()}, outputs.figures, log)
 
 
 if __name__ == "__main__":

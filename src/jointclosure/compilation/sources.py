@@ -53,7 +53,9 @@ def code_digest(*names: str) -> str:
     files = [name.rpartition("/")[2] for name in names]
     key = hashlib.sha256(b"\0".join([repr(files).encode(), *scripts])).hexdigest()
     store = cache_root() / f"digests-{sys.implementation.cache_tag}-{raw_digest()}.json"
-    known = json.loads(store.read_text(encoding="utf-8")) if store.is_file() else {}
+    known = {}
+    with contextlib.suppress(OSError, ValueError):  # absent, or damaged: written again
+        known = json.loads(store.read_text(encoding="utf-8"))
     if key not in known:
         known[key] = _code_digest(*names)
         with contextlib.suppress(OSError):  # without it only the next start takes longer
