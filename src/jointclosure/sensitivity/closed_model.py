@@ -33,8 +33,7 @@ class ClosedModel:
 
     def elasticity(self, parameter: str, cycle: int, variable: str = TARGET) -> float:
         """Return d ln(closure)/d ln(parameter) at the rock's value, from Eq. (24)."""
-        fit = self._fit(parameter, cycle, variable)
-        return fit.c / fit.d * self.sample.levels[parameter].base / fit.half_range
+        return self._fit(parameter, cycle, variable).elasticity()
 
     def slopes(self, parameter: str, cycle: int, variable: str = TARGET) -> list[float]:
         """Return the elasticities between neighbouring levels, about their middle."""
@@ -49,8 +48,7 @@ class ClosedModel:
 
     def change(self, parameter: str, cycle: int, change: float) -> float:
         """Return the relative change of the mean closure with a change of the parameter [SI]."""
-        fit = self._fit(parameter, cycle, TARGET)
-        return float(fit.at(self.sample.levels[parameter].base + change) / fit.d - 1.0)
+        return float(self._fit(parameter, cycle, TARGET).relative_change(change))
 
     def loop(self, cycle: int) -> float:
         """Return the mean loop over the mean closure of the base case."""

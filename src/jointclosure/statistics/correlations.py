@@ -24,6 +24,14 @@ class Quadratic(NamedTuple):
         u = (np.asarray(parameter) - self.base) / self.half_range
         return (self.b * u + self.c) * u + self.d
 
+    def elasticity(self) -> Any:
+        """Return d ln(value)/d ln(parameter) at the base."""
+        return self.c / self.d * self.base / self.half_range
+
+    def relative_change(self, change: float) -> Any:
+        """Return the relative change of the value at the base with a change of the parameter."""
+        return self.at(self.base + change) / self.d - 1.0
+
     def in_parameter(self) -> tuple[float, float, float]:
         """Return the paper's b, c, d: value(p) = b p^2 + c p + d, Eqs. (24) and (26)."""
         b = self.b / self.half_range**2

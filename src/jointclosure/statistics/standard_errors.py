@@ -158,7 +158,7 @@ def elasticity_of(levels, means, covariance, base: float) -> Estimate:
     """
     levels = np.asarray(levels, dtype=float)
     mean: Quadratic = fit_quadratic(levels, means, base)
-    value = mean.c / mean.d * base / mean.half_range
+    value = mean.elasticity()
     reduced = quadratic_errors(levels, covariance, base).covariance
     gradient = np.array([0.0, base / (mean.half_range * mean.d), -value / mean.d])
     variance = max(float(gradient @ reduced @ gradient), 0.0)  # rounding may make it negative

@@ -60,7 +60,6 @@ class ClosedReading:
     """
 
     def __init__(self, of_rock: xr.DataArray, varied: Mapping) -> None:
-        self.varied = varied
         self.fits = {
             (name, cycle): fit_quadratic(levels, means, base)
             for name, (levels, base) in varied.items()
@@ -73,8 +72,7 @@ class ClosedReading:
 
     def elasticity(self, parameter: str, cycle: int, variable: str = TARGET) -> float:
         """Return d ln(closure)/d ln(parameter) at the rock's value."""
-        fit = self.fits[parameter, cycle]
-        return fit.c / fit.d * self.varied[parameter][1] / fit.half_range
+        return self.fits[parameter, cycle].elasticity()
 
     def slopes(self, parameter: str, cycle: int, variable: str = TARGET) -> list[float]:
         """Return the elasticity itself in place of those between levels."""
@@ -82,8 +80,7 @@ class ClosedReading:
 
     def change(self, parameter: str, cycle: int, change: float) -> float:
         """Return the relative change of the mean closure with a change of the parameter [SI]."""
-        fit = self.fits[parameter, cycle]
-        return float(fit.at(self.varied[parameter][1] + change) / fit.d - 1.0)
+        return float(self.fits[parameter, cycle].relative_change(change))
 
 
 ASKED = tuple(
