@@ -102,7 +102,7 @@ measured-joints: $(STAMP) ## Close joints beside three measured ones, by the mod
 readings: $(STAMP) ## Ask which reading of the paper gives its Table 3 (ninety minutes on two cores)
 	$(RUN) readings
 
-global-sensitivity: $(STAMP) ## Ask what matters when properties and open choices vary together (a quarter of a core-hour)
+global-sensitivity: $(STAMP) ## Ask what matters when properties and open choices vary together (a core-hour)
 	$(RUN) global-sensitivity
 
 global-sensitivity-estimate: $(STAMP) ## Say what that would cost, and close a few of its joints only
