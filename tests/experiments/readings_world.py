@@ -26,6 +26,7 @@ ELASTICITIES = {
     "jrc": (0.8, 0.1),
 }
 SCATTER = np.array([0.2, 0.1])
+LOOPS = np.array([0.5, 0.0])  # over the closure
 
 
 def closures(rock, count, scatter=1.0, factor=1.0, first=0):
@@ -46,6 +47,7 @@ def closures(rock, count, scatter=1.0, factor=1.0, first=0):
             "cycle": [1, 2],
             "parameter": ("case", [name for name, _ in cases]),
             "value": ("case", [value for _, value in cases]),
+            "loop": (("realization", "cycle"), values[0] * LOOPS),
         },
     )
 

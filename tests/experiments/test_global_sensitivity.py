@@ -20,7 +20,7 @@ from jointclosure.experiments.global_sensitivity.design import (
     settings_of_rock,
 )
 from jointclosure.experiments.global_sensitivity.table import (
-    RESPONSES,
+    QUANTITIES,
     by_rock,
     elasticity_table,
     index_table,
@@ -33,6 +33,8 @@ from tests.studied import ROOT, checked_study
 
 EXPERIMENT = experiment_named("global_sensitivity")
 ELASTICITIES = {"youngs_modulus": -0.9, "compressive_strength": 0.5, "jrc": 0.3}
+
+OVER = ("row", "point", "surface", "cycle")
 
 
 def tiny(**changes):
@@ -76,8 +78,9 @@ def world(design, keys):
             own[where] = powers * (2.0 if at["choices"]["peaks"] == "current" else 1.0)
         noise = 1.0 + 0.05 * random.standard_normal((len(points), 1, 2, 1))
         values = own[:, :, None, None] * noise * np.ones(2)
+        loops = values * [0.5, 0.0]
         closed[rock] = xr.Dataset(
-            {name: (("row", "point", "surface", "cycle"), values.copy()) for name in RESPONSES},
+            {name: (OVER, (loops if name == "loop" else values).copy()) for name in QUANTITIES},
             coords={"row": np.arange(len(points)), "cycle": [1, 2]},
         )
     return closed
@@ -177,6 +180,11 @@ def test_conclusions_hold_for_the_share_of_choices_for_which_they_are_true(world
         assert (table[table.number == number].share > 0.95).all(), number
         assert (table[table.number == number].rows_true == 64).all(), number
     assert set(table[table.number == "4"].cycle) == {2}
+    assert (table[table.number == "1b"].share == 1.0).all()  # no closure depends on it
+    loops = table[table.number == "6a"]
+    assert set(zip(loops.cycle, loops.rock, loops.share, strict=True)) == {
+        (cycle, rock, 2.0 - cycle) for cycle in (1, 2) for rock in ("dolerite", "slate", "all")
+    }
     assert set(margins.input) == {each.name for each in design.inputs}
     switched = {name: each.copy() for name, each in world.items()}
     for each in switched.values():
@@ -242,7 +250,10 @@ def test_a_regression_that_misses_a_change_leaves_more_than_noise(world, design,
 
 @pytest.mark.parametrize(
     ("left", "judged"),
-    [(["youngs_modulus", "jrc", "peaks"], {"2c", "4", "5a", "5c"}), (["peaks", "radius"], set())],
+    [
+        (["youngs_modulus", "jrc", "peaks"], {"2c", "4", "5a", "5c", "6a"}),
+        (["peaks", "radius"], {"6a"}),
+    ],
 )
 def test_a_design_without_all_properties_has_the_conclusions_on_those_that_vary(
     left, judged, tmp_path
@@ -261,7 +272,7 @@ def test_a_design_without_all_properties_has_the_conclusions_on_those_that_vary(
         rock: xr.Dataset(
             {
                 name: (("row", "point", "surface", "cycle"), 1.0 + random.random(shape))
-                for name in RESPONSES
+                for name in QUANTITIES
             },
             coords={"row": np.arange(16), "cycle": [1, 2]},
         )
@@ -311,7 +322,7 @@ def test_a_response_of_too_few_whole_rows_has_no_indices(world, design):
 def test_joints_of_points_are_put_on_a_grid_of_rows_points_and_surfaces():
     design = EXPERIMENT.design(tiny())
     points = [point for point in design.jobs["slate.0"] if point.coordinates["row"] == 2]
-    joints = close_points(points, RESPONSES)
+    joints = close_points(points, QUANTITIES)
     closed = by_rock(joints)["slate"]
     assert dict(closed.sizes) == {"row": 1, "point": 7, "surface": 2, "cycle": 2}
     assert (closed.status < 16).all()

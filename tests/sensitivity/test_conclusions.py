@@ -4,6 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from jointclosure.claims.table import CLAIMS
+from jointclosure.sensitivity import conclusions
 from jointclosure.sensitivity.conclusions import (
     COUNTS,
     DEPENDS,
@@ -16,7 +18,9 @@ from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, NO_DIFFERENC
 ALL, ONE = "a; b; c; d", "a"
 
 
-def told(verdict, readings=None, share=None, number="5a", response="closure", cycle=2) -> pd.Series:
+def told(
+    verdict, readings=None, share=None, number="5a", response="closure", cycle=2, other_cycle=None
+) -> pd.Series:
     """The row of a claim with such a verdict, readings (verdict, rocks, allowed), and share."""
     claims = pd.DataFrame(
         {
@@ -39,6 +43,8 @@ def told(verdict, readings=None, share=None, number="5a", response="closure", cy
     if share is not None:
         rows = [(number.split(",")[0], response, cycle, "all", *share)]
         rows.append((number.split(",")[0], "other", cycle, "all", *[np.nan] * 3))
+        if other_cycle is not None:
+            rows.append((number, response, 3 - cycle, "all", *other_cycle))
         given["choices"] = pd.DataFrame(
             rows,
             columns=["number", "response", "cycle", "rock", "share", "share_low", "share_high"],
@@ -114,8 +120,18 @@ def test_a_claim_net_of_bulk_indentation_is_held_against_net_closures():
     assert (row.choices_share, row.conclusion) == (0.3, DEPENDS)
 
 
-def test_a_claim_that_choices_were_not_asked_about_has_no_share():
-    assert np.isnan(told(STANDS, share=(0.3, 0.2, 0.4), number="6a").choices_share)
+def test_a_negated_claim_holds_where_its_statement_does_not(monkeypatch):
+    """5d is that 5c is not true on the second cycle."""
+    negated = next(claim for claim in CLAIMS if claim.number == "5d")
+    monkeypatch.setattr(conclusions, "CLAIMS", [negated._replace(number="5c")])
+    row = told(STANDS, share=(0.3, 0.2, 0.5), number="5c")
+    assert (row.choices_share, row.choices_share_low, row.choices_share_high) == (0.7, 0.5, 0.8)
+    assert row.conclusion == DEPENDS
+
+
+def test_a_claim_on_both_cycles_has_the_share_of_the_cycle_where_it_is_least_true():
+    row = told(FALLS, share=(0.0, 0.0, 0.05), other_cycle=(1.0, 0.9, 1.0), number="6a")
+    assert (row.choices_share, row.choices_share_high, row.conclusion) == (0.0, 0.05, FALLS)
 
 
 def test_what_a_sensitivity_study_has_nothing_on_is_judged_elsewhere():

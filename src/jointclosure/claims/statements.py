@@ -62,9 +62,13 @@ class Closed(Elastic, Protocol):
 
 
 class Elasticities(NamedTuple):
-    """Elasticities by (parameter, cycle), as known from some studies of a rock."""
+    """Elasticities by (parameter, cycle), as known from some studies of a rock.
+
+    ``bases``: the rock's values of the parameters.
+    """
 
     by_cycle: Mapping[tuple[str, int], Value]
+    bases: Mapping[str, float]
 
     def elasticity(self, parameter: str, cycle: int, variable: str = TARGET) -> Value:
         """Return the elasticity as `Elastic`; only one variable is known."""
@@ -73,6 +77,10 @@ class Elasticities(NamedTuple):
     def slopes(self, parameter: str, cycle: int, variable: str = TARGET) -> list[Value]:
         """Return the elasticity itself in place of those between levels."""
         return [self.elasticity(parameter, cycle, variable)]
+
+    def change(self, parameter: str, cycle: int, change: float) -> Value:
+        """Return the relative change of the closure with a change, by a power of the parameter."""
+        return (1.0 + change / self.bases[parameter]) ** self.elasticity(parameter, cycle) - 1.0
 
 
 class Statement(NamedTuple):
@@ -84,7 +92,7 @@ class Statement(NamedTuple):
     margins exceed ``above``. ``alike`` is the largest difference that counts as none, for
     comparisons; a statement that is no comparison is false below ``above``. ``within``: the
     statement is true if all margins lie within +-``above`` instead. ``before``: it compares with
-    the cycle before. ``of_elasticities``: it depends only on elasticities.
+    the cycle before. ``of_elasticities``: it depends only on elasticities and the rock's values.
     """
 
     number: str
@@ -193,16 +201,7 @@ def _no_effect(number: str, text: str, parameter: str, change: float) -> Stateme
     def confirms(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
         return studies.lengths(rock, parameter, cycle, variable) >= change
 
-    return Statement(
-        number,
-        text,
-        (parameter,),
-        margins,
-        confirms,
-        NEGLIGIBLE,
-        within=True,
-        of_elasticities=False,
-    )
+    return Statement(number, text, (parameter,), margins, confirms, NEGLIGIBLE, within=True)
 
 
 def _significant(number: str, text: str, parameter: str, percent: float) -> Statement:

@@ -13,6 +13,7 @@ from jointclosure.engineering.laws import fitted_laws, parameter
 from jointclosure.ensemble.responses import responses_of
 from jointclosure.ensemble.timing import pair_seconds
 from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.history import closure_at_stresses, loop_between
 from jointclosure.joint.protocol import LOADING
 from jointclosure.surface.bearing import bearing_depths
 from jointclosure.surface.roughness import rms_slope
@@ -96,6 +97,20 @@ def _aperture_at_seating(joint: ClosedJoint) -> np.ndarray:
     return np.array([seat_of(joint.closed, cycle, LOADING, "mean_aperture") for cycle in cycles])
 
 
+def _loop(joint: ClosedJoint) -> np.ndarray:
+    closed, given = joint.closed, joint.conditions
+    loading, unloading = closure_at_stresses(
+        closed.closure.values,
+        closed.normal_stress.values,
+        closed.cycle.values,
+        closed.branch.values,
+        given.cycle_count,
+        np.array([0.5 * np.max(given.max_normal_stress)]),
+        given.numerics.stress_tolerance,
+    )[:, :, 0].T
+    return loop_between(loading, unloading)
+
+
 QUANTITIES: dict[str, Quantity] = {
     "closure": Quantity(
         "maximum closure, from the cycle's start",
@@ -171,6 +186,12 @@ QUANTITIES: dict[str, Quantity] = {
         "1",
         r"A_\mathrm{c}",
         lambda joint: cycle_table(joint.closed).contact_at_max.to_numpy(),
+    ),
+    "loop": Quantity(
+        "closure of unloading less that of loading, at half of the maximum stress",
+        "m",
+        r"x_\mathrm{loop}",
+        _loop,
     ),
     "hysteresis": Quantity(
         "share of the work of loading that unloading does not give back",

@@ -3,6 +3,8 @@
 The seating stress never changes the history, only how it is read.
 """
 
+from typing import Any
+
 import numpy as np
 import scipy
 import xarray as xr
@@ -215,3 +217,15 @@ def closure_at_stresses(
                     level = maximum
                 answer[index, side, k] = crossing(stress[here], closure[here], level)
     return answer
+
+
+_ROUNDING = 1e-12
+
+
+def loop_between(loading: Any, unloading: Any) -> Any:
+    """Return closures of unloading less those of loading, both at the same stress.
+
+    Branches of one curve that are read in both directions differ by rounding, which counts as 0.
+    """
+    loop = unloading - loading
+    return loop * (abs(loop) > _ROUNDING * abs(loading))

@@ -15,12 +15,12 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-import scipy
 import xarray as xr
 
 from jointclosure.claims.findings import LOOP, NET, TARGET, Findings
 from jointclosure.claims.table import CLAIMS, OURS, TABLE_3, Claim
 from jointclosure.config.properties import PROPERTIES
+from jointclosure.joint.history import loop_between
 from jointclosure.sensitivity.closed_model import SQUARE, ClosedModel, estimated
 from jointclosure.sensitivity.responses import RockSample, rock_sample, rocks_of, sensitivities
 from jointclosure.statistics.drawn_studies import (
@@ -45,8 +45,6 @@ from jointclosure.statistics.verdicts import (
 
 CONFIDENCE = 0.95
 YES, NO = "yes", "no"
-_ROUNDING = 1e-12
-"""Loop over closure below which the loop is due to rounding."""
 COLUMNS = (
     "number", "claim", "said_in", "paper", "paper_finds", "verdict", "remark",
     "found_here", "found_share", "found_error", "found_low", "found_high",
@@ -130,11 +128,9 @@ def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame,
 
 def _judged(evidence: Evidence, paper: pd.DataFrame) -> _Judged:
     samples, design = _samples(evidence.pool), evidence.design
-    t = scipy.stats.t.ppf(1.0 - 0.5 * design.significance, 2 * design.draws - 2)
-    critical = float(t * np.sqrt(2.0 / design.draws))
     return _Judged(
         samples,
-        {sample.rock: _margins(sample, critical) for sample in samples},
+        {sample.rock: _margins(sample, design.critical_change) for sample in samples},
         _frequencies(evidence, samples),
         as_found(_samples(evidence.study), design.significance),
         _paper_as_study(paper, samples),
@@ -177,8 +173,7 @@ def _loops(dataset: xr.Dataset) -> xr.DataArray:
         one = dataset.sel(case=[case])
         half = one.closure.sel(stress=0.5 * float(one.max_normal_stress[0]), method="nearest")
         up, down = half.sel(branch="loading"), half.sel(branch="unloading")
-        # branches of one curve, read in both directions, differ by rounding
-        loop = (down - up).where(np.abs(down - up) > _ROUNDING * up, 0.0)
+        loop = loop_between(up, down)
         parts.append(loop.drop_vars(["stress", "branch"], errors="ignore"))
     return xr.concat(parts, "case", coords="minimal", compat="override")
 

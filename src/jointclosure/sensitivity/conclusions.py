@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.claims.findings import NET, TARGET
-from jointclosure.claims.table import CLAIMS
+from jointclosure.claims.table import CLAIMS, Claim
 from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, NO_DIFFERENCE, STANDS
 
 DEPENDS = "depends on what is unstated"
@@ -115,12 +115,24 @@ def _named(titles: list[str]) -> str:
 
 
 def _of_choices(number: str, choices: pd.DataFrame | None, margins: pd.DataFrame | None) -> dict:
-    """Return the share of the choices for which a claim is true in all rocks at once."""
-    where = _in_choices(number)
-    rows = _rows_of(choices, where)
-    (row,) = rows[rows.rock == "all"].to_dict("records") or [dict.fromkeys(SHARES, np.nan)]
-    moved = _rows_of(margins, where).dropna(subset="share")
-    answer: dict = {f"choices_{name}": row[name] for name in SHARES} | {"moved_by": ""}
+    """Return the share of the choices for which a claim is true in all rocks at once.
+
+    For a claim on several cycles it is that of the cycle with the smallest one.
+    """
+    claim = next(claim for claim in CLAIMS if claim.number == number)
+    rows = _rows_of(choices, claim)
+    answer: dict = {f"choices_{name}": np.nan for name in SHARES} | {"moved_by": ""}
+    together = rows[rows.rock == "all"]
+    if together.empty:
+        return answer
+    least = together.loc[together.share.idxmin()]
+    share, error, low, high = least[list(SHARES)]
+    if claim.negated:
+        share, low, high = 1.0 - share, 1.0 - high, 1.0 - low
+    columns = (f"choices_{name}" for name in SHARES)
+    answer |= zip(columns, (share, error, low, high), strict=True)
+    moved = _rows_of(margins, claim).dropna(subset="share")
+    moved = moved[moved.cycle == least.cycle]
     if len(moved):
         most = moved.groupby("title", sort=False).share.mean().idxmax()
         shares = 100.0 * moved.share[moved.title == most]
@@ -128,21 +140,13 @@ def _of_choices(number: str, choices: pd.DataFrame | None, margins: pd.DataFrame
     return answer
 
 
-def _in_choices(number: str) -> tuple[str, str, int] | None:
-    """Return number, response and cycle of a claim in the study of global sensitivity."""
-    claim = next(claim for claim in CLAIMS if claim.number == number)
-    if claim.statement is None or not claim.statement.of_elasticities or claim.negated:
-        return None
-    (cycle,) = claim.cycles
-    return claim.statement.number, {TARGET: "closure", NET: "closure_net"}[claim.variable], cycle
-
-
-def _rows_of(table: pd.DataFrame | None, where: tuple[str, str, int] | None) -> pd.DataFrame:
-    if table is None or where is None:
-        return pd.DataFrame(columns=["rock", "title", *SHARES])
-    name, response, cycle = where
-    here = (table.number == name) & (table.response == response) & (table.cycle == cycle)
-    return table[here]
+def _rows_of(table: pd.DataFrame | None, claim: Claim) -> pd.DataFrame:
+    """Return the rows of a claim in a table of the study of global sensitivity."""
+    if table is None or claim.statement is None:
+        return pd.DataFrame(columns=["rock", "cycle", "title", *SHARES])
+    response = {TARGET: "closure", NET: "closure_net"}[claim.variable]
+    here = (table.number == claim.statement.number) & (table.response == response)
+    return table[here & table.cycle.isin(claim.cycles)]
 
 
 def _conclusion(row: dict) -> str:

@@ -14,6 +14,7 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple, TypeVar
 
 import numpy as np
+import scipy
 
 from jointclosure.inputs import InputError, check_number, real_array
 from jointclosure.statistics.indifference import indifference_lengths
@@ -56,6 +57,12 @@ class Design(NamedTuple):
 
     draws: int = 20
     significance: float = 0.05
+
+    @property
+    def critical_change(self) -> float:
+        """Smallest significant difference of two means, in standard deviations: t sqrt(2/n)."""
+        t = scipy.stats.t.ppf(1.0 - 0.5 * self.significance, 2 * self.draws - 2)
+        return float(t * np.sqrt(2.0 / self.draws))
 
 
 class DrawnResponse(NamedTuple):

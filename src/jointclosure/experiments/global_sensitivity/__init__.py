@@ -20,7 +20,7 @@ from jointclosure.experiments.global_sensitivity.design import (
     settings_of_rock,
 )
 from jointclosure.experiments.global_sensitivity.table import (
-    RESPONSES,
+    QUANTITIES,
     by_rock,
     elasticity_table,
     index_table,
@@ -97,7 +97,7 @@ def global_sensitivity_figure(name: str, tables: Tables, parameters: Mapping[str
 
 EXPERIMENT = Experiment(
     title="global sensitivity to properties and open choices that vary together",
-    quantities=RESPONSES,
+    quantities=QUANTITIES,
     design=global_sensitivity_design,
     tabulate=global_sensitivity_tables,
     draw=global_sensitivity_figure,

@@ -7,9 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
-from jointclosure.claims.statements import Elasticities, Statement
+from jointclosure.claims.statements import HYSTERESIS, Elasticities, Statement
 from jointclosure.claims.table import statements_of_elasticities
+from jointclosure.config.properties import PROPERTIES
 from jointclosure.experiments.global_sensitivity.design import Sampling, is_positive
 from jointclosure.experiments.global_sensitivity.table import (
     GROUPS,
@@ -24,13 +26,11 @@ from jointclosure.experiments.global_sensitivity.table import Elasticities as Fi
 from jointclosure.inputs import InputError
 from jointclosure.statistics.verdicts import frequency_of, t_interval
 
-PROPERTIES = ("poisson_ratio", "youngs_modulus", "compressive_strength", "jrc")
-"""Properties that the conclusions compare; others may also vary."""
 NAMES = ("closure", "closure_net")
 """Responses for which conclusions are judged."""
+SHARES = ("share", "share_error", "share_low", "share_high")
 COLUMNS = (
-    "number", "conclusion", "response", "cycle", "rock", "share", "share_error",
-    "share_low", "share_high", "rows", "rows_true",
+    "number", "conclusion", "response", "cycle", "rock", *SHARES, "rows", "rows_true",
 )  # fmt: skip
 MARGIN_COLUMNS = (
     "number", "conclusion", "response", "cycle", "rock", "input", "title", "share", "share_error",
@@ -76,12 +76,15 @@ def conclusion_tables(
     fits = _elasticities(sampling, keys, closed)
     shares: list[dict] = []
     margins: list[dict] = []
+    bases = {rock: _bases(sampling, keys, rock) for rock in sampling.rocks}
     for name, cycle, statement in itertools.product(NAMES, (1, 2), statements_of_elasticities()):
-        of_rocks = _of_rocks(sampling, fits, statement, name, cycle)
-        about: dict = {"number": statement.number, "conclusion": statement.text}
-        about |= {"response": name, "cycle": cycle}
-        shares += [about | row for row in _shares(of_rocks, statement.above)]
+        of_rocks = _of_rocks(sampling, fits, bases, statement, name, cycle)
+        about = _about(statement, name, cycle)
+        shares += [about | row for row in _shares(of_rocks, statement.true_above())]
         margins += [about | row for row in _variances(sampling, of_rocks)]
+    for cycle in (1, 2):
+        about = _about(HYSTERESIS, NAMES[0], cycle)
+        shares += [about | row for row in _loop_shares(closed, cycle)]
     return (
         pd.DataFrame(shares, columns=list(COLUMNS)),
         pd.DataFrame(margins, columns=list(MARGIN_COLUMNS)),
@@ -104,9 +107,46 @@ def _elasticities(sampling: Sampling, keys: Mapping, closed) -> dict[tuple, Fitt
     }
 
 
+def _about(statement: Statement, name: str, cycle: int) -> dict:
+    about = {"number": statement.number, "conclusion": statement.text}
+    return about | {"response": name, "cycle": cycle}
+
+
+def _bases(sampling: Sampling, keys: Mapping, rock: str) -> dict[str, float]:
+    """Return the rock's values of the properties that vary [SI]."""
+    return {
+        one.property: PROPERTIES[one.property].size * keys["rocks"][rock][one.key[-1]]
+        for one in sampling.inputs
+        if one.property
+    }
+
+
+def _loop_shares(closed: Mapping[str, xr.Dataset], cycle: int) -> Iterator[dict]:
+    """Generate the shares of rows with a loop, in single rocks and in all at once.
+
+    A row has independent choices at its first point, where the means of its surfaces decide.
+    """
+    loops = {
+        rock: of_rock.sortby("row").isel(point=0).sel(cycle=cycle).mean("surface", skipna=False)
+        for rock, of_rock in closed.items()
+    }
+    true = {
+        rock: (means.loop / means.closure > HYSTERESIS.above).where(np.isfinite(means.closure))
+        for rock, means in loops.items()
+    }
+    everywhere = xr.concat(true.values(), "rock", join="inner").min("rock", skipna=False)
+    for rock, of_rock in (true | {"all": everywhere}).items():
+        known = of_rock.dropna("row")
+        if known.size:
+            count = int(known.sum())
+            share = frequency_of(count, known.size)
+            row = dict(zip(SHARES, share, strict=True))
+            yield {"rock": rock} | row | {"rows": known.size, "rows_true": count}
+
+
 def _of_rocks(
-    sampling: Sampling, fits: dict[tuple, FittedElasticities], statement: Statement, name: str,
-    cycle: int,
+    sampling: Sampling, fits: dict[tuple, FittedElasticities], bases: dict, statement: Statement,
+    name: str, cycle: int,
 ) -> dict[str, _Margins]:  # fmt: skip
     """Return margins by rock; none if a rock lacks an elasticity of the statement."""
     properties = {one.name: one.property for one in sampling.inputs}
@@ -122,13 +162,13 @@ def _of_rocks(
             return {}
         rows = functools.reduce(np.intersect1d, [fit.rows for fit in of_cycles.values()])
 
-        def least(part, of_cycles=of_cycles) -> np.ndarray:
+        def least(part, of_cycles=of_cycles, rock=rock) -> np.ndarray:
             by_cycle = {
                 (str(properties[one]), c): values
                 for c, fit in of_cycles.items()
                 for one, values in zip(fit.inputs, part(fit), strict=True)
             }
-            return statement.least(Elasticities(by_cycle), cycle)
+            return statement.least(Elasticities(by_cycle, bases[rock]), cycle)
 
         margins[rock] = _Margins(
             least(lambda fit: fit.drawn),

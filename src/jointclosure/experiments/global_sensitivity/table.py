@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.claims.findings import LOOP
 from jointclosure.ensemble.points import gridded
 from jointclosure.experiments.global_sensitivity.design import (
     SURFACES,
@@ -24,7 +25,9 @@ from jointclosure.statistics.variance_indices import (
 )
 
 RESPONSES = ("closure", "closure_net", "residual_seated_net", "stiffness_net")
-"""Quantities of each cycle. Residual closure is next to none in later cycles."""
+"""Responses of each cycle with indices. Residual closure is next to none in later cycles."""
+QUANTITIES = (*RESPONSES, LOOP)
+"""Quantities of the joints."""
 FEWEST = 16
 """Smallest number of rows for indices."""
 GROUPS = 16
@@ -83,11 +86,11 @@ def by_rock(joints: pd.DataFrame) -> dict[str, xr.Dataset]:
     Returns
     -------
     dict of Dataset
-        `RESPONSES` over (row, point, surface, cycle), NaN where a simulation failed.
+        `QUANTITIES` over (row, point, surface, cycle), NaN where a simulation failed.
     """
     joints = joints.assign(surface=joints.realization - SURFACES * joints.row)
     return {
-        str(rock): gridded(part, ("row", "point", "surface"), RESPONSES)
+        str(rock): gridded(part, ("row", "point", "surface"), QUANTITIES)
         for rock, part in joints.groupby("rock", sort=False)
     }
 

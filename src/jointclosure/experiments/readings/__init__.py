@@ -6,6 +6,7 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
+from jointclosure.claims.findings import LOOP
 from jointclosure.config.configuration import Configured
 from jointclosure.config.files import PAPER_TABLE_3
 from jointclosure.config.plain import from_plain, to_plain
@@ -94,10 +95,10 @@ def readings_ranking(
 def readings_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) -> Tables:
     """Return a row for each reading, as CSV and Markdown, and the scatter implied by Table 3."""
     readings, question = _restored(parameters)
-    ranked, confidence = parameters["rounds"], 1.0 - question.design.significance
-    table = readings_table(readings, ranked, joints, question, confidence)
+    ranked = parameters["rounds"]
+    table = readings_table(readings, ranked, joints, question)
     implied = implied_table(readings, ranked, joints, question)
-    averaged = average_tables(*comparable(readings, ranked, joints), question, confidence)
+    averaged = average_tables(*comparable(readings, ranked, joints), question)
     return {
         "readings": table,
         "readings_implied": implied,
@@ -115,7 +116,7 @@ def readings_figure(name: str, tables: Tables, parameters: Mapping[str, Any]) ->
 
 EXPERIMENT = Experiment(
     title="likelihood of the paper's Table 3 in readings of the paper",
-    quantities=tuple(CLOSURES.values()),
+    quantities=(*CLOSURES.values(), LOOP),
     design=readings_design,
     tabulate=readings_tables,
     draw=readings_figure,

@@ -60,7 +60,7 @@ class Averages(NamedTuple):
 
 
 def average_tables(
-    titles: Sequence[str], closures: Sequence[Closures], question: Question, confidence: float
+    titles: Sequence[str], closures: Sequence[Closures], question: Question
 ) -> dict[str, pd.DataFrame]:
     """Average Table 3 and claims over readings, weighted by the likelihood of Table 3.
 
@@ -71,8 +71,6 @@ def average_tables(
     closures : sequence of mapping
         Their closures of all rocks, on common surfaces, see `comparable`.
     question : Question
-    confidence : float
-        Confidence of the intervals by which claims are judged.
 
     Returns
     -------
@@ -105,7 +103,8 @@ def average_tables(
         ]
         of_readings |= {column: values, f"{column}, error": errors}
     tests = pd.DataFrame(list(_tests(whole, parts, entries)))
-    tables = (pd.DataFrame(of_readings), tests, _claims(whole, parts, confidence))
+    claims = _claims(whole, parts, 1.0 - question.design.significance)
+    tables = (pd.DataFrame(of_readings), tests, claims)
     return dict(zip(AVERAGE_TABLES, tables, strict=True))
 
 
@@ -177,7 +176,10 @@ def averages(
     return Averages(
         comparison,
         {name: weights(comparison, of_name) for name, of_name in entries.items()},
-        [least_margins(one, question.parameters) for one in closures],
+        [
+            least_margins(one, question.parameters, question.design.critical_change)
+            for one in closures
+        ],
     )
 
 
@@ -204,8 +206,9 @@ def _claims(whole: Averages, parts: list[Averages], confidence: float) -> pd.Dat
             whole.weights[ALL] @ (np.array([one[name] for one in whole.margins]) - value) ** 2
         )
         of_surfaces = jackknife_error(without) ** 2
-        margins[name] = Estimate(value, float(np.sqrt(between + of_surfaces)))
-        shares[name] = between / (between + of_surfaces)
+        variance = between + of_surfaces  # 0 for a loop that no joint has
+        margins[name] = Estimate(value, float(np.sqrt(variance)))
+        shares[name] = between / variance if variance > 0.0 else 0.0
     verdicts = verdicts_of(margins, len(parts), confidence)
     rows = []
     for claim in ASKED:

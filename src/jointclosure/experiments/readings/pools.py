@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from jointclosure.claims.findings import LOOP
 from jointclosure.ensemble.cases import BASE
 from jointclosure.experiments.readings.design import AS_CONFIGURED, CLOSURES, Readings
 from jointclosure.inputs import InputError
@@ -62,14 +63,16 @@ def kept_surfaces(closures: Closures, kept: Callable) -> Closures:
 def on_cases(joints: pd.DataFrame, quantity: str) -> xr.DataArray:
     """Arrange a quantity of the joints of a rock in a reading over (case, realization, cycle).
 
-    ``parameter`` and ``value`` [SI, NaN at the base] are coordinates of the cases. Surfaces with a
-    failed simulation in any case are left out.
+    ``parameter`` and ``value`` [SI, NaN at the base] are coordinates of the cases, ``loop``
+    (realization, cycle) [m] that of the base case. Surfaces with a failed simulation in any case
+    are left out.
     """
     cases = joints[["parameter", "value"]].drop_duplicates()
     case = joints.groupby(["parameter", "value"], dropna=False, sort=False).ngroup()
     place, numbers = pd.factorize(joints.realization)
-    values = np.full((len(cases), numbers.size, joints.cycle.max()), np.nan)
+    values, loops = (np.full((len(cases), numbers.size, joints.cycle.max()), np.nan) for _ in "ab")
     values[case, place, joints.cycle - 1] = joints[quantity]
+    loops[case, place, joints.cycle - 1] = joints[LOOP]
     closures = xr.DataArray(
         values,
         dims=("case", "realization", "cycle"),
@@ -78,6 +81,7 @@ def on_cases(joints: pd.DataFrame, quantity: str) -> xr.DataArray:
             "cycle": np.arange(1, values.shape[-1] + 1),
             "parameter": ("case", cases.parameter.to_numpy()),
             "value": ("case", cases.value.to_numpy()),
+            LOOP: (("realization", "cycle"), loops[(cases.parameter == BASE).values][0]),
         },
     )
     return closures[:, np.isfinite(values).all(axis=(0, 2))]

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.claims.findings import TARGET
+from jointclosure.claims.findings import LOOP, TARGET
 from jointclosure.claims.statements import PROPERTIES
 from jointclosure.claims.table import CLAIMS
 from jointclosure.ensemble.cases import BASE
@@ -18,7 +18,7 @@ from jointclosure.experiments.readings.pools import (
     samples_of_surfaces,
 )
 from jointclosure.statistics.correlations import fit_quadratic
-from jointclosure.statistics.drawn_studies import jackknife_error
+from jointclosure.statistics.drawn_studies import Design, jackknife_error
 from jointclosure.statistics.standard_errors import Estimate, elasticity, variation_of
 from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, t_interval
 
@@ -56,10 +56,12 @@ def over_rocks(rows: pd.DataFrame) -> pd.DataFrame:
 class ClosedReading:
     """Mean closures of a rock in a reading, as `jointclosure.claims.statements.Closed`.
 
-    Loops and the scatter of a study are not known of readings.
+    ``critical`` is the smallest significant change of a mean, in standard deviations of a closure.
     """
 
-    def __init__(self, of_rock: xr.DataArray, varied: Mapping) -> None:
+    def __init__(self, of_rock: xr.DataArray, varied: Mapping, critical: float) -> None:
+        self.base = of_rock[(of_rock.parameter == BASE).values][0]
+        self.critical = critical
         self.fits = {
             (name, cycle): fit_quadratic(levels, means, base)
             for name, (levels, base) in varied.items()
@@ -82,24 +84,30 @@ class ClosedReading:
         """Return the relative change of the mean closure with a change of the parameter [SI]."""
         return float(self.fits[parameter, cycle].relative_change(change))
 
+    def loop(self, cycle: int) -> float:
+        """Return the mean loop over the mean closure of the base case."""
+        base = self.base.sel(cycle=cycle)
+        return float(base[LOOP].mean() / base.mean())
 
-ASKED = tuple(
-    claim
-    for claim in CLAIMS
-    if claim.statement and claim.variable == TARGET
-    if claim.statement.of_elasticities or claim.statement.within
-)
-"""Claims that maximum closures at all levels can judge."""
+    def significant(self, cycle: int) -> float:
+        """Return the relative change of a mean that is significant with the scatter of the rock."""
+        base = self.base.sel(cycle=cycle)
+        return float(self.critical * base.std(ddof=1) / base.mean())
+
+
+ASKED = tuple(claim for claim in CLAIMS if claim.statement and claim.variable == TARGET)
+"""Claims on maximum closures, which all readings have."""
 Margins = dict[tuple[str, str], float]
 """Smallest margin of a claim in a rock, by number and rock."""
 
 
-def least_margins(closures: Closures, parameters: Parameters) -> Margins:
+def least_margins(closures: Closures, parameters: Parameters, critical: float) -> Margins:
     """Return the smallest margins of claims, in rocks with variation of all properties."""
     margins = {}
     for rock, of_rock in closures.items():
         if set(PROPERTIES) <= set(parameters[rock]):
-            model = ClosedReading(of_rock, {name: parameters[rock][name] for name in PROPERTIES})
+            varied = {name: parameters[rock][name] for name in PROPERTIES}
+            model = ClosedReading(of_rock, varied, critical)
             for claim in ASKED:
                 of_cycles = [claim.judged_by.least(model, cycle) for cycle in claim.cycles]
                 margins[claim.number, rock] = float(np.min(of_cycles))
@@ -107,7 +115,7 @@ def least_margins(closures: Closures, parameters: Parameters) -> Margins:
 
 
 def claims_judged(
-    closures: Closures, parameters: Parameters, groups: int, confidence: float
+    closures: Closures, parameters: Parameters, groups: int, design: Design
 ) -> dict[str, str]:
     """Judge the claims by all rocks closed in a reading.
 
@@ -116,14 +124,14 @@ def claims_judged(
     variation of all properties is left out.
     """
     whole, *parts = (
-        least_margins(kept_surfaces(closures, kept), parameters)
+        least_margins(kept_surfaces(closures, kept), parameters, design.critical_change)
         for kept in samples_of_surfaces(closures, groups)
     )
     estimates = {
         name: Estimate(value, jackknife_error([part[name] for part in parts]))
         for name, value in whole.items()
     }
-    return verdicts_of(estimates, len(parts), confidence)
+    return verdicts_of(estimates, len(parts), 1.0 - design.significance)
 
 
 def verdicts_of(

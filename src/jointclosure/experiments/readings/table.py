@@ -58,11 +58,7 @@ def last_rounds(ranked: list[pd.DataFrame]) -> dict[str, int]:
 
 
 def readings_table(
-    readings: Readings,
-    ranked: list[pd.DataFrame],
-    joints: pd.DataFrame,
-    question: Question,
-    confidence: float,
+    readings: Readings, ranked: list[pd.DataFrame], joints: pd.DataFrame, question: Question
 ) -> pd.DataFrame:
     """Summarise each reading by its last round.
 
@@ -74,8 +70,6 @@ def readings_table(
     joints : DataFrame
         As from `jointclosure.ensemble.points.close_points`, of all rounds.
     question : Question
-    confidence : float
-        Confidence of the intervals by which claims are judged.
 
     Returns
     -------
@@ -109,7 +103,7 @@ def readings_table(
         for mean in means.itertuples():
             column = f"{mean.quantity}_{mean.cycle}"
             row |= {column: mean.value, f"{column}_error": mean.standard_error}
-        verdicts = claims_judged(closed, question.parameters, question.groups, confidence)
+        verdicts = claims_judged(closed, question.parameters, question.groups, question.design)
         rows.append(row | {f"claim {claim}": word for claim, word in verdicts.items()})
     return pd.DataFrame(rows)
 
