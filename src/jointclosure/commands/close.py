@@ -50,6 +50,7 @@ from jointclosure.storage.folders import replace_files
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import write_csv, write_text
+from jointclosure.surface.measured import PAPER_SPACING
 from jointclosure.surface.mismatch import Mismatch
 from jointclosure.surface.registration import ORIENTATIONS, SHIFTS, RegisteredPair
 
@@ -102,7 +103,8 @@ def add_to(commands) -> None:
         "--grid-spacing",
         type=float,
         metavar="mm",
-        help="grid spacing of the joint; by default the larger point distance of the scans",
+        help="grid spacing of the joint; by default the larger point distance of the scans, or the "
+        f"multiple of it that is nearest to {1e3 * PAPER_SPACING:g} mm",
     )
     joint.add_argument(
         "--orientation",

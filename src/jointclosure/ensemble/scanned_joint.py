@@ -124,9 +124,8 @@ def close(
         As for `jointclosure.simulate`.
     conditions, **changes
         As for `jointclosure.simulate`; ``rock`` can be a name. ``spacing`` [m] is that of the
-        joint's grid, by default the larger point distance of the scans. ``unusual_values`` is
-        also passed to `jointclosure.surface.registration.registered`. Breakage is resolved unless
-        ``numerics`` are given.
+        joint's grid, by default as for `jointclosure.surface.registration.registered`, which also
+        receives ``unusual_values``. Breakage is resolved unless ``numerics`` are given.
 
     Returns
     -------
