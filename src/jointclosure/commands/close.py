@@ -191,7 +191,7 @@ def _settings(arguments) -> Configured:
     grid = {} if arguments.grid_spacing is None else {"spacing_mm": arguments.grid_spacing}
     needed = tuple(option for option in NEEDED if option != "jrc")
     rock = {"jrc": None, "walls": walls}
-    base, changes = base_keys(arguments), {"grid": grid}
+    base, changes = base_keys(arguments), {"grid": grid, "surface": {"roll_off_mm": None}}
     stated = any("numerics" in changed for changed in arguments.set)
     if not stated and base["numerics"] == merged_study()["numerics"]:
         changes["numerics"] = RESOLVED_KEYS
