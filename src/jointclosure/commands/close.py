@@ -155,7 +155,7 @@ def run(arguments) -> int:
     pair = _pair(arguments, settings)
     print("\n".join(f"- {line}" for line in pair.report))
     start = time.perf_counter()
-    joint = _closed(settings, pair, arguments)
+    joint = _closed(settings, pair, arguments, ranges)
     spent = duration(time.perf_counter() - start)
     if not arguments.single:
         with bar("range") as report:
@@ -232,7 +232,12 @@ def _pair(arguments, settings: Configured) -> RegisteredPair:
     return brought_together(upper, lower, walls, spacing, allowed)
 
 
-def _closed(settings: Configured, pair: RegisteredPair, arguments) -> ClosedJoint:
+def _closed(
+    settings: Configured,
+    pair: RegisteredPair,
+    arguments,
+    ranges: dict[str, tuple[float, float]],
+) -> ClosedJoint:
     configuration = settings.typed
     case = cases_of(configuration)[0]
     surfaces = surface_settings(configuration, case, range(1))
@@ -245,7 +250,7 @@ def _closed(settings: Configured, pair: RegisteredPair, arguments) -> ClosedJoin
     )
     check_cells(pair.upper.shape, pair.spacing, arguments.grid_spacing is not None)
     of_pair = conditions._replace(spacing=pair.spacing)
-    cost = expected_cost(pair.upper, pair.lower, of_pair, arguments.single)
+    cost = expected_cost(pair.upper, pair.lower, of_pair, arguments.single, ranges)
     if cost is not None:
         print(f"- {cost.sentence(pair.upper.shape, pair.spacing)}", flush=True)
     with shown_progress(conditions.cycle_count) as report:

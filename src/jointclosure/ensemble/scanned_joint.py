@@ -152,7 +152,8 @@ def close(
         for doubt in pair.warnings:
             warnings.warn(doubt, stacklevel=2)
     check_cells(pair.upper.shape, pair.spacing, stated.spacing is not None)
-    cost = expected_cost(pair.upper, pair.lower, stated._replace(spacing=pair.spacing), single)
+    of_pair = stated._replace(spacing=pair.spacing)
+    cost = expected_cost(pair.upper, pair.lower, of_pair, single, ranges)
     if cost is not None:
         warnings.warn(cost.sentence(pair.upper.shape, pair.spacing), stacklevel=2)
     joint = closed_pair(pair, stated, report, snapshots, rock_name=name)
