@@ -181,9 +181,9 @@ def readings(history: History, stresses: Stresses) -> dict[str, float]:
     }
     first, _, second = history.closure[:, -1]
     return {
-        "closure_1_um": 1e6 * first,
-        "residual_um": 1e6 * history.residual,
-        "closure_2_um": 1e6 * (second - history.residual),
+        "closure_1_mm": 1e3 * first,
+        "residual_mm": 1e3 * history.residual,
+        "closure_2_mm": 1e3 * (second - history.residual),
         "contact_1_percent": 100.0 * history.contact[0, -1],
         "contact_half_unloaded_percent": 100.0 * history.contact[1, half],
         **{f"stiffness_{branch}_MPa_per_mm": 1e-9 * chord for branch, chord in chords.items()},
@@ -257,8 +257,9 @@ def continuum_figure(histories: dict[str, list[History]], stresses: list[Stresse
     stress = 1e-6 * stresses[0].all[levels[0]]
     for number, name in enumerate(shown):
         title = name.replace("contact_mechanics", "ContactMechanics").replace("sigma_c", "σc")
+        title = title.replace("(own)", "(this project)")
         own = list(zip(histories[name], levels, strict=True))
-        closure = 1e6 * np.array([each.closure[:, there] for each, there in own])
+        closure = 1e3 * np.array([each.closure[:, there] for each, there in own])
         contact = 100.0 * np.array([each.contact[:, there] for each, there in own])
         known = np.isfinite(closure[:, 0, 0])
         closure, contact = closure[known], contact[known]
@@ -271,7 +272,7 @@ def continuum_figure(histories: dict[str, list[History]], stresses: list[Stresse
                 ls=line, color=f"C{number}", label=label, capsize=2, lw=1.3,
             )  # fmt: skip
             right.plot(stress, contact.mean(axis=0)[branch], line, color=f"C{number}")
-    left.set(xlabel="closure since first touch (µm)", ylabel="normal stress (MPa)", ylim=0.0)
+    left.set(xlabel="closure since first touch (mm)", ylabel="normal stress (MPa)", ylim=0.0)
     right.set(xlabel="normal stress (MPa)", ylabel="cells in contact (%)", yscale="log")
     right.set_title("– loading   - - unloading   ··· reloading", fontsize="small")
     figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=2)

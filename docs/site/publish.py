@@ -93,6 +93,8 @@ def publish(results: Path, run: str) -> Path:
         check_folder(results)
     except InputError as error:
         raise StoredError(str(error)) from None
+    # before a tracked file changes, which would mark the commit as edited
+    origin = _origin(results, run, max(sources.values(), key=_time))
     folder = STORED / run
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
@@ -105,7 +107,7 @@ def publish(results: Path, run: str) -> Path:
             shutil.copyfile(sources[f"{name}.csv"], folder / f"{name}.csv")
     for name, shipped in kept.shipped.items():
         shutil.copyfile(sources[f"{name}.csv"], PACKAGE / f"{shipped}.csv")
-    text = json.dumps(_origin(results, run, max(sources.values(), key=_time)), indent=1) + "\n"
+    text = json.dumps(origin, indent=1) + "\n"
     atomically(folder / ORIGIN, lambda temporary: temporary.write_text(text, encoding="utf-8"))
     return folder
 

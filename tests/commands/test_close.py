@@ -143,6 +143,14 @@ def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, capsy
         assert f"--range {ends[0]}" in err
 
 
+def test_a_range_that_is_not_allowed_is_refused_before_the_joint_is_closed(scans, monkeypatch):
+    monkeypatch.setattr(scanned_joint, "close_walls", lambda *given: pytest.fail("closed"))
+    files = scans / "top.xyz", scans / "bottom.xyz"
+    for ranges in ({"strength": (1e8, 2e8)}, {"spacing": (1e-4, 1e-3)}):
+        with pytest.raises(jc.InputError, match=rf"ranges: '?{next(iter(ranges))}'?"):
+            jc.close(*files, units="mm", rock="granite", ranges=ranges, **LOAD)
+
+
 @pytest.mark.parametrize(
     ("files", "words", "message"),
     [

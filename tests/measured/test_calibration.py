@@ -221,6 +221,18 @@ def test_a_cycle_measured_from_a_new_zero_is_read_as_one_that_continues():
     np.testing.assert_allclose(*readings)
 
 
+def test_two_loadings_are_read_without_the_unloading_between_them():
+    head, first = "stress_MPa,closure_mm,cycle\n", "0.5,0,1\n2.75,0.08,1\n5,0.1,1\n"
+    unloading, later = "0.5,0.05,1\n", "0.5,0.05,2\n2.75,.08,2\n5,.1,2\n"
+    whole, loadings = (
+        readings_of_curve(parsed_curve(head + text + later, "lab.csv"), SEATING)
+        for text in (first + unloading, first)
+    )
+    kept = [number for number, (_, level) in enumerate(whole.places()) if level is not None]
+    assert loadings.places() == [whole.places()[number] for number in kept]
+    np.testing.assert_allclose(loadings.values, whole.values[kept])
+
+
 def test_levels_without_points_are_not_read():
     text = "stress_MPa,closure_mm,cycle\n0.5,0,1\n5,0.1,1\n0.5,0.05,1\n"
     text += "0.5,0.05,2\n2.75,.08,2\n5,.1,2\n"
@@ -237,7 +249,7 @@ def test_levels_without_points_are_not_read():
     ("text", "about", "said"),
     [
         (GOOD.replace("0,0\n0.5", "0.8,0\n0.9"), {}, "must start at or below seating_stress"),
-        (GOOD.replace("0.12", "0.01"), {}, "closure must increase"),
+        (GOOD.replace("0.12", "0.01"), {}, "closure of cycle 1 must increase"),
         (
             "stress_MPa,closure_mm,cycle\n0,0,1\n5,1,1\n0,0.5,1\n0,0.5,2\n4,1,2\n",
             {},

@@ -16,6 +16,8 @@ import stored
 import templates
 from content import results, validation
 
+from jointclosure.storage.provenance import provenance
+
 ROOT = Path(__file__).parents[2]
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
 ORIGIN = {"run", "commit", "stored_at", "version", "root_seed", "date", "configuration"}
@@ -77,9 +79,16 @@ def test_results_that_are_not_complete_are_refused_and_what_was_stored_stays(run
     assert (folder / "mismatch_shifts.csv").is_file()
 
 
-def test_results_are_stored_with_what_made_them(run):
+def test_results_are_stored_with_what_made_them(run, monkeypatch):
     (run.parent / "stored/mismatch").mkdir(parents=True)
-    (run.parent / "stored/mismatch/old.csv").touch()
+    old = run.parent / "stored/mismatch/old.csv"
+    old.touch()
+
+    def untouched(study):  # the commit is that of files that were not edited yet
+        assert old.exists()
+        return provenance(study)
+
+    monkeypatch.setattr(publish, "provenance", untouched)
     folder = publish.publish(run, "mismatch")
     names = {"mismatch.csv", "mismatch_shifts.csv", "mismatch.png", stored.ORIGIN}
     assert {path.name for path in folder.iterdir()} == names

@@ -11,7 +11,7 @@ from jointclosure.surface.mating import (
     mating,
     slope_correlation_over_shifts,
 )
-from jointclosure.surface.measured import Cloud, Scan
+from jointclosure.surface.measured import Cloud, Scan, paper_spacing
 from jointclosure.surface.mismatch import Mismatch, measured_mismatch
 from jointclosure.surface.outliers import points_of, spikes, without_spikes
 from jointclosure.surface.overlap import largest_rectangle
@@ -108,6 +108,42 @@ def test_a_shift_of_a_part_of_a_cell_is_found_in_clouds():
     assert found.orientation == "common_frame"
     assert found.shift[::-1] == pytest.approx(tuple(true), abs=0.15 * found.spacing)
     assert found.correlation > 0.99
+
+
+@pytest.mark.parametrize("name", ["common_frame", "turned_about_y"])
+def test_fine_scans_are_registered_as_coarse_scans_of_the_same_walls(name):
+    """Steps of both scans: sixths and halves of the paper's spacing, from other first points."""
+    upper, lower = jc.wall_pair(9.0, (390, 402), SPACING / 6, 4, correlation=0.99, roll_off=None)
+    coarse = registered(scanned(upper[::6, ::6], name), grid(lower[::6, ::6]))
+    fine = scanned(upper, name).heights
+    if name == "common_frame":  # first points beside the nodes of the other wall
+        fine, origin = fine[3:, 2:], (3 * SPACING / 6, 2 * SPACING / 6)
+    else:
+        fine, origin = fine[:, 5:], (0.0, 0.0)  # its first point is the last node
+    dense = Scan(fine, (SPACING / 6, SPACING / 6), origin)
+    other = Scan(lower[::3, ::3], (SPACING / 2, SPACING / 2), (0.0, 0.0))
+    pair = registered(dense, other)
+    assert (pair.orientation, pair.spacing) == (name, SPACING)
+    assert sum("points are" in line for line in pair.report) == 2
+    inside = np.s_[1:, 1:] if name == "common_frame" else np.s_[:, :]
+    rows, columns = pair.upper.shape
+    for wall, expected in ((pair.upper, coarse.upper), (pair.lower, coarse.lower)):
+        expected = expected[inside][:rows, :columns]
+        assert min(expected.shape) > 60
+        np.testing.assert_allclose(detrended(wall), detrended(expected), atol=1e-9)
+
+
+@pytest.mark.parametrize(("distance", "cell"), [(5e-5, 2.5e-4), (2e-4, 2e-4), (1e-3, 1e-3)])
+def test_the_joint_has_a_spacing_near_that_of_the_paper_or_of_a_coarser_scan(distance, cell):
+    assert paper_spacing(distance) == pytest.approx(cell, rel=1e-12)
+
+
+def test_another_spacing_of_fine_scans_can_be_stated():
+    upper, lower = jc.wall_pair(9.0, (128, 128), SPACING / 4, 4, correlation=0.99, roll_off=None)
+    scans = [Scan(wall, (SPACING / 4, SPACING / 4)) for wall in (-upper, lower)]
+    pair = registered(*scans, SPACING / 4)
+    np.testing.assert_allclose(pair.lower, lower, atol=1e-12)
+    assert not any("points are" in line for line in pair.report)
 
 
 def test_independent_walls_have_no_clear_orientation_and_one_must_be_stated():
@@ -234,7 +270,8 @@ def test_a_size_that_no_wall_has_is_refused_unless_it_is_meant(factor, joint):
     ]
     with pytest.raises(jc.InputError, match=r"spacing = .* is the unit right\?"):
         registered(*scans, cut_spikes=False)
-    assert registered(*scans, cut_spikes=False, unusual_values=True).spacing == factor * SPACING
+    stated = {"spacing": factor * SPACING, "unusual_values": True}
+    assert registered(*scans, cut_spikes=False, **stated).spacing == factor * SPACING
 
 
 def test_mates_correlate_at_all_wavelengths_and_independent_walls_at_none():

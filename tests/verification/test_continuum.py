@@ -40,9 +40,9 @@ def test_readings_are_those_of_a_joint_of_known_stiffness():
     closure[1] -= 2e-5 * (1.0 - continuum.LEVELS)
     contact = np.array([continuum.LEVELS * 0.1] * 3)
     read = continuum.readings(continuum.History(closure, contact, 5e-5), AT)
-    assert read["closure_1_um"] == pytest.approx(100.0)
-    assert read["residual_um"] == pytest.approx(50.0)
-    assert read["closure_2_um"] == pytest.approx(150.0)
+    assert read["closure_1_mm"] == pytest.approx(0.1)
+    assert read["residual_mm"] == pytest.approx(0.05)
+    assert read["closure_2_mm"] == pytest.approx(0.15)
     assert read["contact_1_percent"] == pytest.approx(10.0)
     # 0.5 MPa over 50, 10 and 100 micrometres
     assert read["stiffness_loading_MPa_per_mm"] == pytest.approx(10.0)
@@ -98,9 +98,9 @@ def test_a_realisation_without_an_equilibrium_is_named_and_left_out(capsys):
     ours = [history(s) for s in (1e-4, 2e-4, 9e-4)]
     other = [history(3e-4), history(6e-4), none]
     table = continuum.table_of({"ours": ours, "other": other}, [AT] * 3)
-    own = table[table.reading == "closure_1_um"].set_index("model")
+    own = table[table.reading == "closure_1_mm"].set_index("model")
     assert own.realizations.tolist() == [3, 2]
-    assert own["mean"].other == pytest.approx(450.0)
+    assert own["mean"].other == pytest.approx(0.45)
     assert own.ratio.other == pytest.approx(3.0)
     assert len(continuum.continuum_figure({"ours": ours, "other": other}, [AT] * 3).axes) == 2
 

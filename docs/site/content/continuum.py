@@ -6,9 +6,9 @@ from stored import stored
 from content.markdown import Group, Table, titled, value_of, written
 
 CLOSURES = {
-    ("closure_1_um",): "closure, cycle 1 (µm)",
-    ("residual_um",): "residual closure (µm)",
-    ("closure_2_um",): "closure, cycle 2 (µm)",
+    ("closure_1_mm",): "closure, cycle 1 (mm)",
+    ("residual_mm",): "residual closure (mm)",
+    ("closure_2_mm",): "closure, cycle 2 (mm)",
     ("contact_1_percent",): "cells in contact at 30 MPa (%)",
     ("contact_half_unloaded_percent",): "the same unloaded to 15 MPa (%)",
 }
@@ -44,7 +44,8 @@ def _readings(titles: dict[tuple, str]) -> Table:
 
 
 def _named(models: pd.Series) -> pd.Series:
-    return models.str.replace("sigma_c", "σc").str.replace("contact_m", "ContactM")
+    names = models.str.replace("sigma_c", "σc").str.replace("contact_m", "ContactM")
+    return names.str.replace("(own)", "(this project)")
 
 
 closures, stiffnesses = _readings(CLOSURES), _readings(STIFFNESSES)

@@ -223,7 +223,7 @@ NUMBERS = {
     "larger 2": _larger(cycle=2),
     "steps 1": _steps(1),
     "steps 2": _steps(2),
-    "continuum 1": _continuum(reading="closure_1_um"),
-    "continuum 2": _continuum(reading="closure_2_um"),
+    "continuum 1": _continuum(reading="closure_1_mm"),
+    "continuum 2": _continuum(reading="closure_2_mm"),
 }
 """Numbers of docs/conclusions.md, in its order."""

@@ -50,6 +50,7 @@ from jointclosure.storage.folders import replace_files
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import write_csv, write_text
+from jointclosure.surface.measured import PAPER_SPACING
 from jointclosure.surface.mismatch import Mismatch
 from jointclosure.surface.registration import ORIENTATIONS, SHIFTS, RegisteredPair
 
@@ -102,7 +103,8 @@ def add_to(commands) -> None:
         "--grid-spacing",
         type=float,
         metavar="mm",
-        help="grid spacing of the joint; by default the larger point distance of the scans",
+        help="grid spacing of the joint; by default the larger point distance of the scans, or the "
+        f"multiple of it that is nearest to {1e3 * PAPER_SPACING:g} mm",
     )
     joint.add_argument(
         "--orientation",
@@ -153,7 +155,7 @@ def run(arguments) -> int:
     pair = _pair(arguments, settings)
     print("\n".join(f"- {line}" for line in pair.report))
     start = time.perf_counter()
-    joint = _closed(settings, pair, arguments)
+    joint = _closed(settings, pair, arguments, ranges)
     spent = duration(time.perf_counter() - start)
     if not arguments.single:
         with bar("range") as report:
@@ -189,7 +191,7 @@ def _settings(arguments) -> Configured:
     grid = {} if arguments.grid_spacing is None else {"spacing_mm": arguments.grid_spacing}
     needed = tuple(option for option in NEEDED if option != "jrc")
     rock = {"jrc": None, "walls": walls}
-    base, changes = base_keys(arguments), {"grid": grid}
+    base, changes = base_keys(arguments), {"grid": grid, "surface": {"roll_off_mm": None}}
     stated = any("numerics" in changed for changed in arguments.set)
     if not stated and base["numerics"] == merged_study()["numerics"]:
         changes["numerics"] = RESOLVED_KEYS
@@ -230,7 +232,12 @@ def _pair(arguments, settings: Configured) -> RegisteredPair:
     return brought_together(upper, lower, walls, spacing, allowed)
 
 
-def _closed(settings: Configured, pair: RegisteredPair, arguments) -> ClosedJoint:
+def _closed(
+    settings: Configured,
+    pair: RegisteredPair,
+    arguments,
+    ranges: dict[str, tuple[float, float]],
+) -> ClosedJoint:
     configuration = settings.typed
     case = cases_of(configuration)[0]
     surfaces = surface_settings(configuration, case, range(1))
@@ -243,7 +250,7 @@ def _closed(settings: Configured, pair: RegisteredPair, arguments) -> ClosedJoin
     )
     check_cells(pair.upper.shape, pair.spacing, arguments.grid_spacing is not None)
     of_pair = conditions._replace(spacing=pair.spacing)
-    cost = expected_cost(pair.upper, pair.lower, of_pair, arguments.single)
+    cost = expected_cost(pair.upper, pair.lower, of_pair, arguments.single, ranges)
     if cost is not None:
         print(f"- {cost.sentence(pair.upper.shape, pair.spacing)}", flush=True)
     with shown_progress(conditions.cycle_count) as report:

@@ -1,6 +1,7 @@
 """Time and memory that a joint of scanned walls will take, before it is closed."""
 
 import time
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -66,13 +67,23 @@ def check_cells(shape: tuple[int, int], spacing: float, stated: bool) -> None:
 
 
 def expected_cost(
-    upper: np.ndarray, lower: np.ndarray, conditions: Conditions, single: bool
+    upper: np.ndarray,
+    lower: np.ndarray,
+    conditions: Conditions,
+    single: bool,
+    ranges: Mapping[str, tuple[float, float]] = {},
 ) -> Cost | None:
     """Estimate the cost of closing two walls (y, x) [m]; None for a joint of up to `SMALL` cells.
 
     A window of the walls is closed twice, the second time compiled, and its time is multiplied by
     the power `EXPONENT` of the cells, and by the closures of a range unless ``single``.
+
+    Raises
+    ------
+    InputError
+        If ``ranges``, as for `sources_of`, are not allowed.
     """
+    sources = {} if single else sources_of(conditions, (upper.shape[0], upper.shape[1]), ranges)
     if upper.size <= SMALL:
         return None
     corners = [(size - min(size, WINDOW)) // 2 for size in upper.shape]
@@ -83,7 +94,6 @@ def expected_cost(
         seconds = time.process_time() - start
     closures = 1.0
     if not single:
-        sources = sources_of(conditions, (upper.shape[0], upper.shape[1]))
         closures += sum(v.step ** (-2.0 * EXPONENT) for v in variants_of(conditions, sources))
     share = upper.size / upper[window].size
     return Cost(seconds * share**EXPONENT * closures, BASE_BYTES + BYTES * upper.size)

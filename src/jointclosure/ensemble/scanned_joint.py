@@ -124,9 +124,8 @@ def close(
         As for `jointclosure.simulate`.
     conditions, **changes
         As for `jointclosure.simulate`; ``rock`` can be a name. ``spacing`` [m] is that of the
-        joint's grid, by default the larger point distance of the scans. ``unusual_values`` is
-        also passed to `jointclosure.surface.registration.registered`. Breakage is resolved unless
-        ``numerics`` are given.
+        joint's grid, by default as for `jointclosure.surface.registration.registered`, which also
+        receives ``unusual_values``. Breakage is resolved unless ``numerics`` are given.
 
     Returns
     -------
@@ -153,7 +152,8 @@ def close(
         for doubt in pair.warnings:
             warnings.warn(doubt, stacklevel=2)
     check_cells(pair.upper.shape, pair.spacing, stated.spacing is not None)
-    cost = expected_cost(pair.upper, pair.lower, stated._replace(spacing=pair.spacing), single)
+    of_pair = stated._replace(spacing=pair.spacing)
+    cost = expected_cost(pair.upper, pair.lower, of_pair, single, ranges)
     if cost is not None:
         warnings.warn(cost.sentence(pair.upper.shape, pair.spacing), stacklevel=2)
     joint = closed_pair(pair, stated, report, snapshots, rock_name=name)

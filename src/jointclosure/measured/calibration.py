@@ -5,6 +5,7 @@ and at several strengths if these are fitted too. A measured curve is one draw o
 are compared with the mean and the scatter of theirs.
 """
 
+import itertools
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -162,7 +163,9 @@ def readings_of_curve(curve: MeasuredCurve, seating_stress: float) -> Readings:
     asked = Readings(len(cycles), unloaded, levels, seating_stress, np.empty(0), read)
     values = readings_of_history(_as_history(curve), asked)
     if not np.all(values > 0.0):
-        raise InputError("closure must increase with stress on loading, and decrease on unloading")
+        cycle, level = asked.places()[int(np.argmin(values > 0.0))]
+        branch = "decrease on unloading" if level is None else "increase with stress on loading"
+        raise InputError(f"closure of cycle {cycle} must {branch}")
     return asked._replace(values=values)
 
 
@@ -180,11 +183,16 @@ def _as_history(curve: MeasuredCurve) -> xr.Dataset:
 
     It has no bulk indentation, because the deformation of the intact rock was subtracted. A cycle
     that begins at the stress at which the one before ended continues its closure, also if its
-    closures were measured from a new zero.
+    closures were measured from a new zero. A cycle without unloading ends where the next one
+    begins.
     """
     branches: list[tuple[int, str, np.ndarray, np.ndarray]] = []
-    for cycle in curve.cycles:
-        of_cycle = curve.branches(cycle)
+    cycles_read = [curve.branches(cycle) for cycle in curve.cycles]
+    for of_cycle, following in itertools.pairwise(cycles_read):
+        if not of_cycle[UNLOADING][0].size:
+            stress, closure = following[LOADING]
+            of_cycle[UNLOADING] = stress[:1], closure[:1]
+    for cycle, of_cycle in zip(curve.cycles, cycles_read, strict=True):
         first, zero = (points[0] for points in of_cycle[LOADING])
         offset = 0.0
         if branches and branches[-1][2].size:

@@ -233,9 +233,10 @@ def _columns(
     needed = ("stress", "closure", *(["cycle"] if needs_cycle else []))
     missing = [name for name in needed if name not in columns]
     if missing:
+        others = "" if needs_cycle else "; --columns, or columns= in Python, names others"
         raise InputError(
-            f"{where}: lacks {', '.join(missing)} (columns are stress_MPa,closure_mm,cycle); "
-            f"there are {', '.join(header)}"
+            f"{where}: lacks {', '.join(missing)} (columns are stress_MPa,closure_mm,cycle{others})"
+            f"; there are {', '.join(header)}"
         )
     return {name: columns[name] for name in allowed if name in columns}
 

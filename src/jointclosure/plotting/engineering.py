@@ -24,8 +24,9 @@ def engineering_figure(history: xr.Dataset, title: str) -> Figure:
         As from `jointclosure.simulate`.
     title : str
     """
-    number = 4 if has_flow(history) else 3
-    figure, panels = subplots(1, number, figsize=(4.5 * number, 4.6))
+    shape, size = ((2, 2), (10.4, 8.4)) if has_flow(history) else ((1, 3), (13.5, 4.6))
+    figure, panels = subplots(*shape, figsize=size)
+    panels = panels.ravel()
     _draw_closure(panels[0], history)
     draw_stiffness(panels[1], history)
     panels[1].set_title("normal stiffness, by chords")

@@ -1,5 +1,7 @@
 """Figures of a study of global sensitivity to properties and open choices."""
 
+from collections.abc import Iterable
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -94,7 +96,7 @@ def convergence(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
                 )  # fmt: skip
             axes.set_title(f"{titles[rock]}, cycle {cycle}", fontsize=10)
             axes.axhline(0.0, color="0.6", lw=0.8, zorder=0)
-    ticks = sorted(set(table.rows))
+    ticks = _apart(set(table.rows))
     for axes in panels[-1]:
         axes.set_xscale("log")
         axes.set_xticks(ticks, [f"{tick:.0f}" for tick in ticks])
@@ -105,6 +107,15 @@ def convergence(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     handles, labels = panels[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right center", frameon=False, fontsize=8)
     return figure
+
+
+def _apart(values: Iterable[float]) -> list[float]:
+    """Return growing values without those less than a tenth above the one before."""
+    apart: list[float] = []
+    for value in sorted(values):
+        if not apart or value > 1.1 * apart[-1]:
+            apart.append(value)
+    return apart
 
 
 @styled
@@ -146,7 +157,9 @@ def conclusions(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
         net = ", net of bulk\nindentation" if response == "closure_net" else ""
         axes.set_title(f"cycle {cycle}{net}", fontsize=10)
         axes.set_yticks(
-            places, [f"{number}: {conclusion}" for number, conclusion in rows], fontsize=8
+            places,
+            [f"{number}: {conclusion.replace('sigma_c', 'σc')}" for number, conclusion in rows],
+            fontsize=8,
         )
         axes.set(xlim=(-4.0, 104.0), xlabel="share of open choices (%)")
         axes.grid(axis="y", lw=0.3)

@@ -25,12 +25,14 @@ def closure_curve(closed: xr.Dataset, title: str) -> Figure:
         As from `jointclosure.simulate`.
     title : str
     """
-    figure, panels = subplots(1, 2, figsize=(10.4, 4.4), sharey=True)
+    figure, panels = subplots(1, 2, figsize=(10.4, 4.8), sharex=True, sharey=True)
     for axes, of in zip(panels, (GROSS, NET), strict=True):
         draw_curves(axes, closed, "seating", of)
     panels[1].set(ylabel="")
-    if panels[1].get_legend():
-        panels[1].get_legend().remove()
+    if panels[0].get_legend():  # below the panels, where no curve is
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+        for axes in panels:
+            axes.get_legend().remove()
     figure.suptitle(title, parse_math=False)
     sns.despine(figure)
     return figure
@@ -89,7 +91,9 @@ def draw_stiffness(axes: Axes, closed: xr.Dataset) -> None:
                 "" if landing else BRANCH_LINES[branch], label=label, color=colour, zorder=order,
                 marker="o", ms=3, mfc="none" if landing else colour,
             )  # fmt: skip
-    axes.set(xlabel="normal stress (MPa)", ylabel="net kn (MPa/mm)", yscale="log", xlim=0.0)
+    axes.set(
+        xlabel="normal stress (MPa)", ylabel="net normal stiffness (MPa/mm)", yscale="log", xlim=0.0
+    )
     decimal_ticks(axes.yaxis)
     axes.legend(frameon=False, fontsize=9)
 

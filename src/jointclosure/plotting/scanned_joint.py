@@ -64,7 +64,7 @@ def range_figure(budget: Budget, title: str) -> Figure:
         axes.axvline(row.best, color="0.8", lw=0.8, zorder=0)
         labels = [f"{TITLES[name]} ({100.0 * share:.0f} %)" for name, share in shares.items()]
         axes.set_yticks(range(len(shares) + 1), [*labels, "all together, 9 in 10"])
-        axes.set(xlabel=f"net closure of cycle {cycle} since seating (mm)")
+        axes.set(xlabel=f"net closure since seating, cycle {cycle} (mm)")
     figure.suptitle(title, parse_math=False)
     sns.despine(figure)
     return figure
@@ -82,13 +82,19 @@ def _place(pair: RegisteredPair) -> tuple[float, float]:
     return 1e3 * (x + 0.5) * pair.spacing, 1e3 * (y + 0.5) * pair.spacing
 
 
+def _shrunk(wall: np.ndarray) -> float:
+    """Return the length of a colour bar that is as high as the map of a wall (y, x)."""
+    ny, nx = wall.shape
+    return 0.85 * min(ny / nx, 1.0)
+
+
 def _draw_wall(axes, heights: np.ndarray, pair: RegisteredPair, title: str) -> None:
     reach = 1e3 * max(np.abs(pair.upper).max(), np.abs(pair.lower).max())
     image = axes.imshow(
         1e3 * heights, origin="lower", extent=map_extent(heights.shape, pair.spacing), cmap="vlag",
         vmin=-reach, vmax=reach,
     )  # fmt: skip
-    axes.figure.colorbar(image, ax=axes, label="height (mm)", shrink=0.85)
+    axes.figure.colorbar(image, ax=axes, label="height (mm)", shrink=_shrunk(heights))
     axes.set(title=title, xlabel="x (mm)", ylabel="y (mm)")
 
 
@@ -97,12 +103,12 @@ def _draw_aperture(axes, pair: RegisteredPair) -> None:
         1e3 * pair.aperture, origin="lower", extent=map_extent(pair.aperture.shape, pair.spacing),
         cmap="viridis", vmin=0.0, vmax=1e3 * np.percentile(pair.aperture, 99.0),
     )  # fmt: skip
-    axes.figure.colorbar(image, ax=axes, label="aperture (mm)", shrink=0.85, extend="max")
+    axes.figure.colorbar(
+        image, ax=axes, label="aperture (mm)", shrink=_shrunk(pair.aperture), extend="max"
+    )
     x, y = _place(pair)
     axes.plot(x, y, "o", ms=11, mfc="none", mec="red", mew=1.8)
-    axes.set(
-        title="aperture at first touch (circle: first contact)", xlabel="x (mm)", ylabel="y (mm)"
-    )
+    axes.set(title="aperture at first touch (in the circle)", xlabel="x (mm)", ylabel="y (mm)")
 
 
 def _draw_section(axes, pair: RegisteredPair) -> None:
@@ -156,7 +162,8 @@ def _draw_orientations(axes, pair: RegisteredPair) -> None:
     """Draw the correlation of slopes in each orientation, with the one used in colour."""
     fits = pair.fits[::-1]
     colours = ["C0" if fit.orientation == pair.orientation else "0.75" for fit in fits]
-    axes.barh([fit.orientation for fit in fits], [fit.correlation for fit in fits], color=colours)
+    names = [fit.orientation.replace("_", " ") for fit in fits]
+    axes.barh(names, [fit.correlation for fit in fits], color=colours)
     second = pair.fits[1].correlation
     if second > 0.0:
         axes.axvline(CLEAR * second, color="0.3", lw=1.0, ls="--")

@@ -208,7 +208,8 @@ def evidence_sheet(
             for row in deciding.itertuples()
         ]
         if compared and isinstance(getattr(claim, "paper", None), str):
-            rows.append(about | {"by": "the paper", "where": "", "value": claim.paper})
+            paper = {"by": "the paper", "where": "", "cycle": "", "value": claim.paper}
+            rows.append(about | paper)  # not NaN, which would make fractions of the cycles
     columns = {"number": "No.", "by": "By", "where": "Of", "cycle": "Cycle", "quantity": "What"}
     columns |= {"value": "Number", "verdict": "The claim"}
     frame = pd.DataFrame(rows, columns=list(columns))

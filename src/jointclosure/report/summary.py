@@ -103,7 +103,7 @@ def sensitivity_sentence(elasticities: pd.DataFrame | None) -> str:
     reason = {
         FALLS: "differs between rocks",
         NO_DIFFERENCE: "makes no difference worth noticing",
-        CANNOT_BE_TOLD: "cannot be told from so many joints",
+        CANNOT_BE_TOLD: "cannot be decided from so few joints",
     }[answer]
     return f"Which property the closure of cycle {cycle} is most sensitive to {reason}."
 

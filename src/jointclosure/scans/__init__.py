@@ -181,7 +181,10 @@ def _placed(
     """Return spacing (dy, dx) and origin (y, x) of a grid [m], and remarks on its size."""
     if contents.spacing is None:
         if spacing is None:
-            raise InputError("does not state the spacing of its grid: spacing_mm must be given")
+            raise InputError(
+                "does not state the spacing of its grid: spacing_mm must be given "
+                "(--spacing on the command line)"
+            )
         length_units, steps, origin = "m", (spacing, spacing), None
         if contents.heights is not None and np.ndim(contents.heights) == 2:
             sides = _lengths(np.shape(contents.heights), steps)

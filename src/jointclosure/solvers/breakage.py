@@ -39,6 +39,7 @@ from jointclosure.solvers.pair_batch import (
     share_losses,
     shed_losses,
 )
+from jointclosure.solvers.products import assign
 
 _MARGIN = 2
 """Width in cells of the margin around the grid, infinitely high and never in contact."""
@@ -310,7 +311,7 @@ def breakage_kernel(gouge: bool, current_peaks: bool, resolved: bool):
             colour = (colour + 1) % _COLOURS
             number = turns.counts[colour]
             turns.counts[colour] = 0
-            taken[:number] = turns.lists[colour, :number]
+            assign(taken, turns.lists[colour, :number])
             for first in range(0, number, BATCH):
                 looked_at = taken[first : min(first + BATCH, number)]
                 n = looked_at.size

@@ -11,7 +11,7 @@ import scipy.fft
 
 from jointclosure.compilation.kernels import kernel, large_kernel
 from jointclosure.mechanics.interaction import interaction_displacement
-from jointclosure.solvers.products import symmetric_times
+from jointclosure.solvers.products import assign, symmetric_times
 
 LARGEST_DENSE = 4000
 """Number of contacts of the largest dense matrix, 128 MB."""
@@ -186,9 +186,10 @@ def set_interaction_field(influence, force):
     The transform is done axis by axis, because rows of the padding are zero or not needed, and in
     memory that is allocated once. There a column is contiguous, which is faster.
     """
-    ny, nx = force.shape
+    ny = force.shape[0]
     padded, wave = influence.padded, influence.wave
-    padded[:, :nx] = force
+    for y in range(ny):
+        assign(padded[y], force[y])
     inside = wave[:, :ny].T
     np.fft.rfft(padded, axis=1, out=inside)
     wave[:, ny:] = 0.0

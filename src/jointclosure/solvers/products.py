@@ -14,6 +14,16 @@ PIVOTS, LANES = 4, 8
 
 
 @kernel
+def assign(target, source):
+    """Copy values (n,) into an array (n,), as ``target[:] = source``.
+
+    Numba compiles a message on shapes into each such assignment, which takes seconds in total.
+    """
+    for i in range(source.size):
+        target[i] = source[i]
+
+
+@kernel
 def inner(one, other):
     """Compute the sum of the products of two arrays (n,)."""
     n = one.size
@@ -63,15 +73,16 @@ def symmetric_inverse(matrix):
     n = matrix.shape[0]
     wide = n + -n % LANES  # whole vectors: what they add to the upper triangle is not used
     swept = np.zeros((n, wide))
-    swept[:, :n] = matrix
+    for i in range(n):
+        assign(swept[i], matrix[i])
     columns, shares = np.zeros((PIVOTS, wide)), np.zeros((PIVOTS, wide))
     for first in range(0, n, PIVOTS):
         width = min(PIVOTS, n - first)
         shares[width:] = 0.0
         for q in range(width):
             column, k = columns[q], first + q
-            column[:k] = swept[k, :k]
-            column[k:n] = swept[k:, k]
+            assign(column, swept[k, :k])
+            assign(column[k:], swept[k:, k])
             _follow_pivots(column, k, first, 0, q, columns, shares)
             for i in range(n):
                 shares[q, i] = column[i] / column[k]
@@ -81,8 +92,8 @@ def symmetric_inverse(matrix):
             row = shares[q].copy()
             row[k] = -1.0 / columns[q, k]
             _follow_pivots(row, k, first, q + 1, width, columns, shares)
-            swept[k, :k] = row[:k]
-            swept[k:, k] = row[k:n]
+            assign(swept[k], row[:k])
+            assign(swept[k:, k], row[k:n])
     answer = np.empty((n, n))
     for i in range(n):
         for j in range(i + 1):

@@ -19,6 +19,9 @@ REACH = 2.0
 MOST_CELLS_PER_POINT = 100
 """Largest number of cells of a grid for each point; with more, nearly all cells are far from
 points."""
+PAPER_SPACING = 0.25e-3
+"""Grid spacing of the paper's walls [m]: a cell is an asperity, and the relations of JRC are stated
+at this spacing."""
 MISSING = ("refuse", "avoid", "nearest", "linear")
 LARGEST_FILLED_SHARE = 0.05
 """Largest share of a wall's cells that is filled unless the user allows more."""
@@ -83,6 +86,11 @@ def point_distance(scan: Scan | Cloud) -> float:
     return float(np.sqrt(area / len(scan.points)))
 
 
+def paper_spacing(distance: float) -> float:
+    """Return the multiple of a point distance [m] that is nearest to `PAPER_SPACING`."""
+    return distance * max(round(PAPER_SPACING / distance), 1)
+
+
 def plane_of(scan: Scan | Cloud, sign: int = 1) -> Scan | Cloud:
     """Return a flat wall: the mean plane of a scan at its places, with heights times a sign."""
     if isinstance(scan, Cloud):
@@ -134,7 +142,29 @@ def wall_on_grid(
         np.arange(ny) * scan.spacing[0], np.arange(nx) * scan.spacing[1], indexing="ij"
     )
     flat = _levelled(x.ravel(), y.ravel(), scan.heights.ravel()).reshape(ny, nx)
-    return _resampled(Scan(flat, scan.spacing), spacing)
+    return _resampled(Scan(flat, scan.spacing), spacing, (0.0, 0.0))
+
+
+def sampled(scan: Scan, spacing: float, anchor: tuple[float, float]) -> Scan:
+    """Return the heights of a grid at the nodes of a coarser one, without averaging.
+
+    Sampling keeps the slopes at the coarser spacing, of which JRC is a function; means over cells
+    do not.
+
+    Parameters
+    ----------
+    scan : Scan
+    spacing : float
+        Grid spacing [m] of the result, not below that of the scan.
+    anchor : (y, x)
+        Place of a node [m], in or outside of the scan.
+    """
+    origin, steps = np.array(scan.origin or (0.0, 0.0)), np.array(scan.spacing)
+    first = anchor + spacing * np.ceil((origin - anchor) / spacing - 1e-6)
+    start = np.maximum((first - origin) / steps, 0.0)
+    heights = _resampled(scan, spacing, (float(start[0]), float(start[1])))
+    y, x = (origin + start * steps).tolist()
+    return scan._replace(heights=heights, spacing=(spacing, spacing), origin=(y, x))
 
 
 def _levelled(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
@@ -187,19 +217,22 @@ def heights_between(
     return np.where(np.isfinite(nearest), wall, np.nan)
 
 
-def _resampled(scan: Scan, spacing: float) -> np.ndarray:
+def _resampled(scan: Scan, spacing: float, start: tuple[float, float]) -> np.ndarray:
+    """Return heights at another spacing, from a node ``start`` (y, x) in points of the scan on."""
     heights = scan.heights
     ratios = [spacing / scanned for scanned in scan.spacing]
-    steps = [round(ratio) for ratio in ratios]
-    if all(abs(ratio - step) < 1e-6 * ratio for ratio, step in zip(ratios, steps, strict=True)):
-        return heights[:: steps[0], :: steps[1]].copy()
+    whole = [(round(first), round(ratio)) for first, ratio in zip(start, ratios, strict=True)]
+    exact = np.column_stack([start, ratios])
+    if np.all(np.abs(exact - whole) < 1e-6 * exact[:, 1:]):
+        rows, columns = (slice(first, None, step) for first, step in whole)
+        return heights[rows, columns].copy()
     if min(heights.shape) < 4:
         raise InputError(f"{heights.shape} heights: too few to be brought to another spacing")
     missing = ~np.isfinite(heights)
     axes = [np.arange(n, dtype=float) for n in heights.shape]
     wanted = [
-        np.arange(int(np.floor((n - 1) / ratio + 1e-9)) + 1) * ratio
-        for n, ratio in zip(heights.shape, ratios, strict=True)
+        first + np.arange(int(np.floor((n - 1 - first) / ratio + 1e-9)) + 1) * ratio
+        for n, first, ratio in zip(heights.shape, start, ratios, strict=True)
     ]
     wall = scipy.interpolate.RectBivariateSpline(*axes, _nearest(heights))(*wanted)
     nodes = np.meshgrid(*wanted, indexing="ij")

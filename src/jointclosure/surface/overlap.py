@@ -109,7 +109,7 @@ def _check_size(shape: tuple[int, int], spacing: float) -> None:
     if min(shape) < SMALLEST_SIDE:
         raise InputError(
             f"the walls overlap in {shape[0]} x {shape[1]} cells (y, x) of {1e3 * spacing:.4g} mm: "
-            f"at least {SMALLEST_SIDE} along each side"
+            f"at least {SMALLEST_SIDE} along each side (is the grid spacing too large?)"
         )
 
 

@@ -17,8 +17,10 @@ from jointclosure.surface.measured import (
     LARGEST_FILLED_SHARE,
     Cloud,
     Scan,
+    paper_spacing,
     plane_of,
     point_distance,
+    sampled,
     wall_on_grid,
 )
 from jointclosure.surface.mismatch import CONFIDENCE, Mismatch, measured_mismatch
@@ -153,7 +155,8 @@ def registered(
         If that is the lower one, ``orientation`` has to be stated: an aperture map is an upper wall
         in a "common_frame", and heights of a scan from above count "towards" the lower wall.
     spacing : float, optional
-        Grid spacing of the walls [m], by default the larger point distance of the scans.
+        Grid spacing of the walls [m], by default the `paper_spacing` of the larger point distance
+        of the scans. Regular grids of at most half of it are sampled.
     orientation : str, optional
         Orientation of the upper scan, a key of `ORIENTATIONS`. By default the one with the
         best correlation of the walls' slopes is used, if it is clear.
@@ -179,17 +182,19 @@ def registered(
     flat = [side for side, scan in (("upper", upper), ("lower", lower)) if isinstance(scan, str)]
     upper, lower = _both_scans(upper, lower, orientation)
     distances = point_distance(upper), point_distance(lower)
-    spacing = max(distances) if spacing is None else float(spacing)
     if not unusual_values:
-        check_scans(upper, lower, spacing)
+        check_scans(upper, lower, max(distances) if spacing is None else float(spacing))
+    spacing = paper_spacing(max(distances)) if spacing is None else float(spacing)
     report: list[str] = []
-    clouds = []
+    kept = []
     for side, scan in (("upper", upper), ("lower", lower)):
         report += [prefixed(f"{side} wall: ", remark) for remark in scan.remarks]
-        cut = cut_spikes and side not in flat
-        kept, removed = without_spikes(scan) if cut else (scan, "")
-        report += [f"{side} wall: {removed}; they were cut"] if removed else []
-        clouds.append(points_of(kept))
+        kept.append(
+            _without_spikes(scan, side, report) if cut_spikes and side not in flat else scan
+        )
+    upper, lower = _not_finer(kept[0], kept[1], spacing, report)
+    distances = point_distance(upper), point_distance(lower)
+    clouds = [points_of(upper), points_of(lower)]
     placed = [_Placed.of(cloud, spacing) for cloud in clouds]
     if flat:
         fits, name, mated = [], orientation or "common_frame", (0.0, 0.0)
@@ -246,6 +251,33 @@ def _both_scans(
             )
         return upper, plane_of(upper, ORIENTATIONS[orientation].sign)
     return upper, lower
+
+
+def _without_spikes(scan: Scan | Cloud, side: str, report: list[str]) -> Scan | Cloud:
+    kept, removed = without_spikes(scan)
+    report += [f"{side} wall: {removed}; they were cut"] if removed else []
+    return kept
+
+
+def _not_finer(
+    upper: Scan | Cloud, lower: Scan | Cloud, spacing: float, report: list[str]
+) -> tuple[Scan | Cloud, Scan | Cloud]:
+    """Sample scanned grids of at most half of the spacing [m] at the nodes of one grid."""
+    anchor = (0.0, 0.0)
+    for scan in (upper, lower):
+        if isinstance(scan, Scan) and scan.origin is not None:
+            anchor = scan.origin  # that of the lower wall if both have one
+    result = []
+    for side, scan in (("upper", upper), ("lower", lower)):
+        distance = point_distance(scan)
+        if 2.0 * distance <= spacing:
+            report.append(
+                f"{side} wall: points are {1e3 * distance:.4g} mm apart, of which heights were "
+                f"taken every {1e3 * spacing:.4g} mm, the grid spacing of the joint"
+            )
+            scan = sampled(scan, spacing, anchor) if isinstance(scan, Scan) else scan
+        result.append(scan)
+    return result[0], result[1]
 
 
 class _Placed(NamedTuple):

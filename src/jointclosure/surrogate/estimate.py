@@ -66,6 +66,16 @@ class Estimate(NamedTuple):
     rms_error: float | np.ndarray
     roll_off: float | None
 
+    def __repr__(self) -> str:
+        closure, crushed, error = (
+            ", ".join(f"{scale * value:.3g}" for value in np.ravel(values))
+            for values, scale in zip(self[:3], (1e3, 100.0, 100.0), strict=True)
+        )
+        return (
+            f"<Estimate: closes {closure} mm from first touch (rms error {error} %), {crushed} % "
+            "of the area crushed>"
+        )
+
 
 class WallMeasures(NamedTuple):
     """Statistics that identify the kind of walls.
