@@ -60,7 +60,7 @@ presets = Table(
     prepare=lambda table: table[table.preset.notna() & table.scene.isin(SCENES.values())],
 )
 total = Table(
-    "accuracy/accuracy_split",
+    "accuracy_biases/accuracy_split",
     {
         "of": "{response}, cycle {cycle}",
         "core-minutes": "{budget:g}",
@@ -75,7 +75,7 @@ total = Table(
     prepare=lambda table: table[table.total_percent <= MOST_SHOWN],
 )
 biases = Table(
-    "accuracy/accuracy_methods",
+    "accuracy_biases/accuracy_methods",
     {"s a surface": "{cost min:.2g}"},
     rows=_plain("method", "rock"),
     across="{title}",
@@ -83,6 +83,19 @@ biases = Table(
     prepare=lambda table: titled(
         rows_of(table, control_variates=False), BIASES, "response", "cycle"
     ),
+)
+multifidelity = Table(
+    "multifidelity/multifidelity",
+    {"time": "{time min:.2g} to {time max:.2g}"},
+    rows={"model": "{model}"},
+    across="{rock}, cycle {cycle}",
+    cell="{correlation:.2f} ± {correlation +-:.2f}: {gain:.1f} ({gain low:.1f} to {gain high:.1f})",
+    prepare=lambda table: table.sort_values(["cycle", "rock"], kind="stable"),
+)
+multifidelity_best = Table(
+    "multifidelity/multifidelity_best",
+    _plain("rock", "cycle", "estimator")
+    | {"gain": "{gain:.2f}", "95 % interval": "{low:.2f} to {high:.2f}"},
 )
 sources = Table(
     "accuracy/accuracy_sources",
