@@ -42,7 +42,7 @@ _FRONT = "none is faster and more exact; hollow marks count as equal"
 _FLOOR = 0.01
 _NEAR_TIME, _NEAR_ERROR = 1.15, 1.6
 """Ratios of times and of errors to the star's below which marks are not labelled."""
-_HARDLY_SEEN = 1.0
+_HARDLY_SEEN = 0.1
 """Percentage below which a bar is labelled with its value."""
 
 
