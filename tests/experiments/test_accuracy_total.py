@@ -72,7 +72,8 @@ def at(table, surfaces, **keys):
 
 def test_the_rock_where_the_error_is_largest_tells_it(points):
     plain = {"response": "mean", "cycle": 1, "method": "coarse", "control_variates": False}
-    few, many = at(points, 2, **plain).iloc[0], points[points.method == "coarse"].iloc[-1]
+    of_means = points[(points.response == "mean") & (points.method == "coarse")]
+    few, many = at(points, 2, **plain).iloc[0], of_means.iloc[-1]
     # of two surfaces slate scatters most: 2 % of 20 surfaces
     # and its bias is known to 1 %
     both = np.hypot(1.0, 1.96 * 2.0 * np.sqrt(10.0))
@@ -113,6 +114,13 @@ def test_what_a_bias_is_known_to_is_in_the_total_error_at_any_number_of_surfaces
     both = np.hypot(fine.bias_error_percent, fine.sampling_percent)
     np.testing.assert_allclose(fine.total_percent, 0.5 + both)
     assert fine.total_percent.min() > 1.5
+
+
+def test_the_bias_of_an_interval_is_that_of_all_rocks_and_holds_their_difference(methods):
+    own = methods[(methods.response == "interval") & (methods.method == "coarse")]
+    # 5 and -8 %, both known to 1 %
+    assert own.bias_percent.to_numpy() == pytest.approx(-1.5)
+    assert (own.bias_high - own.bias_low).iloc[0] > 13.0
 
 
 def test_where_the_error_of_an_interval_is_not_known_its_method_is_left_out():

@@ -26,7 +26,14 @@ from jointclosure.experiments.accuracy.design import Joint
 from jointclosure.inputs import InputError
 from jointclosure.statistics.control_variates import fewest_surfaces
 from jointclosure.statistics.randomness import seed_of
-from jointclosure.statistics.total_error import REACH, front, method_of, shares
+from jointclosure.statistics.total_error import (
+    REACH,
+    bias_of,
+    common_bias,
+    front,
+    method_of,
+    shares,
+)
 from jointclosure.surface.roughness import z2_of_jrc
 from jointclosure.surrogate.estimate import ALL_ROCKS, estimate
 
@@ -150,7 +157,19 @@ def method_table(
     table = pd.DataFrame(rows).assign(measured_cost=second * (cheap.walls + cheap.covariates))
     # an error without a confidence interval is unknown
     known = table.bias_low.notna().groupby([table[key] for key in KEYS]).transform("all")
-    return table[known].reset_index(drop=True)
+    return _common_to_rocks(table[known].reset_index(drop=True))
+
+
+def _common_to_rocks(table: pd.DataFrame) -> pd.DataFrame:
+    """Give the bias of intervals that all rocks have in common, as that of one is hardly known."""
+    for _, part in table[table.response == "interval"].groupby(KEYS):
+        measured = part[["bias_percent", "bias_low", "bias_high"]].itertuples(index=False)
+        bias = common_bias([bias_of(*row) for row in measured])
+        percent, half = 100.0 * bias.value, 100.0 * REACH * bias.error
+        table.loc[part.index, "bias_percent"] = percent
+        table.loc[part.index, "bias_low"] = percent - half
+        table.loc[part.index, "bias_high"] = percent + half
+    return table
 
 
 def _bias(bias: tuple[float, ...], cost: float) -> dict:
