@@ -67,8 +67,12 @@ presets = Table(
 )
 
 
+def _name(group: Group) -> str:
+    return "bearing-area law" if group["method"] == "surrogate" else group["method"]
+
+
 def _method(group: Group) -> str:
-    return group["method"] + ", control variates" * group["control_variates"]
+    return _name(group) + ", control variates" * group["control_variates"]
 
 
 def _shown_first(table: pd.DataFrame) -> pd.DataFrame:
@@ -108,7 +112,7 @@ total = Table(
 biases = Table(
     "accuracy_biases/accuracy_methods",
     {"s a surface": "{cost min:.2g}"},
-    rows=_plain("method", "rock"),
+    rows={"method": _name, "rock": "{rock}"},
     across="{title}",
     cell=_interval("bias", 1, "{}_percent"),
     prepare=lambda table: titled(
