@@ -58,5 +58,6 @@ def test_a_bias_in_common_is_the_weighted_mean_unless_the_measured_ones_differ()
     apart = common_bias([Bias(-0.1, 0.001), Bias(0.1, 0.001)])
     assert apart.value == pytest.approx(0.0)
     assert apart.error > 0.1  # it is also the error of a single one
-    only = common_bias([Bias(0.02, 0.01)])
-    assert only == pytest.approx((0.02, 0.01))
+    assert common_bias([Bias(0.02, 0.01)]) == pytest.approx((0.02, 0.01))
+    exact = common_bias([Bias(0.0), Bias(0.0)])
+    assert exact == pytest.approx((0.0, 0.0), abs=1e-12)

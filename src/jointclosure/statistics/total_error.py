@@ -80,7 +80,8 @@ def common_bias(biases: Sequence[Bias]) -> Bias:
     The error holds the variance between them beyond their errors, so that it is also that of a
     single one (random effects, DerSimonian and Laird, Controlled Clinical Trials 7, 1986, 177-188).
     """
-    values, variances = np.array(biases).T ** np.array([[1], [2]])
+    values, errors = np.array(biases).T
+    variances = np.maximum(errors, np.finfo(float).eps) ** 2
     weights = 1.0 / variances
     spread = (weights * (values - np.average(values, weights=weights)) ** 2).sum()
     scale = weights.sum() - (weights**2).sum() / weights.sum()
