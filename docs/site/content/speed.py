@@ -87,11 +87,12 @@ growth_beyond = Table(
     {
         "scene": "{scene}",
         "cells": "{cells} x {cells}",
-        "time (s)": lambda group: "{:,.3g} ({:,.2g} to {:,.2g})".format(
-            *(1e-3 * group[name] for name in ("fitted ms", "low ms", "high ms"))
-        ),
+        "time (s)": "{fitted s!k} ({low s!k} to {high s!k})",
         "exponent there": "{exponent:.2f} ± {standard error:.2f}",
     },
+    prepare=lambda table: table.assign(
+        **{f"{name} s": 1e-3 * table[f"{name} ms"] for name in ("fitted", "low", "high")}
+    ),
 )
 peers = Table(
     "peers/peers",
