@@ -81,7 +81,7 @@ hard-cases: $(STAMP) ## Close joints that are hard on a solver, and have an orac
 	$(RUN) hard-cases
 	@$(BIN)/python workflow/scripts/count_hard_cases.py results/hard_cases/tables/hard_cases.csv
 
-accuracy: $(STAMP) ## Measure what accuracy costs in time (40 minutes on two cores)
+accuracy: $(STAMP) ## Measure what accuracy costs in time (half an hour on two cores)
 	$(RUN) accuracy
 
 effects: $(STAMP) ## Measure what each effect adds, and what it costs (up to an hour on two cores)

@@ -113,3 +113,15 @@ def test_flows_are_timed_with_those_codes_that_are_installed(monkeypatch, capsys
     printed = capsys.readouterr().out
     assert "jointclosure" in printed
     assert "is left out" in printed or "reynoldsflow, scipy-spsolve" in printed
+
+
+@pytest.mark.parametrize(("correlation", "time"), [(0.9, 0.1), (0.99, 0.5), (0.6, 0.4)])
+def test_the_gain_of_a_cheaper_model_is_that_of_the_best_number_of_surfaces(
+    monkeypatch, correlation, time
+):
+    monkeypatch.syspath_prepend(BENCHMARKS)
+    gain_of = importlib.import_module("multifidelity").gain_of
+    more = np.geomspace(1.0, 1e4, 100_000)  # surfaces of the cheaper model for each of the other
+    variance = 1.0 - (1.0 - 1.0 / more) * correlation**2
+    best = 1.0 / (variance * (1.0 + time * more)).min()
+    assert gain_of(correlation, time) == pytest.approx(max(best, 1.0), rel=1e-6)

@@ -49,9 +49,12 @@ RUNS = {
     "surrogate_no_roll_off": Run(shipped={"surrogate": "surrogate_no_roll_off"}),
     "surrogate_domain": Run(shipped={"surrogate_domain": "surrogate_domain"}),
     "accuracy": Run(
-        tables=("accuracy_cost", "accuracy_sources", "accuracy_orders", "accuracy_split"),
-        figures=("accuracy_regularised", "accuracy_sources", "accuracy_total"),
-        shipped={name: name for name in ("accuracy_settings", "accuracy_methods")},
+        tables=("accuracy_cost", "accuracy_sources", "accuracy_orders"),
+        figures=("accuracy_regularised", "accuracy_sources"),
+        shipped={"accuracy_settings": "accuracy_settings"},
+    ),
+    "accuracy_biases": Run(
+        ("accuracy_split",), ("accuracy_total",), {"accuracy_methods": "accuracy_methods"}
     ),
     "effects": Run(("effects_contributions",), ("effects",)),
     "effects_auto": Run(
@@ -94,7 +97,8 @@ RUNS = {
     "versions": Run(("versions",)),
     "versions_same_bits": Run(("versions",)),
     "peers": Run(("peers",)),
-    "growth": Run(("growth",), ("growth",)),
+    "growth": Run(("growth", "growth_beyond"), ("growth",)),
+    "multifidelity": Run(("multifidelity", "multifidelity_best")),
     "breakage_methods": Run(("breakage_methods",)),
     "idle_interaction": Run(("idle_interaction",)),
 }  # fmt: skip

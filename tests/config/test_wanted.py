@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.config.configuration import configured, merged
+from jointclosure.config.configuration import configured
 from jointclosure.config.files import METHODS, ConfigurationError, read_plain
 from jointclosure.config.wanted import (
     BLOCK,
@@ -13,12 +13,15 @@ from jointclosure.config.wanted import (
     Wanted,
     biases,
     grant,
+    measured_rocks,
+    methods_of,
+    preset_errors,
     wanted_of,
 )
 from jointclosure.inputs import InputError
 from jointclosure.statistics.total_error import method_of
 from jointclosure.storage.text import read_csv
-from tests.studied import ROOT, keys_of
+from tests.studied import ROOT, checked_study, keys_of
 
 PRESETS = ("quick", "accurate")
 
@@ -85,16 +88,34 @@ def test_what_a_bias_is_known_to_is_part_of_every_total_error():
         grant(wanted(0.04), rough, PRESETS, 2)
 
 
-def test_where_biases_are_known_is_as_the_study_of_accuracy_has_it():
-    section = read_plain(ROOT / "config/accuracy.yaml")
-    total, scenes = section["accuracy"]["total"], section["accuracy"]["scenes"]
-    for of, scene in (("mean", total["scene"]), ("interval", total["interval_scene"])):
-        own = merged({"grid": section["grid"], "rocks": section["rocks"]}, scenes[scene])
-        stresses = {rock["max_normal_stress_MPa"] for rock in own["rocks"].values()}
-        cells = own["grid"]["cells_x"]
-        names = " and ".join(section["study"]["rocks"])
-        assert KNOWN_AT[of] == f"{names}, {cells} x {cells} cells at {stresses.pop():g} MPa"
-        assert not stresses
+def test_where_errors_are_known_is_as_the_study_of_them_has_it():
+    typed = checked_study(read_plain(ROOT / "config/accuracy_biases.yaml")).typed
+    assert {*typed.rocks} == {*read_csv(METHODS).rock}
+    for rock in typed.rocks.values():
+        assert f"{1e-6 * rock.max_normal_stress:g} MPa" in KNOWN_AT
+    assert f"{typed.grid.cells_x} x {typed.grid.cells_y} cells" in KNOWN_AT
+
+
+def test_a_measured_rock_has_its_errors_and_any_other_rock_the_worst():
+    two = pd.concat(
+        [TABLE, TABLE.assign(rock="chalk", bias_percent=2.0, bias_low=2.0, bias_high=2.0)]
+    )
+    assert preset_errors(two, "accurate", "mean", "slate").of_cycle[1] == (0.01, 0.0)
+    chalk, other = (preset_errors(two, "accurate", "mean", rock) for rock in ("chalk", None))
+    assert chalk.of_cycle == other.of_cycle
+    assert chalk.measured_at == f"chalk, {KNOWN_AT}"
+    assert other.measured_at == f"the worst of slate, chalk, {KNOWN_AT}"
+    of_slate = grant(wanted(0.05), methods_of(two, ["slate"]), PRESETS, 2)
+    of_both = grant(wanted(0.05), methods_of(two, ["slate", "chalk"]), PRESETS, 2)
+    assert of_slate.surfaces < of_both.surfaces
+    assert of_both.rocks == ("slate", "chalk")
+
+
+def test_a_rock_with_other_properties_than_the_measured_one_counts_as_another():
+    default = keys_of()
+    changed = keys_of({"rocks": {"slate": {"jrc": 9.0}}})
+    assert measured_rocks(default, default) == {name: name for name in default["study"]["rocks"]}
+    assert measured_rocks(changed, default) == measured_rocks(default, default) | {"slate": None}
 
 
 @pytest.mark.parametrize(

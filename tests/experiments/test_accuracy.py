@@ -24,7 +24,6 @@ from jointclosure.experiments.accuracy.design import (
 from tests.studied import ROOT, checked_study
 
 TINY = read_plain(ROOT / "tests/workflow/tiny_accuracy.yaml")
-DESIGN = read_plain(ROOT / "config/accuracy.yaml")
 LEVELS = [60e9, 66e9, 72e9]
 
 
@@ -70,13 +69,14 @@ def test_a_rocks_own_effects_are_those_that_the_accuracy_study_closes():
     assert np.all(alone.closure_net == alone.closure)
 
 
-def test_every_setting_of_the_accuracy_study_can_be_run():
-    settings, runs = design_of(checked_study(DESIGN).keys)
+@pytest.mark.parametrize(("name", "least"), [("accuracy", 100), ("accuracy_biases", 19)])
+def test_every_setting_of_the_accuracy_studies_can_be_run(name, least):
+    settings, runs = design_of(checked_study(read_plain(ROOT / f"config/{name}.yaml")).keys)
     for setting in settings:
         assert setting.run == label_of(setting.scene, setting.rock, "", "") + setting.run[
             len(f"{setting.scene}-{setting.rock}") :
         ]  # fmt: skip
-    assert len(runs) > 100
+    assert len(runs) > least
 
 
 def test_a_run_closes_the_same_surfaces_at_all_levels():
@@ -172,6 +172,17 @@ def test_errors_times_and_order_are_those_put_in():
     # other joints: held against the base setting, and with the scatter of both
     assert rule.mean_error_percent == pytest.approx(100 * (1.4 / 1.01 - 1.0))
     assert rule.mean_high - rule.mean_low > 5.0
+
+
+def test_the_error_over_all_levels_is_that_of_the_mean_of_all():
+    settings, runs = turned()
+    base, finest = (runs[fake_setting(*place).run] for place in (("base", ""), ("resolved", 0.005)))
+    base.closure[0] *= 1.2
+    row = costs_of(settings, runs).iloc[0]
+    assert row.mean_error_percent == pytest.approx(1.0)
+    expected = 100.0 * (float(base.closure.mean() / finest.closure.mean()) - 1.0)
+    assert row.levels_error_percent == pytest.approx(expected)
+    assert row.levels_low <= row.levels_error_percent <= row.levels_high
 
 
 def test_noise_makes_an_order_unclear_and_is_said():

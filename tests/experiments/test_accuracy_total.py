@@ -14,7 +14,7 @@ from jointclosure.experiments.accuracy.total import (
 from jointclosure.inputs import InputError
 
 POINTS = {"coarse": {"knob": "base", "value": ""}, "fine": {"knob": "resolved", "value": 0.02}}
-TOTAL = {"scene": "own", "methods": POINTS, "interval_scene": "own"}
+TOTAL = {"scene": "own", "methods": POINTS}
 DIAGRAM = Diagram(TOTAL, "youngs_modulus", 3, 4000)
 CHEAP = Cheap(walls=5.0, covariates=3.0, estimate=2.0)
 PAIR = 1e-3  # seconds
@@ -27,7 +27,7 @@ def costs():
             for knob, value, error, pairs in (("base", "", off, 500), ("resolved", 0.02, 0.5, 900)):
                 row = {"scene": "own", "rock": rock, "knob": knob, "value": str(value)}
                 row |= {"cycle": cycle, "pairs": pairs, "seconds": pairs * PAIR}
-                for of in ("mean", "interval"):
+                for of in ("levels", "interval"):
                     row |= {f"{of}_error_percent": error}
                     row |= {f"{of}_low": error - 1.0, f"{of}_high": error + 1.0}
                 rows.append(row)
@@ -72,7 +72,8 @@ def at(table, surfaces, **keys):
 
 def test_the_rock_where_the_error_is_largest_tells_it(points):
     plain = {"response": "mean", "cycle": 1, "method": "coarse", "control_variates": False}
-    few, many = at(points, 2, **plain).iloc[0], points[points.method == "coarse"].iloc[-1]
+    of_means = points[(points.response == "mean") & (points.method == "coarse")]
+    few, many = at(points, 2, **plain).iloc[0], of_means.iloc[-1]
     # of two surfaces slate scatters most: 2 % of 20 surfaces
     # and its bias is known to 1 %
     both = np.hypot(1.0, 1.96 * 2.0 * np.sqrt(10.0))
@@ -115,17 +116,11 @@ def test_what_a_bias_is_known_to_is_in_the_total_error_at_any_number_of_surfaces
     assert fine.total_percent.min() > 1.5
 
 
-def test_errors_of_intervals_are_those_of_the_variant_that_is_named_for_them():
-    other = costs()[lambda table: table.knob == "base"].assign(scene="other")
-    other[["interval_error_percent", "interval_low"]] = 33.0, 30.0
-    other["interval_high"] = 40.0
-    total = TOTAL | {"interval_scene": "other", "interval_methods": {"coarse": POINTS["coarse"]}}
-    tables = pd.concat([costs(), other]), variance(), surrogate(), CHEAP
-    found = method_table(DIAGRAM._replace(total=total), *tables)
-    assert (
-        found.bias_percent[(found.response == "interval") & (found.method == "coarse")] == 33
-    ).all()
-    assert not (found.bias_percent[found.method == "fine"] == 33).any()
+def test_the_bias_of_an_interval_is_that_of_all_rocks_and_holds_their_difference(methods):
+    own = methods[(methods.response == "interval") & (methods.method == "coarse")]
+    # 5 and -8 %, both known to 1 %
+    assert own.bias_percent.to_numpy() == pytest.approx(-1.5)
+    assert (own.bias_high - own.bias_low).iloc[0] > 13.0
 
 
 def test_where_the_error_of_an_interval_is_not_known_its_method_is_left_out():

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from jointclosure.storage.seals import write_seal
+
 SNAKEFILE = """
 import os
 from jointclosure.jobs.rules import complete
@@ -18,7 +20,9 @@ rule double:
     script: "write.py"
 
 rule add:
-    input: expand("results/small/numbers/{size}.csv", size=[1, 2]),
+    input:
+        expand("results/small/numbers/{size}.csv", size=[1, 2]),
+        "results/other/table.csv",
     output: total="results/small/total.csv",
     script: "write.py"
 
@@ -49,11 +53,15 @@ def small(tmp_path_factory):
     (folder / "Snakefile").write_text(SNAKEFILE)
     (folder / "write.py").write_text(SCRIPT)
     (folder / "environment.yaml").write_text("dependencies: [python]\n")
+    table, seal = (folder / "results/other" / name for name in ("table.csv", "seals/sum.json"))
+    seal.parent.mkdir(parents=True)
+    table.write_text("1\n")
+    write_seal(seal, [str(table)], {}, [], [])
     run(folder)
     return folder
 
 
-def run(folder: Path, start: int = 0) -> str:
+def run(folder: Path, start: int = 0, fails: bool = False) -> str:
     answer = subprocess.run(
         [sys.executable, "-m", "snakemake", "--cores", "1"],
         cwd=folder,
@@ -62,7 +70,7 @@ def run(folder: Path, start: int = 0) -> str:
         check=False,
         env=os.environ | {"START": str(start)},
     )
-    assert answer.returncode == 0, answer.stdout + answer.stderr
+    assert (answer.returncode != 0) == fails, answer.stdout + answer.stderr
     return answer.stdout + answer.stderr
 
 
@@ -77,7 +85,16 @@ def test_rules_have_logs_benchmarks_and_seals_by_their_names_and_wildcards(small
         assert (results / f"benchmarks/{place}.tsv").is_file()
         assert (results / f"seals/{place}.json").is_file()
     seal = json.loads((results / "seals/add.json").read_text())
-    assert sorted(seal["made_from"]) == ["numbers/1.csv", "numbers/2.csv"]
+    assert {*seal["made_from"]} >= {"numbers/1.csv", "numbers/2.csv"}
+
+
+def test_a_table_of_another_study_is_read_with_its_seal_and_refused_if_it_was_changed(small):
+    seal = json.loads((small / "results/small/seals/add.json").read_text())
+    assert "../other/table.csv" in seal["made_from"]
+    (small / "results/other/table.csv").write_text("2\n")
+    assert "the file is not as jointclosure wrote it" in run(small, fails=True)
+    (small / "results/other/table.csv").write_text("1\n")
+    run(small)
 
 
 def test_a_changed_file_is_made_again_with_all_that_follows(small):

@@ -6,7 +6,7 @@ import pytest
 import scipy.stats
 
 from jointclosure.claims.findings import TARGET
-from jointclosure.config.wanted import BLOCK, Wanted
+from jointclosure.config.wanted import BLOCK, PresetErrors, Wanted
 from jointclosure.sensitivity.closures import max_closure_table
 from jointclosure.sensitivity.planning import Goal, surfaces_for
 from jointclosure.sensitivity.reached import reached_table, surfaces_next
@@ -18,6 +18,7 @@ from tests.sensitivity.world import world
 
 BIASES = {1: Bias(0.02), 2: Bias(-0.01, 0.005)}
 AT = "somewhere"
+ROCKS = ("dolerite", "siltstone", "limestone", "slate")
 
 
 @pytest.fixture(scope="module")
@@ -25,12 +26,17 @@ def study():
     return world()
 
 
+def known(biases):
+    """The same errors for every rock."""
+    return dict.fromkeys(ROCKS, PresetErrors(biases, AT))
+
+
 def wanted(of="mean", within=0.05, most=1000):
     return Wanted(of, within, most, None)
 
 
 def test_total_errors_of_means_are_the_presets_bias_and_the_studys_own_interval(study):
-    table = reached_table(study, None, wanted(), BIASES, 0.05, AT)
+    table = reached_table(study, None, wanted(), known(BIASES), 0.05)
     own = max_closure_table(study)
     error = own.max_closure_mean_mm_standard_error / own.max_closure_mean_mm
     students = scipy.stats.t.ppf(0.975, own.samples.to_numpy() - 1)
@@ -50,7 +56,7 @@ def test_total_errors_of_means_are_the_presets_bias_and_the_studys_own_interval(
 
 
 def test_surfaces_that_intervals_need_are_those_of_the_plan(study):
-    table = reached_table(study, None, wanted("interval", 0.2), {2: Bias(0.0)}, 0.05, AT)
+    table = reached_table(study, None, wanted("interval", 0.2), known({2: Bias(0.0)}), 0.05)
     assert set(table.cycle) == {2}  # of the first nothing is known
     for row, response in zip(
         table.itertuples(), [r for r in responses(study, TARGET) if r.cycle == 2], strict=True
@@ -60,7 +66,7 @@ def test_surfaces_that_intervals_need_are_those_of_the_plan(study):
 
 
 def test_a_bias_that_is_larger_than_what_is_wanted_is_never_met(study):
-    table = reached_table(study, None, wanted("interval", 0.2), {2: Bias(0.3)}, 0.05, AT)
+    table = reached_table(study, None, wanted("interval", 0.2), known({2: Bias(0.3)}), 0.05)
     assert not table.met.any()
     assert np.isinf(table.surfaces_needed).all()
 

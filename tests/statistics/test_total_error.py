@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointclosure.statistics.total_error import REACH, Bias, Method, front, shares
+from jointclosure.statistics.total_error import REACH, Bias, Method, common_bias, front, shares
 
 METHOD = Method(
     bias=Bias(-0.02), scatter=0.1, left=0.02, explained=0.98, cost=0.5, measured_cost=3e-3, least=15
@@ -49,3 +49,15 @@ def test_the_front_is_what_no_other_beats_in_both():
     seconds = np.array([1.0, 2.0, 2.0, 3.0, 4.0, 0.5])
     errors = np.array([5.0, 4.0, 3.0, 3.0, 1.0, 9.0])
     assert front(seconds, errors).tolist() == [5, 0, 2, 4]
+
+
+def test_a_bias_in_common_is_the_weighted_mean_unless_the_measured_ones_differ():
+    alike = common_bias([Bias(0.02, 0.01), Bias(0.03, 0.02)])
+    assert alike.value == pytest.approx((4 * 0.02 + 0.03) / 5)
+    assert alike.error == pytest.approx(0.01 * np.sqrt(4 / 5))
+    apart = common_bias([Bias(-0.1, 0.001), Bias(0.1, 0.001)])
+    assert apart.value == pytest.approx(0.0)
+    assert apart.error > 0.1  # it is also the error of a single one
+    assert common_bias([Bias(0.02, 0.01)]) == pytest.approx((0.02, 0.01))
+    exact = common_bias([Bias(0.0), Bias(0.0)])
+    assert exact == pytest.approx((0.0, 0.0), abs=1e-12)

@@ -1,4 +1,4 @@
-# The total error of all methods: `snakemake total_error --configfile config/accuracy.yaml`, of the
+# The total error of all methods: `snakemake total_error --configfile config/accuracy_biases.yaml`, of the
 # experiment accuracy and of a study whose size and stress its variant has. Nothing here makes that study.
 ACCURACY = config.get("accuracy")
 TOTAL = ACCURACY.get("total") if ACCURACY else None

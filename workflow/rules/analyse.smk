@@ -111,6 +111,7 @@ rule reach_accuracy:
     params:
         wanted=to_plain(WANTED),
         preset=CONFIGURED.granted,
+        rocks=measured_rocks(CONFIGURED.keys, read_plain(DEFAULT)),
         significance=CONFIGURATION.statistics.significance,
     script:
         "../scripts/reach_accuracy.py"

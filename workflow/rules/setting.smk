@@ -4,7 +4,7 @@ from pathlib import Path
 from jointclosure.config import configuration
 from jointclosure.config.files import DEFAULT, PAPER_TABLE_3, read_plain
 from jointclosure.config.plain import to_plain
-from jointclosure.config.wanted import wanted_of
+from jointclosure.config.wanted import measured_rocks, wanted_of
 from jointclosure.config.walls import check_files, wall_files
 from jointclosure.ensemble import cases
 from jointclosure.ensemble import slices

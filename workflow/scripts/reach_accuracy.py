@@ -2,7 +2,7 @@
 
 from jointclosure.config.files import METHODS
 from jointclosure.config.plain import from_plain
-from jointclosure.config.wanted import KNOWN_AT, Wanted, biases
+from jointclosure.config.wanted import Wanted, preset_errors
 from jointclosure.ensemble.aggregation import CURVES
 from jointclosure.ensemble.covariates import from_dataset
 from jointclosure.jobs.job import job
@@ -15,13 +15,17 @@ from jointclosure.storage.text import read_csv, write_csv
 def main(study: str, covariates: str | None, settings: dict, output: str, log: Logbook) -> None:
     """Write a row for each mean or interval."""
     wanted = from_plain(Wanted, settings["wanted"])
+    methods = read_csv(METHODS)
+    errors = {
+        rock: preset_errors(methods, settings["preset"], wanted.of, measured)
+        for rock, measured in settings["rocks"].items()
+    }
     table = reached_table(
         read_netcdf(study, without=CURVES),
         from_dataset(read_netcdf(covariates)) if covariates else None,
         wanted,
-        biases(read_csv(METHODS), settings["preset"], wanted.of),
+        errors,
         settings["significance"],
-        KNOWN_AT[wanted.of],
     )
     write_csv(table, output)
     log(describe_reached(table, wanted))

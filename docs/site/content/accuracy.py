@@ -12,6 +12,12 @@ BIASES = {
     (response, cycle): f"bias of the {response}, cycle {cycle} (%)"
     for response, cycle in (("mean", 1), ("mean", 2), ("interval", 2))
 }
+FIRST = {"mean": (0.3, 10.0), "interval": (10.0, 100.0)}
+"""Core-minutes that the page shows first, by response."""
+RESULTS = {
+    "mean": "mean maximum closure of a case",
+    "interval": "indifference interval of Young's modulus",
+}
 LIMITS = {
     "height_over_slope_m": "RMS of the summed heights / RMS slope (m)",
     "slope_ratio": "RMS slope at 0.5 mm / at 0.25 mm",
@@ -59,12 +65,41 @@ presets = Table(
     },
     prepare=lambda table: table[table.preset.notna() & table.scene.isin(SCENES.values())],
 )
+
+
+def _name(group: Group) -> str:
+    return "bearing-area law" if group["method"] == "surrogate" else group["method"]
+
+
+def _method(group: Group) -> str:
+    return _name(group) + ", control variates" * group["control_variates"]
+
+
+def _shown_first(table: pd.DataFrame) -> pd.DataFrame:
+    """Choose two budgets of each response: the least that is of use, and much time."""
+    return pd.concat(
+        rows_of(table, response=response, budget=budget)
+        for response, budgets in FIRST.items()
+        for budget in budgets
+    ).sort_values(["response", "cycle", "budget"], ascending=[False, True, True])
+
+
+first = Table(
+    "accuracy_biases/accuracy_split",
+    {
+        "result": lambda group: f"{RESULTS[group['response']]}, cycle {group['cycle']}",
+        "core-minutes": "{budget:g}",
+        "total error (%)": "{total_percent:.2g}",
+        "method": lambda group: f"{_method(group)}, {group['surfaces']} surfaces",
+    },
+    prepare=_shown_first,
+)
 total = Table(
-    "accuracy/accuracy_split",
+    "accuracy_biases/accuracy_split",
     {
         "of": "{response}, cycle {cycle}",
         "core-minutes": "{budget:g}",
-        "by": lambda group: group["method"] + ", control variates" * group["control_variates"],
+        "by": _method,
         "surfaces closed": "{surfaces}",
         "measured": lambda group: group["measured"] or "",
         "bias (%)": "{bias_percent:.1f}",
@@ -75,14 +110,31 @@ total = Table(
     prepare=lambda table: table[table.total_percent <= MOST_SHOWN],
 )
 biases = Table(
-    "accuracy/accuracy_methods",
+    "accuracy_biases/accuracy_methods",
     {"s a surface": "{cost min:.2g}"},
-    rows=_plain("method", "rock"),
+    rows={"method": _name, "rock": "{rock}"},
     across="{title}",
     cell=_interval("bias", 1, "{}_percent"),
     prepare=lambda table: titled(
         rows_of(table, control_variates=False), BIASES, "response", "cycle"
     ),
+)
+multifidelity = Table(
+    "multifidelity/multifidelity",
+    {"time": "{time min:.2g} to {time max:.2g}"},
+    rows={"model": "{model}"},
+    across="{rock}, cycle {cycle}",
+    cell="{correlation±correlation +-}: {gain:.1f} ({gain low:.1f} to {gain high:.1f})",
+    prepare=lambda table: table.sort_values(["cycle", "rock"], kind="stable"),
+)
+multifidelity_best = Table(
+    "multifidelity/multifidelity_best",
+    {
+        "multifidelity Monte Carlo": "{gain:.1f} ({low:.1f} to {high:.1f})",
+        "largest of the five": "{gain max:.1f}",
+        "models": "{models}",
+    },
+    rows=_plain("rock", "cycle"),
 )
 sources = Table(
     "accuracy/accuracy_sources",

@@ -94,15 +94,15 @@ _E_OF_DOLERITE = {"rock": "dolerite", "parameter": "youngs_modulus"}
 
 
 def _steps(cycle: int) -> Number:
-    """Return the error of the paper's steps, with 95 % intervals, for each rock."""
+    """Return the least and the largest error of the paper's steps of all rocks."""
 
     def text(group: Group) -> str:
         form = "{bias_percent:+.1f} % ({bias_low:+.1f} to {bias_high:+.1f})"
         rows = group.rows.sort_values("bias_percent").to_dict("records")
-        return " and ".join(form.format_map(row) for row in rows)
+        return " to ".join(form.format_map(row) for row in (rows[0], rows[-1]))
 
     rows = {"response": "mean", "method": "paper", "control_variates": False, "cycle": cycle}
-    return Number("accuracy/accuracy_methods", "bias_percent", text, rows)
+    return Number("accuracy_biases/accuracy_methods", "bias_percent", text, rows)
 
 
 def _count(*conclusions: str) -> Number:

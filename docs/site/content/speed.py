@@ -70,13 +70,28 @@ reference = Table(
 growth = Table(
     "growth/growth",
     {
-        "from": "{value:g}: {ms!k} ms",
-        "to": "{last value:g}: {last ms!k} ms",
-        "exponent": "{exponent:.2f} ± {standard error:.2f}",
+        "from": "{value:g}: {ms!k} ms, {MB:.0f} MB",
+        "to": "{last value:g}: {last ms!k} ms, {last MB:.0f} MB",
+        "exponent at the first": "{exponent:.2f} ± {standard error:.2f}",
+        "at the last": "{last exponent:.2f} ± {last standard error:.2f}",
     },
     rows={"what grows": lambda group: AXES[group["axis"]], "scene": "{scene}"},
     prepare=lambda table: table.join(
-        table.groupby(["axis", "scene"])[["value", "ms"]].transform("last").add_prefix("last ")
+        table.groupby(["axis", "scene"])[["value", "ms", "MB", "exponent", "standard error"]]
+        .transform("last")
+        .add_prefix("last ")
+    ),
+)
+growth_beyond = Table(
+    "growth/growth_beyond",
+    {
+        "scene": "{scene}",
+        "cells": "{cells} x {cells}",
+        "time (s)": "{fitted s!k} ({low s!k} to {high s!k})",
+        "exponent there": "{exponent:.2f} ± {standard error:.2f}",
+    },
+    prepare=lambda table: table.assign(
+        **{f"{name} s": 1e-3 * table[f"{name} ms"] for name in ("fitted", "low", "high")}
     ),
 )
 peers = Table(

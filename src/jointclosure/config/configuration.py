@@ -34,6 +34,8 @@ from jointclosure.config.wanted import (
     check_left_out,
     describe_grant,
     grant,
+    measured_rocks,
+    methods_of,
     wanted_of,
     with_granted,
 )
@@ -162,7 +164,8 @@ def _chosen(keys: dict, default: dict, read) -> tuple[dict, str, str | None]:
         )
     check_left_out(keys, default)
     settings, cycles = read(MEASURED), keys["study"]["cycles"]
-    granted = grant(wanted, read(METHODS), settings.preset.dropna().unique(), cycles)
+    methods = methods_of(read(METHODS), measured_rocks(keys, default).values())
+    granted = grant(wanted, methods, settings.preset.dropna().unique(), cycles)
     named = {"preset": granted.preset, "accuracy": None}
     numerics = chosen_numerics(
         keys | {"numerics": keys["numerics"] | named},

@@ -1,10 +1,11 @@
 """Required accuracy of a result: selection of preset, surfaces and control variates.
 
 Errors of presets, scatter of closures and the share explained by control variates were measured at
-the paper's size and stress; the package has a copy of the table (accuracy_methods.csv, written by
-`snakemake total_error`). A study that requires an accuracy starts with the number of surfaces that
-this table predicts. `make study` adds surfaces in blocks until the error estimated from the study
-itself is within it.
+the paper's size and stress for each of its rocks; the package has a copy of the table
+(accuracy_methods.csv, written by `snakemake total_error`). A rock of the table has its errors, any
+other rock the worst of all. A study that requires an accuracy starts with the number of surfaces
+that this table predicts. `make study` adds surfaces in blocks until the error estimated from the
+study itself is within it.
 """
 
 from collections.abc import Iterable
@@ -14,6 +15,7 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.inputs import InputError
+from jointclosure.parameters import PROPERTIES, key_of
 from jointclosure.statistics.total_error import Bias, method_of
 
 MOST = 200
@@ -22,11 +24,8 @@ BLOCK = 10
 """Number of surfaces that are added at a time; totals are multiples of it."""
 MEASURED_SURFACES = 4000
 """Number of surfaces for the means of control variates, if they are used."""
-KNOWN_AT = {
-    "mean": "dolerite and siltstone, 100 x 100 cells at 30 MPa",
-    "interval": "dolerite and siltstone, 48 x 48 cells at 10 MPa",
-}
-"""Conditions at which biases of presets were measured, by kind of result (config/accuracy.yaml)."""
+KNOWN_AT = "100 x 100 cells, 30 MPa"
+"""Conditions at which errors of presets were measured (config/accuracy_biases.yaml)."""
 _OF_ONE_MODEL = ("effects", "choices", "surface")
 """Sections that must have their default values, because errors were measured only with these."""
 _CHOSEN = {
@@ -52,7 +51,8 @@ class Wanted(NamedTuple):
 class Granted(NamedTuple):
     """Selected method, its total error [1], and the core-seconds of a case.
 
-    ``surfaces`` are infinite if no number of them is enough.
+    ``surfaces`` are infinite if no number of them is enough. ``rocks`` are those whose errors
+    were used.
     """
 
     preset: str
@@ -60,6 +60,14 @@ class Granted(NamedTuple):
     surfaces: float
     total: float
     seconds: float
+    rocks: tuple[str, ...]
+
+
+class PresetErrors(NamedTuple):
+    """Bias of a preset in each known cycle, and where it was measured, in words."""
+
+    of_cycle: dict[int, Bias]
+    measured_at: str
 
 
 def wanted_of(keys: dict) -> Wanted | None:
@@ -72,8 +80,35 @@ def wanted_of(keys: dict) -> Wanted | None:
     )
 
 
+def measured_rocks(keys: dict, default: dict) -> dict[str, str | None]:
+    """Return, for each rock of a study, the rock whose errors it has; None if not measured.
+
+    Errors were measured with the default properties of the default rocks.
+    """
+    properties = [key_of(name) for name in PROPERTIES]
+
+    def same(name: str) -> bool:
+        given, known = keys["rocks"][name], default["rocks"].get(name, {})
+        return all(given.get(key) == known.get(key) for key in properties)
+
+    return {name: name if same(name) else None for name in keys["study"]["rocks"]}
+
+
+def methods_of(methods: pd.DataFrame, rocks: Iterable[str | None]) -> pd.DataFrame:
+    """Return rows of measured rocks; those of all rocks if one is None or was not measured."""
+    return methods[methods.rock.isin(rocks)] if {*rocks} <= {*methods.rock} else methods
+
+
+def preset_errors(methods: pd.DataFrame, preset: str, of: str, rock: str | None) -> PresetErrors:
+    """Return the errors of a preset for a measured rock; the worst of all rocks for another."""
+    rows = methods_of(methods, [rock])
+    measured = tuple(dict.fromkeys(rows.rock))
+    worst = "the worst of " if len(measured) > 1 else ""
+    return PresetErrors(biases(rows, preset, of), f"{worst}{', '.join(measured)}, {KNOWN_AT}")
+
+
 def biases(methods: pd.DataFrame, preset: str, of: str) -> dict[int, Bias]:
-    """Return the largest error of a preset over all rocks, for each known cycle."""
+    """Return the largest error of a preset over the rocks of a table, for each known cycle."""
     rows = methods[(methods.response == of) & (methods.method == preset)]
     return {
         int(cycle): max((method_of(row).bias for row in part.itertuples()), key=_floor)
@@ -93,7 +128,7 @@ def grant(wanted: Wanted, methods: pd.DataFrame, presets: Iterable[str], cycles:
     ----------
     wanted : Wanted
     methods : DataFrame
-        As from `jointclosure.experiments.accuracy.total.method_table`.
+        Rows of the rocks of the study, as from `methods_of`.
     presets : iterable of str
     cycles : int
         Cycles of the study; those with known errors are considered.
@@ -143,7 +178,7 @@ def _way(wanted: Wanted, rows: pd.DataFrame, preset: str, adjusted: bool) -> Gra
         surfaces = BLOCK * int(np.ceil(surfaces / BLOCK))
     total = max(way.total(surfaces, measured or np.inf) for way in ways)
     seconds = max(way.seconds(surfaces, measured) for way in ways)
-    return Granted(preset, adjusted, surfaces, total, seconds)
+    return Granted(preset, adjusted, surfaces, total, seconds, tuple(dict.fromkeys(rows.rock)))
 
 
 def check_left_out(keys: dict, default: dict) -> None:
@@ -213,6 +248,6 @@ def describe_grant(wanted: Wanted, granted: Granted) -> str:
         f"accuracy: {wanted.of} within {100.0 * wanted.within:g} %: preset {granted.preset}, "
         f"{start} surfaces a case{by}; predicted from {granted.surfaces:.0f} surfaces: "
         f"{100.0 * granted.total:.2g} % in {granted.seconds / 60.0:.2g} core-minutes a case. The "
-        f"error of the preset was measured at {KNOWN_AT[wanted.of]}; elsewhere it differs "
-        "(docs/accuracy.md)"
+        f"error of the preset is the worst of {', '.join(granted.rocks)} at {KNOWN_AT}; elsewhere "
+        "it differs (docs/accuracy.md)"
     )

@@ -21,7 +21,12 @@ from types import SimpleNamespace
 from typing import Any
 
 from jointclosure.compilation.sources import code_digest
-from jointclosure.storage.seals import OTHER_SETTINGS, settings_digest, unmet_seals
+from jointclosure.storage.seals import (
+    OTHER_SETTINGS,
+    seal_beside,
+    settings_digest,
+    unmet_seals,
+)
 
 FOLDER = re.compile(r"results/[^/{]+")
 """Folder of a study's results, at the start of each output."""
@@ -144,11 +149,11 @@ def _complete(rule: Any, environment: str, sealed: bool) -> None:
 
 
 def _seals(inputs: list[Any], made: SealedJobs) -> Callable[[Any], list[str]]:
-    """Input function: the seals of the jobs that make other inputs."""
+    """Input function: the seals of other inputs, those of other studies included."""
 
     def seals(wildcards: Any) -> list[str]:
         paths = _expanded(inputs, wildcards)
-        return sorted({seal for path in paths if (seal := made.seal_of(path))})
+        return sorted({seal for path in paths if (seal := made.seal_of(path) or seal_beside(path))})
 
     return seals
 

@@ -40,7 +40,9 @@ SCENE_TITLES = {
 }
 _FRONT = "none is faster and more exact; hollow marks count as equal"
 _FLOOR = 0.01
-_HARDLY_SEEN = 1.0
+_NEAR_TIME, _NEAR_ERROR = 1.15, 1.6
+"""Ratios of times and of errors to the star's below which marks are not labelled."""
+_HARDLY_SEEN = 0.1
 """Percentage below which a bar is labelled with its value."""
 
 
@@ -63,7 +65,7 @@ def work_precision(costs: pd.DataFrame, title: str, paper: str) -> Figure:
     of a percent are drawn there. The finest setting, which is the reference, is not drawn. The
     grey line is the Pareto front. Errors that are not significantly different from zero have no
     order, so that it ends at the fastest hollow mark. Marks are labelled with the value of the
-    setting if there is room.
+    setting if there is room, and if they are not beside the star.
     """
     shown = costs[~costs.other_joints]
     rocks, cycles = shown.rock.unique(), sorted(shown.cycle.unique())
@@ -121,6 +123,7 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> list[Lab
         labels += [
             Label(f"{float(entry.value):g}", entry.relative_time, entry.size, colour)
             for entry in (line.itertuples() if numbers else ())
+            if not _near(entry, base)
         ]
     axes.plot(
         [base.relative_time], [base["size"]], "k*", ms=13, mfc="k" if base.known else "w", zorder=4,
@@ -138,6 +141,12 @@ def _draw(axes: Axes, part: pd.DataFrame, colours: dict, paper: str) -> list[Lab
     for axis in (axes.xaxis, axes.yaxis):
         decimal_ticks(axis)
     return labels
+
+
+def _near(entry, base: pd.Series) -> bool:
+    """Return whether a mark is so near to the star that its label would not be read as its own."""
+    times, sizes = entry.relative_time / base.relative_time, entry.size / base["size"]
+    return abs(np.log(times)) < np.log(_NEAR_TIME) and abs(np.log(sizes)) < np.log(_NEAR_ERROR)
 
 
 @styled

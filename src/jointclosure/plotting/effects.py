@@ -3,6 +3,8 @@
 import numpy as np
 import pandas as pd
 import seaborn as sns
+from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, StrMethodFormatter
@@ -15,6 +17,7 @@ from jointclosure.plotting.style import (
     panel_grid,
     point_key,
     styled,
+    ticks_at,
 )
 
 _FLOOR = 0.1
@@ -116,41 +119,63 @@ def region_figure(table: pd.DataFrame) -> Figure:
     Notes
     -----
     There is a panel for each effect, and a point for each random condition, with its roughness as
-    colour. Shaded bands are the errors below the tolerances of the table. Errors outside of the
-    axes are drawn at their ends. Conditions at which simulations without the effect fail are
-    marked above.
+    colour and its ratio of modulus to strength as marker. Shaded bands, named in each panel, are
+    the errors below the tolerances of the table. Errors below the axis are drawn at its lower end.
+    Conditions at which simulations without the effect fail are marked at its upper end.
     """
-    columns = {effect: f"without_{effect}_percent" for effect in _REGIONS}
     points = table.drop_duplicates("scene")
-    ratio = points.max_normal_stress / points.compressive_strength
-    figure, panels = panel_grid(1, len(columns), (2.9, 2.9), (1.4, 0.5), sharey=True)
-    for axes, (effect, column) in zip(panels.ravel(), columns.items(), strict=True):
-        for tolerance in sorted(table.tolerance.unique()):
-            axes.axhspan(0.0, 100.0 * tolerance, color="0.5", alpha=0.15, lw=0)
-        failed = ~np.isfinite(points[column])
-        error = points[column].clip(*_ERRORS)
-        marks = axes.scatter(
-            ratio[~failed], error[~failed], c=points.jrc[~failed], cmap="viridis",
-            vmin=0.0, vmax=20.0, s=22, edgecolors="w", linewidths=0.4, zorder=2,
-        )  # fmt: skip
-        axes.plot(ratio[failed], np.full(failed.sum(), _ERRORS[1]), "x", color="0.4", ms=4)
-        axes.set(xscale="log", yscale="log", ylim=(0.8 * _ERRORS[0], 1.3 * _ERRORS[1]))
+    tolerances = 100.0 * np.sort(table.tolerance.unique())
+    figure, panels = panel_grid(2, 2, (3.3, 2.6), (1.1, 0.7), sharex=True, sharey=True)
+    for axes, effect in zip(panels.ravel(), _REGIONS, strict=True):
+        marks = _draw_region(axes, points, points[f"without_{effect}_percent"])
+        _name_bands(axes, tolerances)
         axes.set_title(f"without {effect.replace('_', ' ')}")
-        axes.set_xlabel("max. stress / strength")
-        axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    panels.ravel()[0].set_ylabel("change of mean max. closure (%)")
+    axes.set(xscale="log", yscale="log", ylim=(0.8 * _ERRORS[0], 1.5 * _ERRORS[1]))
+    axes.set_xlim(right=10.0)  # room for the names of the bands, as no ratio exceeds 1
+    ticks_at(axes.xaxis, [0.0001, 0.001, 0.01, 0.1, 1.0])
+    decimal_ticks(axes.yaxis, subs=(1.0,))
+    for lower, left in zip(panels[1], panels[:, 0], strict=True):
+        lower.set_xlabel("max. stress / compressive strength")
+        left.set_ylabel("change of mean\nmax. closure (%)")
     figure.colorbar(marks, ax=panels, label="JRC", shrink=0.8)
-    bands = ", ".join(f"{100.0 * t:g}" for t in sorted(table.tolerance.unique()))
-    handles = [key(color="0.75", lw=6, label=f"below {bands} %")]
+    handles = [point_key(label, marker=m, color="0.4") for m, label in _STIFFNESSES.items()]
     handles.append(point_key("simulations fail", marker="x", color="0.4"))
     legend_below(figure, handles)
     sns.despine(figure)
     return figure
 
 
+def _draw_region(axes: Axes, points: pd.DataFrame, percent: pd.Series) -> PathCollection:
+    """Draw the errors [%] without an effect over stress over strength, and return the marks."""
+    ratio = points.max_normal_stress / points.compressive_strength
+    stiff = points.youngs_modulus / points.compressive_strength >= _STIFF
+    failed = ~np.isfinite(percent)
+    for marker, group in zip(_STIFFNESSES, (~stiff, stiff), strict=True):
+        shown = group & ~failed
+        marks = axes.scatter(
+            ratio[shown], percent[shown].clip(_ERRORS[0]), c=points.jrc[shown], cmap="viridis",
+            vmin=0.0, vmax=20.0, s=28, marker=marker, edgecolors="0.3", linewidths=0.4, zorder=2,
+        )  # fmt: skip
+    axes.plot(ratio[failed], np.full(failed.sum(), _ERRORS[1]), "x", color="0.4", ms=4)
+    return marks
+
+
+def _name_bands(axes: Axes, tolerances: np.ndarray) -> None:
+    """Shade the errors below each tolerance [%], and write it at the upper edge of its band."""
+    for tolerance in tolerances:
+        axes.axhspan(0.0, tolerance, color="0.5", alpha=0.15, lw=0, zorder=0)
+        axes.annotate(
+            f"< {tolerance:g} %", (1.0, tolerance), xycoords=("axes fraction", "data"),
+            xytext=(-2, -1), textcoords="offset points", ha="right", va="top", fontsize="small",
+        )  # fmt: skip
+
+
 _REGIONS = ("interaction", "soft_peaks", "gouge", "breakage")
-_ERRORS = (0.1, 400.0)
+_ERRORS = (0.1, 2000.0)
 """Range of the axis of errors [%]."""
+_STIFF = 300.0
+"""Ratio of Young's modulus to strength that separates the two kinds of marks."""
+_STIFFNESSES = {"o": f"E / strength below {_STIFF:g}", "s": f"{_STIFF:g} and above"}
 
 
 @styled

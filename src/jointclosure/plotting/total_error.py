@@ -17,6 +17,13 @@ from jointclosure.plotting.style import (
 from jointclosure.statistics.total_error import front
 
 _TITLES = {"mean": "Mean closure", "interval": "Indifference interval"}
+_NAMES = {
+    "surrogate": "bearing-area law",
+    "elastic": "elastic model",
+    "paper": "the paper's steps",
+    "quick": "preset quick",
+    "accurate": "preset accurate",
+}
 _RANGE = (0.3, 1000.0)
 """Range of errors [%], the same in every panel."""
 _MARKED = (2, 20, 200, 2000)
@@ -35,22 +42,23 @@ def total_error_figure(points: pd.DataFrame) -> Figure:
     Notes
     -----
     A line is a method with an increasing number of surfaces; with control variates (dashed) it
-    has the best number of measured surfaces at each time. Grey is the Pareto front, the best split
-    of each budget. A method without any split within the range of the axis is named in the title
-    of the panel.
+    has the best number of measured surfaces at each time. Grey is the Pareto front, the smallest
+    error at each time. A method without any split within the range of the axis is named in the
+    title of the panel.
     """
     shown = list(points.groupby(["response", "cycle"], sort=False))
     methods = list(points.method.unique())
     colours = dict(zip(methods, sns.color_palette("colorblind", len(methods)), strict=True))
-    figure, panels = panel_grid(1, len(shown), (4.2, 4.4), sharex=True, sharey=True)
+    figure, panels = panel_grid(1, len(shown), (2.9, 3.4), (0.4, 0.6), sharex=True, sharey=True)
     for axes, ((response, cycle), part) in zip(panels[0], shown, strict=True):
         _style(axes, points)
         missing = _draw(axes, part, colours, _RANGE[1])
-        beyond = f"\n({', '.join(missing)}: beyond {_RANGE[1]:g} %)" if missing else ""
-        axes.set_title(f"{_TITLES[response]}, cycle {cycle}{beyond}")
+        names = ", ".join(_NAMES.get(name, name) for name in missing)
+        beyond = f"\n({names}: beyond {_RANGE[1]:g} %)" if missing else ""
+        axes.set_title(f"{_TITLES[response]}, cycle {cycle}{beyond}", fontsize="medium")
         axes.set_xlabel("core-minutes")
     panels[0, 0].set_ylabel("total error (%)")
-    legend_below(figure, _key(colours), 4)
+    legend_below(figure, _key(colours), 3)
     sns.despine(figure)
     return figure
 
@@ -96,11 +104,11 @@ def _style(axes: Axes, points: pd.DataFrame) -> None:
 
 def _key(colours: dict) -> list[Artist]:
     """Return entries of the legend, outside of the panels."""
-    lines = [key(color=colour, label=name) for name, colour in colours.items()]
+    lines = [key(color=colour, label=_NAMES.get(name, name)) for name, colour in colours.items()]
     marks = ", ".join(f"{count:g}" for count in _MARKED)
     return [
         *lines,
         key(color="0.3", ls="--", label="with control variates"),
         key(color="0.3", marker="o", ms=4, ls="", label=f"{marks} surfaces"),
-        key(color="0.75", lw=6, alpha=0.7, label="best split of the budget"),
+        key(color="0.75", lw=6, alpha=0.7, label="smallest error at each time"),
     ]

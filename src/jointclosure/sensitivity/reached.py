@@ -1,6 +1,6 @@
 """Accuracy that a study has reached, and number of missing surfaces."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import pandas as pd
@@ -8,12 +8,12 @@ import scipy
 import xarray as xr
 
 from jointclosure.claims.findings import TARGET
-from jointclosure.config.wanted import BLOCK, Wanted
+from jointclosure.config.wanted import BLOCK, PresetErrors, Wanted
 from jointclosure.ensemble.covariates import Covariates
 from jointclosure.sensitivity.closures import max_closure_table
 from jointclosure.sensitivity.planning import Goal, length_error, surfaces_for
 from jointclosure.sensitivity.responses import responses
-from jointclosure.statistics.total_error import REACH, Bias, Method
+from jointclosure.statistics.total_error import REACH, Method
 
 COLUMNS = ["rock", "parameter", "level", "cycle", "surfaces", "bias_percent", "bias_error_percent"]
 COLUMNS += ["sampling_percent", "total_percent", "within_percent", "met", "surfaces_needed"]
@@ -24,9 +24,8 @@ def reached_table(
     study: xr.Dataset,
     covariates: Covariates | None,
     wanted: Wanted,
-    biases: dict[int, Bias],
+    errors: Mapping[str, PresetErrors],
     significance: float,
-    known_at: str,
 ) -> pd.DataFrame:
     """Tabulate the total error of each mean, or of each interval, of a study.
 
@@ -34,12 +33,10 @@ def reached_table(
     ----------
     covariates : Covariates or None
         Covariates of the study, if means are adjusted.
-    biases : dict
-        Errors of the preset in each known cycle.
+    errors : mapping
+        Errors of the preset by rock.
     significance : float
         Significance level of the intervals.
-    known_at : str
-        Conditions at which these were measured, in words.
 
     Returns
     -------
@@ -53,16 +50,17 @@ def reached_table(
     errors_of = _of_means if wanted.of == "mean" else _of_intervals
     rows = []
     for about, surfaces, sampling, needed in errors_of(
-        study, covariates, wanted, biases, significance
+        study, covariates, wanted, errors, significance
     ):
-        bias = biases[about["cycle"]]
+        known = errors[about["rock"]]
+        bias = known.of_cycle[about["cycle"]]
         # the scatter of few surfaces is known only roughly
         sampling *= scipy.stats.t.ppf(0.975, surfaces - 1) / REACH
         total = bias.total(sampling)
         rows.append(
             about
             | {"surfaces": surfaces, "bias_percent": 100.0 * bias.value}
-            | {"bias_error_percent": 100.0 * bias.error, "bias_known_at": known_at}
+            | {"bias_error_percent": 100.0 * bias.error, "bias_known_at": known.measured_at}
             | {"sampling_percent": 100.0 * sampling, "total_percent": 100.0 * total}
             | {"within_percent": 100.0 * wanted.within, "met": bool(total <= wanted.within)}
             | {"surfaces_needed": needed}
@@ -70,21 +68,24 @@ def reached_table(
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
-def _of_means(study, covariates, wanted: Wanted, biases, significance) -> Iterator[tuple]:
-    table = max_closure_table(study, covariates)
-    for row in table[table.cycle.isin(list(biases))].itertuples():
+def _of_means(study, covariates, wanted: Wanted, errors, significance) -> Iterator[tuple]:
+    for row in max_closure_table(study, covariates).itertuples():
+        if row.cycle not in errors[row.rock].of_cycle:
+            continue
         adjusted = np.isfinite(row.max_closure_adjusted_mean_mm_standard_error)
         kind = "adjusted_mean" if adjusted and row.cycle == 1 else "mean"
         mean = getattr(row, f"max_closure_{kind}_mm")
         error = getattr(row, f"max_closure_{kind}_mm_standard_error") / mean
-        way = Method(biases[row.cycle], error * np.sqrt(row.samples), 1.0, 0.0, 0.0, 0.0)
+        bias = errors[row.rock].of_cycle[row.cycle]
+        way = Method(bias, error * np.sqrt(row.samples), 1.0, 0.0, 0.0, 0.0)
         about = {"rock": row.rock, "parameter": row.parameter, "level": row.level}
         sampling = way.sampling(row.samples)
         yield about | {"cycle": row.cycle}, row.samples, sampling, way.surfaces_for(wanted.within)
 
 
-def _of_intervals(study, covariates, wanted: Wanted, biases, significance) -> Iterator[tuple]:
+def _of_intervals(study, covariates, wanted: Wanted, errors, significance) -> Iterator[tuple]:
     for response in responses(study, TARGET):
+        biases = errors[response.rock].of_cycle
         if response.cycle not in biases:
             continue
         surfaces = response.samples.shape[1]

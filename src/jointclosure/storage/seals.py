@@ -122,6 +122,19 @@ def check_folder(folder: str | Path) -> list[Path]:
     return files
 
 
+def seal_beside(path: str) -> str:
+    """Return the seal that lists a file of results/<study>; empty if none does or needs to.
+
+    It finds the seal of a file of another study, which no job of this one makes.
+    """
+    parts = Path(path).parts
+    if parts[:1] != ("results",) or Path(path).suffix in _NEED_NO_SEAL:
+        return ""
+    seals = sorted(Path(*parts[:2], "seals").rglob("*.json"))
+    name = os.path.normpath(path)
+    return next((seal.as_posix() for seal in seals if name in _listed([seal])), "")
+
+
 def _reason(seal: Path, seals: Iterable[Path], expected: str = "") -> str:
     """Return why a seal does not match, empty if it does."""
     try:

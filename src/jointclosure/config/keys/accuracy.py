@@ -74,16 +74,12 @@ class TotalErrorKeys(Keys):
         "Study whose tables are read, of the size and stress of `scene`; `.venv/bin/snakemake "
         "surrogate` has been run on it too."
     )
-    scene: str = entry("Variant of the model whose errors of means and times count.")
+    scene: str = entry("Variant of the model whose errors and times count.")
     methods: dict[Name, PointKeys] = entry(
         "Settings that are compared by name, each a knob and its value in `scene`.", min_length=1
     )
-    interval_scene: str = entry("Variant of the model whose errors of intervals count.")
     interval_cycles: list[int] | None = entry(
         "Cycles of whose intervals it is; null: all of which errors are known.", None
-    )
-    interval_methods: dict[Name, PointKeys] = entry(
-        "The same settings in `interval_scene`; one that is left out is taken from `scene`.", {}
     )
     budgets_min: list[Positive] = entry(
         "Core-minutes for which the best split is tabulated.", min_length=1

@@ -1,8 +1,10 @@
 """Errors, orders of convergence and costs from the runs of an accuracy study.
 
 The results of a setting are compared with those of the scene's finest setting on the same
-surfaces: the mean maximum closure, its standard deviation over the surfaces, and the indifference
-interval of the varied parameter. Confidence intervals are percentiles over resampled surfaces.
+surfaces: the mean maximum closure, its standard deviation over the surfaces, the indifference
+interval of the varied parameter, the mean net of the bulk indentation, and the mean over the
+surfaces and all levels, whose error is known better than that of the base level alone.
+Confidence intervals are percentiles over resampled surfaces.
 """
 
 from collections.abc import Mapping
@@ -20,7 +22,7 @@ from jointclosure.experiments.accuracy.design import Setting
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.indifference import indifference_interval
 
-MEASURES = ("mean", "deviation", "interval", "net")
+MEASURES = ("mean", "deviation", "interval", "net", "levels")
 
 
 class Resampling(NamedTuple):
@@ -70,7 +72,7 @@ class _Sample(NamedTuple):
             ).length
         deviation = at_base.std(ddof=1) if index.size > 1 else np.nan
         net = self.net[self.base_level, index].mean()
-        return np.array([at_base.mean(), deviation, length, net])
+        return np.array([at_base.mean(), deviation, length, net, chosen.mean()])
 
 
 def _sample(run: xr.Dataset, cycle: int) -> _Sample:
@@ -175,7 +177,7 @@ def _errors(
         values = sample.measures(index, significance)
         return 100.0 * (values / truth.measures(index_of_truth, significance) - 1.0)
 
-    mean, deviation, length, net = sample.measures(here, significance)
+    mean, deviation, length, net, _ = sample.measures(here, significance)
     row |= {"mean_mm": 1e3 * mean, "deviation_mm": 1e3 * deviation, "interval": length}
     row |= {"net_mm": 1e3 * net}
     resampled = np.empty((drawn.resamples, len(MEASURES)))

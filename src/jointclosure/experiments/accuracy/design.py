@@ -203,19 +203,16 @@ def _unknown_of_total(design: dict) -> Iterator[str]:
     total = design.get("total")
     if not total:
         return
-    for key, of in (("scene", "methods"), ("interval_scene", "interval_methods")):
-        scene = total[key]
-        if scene not in design["scenes"]:
-            yield f"accuracy.total.{key} = {scene!r}: must be one of {', '.join(design['scenes'])}"
-        for name, point in total.get(of, {}).items():
-            way = design["knobs"].get(point["knob"], {"scenes": [], "values": []})
-            values = [
-                entry["value"] if isinstance(entry, dict) else entry for entry in way["values"]
-            ]
-            turned = scene in way["scenes"] and point["value"] in values
-            if point["knob"] != BASE and not turned:
-                where = f"accuracy.total.{of}.{name}"
-                yield f"{where} = {point['knob']} {point['value']}: is no setting of {scene}"
+    scene = total["scene"]
+    if scene not in design["scenes"]:
+        yield f"accuracy.total.scene = {scene!r}: must be one of {', '.join(design['scenes'])}"
+    for name, point in total["methods"].items():
+        way = design["knobs"].get(point["knob"], {"scenes": [], "values": []})
+        values = [entry["value"] if isinstance(entry, dict) else entry for entry in way["values"]]
+        turned = scene in way["scenes"] and point["value"] in values
+        if point["knob"] != BASE and not turned:
+            where = f"accuracy.total.methods.{name}"
+            yield f"{where} = {point['knob']} {point['value']}: is no setting of {scene}"
 
 
 def _keys_of(way: dict) -> list[str]:

@@ -26,12 +26,21 @@ from jointclosure.experiments.accuracy.design import Joint
 from jointclosure.inputs import InputError
 from jointclosure.statistics.control_variates import fewest_surfaces
 from jointclosure.statistics.randomness import seed_of
-from jointclosure.statistics.total_error import REACH, front, method_of, shares
+from jointclosure.statistics.total_error import (
+    REACH,
+    bias_of,
+    common_bias,
+    front,
+    method_of,
+    shares,
+)
 from jointclosure.surface.roughness import z2_of_jrc
 from jointclosure.surrogate.estimate import ALL_ROCKS, estimate
 
 SURROGATE = "surrogate"
-RESPONSES = ("mean", "interval")
+RESPONSES = {"mean": "levels", "interval": "interval"}
+"""Measure of `jointclosure.experiments.accuracy.cost` whose error is the bias of each response.
+That of a mean is of all levels of the property together."""
 KEYS = ["response", "cycle", "method", "control_variates"]
 """Columns that identify a line of the diagram."""
 _MOST, _STEP = 100_000, 1.19
@@ -127,7 +136,7 @@ def method_table(
     base = scene[scene.knob == BASE].iloc[0]
     second = base.seconds / base.pairs  # of an FFT pair, beside the simulations
     rows: list[dict] = []
-    for response in RESPONSES:
+    for response, measure in RESPONSES.items():
         times = 1 if response == "mean" else diagram.levels
         for rock, cycle in scene[["rock", "cycle"]].drop_duplicates().itertuples(index=False):
             cycles = diagram.total.get("interval_cycles") or [cycle]
@@ -136,10 +145,9 @@ def method_table(
             about = {"response": response, "cycle": cycle, "rock": rock}
             scatter = _scatter(variance, about, diagram)
             for name in diagram.total["methods"]:
-                seconds = _row(costs, diagram.total, name, "mean", rock, cycle).seconds
-                row = _row(costs, diagram.total, name, response, rock, cycle)
-                bias = tuple(row[f"{response}_{of}"] for of in ("error_percent", "low", "high"))
-                cost = times * (seconds + second * cheap.walls)
+                row = _row(scene, diagram.total, name, rock, cycle)
+                cost = times * (row.seconds + second * cheap.walls)
+                bias = _error(row, measure)
                 rows += [about | {"method": name} | _bias(bias, cost) | kind for kind in scatter]
             if response == "mean" and cycle == 1:
                 # the law gives the closure of every measured surface: there is nothing to adjust
@@ -149,7 +157,19 @@ def method_table(
     table = pd.DataFrame(rows).assign(measured_cost=second * (cheap.walls + cheap.covariates))
     # an error without a confidence interval is unknown
     known = table.bias_low.notna().groupby([table[key] for key in KEYS]).transform("all")
-    return table[known].reset_index(drop=True)
+    return _common_to_rocks(table[known].reset_index(drop=True))
+
+
+def _common_to_rocks(table: pd.DataFrame) -> pd.DataFrame:
+    """Give the bias of intervals that all rocks have in common, as that of one is hardly known."""
+    for _, part in table[table.response == "interval"].groupby(KEYS):
+        measured = part[["bias_percent", "bias_low", "bias_high"]].itertuples(index=False)
+        bias = common_bias([bias_of(*row) for row in measured])
+        percent, half = 100.0 * bias.value, 100.0 * REACH * bias.error
+        table.loc[part.index, "bias_percent"] = percent
+        table.loc[part.index, "bias_low"] = percent - half
+        table.loc[part.index, "bias_high"] = percent + half
+    return table
 
 
 def _bias(bias: tuple[float, ...], cost: float) -> dict:
@@ -157,18 +177,19 @@ def _bias(bias: tuple[float, ...], cost: float) -> dict:
     return dict(zip(("bias_percent", "bias_low", "bias_high"), bias, strict=True)) | {"cost": cost}
 
 
-def _row(costs: pd.DataFrame, total: dict, name: str, response: str, rock: str, cycle: int):
-    """Return the row of the setting with which a method computes a response."""
-    scene, points = total["scene"], total["methods"]
-    of_intervals = total.get("interval_methods", {})
-    if response == "interval" and name in of_intervals:
-        scene, points = total["interval_scene"], of_intervals
-    point = points[name]
-    here = (costs.scene == scene) & (costs.rock == rock) & (costs.cycle == cycle)
-    here &= (costs.knob == point["knob"]) & (costs["value"].map(_text) == _text(point["value"]))
+def _error(row: pd.Series, measure: str) -> tuple[float, ...]:
+    """Return the error [%] of a measure with its confidence interval."""
+    return tuple(row[f"{measure}_{of}"] for of in ("error_percent", "low", "high"))
+
+
+def _row(scene: pd.DataFrame, total: dict, name: str, rock: str, cycle: int) -> pd.Series:
+    """Return the row of a method's setting, of the costs of a variant of the model."""
+    point = total["methods"][name]
+    here = (scene.rock == rock) & (scene.cycle == cycle) & (scene.knob == point["knob"])
+    here &= scene["value"].map(_text) == _text(point["value"])
     if not here.any():
-        raise InputError(f"accuracy.total: {name} = {point}: is no setting of {scene}")
-    return costs[here].iloc[0]
+        raise InputError(f"accuracy.total: {name} = {point}: is no setting of {total['scene']}")
+    return scene[here].iloc[0]
 
 
 def _text(value: object) -> str:
@@ -193,7 +214,7 @@ def _of_surrogate(table: pd.DataFrame, scene: pd.DataFrame, rock: str) -> tuple[
     row = part[part.stress_MPa == part.stress_MPa.max()].iloc[0]
     half = REACH * row.rms_percent / np.sqrt(row.joints)
     base = scene[(scene.knob == BASE) & (scene.rock == rock) & (scene.cycle == 1)].iloc[0]
-    steps = (base.mean_error_percent, base.mean_low, base.mean_high)
+    steps = _error(base, RESPONSES["mean"])
     law = (row.mean_percent, row.mean_percent - half, row.mean_percent + half)
     both = zip(law, steps, strict=True)
     return tuple(100.0 * ((1.0 + 0.01 * a) * (1.0 + 0.01 * b) - 1.0) for a, b in both)
