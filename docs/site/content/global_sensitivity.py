@@ -39,11 +39,17 @@ def _span(name: str, digits: int = 2) -> str:
     return f"{ends} (± {{{name}_error max:.{digits}f}})"
 
 
+def _from_all(table: pd.DataFrame) -> pd.DataFrame:
+    """Choose indices from all rows but those with a failed simulation."""
+    rows = table.rows + table.left_out
+    return table[rows == rows.max()]
+
+
 def indices(kind: str) -> str:
     """Tabulate indices ("first" or "total") of inputs."""
 
     def prepare(table: pd.DataFrame) -> pd.DataFrame:
-        table = rows_of(table, rows=MOST).dropna(subset=[kind])
+        table = _from_all(table).dropna(subset=[kind])
         return titled(table.assign(of=table.title), SHOWN, "response", "cycle")
 
     rows = {"input": "{of}"}
@@ -52,7 +58,7 @@ def indices(kind: str) -> str:
 
 def _effects(table: pd.DataFrame) -> pd.DataFrame:
     """Put Shapley effects with and without dependent inputs below each other."""
-    table = rows_of(table, rows=MOST, response="closure").dropna(subset=["shapley"])
+    table = rows_of(_from_all(table), response="closure").dropna(subset=["shapley"])
     dependent = table.assign(
         shapley=table.shapley_dependent, shapley_error=table.shapley_dependent_error
     )
@@ -209,34 +215,39 @@ def minutes() -> str:
     return f"{origin(RUN)['cpu_minutes']:.0f}"
 
 
-def _of_roll_off() -> pd.DataFrame:
+def _of_largest() -> pd.DataFrame:
+    """Choose the total indices on the first closure of the input with the largest one."""
     table = stored(RUN, "global_sensitivity_indices").sort_values("rows", kind="stable")
-    return rows_of(table, response="closure", cycle=1, input="roll_off")
+    table = rows_of(table[table.input != "surfaces"], response="closure", cycle=1)
+    return table[table.input == table.loc[_from_all(table).total.idxmax()].input]
+
+
+def largest_input() -> str:
+    """Name the input with the largest total index on the first closure."""
+    return _of_largest().title.iloc[0]
 
 
 def largest_index() -> str:
-    """List the roll-off's total index on the first closure by rock, from few to all rows."""
+    """List the largest total index on the first closure by rock, from few to all rows."""
     rocks = stored(RUN, "global_sensitivity_estimate").job
-    totals = [rows_of(_of_roll_off(), rock=rock).total.map("{:.2f}".format) for rock in rocks]
+    totals = [rows_of(_of_largest(), rock=rock).total.map("{:.2f}".format) for rock in rocks]
     return "; ".join(f"{rock} {', '.join(of)}" for rock, of in zip(rocks, totals, strict=True))
 
 
 def fewer_rows() -> str:
     """List the numbers of rows from which indices were estimated."""
-    return ", ".join(f"{count:.0f}" for count in _of_roll_off().rows.unique())
+    return ", ".join(f"{count:.0f}" for count in _of_largest().rows.unique())
 
 
 def index_error() -> str:
-    """Give the largest relative error [%] of the roll-off's total index from all rows."""
-    table = rows_of(_of_roll_off(), rows=MOST)
+    """Give the largest relative error [%] of that index from all rows."""
+    table = _from_all(_of_largest())
     return f"{100 * (table.total_error / table.total).max():.0f}"
 
 
 def fit_shares() -> str:
     """List what share of the variance the fitted polynomials have, by response."""
-    fits = titled(
-        rows_of(stored(RUN, "global_sensitivity_indices"), rows=MOST), SHOWN, "response", "cycle"
-    )
+    fits = titled(_from_all(stored(RUN, "global_sensitivity_indices")), SHOWN, "response", "cycle")
     return "; ".join(
         f"{title}: {part.fit_share.min():.2f} to {part.fit_share.max():.2f}"
         for title, part in fits.groupby("title")

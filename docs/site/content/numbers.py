@@ -140,13 +140,13 @@ def _share_of_rows(claim: str, cycle: int) -> Number:
     return Number("global_sensitivity/global_sensitivity_conclusions", "rows_true", text, rows)
 
 
-def _margin(name: str) -> Number:
-    """Share of the margin of Young's modulus on the second cycle that goes with an input."""
+def _margin(name: str, rock: str) -> Number:
+    """Share of a rock's margin of Young's modulus on the second cycle that goes with an input."""
 
     def text(group: Group) -> str:
-        return f"{100 * group['share min']:.0f} to {100 * group['share max']:.0f} %"
+        return f"{100 * group['share']:.0f} ± {100 * group['share_error']:.0f} %"
 
-    rows = {"number": "2a", "response": "closure", "cycle": 2, "input": name}
+    rows = {"number": "2a", "response": "closure", "cycle": 2, "input": name, "rock": rock}
     return Number("global_sensitivity/global_sensitivity_margins", "share", text, rows)
 
 
@@ -159,9 +159,8 @@ NUMBERS = {
     "untold": _count(CANNOT_BE_TOLD),
     "configured only": _count(*ONLY_CONFIGURED.values()),
     "elsewhere": _count(JUDGED_ELSEWHERE),
-    "2a goes with the ratio": _margin("peak_modulus"),
-    "2a goes with JRC": _margin("jrc"),
-    "2a goes with the rule for peaks": _margin("peaks"),
+    "2a goes with the ratio": _margin("peak_modulus", "dolerite"),
+    "2a goes with the Hurst exponent": _margin("hurst", "siltstone"),
     "readings of all rocks": _readings("readings"),
     "readings of some rocks": _readings("partial"),
     "rows": Number(
@@ -208,6 +207,7 @@ NUMBERS = {
     "choices 2b": _choices(number="2a", response="closure", cycle=1),
     "found 1a 1": _studies(number="1a, cycle 1"),
     "ratio on 2": _index(input="peak_modulus", cycle=2),
+    "rule on 1": _index(input="rule", cycle=1),
     "roll-off on 1": _index(input="roll_off", cycle=1),
     "JRC on 1": _index(input="jrc", cycle=1),
     "stress on 1": _index(input="stress", cycle=1),
