@@ -168,9 +168,7 @@ def gain_of(correlation, time):
 
 def correlations(values: np.ndarray) -> np.ndarray:
     """Correlation of each column of values (surface, model) with the first column."""
-    centred = values - values.mean(axis=0)
-    norms = np.sqrt((centred**2).sum(axis=0))
-    return centred.T @ centred[:, 0] / (norms * norms[0])
+    return np.corrcoef(values, rowvar=False)[0]
 
 
 def resampled(count: int) -> np.ndarray:
@@ -191,10 +189,10 @@ def table_of(joints: pd.DataFrame) -> pd.DataFrame:
         for cycle in (1, 2):
             values = by_model(part, f"cycle {cycle}")[list(MODELS)].to_numpy()
             index = resampled(len(values))
-            drawn = np.array([correlations(values[i]) for i in index])
+            found, drawn = correlations(values), np.array([correlations(values[i]) for i in index])
             for k, name in list(enumerate(MODELS))[1:]:
                 time, error = ratio_of_sums(seconds[name], seconds[RESULT])
-                rho = correlations(values)[k]
+                rho = found[k]
                 low, high = np.percentile(gain_of(drawn[:, k], time), (2.5, 97.5))
                 row = {"rock": rock, "cycle": cycle, "model": name, "surfaces": len(values)}
                 row |= {"correlation": rho, "correlation +-": drawn[:, k].std(ddof=1)}

@@ -8,6 +8,7 @@ from jointclosure.engineering.curves import cycle_table
 from jointclosure.engineering.stiffness import landing_stress, secant_stiffness
 from jointclosure.ensemble import responses as responses_module
 from jointclosure.ensemble.closing import close_walls
+from jointclosure.ensemble.quantities import QUANTITIES, ClosedJoint
 from jointclosure.ensemble.responses import cycle_responses, responses_of
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import Choices, Effects, Numerics
@@ -65,6 +66,21 @@ def test_responses_are_what_engineers_are_told_of_the_same_joint(joint):
         np.testing.assert_allclose(1e3 * responses[name], table[column], rtol=1e-12)
     bulk = closed.max_bulk_indentation
     np.testing.assert_allclose(responses["closure_net"], closed.max_closure - bulk)
+
+
+def test_the_loop_is_how_far_unloading_lies_behind_loading_at_half_of_the_stress(joint):
+    closed, _ = joint
+    walls = closed.upper_final.values, closed.lower_final.values  # of which it reads nothing
+    loops = QUANTITIES["loop"].rule(ClosedJoint(walls, closed, CONDITIONS))
+    branches = (closed.branch.values == name for name in ("loading", "unloading"))
+    steps = [np.flatnonzero((closed.cycle.values == 1) & branch) for branch in branches]
+    loading, unloading = (
+        np.interp(HALF, closed.normal_stress[here], closed.closure[here])
+        for here in (steps[0], steps[1][::-1])
+    )
+    assert loops[0] == pytest.approx(unloading - loading, rel=1e-3)
+    assert loops[0] > 0.1 * closed.max_closure[0]
+    assert loops[1:].tolist() == [0.0, 0.0]
 
 
 def test_a_failed_simulation_has_no_responses(monkeypatch):

@@ -270,10 +270,7 @@ def test_a_design_without_all_properties_has_the_conclusions_on_those_that_vary(
     shape = (16, len(left) + 2, 2, 2)
     closed = {
         rock: xr.Dataset(
-            {
-                name: (("row", "point", "surface", "cycle"), 1.0 + random.random(shape))
-                for name in QUANTITIES
-            },
+            {name: (OVER, 1.0 + random.random(shape)) for name in QUANTITIES},
             coords={"row": np.arange(16), "cycle": [1, 2]},
         )
         for rock in design.rocks

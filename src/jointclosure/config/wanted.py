@@ -102,9 +102,12 @@ def methods_of(methods: pd.DataFrame, rocks: Iterable[str | None]) -> pd.DataFra
 def preset_errors(methods: pd.DataFrame, preset: str, of: str, rock: str | None) -> PresetErrors:
     """Return the errors of a preset for a measured rock; the worst of all rocks for another."""
     rows = methods_of(methods, [rock])
-    measured = tuple(dict.fromkeys(rows.rock))
-    worst = "the worst of " if len(measured) > 1 else ""
-    return PresetErrors(biases(rows, preset, of), f"{worst}{', '.join(measured)}, {KNOWN_AT}")
+    return PresetErrors(biases(rows, preset, of), _measured_at(tuple(dict.fromkeys(rows.rock))))
+
+
+def _measured_at(rocks: tuple[str, ...]) -> str:
+    worst = "the worst of " if len(rocks) > 1 else ""
+    return f"{worst}{', '.join(rocks)}, {KNOWN_AT}"
 
 
 def biases(methods: pd.DataFrame, preset: str, of: str) -> dict[int, Bias]:
@@ -248,6 +251,6 @@ def describe_grant(wanted: Wanted, granted: Granted) -> str:
         f"accuracy: {wanted.of} within {100.0 * wanted.within:g} %: preset {granted.preset}, "
         f"{start} surfaces a case{by}; predicted from {granted.surfaces:.0f} surfaces: "
         f"{100.0 * granted.total:.2g} % in {granted.seconds / 60.0:.2g} core-minutes a case. The "
-        f"error of the preset is the worst of {', '.join(granted.rocks)} at {KNOWN_AT}; elsewhere "
-        "it differs (docs/accuracy.md)"
+        f"error of the preset is that of {_measured_at(granted.rocks)}; elsewhere it differs "
+        "(docs/accuracy.md)"
     )

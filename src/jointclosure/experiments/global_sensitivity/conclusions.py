@@ -24,11 +24,11 @@ from jointclosure.experiments.global_sensitivity.table import (
 )
 from jointclosure.experiments.global_sensitivity.table import Elasticities as FittedElasticities
 from jointclosure.inputs import InputError
+from jointclosure.sensitivity.conclusions import SHARES
 from jointclosure.statistics.verdicts import frequency_of, t_interval
 
 NAMES = ("closure", "closure_net")
 """Responses for which conclusions are judged."""
-SHARES = ("share", "share_error", "share_low", "share_high")
 COLUMNS = (
     "number", "conclusion", "response", "cycle", "rock", *SHARES, "rows", "rows_true",
 )  # fmt: skip

@@ -70,7 +70,8 @@ def on_cases(joints: pd.DataFrame, quantity: str) -> xr.DataArray:
     cases = joints[["parameter", "value"]].drop_duplicates()
     case = joints.groupby(["parameter", "value"], dropna=False, sort=False).ngroup()
     place, numbers = pd.factorize(joints.realization)
-    values, loops = (np.full((len(cases), numbers.size, joints.cycle.max()), np.nan) for _ in "ab")
+    values = np.full((len(cases), numbers.size, joints.cycle.max()), np.nan)
+    loops = values.copy()
     values[case, place, joints.cycle - 1] = joints[quantity]
     loops[case, place, joints.cycle - 1] = joints[LOOP]
     closures = xr.DataArray(
