@@ -283,6 +283,8 @@ UNLIKE = {
     "a.obj": (b"v 0 0 0\nv 1 0 x\n", "line 2"),
     "b.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "vertex 9"),
     "c.obj": (LETTER.encode(), "no vertices"),
+    "a.asc": (b"# scan\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "OBJ mesh"),
+    "a.grd": (b"DSRB" + bytes(4), "lacks the section DATA, GRID"),
 }
 
 

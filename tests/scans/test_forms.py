@@ -89,7 +89,13 @@ def as_surfer(path, ground):
     (ny, nx), (y, x) = ground.heights.shape, ground.corner
     ends = x + ground.step * (nx - 1), y + ground.step * (ny - 1)
     limits = [x, ends[0], y, ends[1], ground.heights.min(), ground.heights.max()]
-    if path.stem == "b":
+    if path.stem == "c":
+        grid = struct.pack("<2i8d", ny, nx, x, y, ground.step, ground.step, 0.0, 0.0, 0.0, 1e30)
+        heights = ground.heights.astype("<f8").tobytes()
+        sections = {b"DSRB": struct.pack("<i", 1), b"FLTI": bytes(5), b"GRID": grid}
+        parts = (sections | {b"DATA": heights}).items()
+        path.write_bytes(b"".join(name + struct.pack("<i", len(p)) + p for name, p in parts))
+    elif path.stem == "b":
         head = b"DSBB" + struct.pack("<2h6d", nx, ny, *limits)
         path.write_bytes(head + ground.heights.astype("<f4").tobytes())
     else:
@@ -148,7 +154,9 @@ FORMS = {
     "a.mat": as_matlab,
     "a.grd": as_surfer,
     "b.grd": as_surfer,
+    "c.grd": as_surfer,
     "a.asc": as_esri,
+    "esri.txt": as_esri,
     "a.tif": as_tiff,
 }
 
@@ -182,7 +190,9 @@ def test_all_forms_of_a_scan_are_one_scan(tmp_path, walls, form):
         np.testing.assert_allclose(
             scan.heights, 1e-3 * ground.heights, atol=1e-8 if form == "a.obj" else 2e-9
         )
-        if scan.origin is not None and form != "a.asc":  # whose corner is that of its first cell
+        if (
+            scan.origin is not None and FORMS[form] is not as_esri
+        ):  # whose corner is that of its first cell
             assert scan.origin == pytest.approx([1e-3 * part for part in ground.corner], rel=1e-6)
 
 
@@ -226,6 +236,25 @@ def test_a_lost_line_changes_a_joint_at_its_place_only(joint, expected, tmp_path
         largest = difference[place]
         difference[place] = 0.0
         assert difference.max() <= 0.02 * largest  # of the plane, to which one height counts
+
+
+@pytest.mark.parametrize(
+    ("version", "missing"), [(1, [[0, 1, 1], [0, 0, 0]]), (2, [[0, 0, 1]] * 2)]
+)
+def test_heights_that_a_surfer_7_grid_leaves_out_are_missing(version, missing, tmp_path):
+    grid = struct.pack("<2i8d", 3, 3, 0.0, 0.0, 0.3, 0.3, 0.0, 0.0, 0.0, 7.0)
+    heights = np.array([[1.0, 8.0, 7.0], [1.0, 2.0, 3.0 if version == 1 else 7.0], [3.0, 1.0, 2.0]])
+    parts = {b"DSRB": struct.pack("<i", version), b"GRID": grid, b"DATA": heights.tobytes()}
+    content = b"".join(name + struct.pack("<i", len(p)) + p for name, p in parts.items())
+    (tmp_path / "a.grd").write_bytes(content)
+    scan = read_scan(tmp_path / "a.grd", units="mm")
+    np.testing.assert_array_equal(np.isnan(scan.heights[:2]), np.array(missing, dtype=bool))
+
+
+def test_two_of_three_matrices_are_refused(joint, tmp_path):
+    as_three_files(tmp_path / "a", joint[0])
+    with pytest.raises(jc.InputError, match="must be one file, or three"):
+        read_scan(f"{tmp_path / 'x.dat.txt'},{tmp_path / 'z.dat.txt'}", units="mm")
 
 
 def test_three_matrices_of_different_shapes_are_refused(joint, tmp_path):

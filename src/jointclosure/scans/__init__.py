@@ -7,7 +7,7 @@ surface scanners need its extra ``walls``. A reader returns the content of a fil
 
 import functools
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -28,15 +28,15 @@ READERS = {
     ".cdf": grids.read_netcdf_grid,
     ".tif": grids.read_tiff,
     ".tiff": grids.read_tiff,
-    ".asc": esri.read_asc,
     ".csv": points.read_text,
     ".xyz": points.read_text,
     ".txt": points.read_text,
     **dict.fromkeys((".stl", ".ply", ".obj"), meshes.read_mesh),
-    ".grd": surfer.read_grd,
     ".mat": grids.read_matlab,
 }
 """Readers by suffix of a file's name; SurfaceTopography reads all other files."""
+BY_CONTENT = {b"ncols": esri.read_asc} | dict.fromkeys(surfer.FORMS, surfer.read_grd)
+"""Readers by the first bytes of a file, which have priority over its name."""
 
 
 def read_scan(
@@ -51,8 +51,8 @@ def read_scan(
     Parameters
     ----------
     path : path, or three paths
-        The suffix of its name determines the format, see `READERS`. Three files, as a sequence or
-        as "x.txt,y.txt,z.txt", are matrices of x, y and heights.
+        Its first bytes (`BY_CONTENT`) or the suffix of its name (`READERS`) determine the format.
+        Three files, as a sequence or as "x.txt,y.txt,z.txt", are matrices of x, y and heights.
     units : {"m", "mm", "um", "nm"}, optional
         Units of heights and distances, if the file does not state them.
     spacing : float, optional
@@ -91,21 +91,32 @@ def files_of(path: str | Path | Sequence[str | Path]) -> tuple[Path, ...]:
     """Return the file of a scan, or its three files of x, y and heights, as for `read_scan`."""
     if not isinstance(path, str | Path):
         parts = [str(part) for part in path]
-    elif Path(path).is_file() or str(path).count(",") != 2:
+    elif Path(path).is_file() or "," not in str(path):
         return (Path(path),)
     else:
         parts = str(path).split(",")
     if len(parts) != 3:
-        raise InputError(f"{parts}: must be one file, or three with x, y and heights")
+        raise InputError(
+            f"{', '.join(parts)}: must be one file, or three files with x, y and heights, as in "
+            "x.txt,y.txt,z.txt"
+        )
     return Path(parts[0]), Path(parts[1]), Path(parts[2])
 
 
 def _contents(path: Path, variable: str | None) -> Contents:
     """Read one file; an error also names the form that its content is most like."""
     try:
-        return READERS.get(path.suffix.lower(), instruments.read_any)(path, variable)
+        return _reader(path)(path, variable)
     except InputError as error:
         raise InputError(f"{error}{nearest_form(path)}") from None
+
+
+def _reader(path: Path) -> Callable[[Path, str | None], Contents]:
+    """Return the reader of a file by its content, otherwise by its name."""
+    with path.open("rb") as file:
+        start = file.read(64).lstrip().lower()
+    readers = (reader for mark, reader in BY_CONTENT.items() if start.startswith(mark.lower()))
+    return next(readers, None) or READERS.get(path.suffix.lower(), instruments.read_any)
 
 
 def _of_matrices(files: tuple[Path, ...], variable: str | None) -> Contents:
@@ -114,7 +125,7 @@ def _of_matrices(files: tuple[Path, ...], variable: str | None) -> Contents:
     parts = []
     for file in files:
         try:
-            text = READERS.get(file.suffix.lower()) is points.read_text
+            text = _reader(file) is points.read_text
             parts.append(points.read_matrix(file) if text else _contents(file, None))
         except InputError as error:
             raise InputError(f"{file}: {error}") from None

@@ -1,4 +1,4 @@
-"""ESRI ASCII grids (.asc): a header of words and numbers, then rows from the largest y down."""
+"""ESRI ASCII grids: a header of words and numbers, then rows from the largest y down."""
 
 from pathlib import Path
 
@@ -6,14 +6,13 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.scans.contents import Contents, check_no_variable, check_size
-from jointclosure.scans.instruments import read_any
 
 _NEEDED = ("ncols", "nrows", "cellsize")
 _KNOWN = (*_NEEDED, "xllcorner", "yllcorner", "xllcenter", "yllcenter", "nodata_value")
 
 
 def read_asc(path: Path, variable: str | None) -> Contents:
-    """Read an ESRI grid, without units; other files of this suffix as `instruments.read_any`.
+    """Read an ESRI grid, without units.
 
     Raises
     ------
@@ -21,9 +20,6 @@ def read_asc(path: Path, variable: str | None) -> Contents:
         If a word is missing in the header or has no number, or the number of heights is not the
         declared one.
     """
-    with path.open("rb") as file:
-        if not file.read(64).lstrip().lower().startswith(b"ncols"):
-            return read_any(path, variable)
     check_no_variable(variable)
     words = path.read_text(encoding="latin-1").split()
     head: dict[str, float] = {}

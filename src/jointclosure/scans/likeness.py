@@ -1,5 +1,6 @@
 """Form that a file which cannot be read is most like, by its first bytes."""
 
+import re
 from pathlib import Path
 
 from jointclosure.inputs import InputError
@@ -14,9 +15,6 @@ _STARTS = {
     b"MATLAB": "a MATLAB file (.mat)",
     b"ply": "a PLY mesh (.ply)",
     b"solid": "an STL mesh (.stl)",
-    b"DSAA": "a Surfer grid (.grd)",
-    b"DSBB": "a Surfer grid (.grd)",
-    b"ncols": "an ESRI grid (.asc)",
     b"II*\0": "TIFF (.tif)",
     b"MM\0*": "TIFF (.tif)",
     b"%PDF": "PDF, which has no heights",
@@ -24,6 +22,8 @@ _STARTS = {
     b"\xff\xd8\xff": "a JPEG picture, which has no heights",
 }
 """Forms by the first bytes of a file."""
+_OBJ = re.compile(rb"^v(\s+[-+.\de]+){3}", re.MULTILINE)
+"""Line of an OBJ file that states a vertex."""
 _PROBED = 4096
 """Number of bytes by which text is recognised."""
 
@@ -40,6 +40,8 @@ def nearest_form(path: Path) -> str:
             return "" if path.suffix.lower() in form else f"; its content is that of {form}"
     if path.suffix.lower() in (".csv", ".xyz", ".txt", ".obj"):
         return ""
+    if _OBJ.search(start):
+        return "; its content is that of an OBJ mesh (.obj)"
     if b"\0" in start or not start.decode("utf-8", errors="replace").isascii():
         return "; its first bytes are of no form that is known here"
     try:
