@@ -10,7 +10,7 @@ import jointclosure as jc
 from jointclosure.commands import cli
 from jointclosure.commands.engineering_files import FIGURES
 from jointclosure.ensemble import scanned_joint
-from jointclosure.ensemble.uncertainty import ALL
+from jointclosure.ensemble.budget import ALL
 from jointclosure.inputs.remarks import cautions
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.surface.registration import registered

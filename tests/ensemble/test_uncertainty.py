@@ -1,18 +1,19 @@
 """Range of a closed joint over what the model leaves open."""
 
 import numpy as np
+import pandas as pd
 import pytest
+import scipy
 
 import jointclosure as jc
 from jointclosure.config.files import read_plain
 from jointclosure.engineering.curves import cycle_table
+from jointclosure.ensemble.budget import ALL, QUANTITIES, Source, ranges_of, shares_of
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.uncertainty import (
-    ALL,
     DRAWS,
     PLAUSIBLE,
-    QUANTITIES,
-    _shares,
+    random_shares,
     sources_of,
     uncertainty_budget,
     variants_of,
@@ -24,24 +25,63 @@ CONDITIONS = jc.Conditions(SPACING, DOLERITE, 2e6, 1, 0.2e6)
 CLOSURE = next(iter(QUANTITIES))
 
 
-def test_shares_are_those_of_squared_changes_of_logarithms():
-    others = {"a": np.array([0.5, 2.0]), "b": np.array([1.0, 4.0]), "c": np.array([np.nan])}
-    shares = _shares(1.0, others)  # a moves by -ln 2 and ln 2, b by 0 and 2 ln 2
+def test_shares_are_those_of_squared_changes():
+    changes = {"a": np.array([-1.0, 1.0]), "b": np.array([0.0, 2.0]), "c": np.array([np.nan])}
+    shares = shares_of(changes)
     assert (shares["a"], shares["b"], shares["c"]) == pytest.approx((2 / 6, 4 / 6, 0.0))
-    signed = _shares(0.0, {"a": np.array([-3.0]), "b": np.array([-4.0, 1.0])})
+    signed = shares_of({"a": np.array([-3.0]), "b": np.array([-4.0, 1.0])})
     assert signed["a"] == pytest.approx(9 / 26)
-    assert np.isnan(_shares(1.0, {"a": np.array([1.0])})["a"])  # nothing has a share in no range
+    assert np.isnan(shares_of({"a": np.array([0.0])})["a"])  # nothing has a share in no range
 
 
-def test_the_range_is_that_of_random_joints(small_joint):
+def lower_end(widths, scatter=0.0, seed=0):
+    """The lower end of log(result/best) = sum of u width + noise, with u uniform in (-1, 1)."""
+    sources = {name: Source((0.0, 1.0), True) for name in widths}
+    shares, further = (random_shares(sources, n, seed) for n in (DRAWS, 10_000))
+    widest = np.array(list(widths.values()))
+    noise = scatter * np.random.default_rng(seed).standard_normal(DRAWS)
+    logs = [0.0, *(end for width in widest for end in (-width, width))]
+    logs += list((2.0 * shares - 1.0) @ widest + noise)
+    names = ["", *(name for name in widths for _ in "ab"), *[ALL] * DRAWS]
+    values = dict.fromkeys(QUANTITIES, 2.0 * np.exp(logs))
+    results = pd.DataFrame({"cycle": 1, "source": names} | values)
+    return float(np.log(ranges_of(results, sources, shares, further).low.iloc[0] / 2.0))
+
+
+def test_the_range_holds_nine_in_ten_of_the_random_results():
+    assert lower_end({"a": 1.0}) == pytest.approx(-0.9, abs=1e-3)
+    both = lower_end({"a": 1.0, "b": 1.0})  # the sum of both has a triangular density
+    assert both == pytest.approx(-2.0 + np.sqrt(0.4), abs=0.03)
+    noise = [lower_end({"a": 0.0}, 1.0, seed) for seed in range(40)]
+    assert scipy.stats.norm.cdf(noise).mean() == pytest.approx(0.05, abs=0.02)
+
+
+def test_a_stated_source_and_a_wider_one_widen_the_range():
+    for seed in range(5):
+        few, two, wider = (
+            lower_end(widths, 0.1, seed)
+            for widths in ({"a": 1.0}, {"a": 1.0, "b": 0.3}, {"a": 1.0, "b": 0.6})
+        )
+        assert few > two > wider
+
+
+def test_random_values_of_a_source_do_not_depend_on_other_sources():
+    few, many = random_shares(["b", "a"], 19, 0), random_shares(["a", "c", "b"], 19, 0)
+    np.testing.assert_array_equal(few, many[:, [2, 0]])
+
+
+def test_a_budget_has_results_of_all_joints_and_contains_the_best(small_joint):
     budget = uncertainty_budget(*small_joint, CONDITIONS)
     drawn = budget.results[budget.results.source == ALL]
     assert len(drawn) == DRAWS
-    for name in QUANTITIES:
-        low, high = budget.ranges.loc[(1, name), ["low", "high"]]
-        every = [*drawn[name], budget.results[name].iloc[0]]
-        assert (low, high) == (min(every), max(every))
     assert drawn.value.is_unique
+    for name in QUANTITIES:
+        best, low, high = budget.ranges.loc[(1, name), ["best", "low", "high"]]
+        assert low <= best == budget.results[name].iloc[0] <= high
+        assert low < high
+    printed = str(budget)
+    assert budget.text(1, CLOSURE) in printed
+    assert budget.sentences()[-1] in printed
 
 
 def test_random_values_fill_their_ranges():

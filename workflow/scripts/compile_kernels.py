@@ -1,6 +1,8 @@
 """Compile all necessary kernels before the jobs start."""
 
 import json
+import logging
+import sys
 from pathlib import Path
 
 from jointclosure.compilation.kernels import cache_folder
@@ -14,6 +16,8 @@ from jointclosure.storage.text import read_text, write_text
 def main(kernels: list[list[str]], output: str, log: Logbook) -> None:
     """Compile, and write a note with the kernels and the name of the folder of the machine code."""
     log(f"kernels are kept in {cache_folder()}")
+    # the log of Snakemake, which shows the announcement of a compilation to the user
+    logging.getLogger("jointclosure").addHandler(logging.StreamHandler(sys.__stderr__))
     for kernel in kernels:
         compiled(*kernel)
         log(", ".join(kernel))

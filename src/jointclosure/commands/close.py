@@ -148,27 +148,27 @@ def run(arguments) -> int:
     """Close the joint and write its folder; return 1 if the simulation failed."""
     import jointclosure.plotting.scanned_joint  # noqa: F401  an extra that may be missing
 
+    start = time.perf_counter()
     check_animation(arguments.animation)
     check_can_be_made(arguments.output)
     ranges = _ranges(arguments.range)
     settings = _settings(arguments)
     pair = _pair(arguments, settings)
     print("\n".join(f"- {line}" for line in pair.report))
-    start = time.perf_counter()
     joint = _closed(settings, pair, arguments, ranges)
-    spent = duration(time.perf_counter() - start)
     if not arguments.single:
         with bar("range") as report:
             joint = with_range(joint, ranges, report)
     print(summary(joint.history, joint.budget))
-    print(f"{status_text(joint.history)}; {spent}")
-    for line in cautions(pair.report):  # repeat them below the numbers that they concern
-        print(f"- {line}")
     title = f"{arguments.upper.name} on {arguments.lower.name}"
     joint = joint._replace(history=write_animation(joint.history, arguments, title))
     names = replace_files(
         arguments.output, "close", lambda folder: _write(joint, settings, folder, title)
     )
+    warned = len(cautions(pair.report))
+    above = f"; warnings above: {warned}" if warned else ""
+    spent = duration(time.perf_counter() - start)
+    print(f"{status_text(joint.history)}; {spent} in all{above}")
     print(f"wrote {arguments.output}: {', '.join(names)}")
     return 1 if int(joint.history.status) >= FAILURE else 0
 
@@ -222,12 +222,6 @@ def _pair(arguments, settings: Configured) -> RegisteredPair:
         read_wall(path, walls.units, walls.spacing, walls.variable)
         for path in (walls.upper, walls.lower)
     )
-    for name, scan in (
-        ("upper", upper),
-        ("lower", lower),
-    ):  # before registration, which may take minutes
-        for remark in () if isinstance(scan, str) else cautions(scan.remarks):
-            print(f"- {name} wall: {remark}")
     allowed = settings.typed.study.unusual_values == "allow"
     return brought_together(upper, lower, walls, spacing, allowed)
 

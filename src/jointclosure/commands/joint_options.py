@@ -13,7 +13,7 @@ from jointclosure.config.configuration import Configured, configured, merged, me
 from jointclosure.config.files import value_of
 from jointclosure.config.rocks import other_rocks
 from jointclosure.engineering.curves import curve_table, cycle_table, has_flow
-from jointclosure.ensemble.uncertainty import Budget
+from jointclosure.ensemble.budget import Budget
 from jointclosure.inputs import InputError
 from jointclosure.jobs.progress import bar
 from jointclosure.joint.conditions import Conditions
@@ -224,8 +224,7 @@ def summary(closed: xr.Dataset, budget: Budget | None = None) -> str:
         [
             "gross closure contains the elastic indentation of the half-spaces, net does not"
             f"; closures since {seating:g} MPa",
-            budget.table().to_string(),
-            *(f"- {line}" for line in budget.sentences()),
+            str(budget),
         ]
         if budget
         else [

@@ -32,12 +32,13 @@ _COLUMNS = [
 
 
 class Law(NamedTuple):
-    """Law of closure: parameters with units, closure as a function of stress, and a first guess.
+    """Law of closure: parameters, closure as a function of stress, and a first guess.
 
+    ``parameters`` have their names and units by the column that they have in files.
     ``closure(stress, seating, *parameters)`` in MPa and mm; ``guess(stress, closure, seating)``.
     """
 
-    parameters: tuple[str, ...]
+    parameters: dict[str, tuple[str, str]]
     closure: Callable[..., np.ndarray]
     guess: Callable[[np.ndarray, np.ndarray, float], tuple[float, ...]]
 
@@ -75,10 +76,26 @@ def _guess_power(stress, closure, seating) -> tuple[float, ...]:
 
 
 LAWS = {
-    "hyperbolic": Law(("kni_MPa_per_mm", "vm_mm"), _hyperbola, _guess_hyperbola),
-    "semi_logarithmic": Law(("p", "q_per_mm"), _semi_logarithmic, _guess_semi_logarithmic),
-    "power": Law(("c_mm", "m"), _power, _guess_power),
+    "hyperbolic": Law(
+        {
+            "kni_MPa_per_mm": ("initial stiffness kni", "MPa/mm"),
+            "vm_mm": ("largest closure Vm", "mm"),
+        },
+        _hyperbola,
+        _guess_hyperbola,
+    ),
+    "semi_logarithmic": Law(
+        {"p": ("p", "log10 MPa"), "q_per_mm": ("q", "1/mm")},
+        _semi_logarithmic,
+        _guess_semi_logarithmic,
+    ),
+    "power": Law({"c_mm": ("c", "mm/MPa^m"), "m": ("m", "")}, _power, _guess_power),
 }
+
+
+def law_words(name: str) -> str:
+    """Return the name of a law in words."""
+    return name.replace("_", "-")
 
 
 def law_curves(
@@ -187,9 +204,13 @@ def describe_law(fits: pd.DataFrame, cycle: int, branch: str) -> str:
     if not rows.rms_mm.notna().any():
         return f"cycle {cycle}, {branch}: no law could be fitted"
     best = rows[rows.rms_mm == rows.rms_mm.min()]
-    words = ", ".join(f"{row.parameter} = {row.value:.4g}" for row in best.itertuples(index=False))
     first = best.iloc[0]
+    parts = []
+    for row in best.itertuples(index=False):
+        title, unit = LAWS[first.law].parameters[row.parameter]
+        parts.append(f"{title} = {row.value:.4g} {unit}".strip())
     return (
-        f"cycle {cycle}, {branch}: {first.law} ({words}), rms error {first.rms_mm:.2g} mm, "
-        f"valid from {first.holds_from_MPa:.3g} to {first.holds_to_MPa:.3g} MPa"
+        f"cycle {cycle}, {branch}: {law_words(first.law)} ({', '.join(parts)}), rms error "
+        f"{first.rms_mm:.2g} mm, valid from {first.holds_from_MPa:.3g} to "
+        f"{first.holds_to_MPa:.3g} MPa"
     )

@@ -11,9 +11,10 @@ import xarray as xr
 from jointclosure.config.rocks import given_rock, rock_text
 from jointclosure.config.units import to_si
 from jointclosure.engineering.curves import cycle_table
+from jointclosure.ensemble.budget import Budget
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.expected_cost import check_cells, expected_cost
-from jointclosure.ensemble.uncertainty import Budget, uncertainty_budget
+from jointclosure.ensemble.uncertainty import uncertainty_budget
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
 from jointclosure.joint.loading import describe_load
@@ -78,6 +79,10 @@ class ClosedJoint(NamedTuple):
             f"({gross} mm gross) since {seating:g} MPa "
             f"({load}){failed}>"
         )
+
+    def __str__(self) -> str:
+        """Return the line of `repr`, and below it the range of all results and its reasons."""
+        return repr(self) if self.budget is None else f"{self!r}\n{self.budget}"
 
     def _closure(self, column: str, table: pd.DataFrame) -> list[str]:
         """Format a closure of each cycle, with its range if that is known."""

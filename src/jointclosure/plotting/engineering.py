@@ -6,7 +6,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from jointclosure.engineering.curves import curve_table, has_flow
-from jointclosure.engineering.laws import LAWS, fitted_laws, law_curves
+from jointclosure.engineering.laws import LAWS, fitted_laws, law_curves, law_words
 from jointclosure.joint.protocol import LOADING
 from jointclosure.plotting.joint import draw_stiffness
 from jointclosure.plotting.style import BRANCH_LINES, above, styled, subplots
@@ -54,7 +54,7 @@ def _draw_closure(axes, history: xr.Dataset) -> None:
             law = LAWS[name].closure(stress, seating, *rows.value)
             axes.plot(law, stress, style, color="0.25", lw=1.0)
     for style, name in zip((":", "-.", "--"), LAWS, strict=True):
-        axes.plot([], [], style, color="0.25", lw=1.0, label=name.replace("_", "-"))
+        axes.plot([], [], style, color="0.25", lw=1.0, label=law_words(name))
     axes.set(
         title="loading, and laws fitted to it", ylim=0.0,
         xlabel=f"net closure since {seating:g} MPa (mm)", ylabel="normal stress (MPa)",

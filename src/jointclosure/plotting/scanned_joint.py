@@ -4,7 +4,7 @@ import numpy as np
 import seaborn as sns
 from matplotlib.figure import Figure
 
-from jointclosure.ensemble.uncertainty import ALL, TITLES, Budget
+from jointclosure.ensemble.budget import ALL, TITLES, Budget
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.surface.registration import CLEAR, RegisteredPair
 

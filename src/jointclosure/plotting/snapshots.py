@@ -40,7 +40,7 @@ def snapshot_figure(closed: xr.Dataset, title: str) -> Figure:
     number = closed.sizes["snapshot"]
     blocks = math.ceil(math.sqrt(number / _ROWS))
     rows = math.ceil(number / blocks)
-    size = 3.5 / blocks
+    size = max(3.5 / blocks, 2.2)
     figure, panels = panel_grid(
         rows, 3 * blocks, (size, size - 0.1), (0.0, 1.3), sharex=True, sharey=True
     )
@@ -55,7 +55,7 @@ def snapshot_figure(closed: xr.Dataset, title: str) -> Figure:
             if group == 0:
                 draw_contacts(axes, closed, k)
             words = [titles[k][0]] * (blocks > 1 and group > 0) + [titles[k][group]]
-            axes.set_title("\n".join(words), fontsize=9.0 if blocks == 1 else 6.5)
+            axes.set_title("\n".join(words), fontsize=9.0)
         figure.colorbar(
             image, ax=columns, label=drawn.label, location="top", aspect=30, pad=0.01,
             extend=drawn.beyond,

@@ -4,10 +4,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.engineering.curves import KINDS, cycle_table
-from jointclosure.engineering.laws import fitted_laws
+from jointclosure.engineering.curves import KINDS, cycle_table, net_responses
+from jointclosure.engineering.laws import LAWS, fitted_laws, law_words
 from jointclosure.engineering.stiffness import stiffness_table
-from jointclosure.ensemble.uncertainty import QUANTITIES
+from jointclosure.ensemble.budget import QUANTITIES
 from jointclosure.report.page import Picture
 from jointclosure.report.sheets import Sheet, number_text, sheet
 
@@ -21,7 +21,7 @@ def joint_content(history: xr.Dataset, record: dict, pictures: list[Picture]) ->
     return {
         "title": record.get("title", "a rough joint"),
         "joint": record["joint"].strip("<>").removeprefix("ClosedJoint: "),
-        "finding": joint_finding(cycles, stiffness, history, record.get("range", [])),
+        "finding": joint_finding(cycles, history, record.get("range", [])),
         "warnings": record.get("warnings", []),
         "about_range": record.get("about_range", []),
         "found": record["found"],
@@ -43,36 +43,37 @@ def joint_content(history: xr.Dataset, record: dict, pictures: list[Picture]) ->
     }
 
 
-def joint_finding(
-    cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dataset, ranges: list[dict]
-) -> str:
-    """Describe closure, residual closure and stiffness of the joint, net and gross."""
+def joint_finding(cycles: pd.DataFrame, history: xr.Dataset, ranges: list[dict]) -> str:
+    """Describe closure, residual closure and stiffness of the joint, with ranges if known."""
     texts = {(entry["cycle"], entry["quantity"]): entry["text"] for entry in ranges}
+    largest = float(history.normal_stress.max())
+    stiffness = 1e-9 * net_responses(history, largest)["stiffness_net"]
+    known = cycles.assign(stiffness_net_MPa_per_mm=stiffness[cycles.cycle - 1]).set_index("cycle")
+
+    def text(name: str, cycle: int = 1) -> str:
+        return texts.get((cycle, name), number_text(known.loc[cycle, name], 3))
+
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
-    first = cycles.iloc[0]
-    net, gross = (
-        texts.get((1, name), number_text(first[name], 3))
-        for name in ("closure_net_since_seating_mm", "closure_gross_since_seating_mm")
+    words = (
+        f"From {seating:g} MPa on the joint closes {text('closure_net_since_seating_mm')} mm in "
+        "its first cycle"
     )
-    text = f"From {seating:g} MPa on the joint closes {net} mm in its first cycle"
-    if np.isfinite(first.residual_share_net):
-        text += f", of which {100.0 * first.residual_share_net:.0f} % stay"
-    known = stiffness[
-        (stiffness.branch == "loading")
-        & stiffness.normal_stiffness_net_MPa_per_mm.notna()
-        & ~stiffness.landing
+    if np.isfinite(known.residual_net_at_seating_mm[1]):
+        words += f", of which {text('residual_net_at_seating_mm')} mm stay"
+    stiff = [
+        f"{text('stiffness_net_MPa_per_mm', cycle)} MPa/mm in cycle {cycle}"
+        for cycle in sorted({1, known.index[-1]})
+        if np.isfinite(known.stiffness_net_MPa_per_mm[cycle])
     ]
-    if len(known):
-        middle = known.normal_stress_MPa.unique()[known.normal_stress_MPa.nunique() // 2]
-        here = known[known.normal_stress_MPa == middle].drop_duplicates("cycle")
-        stiffness_words = " and ".join(
-            f"{number_text(row.normal_stiffness_net_MPa_per_mm, 3)} MPa/mm in cycle {row.cycle}"
-            for row in here.iloc[[0, -1] if len(here) > 1 else [0]].itertuples()
+    if stiff:
+        words += (
+            f"; its normal stiffness, the chord of loading above {0.5e-6 * largest:.3g} MPa, "
+            f"is {' and '.join(stiff)}"
         )
-        text += f"; its normal stiffness at {middle:.3g} MPa is {stiffness_words}"
     return (
-        f"{text}. These are net; with the elastic indentation of the half-spaces, which is no "
-        f"property of the joint, the first cycle closes {gross} mm (gross)."
+        f"{words}. These are net; with the elastic indentation of the half-spaces, which is no "
+        f"property of the joint, the first cycle closes {text('closure_gross_since_seating_mm')} "
+        "mm (gross)."
     )
 
 
@@ -86,10 +87,12 @@ def _by_stress(stiffness: pd.DataFrame, kind: str) -> pd.DataFrame:
 
 def _stiffness_sheet(stiffness: pd.DataFrame, kind: str) -> Sheet:
     by_stress = _by_stress(stiffness, kind)
+    chord = float((stiffness.to_MPa - stiffness.from_MPa).iloc[0])
     return sheet(
         f"stiffness-{kind}",
-        f"{kind.capitalize()} normal stiffness kn (MPa/mm) by chords between stresses; a dash "
-        "near the maximum of loading, where small steps break less",
+        f"{kind.capitalize()} normal stiffness kn (MPa/mm) at the middle of chords between "
+        f"stresses {chord:.2g} MPa apart (In short has a longer chord); a dash near the maximum "
+        "of loading, where small steps break less",
         by_stress,
         {name: name for name in by_stress},
     )
@@ -129,10 +132,15 @@ def _sheets(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dataset) 
         "holds_from_MPa": "Valid from (MPa)",
         "holds_to_MPa": "to (MPa)",
     }
+    laws = fitted_laws(history)
+    titles = {
+        column: f"{title} ({unit})" if unit else title
+        for law in LAWS.values()
+        for column, (title, unit) in law.parameters.items()
+    }
+    laws["parameter"], laws["law"] = laws.parameter.map(titles), laws.law.map(law_words)
     return [
         sheet("cycles", "Closure by cycle", cycles, per_cycle),
         *(_stiffness_sheet(stiffness, kind) for kind in KINDS),
-        sheet(
-            "laws", "Laws fitted to the net closure of each branch", fitted_laws(history), of_law
-        ),
+        sheet("laws", "Laws fitted to the net closure of each branch", laws, of_law),
     ]

@@ -1,0 +1,245 @@
+"""Uncertainty budget of a joint: ranges of its results, and the share of each source in them.
+
+The change of a result is expected to be the sum of its changes with each source varied alone.
+Joints depart from it, because sources act together and breakage takes another order. The departures
+are those of joints that were closed with random values of all sources. The range is between the 5
+and 95 % quantiles of the expected changes for further random values, which need no closures, with
+each of these departures: the sum is a control variate, with which few closures suffice. Values are
+propagated as in JCGM 101:2008. Changes of positive results are changes of logarithms, because the
+model's open choices act as factors. The share of a source is that of its squared changes, up and
+down.
+"""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from jointclosure.config.measured_joints import measured_range
+from jointclosure.parameters import OF_ROCK, key_of
+
+QUANTITIES = {
+    "closure_net_since_seating_mm": "net closure (mm)",
+    "residual_net_at_seating_mm": "net residual closure (mm)",
+    "closure_gross_since_seating_mm": "gross closure (mm)",
+    "stiffness_net_MPa_per_mm": "net stiffness in the upper half of loading (MPa/mm)",
+    "mean_aperture_at_max_mm": "mean aperture (mm)",
+    "contact_at_max": "share of cells in contact",
+}
+"""Results with a range, by column: of `cycle_table`, and the net stiffness of
+`jointclosure.engineering.curves.net_responses`."""
+
+TITLES = {
+    "spacing": "grid spacing",
+    "breakage": "breakage rule",
+    "alignment": "alignment",
+    "peak_modulus_ratio": "peak modulus ratio",
+    "base_radius_in_cells": "base radius",
+    "peaks": "peaks while walls break",
+} | {name: about.long_name for name, about in OF_ROCK.items()}
+"""Sources of uncertainty by name."""
+
+MEASURED = (
+    "measured joints: {:.2g} to {:.2g} mm of closure on the first loading to 10 MPa; a later "
+    "loading was {:.2g} to {:.2g} times as stiff, as the model's second cycle is, but {:.2g} to "
+    "{:.2g} % of its closure stayed, of which the model has none unless the joint is reseated "
+    "(docs/validation.md)"
+).format(
+    *measured_range("first_closure"),
+    *measured_range("stiffness_ratio"),
+    *measured_range("later_residual_share"),
+)
+"""What is known of the model from three measured granodiorite joints."""
+
+ALL = "all together"
+"""Source of the variants in which all sources have random values."""
+OUTSIDE = 0.05
+"""Probability of a result below the range, and of one above it."""
+
+
+class Source(NamedTuple):
+    """A source of uncertainty: its ends, or its alternatives (the value of the joint first)."""
+
+    values: tuple
+    continuous: bool = False
+
+    def at(self, share: float) -> Any:
+        """Return the value at a share, in [0, 1), of its range or of its alternatives."""
+        if not self.continuous:
+            return self.values[int(share * len(self.values))]
+        low, high = self.values
+        return low * (high / low) ** share if low > 0.0 else low + share * (high - low)
+
+    def changes_at(self, changes: np.ndarray, shares: np.ndarray) -> np.ndarray:
+        """Return the change of a result at shares (n,), from that at each varied value (k,).
+
+        Linear between the ends of a range. A change that is not known counts as 0.
+        """
+        changes = np.nan_to_num(changes)
+        if self.continuous:
+            return changes[0] + shares * (changes[1] - changes[0])
+        return np.append(0.0, changes)[(shares * len(self.values)).astype(int)]
+
+
+class Budget(NamedTuple):
+    """Uncertainty budget of a closed joint.
+
+    Attributes
+    ----------
+    results : DataFrame
+        One row per variant and cycle: ``source``, ``value``, ``status``, ``cycle`` and `QUANTITIES`
+        (NaN if the variant could not be closed). The source of the joint itself is "", that of
+        joints in which all sources have random values is `ALL`.
+    ranges : DataFrame
+        Over (cycle, quantity): ``best``; ``low`` and ``high``, between which 9 in 10 joints with
+        random values lie; and the share of each source, which sum to 1.
+    omitted : tuple of str
+        Sources that were not varied because no range of them is stated.
+    """
+
+    results: pd.DataFrame
+    ranges: pd.DataFrame
+    omitted: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return "\n".join([self.table().to_string(), *(f"- {line}" for line in self.sentences())])
+
+    def sentences(self) -> list[str]:
+        """Describe what the range is due to, what it leaves out, and what is known of the model."""
+        closure = next(iter(QUANTITIES))
+        cycles = self.ranges.index.unique("cycle")
+        lines = [
+            f"{QUANTITIES[closure]}, cycle {cycle}: the range is due to "
+            f"{self.largest_shares(cycle, closure)}"
+            for cycle in (cycles if len(cycles) < 3 else cycles[[0, -1]])
+        ]
+        failed = self.results.loc[self.results[closure].isna(), ["source", "value"]]
+        for source, rows in failed.drop_duplicates().groupby("source"):
+            count = f"{len(rows)} joints with random values" if source == ALL else TITLES[source]
+            lines.append(f"not closed, and not in the range: {count} ({rows.value.iloc[0]})")
+        if self.omitted:
+            names = ", ".join(TITLES[name] for name in self.omitted)
+            lines.append(
+                f"taken as exact: {names} (--range {key_of(self.omitted[-1])} LOW HIGH, or "
+                "ranges= in Python, adds what is known of them)"
+            )
+        return [*lines, MEASURED]
+
+    def record(self) -> list[dict]:
+        """Return `ranges` for JSON, one entry per cycle and quantity."""
+        rows = self.ranges.astype(object).where(self.ranges.notna(), None)
+        return [
+            {"cycle": cycle, "quantity": quantity, "text": self.text(cycle, quantity)}
+            | row[["best", "low", "high"]].to_dict()
+            | {"shares": row.drop(["best", "low", "high"]).to_dict()}
+            for (cycle, quantity), row in rows.iterrows()
+        ]
+
+    def table(self) -> pd.DataFrame:
+        """Return the results as text, quantities over cycles."""
+        cycles = self.ranges.index.unique("cycle")
+        return pd.DataFrame(
+            {f"cycle {cycle}": [self.text(cycle, name) for name in QUANTITIES] for cycle in cycles},
+            index=list(QUANTITIES.values()),
+        )
+
+    def text(self, cycle: int, quantity: str) -> str:
+        """Format a result with two digits, as in "0.18 (0.13 to 0.24)".
+
+        Numbers are 0 if they are next to nothing of the width of the range.
+        """
+        values = self.ranges.loc[cycle, quantity][["best", "low", "high"]].to_numpy(float)
+        least = 0.005 * (values[2] - values[1])
+        best, low, high = (_two_digits(0.0 if abs(v) < least else v) for v in values)
+        return f"{best} ({low} to {high})"
+
+    def largest_shares(self, cycle: int, quantity: str, count: int = 3) -> str:
+        """Name the sources with the largest shares in a range, as in "alignment 60 %"."""
+        shares = self.ranges.loc[cycle, quantity].drop(["best", "low", "high"]).dropna()
+        largest = shares.astype(float).sort_values(ascending=False).head(count)
+        return ", ".join(f"{TITLES[name]} {100.0 * share:.0f} %" for name, share in largest.items())
+
+
+def _two_digits(value: float) -> str:
+    """Format a number with two significant digits and no exponent."""
+    if not abs(value) > 1e-12:  # rounding of closures that are 0
+        return "nan" if np.isnan(value) else "0"
+    decimals = 1 - int(np.floor(np.log10(abs(float(f"{value:.1e}")))))
+    return f"{round(value, decimals):.{max(decimals, 0)}f}"
+
+
+def ranges_of(
+    results: pd.DataFrame, sources: Mapping[str, Source], shares: np.ndarray, further: np.ndarray
+) -> pd.DataFrame:
+    """Compute `Budget.ranges`.
+
+    Parameters
+    ----------
+    results : DataFrame
+        `Budget.results`.
+    sources : mapping
+        Sources of uncertainty by name.
+    shares : array (draws, sources)
+        Random values of the joints that were closed with `ALL`, as for `Source.at`.
+    further : array (any, sources)
+        Further random values.
+    """
+    rows = {}
+    for cycle, of_cycle in results.groupby("cycle"):
+        for quantity in QUANTITIES:
+            values = of_cycle.groupby("source")[quantity].apply(np.array).to_dict()
+            best = float(values.pop("")[0])
+            known = np.concatenate([[best], *values.values()])
+            factors = bool(np.all(known[np.isfinite(known)] > 0.0))
+            changes = {
+                name: np.log(of_source / best) if factors else of_source - best
+                for name, of_source in values.items()
+            }
+            drawn = changes.pop(ALL)
+            sums = (_sums(sources, changes, of_joints) for of_joints in (shares, further))
+            low, high = _ends(drawn, *sums)
+            ends = best * np.exp([low, high]) if factors else best + np.array([low, high])
+            rows[cycle, quantity] = dict(zip(("best", "low", "high"), (best, *ends), strict=True))
+            rows[cycle, quantity] |= shares_of(changes)
+    index = pd.MultiIndex.from_tuples(rows, names=["cycle", "quantity"])
+    return pd.DataFrame(list(rows.values()), index=index)
+
+
+def _sums(
+    sources: Mapping[str, Source], changes: Mapping[str, np.ndarray], shares: np.ndarray
+) -> np.ndarray:
+    """Return the sums (n,) of the changes with each source alone at shares (n, sources)."""
+    columns = zip(sources.items(), shares.T, strict=True)
+    return np.sum([source.changes_at(changes[name], at) for (name, source), at in columns], axis=0)
+
+
+def _ends(drawn: np.ndarray, sums: np.ndarray, further: np.ndarray) -> tuple[float, float]:
+    """Return the smallest and largest change of the range, of which 0 is a part.
+
+    ``drawn`` (draws,) are the changes of closed joints, ``sums`` those expected of them, and
+    ``further`` (any,) those expected of further joints. Expected changes are reduced if joints
+    change less (a slope below 1, as sources with the same effect do not add up). Departures from
+    them are scaled from a sample to a further joint.
+    """
+    known = np.isfinite(drawn)
+    drawn, sums, slope, departures = drawn[known], sums[known], 1.0, np.zeros(1)
+    if drawn.size > 1:
+        centred = sums - sums.mean()
+        square = float(centred @ centred)
+        slope = float(np.clip(centred @ drawn / square, 0.0, 1.0)) if square > 0.0 else 1.0
+        departures = drawn - slope * sums
+        centre, scale = departures.mean(), np.sqrt((drawn.size + 1) / (drawn.size - 1))
+        departures = centre + scale * (departures - centre)
+    low, high = np.quantile(slope * further[:, None] + departures, [OUTSIDE, 1.0 - OUTSIDE])
+    return min(float(low), 0.0), max(float(high), 0.0)
+
+
+def shares_of(changes: Mapping[str, np.ndarray]) -> dict[str, float]:
+    """Return the share of each source in the sum of squared changes, up and down."""
+    squares = {}
+    for name, values in changes.items():
+        finite = values[np.isfinite(values)]
+        squares[name] = finite.max(initial=0.0) ** 2 + finite.min(initial=0.0) ** 2
+    total = sum(squares.values()) or np.nan
+    return {name: square / total for name, square in squares.items()}
