@@ -55,10 +55,11 @@ class BearingLaw(NamedTuple):
 class Estimate(NamedTuple):
     """Result of `estimate`, with arrays if stresses are an array.
 
-    ``closure`` [m] from first touch. ``crushed_fraction`` of the area. ``rms_error``: root mean
-    square of the relative error of closures of single joints at such a stress, for the rock and
-    roughness with the largest error; NaN if it was not measured. ``roll_off`` [m]: that of the
-    walls whose constants were used; None for walls with waves of all lengths.
+    ``closure`` [m] from first touch, gross: with the elastic indentation of the half-spaces.
+    ``crushed_fraction`` of the area. ``rms_error``: root mean square of the relative error of
+    closures of single joints at such a stress, for the rock and roughness with the largest error;
+    NaN if it was not measured. ``roll_off`` [m]: that of the walls whose constants were used; None
+    for walls with waves of all lengths.
     """
 
     closure: float | np.ndarray
@@ -72,8 +73,8 @@ class Estimate(NamedTuple):
             for values, scale in zip(self[:3], (1e3, 100.0, 100.0), strict=True)
         )
         return (
-            f"<Estimate: closes {closure} mm from first touch (rms error {error} %), {crushed} % "
-            "of the area crushed>"
+            f"<Estimate: closes {closure} mm gross, from first touch (rms error {error} %), "
+            f"{crushed} % of the area crushed>"
         )
 
 
@@ -151,7 +152,7 @@ def estimate(
     modulus. Constants are those of walls with a roll-off of 3 mm or without roll-off, selected by
     the RMS height over slope of the given walls. They were fitted to joints of 25 mm at a spacing
     of 0.25 mm and JRC 5 to 10; at other spacings, sizes and JRC the error is that of joints
-    simulated there (`jointclosure.surrogate.domain`).
+    simulated there (`jointclosure.surrogate.domain`), or that of the constants if it is larger.
     """
     check_length("spacing", spacing)
     upper, lower = checked_walls(upper, lower, spacing)
@@ -200,7 +201,8 @@ def _tested_law(
         for name in _LOADS:
             if name in named:
                 return kind, unknown, named[name]
-        return kind, errors_at(nodes, ratio), ""
+        # few joints of one rock at a node: not a proof of errors below those of the constants
+        return kind, np.fmax(errors_at(nodes, ratio), _worst(kind.errors, ratio)), ""
     domain = next(found for kind, found in around if kind is chosen)
     return chosen, unknown, _nearest_domain(domain, next(iter(outside.values())))
 
