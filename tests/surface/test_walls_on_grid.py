@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import scipy
 
 import jointclosure as jc
 from jointclosure.statistics.randomness import generator, seed_of
@@ -9,6 +10,7 @@ from jointclosure.surface.measured import (
     Cloud,
     Scan,
     filled,
+    heights_between,
     point_distance,
     wall_on_grid,
     windows,
@@ -69,6 +71,18 @@ def test_a_smooth_wall_survives_another_spacing():
     assert found.shape == (57, 64)
     # but for the plane, which is that of the finer grid
     np.testing.assert_allclose(detrended(found), detrended(smooth(*coarse)), atol=2e-8)
+
+
+def test_heights_between_dense_points_are_those_of_all_triangles():
+    places = np.random.default_rng(1).uniform(0.0, 0.01, (20_000, 2))
+    heights = 1e-4 * np.sin(900.0 * places[:, 0]) * np.cos(700.0 * places[:, 1])
+    axis = np.linspace(1e-3, 9e-3, 30)
+    nodes = np.stack(np.meshgrid(axis, axis), axis=-1)
+    found = heights_between(places, heights, nodes, 1e-3)
+    whole = scipy.interpolate.LinearNDInterpolator(places, heights)(nodes)
+    difference = np.abs(found - whole)
+    assert np.mean(difference < 1e-12) > 0.9
+    assert difference.max() < 2e-7  # other triangles of points as near
 
 
 def test_resampling_gives_no_height_where_a_neighbour_has_none(wall):

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.inputs import InputError
+from jointclosure.surface.outliers import unique_places
 
 LARGEST_OFFSET = 0.05
 """Largest distance of a point from its node, over the step of the grid, due to rounding in
@@ -79,7 +80,7 @@ def merged_points(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     InputError
         If more than `MOST_AMBIGUOUS` of the places have several heights.
     """
-    numbers = np.unique(points[:, :2], axis=0, return_inverse=True)[1].ravel()
+    numbers = unique_places(points[:, :2])[1]
     if not len(points) or numbers.max() + 1 == len(points):
         return points, ()
     first = np.unique(numbers, return_index=True)[1]

@@ -16,6 +16,9 @@ LARGEST_TILT = 20.0
 """Largest inclination of a scan's mean plane [degrees] for which heights represent a wall."""
 REACH = 2.0
 """Distance, in mean point distances, within which a cell needs a point to have a height."""
+NEAREST = 12
+"""Number of points around a node of the grid that are triangulated. A Delaunay triangle of all
+points whose corners are among them is one of theirs too; points in between are not needed."""
 MOST_CELLS_PER_POINT = 100
 """Largest number of cells of a grid for each point; with more, nearly all cells are far from
 points."""
@@ -207,14 +210,17 @@ def heights_between(
 ) -> np.ndarray:
     """Interpolate heights at nodes (..., 2) linearly in the triangles between places (n, 2).
 
-    NaN outside of all triangles and farther than ``reach`` from every place. All in metres.
+    Only the `NEAREST` places of each node are triangulated. NaN outside of all triangles and
+    farther than ``reach`` from every place. All in metres.
     """
+    count = min(NEAREST, len(places))
+    distances, near = scipy.spatial.cKDTree(places).query(nodes, k=np.arange(1, count + 1))
+    used = np.zeros(len(places), bool)
+    used[near] = True
     # the triangulation is most robust for coordinates of order one about zero
     centre, scale = places.mean(axis=0), np.ptp(places)
-    between = scipy.interpolate.LinearNDInterpolator((places - centre) / scale, heights)
-    wall = between((nodes - centre) / scale)
-    nearest = scipy.spatial.cKDTree(places).query(nodes, distance_upper_bound=reach)[0]
-    return np.where(np.isfinite(nearest), wall, np.nan)
+    between = scipy.interpolate.LinearNDInterpolator((places[used] - centre) / scale, heights[used])
+    return np.where(distances[..., 0] <= reach, between((nodes - centre) / scale), np.nan)
 
 
 def _resampled(scan: Scan, spacing: float, start: tuple[float, float]) -> np.ndarray:

@@ -47,16 +47,27 @@ def _apart(places: np.ndarray) -> np.ndarray:
     if not (distances > 0.0).any():
         return np.zeros(len(places), bool)
     size = LINK * float(np.median(distances[distances > 0.0]))
-    cells, of_point = np.unique(np.floor(places / size), axis=0, return_inverse=True)
+    cells, of_point = unique_places(np.floor(places / size))
     pairs = scipy.spatial.cKDTree(cells).query_pairs(1.5, p=np.inf, output_type="ndarray")
     links = scipy.sparse.coo_array(
         (np.ones(len(pairs), bool), (pairs[:, 0], pairs[:, 1])), shape=(len(cells), len(cells))
     )
-    patch = scipy.sparse.csgraph.connected_components(links, directed=False)[1][of_point.ravel()]
+    patch = scipy.sparse.csgraph.connected_components(links, directed=False)[1][of_point]
     members = np.bincount(patch)
     small = members < SMALLEST_PATCH * len(places)
     small[members.argmax()] = False
     return small[patch]
+
+
+def unique_places(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the different places (m, 2) in order of x and y, and the number of each place (n,).
+
+    Complex numbers are sorted in this order, and several times as fast as rows.
+    """
+    unique, numbers = np.unique(
+        np.ascontiguousarray(places, dtype=float).view(complex).ravel(), return_inverse=True
+    )
+    return unique.view(float).reshape(-1, 2), numbers
 
 
 def spikes(points: np.ndarray) -> np.ndarray:
