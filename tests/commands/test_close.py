@@ -10,7 +10,7 @@ import jointclosure as jc
 from jointclosure.commands import cli
 from jointclosure.commands.engineering_files import FIGURES
 from jointclosure.ensemble import scanned_joint
-from jointclosure.ensemble.budget import ALL
+from jointclosure.ensemble.budget import ALL, MEASURED, QUANTITIES, Budget
 from jointclosure.inputs.remarks import cautions
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.surface.registration import registered
@@ -86,7 +86,16 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, cap
     assert "72 x 64 cells of 0.25 mm (18 x 16 mm)" in line
     net = [f"{value:.4g}" for value in cycles.closure_net_since_seating_mm]
     assert f"closes {', '.join(net)} mm net" in line
+    assert str(library) == line
     assert "\n" not in line
+    ends = {"best": 0.18, "low": 0.13, "high": 0.24, "spacing": 0.75, "breakage": 0.25}
+    index = pd.MultiIndex.from_product([[1, 2], QUANTITIES], names=["cycle", "quantity"])
+    ranges = pd.DataFrame([ends] * len(index), index)
+    results = pd.DataFrame({"source": [""], "value": [""]} | dict.fromkeys(QUANTITIES, [0.18]))
+    printed = str(library._replace(budget=Budget(results, ranges, ())))
+    assert "0.18 (0.13 to 0.24)" in printed.splitlines()[0]
+    assert "the range is due to grid spacing 75 %, breakage rule 25 %" in printed
+    assert printed.endswith(MEASURED)
 
 
 def test_flow_and_snapshots_of_scanned_walls_are_there_where_asked_for(scans, tmp_path, capsys):

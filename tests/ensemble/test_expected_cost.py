@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.ensemble.expected_cost import BYTES, SMALL, check_cells, expected_cost
+from jointclosure.ensemble.expected_cost import BYTES, SMALL, Cost, check_cells, expected_cost
 from jointclosure.joint.conditions import Conditions
 from tests.conftest import DOLERITE, SPACING
 
@@ -23,7 +23,11 @@ def test_the_cost_grows_with_the_cells_and_with_the_range():
     upper, lower = walls(160)
     assert upper.size > SMALL
     one, several = (expected_cost(upper, lower, CONDITIONS, single) for single in (True, False))
-    assert several.seconds > 5.0 * one.seconds > 0.0
+    for cost in (one, several):
+        assert 0.0 < cost.seconds[0] < cost.seconds[1]
+    assert several.seconds[0] > 5.0 * one.seconds[0]
+    text = Cost((140.0, 3900.0), 5e8).sentence(upper.shape, SPACING)
+    assert "160 x 160 cells will take about 2 min to 1 h of processor time and 0.5 GB" in text
     larger = expected_cost(*(np.tile(wall, 2) for wall in (upper, lower)), CONDITIONS, single=True)
     assert larger.memory - one.memory == BYTES * upper.size
 

@@ -171,7 +171,7 @@ def _cache() -> Finding:
 def _kernels(folder: Path) -> str:
     number = sum(1 for _ in folder.rglob("*.nbi")) if folder.is_dir() else 0
     if not number:
-        return "cold; the first joint compiles them, which takes up to a minute"
+        return "cold; the first joint compiles them, which takes about a minute of processor time"
     return f"warm, {number} kernels, {_size(folder) / 1e6:.0f} MB"
 
 

@@ -81,7 +81,8 @@ class _KernelCache(FunctionCache):
             _KernelCache.misses += 1
             if _KernelCache.misses == 1:  # because the process seems to hang
                 logging.getLogger("jointclosure").warning(
-                    "jointclosure: compiling kernels, once for this version (up to a minute)"
+                    "jointclosure: compiling kernels, once for this version (about a minute of "
+                    "processor time)"
                 )
         return overload
 

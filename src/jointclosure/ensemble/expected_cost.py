@@ -11,14 +11,13 @@ from jointclosure.ensemble.uncertainty import sources_of, variants_of
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 
-WINDOW = 64
+WINDOW = 128
 """Cells a side of the window of the walls that is closed to estimate the time."""
-EXPONENT = 1.5
-"""Power of the number of cells with which the time of a closure grows. From 64 x 64 to 200 x 200
-cells (granite, JRC 8, 10 MPa, resolved breakage) it was 1.1 for walls that mate beyond 3 mm and 2.2
-for independent walls with waves of all lengths; to 400 x 400 cells 1.3 for the former."""
-UNKNOWN = 4.0
-"""Factor by which the true time may be shorter or longer than the estimate."""
+EXPONENTS = (0.9, 2.0)
+"""Smallest and largest power of the number of cells with which the time of a closure grew, from 128
+x 128 to 200 x 200 and to 300 x 300 cells of eight pairs of walls (granite, JRC 8, 10 MPa, resolved
+breakage). It was 1.2 to 2.0 for independent walls with waves of all lengths, and 0.9 to 1.8 for
+walls that mate beyond 3 or 10 mm or have a roll-off of 3 mm."""
 BYTES = 1000
 """Memory for each cell; 1.0 kB was measured between 100 x 100 and 400 x 400 cells."""
 BASE_BYTES = 300e6
@@ -32,15 +31,15 @@ SUGGESTED = 200
 
 
 class Cost(NamedTuple):
-    """Estimated processor time [s], within a factor of `UNKNOWN`, and memory [bytes]."""
+    """Estimated cost: smallest and largest processor time [s], and memory [bytes]."""
 
-    seconds: float
+    seconds: tuple[float, float]
     memory: float
 
     def sentence(self, shape: tuple[int, int], spacing: float) -> str:
         """Describe the cost, and a coarser spacing that takes less."""
         ny, nx = shape
-        low, high = (_rounded(self.seconds * part) for part in (1.0 / UNKNOWN, UNKNOWN))
+        low, high = (_rounded(seconds) for seconds in self.seconds)
         return (
             f"{nx} x {ny} cells will take about {low} to {high} of processor time and "
             f"{1e-9 * self.memory:.1f} GB; {coarser(shape, spacing)}"
@@ -75,8 +74,8 @@ def expected_cost(
 ) -> Cost | None:
     """Estimate the cost of closing two walls (y, x) [m]; None for a joint of up to `SMALL` cells.
 
-    A window of the walls is closed twice, the second time compiled, and its time is multiplied by
-    the power `EXPONENT` of the cells, and by the closures of a range unless ``single``.
+    A window of the walls is closed once its kernels are compiled. Its time is multiplied by the
+    powers `EXPONENTS` of the cells, and by the closures of a range unless ``single``.
 
     Raises
     ------
@@ -86,26 +85,30 @@ def expected_cost(
     sources = {} if single else sources_of(conditions, (upper.shape[0], upper.shape[1]), ranges)
     if upper.size <= SMALL:
         return None
-    corners = [(size - min(size, WINDOW)) // 2 for size in upper.shape]
-    window = tuple(slice(corner, corner + WINDOW) for corner in corners)
-    for _ in range(2):
-        start = time.process_time()
-        close_walls(upper[window], lower[window], conditions)
-        seconds = time.process_time() - start
-    closures = 1.0
-    if not single:
-        closures += sum(v.step ** (-2.0 * EXPONENT) for v in variants_of(conditions, sources))
-    share = upper.size / upper[window].size
-    return Cost(seconds * share**EXPONENT * closures, BASE_BYTES + BYTES * upper.size)
+    seconds = [_time_of_window(upper, lower, size, conditions) for size in (WINDOW // 8, WINDOW)][1]
+    share = upper.size / min(upper.size, WINDOW**2)
+    variants = [] if single else list(variants_of(conditions, sources))
+    least, most = (
+        seconds * share**power * (1.0 + sum(v.step ** (-2.0 * power) for v in variants))
+        for power in EXPONENTS
+    )
+    return Cost((least, most), BASE_BYTES + BYTES * upper.size)
+
+
+def _time_of_window(
+    upper: np.ndarray, lower: np.ndarray, size: int, conditions: Conditions
+) -> float:
+    """Return the processor time [s] of closing a window of a size in the middle of two walls."""
+    corners = [(cells - min(cells, size)) // 2 for cells in upper.shape]
+    window = tuple(slice(corner, corner + size) for corner in corners)
+    start = time.process_time()
+    close_walls(upper[window], lower[window], conditions)
+    return time.process_time() - start
 
 
 def _rounded(seconds: float) -> str:
-    """Format a rough time in one unit."""
+    """Format a rough time with one digit, in one unit."""
     for unit, size in (("h", 3600.0), ("min", 60.0)):
         if seconds >= size:
-            return (
-                f"{seconds / size:.2g} {unit}"
-                if seconds < 10 * size
-                else f"{seconds / size:.0f} {unit}"
-            )
-    return f"{seconds:.0f} s"
+            return f"{float(f'{seconds / size:.1g}'):g} {unit}"
+    return f"{float(f'{seconds:.1g}'):g} s"
