@@ -47,6 +47,23 @@ def test_a_cold_start_says_what_it_is_doing_and_a_warm_one_nothing(tmp_path):
     assert said[1] == ""
 
 
+COMPILING_JOB = """
+import contextlib, io, logging, sys
+sys.path.insert(0, "workflow/scripts")
+import compile_kernels
+announce = logging.getLogger("jointclosure").warning
+compile_kernels.compiled = lambda *kernel: announce("jointclosure: compiling")
+with contextlib.redirect_stderr(io.StringIO()):
+    compile_kernels.main([["a kernel"]], sys.argv[1], lambda line: None)
+"""
+
+
+def test_a_job_that_compiles_announces_it_outside_of_its_log(tmp_path):
+    words = [sys.executable, "-c", COMPILING_JOB, str(tmp_path / "kernels.txt")]
+    ended = subprocess.run(words, capture_output=True, text=True, cwd=PACKAGE.parents[1])
+    assert (ended.returncode, ended.stderr) == (0, "jointclosure: compiling\n")
+
+
 def test_every_closure_of_a_factory_has_a_name_of_its_own():
     """Equal names, compiled in two processes, would collide where a third loads both."""
     flags = list(itertools.product([False, True], repeat=3))

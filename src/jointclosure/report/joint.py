@@ -91,8 +91,8 @@ def _stiffness_sheet(stiffness: pd.DataFrame, kind: str) -> Sheet:
     return sheet(
         f"stiffness-{kind}",
         f"{kind.capitalize()} normal stiffness kn (MPa/mm) at the middle of chords between "
-        f"stresses {chord:.2g} MPa apart (In short has a longer chord); a dash near the maximum "
-        "of loading, where small steps break less",
+        f"stresses {chord:.2g} MPa apart (the section In short has a longer one); a dash near the "
+        "maximum of loading, where small steps break less",
         by_stress,
         {name: name for name in by_stress},
     )
