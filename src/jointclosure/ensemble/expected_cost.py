@@ -88,8 +88,9 @@ def expected_cost(
     sources = {} if single else sources_of(conditions, (upper.shape[0], upper.shape[1]), ranges)
     if upper.size <= SMALL:
         return None
-    seconds = [_time_of_window(upper, lower, size, conditions) for size in (WINDOW // 8, WINDOW)][1]
-    share = upper.size / min(upper.size, WINDOW**2)
+    _time_of_window(upper, lower, WINDOW // 8, conditions)  # compiles
+    seconds, cells = _time_of_window(upper, lower, WINDOW, conditions)
+    share = upper.size / cells
     variants = [] if single else list(variants_of(conditions, sources))
     least, most = (
         factor * seconds * share**power * (1.0 + sum(v.step ** (-2.0 * power) for v in variants))
@@ -100,13 +101,13 @@ def expected_cost(
 
 def _time_of_window(
     upper: np.ndarray, lower: np.ndarray, size: int, conditions: Conditions
-) -> float:
-    """Return the processor time [s] of closing a window of a size in the middle of two walls."""
+) -> tuple[float, int]:
+    """Return the processor time [s] of closing the middle of two walls, and its cells."""
     corners = [(cells - min(cells, size)) // 2 for cells in upper.shape]
     window = tuple(slice(corner, corner + size) for corner in corners)
     start = time.process_time()
     close_walls(upper[window], lower[window], conditions)
-    return time.process_time() - start
+    return time.process_time() - start, upper[window].size
 
 
 def _rounded(seconds: float) -> str:
