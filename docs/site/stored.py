@@ -86,7 +86,9 @@ RUNS = {
     "global_sensitivity_full": Run(("global_sensitivity_estimate",)),
     "continuum": Run(("continuum", "continuum_codes"), ("continuum",)),
     "validation": Run(("validation",)),
-    "measured_fit": Run(("measured_fit", "measured_fit_readings")),
+    "measured_fit": Run(
+        tuple(f"measured_fit{part}" for part in ("", "_readings", "_known", "_example"))
+    ),
     "measured_joints": Run(
         ("measured_joints", "measured_joints_predictions"), ("measured_joints",)
     ),

@@ -41,6 +41,31 @@ def test_the_command_finds_what_the_library_does(curve, tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
+    ("words", "roll_off", "breakage"),
+    [
+        ([], None, "resolved"),
+        (["--config", "{}"], 2.0, "resolved"),
+        (
+            ["--set", "numerics.breakage=fixed_step", "surface.hurst=0.7", "--surfaces", "8"],
+            None,
+            "fixed_step",
+        ),
+    ],
+)
+def test_stated_assumptions_replace_those_of_scanned_joints(
+    curve, tmp_path, capsys, words, roll_off, breakage
+):
+    config = tmp_path / "mine.yaml"
+    config.write_text("surface: {roll_off_mm: 2}\n")
+    given = [word.format(config) for word in words]
+    said(capsys, curve, *SMALL, *given, "--output", tmp_path / "fitted")
+    record = json.loads((tmp_path / "fitted/fit.json").read_text())
+    keys = json.loads(record["provenance"]["configuration"])
+    assert keys["surface"]["roll_off_mm"] == roll_off
+    assert keys["numerics"]["breakage"] == breakage
+
+
+@pytest.mark.parametrize(
     ("words", "message"),
     [
         (["{}", "--rock", "granite"], "--jrc: must be given"),

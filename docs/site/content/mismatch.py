@@ -101,6 +101,28 @@ measured_readings = Table(
     },
     prepare=lambda table: table[table.side_mm == table.side_mm.max()],
 )
+known_wavelengths = Table(
+    "measured_fit/measured_fit_known",
+    {
+        "mismatch wavelength (mm)": _walls,
+        "fits": "{fits}",
+        "intervals that contain it": "{contain}",
+        "median estimate (mm)": lambda group: _length(group["median_mm"]),
+        "not explained": "{unexplained}",
+    },
+)
+example_joint = Table(
+    "measured_fit/measured_fit_example",
+    {
+        "simulated walls": lambda group: (
+            "waves of all lengths"
+            if math.isinf(group["roll_off_mm"])
+            else f"roll-off at {group['roll_off_mm']:g} mm"
+        ),
+        "mismatch wavelength (95 % interval, mm)": _fitted,
+        "joints as far from their mean (%)": lambda group: f"{100.0 * group['p_value']:.2g}",
+    },
+)
 
 
 def first(column: str, walls: str, digits: str = ".0f", scale: float = 1.0) -> str:

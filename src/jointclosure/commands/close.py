@@ -19,11 +19,12 @@ from jointclosure.commands.joint_options import (
     check_can_be_made,
     joint_configuration,
     loaded,
+    resolved_breakage,
     shown_progress,
     status_text,
     summary,
 )
-from jointclosure.config.configuration import Configured, merged_study
+from jointclosure.config.configuration import Configured
 from jointclosure.config.rocks import rock_record, rock_text
 from jointclosure.config.units import to_si
 from jointclosure.engineering.curves import cycle_table
@@ -31,7 +32,6 @@ from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.expected_cost import check_cells, expected_cost
 from jointclosure.ensemble.measured_walls import brought_together
 from jointclosure.ensemble.scanned_joint import (
-    RESOLVED_KEYS,
     ClosedJoint,
     closed_pair,
     read_wall,
@@ -191,10 +191,8 @@ def _settings(arguments) -> Configured:
     grid = {} if arguments.grid_spacing is None else {"spacing_mm": arguments.grid_spacing}
     needed = tuple(option for option in NEEDED if option != "jrc")
     rock = {"jrc": None, "walls": walls}
-    base, changes = base_keys(arguments), {"grid": grid, "surface": {"roll_off_mm": None}}
-    stated = any("numerics" in changed for changed in arguments.set)
-    if not stated and base["numerics"] == merged_study()["numerics"]:
-        changes["numerics"] = RESOLVED_KEYS
+    base = base_keys(arguments)
+    changes = {"grid": grid, "surface": {"roll_off_mm": None}, **resolved_breakage(base, arguments)}
     return joint_configuration(base, arguments, rock, changes, needed)
 
 

@@ -3,6 +3,9 @@
 import argparse
 import json
 import math
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from jointclosure.commands import COMMANDS
@@ -14,12 +17,13 @@ from jointclosure.commands.joint_options import (
     base_keys,
     check_can_be_made,
     joint_configuration,
+    resolved_breakage,
 )
-from jointclosure.config.configuration import Configured
+from jointclosure.config.configuration import Configured, merged_study
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.scanned_joint import read_wall
 from jointclosure.inputs import InputError
-from jointclosure.jobs.progress import bar
+from jointclosure.jobs.progress import bar, duration
 from jointclosure.measured.calibration import Interval
 from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS, parsed_curve
 from jointclosure.measured.fit import Fit, assumptions, fit
@@ -130,7 +134,7 @@ def run(arguments) -> int:
         print(f"assumed (--jrc, --size or --cells, --spacing and --set change it): {assumed}")
     else:
         print("\n".join(f"- {line}" for line in pair.report))
-    with bar("closing") as show:
+    with _progress(arguments.surfaces) as report:
         result = fit(
             arguments.curve,
             rock=case.intact,
@@ -151,7 +155,7 @@ def run(arguments) -> int:
             effects=case.effects,
             choices=configuration.choices,
             numerics=configuration.numerics,
-            report=lambda share: show(share, ""),
+            report=report,
         )
     print("\n".join(f"- {line}" for line in result.sentences()))
     if arguments.output:
@@ -164,6 +168,26 @@ def run(arguments) -> int:
         names = replace_files(arguments.output, "fit", write)
         print(f"wrote {arguments.output}: {', '.join(names)}")
     return 0
+
+
+@contextmanager
+def _progress(surfaces: int) -> Iterator[Callable[[float], None]]:
+    """Show a progress bar, and print the remaining time when each kind of joint was closed once.
+
+    The first joint does not count, because it may have compiled the kernels.
+    """
+    with bar("closing") as show:
+        first: list[float] = []
+
+        def report(share: float) -> None:
+            show(share, "")
+            first.extend([share, time.perf_counter()] if not first else [])
+            if math.isclose(share, 1.0 / surfaces):
+                spent = time.perf_counter() - first[1]
+                left = (1.0 - share) / (share - first[0]) * spent
+                print(f"about {duration(left)} until the last joint is closed", flush=True)
+
+        yield report
 
 
 def _jrc(text: str) -> float | tuple[float, float]:
@@ -204,7 +228,10 @@ def _settings(arguments, largest: float) -> Configured:
         raise InputError("--jrc: must be given")
     rock = {"max_normal_stress_MPa": 1e-6 * largest, "walls": None}
     needed = tuple(option for option in NEEDED if option != "stress")
-    return joint_configuration(base, arguments, rock, {"grid": grid}, needed)
+    changes = {"grid": grid, **resolved_breakage(base, arguments)}
+    if base["surface"] == merged_study()["surface"]:
+        changes["surface"] = {"roll_off_mm": None}  # natural walls have waves of all lengths
+    return joint_configuration(base, arguments, rock, changes, needed)
 
 
 def _record(result: Fit, settings: Configured) -> dict:

@@ -14,6 +14,7 @@ from jointclosure.config.files import value_of
 from jointclosure.config.rocks import other_rocks
 from jointclosure.engineering.curves import curve_table, cycle_table, has_flow
 from jointclosure.ensemble.budget import Budget
+from jointclosure.ensemble.scanned_joint import RESOLVED_KEYS
 from jointclosure.inputs import InputError
 from jointclosure.jobs.progress import bar
 from jointclosure.joint.conditions import Conditions
@@ -183,6 +184,14 @@ def joint_configuration(
     settings = configured(merged(base, changes, *arguments.set), read_csv)
     check_snapshots(given.get("snapshots", ()), settings.typed.rocks[name].max_normal_stress)
     return settings
+
+
+def resolved_breakage(base: dict, arguments) -> dict:
+    """Return the numerics of a scanned or measured joint as keys, none if others are stated."""
+    stated = any("numerics" in changed for changed in arguments.set)
+    if stated or base["numerics"] != merged_study()["numerics"]:
+        return {}
+    return {"numerics": RESOLVED_KEYS}
 
 
 def loaded(conditions: Conditions, arguments) -> Conditions:

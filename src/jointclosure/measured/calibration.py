@@ -263,9 +263,10 @@ def simulated_readings(
     logs = np.full((*shape, asked.values.size), np.nan)
     stresses = np.linspace(asked.seating, asked.levels[-1], CURVE_POINTS)
     closures = np.full((*shape, asked.cycles, 2, CURVE_POINTS), np.nan)
-    for count, (i, j, k) in enumerate(np.ndindex(shape), start=1):
+    for count, (k, i, j) in enumerate(np.ndindex(surfaces, *shape[:2]), start=1):
+        number = int(np.ravel_multi_index((i, j, k), shape)) + 1
         rock = intact._replace(compressive_strength=float(strengths[j]))
-        closed = close_walls(*walls(count, float(wavelengths[i])), conditions._replace(rock=rock))
+        closed = close_walls(*walls(number, float(wavelengths[i])), conditions._replace(rock=rock))
         values = readings_of_history(closed, asked)
         if closed.status < FAILURE and np.all(values > 0.0):
             logs[i, j, k] = np.log(values)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.config.rocks import named_rock
+from jointclosure.ensemble.scanned_joint import RESOLVED
 from jointclosure.ensemble.uncertainty import shifted_walls
 from jointclosure.inputs import InputError, check_number, check_positive, check_seed
 from jointclosure.inputs.remarks import caution
@@ -28,7 +29,7 @@ from jointclosure.parameters import PROPERTIES, Choices, Effects, Numerics, Rock
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.storage.text import read_text
 from jointclosure.surface.registration import RegisteredPair
-from jointclosure.surface.synthesis import ROLL_OFF, wall_pair
+from jointclosure.surface.synthesis import wall_pair
 
 WAVELENGTHS, STRENGTHS = 8, 4
 """Number of wavelengths, and of strengths, at which joints are closed."""
@@ -169,10 +170,10 @@ def fit(
     closure_error: float = 0.02,
     seed: int = 1,
     hurst: float = 0.8,
-    roll_off: float | None = ROLL_OFF,
+    roll_off: float | None = None,
     effects: Effects = Effects(),
     choices: Choices = Choices(),
-    numerics: Numerics = Numerics(),
+    numerics: Numerics = RESOLVED,
     simulated: Simulated | None = None,
     report: Callable[[float], None] = lambda share: None,
 ) -> Fit:
@@ -215,9 +216,9 @@ def fit(
     seed : int
         Seed of the joints.
     hurst, roll_off
-        As for `jointclosure.wall_pair`.
+        As for `jointclosure.wall_pair`; by default waves of all lengths, as natural walls have.
     effects, choices, numerics
-        As for `jointclosure.simulate`.
+        As for `jointclosure.simulate`; by default breakage is resolved, as by `jointclosure.close`.
     simulated : Simulated, optional
         Joints of a fit with the same arguments to another curve, of the same cycles and stresses,
         which are then not closed again.

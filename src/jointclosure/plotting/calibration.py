@@ -47,11 +47,11 @@ def fit_figure(result: Fit, title: str) -> Figure:
     if result.interval_holds and interval is not None:
         low, high = np.clip(scale * np.array(interval[1:]), nodes[0], nodes[-1])
         below.axvspan(low, high, color="0.9", lw=0.0, label="95 % interval")
-    else:
-        below.plot([], [], " ", label="the model does not explain this curve: no interval is valid")
+        below.legend(frameon=False, loc="lower right")
+    elif not result.interval_holds:
+        title += ": the model does not explain this curve, and no interval is valid"
     below.set(xscale="log", ylim=(-12.0, 1.0), ylabel="log likelihood")
     below.set_xlabel("compressive strength (MPa)" if result.scanned else "mismatch wavelength (mm)")
-    below.legend(frameon=False, loc="lower right")
     decimal_ticks(below.xaxis)
     decimal_ticks(above.yaxis)
     figure.suptitle(title, parse_math=False)
