@@ -50,6 +50,8 @@ OBSERVABLES = {
     "contact_share": "contact area at 10.27 MPa (%)",
 }
 JUDGED = {
+    "first_residual_share": "share of the first closure that stays (%)",
+    "first_stiffness": "first stiffness (MPa/mm)",
     "stiffness_ratio": "stiffness, later over first",
     "later_residual_share": "share of the later closure that stays (%)",
     "contact_share": "contact area, at most (%)",

@@ -27,8 +27,20 @@ class Measured(NamedTuple):
 
 @cache
 def measured_joints() -> pd.DataFrame:
-    """Return the table of measured values: joint, quantity, unit, value, low, high, source, how."""
-    return read_csv(MEASURED_JOINTS).astype({"joint": str})
+    """Return the table of measured values: joint, quantity, unit, value, low, high, source, how.
+
+    Stiffness ratios are later stiffnesses over the ends of the range of first ones.
+    """
+    table = read_csv(MEASURED_JOINTS).astype({"joint": str})
+    first = table[table.quantity == "first_stiffness"].iloc[0]
+    later = table[table.quantity == "later_stiffness"]
+    ratios = later.assign(
+        quantity="stiffness_ratio", unit="1", value=float("nan"),
+        low=(later.value / first.high).round(1), high=(later.value / first.low).round(1),
+        source=f"{first.source} and {later.source.iloc[0]}",
+        how="later over first stiffness; which joint has which of the first ones is not recorded",
+    )  # fmt: skip
+    return pd.concat([table, ratios], ignore_index=True)
 
 
 def measured(quantity: str, joint: str = ALL) -> Measured:

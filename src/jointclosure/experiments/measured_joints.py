@@ -3,7 +3,7 @@
 Joints with independent walls, and with walls that mate beyond a wavelength, are closed with the
 choices that the model leaves open. The wavelength of each measured joint is fitted to the closure
 of its first loading. All else is then judged: stiffness and closure of the later loading, the
-share of it that stays, and the area of contact.
+share of it that stays, and the area of contact. The strength of the rock was not published either.
 """
 
 from collections.abc import Iterator, Mapping
@@ -81,6 +81,10 @@ def _problems(keys: dict) -> Iterator[str]:
 def _variants(settings: ClosureSettings, si: Mapping[str, Any]) -> dict[str, Point]:
     """Make the points of all choices for walls of one wavelength, by name of the choice."""
     points = {BASE: settings}
+    for value in si["compressive_strength"]:
+        intact = settings.case.intact._replace(compressive_strength=value)
+        case = settings.case._replace(intact=intact)
+        points[f"strength {1e-6 * value:g} MPa"] = settings._replace(case=case)
     for value in si["peak_modulus_ratio"]:
         choices = settings.choices._replace(peak_modulus_ratio=value)
         points[f"peak modulus ratio {value:g}"] = settings._replace(choices=choices)

@@ -16,13 +16,15 @@ from jointclosure.plotting.style import (
 
 _PANELS = {
     "first_closure": "closure, first loading (mm)",
+    "first_residual_share": "share of first closure that stays (%)",
+    "first_stiffness": "stiffness, first loading (MPa/mm)",
     "stiffness_ratio": "stiffness, later over first",
-    "later_residual_share": "share of later closure that stays (%)",
-    "contact_share": "contact area, at most (%)",
     "later_closure": "closure, later loading (mm)",
+    "later_residual_share": "share of later closure that stays (%)",
     "later_stiffness": "stiffness, later loading (MPa/mm)",
+    "contact_share": "contact area, at most (%)",
 }
-_LOGARITHMIC = ("first_closure", "later_closure", "later_stiffness")
+_LOGARITHMIC = ("first_closure", "first_stiffness", "later_closure", "later_stiffness")
 _FREE = "0.55"
 _OFFSETS = (-0.27, -0.09, 0.09, 0.27)
 """Places of independent walls and of the three fitted joints about that of their variant."""
@@ -44,7 +46,7 @@ def measured_joints_figure(table: pd.DataFrame) -> Figure:
     """
     variants = list(dict.fromkeys(table.variant))
     height = 1.0 + 0.32 * len(variants)
-    figure, panels = subplots(2, 3, figsize=(11.0, 2.0 * height), sharey=True)
+    figure, panels = subplots(2, 4, figsize=(14.0, 2.0 * height), sharey=True)
     for axes, (name, title) in zip(panels.flat, _PANELS.items(), strict=True):
         _panel(axes, table[table.observable == name], variants)
         axes.set_xlabel(title)
@@ -65,10 +67,11 @@ def _panel(axes: Axes, table: pd.DataFrame, variants: list[str]) -> None:
     joints = list(dict.fromkeys(table.joint))
     ranges = table.groupby("joint", sort=False)[["measured_low", "measured_high"]].first()
     if ranges.drop_duplicates().shape[0] == 1:
-        axes.axvspan(*ranges.iloc[0], color="0.88", lw=0.0)
+        axes.axvspan(*ranges.iloc[0], color="0.88", lw=0.0, label="measured, range of the joints")
     else:
         for i, (low, high) in enumerate(ranges.to_numpy()):
-            axes.axvspan(low, high, color=f"C{i}", alpha=0.25, lw=0.8)
+            band = f"measured, joint {joints[i]}"
+            axes.axvspan(low, high, color=f"C{i}", alpha=0.25, lw=0.8, label=band)
     for i, joint in enumerate(joints):
         mated = table[(table.walls == "mated") & (table.joint == joint)]
         _bars(axes, mated, variants, _OFFSETS[i + 1], f"C{i}", f"mated, fitted to joint {joint}")

@@ -15,6 +15,9 @@ class MeasuredJointsKeys(Keys):
         min_length=2,
         json_schema_extra={"uniqueItems": True},
     )
+    compressive_strength_MPa: list[Annotated[float, Field(gt=0)]] = entry(
+        "Compressive strengths that are tried besides that of the rock."
+    )
     peak_modulus_ratio: list[Annotated[float, Field(gt=0, le=1)]] = entry(
         "Peak modulus ratios that are tried besides choices.peak_modulus_ratio."
     )
