@@ -110,10 +110,13 @@ def convergence(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
 
 
 def _apart(values: Iterable[float]) -> list[float]:
-    """Return growing values without those less than a tenth above the one before."""
+    """Return falling values without those less than a tenth below the one before.
+
+    Responses without a value at some rows of a design have a little fewer rows than it.
+    """
     apart: list[float] = []
-    for value in sorted(values):
-        if not apart or value > 1.1 * apart[-1]:
+    for value in sorted(values, reverse=True):
+        if not apart or value < apart[-1] / 1.1:
             apart.append(value)
     return apart
 
