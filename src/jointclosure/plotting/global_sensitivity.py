@@ -82,7 +82,7 @@ def convergence(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
         2, max(1, len(rocks)), figsize=(2.7 * len(rocks) + 2.4, 5.6),
         sharex=True, sharey=True, squeeze=False,
     )  # fmt: skip
-    markers = "osD^v<>PX*"
+    markers = "osD^v<>PX*hd"
     for column, rock in zip(panels.T, rocks, strict=False):  # axes alone without any rock
         for axes, cycle in zip(column, (1, 2), strict=True):
             here = table[(table.rock == rock) & (table.response == "closure")]

@@ -102,9 +102,9 @@ def _draw_errors(axes, part: pd.DataFrame) -> None:
 
 def _draw_convergence(axes, part: pd.DataFrame) -> None:
     styles = {
-        "simultaneous sweep": {"color": _PRINTED[1], "lw": 0.6},
-        "one-sided sweep": {"color": _PRINTED[0], "lw": 1.6},
-        "one-sided sweep, stopped at 1 %": {
+        "all contacts at once": {"color": _PRINTED[1], "lw": 0.6},
+        "contact by contact": {"color": _PRINTED[0], "lw": 1.6},
+        "contact by contact, stopped at 1 %": {
             "color": _PRINTED[0],
             "marker": "X",
             "ms": 10,

@@ -251,8 +251,8 @@ def convergence_histories() -> pd.DataFrame:
     problem = hardest_problem()
     rows = []
     for name, history in (
-        ("simultaneous sweep", simultaneous(problem, 1e-12, 200)),
-        ("one-sided sweep", one_sided(problem, 1e-12)),
+        ("all contacts at once", simultaneous(problem, 1e-12, 200)),
+        ("contact by contact", one_sided(problem, 1e-12)),
     ):
         rows += [(name, at, error) for at, error in enumerate(history.residuals, start=1)]
         if history.stop:
