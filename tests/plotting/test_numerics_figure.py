@@ -14,7 +14,10 @@ def test_no_error_is_drawn_on_the_floor_and_no_number_on_the_ceiling():
         for series, error in (("as printed", np.inf), ("jointclosure", 0.0))
         for at in (1.0, 2.0)
     ]
-    rows += [("convergence", "jointclosure", 10, 1e-3), ("convergence", "contact by contact", 1, 1.0)]
+    rows += [
+        ("convergence", "jointclosure", 10, 1e-3),
+        ("convergence", "contact by contact", 1, 1.0),
+    ]
     figure = numerics_figure(pd.DataFrame(rows, columns=["subject", "series", "at", "error"]))
     for axes in figure.axes[:3]:
         lines = {line.get_label(): line.get_ydata() for line in axes.lines}

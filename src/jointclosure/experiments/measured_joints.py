@@ -45,7 +45,7 @@ def measured_joints_design(configured: Configured) -> Design:
         settings = settings_of(configuration, case, mismatch_wavelength=wavelength)
         length = np.inf if wavelength is None else wavelength
         jobs[label] = [
-            point._replace(coordinates={"variant": name, "wavelength": length})
+            point._replace(coordinates=point.coordinates | {"variant": name, "wavelength": length})
             for name, point in _variants(settings, si).items()
         ]
     spacing = configuration.grid.spacing
@@ -80,11 +80,12 @@ def _problems(keys: dict) -> Iterator[str]:
 
 def _variants(settings: ClosureSettings, si: Mapping[str, Any]) -> dict[str, Point]:
     """Make the points of all choices for walls of one wavelength, by name of the choice."""
-    points = {BASE: settings}
+    rocks = {BASE: settings}
     for value in si["compressive_strength"]:
         intact = settings.case.intact._replace(compressive_strength=value)
         case = settings.case._replace(intact=intact)
-        points[f"strength {1e-6 * value:g} MPa"] = settings._replace(case=case)
+        rocks[f"strength {1e-6 * value:g} MPa"] = settings._replace(case=case)
+    points = dict(rocks)
     for value in si["peak_modulus_ratio"]:
         choices = settings.choices._replace(peak_modulus_ratio=value)
         points[f"peak modulus ratio {value:g}"] = settings._replace(choices=choices)
@@ -93,10 +94,13 @@ def _variants(settings: ClosureSettings, si: Mapping[str, Any]) -> dict[str, Poi
         points[f"radii up to {1e3 * value:g} mm"] = settings._replace(choices=choices)
     for value in si["hardness_over_strength"]:
         points[f"pressure up to {value:g} times the strength"] = _hardness(settings, value)
-    variants = {name: Point({}, changed) for name, changed in points.items()}
-    for shift in si["reseating_shift_in_cells"]:
-        name = f"reseated, {1e3 * shift * settings.surfaces.grid.spacing:g} mm off"
-        variants[name] = Point({}, settings._replace(cycles=1), "reseated", {"shift": shift})
+    variants = {name: Point({"loaded_as": name}, changed) for name, changed in points.items()}
+    for rock, of_rock in rocks.items():
+        for shift in si["reseating_shift_in_cells"]:
+            name = f"reseated, {1e3 * shift * settings.surfaces.grid.spacing:g} mm off"
+            name = name if rock == BASE else f"{rock}, {name}"
+            once = of_rock._replace(cycles=1)
+            variants[name] = Point({"loaded_as": rock}, once, "reseated", {"shift": shift})
     return variants
 
 

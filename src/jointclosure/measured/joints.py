@@ -32,6 +32,8 @@ OBSERVABLES = {
     "contact_share": "%",
 }
 """Observables of a joint, and their units."""
+UPPER_BOUNDS = ("contact_share",)
+"""Observables that are upper bounds, so that no measured value is too small for them."""
 CONFIDENCE = 0.95
 RESAMPLES = 1000
 AGREES, TOO_SMALL, TOO_LARGE = "agrees", "too small", "too large"
@@ -43,8 +45,9 @@ def observables_of(joints: pd.DataFrame, film_cells: float) -> pd.DataFrame:
     Parameters
     ----------
     joints : DataFrame
-        As from `jointclosure.ensemble.points.close_points`, with the columns ``variant`` and
-        ``wavelength`` [m]. Variants of one cycle are later loadings of the joints `BASE`.
+        As from `jointclosure.ensemble.points.close_points`, with the columns ``variant``,
+        ``wavelength`` [m] and ``loaded_as``: the variant that has the first loading of a variant of
+        one cycle, which is a later loading.
     film_cells : float
         Number of cells of the grid in a cell of the film. The observed area of contact is at most
         this many times that of the cells in contact, and at most all.
@@ -60,7 +63,8 @@ def observables_of(joints: pd.DataFrame, film_cells: float) -> pd.DataFrame:
     first, second = cycles[1], cycles[2]
     once = first[~first.index.isin(second.index)]
     later = pd.concat([second, once])
-    base = first.xs(BASE).reindex(once.index.droplevel("variant")).set_axis(once.index)
+    loaded = once.reset_index()[["loaded_as", *at[1:]]]
+    base = first.reindex(pd.MultiIndex.from_frame(loaded)).set_axis(once.index)
     before = pd.concat([first.loc[second.index], base])
     table = pd.DataFrame(
         {
@@ -146,6 +150,7 @@ def judged_joints(observables: pd.DataFrame, root_seed: int) -> pd.DataFrame:
             }
             for i, (name, unit) in enumerate(OBSERVABLES.items()):
                 low, high = single_joint_interval(walls.values[:, i])
+                low = 0.0 if name in UPPER_BOUNDS else low
                 row = about | {"observable": name, "unit": unit}
                 row |= {"value": walls.values[:, i].mean(), "error": walls.resampled[:, i].std()}
                 row |= {"low": low, "high": high}
