@@ -99,6 +99,7 @@ RUNS = {
     "versions": Run(("versions",)),
     "versions_same_bits": Run(("versions",)),
     "peers": Run(("peers",)),
+    "start_up": Run(("start_up",)),
     "growth": Run(("growth", "growth_beyond"), ("growth",)),
     "multifidelity": Run(("multifidelity", "multifidelity_best")),
     "breakage_methods": Run(("breakage_methods",)),

@@ -1,6 +1,6 @@
 """Tables of docs/speed.md and docs/decisions/0010-resolved-breakage.md, of benchmarks."""
 
-from content.markdown import Form, Table
+from content.markdown import Form, Group, Table, written
 
 AXES = {
     "cells": "cells along a square grid",
@@ -42,6 +42,29 @@ study = Table(
         "equilibrium": "{equilibrium %:.0f} %",
         "breakage steps": lambda group: f"{group['breakage steps'] / 1e6:.1f} million",
         "products with the interaction": "{products!k}",
+    },
+)
+PARTS = {
+    "study": "whole study",
+    "closing": "of it walls and closures",
+    "analysing": "of it tables and figures",
+    "start": "of it start of jobs, imports and scheduling",
+    "again": "a run with nothing to do",
+}
+
+
+def _of_whole(group: Group, form: str) -> str:
+    """Write a value that was measured for both versions; parts are known of the newer one only."""
+    return written(form, group) if group["part"] in ("study", "again") else ""
+
+
+parts_of_study = Table(
+    "start_up/start_up",
+    {
+        "processor time (s)": lambda group: PARTS[group["part"]],
+        "commit 6d90d14": lambda group: _of_whole(group, "{before!k}"),
+        "now": "{now!k}",
+        "now over before": lambda group: _of_whole(group, "{now over before:.2f}"),
     },
 )
 elastic = Table(
