@@ -5,6 +5,7 @@ from stored import stored
 
 from content.markdown import Form, Group, Table, markdown, rows_of, written
 from jointclosure.config.measured_joints import ALL, JOINTS, measured_joints, measured_range
+from jointclosure.config.measured_joints import measured as measured_value
 from jointclosure.statistics.standard_errors import rounded
 
 NAMES = {
@@ -128,20 +129,39 @@ def means(observable: str, variant: str = "default choices", walls: str = "mated
     return ", ".join(dict.fromkeys(_mean(row) for _, row in table.iterrows()))
 
 
+def values(observable: str) -> str:
+    """Give the measured values of an observable, by joint."""
+    return ", ".join(f"{measured_value(observable, joint).value:g}" for joint in JOINTS)
+
+
+def hits(variant: str, walls: str = "mated") -> str:
+    """Give the number of values that were not fitted and agree, by measured joint."""
+    return ", ".join(str(count) for count in _hits_of(variant, walls))
+
+
+def most_hits(variant: str) -> str:
+    """Give the largest number of values that were not fitted and agree, over walls and joints."""
+    return str(max(_hits_of(variant, "mated").max(), _hits_of(variant, "independent").max()))
+
+
+def _hits_of(variant: str, walls: str) -> pd.Series:
+    """Count the values that were not fitted and agree, by measured joint."""
+    table = rows_of(stored(*_RUN), variant=variant, walls=walls)
+    table = table[table.observable.isin(JUDGED)]
+    return (table.judgement == "agrees").groupby(table.joint).sum()
+
+
+def tried() -> str:
+    """Count the combinations of choice, walls and joint."""
+    return str(len(stored(*_RUN)[["variant", "walls", "joint"]].drop_duplicates()))
+
+
 def surfaces() -> str:
     """Give the number of surfaces of a mean."""
     counts = stored(*_RUN).surfaces
     return (
         f"{counts.min()}" if counts.min() == counts.max() else f"{counts.min()} to {counts.max()}"
     )
-
-
-def all_hit() -> str:
-    """Count choices and walls that agree with all measured values that were not fitted."""
-    table = stored(*_RUN)
-    table = table[table.observable.isin(JUDGED)]
-    agree = (table.judgement == "agrees").groupby([table.variant, table.walls, table.joint]).all()
-    return f"{agree.sum()} of {agree.size}"
 
 
 def predictions() -> str:
