@@ -70,6 +70,7 @@ def test_stated_assumptions_replace_those_of_scanned_joints(
     [
         (["{}", "--rock", "granite"], "--jrc: must be given"),
         (["{}", *SMALL, "--surfaces", "1"], "surfaces = 1: must be at least 4"),
+        (["{}", "--rock", "granite", "--jrc", "10"], "--size: must be given"),
     ],
 )
 def test_what_is_missing_or_wrong_is_one_line(curve, capsys, words, message):

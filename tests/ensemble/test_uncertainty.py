@@ -142,6 +142,8 @@ def test_variants_shift_and_thin_out_the_walls_themselves(small_joint):
     [
         ({"strength": (1.0, 2.0)}, "'strength': must be one of"),
         ({"youngs_modulus": (2e9, 1e9)}, "lowest value must come first"),
+        ({"compressive_strength": (1e6, 2e6)}, "must contain that of the joint"),
+        ({"peak_modulus_ratio": (0.1, 0.2)}, "must contain that of the joint, 0.05"),
         ({"youngs_modulus": (1e9,)}, "must be \\(lowest, highest\\)"),
         ({"peak_modulus_ratio": (0.1, 2.0)}, "peak_modulus_ratio = 2.0"),
         ({"spacing": (SPACING, 1.2 * SPACING)}, "must begin at the spacing"),

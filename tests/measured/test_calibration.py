@@ -153,6 +153,9 @@ def parsed_readings(values):
     return readings_of_curve(curve, SEATING)._replace(values=values)
 
 
+TWO_CYCLES = """stress_MPa,closure_mm,cycle
+0,0,1\n1,0.05,1\n2,0.08,1\n5,0.12,1\n0,0.09,1\n0,0.09,2\n1,0.1,2\n2,0.11,2\n5,0.12,2\n0,0.09,2
+"""
 GOOD = "stress_MPa,closure_mm\n0,0\n0.5,0.02\n1,0.05\n2,0.08\n5,0.12\n"
 
 
@@ -256,6 +259,7 @@ def test_levels_without_points_are_not_read():
             "cycle 2 is loaded to 4 MPa and cycle 1 to 5 MPa",
         ),
         (GOOD, {"surfaces": 2}, "surfaces = 2: must be at least 4"),
+        (TWO_CYCLES, {"surfaces": 4}, "surfaces = 4: must be at least 5 for this curve"),
         (GOOD, {"shape": 16}, "shape = 16: must be (cells along y"),
     ],
 )

@@ -151,6 +151,8 @@ def run(arguments) -> int:
     start = time.perf_counter()
     check_animation(arguments.animation)
     check_can_be_made(arguments.output)
+    if arguments.single and arguments.range:
+        raise InputError("--range: must be left out with --single")
     ranges = _ranges(arguments.range)
     settings = _settings(arguments)
     pair = _pair(arguments, settings)

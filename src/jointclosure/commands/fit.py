@@ -35,11 +35,11 @@ from jointclosure.storage.text import read_text, write_text
 from jointclosure.surface.registration import ORIENTATIONS, RegisteredPair, registered
 
 _EXAMPLES = """examples:
-  jointclosure fit curve.csv --rock granite --jrc 10
-  jointclosure fit curve.csv --rock granite --jrc 6,10 --fit-strength --output my_fit
+  jointclosure fit curve.csv --rock granite --jrc 10 --size 25
+  jointclosure fit curve.csv --rock granite --jrc 6,10 --size 25 --fit-strength --output my_fit
   jointclosure fit curve.csv --rock granite --scans top.xyz bottom.xyz --units mm
   jointclosure fit curve.csv --youngs-modulus 60 --poisson-ratio 0.22 --strength 180 --jrc 8 \\
-      --stress-unit MPa --closure-unit mm --seating 0.25
+      --size 40 --stress-unit MPa --closure-unit mm --seating 0.25
 
 The curve has columns stress_MPa, closure_mm and, for several cycles, cycle; others are not read
 (docs/mismatch.md).
@@ -85,8 +85,9 @@ def add_to(commands) -> None:
     size = joint.add_mutually_exclusive_group()
     size.add_argument("--size", type=float, metavar="mm", help="side of the measured joint")
     size.add_argument(
-        "--cells", type=int, default=64, metavar="N", help="cells along the sides (default 64)"
-    )
+        "--cells", type=int, metavar="N",
+        help="cells along the sides of a smaller joint, which takes less time and closes less far",
+    )  # fmt: skip
     joint.add_argument("--spacing", type=float, metavar="mm", help="grid spacing")
     joint.add_argument(
         "--fit-strength", action="store_true", help="also fit the compressive strength"
@@ -214,18 +215,25 @@ def _pair(arguments) -> RegisteredPair | None:
         raise InputError(f"{' and '.join(arguments.scans)}: {error}") from None
 
 
-_UNUSED_JRC = 10.0
-"""JRC of the configuration where walls are scanned, which is not used."""
+_UNUSED_JRC, _UNUSED_CELLS = 10.0, 64
+"""JRC and cells of the configuration where walls are scanned, which are not used."""
 
 
 def _settings(arguments, largest: float) -> Configured:
     """Return the checked configuration of the arguments."""
     base = base_keys(arguments)
     spacing = arguments.spacing or base["grid"]["spacing_mm"]
-    cells = arguments.cells if arguments.size is None else round(arguments.size / spacing)
-    grid: dict = {"cells_x": cells, "cells_y": cells, "spacing_mm": spacing}
     if arguments.jrc is None and base["rocks"].get(arguments.rock, {}).get("jrc") is None:
         raise InputError("--jrc: must be given")
+    if arguments.scans is not None:
+        arguments.cells = _UNUSED_CELLS
+    elif arguments.size is None and arguments.cells is None:
+        raise InputError(
+            "--size: must be given, the side of the measured joint in mm (or --cells of a smaller "
+            "one), because closure depends on it"
+        )
+    cells = arguments.cells if arguments.size is None else round(arguments.size / spacing)
+    grid: dict = {"cells_x": cells, "cells_y": cells, "spacing_mm": spacing}
     rock = {"max_normal_stress_MPa": 1e-6 * largest, "walls": None}
     needed = tuple(option for option in NEEDED if option != "stress")
     changes = {"grid": grid, **resolved_breakage(base, arguments)}

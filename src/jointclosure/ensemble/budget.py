@@ -42,8 +42,8 @@ TITLES = {
 
 MEASURED = (
     "measured joints: {:.2g} to {:.2g} mm of closure on the first loading to 10 MPa; a later "
-    "loading was {:.2g} to {:.2g} times as stiff, as the model's second cycle is, but {:.2g} to "
-    "{:.2g} % of its closure stayed, of which the model has none unless the joint is reseated "
+    "loading was {:.2g} to {:.2g} times as stiff as the first, and {:.2g} to {:.2g} % of its "
+    "closure stayed, where second cycles of the model leave nothing unless the joint is reseated "
     "(docs/validation.md)"
 ).format(
     *measured_range("first_closure"),
@@ -154,11 +154,11 @@ class Budget(NamedTuple):
         best, low, high = (_two_digits(0.0 if abs(v) < least else v) for v in values)
         return f"{best} ({low} to {high})"
 
-    def largest_shares(self, cycle: int, quantity: str, count: int = 3) -> str:
-        """Name the sources with the largest shares in a range, as in "alignment 60 %"."""
+    def largest_shares(self, cycle: int, quantity: str) -> str:
+        """Name the sources with at least half a percent of a range, as in "alignment 60 %"."""
         shares = self.ranges.loc[cycle, quantity].drop(["best", "low", "high"]).dropna()
-        largest = shares.astype(float).sort_values(ascending=False).head(count)
-        return ", ".join(f"{TITLES[name]} {100.0 * share:.0f} %" for name, share in largest.items())
+        known = shares[shares >= 0.005].astype(float).sort_values(ascending=False)
+        return ", ".join(f"{TITLES[name]} {100.0 * share:.0f} %" for name, share in known.items())
 
 
 def _two_digits(value: float) -> str:

@@ -240,10 +240,21 @@ def _check_ranges(conditions: Conditions, ranges: Mapping[str, tuple[float, floa
                 raise InputError(f"ranges: {name}: both walls must be of one rock")
             for end in ends:
                 OF_ROCK[name].check(f"ranges: {name}", end)
+            _check_contains(name, ends, getattr(first, name))
         elif name in PLAUSIBLE:
             for end in ends:
                 changed: dict[str, Any] = {name: end}
                 Choices(**changed)  # raises the error that names its range
+            _check_contains(name, ends, getattr(conditions.choices, name))
+
+
+def _check_contains(name: str, ends: tuple[float, float], value: float) -> None:
+    """Refuse a range that does not contain the value of the joint."""
+    if not ends[0] <= value <= ends[1]:
+        raise InputError(
+            f"ranges: {name} = {ends[0]:g} to {ends[1]:g}: must contain that of the joint, "
+            f"{value:g} (all in SI units)"
+        )
 
 
 def _coarser(spacing: float, ranges: Mapping[str, tuple[float, float]]) -> int:

@@ -276,6 +276,12 @@ def simulated_readings(
     return Simulated(logs, closures, stresses)
 
 
+def joints_needed(nodes: tuple[int, ...], readings: int) -> int:
+    """Return the least number of joints for a fit, over numbers of wavelengths and strengths."""
+    varied = nodes[0] > 1, nodes[1] > 1
+    return 3 * (_terms(np.zeros((1, 2)), varied).shape[1] + readings)
+
+
 def likelihood_of(
     measured: Readings,
     simulated: np.ndarray,
@@ -314,7 +320,7 @@ def likelihood_of(
     known = np.isfinite(logs).all(axis=1)
     rows, logs = rows[known], logs[known]
     size, varied = logs.shape[1], (x.size > 1, y.size > 1)
-    if len(logs) < 3 * (_terms(rows, varied).shape[1] + size):
+    if len(logs) < joints_needed(simulated.shape[:2], size):
         raise InputError(
             f"{len(logs)} of {known.size} joints could be read: too few to fit; a longer range of "
             "stresses or more surfaces are needed"

@@ -20,6 +20,7 @@ from jointclosure.measured.calibration import (
     Likelihood,
     Readings,
     Simulated,
+    joints_needed,
     likelihood_of,
     readings_of_curve,
     simulated_readings,
@@ -265,11 +266,16 @@ def fit(
         wavelengths = np.array([np.clip(pair.mismatch.wavelength, *wavelengths[[0, -1]])])
     factors = np.geomspace(*STRENGTH_RANGE, STRENGTHS) if fit_strength else np.ones(1)
     strengths = intact.compressive_strength * factors
+    nodes = wavelengths.size, strengths.size
+    needed = joints_needed(nodes, measured.values.size)
+    if surfaces * math.prod(nodes) < needed:
+        least = math.ceil(needed / math.prod(nodes))
+        raise InputError(f"surfaces = {surfaces}: must be at least {least} for this curve")
     if simulated is None:
         simulated = simulated_readings(
             walls, conditions, measured, wavelengths, strengths, surfaces, report
         )
-    expected = (wavelengths.size, strengths.size, surfaces, measured.values.size)
+    expected = (*nodes, surfaces, measured.values.size)
     if simulated.logs.shape != expected:
         raise InputError(f"simulated: of shape {simulated.logs.shape}, must be {expected}")
     likelihood = likelihood_of(measured, simulated.logs, wavelengths, strengths, closure_error)
