@@ -116,6 +116,6 @@ def check_snapshots(snapshots: Sequence[float], max_normal_stress: float) -> Non
         check_number("snapshots", stress)
         if not 0.0 <= stress <= max_normal_stress:
             raise InputError(
-                f"snapshots: {stress!r} Pa: must be from 0 to max_normal_stress = "
-                f"{max_normal_stress!r} Pa"
+                f"snapshots: {1e-6 * stress:g} MPa: must be from 0 to the maximum normal stress, "
+                f"{1e-6 * max_normal_stress:g} MPa"
             )
