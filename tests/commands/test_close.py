@@ -10,7 +10,7 @@ import jointclosure as jc
 from jointclosure.commands import cli
 from jointclosure.commands.engineering_files import FIGURES
 from jointclosure.ensemble import scanned_joint
-from jointclosure.ensemble.budget import ALL, MEASURED, QUANTITIES, Budget
+from jointclosure.ensemble.budget import ALL, MEASURED, QUANTITIES, TOGETHER, Budget
 from jointclosure.inputs.remarks import cautions
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.surface.registration import registered
@@ -141,7 +141,7 @@ def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, capsy
     assert sum(closure["shares"].values()) == pytest.approx(1.0)
     assert {"spacing", "breakage", "alignment", "compressive_strength"} <= set(closure["shares"])
     sources = set(pd.read_csv(tmp_path / "range.csv").source.dropna())
-    assert sources == {*closure["shares"], ALL}
+    assert {*sources, TOGETHER} == {*closure["shares"], ALL}
     assert (tmp_path / "range.png").stat().st_size > 20000
     assert cli.main(["report", str(tmp_path)]) == 0
     page = (tmp_path / "report.html").read_text()

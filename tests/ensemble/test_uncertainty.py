@@ -8,7 +8,7 @@ import scipy
 import jointclosure as jc
 from jointclosure.config.files import read_plain
 from jointclosure.engineering.curves import cycle_table
-from jointclosure.ensemble.budget import ALL, QUANTITIES, Source, ranges_of, shares_of
+from jointclosure.ensemble.budget import ALL, QUANTITIES, TOGETHER, Source, ranges_of, shares_of
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.uncertainty import (
     DRAWS,
@@ -34,8 +34,8 @@ def test_shares_are_those_of_squared_changes():
     assert np.isnan(shares_of({"a": np.array([0.0])})["a"])  # nothing has a share in no range
 
 
-def lower_end(widths, scatter=0.0, seed=0):
-    """The lower end of log(result/best) = sum of u width + noise, with u uniform in (-1, 1)."""
+def range_of(widths, scatter=0.0, seed=0):
+    """The range of log(result/2) = sum of u width + noise, with u uniform in (-1, 1)."""
     sources = {name: Source((0.0, 1.0), True) for name in widths}
     shares, further = (random_shares(sources, n, seed) for n in (DRAWS, 10_000))
     widest = np.array(list(widths.values()))
@@ -45,7 +45,20 @@ def lower_end(widths, scatter=0.0, seed=0):
     names = ["", *(name for name in widths for _ in "ab"), *[ALL] * DRAWS]
     values = dict.fromkeys(QUANTITIES, 2.0 * np.exp(logs))
     results = pd.DataFrame({"cycle": 1, "source": names} | values)
-    return float(np.log(ranges_of(results, sources, shares, further).low.iloc[0] / 2.0))
+    return ranges_of(results, sources, shares, further).iloc[0]
+
+
+def lower_end(*of):
+    return float(np.log(range_of(*of).low / 2.0))
+
+
+def test_shares_name_what_no_source_does_alone():
+    linear, noise = range_of({"a": 1.0, "b": 2.0}), range_of({"a": 0.0}, 1.0)
+    assert (linear.a, linear.b, linear[TOGETHER]) == pytest.approx((0.2, 0.8, 0.0), abs=1e-6)
+    assert noise[TOGETHER] == pytest.approx(1.0)
+    mixed = range_of({"a": 1.0}, np.sqrt(1.0 / 3.0))  # as much variance by noise as by the source
+    assert mixed.a + mixed[TOGETHER] == pytest.approx(1.0)
+    assert 0.2 < mixed[TOGETHER] < 0.8
 
 
 def test_the_range_holds_nine_in_ten_of_the_random_results():

@@ -10,7 +10,7 @@ def main(path: str) -> int:
     table = read_csv(path)
     for row in table[~table.holds].itertuples():
         print(f"{row.name} does not hold: {row.failed}")
-    for row in table[~table.within_budget].itertuples():
+    for row in table[table.within_budget.eq(False)].itertuples():
         print(f"{row.name} took {row.seconds} s of {row.budget_s} s, which no requirement forbids")
     print(f"{int(table.holds.sum())} of {len(table)} hard cases hold")
     return 0 if table.holds.all() else 1

@@ -6,10 +6,11 @@ are those of joints that were closed with random values of all sources. The rang
 and 95 % quantiles of the expected changes for further random values, which need no closures, with
 each of these departures: the sum is a control variate, with which few closures suffice. Values are
 propagated as in JCGM 101:2008. Changes of positive results are changes of logarithms, because the
-model's open choices act as factors. The share of a source is that of its squared changes, up and
-down.
+model's open choices act as factors. The share of the departures is that in the variance; the rest
+is divided among the sources by their squared changes, up and down.
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -37,6 +38,7 @@ TITLES = {
     "peak_modulus_ratio": "peak modulus ratio",
     "base_radius_in_cells": "base radius",
     "peaks": "peaks while walls break",
+    "together": "sources acting together",
 } | {name: about.long_name for name, about in OF_ROCK.items()}
 """Sources of uncertainty by name."""
 
@@ -52,6 +54,8 @@ MEASURED = (
 )
 """What is known of the model from three measured granodiorite joints."""
 
+TOGETHER = "together"
+"""Share of a range that no source has alone."""
 ALL = "all together"
 """Source of the variants in which all sources have random values."""
 OUTSIDE = 0.05
@@ -198,10 +202,12 @@ def ranges_of(
             }
             drawn = changes.pop(ALL)
             sums = (_sums(sources, changes, of_joints) for of_joints in (shares, further))
-            low, high = _ends(drawn, *sums)
+            low, high, apart = _ends(drawn, *sums)
             ends = best * np.exp([low, high]) if factors else best + np.array([low, high])
             rows[cycle, quantity] = dict(zip(("best", "low", "high"), (best, *ends), strict=True))
-            rows[cycle, quantity] |= shares_of(changes)
+            alone = shares_of(changes)
+            rows[cycle, quantity] |= {n: (1.0 - apart) * share for n, share in alone.items()}
+            rows[cycle, quantity][TOGETHER] = apart
     index = pd.MultiIndex.from_tuples(rows, names=["cycle", "quantity"])
     return pd.DataFrame(list(rows.values()), index=index)
 
@@ -214,8 +220,8 @@ def _sums(
     return np.sum([source.changes_at(changes[name], at) for (name, source), at in columns], axis=0)
 
 
-def _ends(drawn: np.ndarray, sums: np.ndarray, further: np.ndarray) -> tuple[float, float]:
-    """Return the smallest and largest change of the range, of which 0 is a part.
+def _ends(drawn: np.ndarray, sums: np.ndarray, further: np.ndarray) -> tuple[float, float, float]:
+    """Return the ends of the range, which contain 0, and the share of departures in its variance.
 
     ``drawn`` (draws,) are the changes of closed joints, ``sums`` those expected of them, and
     ``further`` (any,) those expected of further joints. Expected changes are reduced if joints
@@ -232,7 +238,9 @@ def _ends(drawn: np.ndarray, sums: np.ndarray, further: np.ndarray) -> tuple[flo
         centre, scale = departures.mean(), np.sqrt((drawn.size + 1) / (drawn.size - 1))
         departures = centre + scale * (departures - centre)
     low, high = np.quantile(slope * further[:, None] + departures, [OUTSIDE, 1.0 - OUTSIDE])
-    return min(float(low), 0.0), max(float(high), 0.0)
+    variances = departures.var(), slope**2 * further.var()
+    apart = variances[0] / sum(variances) if any(variances) else math.nan
+    return min(float(low), 0.0), max(float(high), 0.0), float(apart)
 
 
 def shares_of(changes: Mapping[str, np.ndarray]) -> dict[str, float]:
