@@ -26,7 +26,7 @@ from jointclosure.engineering.stiffness import closures_at
 from jointclosure.ensemble.scanned_joint import RESOLVED
 from jointclosure.measured.calibration import Simulated
 from jointclosure.measured.curves import MeasuredCurve
-from jointclosure.measured.fit import DOUBTFUL
+from jointclosure.measured.fit import DOUBTFUL, Fit
 from jointclosure.measured.joints import digitised_curve
 from jointclosure.plotting.calibration import fit_figure
 from jointclosure.storage.figures import save_figure
@@ -62,6 +62,12 @@ def curve_of(joint: xr.Dataset) -> MeasuredCurve:
     return MeasuredCurve(stress, since_seating.ravel(), cycles, np.arange(stress.size) + 1)
 
 
+def fitted(result: Fit) -> dict:
+    """Return the wavelength of a fit in mm with its interval, and the p-value."""
+    value, low, high = (1e3 * length for length in result.mismatch_wavelength)
+    return {"wavelength_mm": value, "low_mm": low, "high_mm": high, "p_value": result.p_value}
+
+
 def example_joint() -> pd.DataFrame:
     """Fit the joint of config/walls, made with 3 mm and waves of all lengths, by roll-off."""
     scans = (WALLS / "joint_upper.npz", WALLS / "joint_lower.npz")
@@ -72,11 +78,8 @@ def example_joint() -> pd.DataFrame:
             curve_of(joint.history), rock="granite", jrc=10.0, shape=joint.pair.upper.shape,
             seating_stress=GRANITE.seating_stress, roll_off=roll_off,
         )  # fmt: skip
-        value, low, high = result.mismatch_wavelength
         rows.append(
-            {"roll_off_mm": np.inf if roll_off is None else 1e3 * roll_off}
-            | {"wavelength_mm": 1e3 * value, "low_mm": 1e3 * low, "high_mm": 1e3 * high}
-            | {"p_value": result.p_value}
+            {"roll_off_mm": np.inf if roll_off is None else 1e3 * roll_off} | fitted(result)
         )
     return pd.DataFrame(rows)
 
@@ -92,10 +95,10 @@ def known_wavelengths() -> pd.DataFrame:
                 seating_stress=GRANITE.seating_stress, simulated=joints,
             )  # fmt: skip
             joints = result.simulated
-            value, low, high = result.mismatch_wavelength
+            low, high = result.mismatch_wavelength[1:]
             rows.append(
-                {"wavelength_mm": 1e3 * wavelength, "seed": seed, "fitted_mm": 1e3 * value}
-                | {"low_mm": 1e3 * low, "high_mm": 1e3 * high, "p_value": result.p_value}
+                {"known_mm": 1e3 * wavelength, "seed": seed}
+                | fitted(result)
                 | {"contains": low <= wavelength <= high}
             )
     return pd.DataFrame(rows)
@@ -103,11 +106,11 @@ def known_wavelengths() -> pd.DataFrame:
 
 def summary_of(known: pd.DataFrame) -> pd.DataFrame:
     """Count the intervals that contain the wavelength, and take the median estimate, by it."""
-    groups = known.groupby("wavelength_mm")
+    groups = known.groupby("known_mm")
     return groups.agg(
-        fits=("seed", "size"), contain=("contains", "sum"), median_mm=("fitted_mm", "median"),
+        fits=("seed", "size"), contain=("contains", "sum"), median_mm=("wavelength_mm", "median"),
         unexplained=("p_value", lambda values: int((values < DOUBTFUL).sum())),
-    ).reset_index()  # fmt: skip
+    ).rename_axis("wavelength_mm").reset_index()  # fmt: skip
 
 
 def first_cycle(curve: MeasuredCurve) -> MeasuredCurve:
@@ -137,12 +140,7 @@ def main() -> None:
             joints = both.simulated
             result = jc.fit(first_cycle(curve), **options, simulated=of_first_cycle(joints))
             about = {"joint": joint, "side_mm": 1e3 * SPACING * cells}
-            low, high = result.mismatch_wavelength[1:]
-            fits.append(
-                about
-                | {"wavelength_mm": 1e3 * result.mismatch_wavelength.value}
-                | {"low_mm": 1e3 * low, "high_mm": 1e3 * high, "p_value": result.p_value}
-            )
+            fits.append(about | fitted(result))
             readings += [about | reading._asdict() for reading in both.agreements()]
             save_figure(fit_figure(both, f"joint {joint}"), OUTPUT / f"fit_{joint}_{cells}.png")
             print(joint, cells, *result.sentences(), *both.sentences(), sep="\n- ", flush=True)

@@ -225,14 +225,14 @@ def _settings(arguments, largest: float) -> Configured:
     spacing = arguments.spacing or base["grid"]["spacing_mm"]
     if arguments.jrc is None and base["rocks"].get(arguments.rock, {}).get("jrc") is None:
         raise InputError("--jrc: must be given")
+    cells = arguments.cells if arguments.size is None else round(arguments.size / spacing)
     if arguments.scans is not None:
-        arguments.cells = _UNUSED_CELLS
-    elif arguments.size is None and arguments.cells is None:
+        cells = _UNUSED_CELLS
+    elif cells is None:
         raise InputError(
             "--size: must be given, the side of the measured joint in mm (or --cells of a smaller "
             "one), because closure depends on it"
         )
-    cells = arguments.cells if arguments.size is None else round(arguments.size / spacing)
     grid: dict = {"cells_x": cells, "cells_y": cells, "spacing_mm": spacing}
     rock = {"max_normal_stress_MPa": 1e-6 * largest, "walls": None}
     needed = tuple(option for option in NEEDED if option != "stress")

@@ -115,7 +115,7 @@ class Budget(NamedTuple):
         cycles = self.ranges.index.unique("cycle")
         lines = [
             f"{QUANTITIES[closure]}, cycle {cycle}: the range is due to "
-            f"{self.largest_shares(cycle, closure)}"
+            f"{self.shares_text(cycle, closure)}"
             for cycle in (cycles if len(cycles) < 3 else cycles[[0, -1]])
         ]
         failed = self.results.loc[self.results[closure].isna(), ["source", "value"]]
@@ -158,7 +158,7 @@ class Budget(NamedTuple):
         best, low, high = (_two_digits(0.0 if abs(v) < least else v) for v in values)
         return f"{best} ({low} to {high})"
 
-    def largest_shares(self, cycle: int, quantity: str) -> str:
+    def shares_text(self, cycle: int, quantity: str) -> str:
         """Name the sources with at least half a percent of a range, as in "alignment 60 %"."""
         shares = self.ranges.loc[cycle, quantity].drop(["best", "low", "high"]).dropna()
         known = shares[shares >= 0.005].astype(float).sort_values(ascending=False)

@@ -1,7 +1,5 @@
 """Figures of a study of global sensitivity to properties and open choices."""
 
-from collections.abc import Iterable
-
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -90,13 +88,13 @@ def convergence(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
             for number, name in enumerate(names):
                 part = here[here.input == name].sort_values("rows")
                 axes.errorbar(
-                    part.rows * 1.03 ** (number - len(names) / 2.0), part.total,
+                    (part.rows + part.left_out) * 1.03 ** (number - len(names) / 2.0), part.total,
                     yerr=_WIDTH * part.total_error, marker=markers[number % len(markers)],
                     color=f"C{number}", ms=4.0, lw=0.8, label=part.title.iloc[0],
                 )  # fmt: skip
             axes.set_title(f"{titles[rock]}, cycle {cycle}", fontsize=10)
             axes.axhline(0.0, color="0.6", lw=0.8, zorder=0)
-    ticks = _apart(set(table.rows))
+    ticks = sorted(set(table.rows + table.left_out))
     for axes in panels[-1]:
         axes.set_xscale("log")
         axes.set_xticks(ticks, [f"{tick:.0f}" for tick in ticks])
@@ -107,18 +105,6 @@ def convergence(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     handles, labels = panels[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside right center", frameon=False, fontsize=8)
     return figure
-
-
-def _apart(values: Iterable[float]) -> list[float]:
-    """Return falling values without those less than a tenth below the one before.
-
-    Responses without a value at some rows of a design have a little fewer rows than it.
-    """
-    apart: list[float] = []
-    for value in sorted(values, reverse=True):
-        if not apart or value < apart[-1] / 1.1:
-            apart.append(value)
-    return apart
 
 
 @styled
