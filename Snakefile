@@ -33,6 +33,8 @@ onstart:
     if NUMERICS_REMARK:
         logger.info(f"jointclosure: {NUMERICS_REMARK}")
     if workflow.local_exec:  # on a cluster each job starts on its node
+        # a limit of starts per second makes each job that has ended wake Snakemake every second
+        workflow.scheduler.job_rate_limiter = None
         try:
             server = JobServer(
                 ROOT / "workflow/scripts", f"{RESULTS}/logs/*kernels.txt"

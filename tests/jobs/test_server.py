@@ -1,5 +1,6 @@
 """Jobs run as forks of the server: as Python would run them, and none is left behind."""
 
+import inspect
 import os
 import subprocess
 import sys
@@ -8,8 +9,11 @@ from pathlib import Path
 
 import psutil
 import pytest
+from snakemake.scheduling.job_scheduler import JobScheduler
 
 from jointclosure.jobs.server import CLIENT, JobServer
+
+ROOT = Path(__file__).parents[2]
 
 REPORTS = """import os, sys
 print(os.getppid(), os.environ["COLOUR"], sys.argv[0], __name__, "numpy" in sys.modules, flush=True)
@@ -120,3 +124,11 @@ def test_the_client_needs_the_standard_library_only():
     code = f"import runpy, sys; runpy.run_path({str(CLIENT)!r}); print(*sys.modules)"
     done = subprocess.run([sys.executable, "-I", "-S", "-c", code], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+def test_snakemake_has_the_limit_of_starts_that_the_snakefile_removes():
+    """Setting another attribute would change nothing, and jobs that ended would wake Snakemake."""
+    source = inspect.getsource(JobScheduler)
+    assert "self.job_rate_limiter = (" in source
+    assert "if self.job_rate_limiter is None:" in source
+    assert "workflow.scheduler.job_rate_limiter = None" in (ROOT / "Snakefile").read_text()
