@@ -5,7 +5,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jointclosure.statistics.total_error import REACH, Bias, Method, common_bias, front, shares
+from jointclosure.statistics.total_error import (
+    REACH,
+    Bias,
+    Method,
+    common_bias,
+    coverage,
+    front,
+    shares,
+)
 
 METHOD = Method(
     bias=Bias(-0.02), scatter=0.1, left=0.02, explained=0.98, cost=0.5, measured_cost=3e-3, least=15
@@ -38,6 +46,13 @@ def test_the_fewest_surfaces_meet_a_bound_and_one_fewer_does_not(within):
         return
     assert METHOD.total(count, 100_000) <= within + 1e-12
     assert count == METHOD.least or METHOD.total(count - 1, 100_000) > within
+
+
+def test_the_bound_holds_for_skewed_biases_that_are_known_from_many_surfaces():
+    assert coverage(48, 1.0) > 0.945
+    assert 0.85 < coverage(48, 0.0) < 0.93  # one-sided, as the mean of few skewed values is low
+    assert coverage(8, 0.0) < 0.85
+    assert coverage(300, 0.0, spread=0.1) == pytest.approx(0.975, abs=0.006)
 
 
 def test_no_number_of_surfaces_takes_a_bias_away():

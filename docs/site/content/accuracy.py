@@ -5,6 +5,7 @@ from stored import stored
 
 from content.markdown import Form, Group, Table, chosen, rows_of, titled
 from jointclosure.config.presets import SCENES, radii_words
+from jointclosure.statistics import total_error
 
 MOST_SHOWN = 100.0
 """Total errors [%] beyond which a budget is not shown."""
@@ -25,6 +26,11 @@ LIMITS = {
 }
 STRESSES = (0.01, 0.03, 0.05, 0.1, 0.15)
 """Stresses over strength at which errors of the bearing-area law are shown."""
+
+
+def coverage(surfaces: int, sampling: float) -> str:
+    """Count in how many of 100 studies the bound of the total error holds."""
+    return f"{100 * total_error.coverage(surfaces, sampling):.0f}"
 
 
 def _plain(*names: str) -> dict[str, Form]:

@@ -36,6 +36,39 @@ class Bias(NamedTuple):
         return float(np.sqrt(left**2 - known_to**2)) if left > known_to else 0.0
 
 
+def coverage(
+    surfaces: int, sampling: float, spread: float = 1.0, studies: int = 20_000, seed: int = 1
+) -> float:
+    """Simulate how often the error of a study is below `Bias.total`, with skewed errors.
+
+    Parameters
+    ----------
+    surfaces : int
+        Number of surfaces from which the bias is known.
+    sampling : float
+        Sampling error of a study over the standard error of the bias.
+    spread : float
+        Standard deviation of the logarithm of the errors of surfaces, which are lognormal, with a
+        mean of five standard deviations; 1 gives a skewness of 6.
+    studies, seed : int
+        Number of simulated studies, each with its measurement of the bias, and their seed.
+
+    Returns
+    -------
+    float
+        Share of the studies, which should be 0.95 at least.
+    """
+    random = np.random.default_rng(seed)
+    mean, variance = np.exp(0.5 * spread**2), np.exp(2.0 * spread**2) - np.exp(spread**2)
+    drawn = np.exp(spread * random.standard_normal((studies, surfaces)))
+    errors = 5.0 + (drawn - mean) / np.sqrt(variance)
+    standard = sampling / np.sqrt(surfaces)
+    found = 5.0 + standard * random.standard_normal(studies)
+    known_to = errors.std(axis=1, ddof=1) / np.sqrt(surfaces)
+    bound = np.abs(errors.mean(axis=1)) + np.hypot(REACH * known_to, REACH * standard)
+    return float(np.mean(np.abs(found) <= bound))
+
+
 class Method(NamedTuple):
     """Method to compute a result, with relative errors and with costs per surface.
 
