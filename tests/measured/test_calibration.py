@@ -62,6 +62,22 @@ def test_a_curve_is_read_as_the_history_that_it_was_measured_of():
     assert len(measured.names()) == len(measured.values)
 
 
+def test_the_number_of_workers_does_not_affect_the_joints():
+    asked = readings_of_curve(curve_of(close_walls(*walls(1, 2e-3), CONDITIONS)), SEATING)
+    strengths = np.array([GRANITE.compressive_strength])
+    shares: list[float] = []
+    one, two = (
+        simulated_readings(
+            walls, CONDITIONS, asked, WAVELENGTHS[:3], strengths, 1, workers, shares.append
+        )
+        for workers in (1, 2)
+    )
+    for first, second in zip(one, two, strict=True):
+        np.testing.assert_array_equal(first, second)
+    assert np.isfinite(one.logs).all()
+    assert shares == 2 * [1 / 3, 2 / 3, 1.0]
+
+
 def test_the_interval_covers_the_mismatch_wavelength_of_synthetic_joints(simulated):
     held, told = [], []
     for number in range(24):

@@ -283,6 +283,19 @@ def test_an_aperture_map_on_a_flat_wall_is_a_rough_wall_under_a_flat_one(joint):
         registered("flat", lower, orientation="towards")
 
 
+def test_the_report_on_a_flat_wall_does_not_describe_two_scans(joint):
+    heights = 1e-3 * joint[1].heights
+    y, x = np.indices(heights.shape)
+    heights[abs(y - x) > 8] = np.nan  # most of what is left is outside of the largest rectangle
+    pair = registered("flat", Scan(heights, (3e-4, 3e-4)), cut_spikes=False)
+    assert pair.overlap < 0.5
+    assert not pair.warnings
+    lines = " ".join(pair.report)
+    assert f"{100 * pair.overlap:.0f} % of it" in lines
+    assert "overlap" not in lines
+    assert "each other" not in lines
+
+
 def test_a_joint_with_a_flat_wall_closes(joint):
     lower = Scan(1e-3 * joint[1].heights, (3e-4, 3e-4))
     closed = jc.close("flat", lower, rock=DOLERITE, max_normal_stress=1e6, single=True)

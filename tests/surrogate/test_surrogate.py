@@ -291,6 +291,12 @@ def test_a_joint_beyond_all_tests_is_refused_with_the_tested_range(cells, spacin
         jc.estimate(*pair, spacing=spacing, rock=DOLERITE, max_normal_stress=10e6)
 
 
+def test_mated_walls_of_any_size_are_refused_for_what_differs():
+    walls = jc.wall_pair(8.0, (80, 96), 0.25e-3, 1, mismatch_wavelength=3e-3)
+    with pytest.raises(jc.InputError, match=r"walls' RMS slope .* likely .* walls that are mated"):
+        jc.estimate(*walls, spacing=0.25e-3, rock="granite", max_normal_stress=10e6)
+
+
 def test_an_estimate_beyond_the_constants_has_the_errors_of_the_nodes_around(roll_off):
     given = {"rock": DOLERITE, "max_normal_stress": 30e6}
     table = read_csv(SURROGATE_DOMAIN)

@@ -264,7 +264,8 @@ def _write(joint: ClosedJoint, settings: Configured, folder: Path, title: str) -
     write_text(json.dumps(record, indent=1) + "\n", folder / "joint.json")
     write_exports(history, folder, title)
     save_figure(pair_figure(joint.pair, title), folder / "walls.png")
-    save_figure(closure_curve(history, title), folder / "closure.png")
+    ranges = None if joint.budget is None else joint.budget.ranges
+    save_figure(closure_curve(history, title, ranges), folder / "closure.png")
     if joint.budget is not None:
         write_csv(joint.budget.results, folder / "range.csv")
         save_figure(range_figure(joint.budget, title), folder / "range.png")

@@ -1,6 +1,5 @@
 """Closure of many joints under the same conditions, without a workflow."""
 
-import os
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -11,7 +10,7 @@ import xarray as xr
 
 from jointclosure.config.rocks import given_rock
 from jointclosure.ensemble.closing import close_pair, labelled
-from jointclosure.ensemble.workers import Failed, ProcessLostError, shared
+from jointclosure.ensemble.workers import Failed, ProcessLostError, number_of_workers, shared
 from jointclosure.inputs import InputError, check_number
 from jointclosure.jobs.progress import bar
 from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
@@ -84,7 +83,7 @@ def simulate_ensemble(
     if not conditions.unusual_values and (doubtful := _doubts(pairs, labels, spacing)):
         warnings.warn(doubtful, stacklevel=2)
     tasks = [(upper, lower, stresses, conditions) for upper, lower in pairs]
-    rows = _rows(tasks, labels, _workers(workers), progress)
+    rows = _rows(tasks, labels, number_of_workers(workers), progress)
     return _together(rows, labels, conditions.cycle_count, stresses)
 
 
@@ -154,16 +153,6 @@ def _doubts(pairs: list[Walls], labels: np.ndarray, spacing: float) -> str:
     return f"{len(doubtful)} of {len(pairs)} pairs of walls, the first {first}: " + "; ".join(
         sentences
     )
-
-
-def _workers(workers: int | None) -> int:
-    if workers is None:
-        affinity = getattr(os, "sched_getaffinity", None)
-        return len(affinity(0)) if affinity else os.cpu_count() or 1
-    check_number("workers", workers, whole=True)
-    if workers < 1:
-        raise InputError(f"workers = {workers!r}: must be at least 1")
-    return workers
 
 
 @contextmanager

@@ -13,6 +13,8 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from typing import Any, NamedTuple
 
+from jointclosure.inputs import InputError, check_number
+
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
@@ -24,6 +26,17 @@ class Failed(NamedTuple):
     """Exception of a task, or the reason why its worker ended."""
 
     error: Exception
+
+
+def number_of_workers(workers: int | None) -> int:
+    """Check a number of workers; None is that of the processors available to this process."""
+    if workers is None:
+        affinity = getattr(os, "sched_getaffinity", None)
+        return len(affinity(0)) if affinity else os.cpu_count() or 1
+    check_number("workers", workers, whole=True)
+    if workers < 1:
+        raise InputError(f"workers = {workers!r}: must be at least 1")
+    return workers
 
 
 def shared(

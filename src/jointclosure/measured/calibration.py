@@ -7,6 +7,7 @@ are compared with the mean and the scatter of theirs.
 
 import itertools
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ import xarray as xr
 
 from jointclosure.engineering.stiffness import closures_at
 from jointclosure.ensemble.closing import close_walls
+from jointclosure.ensemble.workers import Failed, shared
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
@@ -236,6 +238,7 @@ def simulated_readings(
     wavelengths: np.ndarray,
     strengths: np.ndarray,
     surfaces: int,
+    workers: int = 1,
     report: Callable[[float], None] = lambda share: None,
 ) -> Simulated:
     """Close joints at all wavelengths and strengths, and read them as a measured curve.
@@ -244,13 +247,15 @@ def simulated_readings(
     ----------
     walls : callable
         Returns upper and lower wall (y, x) [m] of a number and a mismatch wavelength [m]. Every
-        joint has a different number, so that all scatter independently.
+        joint has a different number, so that all scatter independently. It can be pickled.
     conditions : Conditions
         Conditions with the rock of both walls, whose strength is replaced.
     wavelengths, strengths : array
         [m] and [Pa].
     surfaces : int
         Number of joints at each pair of wavelength and strength.
+    workers : int
+        Number of processes, from the second joint on: the first compiles kernels that are missing.
     report : callable
         Called with the finished share.
 
@@ -263,17 +268,38 @@ def simulated_readings(
     logs = np.full((*shape, asked.values.size), np.nan)
     stresses = np.linspace(asked.seating, asked.levels[-1], CURVE_POINTS)
     closures = np.full((*shape, asked.cycles, 2, CURVE_POINTS), np.nan)
-    for count, (k, i, j) in enumerate(np.ndindex(surfaces, *shape[:2]), start=1):
+    places = [(i, j, k) for k, i, j in np.ndindex(surfaces, *shape[:2])]
+    tasks = []
+    for i, j, k in places:
         number = int(np.ravel_multi_index((i, j, k), shape)) + 1
         rock = intact._replace(compressive_strength=float(strengths[j]))
-        closed = close_walls(*walls(number, float(wavelengths[i])), conditions._replace(rock=rock))
-        values = readings_of_history(closed, asked)
-        if closed.status < FAILURE and np.all(values > 0.0):
-            logs[i, j, k] = np.log(values)
-            along = closures_at(closed, stresses)
-            closures[i, j, k] = along - along[:, :1, :1]
-        report(count / np.prod(shape))
+        made = partial(walls, number, float(wavelengths[i]))
+        tasks.append((made, conditions._replace(rock=rock), asked, stresses))
+    answers = itertools.chain(
+        shared(_read_joint, tasks[:1], 1),
+        ((place + 1, answer) for place, answer in shared(_read_joint, tasks[1:], workers)),
+    )
+    for count, (task, answer) in enumerate(answers, start=1):
+        if isinstance(answer, Failed):
+            raise answer.error
+        logs[places[task]], closures[places[task]] = answer
+        report(count / len(tasks))
     return Simulated(logs, closures, stresses)
+
+
+def _read_joint(
+    walls: Callable[[], tuple[np.ndarray, np.ndarray]],
+    conditions: Conditions,
+    asked: Readings,
+    stresses: np.ndarray,
+) -> tuple[np.ndarray | float, np.ndarray | float]:
+    """Close a joint, and return its entries of `Simulated.logs` and `closures`, or NaN."""
+    closed = close_walls(*walls(), conditions)
+    values = readings_of_history(closed, asked)
+    if closed.status >= FAILURE or not np.all(values > 0.0):
+        return np.nan, np.nan
+    along = closures_at(closed, stresses)
+    return np.log(values), along - along[:, :1, :1]
 
 
 def joints_needed(nodes: tuple[int, ...], readings: int) -> int:

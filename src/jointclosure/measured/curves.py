@@ -28,6 +28,8 @@ from jointclosure.joint.protocol import LOADING, UNLOADING
 STRESS_UNITS, CLOSURE_UNITS = ("Pa", "MPa", "GPa"), ("m", "mm", "um")
 _HEADING = r"(?P<name>.*?)(?:_(?P<ending>[A-Za-z]+)|\s*[(\[](?P<within>[^)\]]+)[)\]])?"
 """Heading of a column: a name, and a unit at its end or in brackets."""
+_ALIASES = {"normal_stress": "stress", "closure_net_since_seating": "closure"}
+"""Names that curves.csv of `jointclosure close` has for the columns of a curve."""
 _READ = ("closure", "status", "max_closure", "max_closure_seated", "residual_closure")
 FIT_COLUMNS = (
     "rock",
@@ -203,6 +205,8 @@ def _columns(
     allowed = {"stress": STRESS_UNITS, "closure": CLOSURE_UNITS, "cycle": ("",)}
     headings = [re.fullmatch(_HEADING, cell) for cell in header]
     quantities = [heading["name"].lower() if heading else "" for heading in headings]
+    if names is None:
+        quantities = [_ALIASES.get(name, name) for name in quantities]
     if names is not None:
         unknown = [name for name in names if name not in header]
         if unknown or not 2 <= len(names) <= 3:

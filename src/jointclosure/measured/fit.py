@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -10,6 +11,7 @@ import numpy as np
 from jointclosure.config.rocks import named_rock
 from jointclosure.ensemble.scanned_joint import RESOLVED
 from jointclosure.ensemble.uncertainty import shifted_walls
+from jointclosure.ensemble.workers import number_of_workers
 from jointclosure.inputs import InputError, check_number, check_positive, check_seed
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.conditions import Conditions
@@ -176,6 +178,7 @@ def fit(
     choices: Choices = Choices(),
     numerics: Numerics = RESOLVED,
     simulated: Simulated | None = None,
+    workers: int | None = None,
     report: Callable[[float], None] = lambda share: None,
 ) -> Fit:
     """Estimate the mismatch wavelength of a joint from its measured closure, or its strength.
@@ -223,6 +226,9 @@ def fit(
     simulated : Simulated, optional
         Joints of a fit with the same arguments to another curve, of the same cycles and stresses,
         which are then not closed again.
+    workers : int, optional
+        Number of processes, by default that of the processors available to this process. It does
+        not affect the result.
     report : callable
         Called with the share of finished joints.
 
@@ -250,17 +256,9 @@ def fit(
         spacing, intact, stress, measured.cycles, seating_stress, effects, choices, numerics
     ).checked()
 
-    def walls(number: int, wavelength: float) -> tuple[np.ndarray, np.ndarray]:
-        if pair is not None:
-            y, x = generator(seed_of(seed, "shift", number)).integers(-1, 2, 2).tolist()
-            return shifted_walls(pair.upper, pair.lower, (y, x))
-        low, high = jrcs
-        drawn = low if low == high else generator(seed_of(seed, "jrc", number)).uniform(low, high)
-        return wall_pair(
-            float(drawn), shape, spacing, seed_of(seed, "fit", number), hurst,
-            mismatch_wavelength=wavelength, roll_off=roll_off,
-        )  # fmt: skip
-
+    walls = partial(_random_walls, jrcs, shape, spacing, seed, hurst, roll_off)
+    if pair is not None:
+        walls = partial(_scanned_walls, pair.upper, pair.lower, seed)
     wavelengths = np.geomspace(2.0 * spacing, min(shape) * spacing, WAVELENGTHS)
     if pair is not None:
         wavelengths = np.array([np.clip(pair.mismatch.wavelength, *wavelengths[[0, -1]])])
@@ -273,8 +271,9 @@ def fit(
         raise InputError(f"surfaces = {surfaces}: must be at least {least} for this curve")
     if simulated is None:
         simulated = simulated_readings(
-            walls, conditions, measured, wavelengths, strengths, surfaces, report
-        )
+            walls, conditions, measured, wavelengths, strengths, surfaces,
+            number_of_workers(workers), report,
+        )  # fmt: skip
     expected = (*nodes, surfaces, measured.values.size)
     if simulated.logs.shape != expected:
         raise InputError(f"simulated: of shape {simulated.logs.shape}, must be {expected}")
@@ -291,6 +290,33 @@ def fit(
         curve,
         pair is not None,
     )
+
+
+def _random_walls(
+    jrcs: tuple[float, float],
+    shape: tuple[int, int],
+    spacing: float,
+    seed: int,
+    hurst: float,
+    roll_off: float | None,
+    number: int,
+    wavelength: float,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Make the walls of a simulated joint, of a random JRC within the range."""
+    low, high = jrcs
+    drawn = low if low == high else generator(seed_of(seed, "jrc", number)).uniform(low, high)
+    return wall_pair(
+        float(drawn), shape, spacing, seed_of(seed, "fit", number), hurst,
+        mismatch_wavelength=wavelength, roll_off=roll_off,
+    )  # fmt: skip
+
+
+def _scanned_walls(
+    upper: np.ndarray, lower: np.ndarray, seed: int, number: int, wavelength: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Displace the upper wall by up to a cell along x and y; their mismatch is as scanned."""
+    y, x = generator(seed_of(seed, "shift", number)).integers(-1, 2, 2).tolist()
+    return shifted_walls(upper, lower, (y, x))
 
 
 def _jrc_range(

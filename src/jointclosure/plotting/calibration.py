@@ -1,6 +1,7 @@
 """Figure of a joint fitted to its measured closure: readings and likelihood over wavelength."""
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from jointclosure.joint.protocol import LOADING
@@ -30,24 +31,14 @@ def fit_figure(result: Fit, title: str) -> Figure:
     tried = scale * (result.likelihood.wavelengths, result.likelihood.strengths)[axis]
     logs = np.moveaxis(result.simulated.logs, axis, 0)
     nodes = np.geomspace(tried[0], tried[-1], len(logs))
-    for number, name in enumerate(result.measured.names()):
-        closed = 1e3 * np.exp(logs[..., number]).reshape(len(nodes), -1)
-        colour = f"C{number % 10}"
-        across = np.broadcast_to(nodes[:, None], closed.shape)
-        above.plot(across.ravel(), closed.ravel(), ".", ms=3, color=colour, alpha=0.5)
-        above.axhline(1e3 * result.measured.values[number], color=colour, lw=1.1, label=name)
-    above.set(xscale="log", yscale="log", ylabel="closure (mm)")
-    above.legend(
-        frameon=False, fontsize=8, title="lines: measured\ndots: simulated",
-        loc="upper left", bbox_to_anchor=(1.0, 1.0),
-    )  # fmt: skip
+    _draw_readings(above, result, nodes, logs)
     profile = result.likelihood.log.max(axis=1 - axis)
     below.plot(tried, profile - profile.max(), color="C0")
     interval = result.compressive_strength if result.scanned else result.mismatch_wavelength
     if result.interval_holds and interval is not None:
         low, high = np.clip(scale * np.array(interval[1:]), nodes[0], nodes[-1])
         below.axvspan(low, high, color="0.9", lw=0.0, label="95 % interval")
-        below.legend(frameon=False, loc="lower right")
+        below.legend(frameon=False)
     elif not result.interval_holds:
         title += ": the model does not explain this curve, and no interval is valid"
     below.set(xscale="log", ylim=(-12.0, 1.0), ylabel="log likelihood")
@@ -58,7 +49,29 @@ def fit_figure(result: Fit, title: str) -> Figure:
     return figure
 
 
-def _draw_curve(axes, result: Fit) -> None:
+def _draw_readings(axes: Axes, result: Fit, nodes: np.ndarray, logs: np.ndarray) -> None:
+    """Draw simulated (nodes, ..., readings) over measured readings, with 90 % of the joints."""
+    places = result.measured.places()
+    markers = dict(zip(dict.fromkeys(level for _, level in places), "osDv", strict=False))
+    for number, ((cycle, level), name) in enumerate(
+        zip(places, result.measured.names(), strict=True)
+    ):
+        ratios = np.exp(logs[..., number]).reshape(len(nodes), -1) / result.measured.values[number]
+        low, middle, high = np.nanpercentile(ratios, (5.0, 50.0, 95.0), axis=1)
+        axes.errorbar(
+            nodes * 1.02 ** (number - 0.5 * (len(places) - 1)), middle,
+            yerr=(middle - low, high - middle), lw=0.8, ms=4, color=f"C{cycle - 1}",
+            marker=markers[level], mfc=None if level is None else "none", label=name,
+        )  # fmt: skip
+    axes.axhline(1.0, color="0.4", lw=0.8, zorder=0)
+    axes.set(xscale="log", yscale="log", ylabel="simulated over measured")
+    axes.legend(
+        frameon=False, fontsize=8, title="median, 90 % of joints",
+        loc="upper left", bbox_to_anchor=(1.0, 1.0),
+    )  # fmt: skip
+
+
+def _draw_curve(axes: Axes, result: Fit) -> None:
     """Draw the measured curve since seating on the band of the fitted joints, by cycle."""
     closures = 1e3 * result.simulated.closures[_fitted(result)]
     stresses = 1e-6 * result.simulated.stresses

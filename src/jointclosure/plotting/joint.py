@@ -1,6 +1,7 @@
 """Closure and stiffness curves of one joint."""
 
 import numpy as np
+import pandas as pd
 import seaborn as sns
 import xarray as xr
 from matplotlib.axes import Axes
@@ -14,7 +15,7 @@ from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styl
 
 
 @styled
-def closure_curve(closed: xr.Dataset, title: str) -> Figure:
+def closure_curve(closed: xr.Dataset, title: str, ranges: pd.DataFrame | None = None) -> Figure:
     """Draw stress against gross and against net closure since seating.
 
     What is closed before seating depends on the point that touches first, and is not shown.
@@ -24,9 +25,14 @@ def closure_curve(closed: xr.Dataset, title: str) -> Figure:
     closed : Dataset
         As from `jointclosure.simulate`.
     title : str
+    ranges : DataFrame, optional
+        `jointclosure.ensemble.budget.Budget.ranges`, drawn as bars above the largest stress.
     """
     figure, panels = subplots(1, 2, figsize=(10.4, 4.8), sharex=True, sharey=True)
     for axes, of in zip(panels, (GROSS, NET), strict=True):
+        if ranges is not None:
+            kind = "net" if of == NET else "gross"
+            _draw_ranges(axes, ranges.xs(f"closure_{kind}_since_seating_mm", level=1), closed)
         draw_curves(axes, closed, "seating", of)
     panels[1].set(ylabel="")
     if panels[0].get_legend():  # below the panels, where no curve is
@@ -36,6 +42,17 @@ def closure_curve(closed: xr.Dataset, title: str) -> Figure:
     figure.suptitle(title, parse_math=False)
     sns.despine(figure)
     return figure
+
+
+def _draw_ranges(axes: Axes, ranges: pd.DataFrame, closed: xr.Dataset) -> None:
+    """Draw ranges [mm] of the closure at the largest stress by cycle, each above the one before."""
+    largest = 1e-6 * float(closed.normal_stress.max())
+    for row, (cycle, ends) in enumerate(ranges.iterrows(), start=1):
+        widths = [[ends.best - ends.low], [ends.high - ends.best]]
+        axes.errorbar(
+            ends.best, largest * (1.0 + 0.03 * row), xerr=widths,
+            fmt="o", ms=4, capsize=3, color=f"C{cycle - 1}", label=f"cycle {cycle}, range",
+        )  # fmt: skip
 
 
 def draw_curves(axes: Axes, closed: xr.Dataset, since: str = "touch", of: str = NET) -> None:

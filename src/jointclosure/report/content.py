@@ -82,7 +82,7 @@ def content(material: Material) -> dict:
         "explored": explored,
         "most_joints": MOST_JOINTS,
         "pictures": material.pictures,
-        "provenance": running.provenance_rows(study),
+        "provenance": running.provenance_rows(study.attrs),
         "median_time": duration(float(study.timing_simulation.median())),
         "job_time": duration(float(material.benchmarks.s.sum())),
         "sheets": _sheets(material, titles, of_paper, rows) | {numbers.name: numbers},

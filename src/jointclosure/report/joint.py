@@ -9,6 +9,7 @@ from jointclosure.engineering.laws import LAWS, fitted_laws, law_words
 from jointclosure.engineering.stiffness import stiffness_table
 from jointclosure.ensemble.budget import QUANTITIES
 from jointclosure.report.page import Picture
+from jointclosure.report.running import provenance_rows
 from jointclosure.report.sheets import Sheet, number_text, sheet
 
 
@@ -35,11 +36,7 @@ def joint_content(history: xr.Dataset, record: dict, pictures: list[Picture]) ->
         },
         "pictures": pictures,
         "digests": record["sha256"],
-        "versions": {
-            name: value
-            for name, value in record["provenance"].items()
-            if name != "configuration" and len(str(value)) < 200
-        },
+        "provenance": provenance_rows(history.attrs),
     }
 
 

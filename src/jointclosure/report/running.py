@@ -2,6 +2,8 @@
 
 import hashlib
 import json
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -190,13 +192,12 @@ def job_time_sheet(benchmarks: pd.DataFrame) -> Sheet:
     return sheet("jobs", "Time of the jobs", seconds.assign(memory=memory).reset_index(), columns)
 
 
-def provenance_rows(study: xr.Dataset) -> list[tuple[str, str]]:
-    """Return terms and values on the provenance of the results."""
-    about = study.attrs
+def provenance_rows(about: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Return terms and values on the provenance of results, from the attributes of a dataset."""
     configuration = about["configuration"]
     digest = hashlib.sha256(configuration.encode()).hexdigest()[:16]
-    rows = [
-        ("Model", about["references"]),
+    rows = [("Model", about["references"])] if "references" in about else []
+    rows += [
         ("Sources, commit", about["provenance_commit"]),
         ("Sources, digest", about["source_digest"]),
         ("Configuration, digest (SHA-256, first 16 digits)", digest),

@@ -244,10 +244,10 @@ def _both_scans(
         return plane_of(lower), lower
     if isinstance(lower, str):
         if orientation not in ("common_frame", "towards"):
+            stated = "" if orientation is None else f" = {orientation!r}"
             raise InputError(
-                f"orientation = {orientation!r}: must be common_frame (the heights are an "
-                "aperture map) or towards (they count towards the other wall) where the lower wall "
-                "is flat"
+                f"orientation{stated}: must be stated where the lower wall is flat: common_frame "
+                "(the heights are an aperture map) or towards (they count towards the other wall)"
             )
         return upper, plane_of(upper, ORIENTATIONS[orientation].sign)
     return upper, lower
@@ -442,24 +442,28 @@ def _described(
     filled_words = (
         f", {overlap.filled_cells} of them in holes, filled" if overlap.filled_cells else ""
     )
-    report += [
-        f"overlap: {ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm{filled_words}, "
-        f"{100.0 * overlap.share:.0f} % of the smaller scan",
+    cells = f"{ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm{filled_words}"
+    share = f"{100.0 * overlap.share:.0f} %"
+    of_both = [
+        f"overlap: {cells}, {share} of the smaller scan",
         f"the plane common to both walls, inclined by {overlap.inclination:.2f} degrees, was "
         f"removed; the walls were inclined to each other by {overlap.relative:.3f} degrees and are "
         "set parallel",
-        *(
-            [f"heights correlate by {correlation:.3f}; {_describe_mating(mismatch)}"]
-            if fits
-            else []
-        ),
+        f"heights correlate by {correlation:.3f}; {_describe_mating(mismatch)}",
+    ]
+    of_one = [
+        f"largest rectangle of the scan without missing heights: {cells}, {share} of it; its mean "
+        "plane was removed"
+    ]
+    report += [
+        *(of_both if fits else of_one),
         f"at first touch, at cell (y, x) = ({y}, {x}), the mean aperture is "
         f"{1e3 * aperture.mean():.3g} mm",
     ]
     touches = f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
     stands_out = early > _FAR * aperture.std()
     report.append(caution(_STANDS_OUT, f"{touches}: ") if stands_out else touches)
-    report += [caution(doubt) for doubt in _doubts(overlap)]
+    report += [caution(doubt) for doubt in _doubts(overlap, bool(fits))]
     if mismatch.wavelength == 0.0 and correlation > _ALIKE:
         report.append(caution(_ONE_WALL))
     if fits and name == "common_frame" and applied == (0.0, 0.0):
@@ -475,22 +479,23 @@ def _described(
     )  # fmt: skip
 
 
-def _doubts(overlap: Overlap) -> list[str]:
-    """Describe unusual overlap and inclinations of scans of one joint."""
+def _doubts(overlap: Overlap, both: bool) -> list[str]:
+    """Describe unusual overlap and inclinations of both scans of a joint, or of its only one."""
     doubts = []
-    if overlap.share < LEAST_OVERLAP:
+    if both and overlap.share < LEAST_OVERLAP:
         doubts.append(
             f"the walls overlap in {100.0 * overlap.share:.0f} % of the smaller scan, less than "
             f"{100.0 * LEAST_OVERLAP:.0f} %: are the scans in one frame? (--shift mated moves "
             "them to the best fit)"
         )
     if overlap.inclination > STEEP_PLANE:
+        plane = "common plane" if both else "plane"
         doubts.append(
-            f"the common plane is inclined by {overlap.inclination:.1f} degrees, more than "
+            f"the {plane} is inclined by {overlap.inclination:.1f} degrees, more than "
             f"{STEEP_PLANE:g}; it was removed along z, so that heights are not normal to it; turn "
             "the scans"
         )
-    if overlap.relative > STEEP_WEDGE:
+    if both and overlap.relative > STEEP_WEDGE:
         doubts.append(
             f"the walls are inclined to each other by {overlap.relative:.1f} degrees, more than "
             f"{STEEP_WEDGE:g}; walls of one joint are about parallel"

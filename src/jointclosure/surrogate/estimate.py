@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jointclosure.config.files import SURROGATES
+from jointclosure.config.rocks import given_rock
 from jointclosure.inputs import InputError, check_length, real_array
 from jointclosure.joint.given_walls import checked_walls
 from jointclosure.parameters import Rock, both_walls, strength_of
@@ -120,7 +121,7 @@ def estimate(
     lower: ArrayLike,
     *,
     spacing: float,
-    rock: Rock,
+    rock: str | Rock,
     max_normal_stress: ArrayLike,
     extrapolate: bool = False,
 ) -> Estimate:
@@ -132,8 +133,8 @@ def estimate(
         Heights towards the other wall [m], as for `jointclosure.simulate`.
     spacing : float
         Grid spacing h [m].
-    rock : Rock
-        Rock of both walls.
+    rock : str or Rock
+        Rock of both walls, by name (`jointclosure.config.rocks.named_rock`) or properties.
     max_normal_stress : float or array
         Nominal normal stress [Pa], positive.
     extrapolate : bool
@@ -156,7 +157,7 @@ def estimate(
     """
     check_length("spacing", spacing)
     upper, lower = checked_walls(upper, lower, spacing)
-    rock = _one_rock(rock)
+    intact = _one_rock(rock)
     stresses = real_array("max_normal_stress", max_normal_stress)
     if not stresses.size:
         raise InputError(
@@ -165,8 +166,8 @@ def estimate(
     if not np.all(stresses > 0.0):
         raise InputError(f"max_normal_stress = {max_normal_stress!r} Pa: must be positive")
     measures = wall_measures(upper, lower, spacing)
-    ratio = stresses / strength_of(rock)
-    chosen, error, outside = _tested_law(measures, upper.shape, spacing, rock, ratio)
+    ratio = stresses / strength_of(intact)
+    chosen, error, outside = _tested_law(measures, upper.shape, spacing, intact, ratio)
     if outside and not extrapolate:
         raise InputError(f"{outside}; extrapolate=True returns a closure without an error")
     fraction = chosen.law.fraction(ratio)
@@ -204,7 +205,7 @@ def _tested_law(
         # few joints of one rock at a node: not a proof of errors below those of the constants
         return kind, np.fmax(errors_at(nodes, ratio), _worst(kind.errors, ratio)), ""
     domain = next(found for kind, found in around if kind is chosen)
-    return chosen, unknown, _nearest_domain(domain, next(iter(outside.values())))
+    return chosen, unknown, _nearest_domain(domain, outside)
 
 
 _LOADS = ("stress_over_strength", "modulus_over_strength")
@@ -217,20 +218,21 @@ def _away(nodes: list[Node], height_over_slope: float) -> float:
     return abs(float(np.log(height_over_slope) - middle))
 
 
-def _nearest_domain(outside: Outside | list[Node], text: str) -> str:
+def _nearest_domain(found: Outside | list[Node], outside: dict[str, str]) -> str:
     """Name the quantity that is outside of the wider domain, or of that of the constants."""
-    if not isinstance(outside, Outside) or outside.name in MEASURES:
-        return text
-    title = _TESTED[outside.name].title if outside.name in _TESTED else "cells along a side"
-    return (
-        f"{title} = {outside.value:.4g}: the law was tested from {outside.least:.4g} to "
-        f"{outside.most:.4g}"
-    )
+    if isinstance(found, Outside) and (found.name not in MEASURES or found.name not in outside):
+        title = _TESTED[found.name].title if found.name in _TESTED else "cells along a side"
+        return (
+            f"{title} = {found.value:.4g}: the law was tested from {found.least:.4g} to "
+            f"{found.most:.4g}"
+        )
+    measures = [outside[name] for name in MEASURES if name in outside]
+    return [*measures, *outside.values()][0]
 
 
-def _one_rock(rock: Rock) -> Rock:
+def _one_rock(rock: str | Rock) -> Rock:
     """Check and return the rock of both walls."""
-    upper, lower = both_walls(rock)
+    upper, lower = both_walls(given_rock(rock))
     if upper != lower:
         raise InputError(f"rock: {rock!r}: must be one Rock, for which the law was tested")
     return upper
