@@ -45,6 +45,7 @@ RUNS = {
         ),
         figures=("along_curve_elasticities", "table_3_predictive"),
     ),
+    "large_pool": Run(("table_3_joint_tests",)),
     "surrogate_roll_off": Run(shipped={"surrogate": "surrogate_roll_off"}),
     "surrogate_no_roll_off": Run(shipped={"surrogate": "surrogate_no_roll_off"}),
     "surrogate_domain": Run(shipped={"surrogate_domain": "surrogate_domain"}),

@@ -62,8 +62,8 @@ _mean = partial(
 )  # fmt: skip
 _jrc = partial(span, "paper/jrc_range", "value", "standard_error")
 _studies = partial(span, "paper/claims", "found_share", "found_error", 100.0)
-_joint = partial(span, "paper/table_3_joint_tests", "p", "p_error")
-_no_effect = partial(span, "paper/table_3_joint_tests", "null_p", "null_p_error")
+_joint = partial(span, "large_pool/table_3_joint_tests", "p", "p_error")
+_no_effect = partial(span, "large_pool/table_3_joint_tests", "null_p", "null_p_error")
 _index = partial(
     span, "global_sensitivity/global_sensitivity_indices", "total", "total_error",
     response="closure", rows=MOST,

@@ -26,14 +26,24 @@ def _probability(name: str) -> Form:
     return lambda group: probability(group[name], group[f"{name}_error"]).text
 
 
+def _beside_study(table: pd.DataFrame) -> pd.DataFrame:
+    """Add the p of the study's smaller pool."""
+    of_study = stored("paper", "table_3_joint_tests")[["entries", "p", "p_error"]]
+    return table.merge(of_study, on="entries", suffixes=("", "_of_study"))
+
+
 joint_tests = Table(
-    "paper/table_3_joint_tests",
+    "large_pool/table_3_joint_tests",
     {
         "entries": "{entries}",
         "number": "{number}",
         "p of this model": _probability("p"),
         "p without any effect": _probability("null_p"),
+        "p of this model, 60 surfaces": lambda group: (
+            probability(group["p_of_study"], group["p_error_of_study"]).text
+        ),
     },
+    prepare=_beside_study,
 )
 claims = Table(
     "paper/claims",
@@ -68,7 +78,7 @@ def flagged() -> str:
 
 def headline() -> dict[str, str]:
     """Numbers of the outcome in short: p of all entries, and what is left of the paper's claims."""
-    tests = "paper/table_3_joint_tests"
+    tests = "large_pool/table_3_joint_tests"
     claims = stored("paper", "conclusions")
     claims = claims[claims.said_in != OURS]
     left = claims.conclusion.value_counts()
