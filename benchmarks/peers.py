@@ -226,10 +226,10 @@ PEERS = {
 GIVEN_CLOSURES = ("own, by matrix", "slippy")
 
 
-def curve(solve, gap, tolerance, told) -> tuple:
-    """Closures (20,) [m], pressures (20, y, x) [Pa] and products; ``told`` are given closures."""
+def curve(solve, gap, tolerance, stated) -> tuple:
+    """Closures (20,) [m], pressures (20, y, x) [Pa] and products; ``stated`` are given closures."""
     pressure, answers = np.ones_like(gap), []
-    for stress, closure in zip(STRESSES, told, strict=True):
+    for stress, closure in zip(STRESSES, stated, strict=True):
         answers.append(solve(stress, pressure * (stress / pressure.mean()), tolerance, closure))
         pressure = answers[-1][1]
     closures, pressures, products = zip(*answers, strict=True)

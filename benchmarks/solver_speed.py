@@ -228,9 +228,9 @@ def main(arguments) -> None:
         table, measured = PARTS[name](arguments)
         show(f"{name}: {PARTS[name].__doc__}", table, arguments.output, name)
         for (what, target), value in zip(TARGETS[name], measured, strict=True):
-            said = "met" if value <= target else "NOT met"
+            printed = "met" if value <= target else "NOT met"
             row = {"part": name, "what": what, "target": target, "measured": value}
-            met.append(row | {"verdict": said})
+            met.append(row | {"verdict": printed})
     if met:
         show("targets", pd.DataFrame(met), arguments.output, "targets")
 

@@ -71,12 +71,12 @@ class Version(NamedTuple):
     """What a process is told and answers that closes joints with the source of one version."""
 
     source: Path
-    told: IO[str]
+    stated: IO[str]
     answers: IO[str]
 
-    def close(self, told: dict) -> dict:
+    def close(self, stated: dict) -> dict:
         """Seconds, counts and maximum closures of a simulation."""
-        print(json.dumps(told), file=self.told, flush=True)
+        print(json.dumps(stated), file=self.stated, flush=True)
         answer = self.answers.readline()
         if not answer:
             raise SystemExit(f"a simulation by the version in {self.source} failed")
@@ -112,7 +112,7 @@ def joints(folder: Path, arguments) -> dict[str, list[dict]]:
     cells = {"grid": {"cells_x": arguments.cells, "cells_y": arguments.cells}}
     rocks = {"study": {"rocks": arguments.rocks}} if arguments.rocks else {}
     configuration, cases = paper_study(cells, rocks)
-    told: dict[str, list[dict]] = {}
+    stated: dict[str, list[dict]] = {}
     for case in cases:
         settings = block_settings(
             configuration, {case.label: case}, case.label, range(arguments.surfaces)
@@ -123,8 +123,8 @@ def joints(folder: Path, arguments) -> dict[str, list[dict]]:
             np.savez(walls, upper=upper, lower=lower)
             about = {"walls": str(walls), "rock": list(conditions.rock)}
             about |= {"spacing": conditions.spacing, "stress": conditions.max_normal_stress}
-            told.setdefault(case.rock, []).append(about)
-    return told
+            stated.setdefault(case.rock, []).append(about)
+    return stated
 
 
 def median_interval(values: np.ndarray) -> tuple[float, float]:
@@ -141,10 +141,10 @@ def compare(rock: str, surfaces: list[dict], versions: list[Version], repeats: i
     for version in versions:
         version.close(surfaces[0])  # compiled before anything is timed
     for repetition in range(repeats):
-        for number, told in enumerate(surfaces):
+        for number, stated in enumerate(surfaces):
             pair.sample()
             for which in (0, 1) if (repetition + number) % 2 else (1, 0):
-                found = versions[which].close(told)
+                found = versions[which].close(stated)
                 before = least.get((which, number), found)
                 least[which, number] = found | {"s": min(found["s"], before["s"])}
     runs = [[least[which, number] for number in range(len(surfaces))] for which in (0, 1)]

@@ -34,8 +34,8 @@ JOINTS: dict[str, dict] = {
 
 def counts(name: str) -> dict[str, int]:
     """What closing a joint of `JOINTS` takes, two cycles on two surfaces."""
-    told = dict(JOINTS[name])
-    cells, stress = told.pop("cells", 24), told.pop("stress", 4.0)
+    stated = dict(JOINTS[name])
+    cells, stress = stated.pop("cells", 24), stated.pop("stress", 4.0)
     closed = [
         jc.simulate(
             *jc.wall_pair(8.0, (cells, cells), SPACING, seed=seed, roll_off=None),
@@ -43,7 +43,7 @@ def counts(name: str) -> dict[str, int]:
             rock=DOLERITE,
             max_normal_stress=stress * 1e6,
             seating_stress=0.0,
-            **told,
+            **stated,
         )
         for seed in (1, 2)
     ]

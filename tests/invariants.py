@@ -92,7 +92,7 @@ def judged(upper, lower, *, rock, spacing, effects, choices, numerics=jc.Numeric
     # the solver sees walls without their offset, see docs/statuses.md
     walls = [wall - height_datum(wall) for wall in (upper, lower)]
     joint = oracle.Joint(*walls, spacing, rock, effects, choices)
-    told = {"rock": rock, "spacing": spacing, "effects": effects, "choices": choices} | load
+    stated = {"rock": rock, "spacing": spacing, "effects": effects, "choices": choices} | load
 
     def show(state: oracle.State) -> None:
         assert_at_rest(joint, state, numerics.force_tolerance)
@@ -101,7 +101,7 @@ def judged(upper, lower, *, rock, spacing, effects, choices, numerics=jc.Numeric
         lambda name: JudgedSolver(solver_named(name), show),
         upper,
         lower,
-        Conditions(numerics=numerics, seating_stress=0.0, unusual_values=True, **told),
+        Conditions(numerics=numerics, seating_stress=0.0, unusual_values=True, **stated),
     )
 
 

@@ -41,7 +41,7 @@ def scans(tmp_path_factory):
     return folder
 
 
-def said(capsys, *words):
+def shown(capsys, *words):
     code = cli.main(["close", *map(str, words)])
     return code, *capsys.readouterr()
 
@@ -49,7 +49,7 @@ def said(capsys, *words):
 def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, capsys):
     files = scans / "top.xyz", scans / "bottom.xyz"
     words = [*WORDS, "--single", "--rock", "granite", "--output", tmp_path / "j"]
-    code, out, err = said(capsys, *files, *words)
+    code, out, err = shown(capsys, *files, *words)
     assert (code, err) == (0, "")
     assert "orientation of the upper wall, found: common_frame" in out
     assert "Granite (Young's modulus 73 GPa, Poisson's ratio 0.25, compressive strength" in out
@@ -73,8 +73,8 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, cap
     assert record["mismatch_wavelength_mm"]["wavelength"] == 1e3 * library.pair.mismatch.wavelength
     assert sum("the walls are mated at " in line for line in pair.report) == 1
     assert set(record["sha256"]) == {"upper", "lower"}
-    told = json.loads(record["provenance"]["configuration"])
-    assert told["rocks"]["granite"]["walls"]["upper"] == str(files[0])
+    values_stated = json.loads(record["provenance"]["configuration"])
+    assert values_stated["rocks"]["granite"]["walls"]["upper"] == str(files[0])
     assert record["provenance"]["source_digest"]
     for picture in ("walls.png", "closure.png"):
         assert (tmp_path / "j" / picture).stat().st_size > 20000
@@ -102,7 +102,7 @@ def test_flow_and_snapshots_of_scanned_walls_are_there_where_asked_for(scans, tm
     files = scans / "top.xyz", scans / "bottom.xyz"
     words = [*files, *WORDS, "--single", "--rock", "granite", "--flow", "--output", tmp_path / "j"]
     words += ["--snapshots", "1,2"]
-    code, out, err = said(capsys, *words)
+    code, out, err = shown(capsys, *words)
     assert (code, err) == (0, "")
     assert "hydraulic along x" in out
     assert (read_netcdf(tmp_path / "j/joint.nc").hydraulic_aperture > 0.0).all()
@@ -130,7 +130,7 @@ def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, capsy
     files = scans / "top.xyz", scans / "bottom.xyz"
     stated = ["--range", "compressive_strength_MPa", 100, 250]
     words = [*files, *WORDS, "--cycles", 1, "--rock", "granite", *stated, "--output", tmp_path]
-    code, out, err = said(capsys, *words)
+    code, out, err = shown(capsys, *words)
     assert (code, err) == (0, "")
     record = json.loads((tmp_path / "joint.json").read_text())
     closure = record["range"][0]
@@ -147,7 +147,7 @@ def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, capsy
     page = (tmp_path / "report.html").read_text()
     assert f"closes {closure['text']} mm in its first cycle" in page
     for ends in (["strength", 1, 2], ["compressive_strength_MPa", "a", 2]):
-        code, _, err = said(capsys, *files, *WORDS, "--rock", "granite", "--range", *ends)
+        code, _, err = shown(capsys, *files, *WORDS, "--rock", "granite", "--range", *ends)
         assert (code, err.count("\n")) == (2, 1)
         assert f"--range {ends[0]}" in err
 
@@ -196,7 +196,7 @@ def test_what_is_wrong_is_one_line_and_nothing_is_closed(
 ):
     monkeypatch.setattr("jointclosure.commands.close.closed_pair", None)
     output = [] if "--output" in words else ["--output", tmp_path / "j"]
-    code, _, err = said(capsys, *(scans / file for file in files), *words, *output)
+    code, _, err = shown(capsys, *(scans / file for file in files), *words, *output)
     assert code == 2
     assert err.count("\n") == 1
     assert message.format(scans) in err
@@ -219,14 +219,14 @@ def test_a_folder_written_twice_equals_one_written_once(scans, tmp_path, capsys)
     files = scans / "top.xyz", scans / "bottom.xyz"
     words = [*files, *WORDS, "--single", "--cycles", 1, "--rock", "granite", "--output"]
     first = [*words, twice, "--snapshots", "1,2"]
-    assert said(capsys, *first)[::2] == (0, "")
+    assert shown(capsys, *first)[::2] == (0, "")
     (twice / "notes.txt").write_text("mine")
     assert cli.main(["report", str(twice)]) == 0
     written = {"snapshots.png", "geos.xml", "geos_gap.csv", "geos_aperture.csv", "report.html"}
     assert written <= set(contents(twice))
     (_, out, _), _ = (
         # from first touch on GEOS has no form
-        said(capsys, *words, folder, "--set", "seating_stress_MPa=0")
+        shown(capsys, *words, folder, "--set", "seating_stress_MPa=0")
         for folder in (twice, once)
     )
     listed = out.splitlines()[-1].partition(": ")[2].split(", ")
@@ -243,7 +243,7 @@ def test_both_walls_of_a_published_fracture_are_closed_with_defaults_for_granite
         pytest.skip("the two walls are not here")
     files = TWO_WALLS / "side_b_top.txt", TWO_WALLS / "side_a_bottom.txt"
     words = ["--units", "mm", "--rock", "granite", "--output", tmp_path / "j"]
-    code, out, err = said(capsys, *files, *words)
+    code, out, err = shown(capsys, *files, *words)
     assert (code, err) == (0, "")
     record = json.loads((tmp_path / "j/joint.json").read_text())
     assert record["status"] == "success"
@@ -253,8 +253,8 @@ def test_both_walls_of_a_published_fracture_are_closed_with_defaults_for_granite
     per_cycle = record["per_cycle"]
     first, second = per_cycle["closure_net_since_seating_mm"]
     assert 0.0 < second < first < per_cycle["max_closure_gross_mm"][0]
-    told = pd.read_csv(tmp_path / "j/cycles.csv")  # one definition of what stays
-    for name in told.columns.drop("cycle"):
-        assert per_cycle[name] == pytest.approx(told[name].tolist(), rel=1e-6)
+    values_stated = pd.read_csv(tmp_path / "j/cycles.csv")  # one definition of what stays
+    for name in values_stated.columns.drop("cycle"):
+        assert per_cycle[name] == pytest.approx(values_stated[name].tolist(), rel=1e-6)
     words = (tmp_path / "j/cycles.csv").read_text().splitlines()[1].split(",")
     assert max(len(word.replace(".", "").lstrip("0")) for word in words) <= FIGURES

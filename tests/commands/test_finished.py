@@ -22,14 +22,14 @@ def test_an_edited_study_is_refused(command, tmp_path, capsys):
     write_seal(tmp_path / "seals/aggregate.json", [str(study)], {}, [], [])
     write_netcdf(xr.Dataset({"closure": 2.0}), study)  # whole, and another one
     assert main([command, str(tmp_path), *COMMANDS[command]]) == 2
-    said = capsys.readouterr().err
-    assert str(study) in said
-    assert "not as jointclosure wrote it" in said
+    printed = capsys.readouterr().err
+    assert str(study) in printed
+    assert "not as jointclosure wrote it" in printed
 
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_folder_without_a_study_is_named(command, tmp_path, capsys):
     assert main([command, str(tmp_path), *COMMANDS[command]]) == 2
-    said = capsys.readouterr().err
-    assert str(tmp_path) in said
-    assert "is the study finished?" in said
+    printed = capsys.readouterr().err
+    assert str(tmp_path) in printed
+    assert "is the study finished?" in printed

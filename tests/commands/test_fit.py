@@ -11,7 +11,7 @@ from tests.measured.test_calibration import GOOD
 SMALL = ["--rock", "granite", "--jrc", "10", "--cells", "12", "--surfaces", "4"]
 
 
-def said(capsys, *words):
+def printed(capsys, *words):
     code = cli.main(["fit", *map(str, words)])
     return code, *capsys.readouterr()
 
@@ -24,7 +24,7 @@ def curve(tmp_path):
 
 
 def test_the_command_finds_what_the_library_does(curve, tmp_path, capsys):
-    code, out, err = said(capsys, curve, *SMALL, "--output", tmp_path / "fitted")
+    code, out, err = printed(capsys, curve, *SMALL, "--output", tmp_path / "fitted")
     assert (code, err) == (0, "")
     found = jc.fit(curve, rock="granite", jrc=10.0, shape=(12, 12), surfaces=4)
     assert all(f"- {line}" in out for line in found.sentences())
@@ -35,8 +35,8 @@ def test_the_command_finds_what_the_library_does(curve, tmp_path, capsys):
     assert out.startswith("assumed (")
     assert found.assumed in out.splitlines()[0]
     assert record["compressive_strength_MPa"] is None
-    told = json.loads(record["provenance"]["configuration"])
-    assert told["rocks"]["granite"]["max_normal_stress_MPa"] == 5.0
+    stated = json.loads(record["provenance"]["configuration"])
+    assert stated["rocks"]["granite"]["max_normal_stress_MPa"] == 5.0
     assert (tmp_path / "fitted/fit.png").stat().st_size > 20000
 
 
@@ -58,7 +58,7 @@ def test_stated_assumptions_replace_those_of_scanned_joints(
     config = tmp_path / "mine.yaml"
     config.write_text("surface: {roll_off_mm: 2}\n")
     given = [word.format(config) for word in words]
-    said(capsys, curve, *SMALL, *given, "--output", tmp_path / "fitted")
+    printed(capsys, curve, *SMALL, *given, "--output", tmp_path / "fitted")
     record = json.loads((tmp_path / "fitted/fit.json").read_text())
     keys = json.loads(record["provenance"]["configuration"])
     assert keys["surface"]["roll_off_mm"] == roll_off
@@ -74,7 +74,7 @@ def test_stated_assumptions_replace_those_of_scanned_joints(
     ],
 )
 def test_what_is_missing_or_wrong_is_one_line(curve, capsys, words, message):
-    code, _, err = said(capsys, *(word.format(curve) for word in words))
+    code, _, err = printed(capsys, *(word.format(curve) for word in words))
     assert code == 2
     assert message in err
     assert err.count("\n") == 1

@@ -85,9 +85,9 @@ def test_a_number_beyond_its_range_is_refused_in_one_line(
         code = cli.main([command, *WORDS[command], *wish, f"{name}={value}"])
     except SystemExit as ended:
         code = ended.code
-    said = capsys.readouterr()
-    assert code == 2, said.out
-    assert said.err.count("\n") == 1
+    printed = capsys.readouterr()
+    assert code == 2, printed.out
+    assert printed.err.count("\n") == 1
     words = {name, option.dest, option.dest.replace("_", "-"), _KEYS.get(option.dest, name)}
-    assert any(word in said.err for word in words)
+    assert any(word in printed.err for word in words)
     assert sorted(inputs.iterdir()) == before, "something was written"

@@ -20,28 +20,28 @@ def test_it_prints_each_measure_and_writes_table_and_picture(scan, tmp_path, cap
     table, picture = tmp_path / "measures.csv", tmp_path / "wall.png"
     words = ["--units", "mm", "--spacing", "0.25", "--table", table, "--picture", picture]
     assert main(["roughness", str(scan), *map(str, words)]) == 0
-    said = capsys.readouterr().out
-    assert "40 x 48 cells (y, x) of 0.25 mm; mean plane removed" in said
+    printed = capsys.readouterr().out
+    assert "40 x 48 cells (y, x) of 0.25 mm; mean plane removed" in printed
     frame = pd.read_csv(table).set_index("measure")
     for name in frame.index:
-        assert name in said
+        assert name in printed
     assert frame.value["JRC, yu_vayssade_linear_0.25mm"] == pytest.approx(9.0, abs=0.2)
     assert picture.stat().st_size > 20000
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "printed"),
     [
         (["--units", "mm"], "scan.npy: does not state the spacing"),
         (["--units", "mm", "--spacing", "1", "--picture", "a.gif"], "a.gif: must end in"),
         (["--units", "mm", "--spacing", "1", "--grid-spacing", "4"], "measures need at least 24"),
     ],
 )
-def test_what_is_wrong_is_one_line(scan, words, said, capsys):
+def test_what_is_wrong_is_one_line(scan, words, printed, capsys):
     assert main(["roughness", str(scan), *words]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1
-    assert said in error
+    assert printed in error
 
 
 @pytest.mark.parametrize(("choice", "done"), [("keep", "were kept"), ("cut", "were cut")])
@@ -51,8 +51,8 @@ def test_spikes_are_told_and_cut_if_asked_for(choice, done, tmp_path, capsys):
     np.save(tmp_path / "a.npy", wall)
     words = ["--units", "mm", "--spacing", "0.25", "--spikes", choice]
     assert main(["roughness", str(tmp_path / "a.npy"), *words]) == 0
-    said = capsys.readouterr().out
-    assert "1 of 1920 points are spikes" in said
-    assert "at (x, y) = (5.25, 5) mm" in said
-    assert done in said
-    assert ("1 of them without a height" in said) == (choice == "cut")
+    printed = capsys.readouterr().out
+    assert "1 of 1920 points are spikes" in printed
+    assert "at (x, y) = (5.25, 5) mm" in printed
+    assert done in printed
+    assert ("1 of them without a height" in printed) == (choice == "cut")

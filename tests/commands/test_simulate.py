@@ -13,14 +13,14 @@ SMALL = ["--cells", "12x14", "--stress", "2", "--seating", "0.2"]
 BY_NUMBERS = ["--youngs-modulus", "78", "--poisson-ratio", "0.2", "--strength", "165", "--jrc", "8"]
 
 
-def said(capsys, *words):
+def printed(capsys, *words):
     code = cli.main(["simulate", *map(str, words)])
     return code, *capsys.readouterr()
 
 
 def test_a_rock_by_name_and_by_its_numbers_close_alike_as_the_library_does(tmp_path, capsys):
     for path, rock in (("name.nc", ["--rock", "dolerite"]), ("numbers.nc", BY_NUMBERS)):
-        code, out, err = said(capsys, *rock, *SMALL, "--seed", 3, "--output", tmp_path / path)
+        code, out, err = printed(capsys, *rock, *SMALL, "--seed", 3, "--output", tmp_path / path)
         assert (code, err) == (0, "")
         assert "cycle 2" in out
     name, numbers = (read_netcdf(tmp_path / path) for path in ("name.nc", "numbers.nc"))
@@ -35,15 +35,15 @@ def test_a_rock_by_name_and_by_its_numbers_close_alike_as_the_library_does(tmp_p
     for variable in closed.data_vars:
         np.testing.assert_array_equal(name[variable], closed[variable])
         np.testing.assert_array_equal(numbers[variable], closed[variable])
-    told = json.loads(name.attrs["configuration"])
-    assert told["rocks"]["dolerite"]["youngs_modulus_GPa"] == 78
+    stated = json.loads(name.attrs["configuration"])
+    assert stated["rocks"]["dolerite"]["youngs_modulus_GPa"] == 78
     assert name.attrs["source_digest"]
 
 
 def test_a_picture_is_drawn_and_effects_and_settings_are_heeded(tmp_path, capsys):
     words = [*SMALL, "--cycles", 1, "--without", "breakage", "gouge", "soft_peaks"]
     words += ["--set", "numerics.curve_points=7", "--picture", tmp_path / "a.png"]
-    code, out, err = said(capsys, "--rock", "slate", *words, "--output", tmp_path / "a.nc")
+    code, out, err = printed(capsys, "--rock", "slate", *words, "--output", tmp_path / "a.nc")
     assert (code, err) == (0, "")
     assert (tmp_path / "a.png").stat().st_size > 5000
     closed = read_netcdf(tmp_path / "a.nc")
@@ -60,7 +60,7 @@ def test_a_failed_simulation_is_said_and_fails(capsys, monkeypatch):
         return closed
 
     monkeypatch.setattr("jointclosure.ensemble.closing.simulate", failing)
-    code, out, _ = said(capsys, "--rock", "slate", *SMALL)
+    code, out, _ = printed(capsys, "--rock", "slate", *SMALL)
     assert code == 1
     assert "failed: outside_model_range, rigid_contact" in out
 
@@ -86,7 +86,7 @@ def test_a_failed_simulation_is_said_and_fails(capsys, monkeypatch):
 )
 def test_bad_input_is_one_line_before_anything_is_computed(words, message, capsys, monkeypatch):
     monkeypatch.setattr("jointclosure.commands.simulate._close", None)
-    code, out, err = said(capsys, *words)
+    code, out, err = printed(capsys, *words)
     assert (code, out) == (2, "")
     assert message in err
     assert err.count("\n") == 1

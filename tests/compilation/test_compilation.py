@@ -33,7 +33,7 @@ jc.equilibrium(flat, flat, spacing=1e-3, rock=jc.Rock(1e9, 0.2, 1e6), closure=1e
 
 def test_a_cold_start_says_what_it_is_doing_and_a_warm_one_nothing(tmp_path):
     environment = os.environ | {"JOINTCLOSURE_CACHE": str(tmp_path)}
-    said = [
+    printed = [
         subprocess.run(
             [sys.executable, "-c", COLD_START],
             env=environment,
@@ -43,8 +43,8 @@ def test_a_cold_start_says_what_it_is_doing_and_a_warm_one_nothing(tmp_path):
         ).stderr
         for _ in range(2)
     ]
-    assert said[0].count("compiling kernels") == 1
-    assert said[1] == ""
+    assert printed[0].count("compiling kernels") == 1
+    assert printed[1] == ""
 
 
 COMPILING_JOB = """

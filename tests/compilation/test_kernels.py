@@ -90,8 +90,8 @@ def small_joints() -> dict:
 
 
 def test_small_joints_close_in_every_scene():
-    for told, (closure, stress, upper, lower, status) in small_joints().items():
-        assert int(status) < 16, told
+    for stated, (closure, stress, upper, lower, status) in small_joints().items():
+        assert int(status) < 16, stated
         assert stress.max() == pytest.approx(5e5, rel=0.05) or int(status) & 1
         assert np.isfinite(closure).all()
         assert np.isfinite(upper + lower).all()
@@ -120,7 +120,7 @@ def test_compiled_and_interpreted_kernels_give_the_same_joints(tmp_path):
         str(file),
     )
     compiled = small_joints()
-    for told, values in pickle.loads(file.read_bytes()).items():
-        for one, other in zip(values, compiled[told], strict=True):
+    for stated, values in pickle.loads(file.read_bytes()).items():
+        for one, other in zip(values, compiled[stated], strict=True):
             scale = np.abs(other).max()
-            np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-7 * scale, err_msg=str(told))
+            np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-7 * scale, err_msg=str(stated))

@@ -130,13 +130,13 @@ def test_a_field_of_rock_with_its_metadata_is_a_property_everywhere(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "printed"),
     [({"grid": {"cell_x": 5}}, "grid.cell_x = 5: unknown key; did you mean cells_x?"), ({"stuy": {}}, "stuy = {}: unknown key; did you mean study?"), ({"rocks": {"slate": {"youngs_modulus_GPa": -66}}}, "rocks.slate.youngs_modulus_GPa = -66: must be above 0"), ({"rocks": {"slate": {"levels": {"poisson_ratio": [0.1, 0.7]}}}}, "poisson_ratio = 0.7"), ({"rocks": {"slate": {"levels": {"jrc": [8, 5]}}}}, "rocks.slate.levels.jrc = [8, 5]: must be strictly ascending"), ({"rocks": {"slate": {"levels": {"jrc": [5, 6.5]}}}}, "must not contain the value of the rock"), ({"rocks": {"slate": {"max_normal_stress_MPa": 0.4}}}, "seating_stress_MPa = 0.5: must be below"), ({"study": {"realizations": 4000}}, "statistics.control_variates = 4000: must be more than the 4000 surfaces"), ({"effects": "autom"}, "effects = 'autom': must be auto, or effects with true or false"), ({"choices": {"largest_radius_mm": 0.2}}, "largest_radius = 0.0002 m: must be at least the grid spacing"), ({"rocks": {"slate": {"max_normal_stress_MPa": 40}}, "output": {"largest_stress_MPa": 30}}, "output.largest_stress_MPa = 30: must be at least"), ({"study": {"unusual_values": "allow"}, "rocks": {"slate": {"youngs_modulus_GPa": 0.02, "levels": {"youngs_modulus_GPa": [0.01, 0.03]}}}}, "must be below Young's modulus, 10 MPa"), ({"rocks": {"gneiss": {"jrc": 8}}}, "rocks.gneiss: lacks title"), ({"study": {"realizations": "20"}}, "study.realizations = '20': must be of type integer"), ({"study": {"rocks": ["dolorite"]}}, "'dolorite': must be one of rocks"), ({"numerics": {"breakage_step_um": 12.5}}, "breakage_step = 1.25e-05"), ({"effects": {"substrate": False}}, "interaction = True needs substrate = True"), ({"surface": {"mismatch_wavelength_mm": 1, "correlation": 0.5}}, "correlation = 0.5: must be 0 if mismatch_wavelength is given"),],
 )  # fmt: skip
-def test_an_error_names_the_key_its_value_and_what_is_allowed(change, said):
+def test_an_error_names_the_key_its_value_and_what_is_allowed(change, printed):
     with pytest.raises(ConfigurationError) as error:
         study_of(change)
-    assert said in str(error.value)
+    assert printed in str(error.value)
 
 
 def test_all_errors_are_listed_at_once_a_line_each():
@@ -234,7 +234,7 @@ def test_no_name_leads_out_of_the_results_folder(name):
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "printed"),
     [
         ("study:\n  name: !!python/object/apply:os.system ['touch ran']\n", "not plain YAML"),
         (
@@ -244,10 +244,10 @@ def test_no_name_leads_out_of_the_results_folder(name):
         ("- a list\n", "must contain keys and values"),
     ],
 )
-def test_a_configuration_is_plain_data_and_runs_nothing(tmp_path, monkeypatch, text, said):
+def test_a_configuration_is_plain_data_and_runs_nothing(tmp_path, monkeypatch, text, printed):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mine.yaml").write_text(text)
-    with pytest.raises(ConfigurationError, match=rf"mine\.yaml: .*{said}"):
+    with pytest.raises(ConfigurationError, match=rf"mine\.yaml: .*{printed}"):
         read_plain("mine.yaml")
     assert not (tmp_path / "ran").exists()
 
@@ -268,7 +268,7 @@ def test_a_rock_may_have_its_own_effects():
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "printed"),
     [
         (
             {"effects": {"interaction": False}, "numerics": {"idle_interaction": 0.02}},
@@ -283,7 +283,7 @@ def test_a_rock_may_have_its_own_effects():
         ),
     ],
 )
-def test_effects_that_cannot_be_are_refused(changes, said):
+def test_effects_that_cannot_be_are_refused(changes, printed):
     with pytest.raises(ConfigurationError) as error:
         study_of(changes)
-    assert said in str(error.value)
+    assert printed in str(error.value)

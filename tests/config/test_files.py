@@ -40,13 +40,13 @@ FILES = {
 
 @pytest.mark.parametrize("kind", FILES)
 def test_a_file_that_is_no_configuration_is_refused_in_one_line(kind, tmp_path):
-    content, said = FILES[kind]
+    content, printed = FILES[kind]
     path = tmp_path / "mine.yaml"
     path.write_bytes(content)
     with pytest.raises(ConfigurationError) as error:
         read_plain(path)
     assert str(error.value).startswith(f"{path}: ")
-    assert said in str(error.value)
+    assert printed in str(error.value)
     assert "\n" not in str(error.value)
 
 

@@ -96,7 +96,7 @@ def test_it_is_the_rocks_own_effects_that_break_or_not():
 
 
 @pytest.mark.parametrize(
-    ("told", "said"),
+    ("stated", "printed"),
     [
         ({"preset": "best"}, "numerics.preset = 'best': must be one of paper, accurate, converged"),
         ({"preset": "paper", "accuracy": 0.1}, "only one of them"),
@@ -108,10 +108,10 @@ def test_it_is_the_rocks_own_effects_that_break_or_not():
         ({"preset": "accurate", "tolerance": 0.07}, "numerics.tolerance = 0.07: must be left out"),
     ],
 )
-def test_what_cannot_be_chosen_is_refused(told, said):
+def test_what_cannot_be_chosen_is_refused(stated, printed):
     with pytest.raises(InputError) as error:
-        chosen(**told)
-    assert said in str(error.value)
+        chosen(**stated)
+    assert printed in str(error.value)
 
 
 def test_the_committed_table_has_every_preset_of_the_study_and_they_can_be_run():

@@ -68,8 +68,8 @@ def found_in(change, **study):
 
 @pytest.mark.parametrize("slip", SLIPS)
 def test_a_slip_of_units_is_refused_and_a_key_takes_it_as_it_is(slip):
-    change, said = SLIPS[slip]
-    lines = [line for line in found_in(change) if said in line]
+    change, printed = SLIPS[slip]
+    lines = [line for line in found_in(change) if printed in line]
     assert len(lines) == 1
     assert "not usual of rock" in lines[0]
     assert "study.unusual_values: allow takes it as it is" in lines[0]
@@ -86,7 +86,7 @@ def test_rocks_that_are_not_studied_may_be_what_they_are():
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "printed"),
     [
         ({"rock": jc.Rock(55.0, 0.2, 165e6)}, "youngs_modulus = 55.0 Pa: not usual"),
         (
@@ -97,15 +97,15 @@ def test_rocks_that_are_not_studied_may_be_what_they_are():
         ({"max_normal_stress": 10.0}, "max_normal_stress = 10.0 Pa: not usual"),
     ],
 )
-def test_the_library_refuses_a_slip_of_units_too(change, said):
+def test_the_library_refuses_a_slip_of_units_too(change, printed):
     walls = [jc.wall_pair(8.0, (6, 6), 0.25e-3, seed) for seed in range(2)]
     for close in (
-        lambda **told: jc.simulate(*walls[0], seating_stress=0.0, **told),
-        lambda **told: jc.choose_effects(walls, **told),
+        lambda **stated: jc.simulate(*walls[0], seating_stress=0.0, **stated),
+        lambda **stated: jc.choose_effects(walls, **stated),
     ):
         with pytest.raises(jc.InputError, match="unusual_values=True") as error:
             close(**USUAL | change)
-        assert said in str(error.value)
+        assert printed in str(error.value)
 
 
 def test_the_library_takes_unusual_values_where_it_is_told_to():

@@ -135,8 +135,8 @@ def test_what_cannot_be_reached_is_refused_before_anything_is_closed(wish, messa
 
 
 def study(*changes, **wish):
-    told = {"numerics": {"accuracy": {"of": "mean", "within": 0.05} | wish}}
-    return configured(keys_of(told, *changes), read_csv)
+    stated = {"numerics": {"accuracy": {"of": "mean", "within": 0.05} | wish}}
+    return configured(keys_of(stated, *changes), read_csv)
 
 
 def test_a_study_has_the_numerics_surfaces_and_control_variates_that_were_granted():

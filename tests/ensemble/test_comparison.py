@@ -59,9 +59,9 @@ def test_compare_says_where_the_surfaces_differ(folders, capsys, seeds):
     assert "close the same surfaces" in capsys.readouterr().out
     write_netcdf(study(seeds=seeds), folders[1] / "study.nc")
     assert cli.main(["compare", *map(str, folders)]) == 0
-    said = capsys.readouterr().out
-    assert "The surfaces differ in 2 of 2 cases" in said
-    assert "study.surfaces_of" in said
+    printed = capsys.readouterr().out
+    assert "The surfaces differ in 2 of 2 cases" in printed
+    assert "study.surfaces_of" in printed
 
 
 def test_failures_are_left_out_on_both_sides():
@@ -118,14 +118,14 @@ def folders(tmp_path):
 
 def test_compare_prints_what_moved(folders, capsys):
     assert cli.main(["compare", *map(str, folders)]) == 0
-    said = capsys.readouterr().out
-    assert "10.0" in said
-    assert "2 (1 to 3)" in said
-    assert "t test" in said
-    assert "paired" in said
-    assert "–" in said
-    assert "Verdicts that differ" in said
-    assert "1a" not in said.split("Verdicts")[1]
+    printed = capsys.readouterr().out
+    assert "10.0" in printed
+    assert "2 (1 to 3)" in printed
+    assert "t test" in printed
+    assert "paired" in printed
+    assert "–" in printed
+    assert "Verdicts that differ" in printed
+    assert "1a" not in printed.split("Verdicts")[1]
     assert cli.main(["compare", str(folders[0]), str(folders[0])]) == 0
     assert "No verdict differs" in capsys.readouterr().out
 

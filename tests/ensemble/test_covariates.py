@@ -55,14 +55,14 @@ def test_covariates_of_one_noise_are_the_same_at_every_jrc(normalise):
 
 def test_means_are_known_within_the_error_that_they_tell():
     configuration = study_of(SMALL)
-    told = [
+    stated = [
         known_covariates(400, seed, configuration.grid, configuration.surface) for seed in (1, 2)
     ]
-    off = told[0].means - told[1].means
-    error = np.sqrt(sum(np.diag(each.covariance) / each.surfaces for each in told))
+    off = stated[0].means - stated[1].means
+    error = np.sqrt(sum(np.diag(each.covariance) / each.surfaces for each in stated))
     assert np.all(np.abs(off) < 4.0 * error)
     assert np.all(off != 0.0)
-    assert np.all(error < 0.05 * told[0].means)
+    assert np.all(error < 0.05 * stated[0].means)
 
 
 def test_scanned_walls_have_no_covariates():

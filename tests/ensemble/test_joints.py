@@ -129,16 +129,16 @@ def test_conditions_are_refused_at_every_door_before_walls_are_made(change, mess
     def walls(*_):
         raise AssertionError("walls were made")
 
-    told = LOAD | change
+    stated = LOAD | change
     curve = tmp_path / "lab.csv"
     curve.write_text(GOOD)
-    load = {name: value for name, value in told.items() if name != "spacing"}
-    fitted = {name: value for name, value in told.items() if name != "max_normal_stress"}
+    load = {name: value for name, value in stated.items() if name != "spacing"}
+    fitted = {name: value for name, value in stated.items() if name != "max_normal_stress"}
     for door in (
-        lambda: jc.simulate_ensemble(walls, **told),
+        lambda: jc.simulate_ensemble(walls, **stated),
         lambda: jc.close("none.npy", "none.npy", **load),
         lambda: jc.fit(curve, jrc=8.0, shape=(8, 8), **fitted),
-        lambda: jc.simulate(*rule(1), **told),
+        lambda: jc.simulate(*rule(1), **stated),
     ):
         with pytest.raises(jc.InputError, match=message):
             door()

@@ -54,7 +54,7 @@ def test_measured_walls_take_the_place_of_a_jrc():
 
 
 @pytest.mark.parametrize(
-    ("rock", "said"),
+    ("rock", "printed"),
     [
         (
             {"walls": WALLS, "levels": {"jrc": None}},
@@ -69,10 +69,10 @@ def test_measured_walls_take_the_place_of_a_jrc():
         (NO_JRC | {"walls": WALLS | {"inverted": ["upper"]}}, "upper is not a file"),
     ],
 )
-def test_what_contradicts_measured_walls_is_named(rock, said):
+def test_what_contradicts_measured_walls_is_named(rock, printed):
     with pytest.raises(ConfigurationError) as error:
         study_of({"study": {"rocks": ["slate"]}, "rocks": {"slate": rock}})
-    assert said in str(error.value)
+    assert printed in str(error.value)
 
 
 def test_designs_that_draw_walls_of_a_jrc_refuse_measured_ones():
@@ -107,8 +107,8 @@ def test_prepared_walls_say_what_they_are(scan):
     assert about["z2"] == pytest.approx(rms_slope(scan.heights, SPACING), rel=1e-12)
     assert about["jrc"] == pytest.approx(9.0, abs=1e-6)
     assert 0.5 < about["hurst"] <= 1.0
-    told = json.loads(described({"slate": walls}))
-    assert told["slate"]["lower"]["z2"] == about["z2"]
+    stated = json.loads(described({"slate": walls}))
+    assert stated["slate"]["lower"]["z2"] == about["z2"]
 
 
 def test_heights_that_point_into_the_rock_are_turned(scan):
@@ -121,8 +121,8 @@ def test_heights_that_point_into_the_rock_are_turned(scan):
 
 def test_scans_of_different_size_are_refused_with_both_files(scan):
     smaller = Scan(scan.heights[:, :-1], scan.spacing)
-    said = r"b.npz and scan.npz: \(40, 50\) and \(40, 49\) cells"
-    with pytest.raises(jc.InputError, match=said):
+    printed = r"b.npz and scan.npz: \(40, 50\) and \(40, 49\) cells"
+    with pytest.raises(jc.InputError, match=printed):
         prepared({"upper": scan, "lower": smaller}, upper="b.npz")
 
 

@@ -88,7 +88,7 @@ def test_a_failed_simulation_has_no_responses(monkeypatch):
     conditions = Conditions(0.25e-3, SLATE, 1e6, 2, 0.5e6, Effects(), Choices(), Numerics())
     closed = close_walls(*walls, conditions)
     failed = closed.assign(status=closed.status * 0 + 16)
-    monkeypatch.setattr(responses_module, "close_walls", lambda *told: failed)
+    monkeypatch.setattr(responses_module, "close_walls", lambda *stated: failed)
     status, responses = cycle_responses(walls, conditions)
     assert status == 16
     assert all(np.isnan(values).all() for values in responses.values())

@@ -65,8 +65,8 @@ def test_the_same_settings_pass_and_a_change_is_named(configuration):
     attributes = {"settings": as_text(settings)}
     check_settings("case.nc", attributes, settings_of(configuration, "slate-jrc-low", range(4)))
     other = study_of(SMALL, {"choices": {"largest_radius_mm": 20}})
-    said = r"case.nc: .*choices.largest_radius is None.* 0.02"
-    with pytest.raises(OtherSettingsError, match=said):
+    printed = r"case.nc: .*choices.largest_radius is None.* 0.02"
+    with pytest.raises(OtherSettingsError, match=printed):
         check_settings("case.nc", attributes, settings_of(other, "slate-jrc-low", range(4)))
     with pytest.raises(OtherSettingsError, match="it does not state them"):
         check_settings("case.nc", {}, settings)

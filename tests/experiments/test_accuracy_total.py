@@ -147,9 +147,9 @@ def test_the_best_split_of_a_budget_is_on_the_front_and_a_larger_one_is_no_worse
 
 
 def test_a_setting_that_was_not_turned_is_refused_by_name():
-    told = DIAGRAM._replace(total=TOTAL | {"methods": {"swift": {"knob": "steps", "value": 2}}})
+    stated = DIAGRAM._replace(total=TOTAL | {"methods": {"swift": {"knob": "steps", "value": 2}}})
     with pytest.raises(InputError, match=r"accuracy\.total: swift = .*is no setting of own"):
-        method_table(told, costs(), variance(), surrogate(), CHEAP)
+        method_table(stated, costs(), variance(), surrogate(), CHEAP)
 
 
 def test_a_study_that_does_not_tell_scatter_or_the_laws_error_is_refused():

@@ -234,8 +234,8 @@ def test_the_error_covers_what_other_surfaces_would_have_given():
         for i in range(0, 192, 24)
     ]
     spread = np.std([each.log_likelihood for each in found], ddof=1)
-    said = np.mean([each.standard_error for each in found])
-    assert 0.5 * spread < said < 3.0 * spread
+    printed = np.mean([each.standard_error for each in found])
+    assert 0.5 * spread < printed < 3.0 * spread
 
 
 def test_table_3_implies_the_scatter_it_was_drawn_with():

@@ -182,6 +182,6 @@ def test_a_folder_that_was_moved_is_the_same_study(mine, tmp_path):
 
 
 def test_a_seal_says_what_a_file_was_made_from(mine):
-    said = json.loads((mine / "seals/fit.json").read_text())
-    assert list(said["files"]) == ["tables/a.csv"]
-    assert list(said["made_from"]) == ["study.nc"]
+    printed = json.loads((mine / "seals/fit.json").read_text())
+    assert list(printed["files"]) == ["tables/a.csv"]
+    assert list(printed["made_from"]) == ["study.nc"]

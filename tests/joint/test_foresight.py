@@ -29,9 +29,9 @@ def closed(walls=None, spacing=SPACING, stress=3e6, radius=None, **numerics):
     )
 
 
-def simulated_without_foresight(**told):
+def simulated_without_foresight(**stated):
     with patch.object(simulation, "check_foreseen", lambda *_: None):
-        return closed(**told)
+        return closed(**stated)
 
 
 @pytest.mark.parametrize("breakage", ["fixed_step", "resolved"])
@@ -39,9 +39,9 @@ def test_walls_far_larger_than_a_displacement_step_are_refused_by_the_step_that_
     scale = 1e5
     walls = [scale * wall for wall in jc.wall_pair(8.0, CELLS, SPACING, seed=1)]
     refused = r"displacement_step = 1.25e-05 m: .* most_steps = 100000; must be at least \S+ m"
-    with pytest.raises(jc.InputError, match=refused) as told:
+    with pytest.raises(jc.InputError, match=refused) as stated:
         closed(walls, scale * SPACING, breakage=breakage)
-    least = float(str(told.value).split("at least ")[1].split(" m")[0])
+    least = float(str(stated.value).split("at least ")[1].split(" m")[0])
     steps = {
         name: value * 1.01 * least / 12.5e-6
         for name, value in jc.Numerics()._asdict().items()
@@ -72,9 +72,9 @@ def test_an_elastic_curve_takes_no_steps_and_is_never_refused():
 
 def test_radii_at_which_resolved_breakage_crushes_all_are_refused_by_the_least_that_will_do():
     refused = "largest_radius = 0.00025 m: .* must be at least"
-    with pytest.raises(jc.InputError, match=refused) as told:
+    with pytest.raises(jc.InputError, match=refused) as stated:
         closed(radius=SPACING, breakage="resolved")
-    least = float(str(told.value).split("at least ")[1].split(" m")[0])
+    least = float(str(stated.value).split("at least ")[1].split(" m")[0])
     found = closed(radius=1.1 * least, breakage="resolved")
     assert int(found.status) < FAILURE
     # the paper's steps do crush it

@@ -74,18 +74,18 @@ def test_coordinates_of_the_spacing_are_those_of_the_walls(places, units, walls)
 
 
 @pytest.mark.parametrize(
-    ("x", "said"),
+    ("x", "printed"),
     [
         (1e3 * SPACING * np.arange(9), "its coordinate x has steps of 0.25 m, and spacing"),
         (SPACING * np.arange(9) ** 2, "steps of 0.00025 to 0.00375 m"),
         (("x", SPACING * np.arange(9), {"units": "inch"}), "coordinate x: units = 'inch'"),
     ],
 )
-def test_coordinates_that_contradict_the_spacing_are_refused(x, said, walls):
+def test_coordinates_that_contradict_the_spacing_are_refused(x, printed, walls):
     for pair in ((named(walls[0], x=x), walls[1]), (walls[0], named(walls[1], x=x))):
-        with pytest.raises(jc.InputError, match=said):
+        with pytest.raises(jc.InputError, match=printed):
             closed(*pair)
-        with pytest.raises(jc.InputError, match=said):
+        with pytest.raises(jc.InputError, match=printed):
             jc.equilibrium(*pair, spacing=SPACING, rock=DOLERITE, closure=1e-6)
 
 

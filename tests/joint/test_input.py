@@ -10,13 +10,13 @@ LEVELS = [70.0, 78.0, 85.0]
 
 
 def simulate(upper, lower, **change):
-    told = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 1e6, "cycles": 1}
-    return jc.simulate(upper, lower, **told | change)
+    stated = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 1e6, "cycles": 1}
+    return jc.simulate(upper, lower, **stated | change)
 
 
 def equilibrium(upper, lower, **change):
-    told = {"spacing": SPACING, "rock": DOLERITE, "closure": 1e-4}
-    return jc.equilibrium(upper, lower, **told | change)
+    stated = {"spacing": SPACING, "rock": DOLERITE, "closure": 1e-4}
+    return jc.equilibrium(upper, lower, **stated | change)
 
 
 @pytest.fixture(params=[simulate, equilibrium], ids=lambda function: function.__name__)
@@ -67,11 +67,11 @@ def test_numbers_of_single_precision_do_not_make_the_answer_so(walls):
     numbers = dict(zip(jc.Rock._fields, DOLERITE, strict=True))
     single = {name: np.float32(value) for name, value in numbers.items()}
     double = {name: float(value) for name, value in single.items()}
-    told = []
+    stated = []
     for rock, real in ((single, np.float32), (double, lambda value: float(np.float32(value)))):
         numerics = jc.Numerics(*(real(step) for step in (12.5e-6, 5e-6, 6.25e-6, 2.5e-6)))
         choices = jc.Choices(base_radius_in_cells=real(0.3), largest_radius=real(0.02))
-        told.append(
+        stated.append(
             {
                 "spacing": real(SPACING),
                 "rock": jc.Rock(**rock),
@@ -81,10 +81,10 @@ def test_numbers_of_single_precision_do_not_make_the_answer_so(walls):
         )
     for closed in (
         [
-            simulate(*walls, max_normal_stress=np.float32(1e6), **told[0]),
-            simulate(*walls, **told[1]),
+            simulate(*walls, max_normal_stress=np.float32(1e6), **stated[0]),
+            simulate(*walls, **stated[1]),
         ],
-        [equilibrium(*walls, closure=2.0**-13, **each) for each in told],
+        [equilibrium(*walls, closure=2.0**-13, **each) for each in stated],
     ):
         assert closed[0].identical(closed[1])
         assert all(v.dtype != np.float32 for v in closed[0].variables.values())
@@ -108,9 +108,9 @@ REFUSED = {
 @pytest.mark.parametrize("side", ["upper", "lower"])
 @pytest.mark.parametrize("kind", REFUSED)
 def test_what_is_no_wall_of_real_heights_is_refused_by_name(close, kind, side):
-    wall, said = REFUSED[kind]
+    wall, printed = REFUSED[kind]
     pair = (wall, np.zeros((4, 4))) if side == "upper" else (np.zeros((4, 4)), wall)
-    with pytest.raises(jc.InputError, match=f"{side}: .*{said}"):
+    with pytest.raises(jc.InputError, match=f"{side}: .*{printed}"):
         close(*pair)
 
 
@@ -120,8 +120,8 @@ def test_what_is_no_wall_of_real_heights_is_refused_by_name(close, kind, side):
 def test_one_bad_height_deep_inside_a_wall_is_found_and_said_where(close, kind, value, side):
     pair = {"upper": np.zeros((60, 70), kind), "lower": np.zeros((60, 70), kind)}
     pair[side][41, 37] = value
-    said = rf"{side}: 1 values are not finite, the first at \(y, x\) = \(41, 37\)"
-    with pytest.raises(jc.InputError, match=said):
+    printed = rf"{side}: 1 values are not finite, the first at \(y, x\) = \(41, 37\)"
+    with pytest.raises(jc.InputError, match=printed):
         close(**pair)
 
 
@@ -185,16 +185,16 @@ def test_a_closure_given_in_millimetres_is_refused_unless_it_is_meant(walls):
 
 @pytest.mark.parametrize("name", ["levels", "means", "standard_deviations"])
 @pytest.mark.parametrize(
-    ("values", "said"),
+    ("values", "printed"),
     [
         (np.array([1, 2, 3], complex), "values of type complex128"),
         (np.ma.masked_array([1.0, 2.0, 3.0], [False, True, False]), "masked values"),
         ([1.0, float("nan"), 3.0], r"1 values are not finite, the first at \(1\)"),
     ],
 )
-def test_statistics_of_what_is_no_real_number_are_refused_by_name(name, values, said):
+def test_statistics_of_what_is_no_real_number_are_refused_by_name(name, values, printed):
     good = {"levels": LEVELS, "means": [3.0, 2.0, 1.0], "standard_deviations": [0.1] * 3}
-    with pytest.raises(jc.InputError, match=f"{name}: .*{said}"):
+    with pytest.raises(jc.InputError, match=f"{name}: .*{printed}"):
         jc.indifference_interval(**good | {name: values}, samples=20)
 
 

@@ -114,7 +114,7 @@ def test_engineers_are_told_of_a_cycle_only_what_it_passed(history):
 
 
 @pytest.mark.parametrize(
-    ("load", "said"),
+    ("load", "printed"),
     [
         ([], "needs a maximum"),
         ([5e6, 6e6], "minimum 6e+06 must be"),
@@ -123,10 +123,10 @@ def test_engineers_are_told_of_a_cycle_only_what_it_passed(history):
         (True, "must be a number"),
     ],
 )
-def test_a_load_that_cannot_be_is_refused_in_a_line(load, said):
+def test_a_load_that_cannot_be_is_refused_in_a_line(load, printed):
     with pytest.raises(jc.InputError) as refused:
         load_cycles(load)
-    assert said in str(refused.value)
+    assert printed in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
@@ -139,11 +139,11 @@ def test_cycles_beside_a_load_history_must_be_its_own():
 
 def test_the_command_line_takes_a_load_history(tmp_path, capsys):
     file = tmp_path / "joint.nc"
-    told = ["--rock", "dolerite", "--cells", "16", "--stress", "2,1,4", "--output", str(file)]
-    assert cli.main(["simulate", *told]) == 0
+    stated = ["--rock", "dolerite", "--cells", "16", "--stress", "2,1,4", "--output", str(file)]
+    assert cli.main(["simulate", *stated]) == 0
     assert "2, 1, 4 MPa, 2 cycles" in capsys.readouterr().out
     history = read_netcdf(file)
     assert along(history, 1, "unloading")[-1] == pytest.approx(1e6, rel=TOLERANCE)
     assert list(history.attrs["load_history_Pa"]) == [2e6, 1e6, 4e6, 0.0]
     with pytest.raises(SystemExit):
-        cli.main(["simulate", *told[:5], "2,x"])
+        cli.main(["simulate", *stated[:5], "2,x"])

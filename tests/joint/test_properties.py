@@ -90,8 +90,8 @@ def problems(draw, scenes=SCENES):
 
 def closed(problem, **change):
     """The history of a problem, judged at every step."""
-    told = {name: value for name, value in problem.items() if name != "walls"} | change
-    return invariants.judged(*problem["walls"], **told)
+    stated = {name: value for name, value in problem.items() if name != "walls"} | change
+    return invariants.judged(*problem["walls"], **stated)
 
 
 MOSTLY = 0.5

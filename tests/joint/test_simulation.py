@@ -147,16 +147,16 @@ def test_a_process_of_its_own_gives_the_same_bits(walls, method, tmp_path):
     """By every method; that of the study is compared in tests/workflow."""
     solver, breakage = method
     numerics = jc.Numerics(solver=solver, breakage=breakage)
-    told = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 1e6, "numerics": numerics}
+    stated = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 1e6, "numerics": numerics}
     file = tmp_path / "closed.nc"
     script = (
         "import sys\nimport jointclosure as jc\nfrom jointclosure import Numerics, Rock\n"
         "from jointclosure.storage.netcdf import write_netcdf\n"
         f"walls = jc.wall_pair(8.0, (24, 24), {SPACING!r}, seed=11)\n"
-        f"write_netcdf(jc.simulate(*walls, **{told!r}), sys.argv[1])\n"
+        f"write_netcdf(jc.simulate(*walls, **{stated!r}), sys.argv[1])\n"
     )
     subprocess.run([sys.executable, "-c", script, str(file)], check=True)
-    here, there = jc.simulate(*walls, **told), read_netcdf(file)
+    here, there = jc.simulate(*walls, **stated), read_netcdf(file)
     for name, variable in here.data_vars.items():
         assert there[name].values.tobytes() == variable.values.tobytes(), name
 
@@ -396,17 +396,17 @@ def test_a_tilted_ridge_is_flat_though_rounding_leaves_it_a_curvature(breakage):
 
 
 def test_every_step_is_reported_as_it_is_taken(rock, small_joint):
-    told = []
+    stated = []
     closed = jc.simulate(
         *small_joint,
         spacing=SPACING,
         rock=rock,
         max_normal_stress=1e6,
-        report=lambda *step: told.append(step),
+        report=lambda *step: stated.append(step),
     )
-    assert [step[0] for step in told] == closed.cycle.values.tolist()
-    assert [step[1] for step in told] == closed.branch.values.tolist()
-    np.testing.assert_allclose([step[2] for step in told], closed.normal_stress / 1e6, rtol=1e-12)
+    assert [step[0] for step in stated] == closed.cycle.values.tolist()
+    assert [step[1] for step in stated] == closed.branch.values.tolist()
+    np.testing.assert_allclose([step[2] for step in stated], closed.normal_stress / 1e6, rtol=1e-12)
 
 
 @pytest.mark.parametrize("stress", [3e6, 5e6, 30e6])

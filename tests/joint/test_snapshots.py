@@ -41,11 +41,11 @@ def test_snapshots_change_no_bit_of_anything_else(joints):
 
 def test_each_branch_is_shown_where_it_passes_each_stress(joints):
     closed = joints[1]
-    told = zip(
+    stated = zip(
         closed.snapshot_cycle.values, closed.snapshot_branch.values, closed.snapshot_stress.values,
         strict=True,
     )  # fmt: skip
-    assert [(int(cycle), branch, float(stress)) for cycle, branch, stress in told] == [
+    assert [(int(cycle), branch, float(stress)) for cycle, branch, stress in stated] == [
         (1, "loading", 0.0), (1, "loading", 2e6), (1, "loading", 5e6),
         (1, "unloading", 2e6), (1, "unloading", 0.0),
         (2, "loading", 2e6), (2, "loading", 5e6), (2, "unloading", 2e6), (2, "unloading", 0.0),

@@ -120,12 +120,12 @@ def mapped(name, wall):
 @pytest.mark.parametrize("scene", ELASTIC)
 def test_elastic_forces_map_with_the_joint(small_joint, scene, name):
     swapped = name == "walls swapped"
-    told = {"spacing": SPACING, "closure": 3e-4, "effects": ELASTIC[scene]}
-    told["unusual_values"] = True  # hard walls carry more than a usual stress
-    told["numerics"] = jc.Numerics(force_tolerance=1e-12)
-    one = jc.equilibrium(*small_joint, rock=(DOLERITE, SOFT), **told)
+    stated = {"spacing": SPACING, "closure": 3e-4, "effects": ELASTIC[scene]}
+    stated["unusual_values"] = True  # hard walls carry more than a usual stress
+    stated["numerics"] = jc.Numerics(force_tolerance=1e-12)
+    one = jc.equilibrium(*small_joint, rock=(DOLERITE, SOFT), **stated)
     rock = (SOFT, DOLERITE) if swapped else (DOLERITE, SOFT)
-    other = jc.equilibrium(*MAPS[name](*small_joint), rock=rock, **told)
+    other = jc.equilibrium(*MAPS[name](*small_joint), rock=rock, **stated)
     # solved to a residual of 1e-12 of the sum of all forces, so no force is off by more
     np.testing.assert_allclose(
         other.force, mapped(name, one.force.values), rtol=0.0, atol=1e-10 * float(one.force.sum())

@@ -79,7 +79,7 @@ def test_the_number_of_workers_does_not_affect_the_joints():
 
 
 def test_the_interval_covers_the_mismatch_wavelength_of_synthetic_joints(simulated):
-    held, told = [], []
+    held, stated = [], []
     for number in range(24):
         truth = float(np.exp(np.random.default_rng(number).uniform(*np.log([1e-3, 4e-3]))))
         curve = curve_of(close_walls(*walls(10_000 + number, truth), CONDITIONS))
@@ -87,11 +87,11 @@ def test_the_interval_covers_the_mismatch_wavelength_of_synthetic_joints(simulat
         found = likelihood_of(measured, simulated, WAVELENGTHS, np.array([173e6]), 0.02)
         value, low, high = found.interval(0)
         held.append(low <= truth <= high)
-        told.append(min(high, WAVELENGTHS[-1]) / max(low, WAVELENGTHS[0]))
+        stated.append(min(high, WAVELENGTHS[-1]) / max(low, WAVELENGTHS[0]))
         assert low <= value <= high
     assert np.mean(held) >= 0.85
     # and it says something, of a range of eight
-    assert np.median(told) < 5.0
+    assert np.median(stated) < 5.0
 
 
 def made_up(rng, x, y, count):
@@ -153,15 +153,15 @@ def test_a_reading_between_the_wavelengths_that_were_closed_is_not_called_imposs
 def test_a_strength_at_the_end_of_its_range_is_said_to_be_there():
     strengths = np.geomspace(80e6, 320e6, 4)
 
-    def said(strength):
+    def printed(strength):
         mean = made_up(np.random.default_rng(0), np.log(2.8e-3), np.log(strength / 160e6), 1000)
         found = fitted(np.exp(mean.mean(axis=0)), strengths=strengths)
         return next(line for line in found.sentences() if "strength" in line)
 
-    assert "MPa (95 % interval 1" in said(160e6)
+    assert "MPa (95 % interval 1" in printed(160e6)
     for strength, word in ((70e6, "below"), (370e6, "above")):
-        assert said(strength).startswith(f"compressive strength {word}")
-        assert "at the end of the simulated range" in said(strength)
+        assert printed(strength).startswith(f"compressive strength {word}")
+        assert "at the end of the simulated range" in printed(strength)
 
 
 def parsed_readings(values):
@@ -265,7 +265,7 @@ def test_levels_without_points_are_not_read():
 
 
 @pytest.mark.parametrize(
-    ("text", "about", "said"),
+    ("text", "about", "printed"),
     [
         (GOOD.replace("0,0\n0.5", "0.8,0\n0.9"), {}, "must start at or below seating_stress"),
         (GOOD.replace("0.12", "0.01"), {}, "closure of cycle 1 must increase"),
@@ -279,11 +279,11 @@ def test_levels_without_points_are_not_read():
         (GOOD, {"shape": 16}, "shape = 16: must be (cells along y"),
     ],
 )
-def test_a_curve_that_cannot_be_fitted_is_refused_in_a_line(tmp_path, text, about, said):
+def test_a_curve_that_cannot_be_fitted_is_refused_in_a_line(tmp_path, text, about, printed):
     path = tmp_path / "lab.csv"
     if text is not None:
         path.write_text(text)
     with pytest.raises(jc.InputError) as error:
         fit(path, **({"rock": "granite", "jrc": 10.0} | about))
-    assert said in str(error.value)
+    assert printed in str(error.value)
     assert "\n" not in str(error.value)

@@ -63,7 +63,7 @@ def test_units_are_those_of_the_header_or_of_the_configuration(text, units):
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "printed"),
     [
         ("", "lab.csv: has no header"),
         (HEADER + "1,0.1x,1\n", "lab.csv, line 2: closure = '0.1x': must be a finite number"),
@@ -76,10 +76,10 @@ def test_units_are_those_of_the_header_or_of_the_configuration(text, units):
         ("stress_psi,closure_mm,cycle\n1,2,1\n", "unit 'psi' must be one of Pa, MPa, GPa"),
     ],
 )
-def test_what_is_wrong_is_said_with_file_line_and_value(text, said):
+def test_what_is_wrong_is_said_with_file_line_and_value(text, printed):
     with pytest.raises(InputError) as error:
         curve_of(text)
-    assert said in str(error.value)
+    assert printed in str(error.value)
 
 
 def settings(tmp_path, text):
@@ -96,12 +96,12 @@ def read(path):
 def test_only_rocks_with_a_file_have_a_curve(tmp_path):
     assert list(measured_curves(settings(tmp_path, GOOD), read)) == ["one"]
     rocks = {"slate": {"measured": {"file": "lab.csv", "stress_unit": "MPa"}}}
-    (told,) = curve_settings(study_of({"rocks": rocks})).values()
-    assert told == CurveSettings(MeasuredFile("lab.csv", "MPa", None), 30e6, 2, 0.5e6)
+    (stated,) = curve_settings(study_of({"rocks": rocks})).values()
+    assert stated == CurveSettings(MeasuredFile("lab.csv", "MPa", None), 30e6, 2, 0.5e6)
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "printed"),
     [
         (GOOD + "0,0,3\n", "line 7: cycle = 3: the study has study.cycles = 2"),
         (HEADER + "0,0,2\n0,0,1\n", "line 3: cycle = 1 after cycle 2"),
@@ -109,10 +109,10 @@ def test_only_rocks_with_a_file_have_a_curve(tmp_path):
         (HEADER + "0,0,1\n0.4,1,1\n", "no stress of cycle 1 is above seating_stress_MPa = 0.5"),
     ],
 )
-def test_a_curve_that_the_study_cannot_be_held_against_is_refused(tmp_path, text, said):
+def test_a_curve_that_the_study_cannot_be_held_against_is_refused(tmp_path, text, printed):
     with pytest.raises(InputError) as error:
         measured_curves(settings(tmp_path, text), read)
-    assert said in str(error.value)
+    assert printed in str(error.value)
     assert "lab.csv" in str(error.value)
 
 

@@ -23,7 +23,7 @@ def site(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("bad", "said"),
+    ("bad", "printed"),
     [
         ('<a href="nowhere.html">x</a>', "does not exist"),
         ('<a href="other.html#bottom">x</a>', "has no such anchor"),
@@ -31,11 +31,11 @@ def site(tmp_path):
         ('<script src="https://example.org/a.js"></script>', "is loaded from another site"),
     ],
 )
-def test_what_is_dead_or_fetched_is_named_with_its_page(links, site, bad, said):
+def test_what_is_dead_or_fetched_is_named_with_its_page(links, site, bad, printed):
     (site / "index.html").write_text(bad)
     (problem,) = links.problems(site)
     assert problem.startswith("index.html: ")
-    assert problem.endswith(said)
+    assert problem.endswith(printed)
 
 
 def test_a_notebooks_cell_that_shows_has_an_image_whatever_the_environments_backend(monkeypatch):

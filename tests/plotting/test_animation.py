@@ -45,11 +45,11 @@ def test_animated_stresses_lie_close_where_joints_close_fast():
 def test_the_animation_leaves_no_trace_in_the_file(tmp_path, monkeypatch):
     monkeypatch.setattr(animation, "STRESSES", 4)
     files = [tmp_path / "one.nc", tmp_path / "other.nc"]
-    told = ["simulate", "--rock", "dolerite", "--cells", "12", "--stress", "3", "--cycles", "1"]
-    assert cli.main([*told, "--output", str(files[0]), "--snapshots", "1"]) == 0
+    stated = ["simulate", "--rock", "dolerite", "--cells", "12", "--stress", "3", "--cycles", "1"]
+    assert cli.main([*stated, "--output", str(files[0]), "--snapshots", "1"]) == 0
     gif = tmp_path / "joint.gif"
     more = ["--output", str(files[1]), "--snapshots", "1", "--animation", str(gif)]
-    assert cli.main([*told, *more]) == 0
+    assert cli.main([*stated, *more]) == 0
     with Image.open(gif) as pictures:
         assert pictures.n_frames > 2
     xr.testing.assert_equal(*map(read_netcdf, files))

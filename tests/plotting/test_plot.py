@@ -33,9 +33,9 @@ def test_each_picture_is_drawn_on_the_axes_that_are_given(joint, walls):
         "damage": (joint,), "wall": (walls[0], SPACING),
     }  # fmt: skip
     assert sorted([*draws, "walls"]) == jc.plot.__all__
-    for name, told in draws.items():
+    for name, stated in draws.items():
         axes = plt.figure().add_subplot()
-        assert getattr(jc.plot, name)(*told, axes=axes) is axes
+        assert getattr(jc.plot, name)(*stated, axes=axes) is axes
         assert axes.has_data(), name
         assert axes.get_xlabel(), name
     axes = plt.figure().add_subplot()

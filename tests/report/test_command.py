@@ -66,9 +66,9 @@ def test_the_files_give_the_page_that_their_content_gives(material, folder, caps
 def test_a_study_that_is_not_whole_has_no_page(folder, capsys, missing):
     (folder / missing).unlink()
     assert cli.main(["report", str(folder)]) == 2
-    said = capsys.readouterr().err
-    assert len(said.splitlines()) == 1
-    assert "is missing" in said or "must exist with a seal" in said
+    printed = capsys.readouterr().err
+    assert len(printed.splitlines()) == 1
+    assert "is missing" in printed or "must exist with a seal" in printed
     assert not (folder / "report.html").exists()
 
 
@@ -85,10 +85,10 @@ def test_the_folder_of_a_single_joint_has_a_page(tmp_path, capsys):
     for name, heights in (("top", 1e-3 - upper), ("bottom", lower)):
         points = np.column_stack([x.ravel(), y.ravel(), 1e3 * heights.ravel()])
         np.savetxt(tmp_path / f"{name}.xyz", points, fmt="%.6f")
-    told = ["--units", "mm", "--rock", "granite", "--stress", "2", "--single"]
-    told += ["--output", tmp_path / "joint"]
+    stated = ["--units", "mm", "--rock", "granite", "--stress", "2", "--single"]
+    stated += ["--output", tmp_path / "joint"]
     scans = [tmp_path / "top.xyz", tmp_path / "bottom.xyz"]
-    assert cli.main(["close", *map(str, [*scans, *told])]) == 0
+    assert cli.main(["close", *map(str, [*scans, *stated])]) == 0
     assert cli.main(["report", str(tmp_path / "joint")]) == 0
     page = (tmp_path / "joint/report.html").read_text(encoding="utf-8")
     cycles = pd.read_csv(tmp_path / "joint/cycles.csv")

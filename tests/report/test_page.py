@@ -123,8 +123,8 @@ def test_the_first_screen_has_the_finding_its_numbers_and_what_it_is_valid_for(m
     compliance = (1e9 / case.stiffness_net).where(case.status < 16).mean()
     assert row["Net kn, cycle 1 (MPa/mm)"] == pytest.approx(1.0 / float(compliance))
     assert "net closure since seating stays" in page["finding"]
-    assert any("independent of each other" in said for said in page["validity"])
-    assert any("failed" in said for said in page["validity"])
+    assert any("independent of each other" in printed for printed in page["validity"])
+    assert any("failed" in printed for printed in page["validity"])
     text = render(page)
     assert text.index(page["finding"]) < text.index("The question</h2>")
 

@@ -194,16 +194,18 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("name", "given", "said"), REFUSED)
-def test_units_and_spacing_are_stated_once_and_not_contradicted(name, given, said, wall, tmp_path):
+@pytest.mark.parametrize(("name", "given", "printed"), REFUSED)
+def test_units_and_spacing_are_stated_once_and_not_contradicted(
+    name, given, printed, wall, tmp_path
+):
     FORMATS[name](tmp_path / name, wall)
     with pytest.raises(jc.InputError, match=name) as error:
         read_scan(tmp_path / name, **given)
-    assert said in str(error.value)
+    assert printed in str(error.value)
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "printed"),
     [
         ("1 2\n3 4\n", "2 columns without names"),
         ("a,b,c\n1,2,3\n", "must be named x, y and z"),
@@ -211,11 +213,11 @@ def test_units_and_spacing_are_stated_once_and_not_contradicted(name, given, sai
         ("1 2 3\n2 3 4\n3 4 5\n4 5 6\n", "on one line"),
     ],
 )
-def test_text_that_is_no_points_is_refused(text, said, tmp_path):
+def test_text_that_is_no_points_is_refused(text, printed, tmp_path):
     (tmp_path / "a.csv").write_text(text)
     with pytest.raises(jc.InputError) as error:
         wall_on_grid(read_scan(tmp_path / "a.csv", units="mm"), SPACING)
-    assert said in str(error.value)
+    assert printed in str(error.value)
 
 
 def test_text_as_instruments_and_people_write_it_is_read(wall, tmp_path):
@@ -339,9 +341,9 @@ def test_a_stray_point_is_cut_and_named(name, tmp_path):
     scan = read_scan(tmp_path / name, units="mm")
     assert len(scan.points) == 2000
     assert np.abs(scan.points).max() <= 10e-3
-    (said,) = scan.remarks
-    assert said.startswith("2 stray points were cut")
-    assert "(1e+06, -2e+06, 0.05), (4, 5, 700)" in said or name == "a.stl"
+    (printed,) = scan.remarks
+    assert printed.startswith("2 stray points were cut")
+    assert "(1e+06, -2e+06, 0.05), (4, 5, 700)" in printed or name == "a.stl"
 
 
 def test_points_that_no_scan_has_so_far_apart_are_refused_and_no_terabyte_asked_for():
@@ -428,16 +430,16 @@ def test_an_esri_grid_has_its_spacing_its_place_and_its_missing_heights(wall, tm
 
 
 @pytest.mark.parametrize(
-    ("rows", "head", "said"),
+    ("rows", "head", "printed"),
     [
         (12, {}, "declares 20 rows of 26 heights, 520, and contains 312"),
         (None, {"cellsize": None}, "header lacks cellsize"),
         (None, {"nrows": 10**9}, "at most 100,000,000"),
     ],
 )
-def test_an_esri_grid_that_is_not_what_it_declares_is_refused(rows, head, said, wall, tmp_path):
+def test_an_esri_grid_that_is_not_what_it_declares_is_refused(rows, head, printed, wall, tmp_path):
     write_esri(tmp_path / "a.asc", wall, rows, **head)
-    with pytest.raises(jc.InputError, match=rf"a\.asc: .*{said}"):
+    with pytest.raises(jc.InputError, match=rf"a\.asc: .*{printed}"):
         read_scan(tmp_path / "a.asc", units="mm")
 
 

@@ -25,9 +25,9 @@ TWO = {"study": {"rocks": ["dolerite", "slate"], "pool": 30}}
 ONE = {"study": {"rocks": ["dolerite"], "pool": 30}}
 
 
-def judged(configuration, repetitions=200, **told):
+def judged(configuration, repetitions=200, **stated):
     """The table of claims of a study and its pool in a world, by number."""
-    study, pool = world(configuration, **told), world(pool_of(configuration), **told)
+    study, pool = world(configuration, **stated), world(pool_of(configuration), **stated)
     return table_of(study, pool, repetitions)
 
 
@@ -43,9 +43,9 @@ def table_of(*args, **kwargs):
 
 
 def changed(cycle, **powers):
-    told = copy.deepcopy(ELASTICITIES)
-    told[cycle] |= powers
-    return told
+    stated = copy.deepcopy(ELASTICITIES)
+    stated[cycle] |= powers
+    return stated
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +76,7 @@ def test_what_is_true_of_the_model_stands_in_all_rocks(table, true_world):
 
 
 @pytest.mark.parametrize(
-    ("numbers", "told"),
+    ("numbers", "stated"),
     [
         (["1a, cycle 1"], {"elasticities": changed(1, poisson_ratio=0.6)}),
         (["1a, cycle 2", "1b"], {"elasticities": changed(2, poisson_ratio=0.5)}),
@@ -94,8 +94,8 @@ def test_what_is_true_of_the_model_stands_in_all_rocks(table, true_world):
         (["6a"], {"loop": 1e-15}),  # rounding, of branches that are one curve
     ],
 )
-def test_what_is_false_of_the_model_falls(numbers, told):
-    found = judged(study_of(ONE), repetitions=10, **told)
+def test_what_is_false_of_the_model_falls(numbers, stated):
+    found = judged(study_of(ONE), repetitions=10, **stated)
     assert set(found.verdict[numbers]) == {"falls"}
 
 

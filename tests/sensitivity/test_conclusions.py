@@ -18,7 +18,7 @@ from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, NO_DIFFERENC
 ALL, ONE = "a; b; c; d", "a"
 
 
-def told(
+def stated(
     verdict, readings=None, share=None, number="5a", response="closure", cycle=2, other_cycle=None
 ) -> pd.Series:
     """The row of a claim with such a verdict, readings (verdict, rocks, allowed), and share."""
@@ -55,12 +55,12 @@ def told(
 
 @pytest.mark.parametrize("readings", [None, [(STANDS, ONE, True)] * 2])
 def test_what_nothing_tried_in_all_rocks_is_known_as_configured_only(readings):
-    row = told(STANDS, readings and [(STANDS, ALL, False), *readings])
+    row = stated(STANDS, readings and [(STANDS, ALL, False), *readings])
     assert row.conclusion == ONLY_CONFIGURED[STANDS]
 
 
 def test_what_was_not_studied_is_left_empty():
-    row = told(STANDS)
+    row = stated(STANDS)
     assert (row.jrc_half_width, row.jrc_found_share, row.jrc_found_error) == (2.0, 0.7, 0.03)
     assert (row.jrc_found_low, row.jrc_found_high) == (0.64, 0.76)
     assert np.isnan(row.readings_stand)
@@ -81,7 +81,7 @@ def test_what_was_not_studied_is_left_empty():
 )
 def test_a_reading_of_the_other_verdict_turns_a_conclusion(verdict, readings, expected):
     """A reading that the text rules out does not; nor does one rock where all are asked for."""
-    row = told(verdict, readings)
+    row = stated(verdict, readings)
     assert row.conclusion == expected
     assert (row.opposed_by != "") == (expected == DEPENDS)
     allowed = sum(each[2] for each in readings)
@@ -91,7 +91,7 @@ def test_a_reading_of_the_other_verdict_turns_a_conclusion(verdict, readings, ex
 
 def test_readings_of_one_rock_are_counted_by_themselves():
     readings = [(STANDS, ALL, True), (STANDS, ONE, True), (CANNOT_BE_TOLD, ONE, True)]
-    row = told(STANDS, readings)
+    row = stated(STANDS, readings)
     assert (row.readings_stand, row.readings_fall, row.readings_open) == (1, 0, 0)
     assert (row.partial_stand, row.partial_fall, row.partial_open) == (1, 0, 1)
     assert row.opened_by == "reading 2"
@@ -110,13 +110,13 @@ def test_readings_of_one_rock_are_counted_by_themselves():
 )
 def test_choices_turn_a_conclusion_where_fewer_than_nine_tenths_agree(verdict, share, expected):
     """By the whole interval of the share: (value, low, high)."""
-    row = told(verdict, share=share)
+    row = stated(verdict, share=share)
     assert row.conclusion == expected
     assert (row.choices_share, row.choices_share_low, row.choices_share_high) == share
 
 
 def test_a_claim_net_of_bulk_indentation_is_held_against_net_closures():
-    row = told(STANDS, share=(0.3, 0.2, 0.4), number="5a, net", response="closure_net")
+    row = stated(STANDS, share=(0.3, 0.2, 0.4), number="5a, net", response="closure_net")
     assert (row.choices_share, row.conclusion) == (0.3, DEPENDS)
 
 
@@ -124,16 +124,16 @@ def test_a_negated_claim_holds_where_its_statement_does_not(monkeypatch):
     """5d is that 5c is not true on the second cycle."""
     negated = next(claim for claim in CLAIMS if claim.number == "5d")
     monkeypatch.setattr(conclusions, "CLAIMS", [negated._replace(number="5c")])
-    row = told(STANDS, share=(0.3, 0.2, 0.5), number="5c")
+    row = stated(STANDS, share=(0.3, 0.2, 0.5), number="5c")
     assert (row.choices_share, row.choices_share_low, row.choices_share_high) == (0.7, 0.5, 0.8)
     assert row.conclusion == DEPENDS
 
 
 def test_a_claim_on_both_cycles_has_the_share_of_the_cycle_where_it_is_least_true():
-    row = told(FALLS, share=(0.0, 0.0, 0.05), other_cycle=(1.0, 0.9, 1.0), number="6a")
+    row = stated(FALLS, share=(0.0, 0.0, 0.05), other_cycle=(1.0, 0.9, 1.0), number="6a")
     assert (row.choices_share, row.choices_share_high, row.conclusion) == (0.0, 0.05, FALLS)
 
 
 def test_what_a_sensitivity_study_has_nothing_on_is_judged_elsewhere():
-    assert told(CANNOT_BE_TOLD, number="8").conclusion == JUDGED_ELSEWHERE
-    assert told(CANNOT_BE_TOLD, number="5d").conclusion == CANNOT_BE_TOLD
+    assert stated(CANNOT_BE_TOLD, number="8").conclusion == JUDGED_ELSEWHERE
+    assert stated(CANNOT_BE_TOLD, number="5d").conclusion == CANNOT_BE_TOLD

@@ -80,14 +80,16 @@ def test_a_wide_range_widens_the_interval_of_jrc_on_the_first_cycle(pool):
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "printed"),
     [
         ({"rocks": {"slate": {"levels": {"jrc": None}}}}, "rocks.slate.levels.jrc"),
         ({"study": {"pool": None}}, "study.pool"),
     ],
 )
-def test_a_study_that_does_not_tell_of_a_range_of_jrc_is_refused_before_it_is_closed(changes, said):
+def test_a_study_that_does_not_tell_of_a_range_of_jrc_is_refused_before_it_is_closed(
+    changes, printed
+):
     check_jrc_varies(study_of({"study": {"pool": 12}}))
     check_jrc_varies(study_of({"study": {"pool": None, "draws": "common"}}))
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=printed):
         check_jrc_varies(study_of({"study": {"pool": 12}}, changes))

@@ -70,9 +70,9 @@ def test_independent_draws_have_the_published_test_and_common_ones_the_paired():
 
 def test_more_than_three_levels_have_both_tests_a_monotone_length_and_lack_of_fit():
     levels = {"levels": {"youngs_modulus_GPa": [70, 74, 76, 80, 82, 85]}}
-    told = (ONE, {"rocks": {"dolerite": levels}})
+    stated = (ONE, {"rocks": {"dolerite": levels}})
     for draws in ({}, COMMON):
-        dataset = world(study_of(*told, draws))
+        dataset = world(study_of(*stated, draws))
         table = indifference_table(dataset, study_of(ONE).statistics, 1)
         one = table[(table.parameter == "youngs_modulus") & (table.cycle == 2)].iloc[0]
         assert np.isfinite([one.length, one.unpaired_length, one.monotone_length]).all()
@@ -173,15 +173,15 @@ def test_along_the_curve_the_last_point_is_the_maximum_closure(pool):
 def test_a_plan_of_power_is_met_by_studies_of_its_size(paired):
     # one planned from a large pool, then done many times
     wish, parameter, cycle = Goal("power", 0.8), "compressive_strength", 1
-    told = {"irregular": 0.1} if paired else {}
+    stated = {"irregular": 0.1} if paired else {}
     draws = COMMON if paired else {}
-    pool = world(pool_of(study_of(ONE, STRENGTH_ALONE, {"study": {"pool": 200}})), **told)
+    pool = world(pool_of(study_of(ONE, STRENGTH_ALONE, {"study": {"pool": 200}})), **stated)
     table = plan(pool, wish, paired=paired).set_index(["parameter", "cycle"])
     n = int(table.surfaces[parameter, cycle])
     significant = []
     for number in range(40):
         size = {"study": {"name": f"done_{number}", "realizations": n}}
-        study = world(study_of(ONE, STRENGTH_ALONE, size, draws), **told)
+        study = world(study_of(ONE, STRENGTH_ALONE, size, draws), **stated)
         row = indifference_table(study, study_of(ONE).statistics, 1)
         row = row[(row.parameter == parameter) & (row.cycle == cycle)].iloc[0]
         significant.append(row.p_of_ends < 0.05)

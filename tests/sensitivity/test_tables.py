@@ -109,8 +109,8 @@ def test_a_study_of_other_rocks_has_no_columns_of_the_paper():
 
 
 def test_the_table_of_rocks_names_the_file_of_a_measured_curve():
-    told = {"rocks": {"slate": {"measured": {"file": "a.csv", "stress_unit": "MPa"}}}}
-    table = rock_table(study_of(told).rocks).set_index("rock")
+    stated = {"rocks": {"slate": {"measured": {"file": "a.csv", "stress_unit": "MPa"}}}}
+    table = rock_table(study_of(stated).rocks).set_index("rock")
     assert table.measured["slate"] == "a.csv"
     assert table.measured.isna().sum() == 3
     assert table.youngs_modulus_GPa["siltstone"] == 28.5

@@ -23,7 +23,7 @@ MIXED = np.array([[0.8, 0.0, 0.0], [0.0, 0.0, 0.0], [0.6, 1.0, 1.0]])
 EXACT = Known(np.zeros(3), MIXED.T @ MIXED, np.inf)
 
 
-def told(study, known=EXACT):
+def stated(study, known=EXACT):
     """What makes the closures of that world: all of the first cycle's, 36 % of the second's."""
     draws = [[generator(int(s, 16)).normal(size=3) for s in row] for row in study.seed.values]
     return Covariates(np.array(draws) @ MIXED, known)
@@ -42,7 +42,7 @@ def study():
 @pytest.fixture(scope="module")
 def table(pool):
     known = EXACT._replace(surfaces=4000)
-    return variance_reduction(pool, told(pool, known), 20, 0.05, 1, repetitions=600)
+    return variance_reduction(pool, stated(pool, known), 20, 0.05, 1, repetitions=600)
 
 
 def test_means_are_worth_what_covariates_tell_of_them(table):
@@ -78,7 +78,7 @@ def test_intervals_and_deviations_gain_on_the_first_cycle_and_lose_nothing_on_th
 
 
 def test_what_is_not_known_of_the_covariates_means_is_in_their_worth(pool, table):
-    few = told(pool, EXACT._replace(surfaces=40))
+    few = stated(pool, EXACT._replace(surfaces=40))
     worse = variance_reduction(pool, few, 20, 0.05, 1, repetitions=600)
     first = (table.response == "mean") & (table.cycle == 1)
     assert worse[first].worth.item() < 0.2 * table[first].worth.item()
@@ -86,7 +86,7 @@ def test_what_is_not_known_of_the_covariates_means_is_in_their_worth(pool, table
 
 
 def test_tables_have_adjusted_numbers_beside_the_plain_ones(study, pool):
-    closures = max_closure_table(study, told(study))
+    closures = max_closure_table(study, stated(study))
     name = "max_closure_adjusted_mean_mm"
     first = closures[closures.cycle == 1]
     plain_error = first.max_closure_mean_mm_standard_error
@@ -95,9 +95,9 @@ def test_tables_have_adjusted_numbers_beside_the_plain_ones(study, pool):
     # of closures whose logarithm is normal
     truth = np.exp(0.5 * SCATTER[1] ** 2)
     assert base[name] == pytest.approx(truth, abs=3 * base[f"{name}_standard_error"])
-    elasticities = elasticity_table(pool, told(pool))
+    elasticities = elasticity_table(pool, stated(pool))
     assert np.isfinite(elasticities.elasticity_adjusted_standard_error).all()
-    intervals = indifference_table(study, study_of(ONE).statistics, 1, told(study))
+    intervals = indifference_table(study, study_of(ONE).statistics, 1, stated(study))
     jrc = intervals[(intervals.parameter == "jrc") & (intervals.cycle == 1)].iloc[0]
     assert jrc.adjusted_standard_error < jrc.standard_error
     assert jrc.adjusted_low < jrc.adjusted_length < jrc.adjusted_high
@@ -109,7 +109,7 @@ def test_without_covariates_plain_numbers_are_the_same_and_adjusted_ones_are_not
         max_closure_table,
         lambda *given: indifference_table(given[0], statistics, 1, *given[1:]),
     ):
-        plain, adjusted = make(study), make(study, told(study))
+        plain, adjusted = make(study), make(study, stated(study))
         own = [name for name in plain if "adjusted" not in name]
         assert plain[own].equals(adjusted[own])
         assert plain.drop(columns=own).isna().all(axis=None)
@@ -118,7 +118,7 @@ def test_without_covariates_plain_numbers_are_the_same_and_adjusted_ones_are_not
 
 def test_few_or_unknown_surfaces_are_not_adjusted(study):
     few = study.isel(realization=slice(0, 14))
-    covariates = told(study)
+    covariates = stated(study)
     part = covariates._replace(values=covariates.values[:, :14])
     adjusted = {r.cycle: r.covariates is not None for r in responses(few, TARGET, part)}
     assert adjusted == {1: False, 2: True}

@@ -193,13 +193,13 @@ def test_the_curve_is_solved_in_the_cells_that_touch_and_is_that_of_all_that_ove
 
     monkeypatch.setattr(elastic, "solve_equilibrium", counted)
     walls = jc.wall_pair(8.0, (80, 80), SPACING, seed=4, roll_off=None)
-    told = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 60e6, "cycles": 1}
-    told["effects"] = jc.Effects(breakage=False, gouge=False)
-    touching = jc.simulate(*walls, **told)
+    stated = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 60e6, "cycles": 1}
+    stated["effects"] = jc.Effects(breakage=False, gouge=False)
+    touching = jc.simulate(*walls, **stated)
     in_touching = sizes[-1]
     monkeypatch.setattr(elastic, "_FEW", np.inf)
     sizes.clear()
-    overlapping = jc.simulate(*walls, **told)
+    overlapping = jc.simulate(*walls, **stated)
     assert in_touching < 0.6 * sizes[-1]
     assert in_touching >= int(touching.contact_fraction.max() * walls[0].size)
     np.testing.assert_allclose(touching.closure, overlapping.closure, rtol=1e-9)
@@ -209,9 +209,9 @@ def test_the_curve_is_solved_in_the_cells_that_touch_and_is_that_of_all_that_ove
 def test_a_cell_outside_of_the_working_set_that_touches_is_added_to_it(monkeypatch):
     """Started from half of the cells, the curve is the same."""
     walls = jc.wall_pair(8.0, (60, 60), SPACING, seed=4, roll_off=None)
-    told = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 30e6, "cycles": 1}
-    told["effects"] = jc.Effects(breakage=False, gouge=False)
-    curve = jc.simulate(*walls, **told)
+    stated = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 30e6, "cycles": 1}
+    stated["effects"] = jc.Effects(breakage=False, gouge=False)
+    curve = jc.simulate(*walls, **stated)
     predicted = elastic._predicted
 
     def halved(*given):
@@ -220,6 +220,6 @@ def test_a_cell_outside_of_the_working_set_that_touches_is_added_to_it(monkeypat
         return point
 
     monkeypatch.setattr(elastic, "_predicted", halved)
-    from_half = jc.simulate(*walls, **told)
+    from_half = jc.simulate(*walls, **stated)
     assert int(from_half.solver_iterations) > int(curve.solver_iterations)
     np.testing.assert_allclose(from_half.closure, curve.closure, rtol=1e-9)

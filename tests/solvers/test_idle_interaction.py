@@ -154,8 +154,8 @@ def test_a_simulation_that_ends_early_tells_its_scene_all_the_same():
 def test_the_results_of_a_study_bear_the_certificate():
     walls = jc.wall_pair(8.0, (40, 40), SPACING, 1, roll_off=None)
     numerics = jc.Numerics(idle_interaction=SHARE)
-    told = Conditions(SPACING, DOLERITE, 10e6, 2, 0.0, jc.Effects(), jc.Choices(), numerics)
-    row = close_pair(*walls, np.array([0.0, 10e6]), told)
+    stated = Conditions(SPACING, DOLERITE, 10e6, 2, 0.0, jc.Effects(), jc.Choices(), numerics)
+    row = close_pair(*walls, np.array([0.0, 10e6]), stated)
     assert row["idle_steps"][1] >= 3
     assert 0.0 < row["idle_displacement"][1] <= SHARE
 
@@ -175,5 +175,5 @@ def test_a_share_out_of_range_is_refused(share):
     ],
 )
 def test_a_study_leaves_it_out_where_effects_are_chosen_unless_told_otherwise(keys, share):
-    told = configured(merged(merged_study(), keys), read_csv).typed
-    assert told.numerics.idle_interaction == share
+    stated = configured(merged(merged_study(), keys), read_csv).typed
+    assert stated.numerics.idle_interaction == share

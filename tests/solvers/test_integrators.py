@@ -56,8 +56,8 @@ def test_the_estimated_error_shortens_displacement_steps(monkeypatch):
     """At coarse tolerances it seldom does: there the rise of the force sets the steps."""
 
     def steps():
-        told = {"breakage": "resolved", "tolerance": 0.001}
-        return sum(closed(seed, **told).sizes["step"] for seed in range(4))
+        stated = {"breakage": "resolved", "tolerance": 0.001}
+        return sum(closed(seed, **stated).sizes["step"] for seed in range(4))
 
     now = steps()
     monkeypatch.setattr(step_control, "_CORRECTION", 1e12)
@@ -197,8 +197,8 @@ def test_a_cycle_that_could_be_replayed_and_is_closed_again_is_the_same(breakage
     """
     compared = 0
     for seed in range(8):
-        told = {"seed": seed, "stress": 1e6, "breakage": breakage}
-        replayed, again = (closed(**told, replay=replay) for replay in (True, False))
+        stated = {"seed": seed, "stress": 1e6, "breakage": breakage}
+        replayed, again = (closed(**stated, replay=replay) for replay in (True, False))
         assert int(again.replayed_cycles) == 0
         if int(replayed.replayed_cycles) == 1:
             compared += 1

@@ -70,27 +70,27 @@ def test_intervals_cover_less_where_a_bend_is_most_of_what_is_left(n, bend, nois
 
 def test_an_adjusted_mean_is_as_much_better_as_it_says():
     random = generator(1)
-    plain, adjusted, told = [], [], []
+    plain, adjusted, stated = [], [], []
     for _ in range(1500):
         values, covariates = surfaces(random, 20)
         corrected = adjusted_values(values, covariates, MEANS)
         plain.append(values.mean())
         adjusted.append(corrected.mean())
-        told.append(mean_of(corrected).standard_error ** 2)
+        stated.append(mean_of(corrected).standard_error ** 2)
     assert np.mean(adjusted) == pytest.approx(MEAN, abs=0.01)
-    assert np.sqrt(np.mean(told)) == pytest.approx(np.std(adjusted), rel=0.05)
+    assert np.sqrt(np.mean(stated)) == pytest.approx(np.std(adjusted), rel=0.05)
     assert np.var(plain) / np.var(adjusted) > 10.0
 
 
 def test_covariates_that_say_nothing_cost_what_fitting_them_costs_and_no_more():
     random = generator(2)
-    adjusted, told = [], []
+    adjusted, stated = [], []
     for _ in range(1500):
         _, covariates = surfaces(random, 20)
         corrected = adjusted_values(random.normal(size=20), covariates, MEANS)
         adjusted.append(corrected.mean())
-        told.append(mean_of(corrected).standard_error ** 2)
-    assert np.sqrt(np.mean(told)) == pytest.approx(np.std(adjusted), rel=0.05)
+        stated.append(mean_of(corrected).standard_error ** 2)
+    assert np.sqrt(np.mean(stated)) == pytest.approx(np.std(adjusted), rel=0.05)
     assert np.var(adjusted) == pytest.approx((1 + 2 / 15) / 20, rel=0.15)
 
 
@@ -199,15 +199,15 @@ def test_covariates_known_from_few_surfaces_widen_the_errors_by_what_they_are_of
         samples, covariates = levels_of_surfaces(random, 40, shared=False)
         _, others = surfaces(random, 50)
         known = Known(others.mean(axis=0), np.cov(others.T), 50)
-        told = adjusted_means(samples, covariates, known, paired=False)
+        stated = adjusted_means(samples, covariates, known, paired=False)
         exact = adjusted_means(samples, covariates, known._replace(surfaces=np.inf), False)
         truth = MEAN + STEPS[1]
-        for found, one in ((inside, told), (ignored, exact)):
+        for found, one in ((inside, stated), (ignored, exact)):
             low, high = t_interval(one.estimate(1), 40)
             found.append(low <= truth <= high)
     assert 0.93 <= np.mean(inside) <= 0.97
     assert np.mean(ignored) < 0.85
-    assert told.covariance[0, 1] > 0.0
+    assert stated.covariance[0, 1] > 0.0
 
 
 def test_rows_adjusted_together_are_those_adjusted_alone():

@@ -55,8 +55,8 @@ def test_the_error_of_a_likelihood_is_its_scatter_over_sets_of_repetitions():
     observed = np.exp(np.linspace(-1.5, 1.5, 8))
     found = [joint_test(np.exp(random.normal(size=(400, 8))), observed) for _ in range(60)]
     scatter = np.std([one.log_likelihood for one in found], ddof=1)
-    told = np.mean([one.standard_error for one in found])
-    assert 0.7 < told / scatter < 1.4
+    stated = np.mean([one.standard_error for one in found])
+    assert 0.7 < stated / scatter < 1.4
 
 
 def test_a_table_of_another_world_is_unlikely_and_that_of_no_effect_is_told():

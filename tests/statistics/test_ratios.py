@@ -13,15 +13,15 @@ def test_what_both_rows_share_leaves_no_error():
 
 def test_the_error_is_the_scatter_of_the_ratio_over_repetitions():
     random = np.random.default_rng(7)
-    found, told = [], []
+    found, stated = [], []
     for _ in range(2000):
         under = 1.0 + 0.2 * random.standard_normal(30)
         over = 1.3 * under + 0.1 * random.standard_normal(30)
         ratio, error = ratio_of_means(over, under)
         found.append(ratio)
-        told.append(error)
+        stated.append(error)
     assert np.mean(found) == pytest.approx(1.3, abs=0.002)
-    assert np.mean(told) == pytest.approx(np.std(found), rel=0.05)
+    assert np.mean(stated) == pytest.approx(np.std(found), rel=0.05)
 
 
 def test_pairs_that_lack_a_value_are_left_out():

@@ -30,7 +30,7 @@ def studies(count, paired, levels=LEVELS, n=20, seed=1):
 @pytest.mark.parametrize("levels", [LEVELS, np.linspace(70.0, 86.0, 5)])
 def test_errors_of_coefficients_are_their_scatter_over_studies(paired, levels):
     base = levels[levels.size // 2]
-    fits, told = [], []
+    fits, stated = [], []
     for samples in studies(2000, paired, levels):
         of_mean = fit_quadratic(levels, samples.mean(axis=1), base)
         of_deviation = fit_quadratic(levels, samples.std(axis=1, ddof=1), base)
@@ -41,8 +41,8 @@ def test_errors_of_coefficients_are_their_scatter_over_studies(paired, levels):
         for covariance in (mean_covariance(samples, paired), deviation_covariance(samples, paired)):
             errors = quadratic_errors(levels, covariance, base)
             row += [*errors.reduced, *errors.in_parameter]
-        told.append(np.square(row))
-    np.testing.assert_allclose(np.sqrt(np.mean(told, axis=0)), np.std(fits, axis=0), rtol=0.1)
+        stated.append(np.square(row))
+    np.testing.assert_allclose(np.sqrt(np.mean(stated, axis=0)), np.std(fits, axis=0), rtol=0.1)
 
 
 def test_errors_in_the_parameter_are_those_of_the_coefficients_that_it_has():
@@ -86,11 +86,11 @@ def test_the_bootstrap_agrees_with_the_formulas_and_takes_levels_together_where_
     of_deviation = bootstrap_error(lambda x: x.std(ddof=1), samples[0], random, 2000)
     assert of_deviation == pytest.approx(deviation_of(samples[0]).standard_error, rel=0.3)
     for paired in (True, False):
-        told = bootstrap_error(
+        stated = bootstrap_error(
             lambda x: elasticity(LEVELS, x, 78.0, True).value, samples, random, 500, paired
         )
         expected = elasticity(LEVELS, samples, 78.0, paired).standard_error
-        assert told == pytest.approx(expected, rel=0.15)
+        assert stated == pytest.approx(expected, rel=0.15)
 
 
 @pytest.mark.parametrize(

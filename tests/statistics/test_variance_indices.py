@@ -154,7 +154,7 @@ def test_shapley_effects_of_twenty_inputs_take_no_subset_of_all_of_them(monkeypa
     monkeypatch.setattr(
         variance_indices_module,
         "_drawn_variances",
-        lambda *told: asked.append(len(told[-1])) or drawn(*told),
+        lambda *stated: asked.append(len(stated[-1])) or drawn(*stated),
     )
     shapley_effects((0,) * 20, np.ones(len(terms_of((0,) * 20))), {(0, 1): 0.5}, draws=64)
     assert sum(asked) == 4 + 18 * 8

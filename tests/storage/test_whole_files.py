@@ -94,9 +94,9 @@ def test_a_disk_that_fills_up_leaves_a_whole_file_or_none_and_says_so(tmp_path):
     (tmp_path / "small").mkdir()
     answer = written_under_a_limit(tmp_path / "small", size)
     assert answer.returncode == 0, answer.stderr
-    said = dict(line.split(" ", 1) for line in answer.stdout.splitlines() if line[0].isdigit())
-    assert len(said) > 40
-    for limit, words in said.items():
+    printed = dict(line.split(" ", 1) for line in answer.stdout.splitlines() if line[0].isdigit())
+    assert len(printed) > 40
+    for limit, words in printed.items():
         file = tmp_path / f"small/{limit}.nc"
         if words == "written":
             assert int(limit) >= size
@@ -107,9 +107,9 @@ def test_a_disk_that_fills_up_leaves_a_whole_file_or_none_and_says_so(tmp_path):
             assert int(limit) < size
             assert not file.exists()
     assert sorted(p.name for p in (tmp_path / "small").iterdir()) == sorted(
-        f"{limit}.nc" for limit, words in said.items() if words == "written"
+        f"{limit}.nc" for limit, words in printed.items() if words == "written"
     )
-    assert {"written"} < set(said.values())
+    assert {"written"} < set(printed.values())
 
 
 @pytest.fixture
@@ -168,8 +168,8 @@ def test_what_a_running_writer_writes_is_left_alone_by_another_of_the_same_file(
     assert orphan.stdout.readline() == "writing\n"
     atomically(path, lambda temporary: temporary.write_text("quick"))
     assert path.read_text() == "quick"
-    _, said = orphan.communicate("go on\n", timeout=60)
-    assert (orphan.returncode, said) == (0, "")
+    _, printed = orphan.communicate("go on\n", timeout=60)
+    assert (orphan.returncode, printed) == (0, "")
     assert path.read_text() == "slow"
     assert os.listdir(tmp_path) == ["study.nc"]
 

@@ -19,8 +19,8 @@ def pair(seed, rotation=0.0, wavelength=1.03e-3):
 
 def test_walls_that_are_not_rotated_are_those_of_every_other_study():
     own = pair(3)
-    told = wall_pair(8.0, SHAPE, SPACING, 3, mismatch_wavelength=1.03e-3, roll_off=ROLL_OFF)
-    for mine, other in zip(own, told, strict=True):
+    stated = wall_pair(8.0, SHAPE, SPACING, 3, mismatch_wavelength=1.03e-3, roll_off=ROLL_OFF)
+    for mine, other in zip(own, stated, strict=True):
         np.testing.assert_allclose(mine, other, atol=1e-11 * other.std())
 
 

@@ -59,9 +59,9 @@ def test_a_tilt_of_a_scan_is_removed_and_told(name, joint):
     found = registered(scanned(upper, name, 4.0), grid(lower), cut_spikes=False)
     assert found.orientation == name
     np.testing.assert_allclose(found.upper, upper, atol=2e-6)
-    said = next(line for line in found.report if "inclined" in line)
-    assert "inclined to each other by 4.0" in said
-    assert "common to both walls, inclined by 2.0" in said
+    printed = next(line for line in found.report if "inclined" in line)
+    assert "inclined to each other by 4.0" in printed
+    assert "common to both walls, inclined by 2.0" in printed
 
 
 def test_a_shift_is_found_and_the_same_places_meet():
@@ -147,16 +147,16 @@ def test_another_spacing_of_fine_scans_can_be_stated():
 
 
 def test_independent_walls_have_no_clear_orientation_and_one_must_be_stated():
-    said = []
+    printed = []
     for seed in range(6):
         upper, lower = jc.wall_pair(9.0, SHAPE, SPACING, seed, roll_off=None)
         try:
             registered(scanned(upper, "towards"), grid(lower), cut_spikes=False)
         except jc.InputError as error:
-            said.append(str(error))
-    assert len(said) >= 5  # one in ten may fit by chance
-    assert all("orientation of the upper wall is not clear: slopes" in words for words in said)
-    assert all("state the orientation" in words for words in said)
+            printed.append(str(error))
+    assert len(printed) >= 5  # one in ten may fit by chance
+    assert all("orientation of the upper wall is not clear: slopes" in words for words in printed)
+    assert all("state the orientation" in words for words in printed)
     found = registered(
         scanned(upper, "towards"), grid(lower), orientation="towards", shift="scanned"
     )
@@ -351,12 +351,12 @@ def test_gaussian_walls_have_no_spikes_and_single_outliers_are(joint):
     spiked[30, 31] += 2e-3
     spiked[60, 20] -= 2e-3
     spiked[60, 21] -= 2.2e-3  # two beside each other
-    left, said = without_spikes(grid(spiked))
+    left, printed = without_spikes(grid(spiked))
     np.testing.assert_array_equal(np.isnan(left.heights), spiked != wall)
-    assert said.startswith("3 of 4608 points are spikes")
+    assert printed.startswith("3 of 4608 points are spikes")
     cloud, said_of_cloud = without_spikes(Cloud(points_of(grid(spiked))))
     assert len(cloud.points) == wall.size - 3
-    assert said_of_cloud == said
+    assert said_of_cloud == printed
 
 
 @pytest.fixture(scope="module")

@@ -249,17 +249,17 @@ def test_a_shift_moves_what_mates():
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "shown"),
     [
         ({"mismatch_wavelength": -1e-3}, "mismatch_wavelength = -0.001 m: must be finite, 0"),
         ({"mismatch_wavelength": 1e-3, "correlation": 0.5}, "correlation = 0.5: must be 0"),
         ({"mismatch_wavelength": 1e-3, "normalise": "both"}, "normalise = 'both'"),
     ],
 )
-def test_a_wrong_mismatch_wavelength_is_named(given, said):
+def test_a_wrong_mismatch_wavelength_is_named(given, shown):
     with pytest.raises(jc.InputError) as error:
         jc.wall_pair(8.0, (32, 32), SPACING, 3, **given)
-    assert said in str(error.value)
+    assert shown in str(error.value)
 
 
 @pytest.mark.parametrize("exponent", [-0.9, -0.65, -2.0, 0.3])

@@ -126,8 +126,8 @@ def test_a_hole_in_scattered_points_is_not_bridged():
 
 def test_missing_cells_are_refused_with_their_number_and_place(wall):
     wall[4, 7] = wall[4, 8] = np.nan
-    said = r"2 of 2080 cells have no height, the first at \(y, x\) = \(4, 7\)"
-    with pytest.raises(jc.InputError, match=said):
+    printed = r"2 of 2080 cells have no height, the first at \(y, x\) = \(4, 7\)"
+    with pytest.raises(jc.InputError, match=printed):
         filled(wall, "refuse")
     assert filled(wall, "avoid") is wall
 
@@ -167,8 +167,8 @@ def test_windows_are_all_places_without_a_missing_cell(wall):
 
 def test_no_room_says_what_there_is_room_for(wall):
     wall[:, 30] = np.nan
-    said = r"no room for 32 x 32 cells \(y, x\): the wall has 40 x 52 .* full square is 30 x 30"
-    with pytest.raises(jc.InputError, match=said):
+    printed = r"no room for 32 x 32 cells \(y, x\): the wall has 40 x 52 .* full square is 30 x 30"
+    with pytest.raises(jc.InputError, match=printed):
         windows(wall, (32, 32))
 
 

@@ -156,9 +156,9 @@ def test_an_estimate_bears_the_largest_error_found_of_any_rock_at_that_stress(wa
 
 def test_an_estimate_is_within_three_of_its_errors_of_a_simulation(walls):
     """On a joint that was in no study."""
-    told = {"spacing": 0.25e-3, "rock": DOLERITE}
-    found = jc.estimate(*walls, **told, max_normal_stress=30e6)
-    closed = jc.simulate(*walls, **told, max_normal_stress=30e6, cycles=1)
+    stated = {"spacing": 0.25e-3, "rock": DOLERITE}
+    found = jc.estimate(*walls, **stated, max_normal_stress=30e6)
+    closed = jc.simulate(*walls, **stated, max_normal_stress=30e6, cycles=1)
     assert abs(found.closure / float(closed.max_closure[0]) - 1.0) < 3.0 * found.rms_error
     assert found.rms_error < 0.15
 

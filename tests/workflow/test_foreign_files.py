@@ -119,8 +119,8 @@ def test_a_job_that_is_called_alone_does_not_read_a_foreign_dataset(copied):
     (mine / "tables/max_closure.csv").unlink()
     answer = snakemake(copied, "--", "results/tiny/tables/max_closure.csv")
     assert answer.returncode == 0, answer.stdout + answer.stderr
-    said = json.loads(read_netcdf(mine / "study.nc").attrs["configuration"])
-    assert said["study"]["name"] == "tiny"
+    printed = json.loads(read_netcdf(mine / "study.nc").attrs["configuration"])
+    assert printed["study"]["name"] == "tiny"
 
 
 def test_a_finished_study_of_another_machine_is_reported_without_running_anything(

@@ -43,9 +43,9 @@ def test_a_job_that_fails_is_repeated_and_rows_that_are_added_close_no_others(tm
     assert "failed: RuntimeError: the node was lost" in log.read_text()
     (folder / "tried").unlink()
     answer = snakemake(folder, "global_sensitivity", "--retries", "1", config=CONFIG)
-    said = answer.stdout + answer.stderr
-    assert answer.returncode == 0, said
-    assert said.count("Trying to restart job") == 1
+    printed = answer.stdout + answer.stderr
+    assert answer.returncode == 0, printed
+    assert printed.count("Trying to restart job") == 1
     assert "the node was lost" in failed_log(log).read_text()
     assert "failed" not in log.read_text()
 

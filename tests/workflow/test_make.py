@@ -114,19 +114,19 @@ misalignment: {tilt_degrees: [0, 1], rotation_degrees: [0, 1], mismatch_waveleng
 
 
 @pytest.mark.parametrize(
-    ("target", "keys", "said"),
+    ("target", "keys", "printed"),
     [
         ("size", NO_SECTION, "mine.yaml: has no section size, which make size needs"),
         ("misalignment", CANNOT_TILT, "grid.cells_x = 32: must be cells_y (64)"),
         ("study", WRONG_CURVE, "curve.csv, line 3: stress = -5"),
     ],
 )
-def test_what_a_target_cannot_do_is_refused_at_the_start_in_a_line(project, target, keys, said):
+def test_what_a_target_cannot_do_is_refused_at_the_start_in_a_line(project, target, keys, printed):
     (project / "mine.yaml").write_text(keys)
     (project / "curve.csv").write_text("stress_MPa,closure_mm,cycle\n0,0,1\n-5,0.1,1\n")
     done = make(project, target, env={**os.environ, "CONFIG": "mine.yaml"})
     assert done.returncode != 0
-    assert sum(said in line for line in done.stderr.splitlines()) == 1
+    assert sum(printed in line for line in done.stderr.splitlines()) == 1
     assert "Traceback" not in done.stderr + done.stdout
     assert "Building DAG" not in done.stderr + done.stdout
 
@@ -185,11 +185,11 @@ def follow(folder: Path, program: str) -> subprocess.Popen:
 
 def test_a_run_says_how_far_it_is_and_what_is_for_the_user(tmp_path):
     run = follow(tmp_path, FAKE)
-    said, wrong = run.communicate()
+    printed, wrong = run.communicate()
     assert run.returncode == 0, wrong
-    assert "about 2 core-hours" in said.splitlines()
-    assert said.splitlines()[-1] == "3 of 3 jobs done"
-    assert "Finished jobid" not in said
+    assert "about 2 core-hours" in printed.splitlines()
+    assert printed.splitlines()[-1] == "3 of 3 jobs done"
+    assert "Finished jobid" not in printed
     assert "Finished jobid: 3" in (tmp_path / "run.log").read_text()
 
 
@@ -203,9 +203,9 @@ for number, rule in enumerate(("write_tables", "draw_figures")):
 @pytest.mark.parametrize("pools", [0, 1])
 def test_results_of_the_study_itself_are_announced_before_those_of_its_pool(tmp_path, pools):
     run = follow(tmp_path, EARLY % pools)
-    said, wrong = run.communicate()
+    printed, wrong = run.communicate()
     assert run.returncode == 0, wrong
-    assert said.count("own tables and figures are in") == pools
+    assert printed.count("own tables and figures are in") == pools
 
 
 def test_a_run_that_fails_says_which_rule_and_keeps_the_exit_status(tmp_path):
@@ -224,9 +224,9 @@ def test_a_run_that_is_asked_to_end_says_how_it_goes_on(tmp_path, number):
         if "3 of 3 jobs" in line:
             break
     os.killpg(run.pid, number)
-    said, wrong = run.communicate()
+    printed, wrong = run.communicate()
     assert run.returncode == 128 + number
-    assert "the same command goes on from there" in said
+    assert "the same command goes on from there" in printed
     assert "Traceback" not in wrong
 
 

@@ -134,11 +134,11 @@ def take_another_case(folder: Path) -> str:
 
 @pytest.mark.parametrize("spoil", [flip_a_bit, truncate, take_another_case])
 def test_a_case_file_that_is_not_its_own_is_an_error_and_made_anew(undisturbed, copied, spoil):
-    said = spoil(copied)
+    printed = spoil(copied)
     answer = aggregated(copied)
     assert answer.returncode != 0
     assert f"{CASE}: the file" in answer.stderr
-    assert said in answer.stderr
+    assert printed in answer.stderr
     assert not (copied / "results/tiny/study.nc").exists()
     (copied / CASE).unlink()
     finished(copied)

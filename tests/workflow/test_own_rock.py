@@ -61,7 +61,7 @@ def test_a_bad_curve_is_refused_before_any_job(own):
     (own / "bad.csv").write_text(CURVE.replace("0.07", "0,07"))
     (own / "bad.yaml").write_text(OWN.replace("measured.csv", "bad.csv"))
     answer = snakemake(own, config="bad.yaml")
-    said = answer.stdout + answer.stderr
+    printed = answer.stdout + answer.stderr
     assert answer.returncode != 0
-    assert "bad.csv, line 4: '0.8,0,07,1' has 4 values, the header has 3" in said
-    assert "Execute" not in said
+    assert "bad.csv, line 4: '0.8,0,07,1' has 4 values, the header has 3" in printed
+    assert "Execute" not in printed

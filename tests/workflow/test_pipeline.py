@@ -77,8 +77,8 @@ def test_kernels_are_compiled_by_the_job_that_is_there_for_it_and_by_no_other(tm
     answer = snakemake(folder, environment={"JOINTCLOSURE_CACHE": str(tmp_path / "cold")})
     assert answer.returncode == 0, answer.stdout + answer.stderr
     logs = (folder / "results/tiny/logs").rglob("*.log")
-    said = {log.name for log in logs if "compiling kernels" in log.read_text()}
-    assert said == {"compile_kernels.log"}
+    printed = {log.name for log in logs if "compiling kernels" in log.read_text()}
+    assert printed == {"compile_kernels.log"}
 
 
 def test_the_run_writes_what_the_readme_promises(study):
@@ -271,6 +271,6 @@ def test_a_bad_configuration_is_refused_before_any_job(study):
     (study / "bad.yaml").write_text("grid: {cells_x: 2, spcing_mm: 1}\n")
     answer = snakemake(study, config="bad.yaml")
     assert answer.returncode != 0
-    said = answer.stdout + answer.stderr
-    assert "grid.cells_x = 2: must be at least 3" in said
-    assert "grid.spcing_mm = 1: unknown key; did you mean spacing_mm?" in said
+    printed = answer.stdout + answer.stderr
+    assert "grid.cells_x = 2: must be at least 3" in printed
+    assert "grid.spcing_mm = 1: unknown key; did you mean spacing_mm?" in printed

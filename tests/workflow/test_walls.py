@@ -53,9 +53,9 @@ def test_a_study_of_measured_walls_runs_to_its_end(study):
     assert np.isnan(dataset.jrc.values).all()
     assert (dataset.max_closure.values > 0.0).all()
     digest = hashlib.sha256((study / "scans/lower.npz").read_bytes()).hexdigest()
-    told = json.loads(dataset.attrs["walls"])["slate"]
-    assert told["lower"]["sha256"] == digest
-    assert told["partner"] == "mirrored"
+    stated = json.loads(dataset.attrs["walls"])["slate"]
+    assert stated["lower"]["sha256"] == digest
+    assert stated["partner"] == "mirrored"
     surfaces = read_netcdf(results / "cases/slate-base.0.surfaces.nc")
     places = set(zip(surfaces.lower_origin_y.values, surfaces.lower_origin_x.values, strict=True))
     assert len(places) == 3
@@ -86,20 +86,20 @@ def test_a_scan_whose_contents_change_reruns_its_cases_and_a_touch_does_not(stud
 def test_a_file_that_is_not_there_is_refused_before_any_job(study):
     answer = snakemake(study, config=configured(study, "bad.yaml", lower="scans/lowr.npz"))
     assert answer.returncode != 0
-    said = answer.stdout + answer.stderr
-    assert "rocks.slate.walls.lower = 'scans/lowr.npz': not found in" in said
+    printed = answer.stdout + answer.stderr
+    assert "rocks.slate.walls.lower = 'scans/lowr.npz': not found in" in printed
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "printed"),
     [
         ({"units": "um"}, "scans/lower.npz: units = 'um': the heights of the file are in"),
         ({"missing": "refuse"}, "scans/lower.npz: 9 of 1440 cells have no height"),
         ({"spacing_mm": 0.5}, "scans/lower.npz: spacing = 0.5 mm: the file states 0.25 mm"),
     ],
 )
-def test_a_scan_that_cannot_be_used_stops_its_cases_before_they_are_closed(study, change, said):
+def test_a_scan_that_cannot_be_used_stops_its_cases_before_they_are_closed(study, change, printed):
     answer = snakemake(study, config=configured(study, "bad.yaml", **change))
     assert answer.returncode != 0
-    assert said in answer.stdout + answer.stderr
+    assert printed in answer.stdout + answer.stderr
     assert "Close all surface pairs" not in answer.stdout + answer.stderr

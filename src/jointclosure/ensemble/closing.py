@@ -111,7 +111,7 @@ def close_surfaces(
                 report(f"realisation {realization}: {type(error).__name__}: {error}{again}")
                 raise
             failed = f", failed{again}" if row["status"][1] >= FAILURE else ""
-            report(f"realisation {realization}: {_said(row)}{failed}")
+            report(f"realisation {realization}: {_described(row)}{failed}")
             rows.append(row)
         yield labelled(rows, realizations[few], seeds[few], conditions.cycle_count, stresses)
 
@@ -165,7 +165,7 @@ def _row_of(realization: xr.Dataset) -> dict:
     return {name: (array.dims, array.values) for name, array in realization.data_vars.items()}
 
 
-def _said(row: dict) -> str:
+def _described(row: dict) -> str:
     closures = ", ".join(f"{1e3 * value:.5f}" for value in row["max_closure"][1])
     seconds = row["timing_simulation"][1]
     return f"status {int(row['status'][1])}, maximum closure {closures} mm, {seconds:.2f} s"
