@@ -76,9 +76,10 @@ def test_kernels_are_compiled_by_the_job_that_is_there_for_it_and_by_no_other(tm
     folder = checkout(tmp_path)
     answer = snakemake(folder, environment={"JOINTCLOSURE_CACHE": str(tmp_path / "cold")})
     assert answer.returncode == 0, answer.stdout + answer.stderr
+    printed = answer.stdout + answer.stderr  # where its job announces it, for the user to see
+    assert printed.count("compiling kernels") == 1
     logs = (folder / "results/tiny/logs").rglob("*.log")
-    printed = {log.name for log in logs if "compiling kernels" in log.read_text()}
-    assert printed == {"compile_kernels.log"}
+    assert not [log.name for log in logs if "compiling kernels" in log.read_text()]
 
 
 def test_the_run_writes_what_the_readme_promises(study):
