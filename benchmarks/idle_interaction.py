@@ -43,16 +43,16 @@ def closed(configuration, case, realization: int, stresses: np.ndarray) -> dict:
     }
 
 
-def compare(stated: list, case_number: int, arguments) -> list[dict]:
-    """One rock's base case at each share: rows. ``stated``: configuration and cases of none, and of
-    each share."""
+def compare(settings: list, case_number: int, arguments) -> list[dict]:
+    """One rock's base case at each share: rows. ``settings``: configuration and cases of no share,
+    and of each."""
     stresses = 1e6 * np.array(arguments.stresses)
-    case = stated[0][1][case_number]
+    case = settings[0][1][case_number]
     runs: dict = {}
-    closed(stated[0][0], case, 0, stresses)  # compiled before anything is timed
+    closed(settings[0][0], case, 0, stresses)  # compiled before anything is timed
     for _ in range(arguments.repeats):
         for realization in range(arguments.surfaces):
-            for number, (configuration, _) in enumerate(stated):
+            for number, (configuration, _) in enumerate(settings):
                 found = closed(configuration, case, realization, stresses)
                 before = runs.get((number, realization), found)
                 runs[number, realization] = found | {"s": min(found["s"], before["s"])}
@@ -88,12 +88,12 @@ def main(arguments) -> None:
     print(machine(), flush=True)
     rows: list[dict] = []
     rocks = {"study": {"rocks": arguments.rocks}} if arguments.rocks else {}
-    stated = [
+    settings = [
         paper_study({"numerics": {"idle_interaction": share}}, rocks)
         for share in (0.0, *arguments.shares)
     ]
-    for number in range(len(stated[0][1])):
-        rows += compare(stated, number, arguments)
+    for number in range(len(settings[0][1])):
+        rows += compare(settings, number, arguments)
         show(__doc__.splitlines()[0], pd.DataFrame(rows), arguments.output, "idle_interaction")
 
 

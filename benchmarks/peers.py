@@ -71,7 +71,7 @@ def displacement(pressure: np.ndarray) -> np.ndarray:
 
 # A peer is set up for a gap (y, x) [m], 0 at first touch, and gives solve(stress, guess, tolerance,
 # closure): the closure [m], the pressures (y, x) [Pa] and the products with the half-space (or
-# None). The guess has the stress as its mean; tolerances can be relative to the closure it is told.
+# None). The guess has the stress as its mean; tolerances can be relative to the closure given.
 
 
 def polonsky_keer(product, gap, load, pressure, tolerance):
@@ -108,7 +108,7 @@ def own(gap):
 
 
 def own_dense(gap):
-    """The same with the matrix of the cells that overlap at the closure it is told, or at any that
+    """The same with the matrix of the cells that overlap at the closure it is given, or at any that
     is larger: no other cell can touch."""
 
     def solve(stress, guess, tolerance, closure):
@@ -173,7 +173,7 @@ def tamaas(gap):
 
 
 def slippy(gap):
-    """`bccg`, conjugate gradients with bounds, which is told the closures (those of our own
+    """`bccg`, conjugate gradients with bounds, which is given the closures (those of our own
     solution) instead of the stresses. `polonsky_and_keer`, for given loads, takes twice as long."""
     import slippy
 
@@ -226,10 +226,10 @@ PEERS = {
 GIVEN_CLOSURES = ("own, by matrix", "slippy")
 
 
-def curve(solve, gap, tolerance, stated) -> tuple:
-    """Closures (20,) [m], pressures (20, y, x) [Pa] and products; ``stated`` are given closures."""
+def curve(solve, gap, tolerance, given) -> tuple:
+    """Closures (20,) [m], pressures (20, y, x) [Pa] and products; ``given`` are given closures."""
     pressure, answers = np.ones_like(gap), []
-    for stress, closure in zip(STRESSES, stated, strict=True):
+    for stress, closure in zip(STRESSES, given, strict=True):
         answers.append(solve(stress, pressure * (stress / pressure.mean()), tolerance, closure))
         pressure = answers[-1][1]
     closures, pressures, products = zip(*answers, strict=True)

@@ -116,17 +116,17 @@ def main(cells: int, stress: float, fresh: int) -> None:
             if not 4 <= row.surfaces <= fresh // 4:
                 continue
             n = int(row.surfaces)
-            stated = np.array(
+            drawn_studies = np.array(
                 [one(drawn(response.samples, n, random), response) for _ in range(STUDIES)]
             )
             cases = (others.parameter.isin([row.parameter, "base"])).values
             seconds = float(others.timing_simulation[cases].mean("realization").sum())
             with np.errstate(invalid="ignore"):  # a range without an end has no error
-                error = float(bootstrap_error(all_, stated, random))
+                error = float(bootstrap_error(all_, drawn_studies, random))
             rows.append({
                 "wish": wish.kind, "parameter": row.parameter, "cycle": row.cycle, "surfaces": n,
                 "low_68": row.low_68, "high_68": row.high_68, "wished": wish.amount,
-                "reached": float(all_(stated)),
+                "reached": float(all_(drawn_studies)),
                 "error": error,
                 "minutes_planned": row.core_minutes, "minutes_taken": n * seconds / 60.0,
             })  # fmt: skip

@@ -228,9 +228,8 @@ def main(arguments) -> None:
         table, measured = PARTS[name](arguments)
         show(f"{name}: {PARTS[name].__doc__}", table, arguments.output, name)
         for (what, target), value in zip(TARGETS[name], measured, strict=True):
-            printed = "met" if value <= target else "NOT met"
             row = {"part": name, "what": what, "target": target, "measured": value}
-            met.append(row | {"verdict": printed})
+            met.append(row | {"verdict": "met" if value <= target else "NOT met"})
     if met:
         show("targets", pd.DataFrame(met), arguments.output, "targets")
 

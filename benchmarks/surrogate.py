@@ -27,18 +27,18 @@ def measured(repeats: int) -> pd.DataFrame:
     shape = (100, 100)
     walls = jc.wall_pair(8.0, shape, SPACING, 1, roll_off=None)
     summed = walls[0] + walls[1]
-    stated = {"spacing": SPACING, "rock": DOLERITE}
+    load = {"spacing": SPACING, "rock": DOLERITE}
     stresses = np.linspace(5e6, STRESS, 20)
     calls = {
         "walls made": (repeats, lambda: jc.wall_pair(8.0, shape, SPACING, 1, roll_off=None)),
         "depth of one area fraction": (repeats, lambda: bearing_depths(summed, 0.08)),
         "estimate at one stress": (
             repeats,
-            lambda: jc.estimate(*walls, **stated, max_normal_stress=STRESS),
+            lambda: jc.estimate(*walls, **load, max_normal_stress=STRESS),
         ),
         "estimate at 20 stresses": (
             repeats,
-            lambda: jc.estimate(*walls, **stated, max_normal_stress=stresses),
+            lambda: jc.estimate(*walls, **load, max_normal_stress=stresses),
         ),
         "simulation of one cycle": (3, lambda: close(walls, FULL, STRESS)),
     }

@@ -49,13 +49,13 @@ import numpy as np
 import jointclosure as jc
 assert jc.__file__.startswith(sys.argv[1]), jc.__file__
 for line in sys.stdin:
-    told = json.loads(line)
-    with np.load(told["walls"]) as walls:
+    request = json.loads(line)
+    with np.load(request["walls"]) as walls:
         upper, lower = walls["upper"], walls["lower"]
-    rock = jc.Rock(*told["rock"])
+    rock = jc.Rock(*request["rock"])
     start = time.process_time()
-    closed = jc.simulate(upper, lower, spacing=told["spacing"], rock=rock,
-                         max_normal_stress=told["stress"])
+    closed = jc.simulate(upper, lower, spacing=request["spacing"], rock=rock,
+                         max_normal_stress=request["stress"])
     seconds = time.process_time() - start
     digest = hashlib.sha256()
     for name in sorted(closed.data_vars):
@@ -68,15 +68,15 @@ for line in sys.stdin:
 
 
 class Version(NamedTuple):
-    """What a process is told and answers that closes joints with the source of one version."""
+    """Requests and answers of a process that closes joints with the source of one version."""
 
     source: Path
-    stated: IO[str]
+    requests: IO[str]
     answers: IO[str]
 
-    def close(self, stated: dict) -> dict:
+    def close(self, request: dict) -> dict:
         """Seconds, counts and maximum closures of a simulation."""
-        print(json.dumps(stated), file=self.stated, flush=True)
+        print(json.dumps(request), file=self.requests, flush=True)
         answer = self.answers.readline()
         if not answer:
             raise SystemExit(f"a simulation by the version in {self.source} failed")
@@ -108,11 +108,11 @@ def source_of(revision: str, folder: Path, *parts: str) -> Path:
 
 
 def joints(folder: Path, arguments) -> dict[str, list[dict]]:
-    """What each simulation of each rock is told, its walls in files."""
+    """Write the walls of each simulation to files, and return its request, by rock."""
     cells = {"grid": {"cells_x": arguments.cells, "cells_y": arguments.cells}}
     rocks = {"study": {"rocks": arguments.rocks}} if arguments.rocks else {}
     configuration, cases = paper_study(cells, rocks)
-    stated: dict[str, list[dict]] = {}
+    requests: dict[str, list[dict]] = {}
     for case in cases:
         settings = block_settings(
             configuration, {case.label: case}, case.label, range(arguments.surfaces)
@@ -123,8 +123,8 @@ def joints(folder: Path, arguments) -> dict[str, list[dict]]:
             np.savez(walls, upper=upper, lower=lower)
             about = {"walls": str(walls), "rock": list(conditions.rock)}
             about |= {"spacing": conditions.spacing, "stress": conditions.max_normal_stress}
-            stated.setdefault(case.rock, []).append(about)
-    return stated
+            requests.setdefault(case.rock, []).append(about)
+    return requests
 
 
 def median_interval(values: np.ndarray) -> tuple[float, float]:
@@ -141,10 +141,10 @@ def compare(rock: str, surfaces: list[dict], versions: list[Version], repeats: i
     for version in versions:
         version.close(surfaces[0])  # compiled before anything is timed
     for repetition in range(repeats):
-        for number, stated in enumerate(surfaces):
+        for number, request in enumerate(surfaces):
             pair.sample()
             for which in (0, 1) if (repetition + number) % 2 else (1, 0):
-                found = versions[which].close(stated)
+                found = versions[which].close(request)
                 before = least.get((which, number), found)
                 least[which, number] = found | {"s": min(found["s"], before["s"])}
     runs = [[least[which, number] for number in range(len(surfaces))] for which in (0, 1)]

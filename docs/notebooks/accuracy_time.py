@@ -48,10 +48,10 @@ for name, found in (("fixed breakage step", runs), ("resolved breakage", resolve
         seconds = float(found[factor].timing_simulation.mean())
         off = 100.0 * (closure / best - 1.0)
         errors = off.std(axis=0, ddof=1) / np.sqrt(len(off))
-        printed = ", ".join(
+        text = ", ".join(
             f"{m:+5.1f} ± {e:.1f} %" for m, e in zip(off.mean(axis=0), errors, strict=True)
         )
-        print(f"  steps x {factor:<5g} {seconds:6.2f} s a joint; cycles 1 and 2: {printed}")
+        print(f"  steps x {factor:<5g} {seconds:6.2f} s a joint; cycles 1 and 2: {text}")
 
 # %%
 figure, axes = plt.subplots(figsize=(6.5, 3.8), layout="constrained")

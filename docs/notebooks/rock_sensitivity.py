@@ -54,10 +54,10 @@ elasticities["JRC"] = np.log(rougher / smoother) / np.log((1.0 + change) / (1.0 
 for name, values in elasticities.items():
     means = values.mean(axis=0)
     errors = values.std(axis=0, ddof=1) / np.sqrt(len(values))
-    stated = ", ".join(
+    text = ", ".join(
         f"{mean:+.2f} ± {error:.2f}" for mean, error in zip(means, errors, strict=True)
     )
-    print(f"{name:21} {stated}  (cycle 1, cycle 2)")
+    print(f"{name:21} {text}  (cycle 1, cycle 2)")
 
 # %% [markdown]
 # Breakage makes single joints jump between histories, which is why twelve of them are closed and

@@ -29,7 +29,8 @@ def _probability(name: str) -> Form:
 def _beside_study(table: pd.DataFrame) -> pd.DataFrame:
     """Add the p of the study's smaller pool."""
     of_study = stored("paper", "table_3_joint_tests")[["entries", "p", "p_error"]]
-    return table.merge(of_study, on="entries", suffixes=("", "_of_study"))
+    names = {"p": "study_p", "p_error": "study_p_error"}
+    return table.merge(of_study.rename(columns=names), on="entries")
 
 
 joint_tests = Table(
@@ -39,9 +40,7 @@ joint_tests = Table(
         "number": "{number}",
         "p of this model": _probability("p"),
         "p without any effect": _probability("null_p"),
-        "p of this model, 60 surfaces": lambda group: (
-            probability(group["p_of_study"], group["p_error_of_study"]).text
-        ),
+        "p of this model, 60 surfaces": _probability("study_p"),
     },
     prepare=_beside_study,
 )

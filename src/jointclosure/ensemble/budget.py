@@ -31,6 +31,8 @@ QUANTITIES = {
 """Results with a range, by column: of `cycle_table`, and the net stiffness of
 `jointclosure.engineering.curves.net_responses`."""
 
+TOGETHER = "together"
+"""Share of a range that no source has alone."""
 TITLES = {
     "spacing": "grid spacing",
     "breakage": "breakage rule",
@@ -38,7 +40,7 @@ TITLES = {
     "peak_modulus_ratio": "peak modulus ratio",
     "base_radius_in_cells": "base radius",
     "peaks": "peaks while walls break",
-    "together": "sources acting together",
+    TOGETHER: "sources acting together",
 } | {name: about.long_name for name, about in OF_ROCK.items()}
 """Sources of uncertainty by name."""
 
@@ -54,8 +56,6 @@ MEASURED = (
 )
 """What is known of the model from three measured granodiorite joints."""
 
-TOGETHER = "together"
-"""Share of a range that no source has alone."""
 ALL = "all together"
 """Source of the variants in which all sources have random values."""
 OUTSIDE = 0.05

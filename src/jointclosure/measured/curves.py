@@ -207,7 +207,7 @@ def _columns(
     quantities = [heading["name"].lower() if heading else "" for heading in headings]
     if names is None:
         quantities = [_ALIASES.get(name, name) for name in quantities]
-    if names is not None:
+    else:
         unknown = [name for name in names if name not in header]
         if unknown or not 2 <= len(names) <= 3:
             raise InputError(

@@ -257,10 +257,9 @@ def fit(
     ).checked()
 
     walls = partial(_random_walls, jrcs, shape, spacing, seed, hurst, roll_off)
-    if pair is not None:
-        walls = partial(_scanned_walls, pair.upper, pair.lower, seed)
     wavelengths = np.geomspace(2.0 * spacing, min(shape) * spacing, WAVELENGTHS)
     if pair is not None:
+        walls = partial(_scanned_walls, pair.upper, pair.lower, seed)
         wavelengths = np.array([np.clip(pair.mismatch.wavelength, *wavelengths[[0, -1]])])
     factors = np.geomspace(*STRENGTH_RANGE, STRENGTHS) if fit_strength else np.ones(1)
     strengths = intact.compressive_strength * factors

@@ -51,6 +51,8 @@ def fit_figure(result: Fit, title: str) -> Figure:
 
 def _draw_readings(axes: Axes, result: Fit, nodes: np.ndarray, logs: np.ndarray) -> None:
     """Draw simulated (nodes, ..., readings) over measured readings, with 90 % of the joints."""
+    known = np.isfinite(logs).reshape(len(nodes), -1).any(axis=1)
+    nodes, logs = nodes[known], logs[known]
     places = result.measured.places()
     markers = dict(zip(dict.fromkeys(level for _, level in places), "osDv", strict=False))
     for number, ((cycle, level), name) in enumerate(

@@ -7,9 +7,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.engineering.curves import seat_of
+from jointclosure.engineering.curves import KINDS, seat_of
 from jointclosure.engineering.stiffness import stiffness_table
-from jointclosure.joint.history import GROSS, NET, branch_of, read_along
+from jointclosure.joint.history import NET, branch_of, read_along
 from jointclosure.joint.protocol import LOADING
 from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
 
@@ -29,11 +29,10 @@ def closure_curve(closed: xr.Dataset, title: str, ranges: pd.DataFrame | None = 
         `jointclosure.ensemble.budget.Budget.ranges`, drawn as bars above the largest stress.
     """
     figure, panels = subplots(1, 2, figsize=(10.4, 4.8), sharex=True, sharey=True)
-    for axes, of in zip(panels, (GROSS, NET), strict=True):
+    for axes, kind in zip(panels, ("gross", "net"), strict=True):
         if ranges is not None:
-            kind = "net" if of == NET else "gross"
             _draw_ranges(axes, ranges.xs(f"closure_{kind}_since_seating_mm", level=1), closed)
-        draw_curves(axes, closed, "seating", of)
+        draw_curves(axes, closed, "seating", KINDS[kind])
     panels[1].set(ylabel="")
     if panels[0].get_legend():  # below the panels, where no curve is
         figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)

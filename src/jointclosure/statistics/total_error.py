@@ -65,8 +65,9 @@ def coverage(
     standard = sampling / np.sqrt(surfaces)
     found = 5.0 + standard * random.standard_normal(studies)
     known_to = errors.std(axis=1, ddof=1) / np.sqrt(surfaces)
-    bound = np.abs(errors.mean(axis=1)) + np.hypot(REACH * known_to, REACH * standard)
-    return float(np.mean(np.abs(found) <= bound))
+    biases = map(Bias, errors.mean(axis=1), known_to)
+    bounds = [bias.total(REACH * standard) for bias in biases]
+    return float(np.mean(np.abs(found) <= bounds))
 
 
 class Method(NamedTuple):

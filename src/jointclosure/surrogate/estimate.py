@@ -220,14 +220,14 @@ def _away(nodes: list[Node], height_over_slope: float) -> float:
 
 def _nearest_domain(found: Outside | list[Node], outside: dict[str, str]) -> str:
     """Name the quantity that is outside of the wider domain, or of that of the constants."""
-    if isinstance(found, Outside) and (found.name not in MEASURES or found.name not in outside):
+    measures = {name: outside[name] for name in MEASURES if name in outside}
+    if isinstance(found, Outside) and found.name not in measures:
         title = _TESTED[found.name].title if found.name in _TESTED else "cells along a side"
         return (
             f"{title} = {found.value:.4g}: the law was tested from {found.least:.4g} to "
             f"{found.most:.4g}"
         )
-    measures = [outside[name] for name in MEASURES if name in outside]
-    return [*measures, *outside.values()][0]
+    return next(iter((measures or outside).values()))
 
 
 def _one_rock(rock: str | Rock) -> Rock:
