@@ -45,7 +45,9 @@ help: ## List the targets
 	@echo "  CONFIG=config/mine.yaml runs another study, CORES=4 on so many cores, PYTHON=python3.12 chooses the Python,"
 	@echo "  PROFILE=workflow/profiles/slurm runs it on a cluster (docs/clusters.md)."
 
-setup: $(STAMP) ## Set up the locked environment in .venv (every other target does this too)
+setup: $(STAMP) ## Set up the locked environment in .venv (every other target does this too), compile for `jointclosure close`
+	@echo "Compiling the kernels of jointclosure close (a minute when they are new) ..."
+	-@$(IN_GROUP) $(BIN)/jointclosure doctor --try
 
 $(STAMP): requirements.lock requirements-uv.lock pyproject.toml
 	@command -v "$$PYTHON" >/dev/null 2>&1 || { printf '%s is not installed: apt-get install python3 python3-venv\n' "$$PYTHON"; exit 1; }

@@ -107,6 +107,18 @@ def test_doctor_finds_an_empty_folder_well(program, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_after_a_trial_of_doctor_nothing_is_left_to_compile(program, tmp_path):
+    done = run(program, "doctor", "--try", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "kernels compiled" in done.stdout
+    walls = [str(ROOT / f"config/walls/joint_{name}.npz") for name in ("upper", "lower")]
+    closing = f"jc.close(*{walls}, rock='granite', max_normal_stress=2e6)"
+    count = "from jointclosure.compilation.kernels import compiles; print(compiles())"
+    python = program.with_name("python")
+    done = run(python, "-c", f"import jointclosure as jc; {closing}; {count}", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (0, "0\n"), done.stderr
+
+
 def test_a_joint_is_closed_in_an_empty_folder(program, tmp_path):
     words = ["--rock", "dolerite", "--cells", "12", "--stress", "1", "--output", "joint.nc"]
     words += ["--without", "breakage", "gouge"]  # whose kernels take a minute to compile

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import scipy
+from threadpoolctl import threadpool_info, threadpool_limits
 
 import jointclosure as jc
 from jointclosure.statistics.randomness import generator, seed_of
@@ -83,6 +84,23 @@ def test_heights_between_dense_points_are_those_of_all_triangles():
     difference = np.abs(found - whole)
     assert np.mean(difference < 1e-12) > 0.9
     assert difference.max() < 2e-7  # other triangles of points as near
+
+
+def test_triangles_are_not_shared_among_threads(monkeypatch):
+    """Scipy solves two equations for each; where processors are busy each took milliseconds."""
+    whole, threads = scipy.interpolate.LinearNDInterpolator, []
+
+    class Counted(whole):
+        def __call__(self, nodes):
+            threads.extend(library["num_threads"] for library in threadpool_info())
+            return super().__call__(nodes)
+
+    monkeypatch.setattr(scipy.interpolate, "LinearNDInterpolator", Counted)
+    with threadpool_limits(limits=2, user_api="blas"):
+        heights_between(np.eye(3, 2), np.zeros(3), np.full((1, 2), 0.3), 1.0)
+        assert {library["num_threads"] for library in threadpool_info()} == {2}
+    assert threads
+    assert set(threads) == {1}
 
 
 def test_resampling_gives_no_height_where_a_neighbour_has_none(wall):

@@ -1,6 +1,7 @@
 """`jointclosure doctor`: check whether the environment is ready for a study, with advice."""
 
 import importlib.util
+import itertools
 import os
 import platform
 import shutil
@@ -17,11 +18,12 @@ import psutil
 from jointclosure.commands import COMMANDS
 from jointclosure.compilation.kernels import cache_folder, compiles
 from jointclosure.config.configuration import DEFAULT, configured, merged_study
+from jointclosure.ensemble.scanned_joint import RESOLVED
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import EXTRAS, installed
 from jointclosure.jobs.progress import duration
 from jointclosure.joint.warmup import compile_kernels
-from jointclosure.parameters import Choices, Effects
+from jointclosure.parameters import PLAUSIBLE, Choices, Effects, Numerics
 from jointclosure.storage.provenance import versions_of
 from jointclosure.storage.text import read_csv
 
@@ -56,7 +58,8 @@ def add_to(commands) -> None:
         "--try",
         dest="attempt",
         action="store_true",
-        help="also close a small joint (compiles its kernels if needed, which takes a minute)",
+        help="also close small joints in all ways of `jointclosure close`, which compiles its "
+        "kernels if needed (about a minute)",
     )
     command.set_defaults(run=run)
 
@@ -181,8 +184,9 @@ def _size(folder: Path) -> int:
 
 def _attempt() -> Finding:
     start, before = time.perf_counter(), compiles()
-    compile_kernels(Effects(), Choices(), "fast", "fixed_step")
-    took = f"a small joint closed in {duration(time.perf_counter() - start)}"
+    for peaks, numerics in itertools.product(PLAUSIBLE["peaks"], (RESOLVED, Numerics())):
+        compile_kernels(Effects(), Choices(peaks=peaks), numerics.solver, numerics.breakage)
+    took = f"small joints closed in {duration(time.perf_counter() - start)}"
     return Finding("trial", took + (", kernels compiled" if compiles() > before else ""))
 
 

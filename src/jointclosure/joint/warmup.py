@@ -7,6 +7,8 @@ Therefore one process first compiles all kernels that the others need.
 from collections.abc import Iterable
 from typing import Literal
 
+import numpy as np
+
 from jointclosure.joint.simulation import equilibrium, simulate
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.parameters import (
@@ -17,6 +19,7 @@ from jointclosure.parameters import (
     scene_name,
     well_posed_scenes,
 )
+from jointclosure.solvers.interaction_operator import influence_matrix
 from jointclosure.surface.synthesis import wall_pair
 
 
@@ -51,6 +54,8 @@ def compile_kernels(
         choices=choices,
         numerics=numerics,
     )
+    if effects.interaction and solver == "fast":  # with more contacts than the small joint has
+        influence_matrix(np.zeros(walls[0].shape), np.empty(0, np.int64))
     # kernels that a figure uses
     strength_factor(rock.poisson_ratio)
     von_mises_on_axis(0.5, rock.poisson_ratio)

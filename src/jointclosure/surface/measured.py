@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
+from threadpoolctl import threadpool_limits
 
 from jointclosure.inputs import InputError
 
@@ -212,6 +213,9 @@ def heights_between(
 
     Only the `NEAREST` places of each node are triangulated. NaN outside of all triangles and
     farther than ``reach`` from every place. All in metres.
+
+    The library of linear algebra has one thread here: scipy calls it for each triangle, and on a
+    machine where all processors are busy every call would wait for the other threads.
     """
     count = min(NEAREST, len(places))
     distances, near = scipy.spatial.cKDTree(places).query(nodes, k=np.arange(1, count + 1))
@@ -219,8 +223,11 @@ def heights_between(
     used[near] = True
     # the triangulation is most robust for coordinates of order one about zero
     centre, scale = places.mean(axis=0), np.ptp(places)
-    between = scipy.interpolate.LinearNDInterpolator((places[used] - centre) / scale, heights[used])
-    return np.where(distances[..., 0] <= reach, between((nodes - centre) / scale), np.nan)
+    triangulated = (places[used] - centre) / scale
+    between = scipy.interpolate.LinearNDInterpolator(triangulated, heights[used])
+    with threadpool_limits(limits=1, user_api="blas"):
+        interpolated = between((nodes - centre) / scale)
+    return np.where(distances[..., 0] <= reach, interpolated, np.nan)
 
 
 def _resampled(scan: Scan, spacing: float, start: tuple[float, float]) -> np.ndarray:
