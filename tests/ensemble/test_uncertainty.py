@@ -8,7 +8,16 @@ import scipy
 import jointclosure as jc
 from jointclosure.config.files import read_plain
 from jointclosure.engineering.curves import cycle_table
-from jointclosure.ensemble.budget import ALL, QUANTITIES, TOGETHER, Source, ranges_of, shares_of
+from jointclosure.ensemble.budget import (
+    ALL,
+    CLOSURE_GROSS,
+    CLOSURE_NET,
+    QUANTITIES,
+    TOGETHER,
+    Source,
+    ranges_of,
+    shares_of,
+)
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.uncertainty import (
     DRAWS,
@@ -67,6 +76,21 @@ def test_the_range_holds_nine_in_ten_of_the_random_results():
     assert both == pytest.approx(-2.0 + np.sqrt(0.4), abs=0.03)
     noise = [lower_end({"a": 0.0}, 1.0, seed) for seed in range(40)]
     assert scipy.stats.norm.cdf(noise).mean() == pytest.approx(0.05, abs=0.02)
+
+
+def test_ends_are_in_the_order_of_net_and_gross_and_not_below_zero():
+    """As in each joint, though departures from the sum of the sources are of few joints."""
+    sources = {"a": Source((0.0, 1.0), True)}
+    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 1000))
+    random = np.random.default_rng(2)
+    for _ in range(20):
+        net = np.exp(random.standard_normal(DRAWS + 3))
+        values = dict.fromkeys(QUANTITIES, net) | {CLOSURE_GROSS: net + random.random(net.size)}
+        values["residual_net_at_seating_mm"] = np.append([0.1, 0.0], np.exp(net[2:]) - 1.0)
+        results = pd.DataFrame({"cycle": 1, "source": ["", "a", "a", *[ALL] * DRAWS]} | values)
+        ends = ranges_of(results, sources, shares, further).loc[1][["low", "high"]]
+        assert (ends.loc[CLOSURE_NET] <= ends.loc[CLOSURE_GROSS]).all()
+        assert (ends.low >= 0.0).all()
 
 
 def test_a_stated_source_and_a_wider_one_widen_the_range():

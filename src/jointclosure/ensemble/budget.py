@@ -20,10 +20,11 @@ import pandas as pd
 from jointclosure.config.measured_joints import measured_range
 from jointclosure.parameters import OF_ROCK, key_of
 
+CLOSURE_NET, CLOSURE_GROSS = "closure_net_since_seating_mm", "closure_gross_since_seating_mm"
 QUANTITIES = {
-    "closure_net_since_seating_mm": "net closure (mm)",
+    CLOSURE_NET: "net closure (mm)",
     "residual_net_at_seating_mm": "net residual closure (mm)",
-    "closure_gross_since_seating_mm": "gross closure (mm)",
+    CLOSURE_GROSS: "gross closure (mm)",
     "stiffness_net_MPa_per_mm": "net stiffness in the upper half of loading (MPa/mm)",
     "mean_aperture_at_max_mm": "mean aperture (mm)",
     "contact_at_max": "share of cells in contact",
@@ -204,10 +205,14 @@ def ranges_of(
             sums = (_sums(sources, changes, of_joints) for of_joints in (shares, further))
             low, high, apart = _ends(drawn, *sums)
             ends = best * np.exp([low, high]) if factors else best + np.array([low, high])
+            ends = np.maximum(ends, min(0.0, np.nanmin(known)))  # below 0 only where a joint was
             rows[cycle, quantity] = dict(zip(("best", "low", "high"), (best, *ends), strict=True))
             alone = shares_of(changes)
             rows[cycle, quantity] |= {n: (1.0 - apart) * share for n, share in alone.items()}
             rows[cycle, quantity][TOGETHER] = apart
+        net, gross = rows[cycle, CLOSURE_NET], rows[cycle, CLOSURE_GROSS]
+        for end in ("low", "high"):  # of every joint the net closure is the smaller one
+            net[end], gross[end] = sorted((net[end], gross[end]))
     index = pd.MultiIndex.from_tuples(rows, names=["cycle", "quantity"])
     return pd.DataFrame(list(rows.values()), index=index)
 
