@@ -4,11 +4,13 @@ import matplotlib
 import numpy as np
 import pytest
 
+import jointclosure as jc
 from jointclosure.config.files import ConfigurationError
 from jointclosure.config.measured_joints import measured
 from jointclosure.ensemble.points import close_points, packed, unpacked
 from jointclosure.experiments.measured_joints import EXPERIMENT
 from jointclosure.measured.joints import BASE, OBSERVABLES, fitted_length, observables_of
+from tests.conftest import SPACING
 from tests.studied import checked_study
 
 TINY = {
@@ -79,6 +81,25 @@ def test_walls_that_are_reseated_where_they_were_repeat_the_second_cycle(observa
     np.testing.assert_array_equal(again.first_closure, base.first_closure)
     weak = by_variant.loc["strength 40 MPa, reseated, 0 mm off"], by_variant.loc["strength 40 MPa"]
     np.testing.assert_array_equal(weak[0].first_closure, weak[1].first_closure)
+
+
+def test_where_soft_peaks_are_the_same_a_reseated_joint_repeats_its_second_cycle():
+    """Rock that is crushed far: peaks of the crushed walls are new ones, soft by `peaks`."""
+    weak = {"spacing": SPACING, "rock": jc.Rock(11e9, 0.25, 40e6), "max_normal_stress": 5e6}
+    weak["numerics"] = jc.Numerics(breakage="resolved")
+    changes = {}
+    for peaks in ("current", "pristine"):
+        weak["choices"] = jc.Choices(peaks=peaks)
+        ratios = []
+        for seed in range(8):
+            both = jc.simulate(*jc.wall_pair(8.0, (24, 24), SPACING, seed), cycles=2, **weak)
+            crushed = both.upper_final.values, both.lower_final.values
+            again = jc.simulate(*crushed, cycles=1, **weak)
+            ratios.append(float(again.max_closure[0] / both.max_closure[1]))
+        changes[peaks] = np.abs(np.log(ratios))
+    assert np.median(changes["current"]) < 0.001
+    assert changes["current"].max() < 0.05
+    assert np.median(changes["pristine"]) > 0.01
 
 
 def test_only_reseated_walls_leave_a_share_of_the_later_closure(observables):
