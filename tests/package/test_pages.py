@@ -119,6 +119,14 @@ def test_errors_without_effects_are_summed_up_by_stress_over_strength(tmp_path):
     assert rows.loc[1.0].interaction == 8.0
 
 
+def test_the_readme_names_the_two_commands_that_set_up_all_they_need():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    rules = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for command in ("study", "test"):
+        assert f"`make {command}`" in text
+        assert re.search(rf"^{command}:.*\$\(STAMP\)", rules, re.M)
+
+
 def test_the_readmes_outcome_is_that_of_the_stored_study():
     """README.md is read as it is: its p of all entries and its counts of claims are typed."""
     text = (ROOT / "README.md").read_text(encoding="utf-8")
