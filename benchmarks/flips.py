@@ -31,7 +31,7 @@ from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.sensitivity.claims import Evidence, judge_claims
 from jointclosure.statistics.drawn_studies import Design
 from jointclosure.statistics.randomness import generator
-from jointclosure.statistics.verdicts import CANNOT_BE_TOLD
+from jointclosure.statistics.verdicts import UNDECIDED
 from jointclosure.storage.text import read_csv
 
 AS_MADE = "as made"
@@ -88,11 +88,11 @@ def main(rocks: list[str], cells: int, stress: float, surfaces: int) -> None:
     first, means = verdicts[AS_MADE], pools[AS_MADE].max_closure.mean("realization")
     for name in list(VARIANTS)[1:]:
         differs = verdicts[name] != first
-        untold = (verdicts[name] == CANNOT_BE_TOLD) | (first == CANNOT_BE_TOLD)
+        either = (verdicts[name] == UNDECIDED) | (first == UNDECIDED)
         change = np.abs(pools[name].max_closure.mean("realization") / means - 1.0)
         print(
-            f"{name}: {int((differs & ~untold).sum())} flips between stands and falls, "
-            f"{int((differs & untold).sum())} told by one only; mean closures move by "
+            f"{name}: {int((differs & ~either).sum())} flips between stands and falls, "
+            f"{int((differs & either).sum())} undecided in one only; mean closures move by "
             f"{100 * float(change.mean()):.2g} % (at most {100 * float(change.max()):.2g} %)"
         )
 

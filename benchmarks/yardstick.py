@@ -232,7 +232,7 @@ def fresh_process(program: str, timeout: float | None = None):
     Raises
     ------
     subprocess.CalledProcessError
-        The program failed; what it said is on standard error.
+        The program failed; its message is on standard error.
     subprocess.TimeoutExpired
         It took longer than the timeout [s], and was ended.
     """

@@ -24,7 +24,7 @@ for name, heights in (("upper", 1e-3 - upper), ("lower", lower)):  # z upwards i
     np.savetxt(folder / f"{name}.xyz", points, fmt="%.6f")
 
 # %% [markdown]
-# `read_scan` says what is in a file. Units that a file does not say have to be told.
+# `read_scan` reports what is in a file. Units that a file does not state must be given.
 
 # %%
 jc.read_scan(folder / "upper.xyz", units="mm")

@@ -34,7 +34,7 @@ from jointclosure.experiments.readings.points import job_name
 from jointclosure.experiments.readings.pools import on_cases, transferred
 from jointclosure.experiments.readings.summary import claims_judged, over_rocks, quantities
 from jointclosure.statistics.drawn_studies import Design
-from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, STANDS
+from jointclosure.statistics.verdicts import FALLS, STANDS, UNDECIDED
 from jointclosure.storage.text import read_csv
 from tests.experiments.readings_world import (
     ELASTICITIES,
@@ -194,7 +194,7 @@ def test_an_average_has_the_weights_and_the_claims_of_the_readings_that_explain_
     equal = [world(48, factor=factor) for factor in (1.0, -1.0)]
     undecided = average_tables(["a", "b"], equal, question(table_3(seed=3, factor=0.0)))
     of_claim = undecided["readings_average_claims"].set_index("number").loc["5a"]
-    assert of_claim.verdict == CANNOT_BE_TOLD
+    assert of_claim.verdict == UNDECIDED
     assert of_claim.share_of_reading > 0.8
 
 
@@ -277,7 +277,7 @@ def test_claims_that_are_true_of_the_world_stand_and_others_fall():
     turned = claims_judged(world(60, factor=-1.0), PARAMETERS, 10, Design())
     assert turned["5a"] == turned["5b"] == turned["5c"] == FALLS
     part = {rock: {"jrc": each["jrc"]} for rock, each in PARAMETERS.items()}
-    assert set(claims_judged(world(12), part, 4, Design()).values()) == {CANNOT_BE_TOLD}
+    assert set(claims_judged(world(12), part, 4, Design()).values()) == {UNDECIDED}
     # one that the paper does not vary takes no verdict away, and gives none
     more = {rock: each | {"grain_size": each["jrc"]} for rock, each in PARAMETERS.items()}
     verdicts, expected = (claims_judged(world(12), of, 4, Design()) for of in (more, PARAMETERS))

@@ -74,7 +74,7 @@ def test_a_study_that_is_not_whole_has_no_page(folder, capsys, missing):
 
 def test_an_edited_table_is_in_no_page(folder, capsys):
     table = folder / "tables/claims.csv"
-    table.write_text(table.read_text().replace("cannot be told", "stands"))
+    table.write_text(table.read_text().replace("undecided", "stands"))
     assert cli.main(["report", str(folder)]) == 2
     assert "claims.csv: the file is not as jointclosure wrote it" in capsys.readouterr().err
 

@@ -98,7 +98,7 @@ def elasticities(of_modulus: dict, error: float, samples: int = 60) -> pd.DataFr
     ("table", "verdict"),
     [
         (elasticities({"slate": -1.0, "dolerite": -1.1}, 0.02), "stands"),
-        (elasticities({"slate": -1.0, "dolerite": -1.1}, 0.2, samples=4), "cannot be told"),
+        (elasticities({"slate": -1.0, "dolerite": -1.1}, 0.2, samples=4), "undecided"),
         (elasticities({"slate": -1.0, "dolerite": -0.65}, 0.005), "no difference"),
         (elasticities({"slate": -1.0, "dolerite": -0.2}, 0.02), "falls"),
     ],

@@ -65,7 +65,7 @@ def test_what_is_true_of_the_model_stands_in_all_rocks(table, true_world):
     stands = table.verdict.drop([*false, alike, "8"])
     assert set(stands) == {"stands"}, stands
     assert set(table.verdict[list(false)]) == {"falls"}
-    assert table.verdict[[alike, "8"]].tolist() == ["no difference", "cannot be told"]
+    assert table.verdict[[alike, "8"]].tolist() == ["no difference", "undecided"]
     margins = both_tables(*true_world, repetitions=1)[1]
     of_claim = margins[(margins.number == "2a") & margins.decides].set_index("rock")
     assert of_claim.index.tolist() == ["dolerite", "slate"]
@@ -129,7 +129,7 @@ def test_a_trend_that_is_not_there_is_not_found_in_every_rock_and_the_claim_of_i
 
 def test_what_so_few_surfaces_do_not_show_cannot_be_told():
     found = judged(study_of(ONE), repetitions=10, irregular=0.4)
-    assert found.verdict["1a, cycle 2"] == "cannot be told"
+    assert found.verdict["1a, cycle 2"] == "undecided"
     assert found.verdict["6a"] == "stands"
 
 

@@ -13,7 +13,7 @@ from jointclosure.sensitivity.conclusions import (
     ONLY_CONFIGURED,
     conclusion_table,
 )
-from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, NO_DIFFERENCE, STANDS
+from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
 
 ALL, ONE = "a; b; c; d", "a"
 
@@ -70,13 +70,13 @@ def test_what_was_not_studied_is_left_empty():
 @pytest.mark.parametrize(
     ("verdict", "readings", "expected"),
     [
-        (STANDS, [(STANDS, ALL, True), (CANNOT_BE_TOLD, ALL, True)], STANDS),
+        (STANDS, [(STANDS, ALL, True), (UNDECIDED, ALL, True)], STANDS),
         (STANDS, [(STANDS, ALL, True), (FALLS, ONE, True)], DEPENDS),
         (STANDS, [(STANDS, ALL, True), (FALLS, ONE, False)], STANDS),
         (FALLS, [(FALLS, ALL, True), (STANDS, ALL, True)], DEPENDS),
         (FALLS, [(FALLS, ALL, True), (STANDS, ONE, True)], FALLS),
         (STANDS, [(NO_DIFFERENCE, ONE, True)], DEPENDS),
-        (CANNOT_BE_TOLD, [(STANDS, ALL, True)], CANNOT_BE_TOLD),
+        (UNDECIDED, [(STANDS, ALL, True)], UNDECIDED),
     ],
 )
 def test_a_reading_of_the_other_verdict_turns_a_conclusion(verdict, readings, expected):
@@ -90,7 +90,7 @@ def test_a_reading_of_the_other_verdict_turns_a_conclusion(verdict, readings, ex
 
 
 def test_readings_of_one_rock_are_counted_by_themselves():
-    readings = [(STANDS, ALL, True), (STANDS, ONE, True), (CANNOT_BE_TOLD, ONE, True)]
+    readings = [(STANDS, ALL, True), (STANDS, ONE, True), (UNDECIDED, ONE, True)]
     row = stated(STANDS, readings)
     assert (row.readings_stand, row.readings_fall, row.readings_open) == (1, 0, 0)
     assert (row.partial_stand, row.partial_fall, row.partial_open) == (1, 0, 1)
@@ -102,9 +102,9 @@ def test_readings_of_one_rock_are_counted_by_themselves():
     [
         (STANDS, (1.0, 0.94, 1.0), STANDS),
         (STANDS, (0.95, 0.91, 0.99), STANDS),
-        (STANDS, (0.8, 0.6, 1.0), CANNOT_BE_TOLD),
+        (STANDS, (0.8, 0.6, 1.0), UNDECIDED),
         (STANDS, (0.5, 0.3, 0.7), DEPENDS),
-        (FALLS, (0.0, 0.0, 0.2), CANNOT_BE_TOLD),
+        (FALLS, (0.0, 0.0, 0.2), UNDECIDED),
         (FALLS, (0.5, 0.3, 0.7), DEPENDS),
     ],
 )
@@ -135,5 +135,5 @@ def test_a_claim_on_both_cycles_has_the_share_of_the_cycle_where_it_is_least_tru
 
 
 def test_what_a_sensitivity_study_has_nothing_on_is_judged_elsewhere():
-    assert stated(CANNOT_BE_TOLD, number="8").conclusion == JUDGED_ELSEWHERE
-    assert stated(CANNOT_BE_TOLD, number="5d").conclusion == CANNOT_BE_TOLD
+    assert stated(UNDECIDED, number="8").conclusion == JUDGED_ELSEWHERE
+    assert stated(UNDECIDED, number="5d").conclusion == UNDECIDED

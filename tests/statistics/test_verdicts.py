@@ -7,10 +7,10 @@ from jointclosure.statistics.drawn_studies import Design, draw_studies
 from jointclosure.statistics.randomness import generator
 from jointclosure.statistics.standard_errors import mean_of
 from jointclosure.statistics.verdicts import (
-    CANNOT_BE_TOLD,
     FALLS,
     NO_DIFFERENCE,
     STANDS,
+    UNDECIDED,
     frequency,
     t_interval,
     verdict,
@@ -23,10 +23,10 @@ from tests.statistics.statistics_world import SCATTER, sensitivity
     [
         ((0.1, 0.2), STANDS),
         ((0.1, float("inf")), STANDS),
-        ((-0.1, 0.2), CANNOT_BE_TOLD),
+        ((-0.1, 0.2), UNDECIDED),
         ((-0.2, -0.1), FALLS),
         ((0.0, 0.0), FALLS),
-        ((float("nan"), 1.0), CANNOT_BE_TOLD),
+        ((float("nan"), 1.0), UNDECIDED),
     ],
 )
 def test_a_claim_stands_above_falls_below_and_is_open_between(interval, expected):
@@ -37,10 +37,10 @@ def test_a_claim_stands_above_falls_below_and_is_open_between(interval, expected
     ("interval", "expected"),
     [
         ((0.11, 0.2), STANDS),
-        ((0.05, 0.2), CANNOT_BE_TOLD),
+        ((0.05, 0.2), UNDECIDED),
         ((-0.03, -0.01), NO_DIFFERENCE),
         ((-0.1, 0.1), NO_DIFFERENCE),
-        ((-0.2, -0.05), CANNOT_BE_TOLD),
+        ((-0.2, -0.05), UNDECIDED),
         ((-0.2, -0.11), FALLS),
     ],
 )

@@ -58,7 +58,7 @@ def whole_foreign_study(mine: Path, other: Path):
 
 def edited_claims(mine: Path, other: Path):
     text = (mine / "tables/claims.csv").read_text()
-    (mine / "tables/claims.csv").write_text(text.replace("cannot be told", "stands"))
+    (mine / "tables/claims.csv").write_text(text.replace("undecided", "stands"))
 
 
 def emptied_table_3(mine: Path, other: Path):

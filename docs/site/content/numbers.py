@@ -13,7 +13,7 @@ from content.markdown import MOST, Form, Group, markdown, value_of
 from jointclosure.claims.table import OURS
 from jointclosure.sensitivity.conclusions import DEPENDS, JUDGED_ELSEWHERE, ONLY_CONFIGURED
 from jointclosure.statistics.standard_errors import rounded
-from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, NO_DIFFERENCE, STANDS
+from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
 
 
 class Number(NamedTuple):
@@ -113,10 +113,10 @@ def _count(*conclusions: str) -> Number:
 
     def text(group: Group) -> int:
         counted = group.rows.conclusion.isin(conclusions) | (not conclusions)
-        return (counted & (group.rows.said_in != OURS)).sum()
+        return (counted & (group.rows.section != OURS)).sum()
 
     which = f"conclusion = {' or '.join(conclusions)}, " if conclusions else ""
-    return Number("paper/conclusions", f"rows of {which}said_in not {OURS}", text)
+    return Number("paper/conclusions", f"rows of {which}section not {OURS}", text)
 
 
 def _readings(kind: str) -> Number:
@@ -156,7 +156,7 @@ NUMBERS = {
     "fall": _count(FALLS),
     "depend": _count(DEPENDS),
     "alike": _count(NO_DIFFERENCE),
-    "untold": _count(CANNOT_BE_TOLD),
+    "undecided": _count(UNDECIDED),
     "configured only": _count(*ONLY_CONFIGURED.values()),
     "elsewhere": _count(JUDGED_ELSEWHERE),
     "2a goes with the ratio": _margin("peak_modulus", "dolerite"),

@@ -49,7 +49,7 @@ claims = Table(
     {
         "": "{number}",
         "claim": "{claim}",
-        "place in the paper": "{said_in}",
+        "place in the paper": "{section}",
         "true of the model": "{verdict}",
         "studies that find it": found_text,
         "in the paper's Table 3": "{paper_finds}",
@@ -79,7 +79,7 @@ def headline() -> dict[str, str]:
     """Numbers of the outcome in short: p of all entries, and what is left of the paper's claims."""
     tests = "large_pool/table_3_joint_tests"
     claims = stored("paper", "conclusions")
-    claims = claims[claims.said_in != OURS]
+    claims = claims[claims.section != OURS]
     left = claims.conclusion.value_counts()
     return {
         "p": value_of(tests, _probability("p"), entries="all"),

@@ -21,7 +21,7 @@ TABLE_3 = "table 3"
 class Claim(NamedTuple):
     """Claim: a statement on some cycles, of gross or net closures.
 
-    ``said_in``: sections of the paper, or `OURS`. ``statement``: None for a claim that no
+    ``section``: sections of the paper, or `OURS`. ``statement``: None for a claim that no
     sensitivity study can judge; ``remark`` states the reason. ``shown``: where the paper has
     numbers for it, `TABLE_3` for entries of ``parameter``. ``negated``: the claim is that the
     statement is *not* true in every rock.
@@ -29,7 +29,7 @@ class Claim(NamedTuple):
 
     number: str
     text: str
-    said_in: str
+    section: str
     statement: Statement | None
     cycles: tuple[int, ...]
     shown: str = TABLE_3

@@ -109,7 +109,7 @@ def outcome(study: xr.Dataset) -> dict:
 
 def _of_paper(claims: pd.DataFrame) -> pd.DataFrame:
     """Return the claims of the paper, without variants added here."""
-    return claims[claims.said_in != OURS] if "said_in" in claims else claims
+    return claims[claims.section != OURS] if "section" in claims else claims
 
 
 def _counts(words: pd.Series) -> dict[str, int]:

@@ -185,7 +185,7 @@ def claim_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
     columns = {"number": "No.", "claim": "Claim", "verdict": "True of the model"}
     columns |= {"found": "Studies that find it", "found_here": "Found by this study"}
     if compared and "paper" in claims:
-        columns["said_in"] = "Place in the paper"
+        columns["section"] = "Place in the paper"
         columns["paper_finds"] = "Found in the paper's Table 3"
     shown = claims.assign(found=[found_text(row) for row in claims.to_dict("records")])
     caption = "The paper's claims: truth in the model, and studies that find them"
@@ -221,7 +221,7 @@ def conclusion_sheet(conclusions: pd.DataFrame) -> Sheet:
     columns = {
         "number": "No.",
         "claim": "Claim",
-        "said_in": "Place in the paper",
+        "section": "Place in the paper",
         "verdict": "As configured",
         "found": "Studies that find it",
         "readings": "Readings of all rocks: stands, falls, no difference, open",

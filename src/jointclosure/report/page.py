@@ -18,7 +18,7 @@ _TONES = {
     "reproduced": "good",
     "stands": "good",
     "falls": "bad",
-    "cannot be told": "unsure",
+    "undecided": "unsure",
     "holds": "good",
     "passed": "good",
     "not reproduced": "bad",

@@ -11,10 +11,10 @@ from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.report.sheets import Sheet, number_text, sheet
 from jointclosure.statistics.ratios import harmonic_mean
 from jointclosure.statistics.verdicts import (
-    CANNOT_BE_TOLD,
     FALLS,
     NO_DIFFERENCE,
     STANDS,
+    UNDECIDED,
     t_interval,
     verdict,
 )
@@ -103,7 +103,7 @@ def sensitivity_sentence(elasticities: pd.DataFrame | None) -> str:
     reason = {
         FALLS: "differs between rocks",
         NO_DIFFERENCE: "makes no difference worth noticing",
-        CANNOT_BE_TOLD: "cannot be decided from so few joints",
+        UNDECIDED: "cannot be decided from so few joints",
     }[answer]
     return f"Which property the closure of cycle {cycle} is most sensitive to {reason}."
 
@@ -121,7 +121,7 @@ def most_sensitive(elasticities: pd.DataFrame, parameter: str) -> str:
     for _, of_rock in elasticities.groupby("rock"):
         of_rock = of_rock.set_index("parameter")
         if parameter not in of_rock.index:
-            return CANNOT_BE_TOLD
+            return UNDECIDED
         first, others = of_rock.loc[parameter], of_rock.drop(parameter)
         for other in others.itertuples():
             error = np.hypot(first.elasticity_standard_error, other.elasticity_standard_error)

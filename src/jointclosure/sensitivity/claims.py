@@ -4,7 +4,7 @@ True of the model: margins (`jointclosure.claims.statements`) with confidence in
 surfaces on which all cases are closed (the pool, or the study itself if it has none). A claim
 *stands* if all margins are in the range where it is true, in all rocks, and *falls* if one is
 outside. For a comparison there is *no difference* if the smallest margin is within the tolerance.
-Otherwise the verdict is *cannot be told*. The intervals of one claim are simultaneous with a
+Otherwise the verdict is *undecided*. The intervals of one claim are simultaneous with a
 confidence of 95 % (Bonferroni).
 
 Confirmed by a study: the share of repetitions of the study, with n independent draws at every
@@ -36,7 +36,7 @@ from jointclosure.statistics.indifference import indifference_lengths
 from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.standard_errors import Estimate
 from jointclosure.statistics.verdicts import (
-    CANNOT_BE_TOLD,
+    UNDECIDED,
     Frequency,
     Interval,
     frequency,
@@ -46,10 +46,10 @@ from jointclosure.statistics.verdicts import (
 CONFIDENCE = 0.95
 YES, NO = "yes", "no"
 COLUMNS = (
-    "number", "claim", "said_in", "paper", "paper_finds", "verdict", "remark",
+    "number", "claim", "section", "paper", "paper_finds", "verdict", "remark",
     "found_here", "found_share", "found_error", "found_low", "found_high",
 )  # fmt: skip
-OF_PAPER = ("said_in", "paper", "paper_finds")
+OF_PAPER = ("section", "paper", "paper_finds")
 """Columns that are left out in a study of other rocks."""
 MARGIN_COLUMNS = (
     "number", "rock", "cycle", "quantity", "value", "standard_error", "low", "high", "decides",
@@ -96,7 +96,7 @@ def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame,
     Returns
     -------
     claims : DataFrame
-        ``said_in``: sections of the paper, or `OURS`. ``verdict``: whether it is true of the
+        ``section``: sections of the paper, or `OURS`. ``verdict``: whether it is true of the
         model. ``found_share``: share of the repetitions that confirm it, with a standard error
         that includes that of the pool, and its 95 % interval; ``found_here``: whether the real
         study confirms it; ``paper_finds``: whether the paper's Table 3 does. In a study of other
@@ -110,11 +110,11 @@ def judge_claims(evidence: Evidence, paper: pd.DataFrame) -> tuple[pd.DataFrame,
     judged = _judged(evidence, paper)
     rows, margins = [], []
     for claim in CLAIMS:
-        row: dict = {"number": claim.number, "claim": claim.text, "said_in": claim.said_in}
+        row: dict = {"number": claim.number, "claim": claim.text, "section": claim.section}
         row |= {"paper": _papers_figures(claim, paper, judged.samples), "remark": claim.remark}
         word, claim_margins = _true(claim, judged)
         row |= {"verdict": word} | _found(claim, judged)
-        if claim.shown == TABLE_3 and claim.said_in != OURS:
+        if claim.shown == TABLE_3 and claim.section != OURS:
             row["paper_finds"] = _yes(claim.found_in(judged.paper))
         rows.append(row)
         margins += claim_margins
@@ -219,7 +219,7 @@ def _true(claim: Claim, judged: _Judged) -> tuple[str, list[dict]]:
     by_rock = judged.margins.items()
     asked = {rock: claims[claim.number] for rock, claims in by_rock if claim.number in claims}
     if not asked:
-        return CANNOT_BE_TOLD, []
+        return UNDECIDED, []
     confidence = 1.0 - (1.0 - CONFIDENCE) / sum(len(margins) for margins in asked.values())
     sizes = {sample.rock: sample.values.shape[-1] for sample in judged.samples}
     rows, intervals = [], []

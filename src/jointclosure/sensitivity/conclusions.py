@@ -5,7 +5,7 @@ import pandas as pd
 
 from jointclosure.claims.findings import NET, TARGET
 from jointclosure.claims.table import CLAIMS, Claim
-from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, FALLS, NO_DIFFERENCE, STANDS
+from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
 
 DEPENDS = "depends on what is unstated"
 """Conclusion that is true under some readings or choices, and false under others."""
@@ -25,7 +25,7 @@ FOUND = ("found_share", "found_error", "found_low", "found_high")
 """Columns of the share of studies that confirm a claim: share, standard error, 95 % interval."""
 SHARES = ("share", "share_error", "share_low", "share_high")
 """Columns of the share of choices, here with the prefix ``choices_``."""
-COUNTS = {"stand": STANDS, "fall": FALLS, "equal": NO_DIFFERENCE, "open": CANNOT_BE_TOLD}
+COUNTS = {"stand": STANDS, "fall": FALLS, "equal": NO_DIFFERENCE, "open": UNDECIDED}
 _RANKS = {FALLS: 0, NO_DIFFERENCE: 1, STANDS: 2}
 """Order of verdicts on a claim: the verdict on more rocks never has the higher rank."""
 
@@ -56,7 +56,7 @@ def conclusion_table(
     Returns
     -------
     DataFrame
-        A row per claim: ``number``, ``claim``, ``said_in``, ``verdict`` as configured, `FOUND` of
+        A row per claim: ``number``, ``claim``, ``section``, ``verdict`` as configured, `FOUND` of
         studies by the paper's protocol, ``jrc_half_width`` and the same at the largest one;
         numbers of readings by verdict (`COUNTS`) of all rocks (``readings_stand`` and so on) and
         of some rocks (``partial_stand`` and so on); ``opposed_by`` and ``opened_by`` (titles of
@@ -65,13 +65,13 @@ def conclusion_table(
         on the margin, and its share of the margin's variance; and the ``conclusion``. This is the
         verdict if no reading contradicts it and the interval of the share of agreeing choices is
         above `NEARLY_ALL`; `DEPENDS` if a reading contradicts it or this interval is below
-        `NEARLY_ALL`; "cannot be told" if this is the verdict, or the interval contains
+        `NEARLY_ALL`; "undecided" if this is the verdict, or the interval contains
         `NEARLY_ALL`; and `ONLY_CONFIGURED` if neither readings nor choices were tried.
     """
     rows = []
     for claim in claims.itertuples():
         row = {"number": claim.number, "claim": claim.claim, "verdict": claim.verdict}
-        row["said_in"] = getattr(claim, "said_in", "")
+        row["section"] = getattr(claim, "section", "")
         row |= {name: getattr(claim, name) for name in FOUND}
         row |= _of_jrc(claim.number, jrc_range) | _of_readings(claim, readings)
         row |= _of_choices(claim.number, choices, margins)
@@ -97,7 +97,7 @@ def _of_readings(claim, readings: pd.DataFrame | None) -> dict:
     whole = allowed.rocks.str.len() == readings.rocks.str.len().max()
     here, there = _RANKS.get(claim.verdict, np.nan), verdicts.map(_RANKS)
     opposed = (there < here) | (whole & (there > here))
-    opened = (verdicts == CANNOT_BE_TOLD) & (claim.verdict != CANNOT_BE_TOLD)
+    opened = (verdicts == UNDECIDED) & (claim.verdict != UNDECIDED)
     return {
         f"{kind}_{name}": int((verdicts[selected] == verdict).sum())
         for kind, selected in (("readings", whole), ("partial", ~whole))
@@ -153,8 +153,8 @@ def _conclusion(row: dict) -> str:
     verdict = row["verdict"]
     if row["number"] in UNJUDGED:
         return JUDGED_ELSEWHERE
-    if verdict == CANNOT_BE_TOLD:
-        return CANNOT_BE_TOLD
+    if verdict == UNDECIDED:
+        return UNDECIDED
     if row["opposed_by"]:
         return DEPENDS
     low, high = row["choices_share_low"], row["choices_share_high"]
@@ -165,4 +165,4 @@ def _conclusion(row: dict) -> str:
         low, high = 1.0 - high, 1.0 - low
     if high < NEARLY_ALL:
         return DEPENDS
-    return verdict if low >= NEARLY_ALL else CANNOT_BE_TOLD
+    return verdict if low >= NEARLY_ALL else UNDECIDED

@@ -9,9 +9,9 @@ from jointclosure.inputs import InputError
 
 STANDS = "stands"
 FALLS = "falls"
-CANNOT_BE_TOLD = "cannot be told"
+UNDECIDED = "undecided"
 NO_DIFFERENCE = "no difference"
-VERDICTS = (STANDS, FALLS, NO_DIFFERENCE, CANNOT_BE_TOLD)
+VERDICTS = (STANDS, FALLS, NO_DIFFERENCE, UNDECIDED)
 
 
 class Interval(NamedTuple):
@@ -47,8 +47,8 @@ def verdict(interval: tuple[float, float], above: float, alike: float | None = N
     -------
     str
         "stands": the whole interval is above. "falls": none of it is, and for a difference all
-        of it is below ``-alike``. "no difference": all of it is within ``alike`` of 0. "cannot be
-        told": otherwise, and if an end of the interval is NaN.
+        of it is below ``-alike``. "no difference": all of it is within ``alike`` of 0. "undecided":
+        otherwise, and if an end of the interval is NaN.
 
     Raises
     ------
@@ -59,14 +59,14 @@ def verdict(interval: tuple[float, float], above: float, alike: float | None = N
     if low > high:
         raise InputError(f"interval = ({low!r}, {high!r}): must be (low, high), low <= high")
     if np.isnan([low, high]).any():
-        return CANNOT_BE_TOLD
+        return UNDECIDED
     if low > above:
         return STANDS
     if alike is not None and -alike <= low and high <= alike:
         return NO_DIFFERENCE
     if high < -alike if alike is not None else high <= above:
         return FALLS
-    return CANNOT_BE_TOLD
+    return UNDECIDED
 
 
 def t_interval(estimate: tuple[float, float], samples: int, confidence: float = 0.95) -> Interval:

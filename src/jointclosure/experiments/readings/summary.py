@@ -20,7 +20,7 @@ from jointclosure.experiments.readings.pools import (
 from jointclosure.statistics.correlations import fit_quadratic
 from jointclosure.statistics.drawn_studies import Design, jackknife_error
 from jointclosure.statistics.standard_errors import Estimate, elasticity, variation_of
-from jointclosure.statistics.verdicts import CANNOT_BE_TOLD, t_interval
+from jointclosure.statistics.verdicts import UNDECIDED, t_interval
 
 SCATTER = "scatter"
 """Quantity S/mean at the base level; other quantities are elasticities to a parameter."""
@@ -148,6 +148,6 @@ def verdicts_of(
         verdicts[claim.number] = (
             claim.verdict(tuple(min(ends) for ends in zip(*intervals, strict=True)))
             if intervals
-            else CANNOT_BE_TOLD
+            else UNDECIDED
         )
     return verdicts
