@@ -18,6 +18,7 @@ from jointclosure.surface.overlap import largest_rectangle
 from jointclosure.surface.registration import ORIENTATIONS, registered
 from jointclosure.surface.roughness import detrended
 from tests.conftest import SPACING, TWO_WALLS
+from tests.same_bits import PROCESSORS, printed
 
 SHAPE = (64, 72)
 
@@ -409,3 +410,27 @@ def test_a_small_overlap_a_steep_plane_and_a_wedge_are_warned_of(small_joint):
     ):
         found = registered(*pair, **AS_SCANNED, unusual_values=True)
         assert any(line.startswith(f"Warning: {warning}") for line in found.warnings), warning
+
+
+REGISTERED = """
+import hashlib, numpy as np, jointclosure as jc
+from jointclosure.surface.measured import Cloud, Scan
+from jointclosure.surface.outliers import points_of
+from jointclosure.surface.registration import registered
+h = 0.25e-3
+upper, lower = jc.wall_pair(9.0, (64, 72), h, seed=4, correlation=0.9, roll_off=None)
+y, x = np.indices(lower.shape) * h
+upper = -upper + 0.02 * x - 0.01 * y
+lower[30:33, 20:24] = np.nan
+grids = Scan(upper, (h, h), (0.0, 0.0)), Scan(lower, (h, h), (0.0, 0.0))
+apart = [Cloud(points_of(grid) + [0.3e-3 * i, 0.0, 0.0]) for i, grid in enumerate(grids)]
+for scans, spacing in ((grids, h), (grids, 1.4 * h), (apart, h)):
+    pair = registered(*scans, spacing)
+    print(*(hashlib.sha256(wall.tobytes()).hexdigest() for wall in (pair.upper, pair.lower)))
+"""
+
+
+def test_scans_are_the_same_walls_on_any_processor():
+    here = printed(REGISTERED)
+    for name, environment in PROCESSORS.items():
+        assert printed(REGISTERED, **environment) == here, name

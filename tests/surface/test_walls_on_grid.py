@@ -88,14 +88,14 @@ def test_heights_between_dense_points_are_those_of_all_triangles():
 
 def test_triangles_are_not_shared_among_threads(monkeypatch):
     """Scipy solves two equations for each; where processors are busy each took milliseconds."""
-    whole, threads = scipy.interpolate.LinearNDInterpolator, []
+    whole, threads = scipy.spatial.Delaunay, []
 
     class Counted(whole):
-        def __call__(self, nodes):
+        def find_simplex(self, *arguments, **options):
             threads.extend(library["num_threads"] for library in threadpool_info())
-            return super().__call__(nodes)
+            return super().find_simplex(*arguments, **options)
 
-    monkeypatch.setattr(scipy.interpolate, "LinearNDInterpolator", Counted)
+    monkeypatch.setattr(scipy.spatial, "Delaunay", Counted)
     with threadpool_limits(limits=2, user_api="blas"):
         heights_between(np.eye(3, 2), np.zeros(3), np.full((1, 2), 0.3), 1.0)
         assert {library["num_threads"] for library in threadpool_info()} == {2}

@@ -10,6 +10,7 @@ import scipy
 from threadpoolctl import threadpool_limits
 
 from jointclosure.inputs import InputError
+from jointclosure.surface.roughness import plane_through
 
 FLAT = "flat"
 """Word for a flat wall, such as a saw cut, in place of a scan."""
@@ -17,6 +18,8 @@ LARGEST_TILT = 20.0
 """Largest inclination of a scan's mean plane [degrees] for which heights represent a wall."""
 REACH = 2.0
 """Distance, in mean point distances, within which a cell needs a point to have a height."""
+AT_PLACE = 1e-6
+"""Distance, as a share of the reach, within which a node is at a scanned point."""
 NEAREST = 12
 """Number of points around a node of the grid that are triangulated. A Delaunay triangle of all
 points whose corners are among them is one of theirs too; points in between are not needed."""
@@ -176,15 +179,14 @@ def _levelled(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> np.ndarray:
     known = np.isfinite(heights)
     if known.sum() < 4:
         raise InputError(f"{int(known.sum())} heights: too few for a wall")
-    terms = np.stack([np.ones(heights.size), x - x[known].mean(), y - y[known].mean()], axis=1)
-    plane = np.linalg.lstsq(terms[known], heights[known], rcond=None)[0]
-    tilt = np.degrees(np.arctan(np.hypot(plane[1], plane[2])))
+    plane = plane_through(x[known], y[known], heights[known])
+    tilt = np.degrees(np.arctan(np.hypot(plane.slope_x, plane.slope_y)))
     if tilt > LARGEST_TILT:
         raise InputError(
             f"the mean plane is inclined by {tilt:.1f} degrees: at most {LARGEST_TILT:g}; "
             "turn the scan so that its mean plane is about horizontal"
         )
-    return heights - terms @ plane
+    return heights - plane.at(x, y)
 
 
 def _gridded(
@@ -214,20 +216,44 @@ def heights_between(
     Only the `NEAREST` places of each node are triangulated. NaN outside of all triangles and
     farther than ``reach`` from every place. All in metres.
 
-    The library of linear algebra has one thread here: scipy calls it for each triangle, and on a
-    machine where all processors are busy every call would wait for the other threads.
+    A node at a place (`AT_PLACE`) has its height.
     """
     count = min(NEAREST, len(places))
     distances, near = scipy.spatial.cKDTree(places).query(nodes, k=np.arange(1, count + 1))
     used = np.zeros(len(places), bool)
     used[near] = True
+    nearest = distances[..., 0]
+    between = _in_triangles(places[used], heights[used], nodes)
+    at_nodes = np.where(nearest < AT_PLACE * reach, heights[near[..., 0]], between)
+    return np.where(nearest <= reach, at_nodes, np.nan)
+
+
+def _in_triangles(places: np.ndarray, heights: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+    """Interpolate heights at nodes (..., 2) in the Delaunay triangles of places; NaN outside.
+
+    The weights of the corners are ratios of areas, so that results have the same bits on any
+    processor. The library of linear algebra has one thread here: scipy calls it for each triangle,
+    and on a machine where all processors are busy every call would wait for the other threads.
+    """
     # the triangulation is most robust for coordinates of order one about zero
     centre, scale = places.mean(axis=0), np.ptp(places)
-    triangulated = (places[used] - centre) / scale
-    between = scipy.interpolate.LinearNDInterpolator(triangulated, heights[used])
+    corners, at = (places - centre) / scale, (nodes - centre) / scale
+    triangles = scipy.spatial.Delaunay(corners)
     with threadpool_limits(limits=1, user_api="blas"):
-        interpolated = between((nodes - centre) / scale)
-    return np.where(distances[..., 0] <= reach, interpolated, np.nan)
+        triangle = triangles.find_simplex(at)
+    corner = triangles.simplices[triangle]
+    sides = corners[corner] - at[..., None, :]
+    areas = np.stack(
+        [_cross(sides[..., i - 2, :], sides[..., i - 1, :]) for i in range(3)], axis=-1
+    )
+    with np.errstate(invalid="ignore", divide="ignore"):  # triangles without area hold no node
+        between = np.sum(areas * heights[corner], axis=-1) / np.sum(areas, axis=-1)
+    return np.where(triangle >= 0, between, np.nan)
+
+
+def _cross(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Return twice the signed area of the triangles of vectors (..., 2) from the origin."""
+    return one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
 
 
 def _resampled(scan: Scan, spacing: float, start: tuple[float, float]) -> np.ndarray:
@@ -295,7 +321,7 @@ def filled(
     if missing == "nearest":
         return near
     rim = scipy.ndimage.binary_dilation(holes, iterations=2) & ~holes
-    inside = scipy.interpolate.griddata(np.argwhere(rim), wall[rim], np.argwhere(holes))
+    inside = _in_triangles(np.argwhere(rim), wall[rim], np.argwhere(holes))
     result = wall.copy()
     result[holes] = np.where(np.isfinite(inside), inside, near[holes])
     return result

@@ -4,6 +4,7 @@ import numpy as np
 import scipy
 
 from jointclosure.surface.measured import Cloud, Scan
+from jointclosure.surface.roughness import plane_through
 
 LINK = 5.0
 """Size of the cells by which points are joined into patches, in median distances of neighbours."""
@@ -132,8 +133,8 @@ def points_of(scan: Scan | Cloud) -> np.ndarray:
 
 
 def _sharpness(points: np.ndarray) -> np.ndarray:
-    terms = np.column_stack([np.ones(len(points)), points[:, :2] - points[:, :2].mean(axis=0)])
-    level = points[:, 2] - terms @ np.linalg.lstsq(terms, points[:, 2], rcond=None)[0]
+    x, y, heights = points.T
+    level = heights - plane_through(x, y, heights).at(x, y)
     near = scipy.spatial.cKDTree(points[:, :2]).query(points[:, :2], k=NEIGHBOURS + 1)[1][:, 1:]
     around = np.sort(level[near], axis=1)
     usual = np.median(np.abs(level[near] - level[:, None]))

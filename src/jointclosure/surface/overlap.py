@@ -7,7 +7,7 @@ import scipy
 
 from jointclosure.inputs import InputError
 from jointclosure.surface.measured import LARGEST_TILT, REACH, filled, heights_between
-from jointclosure.surface.roughness import detrended
+from jointclosure.surface.roughness import detrended, plane_through
 
 SMALLEST_SIDE = 8
 """Smallest number of cells of the walls along each side."""
@@ -70,7 +70,10 @@ def overlap_of(
         )
     walls = [
         heights_between(
-            cloud[:, :2], cloud[:, 2] - cloud[:, :2] @ plane[:2] - plane[2], nodes, REACH * distance
+            cloud[:, :2],
+            cloud[:, 2] - cloud[:, 0] * plane[0] - cloud[:, 1] * plane[1] - plane[2],
+            nodes,
+            REACH * distance,
         )
         for cloud, distance in zip((upper, lower), distances, strict=True)
     ]
@@ -119,10 +122,8 @@ def _plane(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     if inside.sum() < 4:
         raise InputError(f"the scans have {int(inside.sum())} points in common: too few for walls")
     places, heights = points[inside, :2], points[inside, 2]
-    centre = places.mean(axis=0)
-    terms = np.column_stack([places - centre, np.ones(len(places))])
-    x, y, level = np.linalg.lstsq(terms, heights, rcond=None)[0]
-    return np.array([x, y, level - x * centre[0] - y * centre[1]])
+    plane = plane_through(places[:, 0], places[:, 1], heights)
+    return np.array([plane.slope_x, plane.slope_y, float(plane.at(np.zeros(()), np.zeros(())))])
 
 
 def _slope(wall: np.ndarray) -> np.ndarray:

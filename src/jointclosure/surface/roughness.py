@@ -118,6 +118,41 @@ def rms_slope(heights: np.ndarray, spacing: float) -> float:
     return float(np.sqrt(np.mean(pooled**2)))
 
 
+class Plane(NamedTuple):
+    """Heights of a plane [m]: ``level`` at the place ``x``, ``y`` [m], and slopes along x and y."""
+
+    x: float
+    y: float
+    level: float
+    slope_x: float
+    slope_y: float
+
+    def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Return the heights at places [m]."""
+        return self.level + self.slope_x * (x - self.x) + self.slope_y * (y - self.y)
+
+
+def plane_through(x: np.ndarray, y: np.ndarray, heights: np.ndarray) -> Plane:
+    """Fit the least-squares plane of points (n,) [m].
+
+    The normal equations about the mean place are solved in closed form by sums, which have the same
+    bits on any processor, unlike solutions of a linear system. The breakage of a joint amplifies a
+    last digit to several percent. Points on one line have a plane without slope across it.
+    """
+    middle_x, middle_y, level = float(np.mean(x)), float(np.mean(y)), float(np.mean(heights))
+    x, y, heights = x - middle_x, y - middle_y, heights - level
+    xx, xy, yy = (float(np.sum(a * b)) for a, b in ((x, x), (x, y), (y, y)))
+    xh, yh = float(np.sum(x * heights)), float(np.sum(y * heights))
+    determinant, trace = xx * yy - xy * xy, xx + yy
+    if determinant > 1e-12 * trace * trace:
+        slopes = (yy * xh - xy * yh) / determinant, (xx * yh - xy * xh) / determinant
+    elif trace > 0.0:
+        slopes = (xx * xh + xy * yh) / trace**2, (xy * xh + yy * yh) / trace**2
+    else:
+        slopes = 0.0, 0.0
+    return Plane(middle_x, middle_y, level, *slopes)
+
+
 def detrended(heights: np.ndarray) -> np.ndarray:
     """Subtract the least-squares plane from a wall (y, x) [m].
 
