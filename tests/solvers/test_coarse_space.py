@@ -35,7 +35,7 @@ def test_preconditioner_is_symmetric_positive_definite(shape):
     # fully loaded, where the patches' system is furthest from the identity
     stiffness[:] = 1.0 / SUBSTRATE
     space = coarse_space(influence, cells, stiffness)
-    shares = patch_shares(space, np.sqrt(stiffness))
+    shares = patch_shares(space, influence, cells, np.sqrt(stiffness))
     matrix = np.array([precondition(space, shares, row) for row in np.eye(cells.size)])
     assert (space.inverse.size > 0) == (cells.size >= 100)
     np.testing.assert_allclose(matrix, matrix.T, atol=1e-12)
@@ -48,7 +48,7 @@ def test_patches_take_most_of_the_spread_of_the_eigenvalues():
     interaction = influence_matrix(influence.table, cells)
     system = np.eye(cells.size) + root[:, None] * interaction * root
     space = coarse_space(influence, cells, stiffness)
-    shares = patch_shares(space, root)
+    shares = patch_shares(space, influence, cells, root)
     matrix = np.array([precondition(space, shares, row) for row in np.eye(cells.size)])
     plain = np.linalg.eigvalsh(system)
     factor = np.linalg.cholesky(0.5 * (matrix + matrix.T))

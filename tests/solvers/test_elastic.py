@@ -119,13 +119,10 @@ def _given_up_on(equilibrium):
     """A Newton that never finds the shift, but solves at a given one."""
     kernel = equilibrium.interacting_equilibrium
 
-    def half(influence, matrix, contacts, start, elastic_displacement, target, tolerance):
-        if np.isnan(target):
-            return kernel(
-                influence, matrix, contacts, start, elastic_displacement, target, tolerance
-            )
-        found = kernel(influence, matrix, contacts, start, elastic_displacement, np.nan, tolerance)
-        return found._replace(residual=1.0)
+    def half(*given):
+        *problem, target, tolerance = given
+        found = kernel(*problem, np.nan, tolerance)
+        return found if np.isnan(target) else found._replace(residual=1.0)
 
     return half
 

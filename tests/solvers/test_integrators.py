@@ -9,7 +9,7 @@ import jointclosure as jc
 from jointclosure.joint import protocol, step_control
 from jointclosure.joint.loading import LoadCycle
 from jointclosure.solvers import elastic, fast
-from jointclosure.solvers.coarse_space import CoarseSpace, coarse_space
+from jointclosure.solvers.coarse_space import coarse_space, no_coarse_space
 from jointclosure.solvers.conjugate_gradients import newton_direction
 from jointclosure.solvers.fast import FastSolver
 from jointclosure.solvers.interaction_operator import influence_of, influence_table
@@ -20,13 +20,13 @@ MODULUS = 4e10
 NO_MATRIX = np.empty((0, 0))
 
 
-def closed(seed, cells=24, stress=4e6, **numerics):
+def closed(seed, cells=24, stress=4e6, largest_radius=20e-3, **numerics):
     return jc.simulate(
         *jc.wall_pair(8.0, (cells, cells), SPACING, seed, roll_off=None),
         spacing=SPACING,
         rock=DOLERITE,
         max_normal_stress=stress,
-        choices=jc.Choices(largest_radius=20e-3),
+        choices=jc.Choices(largest_radius=largest_radius),
         numerics=jc.Numerics(**numerics),
     )
 
@@ -78,12 +78,13 @@ def test_predictions_and_steps_begin_at_what_is_extrapolated(monkeypatch):
 
 def test_what_is_clear_of_its_strength_is_solved_without_a_stage_between(monkeypatch):
     def equilibria():
-        found = [closed(seed, cells=40, stress=10e6, breakage="resolved") for seed in range(12)]
+        setting = {"cells": 40, "stress": 10e6, "largest_radius": None, "breakage": "resolved"}
+        found = [closed(seed, **setting) for seed in range(12)]
         return sum(int(each.equilibria) for each in found)
 
     now = equilibria()
     monkeypatch.setattr(fast._PathToRest, "_is_clear_of_strength", lambda _: False)
-    assert now < 0.97 * equilibria()
+    assert now < 0.9 * equilibria()
 
 
 def test_a_stress_that_shorter_steps_reach_further_on_is_not_taken_for_a_jump(monkeypatch):
@@ -117,7 +118,7 @@ def test_patches_save_products():
     step = np.sin(np.arange(cells.size)) + 1.0
     used = []
     space = coarse_space(influence, cells, stiffness)
-    for each in (space, CoarseSpace(space.patch, NO_MATRIX)):
+    for each in (space, no_coarse_space()):
         given = (each, step, 1.0 / stiffness, np.nan, 1e-8, np.zeros((42, 42)))
         used.append(newton_direction(influence, NO_MATRIX, cells, *given)[2])
     assert used[0] < 0.75 * used[1]
@@ -129,7 +130,8 @@ def test_the_patches_system_has_the_mean_influence_between_their_cells():
     space = coarse_space(influence, cells, stiffness)
     y, x = np.divmod(cells, 28)
     table = influence.table[np.abs(y[:, None] - y), np.abs(x[:, None] - x)]
-    member = space.patch[:, None] == np.arange(space.inverse.shape[0])
+    patch = space.number[influence.patch_of[cells]]
+    member = patch[:, None] == np.arange(space.inverse.shape[0])
     mean = member.T @ table @ member / side**4
     total = stiffness @ member
     expected = np.eye(total.size) + np.sqrt(np.outer(total, total)) * mean

@@ -47,7 +47,11 @@ def newton_direction(influence, matrix, cells, space, step, secant, shortfall, t
     sum d keeps y in a plane. The residual and the preconditioned residual are
     projected on this plane.
     """
-    n = step.size
+    direction = np.zeros(step.size)
+    # most cells that overlap are out of contact
+    active = np.arange(step.size) if matrix.size > 0 else np.flatnonzero(secant < np.inf)
+    n = active.size
+    cells, step, secant = cells[active], step[active], secant[active]
     weight = np.zeros(n)
     rest = np.zeros(n)
     normal = np.zeros(n)
@@ -70,7 +74,7 @@ def newton_direction(influence, matrix, cells, space, step, secant, shortfall, t
     # the shift removes the part of the residual along the normal
     shift = -inner(normal, rest) / size if bound else 0.0
     inside = rest + normal * (shift * size) if bound else rest
-    shares = patch_shares(space, weight)
+    shares = patch_shares(space, influence, cells, weight)
     across = precondition(space, shares, normal)
     depth = inner(normal, across) if bound else 1.0
     search = precondition(space, shares, inside)
@@ -96,4 +100,6 @@ def newton_direction(influence, matrix, cells, space, step, secant, shortfall, t
         for i in range(n):
             search[i] = ahead[i] + following / square * search[i]
         square = following
-    return weight * solution, shift, used
+    for i in range(n):
+        direction[active[i]] = weight[i] * solution[i]
+    return direction, shift, used

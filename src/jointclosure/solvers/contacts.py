@@ -218,6 +218,21 @@ def separate_shift(contacts, target):
 
 
 @kernel
+def usable_start(force, elastic_displacement):
+    """Return a guess of forces (n,), 0 where it is negative or not finite, and its displacements.
+
+    The displacements (n,) are discarded (empty) if one is not finite, or a force was not used.
+    """
+    usable = np.zeros(force.size)
+    as_given = elastic_displacement.size == force.size
+    for i in range(force.size):
+        if 0.0 < force[i] < np.inf:
+            usable[i] = force[i]
+        as_given = as_given and usable[i] == force[i] and np.isfinite(elastic_displacement[i])
+    return usable, elastic_displacement[: force.size if as_given else 0].copy()
+
+
+@kernel
 def are_sound(contacts):
     """Return whether overlaps and compliances are finite, and no limit is negative or NaN."""
     sound = np.isfinite(contacts.substrate)

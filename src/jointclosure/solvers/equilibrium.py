@@ -23,11 +23,13 @@ import math
 import numpy as np
 import scipy
 
+from jointclosure.solvers.coarse_space import CoarseSpace, no_coarse_space
 from jointclosure.solvers.contacts import (
     Contacts,
     are_sound,
     separate_equilibrium,
     separate_shift,
+    usable_start,
 )
 from jointclosure.solvers.interaction_operator import Influence, dense_limit, influence_matrix
 from jointclosure.solvers.newton import ROUNDING, Equilibrium, interacting_equilibrium
@@ -43,6 +45,7 @@ def solve_equilibrium(
     tolerance: float,
     matrix: np.ndarray | None = None,
     elastic_displacement: np.ndarray | None = None,
+    space: CoarseSpace | None = None,
 ) -> Equilibrium:
     """Solve the equilibrium of forces at the overlapping cells.
 
@@ -63,6 +66,8 @@ def solve_equilibrium(
     elastic_displacement : array (n,), optional
         Interaction [m] of the initial forces, exact or approximate, if available; it
         saves a product.
+    space : CoarseSpace, optional
+        That of an equilibrium with nearly the same contacts; it saves making one.
 
     Returns
     -------
@@ -76,25 +81,22 @@ def solve_equilibrium(
     n = contacts.cells.size
     if not are_sound(contacts) or target <= 0.0 or math.isinf(target):
         nowhere = np.full(n, np.nan)
-        return Equilibrium(nowhere, nowhere.copy(), np.empty((0, 0)), math.nan, math.nan, 0, 0)
+        return _without_field(nowhere, nowhere.copy(), math.nan, math.nan)
     if influence is None or n == 0:
         solution = _separate(contacts, float(target))
         return solution._replace(residual=max(solution.residual, ROUNDING if n else 0.0))
     if matrix is None:
         dense = n <= dense_limit(influence.table.shape)
         matrix = influence_matrix(influence.table, contacts.cells[: n if dense else 0])
-    usable = np.where(np.isfinite(start) & (start > 0.0), start, 0.0)
-    # the interaction of a guess that is not used is discarded
-    if (
-        elastic_displacement is None
-        or not np.isfinite(elastic_displacement).all()
-        or not np.array_equal(usable, start)
-    ):
-        elastic_displacement = np.empty(0)
+    given = np.empty(0) if elastic_displacement is None else elastic_displacement
+    usable, elastic_displacement = usable_start(start, given)
+    none = no_coarse_space()
     problem, sought = (influence, matrix, contacts), (float(target), float(tolerance))
-    solution = interacting_equilibrium(*problem, usable, elastic_displacement, *sought)
+    solution = interacting_equilibrium(
+        *problem, usable, elastic_displacement, none if space is None else space, *sought
+    )
     if not solution.residual <= tolerance and usable.any():
-        again = interacting_equilibrium(*problem, 0.0 * usable, np.empty(0), *sought)
+        again = interacting_equilibrium(*problem, 0.0 * usable, np.empty(0), none, *sought)
         steps = solution.newton_steps + again.newton_steps
         products = solution.products + again.products
         solution = again if not solution.residual <= again.residual else solution
@@ -115,7 +117,14 @@ def _separate(contacts: Contacts, target: float) -> Equilibrium:
         residual = 0.0 if math.isfinite(total) else np.inf
     else:
         residual = abs(total - target) / target if total > 0.0 else np.inf
-    return Equilibrium(force, np.zeros(force.size), np.empty((0, 0)), shift, residual, 0, 0)
+    return _without_field(force, np.zeros(force.size), shift, residual)
+
+
+def _without_field(
+    force: np.ndarray, interaction: np.ndarray, shift: float, residual: float
+) -> Equilibrium:
+    nothing = np.empty((0, 0))
+    return Equilibrium(force, interaction, nothing, shift, residual, 0, 0, no_coarse_space())
 
 
 def _bracketed(influence, matrix, contacts, target, tolerance, start: Equilibrium) -> Equilibrium:
@@ -128,8 +137,9 @@ def _bracketed(influence, matrix, contacts, target, tolerance, start: Equilibriu
         nonlocal best, steps, products
         moved = contacts._replace(overlap=contacts.overlap + shift)
         solution = interacting_equilibrium(
-            influence, matrix, moved, best.force, np.empty(0), np.nan, 0.1 * tolerance
-        )
+            influence, matrix, moved, best.force, np.empty(0), no_coarse_space(), np.nan,
+            0.1 * tolerance,
+        )  # fmt: skip
         steps += solution.newton_steps
         products += solution.products
         best = solution._replace(shift=shift)

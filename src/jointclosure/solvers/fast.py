@@ -30,6 +30,7 @@ the solution is refined; if that does not help, it has failed.
 import numpy as np
 
 from jointclosure.solvers.breakage import breakage_kernel, strength_limits
+from jointclosure.solvers.coarse_space import no_coarse_space
 from jointclosure.solvers.contacts import Contacts
 from jointclosure.solvers.elastic import elastic_curve
 from jointclosure.solvers.equilibrium import Equilibrium, solve_equilibrium
@@ -132,6 +133,7 @@ class _PathToRest:
         self.solved_to = np.inf
         self.rounds = self.newton_steps = self.products = self.breakage_steps = 0
         self._memory = batch_memory()
+        self._space = no_coarse_space()
         # valid until breakage changes the walls
         self._overlapping: tuple | None = None
         self._may_carry: Contacts | None = None
@@ -232,14 +234,17 @@ class _PathToRest:
             matrix,
             # the interaction of those forces, or its extrapolation
             elastic_displacement=joint.interaction.ravel()[cells],
+            space=self._space,
         )
+        self._space = answer.space
         joint.force[:] = 0.0
         joint.force.ravel()[cells] = answer.force
         if joint.influence is not None:
-            known = answer.field.size > 0
-            field = answer.field if known else interaction_field(joint.influence, joint.force)
-            joint.interaction[:] = field
-            joint.interaction.ravel()[cells] = answer.interaction
+            if answer.field.size > 0:
+                joint.interaction[:] = answer.field
+            else:
+                joint.interaction[:] = interaction_field(joint.influence, joint.force)
+                joint.interaction.ravel()[cells] = answer.interaction
         self.rounds += 1
         self.newton_steps += answer.newton_steps
         self.products += answer.products

@@ -27,8 +27,9 @@ class Influence(NamedTuple):
     rows) is the transform of the table wrapped around a grid of (rows, columns), large
     enough to avoid periodic images. ``padded`` and ``field`` (ny, columns), the first zero beyond
     nx, and ``wave``, like the spectrum, are working memory. ``patch_table`` is the mean
-    influence between square patches of ``patch`` cells by distance in patches.
-    Spectrum, working memory and patches are empty if they are not needed.
+    influence between square patches of ``patch`` cells by distance in patches, ``patch_of`` the
+    patch of each cell by flat index. Spectrum, working memory and patches are empty if they are not
+    needed.
     """
 
     table: np.ndarray
@@ -38,6 +39,7 @@ class Influence(NamedTuple):
     wave: np.ndarray
     patch: int
     patch_table: np.ndarray
+    patch_of: np.ndarray
 
 
 @kernel
@@ -257,7 +259,9 @@ def influence_of(table: np.ndarray) -> Influence:
     patches = patch_influence(table, side)
     spectrum = np.ascontiguousarray(scipy.fft.rfft2(wrapped, workers=1).T)
     padded, field = np.zeros((2, ny, columns))
-    return Influence(table, spectrum, padded, field, np.empty_like(spectrum), side, patches)
+    patch_of = (np.arange(ny)[:, None] // side * patches.shape[1] + np.arange(nx) // side).ravel()
+    wave = np.empty_like(spectrum)
+    return Influence(table, spectrum, padded, field, wave, side, patches, patch_of)
 
 
 def dense_limit(shape: tuple[int, int]) -> int:
@@ -272,4 +276,4 @@ def dense_limit(shape: tuple[int, int]) -> int:
 def dense_influence(table: np.ndarray) -> Influence:
     """Make the interaction for few contacts, with cheap dense products: only the table."""
     nothing, wave = np.zeros((0, 0)), np.zeros((0, 0), np.complex128)
-    return Influence(table, wave, nothing, nothing, wave, 0, nothing)
+    return Influence(table, wave, nothing, nothing, wave, 0, nothing, np.zeros(0, np.int64))

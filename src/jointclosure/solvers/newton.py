@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from jointclosure.compilation.kernels import kernel, large_kernel
-from jointclosure.solvers.coarse_space import coarse_space, no_coarse_space
+from jointclosure.solvers.coarse_space import CoarseSpace, coarse_space
 from jointclosure.solvers.conjugate_gradients import newton_direction
 from jointclosure.solvers.contacts import Contacts, contact_response, coordinate_sweep, energy
 from jointclosure.solvers.interaction_operator import Influence, interaction_product
@@ -26,7 +26,7 @@ class Equilibrium(NamedTuple):
     min(C, psi(g + D - K F)) to the returned forces F, and for a given total force T at least |sum F
     - T| / sum G. ``products`` counts the products with the interaction. ``field`` is the
     interaction (y, x) [m] at all cells of the grid if it was computed with that of the contacts,
-    otherwise empty.
+    otherwise empty. ``space`` is the coarse space that was used.
     """
 
     force: np.ndarray
@@ -36,6 +36,7 @@ class Equilibrium(NamedTuple):
     residual: float
     newton_steps: int
     products: int
+    space: CoarseSpace
 
 
 class Problem(NamedTuple):
@@ -146,9 +147,11 @@ def _lowered(problem, state, trial):
 
 @kernel
 def interacting_equilibrium(
-    influence, matrix, contacts, start, elastic_displacement, target, tolerance
+    influence, matrix, contacts, start, elastic_displacement, space, target, tolerance
 ):
     """Solve `solve_equilibrium` with interaction; the parameters are the same.
+
+    ``space`` is that of an equilibrium with nearly the same contacts, or empty.
 
     Newton's method is applied to the convex problem of the contacts that carry force or are about
     to, with secants for the contact law and conjugate gradients inside. If a step does not halve
@@ -167,7 +170,6 @@ def interacting_equilibrium(
         state = _iterate(problem, force, 0.0)
     products = 0 if given else 1
     stiffness = 1.0 / problem.secant
-    space = no_coarse_space(n)
     steps = poor = 0
     while steps < MOST_NEWTON_STEPS and poor <= _MOST_POOR_STEPS:
         if _misfit(state) <= tolerance * state.total:
@@ -178,7 +180,7 @@ def interacting_equilibrium(
             state = _iterate(problem, state.force, state.shift)
             products += 1
             continue
-        if steps == 0:
+        if steps == 0 and space.number.size == 0:
             space = coarse_space(influence, contacts.cells, stiffness)
         steps += 1
         trial, used = _newton_step(problem, space, state, tolerance)
@@ -203,5 +205,12 @@ def interacting_equilibrium(
     elif state.total > 0.0 and state.difference < np.inf and abs(state.missing) < np.inf:
         residual = _misfit(state) / state.total
     return Equilibrium(
-        state.force, state.elastic_displacement, state.field, state.shift, residual, steps, products
+        state.force,
+        state.elastic_displacement,
+        state.field,
+        state.shift,
+        residual,
+        steps,
+        products,
+        space,
     )
