@@ -39,6 +39,8 @@ def main(arguments) -> None:
         study = configured(merged(merged_study(STUDY), changes), read_csv).typed
     except ConfigurationError as error:
         raise SystemExit(str(error)) from None
+    if arguments.output:
+        arguments.output.mkdir(parents=True, exist_ok=True)
     print(machine(), flush=True)
     rows: list[pd.DataFrame] = []
     for number in range(arguments.scenes):
