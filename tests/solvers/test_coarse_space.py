@@ -62,10 +62,12 @@ def test_direction_solves_newtons_equation(shortfall):
     secant = np.where(stiffness > 0.0, 1.0 / np.maximum(stiffness, 1e-300), np.inf)
     space = coarse_space(influence, cells, stiffness)
     step = np.where(stiffness > 0.0, np.sin(np.arange(cells.size)), 0.0)
-    direction, shift, used = conjugate_gradients.newton_direction(
-        influence, NO_MATRIX, cells, space, step, secant, shortfall, 1e-12, np.zeros((30, 30))
-    )
     active = stiffness > 0.0
+    forces = np.zeros((30, 30))
+    forces.ravel()[cells[~active]] = 1e3  # of contacts at their limit, which do not move
+    direction, shift, used = conjugate_gradients.newton_direction(
+        influence, NO_MATRIX, cells, space, step, secant, shortfall, 1e-12, forces
+    )
     interaction = influence_matrix(influence.table, cells)[np.ix_(active, active)]
     left = secant[active] * direction[active] + interaction @ direction[active]
     right = secant[active] * step[active] + shift

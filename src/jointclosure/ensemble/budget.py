@@ -59,6 +59,10 @@ MEASURED = (
 
 ALL = "all together"
 """Source of the variants in which all sources have random values."""
+OUTLYING = 0.15
+"""Share of joints with random values below or above a best value that lies at their edge."""
+MUCH_TOGETHER = 0.3
+"""Share of sources acting together above which the joint with the largest result is described."""
 OUTSIDE = 0.05
 """Probability of a result below the range, and of one above it."""
 
@@ -119,6 +123,7 @@ class Budget(NamedTuple):
             f"{self.shares_text(cycle, closure)}"
             for cycle in (cycles if len(cycles) < 3 else cycles[[0, -1]])
         ]
+        lines += [line for cycle in cycles for line in self._about_draws(cycle, closure)]
         failed = self.results.loc[self.results[closure].isna(), ["source", "value"]]
         for source, rows in failed.drop_duplicates().groupby("source"):
             count = f"{len(rows)} joints with random values" if source == ALL else TITLES[source]
@@ -130,6 +135,27 @@ class Budget(NamedTuple):
                 "ranges= in Python, adds what is known of them)"
             )
         return [*lines, MEASURED]
+
+    def _about_draws(self, cycle: int, quantity: str) -> list[str]:
+        """Describe joints with random values: an outlying best value, and what acts together."""
+        of_all = self.results[(self.results.source == ALL) & (self.results.cycle == cycle)]
+        drawn = of_all.dropna(subset=quantity)
+        row, name = self.ranges.loc[cycle, quantity], f"{QUANTITIES[quantity]}, cycle {cycle}"
+        lines = []
+        below = (drawn[quantity] < row.best).mean() if len(drawn) else 0.5
+        if not OUTLYING <= below <= 1.0 - OUTLYING:
+            lines.append(
+                f"{name}: the best value is {'smaller' if below < 0.5 else 'larger'} than "
+                f"{100.0 * max(below, 1.0 - below):.0f} % of the joints with random values, whose "
+                f"median is {_two_digits(drawn[quantity].median())}"
+            )
+        if row[TOGETHER] > MUCH_TOGETHER:
+            most = drawn.loc[drawn[quantity].idxmax()]
+            lines.append(
+                f"{name}: the largest of these joints, {_two_digits(most[quantity])}, has "
+                f"{most.value.replace('; ', ', ')}"
+            )
+        return lines
 
     def record(self) -> list[dict]:
         """Return `ranges` for JSON, one entry per cycle and quantity."""

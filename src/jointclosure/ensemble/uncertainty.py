@@ -34,6 +34,10 @@ VARIED = {name: key_of(name) for name in OF_ROCK} | {
 """Sources whose range can be stated, and their keys with units."""
 DRAWS = 19
 """Number of joints that are closed with random values of all sources."""
+SEED = 227
+"""Seed of their random values: of 4,000 one with small correlations (at most 0.24 between the
+sources that are always there, 0.34 with those of the rock; medians of all seeds 0.48, 0.54), so
+that sources are not confounded."""
 FURTHER = 10_000
 """Number of further joints with random values whose results are estimated for the range."""
 _UNMOVED = (0, 0)
@@ -127,7 +131,7 @@ def sources_of(
 
 
 def variants_of(
-    conditions: Conditions, sources: Mapping[str, Source], draws: int = DRAWS, seed: int = 0
+    conditions: Conditions, sources: Mapping[str, Source], draws: int = DRAWS, seed: int = SEED
 ) -> Iterator[Variant]:
     """Generate the variants of a joint: each source changed alone, then all of them at random.
 
@@ -220,7 +224,7 @@ def uncertainty_budget(
         parts.append(result_rows(variant, joint, parts[0].cycle))
     results = pd.concat(parts, ignore_index=True)
     omitted = tuple(name for name in OF_ROCK if name not in ranges)
-    shares, further = (random_shares(sources, *drawn) for drawn in ((DRAWS, 0), (FURTHER, 1)))
+    shares, further = (random_shares(sources, *drawn) for drawn in ((DRAWS, SEED), (FURTHER, 1)))
     return Budget(results, ranges_of(results, sources, shares, further), omitted)
 
 

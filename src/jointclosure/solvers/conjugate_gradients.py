@@ -51,6 +51,9 @@ def newton_direction(influence, matrix, cells, space, step, secant, shortfall, t
     # most cells that overlap are out of contact
     active = np.arange(step.size) if matrix.size > 0 else np.flatnonzero(secant < np.inf)
     n = active.size
+    forces = scratch.ravel()
+    for cell in cells:  # forces of contacts that are at their limit
+        forces[cell] = 0.0
     cells, step, secant = cells[active], step[active], secant[active]
     weight = np.zeros(n)
     rest = np.zeros(n)

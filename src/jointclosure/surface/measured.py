@@ -216,16 +216,18 @@ def heights_between(
     Only the `NEAREST` places of each node are triangulated. NaN outside of all triangles and
     farther than ``reach`` from every place. All in metres.
 
-    A node at a place (`AT_PLACE`) has its height.
+    A node at a place (`AT_PLACE`) has its height, so that a regular grid is not triangulated.
     """
     count = min(NEAREST, len(places))
     distances, near = scipy.spatial.cKDTree(places).query(nodes, k=np.arange(1, count + 1))
-    used = np.zeros(len(places), bool)
-    used[near] = True
     nearest = distances[..., 0]
-    between = _in_triangles(places[used], heights[used], nodes)
-    at_nodes = np.where(nearest < AT_PLACE * reach, heights[near[..., 0]], between)
-    return np.where(nearest <= reach, at_nodes, np.nan)
+    interpolated = heights[near[..., 0]]
+    between = nearest >= AT_PLACE * reach
+    if between.any():
+        used = np.zeros(len(places), bool)
+        used[near[between]] = True
+        interpolated[between] = _in_triangles(places[used], heights[used], nodes[between])
+    return np.where(nearest <= reach, interpolated, np.nan)
 
 
 def _in_triangles(places: np.ndarray, heights: np.ndarray, nodes: np.ndarray) -> np.ndarray:
