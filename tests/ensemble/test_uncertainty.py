@@ -14,6 +14,7 @@ from jointclosure.ensemble.budget import (
     CLOSURE_NET,
     QUANTITIES,
     TOGETHER,
+    Budget,
     Source,
     ranges_of,
     shares_of,
@@ -22,6 +23,7 @@ from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.uncertainty import (
     DRAWS,
     PLAUSIBLE,
+    SEED,
     random_shares,
     sources_of,
     uncertainty_budget,
@@ -105,6 +107,36 @@ def test_a_stated_source_and_a_wider_one_widen_the_range():
 def test_random_values_of_a_source_do_not_depend_on_other_sources():
     few, many = random_shares(["b", "a"], 19, 0), random_shares(["a", "c", "b"], 19, 0)
     np.testing.assert_array_equal(few, many[:, [2, 0]])
+
+
+def test_random_values_of_two_sources_are_hardly_correlated():
+    sources = sources_of(CONDITIONS.checked(), (40, 40))
+    shares = random_shares(sources, DRAWS, SEED)
+    halves = np.column_stack(
+        [
+            column if source.continuous else np.floor(column * len(source.values))
+            for column, source in zip(shares.T, sources.values(), strict=True)
+        ]
+    )
+    for values in (shares, halves):
+        correlations = np.corrcoef(values.T) - np.eye(len(sources))
+        assert np.abs(correlations).max() < 0.4  # of random seeds the median is 0.5
+
+
+def test_joints_beside_which_the_best_value_lies_are_described():
+    columns = ["source", "value", "cycle", "status"]
+    rows = [["", "", 1, 0, 1.0], *([ALL, f"values {k}", 1, 0, 1.2 + 0.1 * k] for k in range(9))]
+    results = pd.DataFrame([row[:4] for row in rows], columns=columns)
+    results = results.assign(**{name: [row[4] for row in rows] for name in QUANTITIES})
+    index = pd.MultiIndex.from_product([[1], QUANTITIES], names=["cycle", "quantity"])
+
+    def described(best, together):
+        row = {"best": best, "low": 1.0, "high": 2.0, TOGETHER: together, "alignment": 0.5}
+        lines = Budget(results, pd.DataFrame(row, index), ()).sentences()
+        return "median is 1.6" in " ".join(lines), "2.0, has values 8" in " ".join(lines)
+
+    assert described(1.0, 0.9) == (True, True)
+    assert described(1.6, 0.1) == (False, False)
 
 
 def test_a_budget_has_results_of_all_joints_and_contains_the_best(small_joint):

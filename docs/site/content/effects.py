@@ -1,6 +1,7 @@
 """Tables of docs/effects.md."""
 
 import pandas as pd
+import scipy
 from stored import stored
 
 from content.markdown import Table, markdown
@@ -19,6 +20,7 @@ CHOICE = {
     "largest time lost by a pilot where all effects act (%)": "{largest_lost_percent:.1f}",
     "effectivity index, median": "{effectivity:.1f}",
     "from 1 to 5 (% of the selections that left something out)": "{effectivity_good_percent:.0f}",
+    "below 1, true error above the estimate (% of the same)": "{effectivity_below_percent:.0f}",
 }
 """Rows of the table of choices: their titles, and forms of their numbers."""
 EFFECTS = ("interaction", "soft_peaks", "gouge", "breakage", "substrate")
@@ -55,6 +57,13 @@ AIMS = {
 """Aims of the selection: the column of its summary, and the least value."""
 
 
+def interval(percent: float, scenes: float) -> str:
+    """Write the 95 % interval (Wilson 1927) of a share [%] of a number of conditions."""
+    test = scipy.stats.binomtest(round(0.01 * percent * scenes), round(scenes))
+    low, high = test.proportion_ci(method="wilson")
+    return f"{100.0 * low:.0f} to {100.0 * high:.0f}"
+
+
 def aims() -> str:
     """Tabulate at which tolerances the aims are met (%), a column for each number of joints."""
     table = stored("effects_auto", "effects_auto_summary")
@@ -62,11 +71,18 @@ def aims() -> str:
     for aim, (column, least) in AIMS.items():
         row = {"aim": aim}
         for joints, part in table.groupby("joints"):
-            values = part.sort_values("tolerance")[column]
+            part = part.sort_values("tolerance")
+            values = part[column]
             met = "met" if (values >= least).all() else "**not met**"
             if (values >= least).any() and met != "met":
                 met = "partly met"
-            row[f"{joints} joints"] = f"{', '.join(f'{value:.0f}' for value in values)}: {met}"
+            texts = [f"{value:.1f}" for value in values]
+            if column == "held_percent":
+                texts = [
+                    f"{text} ({interval(value, scenes)})"
+                    for text, value, scenes in zip(texts, values, part.scenes, strict=True)
+                ]
+            row[f"{joints} joints"] = f"{', '.join(texts)}: {met}"
         rows.append(row)
     return markdown(pd.DataFrame(rows))
 

@@ -53,18 +53,13 @@ PARTS = {
 }
 
 
-def _of_whole(group: Group, form: str) -> str:
-    """Write a value that was measured for both versions; parts are known of the newer one only."""
-    return written(form, group) if group["part"] in ("study", "again") else ""
-
-
 parts_of_study = Table(
     "start_up/start_up",
     {
         "processor time (s)": lambda group: PARTS[group["part"]],
-        "commit 6d90d14": lambda group: _of_whole(group, "{before!k}"),
+        "commit 6d90d14": "{before!k}",
         "now": "{now!k}",
-        "now over before": lambda group: _of_whole(group, "{now over before:.2f}"),
+        "now over before": "{now over before:.2f}",
     },
     prepare=lambda table: table.set_index("part").loc[list(PARTS)].reset_index(),
 )
