@@ -1,6 +1,6 @@
 """Tables of docs/speed.md and docs/decisions/0010-resolved-breakage.md, of benchmarks."""
 
-from content.markdown import Form, Group, Table, written
+from content.markdown import Form, Table
 
 AXES = {
     "cells": "cells along a square grid",
