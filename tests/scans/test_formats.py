@@ -2,6 +2,7 @@
 
 import io
 import pickle
+import struct
 import zipfile
 
 import numpy as np
@@ -299,6 +300,51 @@ def test_a_file_of_no_form_is_refused_in_one_line_with_the_nearest_form(name, tm
     assert len(str(error.value).splitlines()) == 1
 
 
+def binary_stl(count=4):
+    """A binary STL file of triangles side by side."""
+    triangle = np.array([0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0], "<f4").tobytes() + bytes(2)
+    return b"exported".ljust(80) + struct.pack("<I", count) + triangle * count
+
+
+PLY = (
+    b"ply\nformat binary_little_endian 1.0\nelement vertex 9\nproperty float x\n"
+    b"property float y\nproperty float z\nend_header\n" + bytes(range(108))
+)
+HINTS = {
+    "a.ply": (binary_stl(), "its content is that of an STL mesh"),
+    "cut.stl": (binary_stl()[:200], "4 triangles, 284 bytes, and contains 200: is the file inc"),
+    "short.stl": (
+        binary_stl()[:82],
+        "contains 82 bytes, less than the head of 84: is the file incomplete",
+    ),
+    "a.txt": (PLY, "is not text: it contains binary data; its content is that of a PLY mesh"),
+    "cut.grd": (b"DSBB" + struct.pack("<2h6d", 9, 9, *range(6)) + bytes(40), "and contains 10: is"),
+    "a.npy": (bytes(range(256)), "cannot be read as an array of numbers"),
+    "b.txt": (bytes(range(256)), "is not text: it contains binary data"),
+}
+
+
+@pytest.mark.parametrize("name", HINTS)
+def test_a_hint_is_given_only_for_a_known_form_and_no_bytes_are_printed(name, tmp_path):
+    content, printed = HINTS[name]
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(jc.InputError) as error:
+        read_scan(tmp_path / name, units="mm")
+    message = str(error.value)
+    assert printed in message
+    assert ("its content" in message) == ("its content" in printed)
+    assert message.isprintable()
+    for wrong in ("\\x", "no form", "too few"):
+        assert wrong not in message
+
+
+def test_a_solid_in_a_file_of_the_right_name_is_refused_without_a_hint(tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    (tmp_path / "a.stl").write_bytes(trimesh.creation.box().export(file_type="stl"))
+    with pytest.raises(jc.InputError, match=r"must be cut to one wall$"):
+        read_scan(tmp_path / "a.stl", units="mm")
+
+
 @pytest.mark.parametrize("head", ["", "depth,east,north,height\n"])
 @pytest.mark.parametrize("columns", ["2,3,4", "east,north,height"])
 def test_columns_are_chosen_by_number_or_name(head, columns, wall, tmp_path):
@@ -435,12 +481,23 @@ def test_an_esri_grid_has_its_spacing_its_place_and_its_missing_heights(wall, tm
         (12, {}, "declares 20 rows of 26 heights, 520, and contains 312"),
         (None, {"cellsize": None}, "header lacks cellsize"),
         (None, {"nrows": 10**9}, "at most 100,000,000"),
+        (None, {"cellsize": None, "dx": 0.25, "dy": 0.5}, "dx = 0.25, dy = 0.5: must be equal"),
+        (None, {"cellsize": None, "dx": 0.25}, "header lacks cellsize"),
     ],
 )
 def test_an_esri_grid_that_is_not_what_it_declares_is_refused(rows, head, printed, wall, tmp_path):
     write_esri(tmp_path / "a.asc", wall, rows, **head)
-    with pytest.raises(jc.InputError, match=rf"a\.asc: .*{printed}"):
+    with pytest.raises(jc.InputError, match=rf"a\.asc: .*{printed}") as error:
         read_scan(tmp_path / "a.asc", units="mm")
+    assert "rename" not in str(error.value)
+
+
+def test_equal_dx_and_dy_of_an_esri_grid_are_its_cell_size(wall, tmp_path):
+    write_esri(tmp_path / "a.asc", wall)
+    write_esri(tmp_path / "b.asc", wall, cellsize=None, dx=STEP_MM, dy=STEP_MM)
+    usual, of_gdal = (read_scan(tmp_path / name, units="mm") for name in ("a.asc", "b.asc"))
+    np.testing.assert_array_equal(of_gdal.heights, usual.heights)
+    assert (of_gdal.spacing, of_gdal.origin) == (usual.spacing, usual.origin)
 
 
 def netcdf_wall(wall, dims, attributes=({}, {}), step=STEP_MM):

@@ -13,6 +13,9 @@ from jointclosure.scans.units import axis_name, is_unit
 
 COMMENTS = ("#", "%", "//", "!")
 _MISSING = ("", "nan", "na", "n/a", "null", "none", "-", "--", "---", "***", "bad", "inf", "-inf")
+_BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x7f]")
+"""Bytes that no text has; \\x1a ends old files."""
+_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+(,\d+)?([eE][-+]?\d+)?")
 
 
@@ -46,7 +49,10 @@ def read_table(path: Path) -> Table:
     ValueError
         If pandas cannot read the lines.
     """
-    lines = _decoded(path.read_bytes()).splitlines()
+    content = path.read_bytes()
+    if is_binary(content):
+        raise InputError("is not text: it contains binary data")
+    lines = _decoded(content).splitlines()
     start = next((i for i, line in enumerate(lines) if _is_data(line)), None)
     head = lines[:start]
     names, units, remarks = _names(head)
@@ -82,8 +88,13 @@ def read_table(path: Path) -> Table:
     return Table(values, names, units, tuple(remarks))
 
 
+def is_binary(content: bytes) -> bool:
+    """Return whether a file's content, or the start of it, has bytes that no text has."""
+    return not content.startswith(_UTF_16) and _BINARY.search(content) is not None
+
+
 def _decoded(content: bytes) -> str:
-    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+    if content.startswith(_UTF_16):
         return content.decode("utf-16")
     try:
         return content.decode("utf-8-sig")
