@@ -300,6 +300,51 @@ def test_a_file_of_no_form_is_refused_in_one_line_with_the_nearest_form(name, tm
     assert len(str(error.value).splitlines()) == 1
 
 
+CORNERS = {
+    "0": " ",
+    "99.5": ",",
+    "nan": "\t",
+    "y/x": " ",
+    "y\\x": ";",
+    "": "\t",
+    "no corner": " ",
+    "none": ",",
+}
+
+
+@pytest.mark.parametrize("corner", CORNERS)
+@pytest.mark.parametrize("falling", [False, True])
+def test_a_matrix_framed_by_its_places_is_that_grid(corner, falling, wall, tmp_path):
+    mark = CORNERS[corner]
+    x, y = 3.0 + STEP_MM * np.arange(26), 7.0 + STEP_MM * np.arange(20)
+    step = -1 if falling else 1
+    head = [*x.astype(str)] if corner == "no corner" else [corner, *x.astype(str)]
+    rows = [[str(at), *(f"{z:.9f}" for z in row)] for at, row in zip(y, wall, strict=True)]
+    lines = [mark.join(cells) for cells in [head, *rows[::step]]]
+    (tmp_path / "a.txt").write_text("\n".join(lines))
+    scan = read_scan(tmp_path / "a.txt", units="mm")
+    np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-12)
+    assert scan.spacing == pytest.approx((SPACING, SPACING))
+    assert scan.origin == pytest.approx((7e-3, 3e-3))
+    assert "were read as x and y" in " ".join(scan.remarks)
+
+
+@pytest.mark.parametrize(("line", "cut"), [("row", np.s_[:, 1:]), ("column", np.s_[1:])])
+def test_a_matrix_with_places_on_one_side_only_is_refused(line, cut, wall, tmp_path):
+    framed = np.pad(wall, ((1, 0), (1, 0)))
+    framed[0, 1:], framed[1:, 0] = STEP_MM * np.arange(26), STEP_MM * np.arange(20)
+    np.savetxt(tmp_path / "a.txt", framed[cut], "%.6f")
+    with pytest.raises(jc.InputError, match=f"its first {line} is evenly spaced"):
+        read_scan(tmp_path / "a.txt", units="mm", spacing=SPACING)
+
+
+def test_heights_of_a_plane_are_not_taken_for_places(tmp_path):
+    plane = 0.02 * np.arange(26) - 0.01 * np.arange(20)[:, None]
+    np.savetxt(tmp_path / "a.txt", plane, "%.6f")
+    scan = read_scan(tmp_path / "a.txt", units="mm", spacing=SPACING)
+    np.testing.assert_allclose(scan.heights, 1e-3 * plane, atol=1e-12)
+
+
 def binary_stl(count=4):
     """A binary STL file of triangles side by side."""
     triangle = np.array([0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0], "<f4").tobytes() + bytes(2)

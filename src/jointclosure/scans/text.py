@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.inputs import InputError
+from jointclosure.scans.frames import are_places
 from jointclosure.scans.units import axis_name, is_unit
 
 COMMENTS = ("#", "%", "//", "!")
@@ -59,9 +60,10 @@ def read_table(path: Path) -> Table:
     if start is None:
         raise _without_numbers(head, bool(names))
     form = _form_of(lines[start])
-    width = len(_words(lines[start], form))
+    lines = _with_corner(lines[start:], form)
+    width = len(_words(lines[0], form))
     frame = pd.read_csv(
-        io.StringIO("\n".join(_without_comments(lines[start:]))),
+        io.StringIO("\n".join(_without_comments(lines))),
         sep=form.separator or r"\s+",
         decimal=form.decimal,
         header=None,
@@ -113,8 +115,26 @@ def _form_of(line: str) -> _Form:
 
 
 def _words(line: str, form: _Form) -> list[str]:
-    words = line.strip().split(form.separator)
+    words = line.strip(" \r\n" if form.separator == "\t" else None).split(form.separator)
     return [word.strip().strip('"') for word in words]
+
+
+def _with_corner(lines: list[str], form: _Form) -> list[str]:
+    """Return lines of numbers, the first with a missing value before it if that is a row of x.
+
+    Such a row is evenly spaced and has one number fewer than the next.
+    """
+    if len(lines) < 2:
+        return lines
+    row, following = (_words(line, form) for line in lines[:2])
+    if len(following) != len(row) + 1 or not following[-1]:
+        return lines
+    numbers = [word.replace(form.decimal, ".") for word in row]
+    if not all(map(_is_number, numbers)) or "" in numbers:
+        return lines
+    if not are_places(pd.to_numeric(pd.Series(numbers), errors="coerce").to_numpy(dtype=float)):
+        return lines
+    return [f"nan{form.separator or ' '}{lines[0].strip()}", *lines[1:]]
 
 
 def _is_data(line: str) -> bool:
