@@ -7,6 +7,7 @@ import zipfile
 
 import numpy as np
 import pytest
+import scipy.io
 import xarray as xr
 
 import jointclosure as jc
@@ -343,6 +344,42 @@ def test_heights_of_a_plane_are_not_taken_for_places(tmp_path):
     np.savetxt(tmp_path / "a.txt", plane, "%.6f")
     scan = read_scan(tmp_path / "a.txt", units="mm", spacing=SPACING)
     np.testing.assert_allclose(scan.heights, 1e-3 * plane, atol=1e-12)
+
+
+def matlab_contents(wall):
+    """A wall in the forms in which MATLAB programs keep it, and the array that is read."""
+    x, y = STEP_MM * np.arange(26), STEP_MM * np.arange(20)
+    across, along = np.meshgrid(x, y)
+    text = {"operator": "A. N. Other"}
+    both = np.array([(x, y, wall + 1.0), (x, y, wall)], [("x", "O"), ("y", "O"), ("Z", "O")])
+    return {
+        "struct": ({"S": {"X_mm": across, "Y_mm": along, "Z_mm": wall} | text}, "S.Z_mm"),
+        "nested": ({"scan": {"S": {"x": x, "y": y, "Z": wall}}, "n": 3}, "scan.S.Z"),
+        "vectors": ({"x": x, "y": y, "Z": wall}, "Z"),
+        "rows along x": ({"x": x, "y": y, "Z": wall.T}, "Z"),
+        "spacing": ({"S": {"spacing": STEP_MM, "Z": wall}}, "S.Z"),
+        "two": ({"S": both}, "S(2).Z"),
+    }
+
+
+@pytest.mark.parametrize("kept", ["struct", "nested", "vectors", "rows along x", "spacing", "two"])
+def test_structs_and_vectors_of_places_of_a_matlab_file_are_read(kept, wall, tmp_path):
+    content, name = matlab_contents(wall)[kept]
+    scipy.io.savemat(tmp_path / "a.mat", content)
+    for variable in (name, None):
+        if kept == "two" and variable is None:
+            with pytest.raises(jc.InputError, match=r"S\(1\).Z, S\(2\).Z; variable \(--variable"):
+                read_scan(tmp_path / "a.mat", units="mm")
+            continue
+        scan = read_scan(tmp_path / "a.mat", units="mm", variable=variable)
+        np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-12)
+        assert scan.spacing == pytest.approx((SPACING, SPACING))
+
+
+def test_a_matlab_file_without_an_array_is_refused_in_a_sentence_of_its_own(tmp_path):
+    scipy.io.savemat(tmp_path / "a.mat", {"S": {"x": np.arange(5.0)}, "n": 3})
+    with pytest.raises(jc.InputError, match=r"has no array over \(y, x\); it contains S.x, n$"):
+        read_scan(tmp_path / "a.mat", units="mm")
 
 
 def binary_stl(count=4):

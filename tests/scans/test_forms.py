@@ -303,6 +303,20 @@ def test_a_joint_with_a_flat_wall_closes(joint):
     assert (closed.history.max_closure > 0.0).all()
 
 
+def test_close_chooses_an_array_of_a_file_by_variable(joint, tmp_path):
+    path, other = tmp_path / "a.npz", np.zeros((4, 4))
+    np.savez(path, Z_mm=joint[1].heights, other_mm=other, spacing_mm=joint[1].step)
+    options = {"rock": DOLERITE, "max_normal_stress": 1e6, "single": True}
+    with pytest.raises(
+        jc.InputError, match=r"variable \(--variable on the command line\) must name"
+    ):
+        jc.close(path, "flat", orientation="towards", **options)
+    chosen = jc.close(path, "flat", orientation="towards", variable="Z_mm", **options)
+    scan = Scan(1e-3 * joint[1].heights, (1e-3 * joint[1].step,) * 2)
+    stated = jc.close(scan, "flat", orientation="towards", **options)
+    np.testing.assert_array_equal(chosen.history.max_closure, stated.history.max_closure)
+
+
 def walls_of_files(upper, lower, spacing, **_):
     """A study's walls that lie as they are given."""
     about = Walls("top", "bottom", "mm", None, None, "refuse", 0.05, ())

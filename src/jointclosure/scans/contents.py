@@ -14,6 +14,8 @@ LARGEST_SCAN = 100_000_000
 """Largest number of heights of a file: 10,000 x 10,000 take 0.8 GB. A damaged or malicious file may
 declare more."""
 
+VARIABLE = "variable (--variable on the command line)"
+"""Argument and option that choose an array, a channel or columns, for messages."""
 _BYTES = re.compile(r"\\x[0-9a-f]{2}")
 """Byte of a file as libraries print it in their messages."""
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from jointclosure.inputs import InputError
-from jointclosure.scans.contents import Contents, reading_as
+from jointclosure.scans.contents import VARIABLE, Contents, reading_as
 from jointclosure.scans.frames import are_places, framed_points, points_on
 from jointclosure.scans.lattice import lattice_of, merged_points
 from jointclosure.scans.sentinels import missing_heights, missing_sentence, missing_values
@@ -180,14 +180,14 @@ def _columns(table: Table, variable: str | None) -> list[int]:
     if table.names:
         if not {"x", "y", "z"} <= set(bare):
             raise InputError(
-                f"columns {', '.join(table.names)}: must be named x, y and z, or variable must "
-                "state them, such as 1,2,3"
+                f"columns {', '.join(table.names)}: must be named x, y and z, or {VARIABLE} "
+                "must state them, such as 1,2,3"
             )
         return [bare.index(axis) for axis in "xyz"]
     if width != 3:
         raise InputError(
-            f"{width} columns without names: must be three, x, y and z, or variable must state "
-            f"them, such as 1,2,3; a matrix of heights has at least {LEAST_COLUMNS}"
+            f"{width} columns without names: must be three, x, y and z, or {VARIABLE} "
+            f"must state them, such as 1,2,3; a matrix of heights has at least {LEAST_COLUMNS}"
         )
     return [0, 1, 2]
 
