@@ -265,6 +265,39 @@ def test_levels_without_points_are_not_read():
 
 
 @pytest.mark.parametrize(
+    ("head", "given"),
+    [
+        ("stress_kPa,closure_um", {}),
+        ("stress (kPa),closure [µm]", {}),
+        ("stress,closure\nkPa,µm", {}),
+        ("sigma_n,d", {"names": ["1", "2"], "stress_unit": "kPa", "closure_unit": "um"}),
+        ("", {"names": ["1", "2"], "stress_unit": "kPa", "closure_unit": "um"}),
+    ],
+)
+def test_a_curve_in_other_units_or_without_a_header_is_the_same_curve(head, given):
+    expected = parsed_curve("stress_MPa,closure_mm\n0,0\n0.5,0.1\n5,0.3\n", "a", cycle=1)
+    text = f"{head}\n0,0\n500,100\n5000,300\n"
+    curve = parsed_curve(text, "b", cycle=1, **given)
+    np.testing.assert_allclose(curve.stress, expected.stress)
+    np.testing.assert_allclose(curve.closure, expected.closure)
+
+
+@pytest.mark.parametrize(
+    ("text", "given", "printed"),
+    [
+        ("stress,closure_mm\n0,0\n", {}, "or state --stress-unit (stress_unit= in Python): one of"),
+        ("stress,closure,cycle\n0,0,1\n", {"cycle": None}, "or state the key stress_unit: one of"),
+        ("0,0\n5,1\n", {"names": ["1", "3"]}, "or their numbers from 1 to 2"),
+        ("0,0\n5,1\n", {}, "--columns, or columns= in Python, names or numbers others"),
+    ],
+)
+def test_a_column_without_unit_or_name_is_refused_with_what_states_it(text, given, printed):
+    with pytest.raises(jc.InputError) as error:
+        parsed_curve(text, "a", **({"cycle": 1} | given))
+    assert printed in str(error.value)
+
+
+@pytest.mark.parametrize(
     ("text", "about", "printed"),
     [
         (GOOD.replace("0,0\n0.5", "0.8,0\n0.9"), {}, "must start at or below seating_stress"),

@@ -15,6 +15,7 @@ import jointclosure as jc
 from jointclosure.config.typed import Walls
 from jointclosure.effects.choice import choose_effects
 from jointclosure.ensemble.measured_walls import prepared_walls
+from jointclosure.plotting.scanned_joint import pair_figure
 from jointclosure.scans import read_scan
 from jointclosure.surface.measured import Scan
 from jointclosure.surface.registration import registered
@@ -294,6 +295,17 @@ def test_the_report_on_a_flat_wall_does_not_describe_two_scans(joint):
     assert f"{100 * pair.overlap:.0f} % of it" in lines
     assert "overlap" not in lines
     assert "each other" not in lines
+
+
+def test_the_figure_of_a_flat_wall_has_no_empty_panel(joint):
+    lower = Scan(1e-3 * joint[1].heights, (3e-4, 3e-4))
+    upper = Scan(-1e-3 * joint[0].heights, (3e-4, 3e-4))
+    for walls, number in ((("flat", lower), 4), ((upper, lower), 6)):
+        pair = registered(*walls, cut_spikes=False, unusual_values=True)
+        axes = pair_figure(pair, "a joint").axes
+        panels = [panel for panel in axes if panel.get_label() != "<colorbar>"]
+        assert len(panels) == number
+        assert all(panel.has_data() and panel.axison for panel in panels)
 
 
 def test_a_joint_with_a_flat_wall_closes(joint):

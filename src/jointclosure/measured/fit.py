@@ -209,9 +209,9 @@ def fit(
     fit_strength : bool
         Whether to fit the compressive strength too, from half to twice that of the rock.
     stress_unit, closure_unit : str, optional
-        Units, if the names of the columns have none: Pa, MPa or GPa; m, mm or um.
+        Units, if the names of the columns have none: Pa, kPa, MPa or GPa; m, mm or um.
     columns : sequence of str, optional
-        Headings of the columns of stress, closure and cycle, if they are others.
+        Headings of the columns of stress, closure and cycle, if they are others, or their numbers.
     surfaces : int
         Number of joints at each of 8 mismatch wavelengths, from two spacings to the shorter
         side, and of 4 strengths if these are fitted.
