@@ -203,6 +203,31 @@ def test_a_fit_says_its_interval_in_words_and_doubts_a_curve_that_no_joint_makes
     assert "excluded" not in repr(odd)
 
 
+def test_a_first_loading_that_no_joint_has_is_warned_of_and_its_band_is_of_the_nearest(tmp_path):
+    path = tmp_path / "lab.csv"
+    path.write_text(GOOD)
+    about = {"rock": "granite", "jrc": 10.0, "shape": (12, 12), "surfaces": 4}
+    near = fit(path, **about)
+    scatter = np.random.default_rng(1).standard_normal((8, 1, 4, 4)) * [0.3, 0.05, 0.05, 0.05]
+    logs = np.log(near.measured.values) + scatter[..., :1] + scatter[..., 1:]
+    for factor, word in ((1.0, "fitted"), (4.0, "nearest")):
+        joints = near.simulated._replace(
+            logs=logs - np.log(factor), closures=near.simulated.closures / factor
+        )
+        found = fit(path, **about, simulated=joints)
+        assert found.interval_holds
+        warned = [line for line in found.sentences() if line.startswith("Warning")]
+        assert len(warned) == (word == "nearest")
+        assert all("no simulated joint has the measured closure of cycle 1" in w for w in warned)
+        assert found.reached == (word == "fitted")
+        labels = [t.get_text() for axes in fit_figure(found, "").axes for t in _legend_texts(axes)]
+        assert f"cycle 1: nine in ten {word} joints" in labels
+
+
+def _legend_texts(axes):
+    return axes.get_legend().get_texts() if axes.get_legend() else []
+
+
 def test_a_range_of_jrc_widens_the_scatter_of_the_joints(tmp_path):
     path = tmp_path / "lab.csv"
     path.write_text(GOOD)
