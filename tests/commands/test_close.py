@@ -184,6 +184,7 @@ def test_a_range_that_is_not_allowed_is_refused_before_the_joint_is_closed(scans
             WORDS,
             "without --rock (such as --rock granite): --youngs-modulus, --poisson-ratio",
         ),
+        (("", ""), ["--rock", "granite"], "jointclosure: both walls are flat: one must be a scan"),
         (
             ("top.xyz", "bottom.xyz"),
             [*WORDS, "--rock", "granite", "--output", "no/where"],
@@ -196,7 +197,9 @@ def test_what_is_wrong_is_one_line_and_nothing_is_closed(
 ):
     monkeypatch.setattr("jointclosure.commands.close.closed_pair", None)
     output = [] if "--output" in words else ["--output", tmp_path / "j"]
-    code, _, err = shown(capsys, *(scans / file for file in files), *words, *output)
+    code, _, err = shown(
+        capsys, *(scans / file if file else "flat" for file in files), *words, *output
+    )
     assert code == 2
     assert err.count("\n") == 1
     assert message.format(scans) in err

@@ -203,6 +203,31 @@ def test_a_fit_says_its_interval_in_words_and_doubts_a_curve_that_no_joint_makes
     assert "excluded" not in repr(odd)
 
 
+def test_a_first_loading_that_no_joint_has_is_warned_of_and_its_band_is_of_the_nearest(tmp_path):
+    path = tmp_path / "lab.csv"
+    path.write_text(GOOD)
+    about = {"rock": "granite", "jrc": 10.0, "shape": (12, 12), "surfaces": 4}
+    near = fit(path, **about)
+    scatter = np.random.default_rng(1).standard_normal((8, 1, 4, 4)) * [0.3, 0.05, 0.05, 0.05]
+    logs = np.log(near.measured.values) + scatter[..., :1] + scatter[..., 1:]
+    for factor, word in ((1.0, "fitted"), (4.0, "nearest")):
+        joints = near.simulated._replace(
+            logs=logs - np.log(factor), closures=near.simulated.closures / factor
+        )
+        found = fit(path, **about, simulated=joints)
+        assert found.interval_holds
+        warned = [line for line in found.sentences() if line.startswith("Warning")]
+        assert len(warned) == (word == "nearest")
+        assert all("no simulated joint has the measured closure of cycle 1" in w for w in warned)
+        assert found.reached == (word == "fitted")
+        labels = [t.get_text() for axes in fit_figure(found, "").axes for t in _legend_texts(axes)]
+        assert f"cycle 1: nine in ten {word} joints" in labels
+
+
+def _legend_texts(axes):
+    return axes.get_legend().get_texts() if axes.get_legend() else []
+
+
 def test_a_range_of_jrc_widens_the_scatter_of_the_joints(tmp_path):
     path = tmp_path / "lab.csv"
     path.write_text(GOOD)
@@ -262,6 +287,39 @@ def test_levels_without_points_are_not_read():
     assert stays.values == pytest.approx(50.0)
     assert stiffness.values == pytest.approx(2.25 / 0.02)
     assert (closure.unit, later.unit, stiffness.unit) == ("mm", "mm", "MPa/mm")
+
+
+@pytest.mark.parametrize(
+    ("head", "given"),
+    [
+        ("stress_kPa,closure_um", {}),
+        ("stress (kPa),closure [µm]", {}),
+        ("stress,closure\nkPa,µm", {}),
+        ("sigma_n,d", {"names": ["1", "2"], "stress_unit": "kPa", "closure_unit": "um"}),
+        ("", {"names": ["1", "2"], "stress_unit": "kPa", "closure_unit": "um"}),
+    ],
+)
+def test_a_curve_in_other_units_or_without_a_header_is_the_same_curve(head, given):
+    expected = parsed_curve("stress_MPa,closure_mm\n0,0\n0.5,0.1\n5,0.3\n", "a", cycle=1)
+    text = f"{head}\n0,0\n500,100\n5000,300\n"
+    curve = parsed_curve(text, "b", cycle=1, **given)
+    np.testing.assert_allclose(curve.stress, expected.stress)
+    np.testing.assert_allclose(curve.closure, expected.closure)
+
+
+@pytest.mark.parametrize(
+    ("text", "given", "printed"),
+    [
+        ("stress,closure_mm\n0,0\n", {}, "or state --stress-unit (stress_unit= in Python): one of"),
+        ("stress,closure,cycle\n0,0,1\n", {"cycle": None}, "or state the key stress_unit: one of"),
+        ("0,0\n5,1\n", {"names": ["1", "3"]}, "or their numbers from 1 to 2"),
+        ("0,0\n5,1\n", {}, "--columns, or columns= in Python, names or numbers others"),
+    ],
+)
+def test_a_column_without_unit_or_name_is_refused_with_what_states_it(text, given, printed):
+    with pytest.raises(jc.InputError) as error:
+        parsed_curve(text, "a", **({"cycle": 1} | given))
+    assert printed in str(error.value)
 
 
 @pytest.mark.parametrize(

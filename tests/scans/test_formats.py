@@ -2,10 +2,12 @@
 
 import io
 import pickle
+import struct
 import zipfile
 
 import numpy as np
 import pytest
+import scipy.io
 import xarray as xr
 
 import jointclosure as jc
@@ -299,6 +301,132 @@ def test_a_file_of_no_form_is_refused_in_one_line_with_the_nearest_form(name, tm
     assert len(str(error.value).splitlines()) == 1
 
 
+CORNERS = {
+    "0": " ",
+    "99.5": ",",
+    "nan": "\t",
+    "y/x": " ",
+    "y\\x": ";",
+    "": "\t",
+    "no corner": " ",
+    "none": ",",
+}
+
+
+@pytest.mark.parametrize("corner", CORNERS)
+@pytest.mark.parametrize("falling", [False, True])
+def test_a_matrix_framed_by_its_places_is_that_grid(corner, falling, wall, tmp_path):
+    mark = CORNERS[corner]
+    x, y = 3.0 + STEP_MM * np.arange(26), 7.0 + STEP_MM * np.arange(20)
+    step = -1 if falling else 1
+    head = [*x.astype(str)] if corner == "no corner" else [corner, *x.astype(str)]
+    rows = [[str(at), *(f"{z:.9f}" for z in row)] for at, row in zip(y, wall, strict=True)]
+    lines = [mark.join(cells) for cells in [head, *rows[::step]]]
+    (tmp_path / "a.txt").write_text("\n".join(lines))
+    scan = read_scan(tmp_path / "a.txt", units="mm")
+    np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-12)
+    assert scan.spacing == pytest.approx((SPACING, SPACING))
+    assert scan.origin == pytest.approx((7e-3, 3e-3))
+    assert "were read as x and y" in " ".join(scan.remarks)
+
+
+@pytest.mark.parametrize(("line", "cut"), [("row", np.s_[:, 1:]), ("column", np.s_[1:])])
+def test_a_matrix_with_places_on_one_side_only_is_refused(line, cut, wall, tmp_path):
+    framed = np.pad(wall, ((1, 0), (1, 0)))
+    framed[0, 1:], framed[1:, 0] = STEP_MM * np.arange(26), STEP_MM * np.arange(20)
+    np.savetxt(tmp_path / "a.txt", framed[cut], "%.6f")
+    with pytest.raises(jc.InputError, match=f"its first {line} is evenly spaced"):
+        read_scan(tmp_path / "a.txt", units="mm", spacing=SPACING)
+
+
+def test_heights_of_a_plane_are_not_taken_for_places(tmp_path):
+    plane = 0.02 * np.arange(26) - 0.01 * np.arange(20)[:, None]
+    np.savetxt(tmp_path / "a.txt", plane, "%.6f")
+    scan = read_scan(tmp_path / "a.txt", units="mm", spacing=SPACING)
+    np.testing.assert_allclose(scan.heights, 1e-3 * plane, atol=1e-12)
+
+
+def matlab_contents(wall):
+    """A wall in the forms in which MATLAB programs keep it, and the array that is read."""
+    x, y = STEP_MM * np.arange(26), STEP_MM * np.arange(20)
+    across, along = np.meshgrid(x, y)
+    text = {"operator": "A. N. Other"}
+    both = np.array([(x, y, wall + 1.0), (x, y, wall)], [("x", "O"), ("y", "O"), ("Z", "O")])
+    return {
+        "struct": ({"S": {"X_mm": across, "Y_mm": along, "Z_mm": wall} | text}, "S.Z_mm"),
+        "nested": ({"scan": {"S": {"x": x, "y": y, "Z": wall}}, "n": 3}, "scan.S.Z"),
+        "vectors": ({"x": x, "y": y, "Z": wall}, "Z"),
+        "rows along x": ({"x": x, "y": y, "Z": wall.T}, "Z"),
+        "spacing": ({"S": {"spacing": STEP_MM, "Z": wall}}, "S.Z"),
+        "two": ({"S": both}, "S(2).Z"),
+    }
+
+
+@pytest.mark.parametrize("kept", ["struct", "nested", "vectors", "rows along x", "spacing", "two"])
+def test_structs_and_vectors_of_places_of_a_matlab_file_are_read(kept, wall, tmp_path):
+    content, name = matlab_contents(wall)[kept]
+    scipy.io.savemat(tmp_path / "a.mat", content)
+    for variable in (name, None):
+        if kept == "two" and variable is None:
+            with pytest.raises(jc.InputError, match=r"S\(1\).Z, S\(2\).Z; variable \(--variable"):
+                read_scan(tmp_path / "a.mat", units="mm")
+            continue
+        scan = read_scan(tmp_path / "a.mat", units="mm", variable=variable)
+        np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-12)
+        assert scan.spacing == pytest.approx((SPACING, SPACING))
+
+
+def test_a_matlab_file_without_an_array_is_refused_in_a_sentence_of_its_own(tmp_path):
+    scipy.io.savemat(tmp_path / "a.mat", {"S": {"x": np.arange(5.0)}, "n": 3})
+    with pytest.raises(jc.InputError, match=r"has no array over \(y, x\); it contains S.x, n$"):
+        read_scan(tmp_path / "a.mat", units="mm")
+
+
+def binary_stl(count=4):
+    """A binary STL file of triangles side by side."""
+    triangle = np.array([0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0], "<f4").tobytes() + bytes(2)
+    return b"exported".ljust(80) + struct.pack("<I", count) + triangle * count
+
+
+PLY = (
+    b"ply\nformat binary_little_endian 1.0\nelement vertex 9\nproperty float x\n"
+    b"property float y\nproperty float z\nend_header\n" + bytes(range(108))
+)
+HINTS = {
+    "a.ply": (binary_stl(), "its content is that of an STL mesh"),
+    "cut.stl": (binary_stl()[:200], "4 triangles, 284 bytes, and contains 200: is the file inc"),
+    "short.stl": (
+        binary_stl()[:82],
+        "contains 82 bytes, less than the head of 84: is the file incomplete",
+    ),
+    "a.txt": (PLY, "is not text: it contains binary data; its content is that of a PLY mesh"),
+    "cut.grd": (b"DSBB" + struct.pack("<2h6d", 9, 9, *range(6)) + bytes(40), "and contains 10: is"),
+    "a.npy": (bytes(range(256)), "cannot be read as an array of numbers"),
+    "b.txt": (bytes(range(256)), "is not text: it contains binary data"),
+}
+
+
+@pytest.mark.parametrize("name", HINTS)
+def test_a_hint_is_given_only_for_a_known_form_and_no_bytes_are_printed(name, tmp_path):
+    content, printed = HINTS[name]
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(jc.InputError) as error:
+        read_scan(tmp_path / name, units="mm")
+    message = str(error.value)
+    assert printed in message
+    assert ("its content" in message) == ("its content" in printed)
+    assert message.isprintable()
+    for wrong in ("\\x", "no form", "too few"):
+        assert wrong not in message
+
+
+def test_a_solid_in_a_file_of_the_right_name_is_refused_without_a_hint(tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    (tmp_path / "a.stl").write_bytes(trimesh.creation.box().export(file_type="stl"))
+    with pytest.raises(jc.InputError, match=r"must be cut to one wall$"):
+        read_scan(tmp_path / "a.stl", units="mm")
+
+
 @pytest.mark.parametrize("head", ["", "depth,east,north,height\n"])
 @pytest.mark.parametrize("columns", ["2,3,4", "east,north,height"])
 def test_columns_are_chosen_by_number_or_name(head, columns, wall, tmp_path):
@@ -435,12 +563,23 @@ def test_an_esri_grid_has_its_spacing_its_place_and_its_missing_heights(wall, tm
         (12, {}, "declares 20 rows of 26 heights, 520, and contains 312"),
         (None, {"cellsize": None}, "header lacks cellsize"),
         (None, {"nrows": 10**9}, "at most 100,000,000"),
+        (None, {"cellsize": None, "dx": 0.25, "dy": 0.5}, "dx = 0.25, dy = 0.5: must be equal"),
+        (None, {"cellsize": None, "dx": 0.25}, "header lacks cellsize"),
     ],
 )
 def test_an_esri_grid_that_is_not_what_it_declares_is_refused(rows, head, printed, wall, tmp_path):
     write_esri(tmp_path / "a.asc", wall, rows, **head)
-    with pytest.raises(jc.InputError, match=rf"a\.asc: .*{printed}"):
+    with pytest.raises(jc.InputError, match=rf"a\.asc: .*{printed}") as error:
         read_scan(tmp_path / "a.asc", units="mm")
+    assert "rename" not in str(error.value)
+
+
+def test_equal_dx_and_dy_of_an_esri_grid_are_its_cell_size(wall, tmp_path):
+    write_esri(tmp_path / "a.asc", wall)
+    write_esri(tmp_path / "b.asc", wall, cellsize=None, dx=STEP_MM, dy=STEP_MM)
+    usual, of_gdal = (read_scan(tmp_path / name, units="mm") for name in ("a.asc", "b.asc"))
+    np.testing.assert_array_equal(of_gdal.heights, usual.heights)
+    assert (of_gdal.spacing, of_gdal.origin) == (usual.spacing, usual.origin)
 
 
 def netcdf_wall(wall, dims, attributes=({}, {}), step=STEP_MM):

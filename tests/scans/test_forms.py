@@ -15,6 +15,7 @@ import jointclosure as jc
 from jointclosure.config.typed import Walls
 from jointclosure.effects.choice import choose_effects
 from jointclosure.ensemble.measured_walls import prepared_walls
+from jointclosure.plotting.scanned_joint import pair_figure
 from jointclosure.scans import read_scan
 from jointclosure.surface.measured import Scan
 from jointclosure.surface.registration import registered
@@ -296,11 +297,36 @@ def test_the_report_on_a_flat_wall_does_not_describe_two_scans(joint):
     assert "each other" not in lines
 
 
+def test_the_figure_of_a_flat_wall_has_no_empty_panel(joint):
+    lower = Scan(1e-3 * joint[1].heights, (3e-4, 3e-4))
+    upper = Scan(-1e-3 * joint[0].heights, (3e-4, 3e-4))
+    for walls, number in ((("flat", lower), 4), ((upper, lower), 6)):
+        pair = registered(*walls, cut_spikes=False, unusual_values=True)
+        axes = pair_figure(pair, "a joint").axes
+        panels = [panel for panel in axes if panel.get_label() != "<colorbar>"]
+        assert len(panels) == number
+        assert all(panel.has_data() and panel.axison for panel in panels)
+
+
 def test_a_joint_with_a_flat_wall_closes(joint):
     lower = Scan(1e-3 * joint[1].heights, (3e-4, 3e-4))
     closed = jc.close("flat", lower, rock=DOLERITE, max_normal_stress=1e6, single=True)
     assert closed.history.status == 0
     assert (closed.history.max_closure > 0.0).all()
+
+
+def test_close_chooses_an_array_of_a_file_by_variable(joint, tmp_path):
+    path, other = tmp_path / "a.npz", np.zeros((4, 4))
+    np.savez(path, Z_mm=joint[1].heights, other_mm=other, spacing_mm=joint[1].step)
+    options = {"rock": DOLERITE, "max_normal_stress": 1e6, "single": True}
+    with pytest.raises(
+        jc.InputError, match=r"variable \(--variable on the command line\) must name"
+    ):
+        jc.close(path, "flat", orientation="towards", **options)
+    chosen = jc.close(path, "flat", orientation="towards", variable="Z_mm", **options)
+    scan = Scan(1e-3 * joint[1].heights, (1e-3 * joint[1].step,) * 2)
+    stated = jc.close(scan, "flat", orientation="towards", **options)
+    np.testing.assert_array_equal(chosen.history.max_closure, stated.history.max_closure)
 
 
 def walls_of_files(upper, lower, spacing, **_):

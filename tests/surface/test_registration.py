@@ -412,6 +412,17 @@ def test_a_small_overlap_a_steep_plane_and_a_wedge_are_warned_of(small_joint):
         assert any(line.startswith(f"Warning: {warning}") for line in found.warnings), warning
 
 
+@pytest.mark.parametrize("shift", ["scanned", "mated"])
+def test_walls_at_their_best_fit_are_not_advised_to_be_moved_there(shift):
+    upper, lower = jc.wall_pair(9.0, (64, 72), SPACING, seed=4, correlation=0.9)
+    lower[:40, :40] = np.nan  # the largest rectangle is less than half of the scan
+    apart = Scan(-upper, (SPACING, SPACING), (0.0, SPACING)), grid(lower)
+    found = registered(*apart, orientation="common_frame", shift=shift, unusual_values=True)
+    (warning,) = (line for line in found.warnings if "walls overlap" in line)
+    assert ("--shift mated moves" in warning) == (shift == "scanned")
+    assert ("even in the position of best fit" in warning) == (shift == "mated")
+
+
 REGISTERED = """
 import hashlib, numpy as np, jointclosure as jc
 from jointclosure.surface.measured import Cloud, Scan

@@ -64,7 +64,7 @@ def add_to(commands) -> None:
     )
     curve.add_argument(
         "--columns", type=lambda text: text.split(","), metavar="STRESS,CLOSURE[,CYCLE]",
-        help="headings of the columns, if they are others",
+        help="headings of the columns if they are others, or their numbers from 1",
     )  # fmt: skip
     curve.add_argument(
         "--closure-error", type=float, default=2.0, metavar="%",

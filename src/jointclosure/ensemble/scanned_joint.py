@@ -98,6 +98,7 @@ def close(
     *,
     conditions: Conditions | None = None,
     units: str | None = None,
+    variable: str | None = None,
     orientation: str | None = None,
     shift: str | None = None,
     cut_spikes: bool = True,
@@ -117,6 +118,9 @@ def close(
         see `jointclosure.surface.registration.registered`.
     units : {"m", "mm", "um", "nm"}, optional
         Units of both files, if the files do not state them.
+    variable : str, optional
+        Name of the array or channel, or columns of a text file, in both files, as for
+        `jointclosure.read_scan`.
     orientation, shift, cut_spikes
         As for `jointclosure.surface.registration.registered`.
     single : bool
@@ -148,7 +152,7 @@ def close(
     stated = conditions_from(conditions, changes, "close")
     unusual, name = stated.unusual_values, stated.rock if isinstance(stated.rock, str) else "rock"
     stated = stated._replace(rock=given_rock(stated.rock)).checked()
-    above, below = read_wall(upper, units), read_wall(lower, units)
+    above, below = (read_wall(wall, units, variable=variable) for wall in (upper, lower))
     pair = registered(
         above, below, stated.spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes,
         unusual_values=unusual,

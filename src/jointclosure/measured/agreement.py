@@ -10,12 +10,16 @@ from jointclosure.measured.calibration import CONFIDENCE, Likelihood, Readings
 
 
 class Quantity(NamedTuple):
-    """Reading of a curve in words, its unit and values (...), and its standard error."""
+    """Reading of a curve in words, its unit and values (...), and its standard error.
+
+    ``first_loading`` says whether it is of the first loading alone.
+    """
 
     name: str
     unit: str
     values: np.ndarray
     error: np.ndarray
+    first_loading: bool
 
 
 class Agreement(NamedTuple):
@@ -23,7 +27,8 @@ class Agreement(NamedTuple):
 
     ``low`` and ``high`` are wavelengths [m], or strengths [Pa] if the wavelength is known; NaN if
     there are none. ``least`` and ``most`` are the ends of the 95 % interval of a single joint where
-    it is nearest to the measured value, all in ``unit``.
+    it is nearest to the measured value, all in ``unit``. ``first_loading`` says whether the reading
+    is of the first loading alone.
     """
 
     name: str
@@ -33,6 +38,12 @@ class Agreement(NamedTuple):
     high: float
     least: float
     most: float
+    first_loading: bool
+
+    @property
+    def missed(self) -> bool:
+        """Whether no simulated joint has the measured reading."""
+        return math.isnan(self.low)
 
 
 def quantities_of(values: np.ndarray, readings: Readings, error: float) -> list[Quantity]:
@@ -52,8 +63,9 @@ def quantities_of(values: np.ndarray, readings: Readings, error: float) -> list[
     for cycle in range(1, readings.cycles + 1):
         levels = [level for number, level in places if number == cycle and level is not None]
         closures = [values[..., places.index((cycle, level))] for level in levels]
-        whole = closures[-1]
-        result.append(Quantity(f"closure of cycle {cycle}", "mm", 1e3 * whole, 1e3 * error * whole))
+        whole, first = closures[-1], cycle == 1
+        name = f"closure of cycle {cycle}"
+        result.append(Quantity(name, "mm", 1e3 * whole, 1e3 * error * whole, first))
         if len(levels) > 1:
             rise, run = levels[-1] - levels[-2], whole - closures[-2]
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -61,12 +73,12 @@ def quantities_of(values: np.ndarray, readings: Readings, error: float) -> list[
                 spread = stiffness * error * np.hypot(whole, closures[-2]) / run
             between = " to ".join(f"{1e-6 * level:.3g}" for level in levels[-2:])
             name = f"stiffness of cycle {cycle}, {between} MPa"
-            result.append(Quantity(name, "MPa/mm", stiffness, spread))
+            result.append(Quantity(name, "MPa/mm", stiffness, spread, first))
         if (cycle, None) in places:
             share = 1.0 - values[..., places.index((cycle, None))] / whole
             spread = np.full(share.shape, 100.0 * math.sqrt(2.0) * error)
             name = f"share of the closure of cycle {cycle} that stays"
-            result.append(Quantity(name, "%", 100.0 * share, spread))
+            result.append(Quantity(name, "%", 100.0 * share, spread, False))
     return result
 
 
@@ -106,7 +118,7 @@ def agreements(
         within, nearest = np.flatnonzero(apart == 0.0), int(apart.argmin())
         low, high = (fine[within[0]], fine[within[-1]]) if within.size else (math.nan, math.nan)
         ends = float(low), float(high), float(least[nearest]), float(most[nearest])
-        result.append(Agreement(one.name, one.unit, value, *ends))
+        result.append(Agreement(one.name, one.unit, value, *ends, one.first_loading))
     return result
 
 

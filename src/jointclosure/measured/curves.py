@@ -21,12 +21,13 @@ import xarray as xr
 from jointclosure.config.typed import Configuration, MeasuredFile
 from jointclosure.config.units import SI_FACTORS
 from jointclosure.ensemble.aggregation import seats, succeeded
-from jointclosure.inputs import InputError
+from jointclosure.inputs import SPELT, InputError
 from jointclosure.joint.history import first_crossing
 from jointclosure.joint.protocol import LOADING, UNLOADING
 
-STRESS_UNITS, CLOSURE_UNITS = ("Pa", "MPa", "GPa"), ("m", "mm", "um")
-_HEADING = r"(?P<name>.*?)(?:_(?P<ending>[A-Za-z]+)|\s*[(\[](?P<within>[^)\]]+)[)\]])?"
+STRESS_UNITS, CLOSURE_UNITS = ("Pa", "kPa", "MPa", "GPa"), ("m", "mm", "um")
+_FACTORS = SI_FACTORS | {"kPa": 1e3}
+_HEADING = r"(?P<name>.*?)(?:_(?P<ending>[A-Za-zµμ]+)|\s*[(\[](?P<within>[^)\]]+)[)\]])?"
 """Heading of a column: a name, and a unit at its end or in brackets."""
 _ALIASES = {"normal_stress": "stress", "closure_net_since_seating": "closure"}
 """Names that curves.csv of `jointclosure close` has for the columns of a curve."""
@@ -144,7 +145,8 @@ def parsed_curve(
     cycle : int, optional
         Cycle of all rows, if there is no such column; by default the column is needed.
     names : sequence of str, optional
-        Headings of the columns of stress, closure and, if there is one, cycle, if they are others.
+        Headings of the columns of stress, closure and, if there is one, cycle, if they are others;
+        or their numbers from 1, with which the file may have no header.
 
     Raises
     ------
@@ -168,11 +170,13 @@ def parsed_curve(
         (number, [cell.strip() for cell in next(csv.reader([line], delimiter=mark))])
         for number, line in lines
     ]
+    if names and all(map(str.isdecimal, names)) and all(map(_is_number, table[0][1])):
+        table.insert(0, (table[0][0], [str(1 + i) for i in range(len(table[0][1]))]))
     (first, header), *body = table
     where = f"{name}, line {first}"
     below: list[str] = []
-    if body and any(cell.strip("()[]") in STRESS_UNITS for cell in body[0][1]):
-        below = [cell.strip("()[]") for cell in body.pop(0)[1]]
+    if body and any(_unit(cell) in STRESS_UNITS for cell in body[0][1]):
+        below = [_unit(cell) for cell in body.pop(0)[1]]
     units = {"stress": stress_unit, "closure": closure_unit}
     columns = _columns(header, below, where, units, cycle is None, names)
     rows = []
@@ -189,7 +193,7 @@ def parsed_curve(
         raise InputError(f"{name}: has a header and no rows")
     stress, closure, *cycles, numbers = (np.array(column) for column in zip(*rows, strict=True))
     of_cycle = cycles[0].astype(int) if cycles else np.full(len(rows), cycle)
-    factors = [SI_FACTORS.get(unit, 1.0) for _, unit in columns.values()]
+    factors = [_FACTORS.get(unit, 1.0) for _, unit in columns.values()]
     return MeasuredCurve(stress * factors[0], closure * factors[1], of_cycle, numbers)
 
 
@@ -208,13 +212,14 @@ def _columns(
     if names is None:
         quantities = [_ALIASES.get(name, name) for name in quantities]
     else:
-        unknown = [name for name in names if name not in header]
-        if unknown or not 2 <= len(names) <= 3:
+        positions = [_position(name, header) for name in names]
+        if None in positions or not 2 <= len(names) <= 3:
             raise InputError(
-                f"{where}: columns {', '.join(names)}: must be two or three of {', '.join(header)}"
+                f"{where}: columns {', '.join(names)}: must be two or three of "
+                f"{', '.join(header)}, or their numbers from 1 to {len(header)}"
             )
-        named = dict(zip(names, allowed, strict=False))
-        quantities = [named.get(cell, "") for cell in header]
+        named = dict(zip(positions, allowed, strict=False))
+        quantities = [named.get(position, "") for position in range(len(header))]
     columns: dict[str, tuple[int, str]] = {}
     for position, (cell, quantity) in enumerate(zip(header, quantities, strict=True)):
         if quantity not in allowed:
@@ -222,7 +227,7 @@ def _columns(
         if quantity in columns:
             raise InputError(f"{where}: column {cell!r}: must be the only one of {quantity}")
         heading = headings[position]
-        stated = (heading["ending"] or heading["within"] or "") if heading else ""
+        stated = _unit(heading["ending"] or heading["within"] or "") if heading else ""
         if names is not None and stated not in allowed[quantity]:
             stated = ""  # part of another heading, such as sigma_n
         line = below[position] if position < len(below) else ""
@@ -230,19 +235,58 @@ def _columns(
         if unit not in allowed[quantity]:
             raise InputError(
                 f"{where}: column {cell!r}: "
-                + (f"unit {unit!r} must be" if unit else "has no unit; write or configure")
+                + (f"unit {unit!r} must be" if unit else _without_unit(quantity, needs_cycle))
                 + f" one of {', '.join(filter(None, allowed[quantity]))}"
             )
         columns[quantity] = position, unit
     needed = ("stress", "closure", *(["cycle"] if needs_cycle else []))
     missing = [name for name in needed if name not in columns]
     if missing:
-        others = "" if needs_cycle else "; --columns, or columns= in Python, names others"
+        others = (
+            "" if needs_cycle else "; --columns, or columns= in Python, names or numbers others"
+        )
         raise InputError(
             f"{where}: lacks {', '.join(missing)} (columns are stress_MPa,closure_mm,cycle{others})"
             f"; there are {', '.join(header)}"
         )
     return {name: columns[name] for name in allowed if name in columns}
+
+
+def _position(name: str, header: list[str]) -> int | None:
+    """Return the position of a column by its heading or its number from 1; None if there is none.
+
+    Headings have priority.
+    """
+    if name in header:
+        return header.index(name)
+    return int(name) - 1 if name.isdecimal() and 1 <= int(name) <= len(header) else None
+
+
+def _unit(cell: str) -> str:
+    """Return a unit without brackets, and micrometres as um."""
+    bare = cell.strip("()[]")
+    return SPELT.get(bare, bare)
+
+
+def _without_unit(quantity: str, of_study: bool) -> str:
+    """Return the start of the message on a column without a unit, with the key or option for it."""
+    key = f"{quantity}_unit"
+    where = f"the key {key}" if of_study else f"--{quantity}-unit ({key}= in Python)"
+    return (
+        f"has no unit; write it in the heading ({quantity}_{_USUAL[quantity]}), or state {where}:"
+    )
+
+
+_USUAL = {"stress": "MPa", "closure": "mm"}
+"""Units in examples of headings."""
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
 
 
 def _number(cell: str, where: str, quantity: str) -> float:

@@ -87,6 +87,14 @@ class Fit(NamedTuple):
         """Whether the model explains the curve, so that intervals are valid."""
         return self.p_value >= DOUBTFUL
 
+    @property
+    def reached(self) -> bool:
+        """Whether the model explains the curve and joints have each reading of its first loading.
+
+        Otherwise the most likely joints are the nearest ones, but do not fit.
+        """
+        return self.interval_holds and not self._missed_first_loading()
+
     def sentences(self) -> list[str]:
         """Describe the estimates, or that the model does not explain the curve, and assumptions."""
         if not self.interval_holds:
@@ -104,11 +112,31 @@ class Fit(NamedTuple):
         if self.mismatch_wavelength.low == 0.0 and not self.scanned:
             lines.append("mated walls are not excluded")
         lines.append(f"{100.0 * self.p_value:.2g} % of such joints are as far from their mean")
-        return [*lines, *self._compared(), f"valid only for the assumed joint: {self.assumed}"]
+        return [
+            *self._doubts(),
+            *lines,
+            *self._compared(),
+            f"valid only for the assumed joint: {self.assumed}",
+        ]
 
     def agreements(self) -> list[Agreement]:
         """Compare closure, stiffness and what stays with single joints, each by itself."""
         return agreements(self.measured, self.simulated.logs, self.likelihood, self.closure_error)
+
+    def _missed_first_loading(self) -> list[str]:
+        """Return readings of the first loading that no joint has, in words."""
+        return [each.name for each in self.agreements() if each.first_loading and each.missed]
+
+    def _doubts(self) -> list[str]:
+        """Warn that no joint has a reading of the first loading, although the interval is valid."""
+        if not (missed := self._missed_first_loading()):
+            return []
+        return [
+            caution(
+                f"no simulated joint has the measured {' or the '.join(missed)}: the interval is "
+                "that of the nearest joints; check rock, roughness, roll-off, size and units"
+            )
+        ]
 
     def _compared(self) -> list[str]:
         """Describe at which wavelengths, or strengths of scanned walls, a reading is met."""
@@ -118,7 +146,7 @@ class Fit(NamedTuple):
         lines = []
         for reading in self.agreements():
             value = f"{reading.name}, measured {reading.measured:.3g} {reading.unit}: "
-            if math.isnan(reading.low):
+            if reading.missed:
                 lines.append(
                     f"{value}no joint has it, the nearest have {reading.least:.3g} to "
                     f"{reading.most:.3g} {reading.unit}"
@@ -209,9 +237,9 @@ def fit(
     fit_strength : bool
         Whether to fit the compressive strength too, from half to twice that of the rock.
     stress_unit, closure_unit : str, optional
-        Units, if the names of the columns have none: Pa, MPa or GPa; m, mm or um.
+        Units, if the names of the columns have none: Pa, kPa, MPa or GPa; m, mm or um.
     columns : sequence of str, optional
-        Headings of the columns of stress, closure and cycle, if they are others.
+        Headings of the columns of stress, closure and cycle, if they are others, or their numbers.
     surfaces : int
         Number of joints at each of 8 mismatch wavelengths, from two spacings to the shorter
         side, and of 4 strengths if these are fitted.

@@ -77,7 +77,7 @@ def _draw_curve(axes: Axes, result: Fit) -> None:
     """Draw the measured curve since seating on the band of the fitted joints, by cycle."""
     closures = 1e3 * result.simulated.closures[_fitted(result)]
     stresses = 1e-6 * result.simulated.stresses
-    kind = "fitted" if result.interval_holds else "nearest"
+    kind = "fitted" if result.reached else "nearest"
     for cycle in range(1, result.measured.cycles + 1):
         colour = f"C{cycle - 1}"
         for branch in (0, 1) if cycle in result.measured.unloaded else (0,):

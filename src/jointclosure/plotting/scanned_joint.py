@@ -13,26 +13,26 @@ from jointclosure.surface.registration import CLEAR, RegisteredPair
 def pair_figure(pair: RegisteredPair, title: str) -> Figure:
     """Draw both walls, aperture and section at first touch, correlation, and orientations.
 
+    Correlation and orientations are left out where one wall is flat.
+
     Parameters
     ----------
     pair : RegisteredPair
     title : str
     """
-    figure, panels = subplots(2, 3, figsize=(13.5, 8.2))
+    columns = 3 if pair.fits else 2
+    figure, grid = subplots(2, columns, figsize=(4.5 * columns, 8.2))
+    panels = grid.ravel()
     # z upwards on both, so that mated walls look equal
-    _draw_wall(panels[0, 0], -pair.upper, pair, "upper wall, seen from above")
-    _draw_wall(panels[0, 1], pair.lower, pair, "lower wall, seen from above")
-    _draw_aperture(panels[0, 2], pair)
-    _draw_section(panels[1, 0], pair)
+    _draw_wall(panels[0], -pair.upper, pair, "upper wall, seen from above")
+    _draw_wall(panels[1], pair.lower, pair, "lower wall, seen from above")
+    _draw_aperture(panels[2], pair)
+    _draw_section(panels[3], pair)
     if pair.fits:
-        _draw_mating(panels[1, 1], pair)
-        _draw_orientations(panels[1, 2], pair)
-    else:
-        panels[1, 1].set_axis_off()
-        panels[1, 2].set_axis_off()
-        panels[1, 1].set_title("one wall is flat: no correlation")
+        _draw_mating(panels[4], pair)
+        _draw_orientations(panels[5], pair)
     figure.suptitle(title, parse_math=False)  # a file's name is not a formula
-    for axes in panels[1]:
+    for axes in panels[3:]:
         sns.despine(ax=axes)
     return figure
 

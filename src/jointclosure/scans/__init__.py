@@ -105,10 +105,12 @@ def files_of(path: str | Path | Sequence[str | Path]) -> tuple[Path, ...]:
 
 def _contents(path: Path, variable: str | None) -> Contents:
     """Read one file; an error also names the form that its content is most like."""
+    reader = _reader(path)
     try:
-        return _reader(path)(path, variable)
+        return reader(path, variable)
     except InputError as error:
-        raise InputError(f"{error}{nearest_form(path)}") from None
+        known = reader in BY_CONTENT.values()
+        raise InputError(f"{error}{'' if known else nearest_form(path)}") from None
 
 
 def _reader(path: Path) -> Callable[[Path, str | None], Contents]:

@@ -1,6 +1,7 @@
 """Content of the file of a scanned wall, and errors of its reading."""
 
 import math
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
@@ -12,6 +13,11 @@ from jointclosure.inputs import InputError
 LARGEST_SCAN = 100_000_000
 """Largest number of heights of a file: 10,000 x 10,000 take 0.8 GB. A damaged or malicious file may
 declare more."""
+
+VARIABLE = "variable (--variable on the command line)"
+"""Argument and option that choose an array, a channel or columns, for messages."""
+_BYTES = re.compile(r"\\x[0-9a-f]{2}")
+"""Byte of a file as libraries print it in their messages."""
 
 
 class Contents(NamedTuple):
@@ -56,5 +62,7 @@ def reading_as(form: str, *errors: type[Exception]) -> Iterator[None]:
     except Exception as error:
         if errors and not isinstance(error, errors):
             raise
-        reason = str(error).strip() or type(error).__name__
+        reason = " ".join(str(error).split()) or type(error).__name__
+        if _BYTES.search(reason) or not reason.isprintable():
+            raise InputError(f"cannot be read as {form}") from None
         raise InputError(f"cannot be read as {form} ({reason})") from None

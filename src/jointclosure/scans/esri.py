@@ -7,8 +7,18 @@ import numpy as np
 from jointclosure.inputs import InputError
 from jointclosure.scans.contents import Contents, check_no_variable, check_size
 
-_NEEDED = ("ncols", "nrows", "cellsize")
-_KNOWN = (*_NEEDED, "xllcorner", "yllcorner", "xllcenter", "yllcenter", "nodata_value")
+_NEEDED = ("ncols", "nrows")
+_KNOWN = (
+    *_NEEDED,
+    "cellsize",
+    "dx",
+    "dy",
+    "xllcorner",
+    "yllcorner",
+    "xllcenter",
+    "yllcenter",
+    "nodata_value",
+)
 
 
 def read_asc(path: Path, variable: str | None) -> Contents:
@@ -30,6 +40,7 @@ def read_asc(path: Path, variable: str | None) -> Contents:
         head[key] = _number(key, value)
     if missing := [key for key in _NEEDED if key not in head]:
         raise InputError(f"its header lacks {', '.join(missing)}")
+    step = _cell_size(head)
     shape = _count("nrows", head), _count("ncols", head)
     check_size(shape)
     values = words[2 * len(head) :]
@@ -43,8 +54,25 @@ def read_asc(path: Path, variable: str | None) -> Contents:
     except ValueError as error:
         raise InputError(f"has a height that is not a number ({error})") from None
     heights[heights == head.get("nodata_value", -9999.0)] = np.nan
-    step = head["cellsize"]
     return Contents(heights, (step, step), origin=_origin(head, step))
+
+
+def _cell_size(head: dict[str, float]) -> float:
+    """Return the cell size, or equal dx and dy in its place, as GDAL writes them.
+
+    Raises
+    ------
+    InputError
+        If there is none, or dx and dy differ.
+    """
+    sizes = {key: head[key] for key in ("dx", "dy", "cellsize") if key in head}
+    if sizes.keys() in ({"dx"}, {"dy"}, set()):
+        raise InputError("its header lacks cellsize")
+    first = next(iter(sizes.values()))
+    if any(abs(size - first) > 1e-6 * abs(first) for size in sizes.values()):
+        listed = ", ".join(f"{key} = {size:g}" for key, size in sizes.items())
+        raise InputError(f"{listed}: must be equal, because an ESRI grid has square cells")
+    return first
 
 
 def _number(key: str, value: str) -> float:

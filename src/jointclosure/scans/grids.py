@@ -4,6 +4,7 @@ Arrays are (y, x), row by row. In npz files and text headers a name may end with
 everywhere in this project: ``Z_mm``, ``spacing_mm``.
 """
 
+import itertools
 import zipfile
 from pathlib import Path
 from typing import IO
@@ -14,7 +15,14 @@ import xarray as xr
 
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
-from jointclosure.scans.contents import Contents, check_no_variable, check_size, reading_as
+from jointclosure.scans.contents import (
+    VARIABLE,
+    Contents,
+    check_no_variable,
+    check_size,
+    reading_as,
+)
+from jointclosure.scans.frames import points_on
 from jointclosure.scans.points import contents_of
 from jointclosure.scans.units import split_name
 
@@ -203,45 +211,97 @@ def _no_data(written) -> float | None:
 def read_matlab(path: Path, variable: str | None) -> Contents:
     """Read an array of a MATLAB file up to version 7.2; its spacing as in an npz file.
 
-    Matrices X and Y of the places, as from ``meshgrid``, state the spacing too.
+    Matrices X and Y of the places, as from ``meshgrid``, or vectors of them, state the spacing too.
+    Fields of structs have names such as S.Z; spacing and places are fields of the same struct.
     """
     with reading_as("a MATLAB file (up to version 7.2: save with -v7)"):
         listed = {name: shape for name, shape, _ in scipy.io.whosmat(path)}
         for shape in listed.values():
             check_size(shape)
-        arrays = scipy.io.loadmat(path)
-    shapes = {name: arrays[name].shape for name in listed}
+        loaded = scipy.io.loadmat(path)
+    arrays = _leaves({name: loaded[name] for name in listed})
     fields = [
         name
-        for name, shape in shapes.items()
-        if min(shape) > 2 and split_name(name)[0].lower() not in ("x", "y")
+        for name, array in arrays.items()
+        if array.ndim == 2 and min(array.shape) > 2 and _quantity(name) not in ("x", "y")
     ]
-    name = _chosen(variable, fields, shapes)
-    heights = np.asarray(arrays[name])
-    for key, value in arrays.items():
-        if split_name(key)[0] in _SPACINGS and np.size(value) == 1:
-            step = float(np.asarray(value).item())
-            return Contents(heights, (step, step), None, split_name(name)[1], split_name(key)[1])
-    places = {split_name(key)[0].lower(): key for key in listed if shapes[key] == heights.shape}
-    if not {"x", "y"} <= set(places):
-        return Contents(heights, None, None, split_name(name)[1])
-    x, y = (np.asarray(arrays[places[axis]], dtype=float) for axis in "xy")
-    points = np.stack([x.ravel(), y.ravel(), heights.astype(float).ravel()], axis=1)
-    units = {split_name(places[axis])[1] for axis in "xy"}
-    if len(units) > 1:
-        raise InputError(f"{places['x']} and {places['y']}: must be in the same units")
-    contents = contents_of(points)
-    return contents._replace(height_units=split_name(name)[1], length_units=units.pop())
+    name = _chosen(variable, fields, arrays)
+    heights, unit = arrays[name], split_name(name)[1]
+    struct = name.rpartition(".")[0]
+    beside = {key: value for key, value in arrays.items() if key.rpartition(".")[0] == struct}
+    for key, value in beside.items():
+        if _quantity(key) in _SPACINGS and value.size == 1:
+            step = float(value.item())
+            return Contents(heights, (step, step), None, unit, split_name(key)[1])
+    placed = _placed(beside, heights)
+    if placed is None:
+        return Contents(heights, None, None, unit)
+    points, length_units = placed
+    return contents_of(points)._replace(height_units=unit, length_units=length_units)
+
+
+def _leaves(arrays: dict) -> dict[str, np.ndarray]:
+    """Return arrays of numbers of a MATLAB file by name; those within as S.Z, S(2).Z or C{2}."""
+    leaves: dict[str, np.ndarray] = {}
+    for name, array in arrays.items():
+        if not isinstance(array, np.ndarray):
+            continue
+        if array.dtype.names is not None:
+            for number, struct in enumerate(array.ravel(), start=1):
+                of_struct = name if array.size == 1 else f"{name}({number})"
+                leaves |= _leaves({f"{of_struct}.{key}": struct[key] for key in array.dtype.names})
+        elif array.dtype.kind == "O":
+            cells = enumerate(array.ravel(), start=1)
+            leaves |= _leaves({f"{name}{{{number}}}": cell for number, cell in cells})
+        elif array.dtype.kind in "biufc":
+            leaves[name] = array
+    return leaves
+
+
+def _quantity(name: str) -> str:
+    """Return the name of an array in lower case, without its struct and its unit."""
+    return split_name(name.rpartition(".")[2])[0].lower()
+
+
+def _placed(
+    arrays: dict[str, np.ndarray], heights: np.ndarray
+) -> tuple[np.ndarray, str | None] | None:
+    """Return points (n, 3) of heights at places named x and y, and the unit of these; or None.
+
+    Of heights (x, y) the places are vectors, as from ``ndgrid``.
+    """
+    of_axes = ([key for key in arrays if _quantity(key) == axis] for axis in "xy")
+    for names in itertools.product(*of_axes):
+        x, y = (np.asarray(arrays[name], dtype=float) for name in names)
+        vectors = min(x.shape) == min(y.shape) == 1
+        if x.shape == y.shape == heights.shape:
+            points = np.stack([x.ravel(), y.ravel(), heights.ravel()], axis=1)
+        elif vectors and (y.size, x.size) == heights.shape:
+            points = points_on(x.ravel(), y.ravel(), heights)
+        elif vectors and (x.size, y.size) == heights.shape:
+            points = points_on(x.ravel(), y.ravel(), heights.T)
+        else:
+            continue
+        units = {split_name(name)[1] for name in names}
+        if len(units) > 1:
+            raise InputError(f"{' and '.join(names)}: must be in the same units")
+        return points, units.pop()
+    return None
 
 
 def _chosen(variable: str | None, fields: list[str], all_names: dict) -> str:
+    """Return the stated array of a file, otherwise the only one over (y, x)."""
     if variable is not None:
         if variable not in all_names:
             raise InputError(f"variable = {variable!r}: must be one of {', '.join(all_names)}")
         return variable
-    if len(fields) != 1:
-        listed = ", ".join(fields) or "none"
-        raise InputError(f"has arrays over (y, x): {listed}; variable must name one of them")
+    if not fields:
+        names = ", ".join(all_names) or "nothing"
+        raise InputError(f"has no array over (y, x); it contains {names}")
+    if len(fields) > 1:
+        raise InputError(
+            f"has arrays over (y, x): {', '.join(fields)}; {VARIABLE} must name one of them"
+        )
     return fields[0]
 
 

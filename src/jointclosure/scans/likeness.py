@@ -4,19 +4,22 @@ import re
 from pathlib import Path
 
 from jointclosure.inputs import InputError
+from jointclosure.scans.meshes import binary_stl_size
 from jointclosure.scans.points import read_text
+from jointclosure.scans.text import is_binary
 
+_STL = "an STL mesh (.stl)"
 _STARTS = {
     b"\x93NUMPY": "an array of numpy (.npy)",
     b"PK\x03\x04": "an archive (.npz, a workbook of Excel, .zip)",
     b"\x1f\x8b": "a file compressed by gzip",
-    b"\x89HDF": "HDF5 (.nc, or MATLAB 7.3: save with -v7)",
-    b"CDF": "netCDF (.nc)",
+    b"\x89HDF": "HDF5 (.nc, .nc4, or MATLAB 7.3: save with -v7)",
+    b"CDF": "netCDF (.nc, .cdf)",
     b"MATLAB": "a MATLAB file (.mat)",
     b"ply": "a PLY mesh (.ply)",
-    b"solid": "an STL mesh (.stl)",
-    b"II*\0": "TIFF (.tif)",
-    b"MM\0*": "TIFF (.tif)",
+    b"solid": _STL,
+    b"II*\0": "TIFF (.tif, .tiff)",
+    b"MM\0*": "TIFF (.tif, .tiff)",
     b"%PDF": "PDF, which has no heights",
     b"\x89PNG": "a PNG picture, which has no heights",
     b"\xff\xd8\xff": "a JPEG picture, which has no heights",
@@ -31,21 +34,29 @@ _PROBED = 4096
 def nearest_form(path: Path) -> str:
     """Return the end of an error message: what a file is most like, and what is wrong with it.
 
-    Empty where the form follows from the name.
+    Empty where the form follows from the name, or is not known.
     """
     with path.open("rb") as file:
         start = file.read(_PROBED)
-    for mark, form in _STARTS.items():
-        if start.lower().startswith(mark.lower()):
-            return "" if path.suffix.lower() in form else f"; its content is that of {form}"
-    if path.suffix.lower() in (".csv", ".xyz", ".txt", ".obj"):
+    suffix = path.suffix.lower()
+    if form := _known_form(start, path.stat().st_size):
+        return "" if suffix and suffix in form else f"; its content is that of {form}"
+    if suffix in (".csv", ".xyz", ".txt", ".obj"):
         return ""
     if _OBJ.search(start):
         return "; its content is that of an OBJ mesh (.obj)"
-    if b"\0" in start or not start.decode("utf-8", errors="replace").isascii():
-        return "; its first bytes are of no form that is known here"
+    if is_binary(start) or not start.decode("utf-8", errors="replace").isascii():
+        return ""
     try:
         read_text(path, None)
     except InputError as error:
         return f"; its content is text; read as points it {error}"
     return "; its content is text with points: rename it to .txt"
+
+
+def _known_form(start: bytes, size: int) -> str | None:
+    """Return the form of a file of a size [bytes] by its first bytes; None if it is not known."""
+    for mark, form in _STARTS.items():
+        if start.lower().startswith(mark.lower()):
+            return form
+    return _STL if binary_stl_size(start) == size else None

@@ -1,5 +1,6 @@
 """Triangulated scans: STL, PLY and OBJ files, whose vertices are the points of the wall."""
 
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
 from jointclosure.scans.contents import Contents, check_no_variable, reading_as
 from jointclosure.scans.points import contents_of
+from jointclosure.scans.text import is_binary
 
 LARGEST_COVER = 1.05
 """Largest area of the triangles in the plan over that of the points' convex hull; a solid has 2."""
@@ -23,6 +25,8 @@ def read_mesh(path: Path, variable: str | None) -> Contents:
     points, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=int)], 0
     if form == "obj":
         _check_obj(path)
+    elif form == "stl":
+        _check_stl(path)
     with reading_as(form.upper()), path.open("rb") as file:
         for part in trimesh.load_scene(file, file_type=form).geometry.values():
             points.append(np.array(part.vertices, dtype=float))
@@ -33,6 +37,32 @@ def read_mesh(path: Path, variable: str | None) -> Contents:
     vertices = np.concatenate(points)
     _check_single_sheet(vertices, np.concatenate(faces))
     return contents_of(vertices)
+
+
+def binary_stl_size(start: bytes) -> int | None:
+    """Return the size [bytes] that the head of a binary STL file declares; None for a shorter one.
+
+    84 bytes of a head, at whose end the number of triangles is, and 50 for each triangle.
+    """
+    return 84 + 50 * struct.unpack_from("<I", start, 80)[0] if len(start) >= 84 else None
+
+
+def _check_stl(path: Path) -> None:
+    """Raise `InputError` if a binary STL file is shorter than its head declares."""
+    with path.open("rb") as file:
+        start = file.read(1024)
+    declared, size = binary_stl_size(start), path.stat().st_size
+    if start.lstrip().lower().startswith(b"solid") and not is_binary(start):
+        return  # its text form
+    if declared is None:
+        raise InputError(
+            f"contains {size} bytes, less than the head of 84: is the file incomplete?"
+        )
+    if size < declared:
+        raise InputError(
+            f"declares {(declared - 84) // 50} triangles, {declared} bytes, and contains {size}: "
+            "is the file incomplete?"
+        )
 
 
 def _check_obj(path: Path) -> None:

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from jointclosure.inputs import InputError
-from jointclosure.scans.contents import Contents, reading_as
+from jointclosure.scans.contents import VARIABLE, Contents, reading_as
+from jointclosure.scans.frames import are_places, framed_points, points_on
 from jointclosure.scans.lattice import lattice_of, merged_points
 from jointclosure.scans.sentinels import missing_heights, missing_sentence, missing_values
 from jointclosure.scans.text import Table, read_table
@@ -25,13 +26,13 @@ def read_text(path: Path, variable: str | None) -> Contents:
     Lines of names may state the units of columns ("x_mm", "z (um)"). ``variable`` names three
     columns, or numbers them from 1 ("x,y,height", "1,2,4"), if they are not named x, y and z. The
     remarks describe missing, stray and skipped values. `LEAST_COLUMNS` or more columns without
-    names are heights (y, x), whose spacing has to be stated. Points that are all nodes of a regular
-    grid are returned as that grid.
+    names are heights (y, x), whose spacing has to be stated unless the first row is x and the first
+    column y. Points that are all nodes of a regular grid are returned as that grid.
     """
     with reading_as("points", ValueError):
         table = read_table(path)
-    if variable is None and not table.names and table.values.shape[1] >= LEAST_COLUMNS:
-        return Contents(table.values, remarks=table.remarks)
+    if variable is None and (matrix := _matrix(table)) is not None:
+        return matrix
     columns = _columns(table, variable)
     values = table.values[:, columns]
     x, y, z = (_unit_of(table, column) for column in columns)
@@ -41,6 +42,36 @@ def read_text(path: Path, variable: str | None) -> Contents:
     return contents._replace(
         height_units=z, length_units=x, remarks=table.remarks + contents.remarks
     )
+
+
+def _matrix(table: Table) -> Contents | None:
+    """Return a matrix of heights, on the grid of its frame if it has one; None for points.
+
+    The first row of a frame counts as names if there is a word in its corner.
+    """
+    if table.names:
+        points = _below_names(table)
+    elif table.values.shape[1] >= LEAST_COLUMNS:
+        points = framed_points(table.values)
+        if points is None:
+            return Contents(table.values, remarks=table.remarks)
+    else:
+        points = None
+    if points is None:
+        return None
+    contents = contents_of(points)
+    read = "the first row and the first column, evenly spaced, were read as x and y"
+    return contents._replace(remarks=(*table.remarks, read, *contents.remarks))
+
+
+def _below_names(table: Table) -> np.ndarray | None:
+    """Return the points (n, 3) of a matrix whose x are names of columns; None for other names."""
+    try:
+        x = np.array([float(name.replace(",", ".")) for name in table.names[1:]])
+    except ValueError:
+        return None
+    y, heights = table.values[:, 0], table.values[:, 1:]
+    return points_on(x, y, heights) if are_places(x) and are_places(y) else None
 
 
 def read_matrix(path: Path) -> Contents:
@@ -149,14 +180,14 @@ def _columns(table: Table, variable: str | None) -> list[int]:
     if table.names:
         if not {"x", "y", "z"} <= set(bare):
             raise InputError(
-                f"columns {', '.join(table.names)}: must be named x, y and z, or variable must "
-                "state them, such as 1,2,3"
+                f"columns {', '.join(table.names)}: must be named x, y and z, or {VARIABLE} "
+                "must state them, such as 1,2,3"
             )
         return [bare.index(axis) for axis in "xyz"]
     if width != 3:
         raise InputError(
-            f"{width} columns without names: must be three, x, y and z, or variable must state "
-            f"them, such as 1,2,3; a matrix of heights has at least {LEAST_COLUMNS}"
+            f"{width} columns without names: must be three, x, y and z, or {VARIABLE} "
+            f"must state them, such as 1,2,3; a matrix of heights has at least {LEAST_COLUMNS}"
         )
     return [0, 1, 2]
 

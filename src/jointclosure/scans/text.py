@@ -9,10 +9,14 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.inputs import InputError
+from jointclosure.scans.frames import are_places
 from jointclosure.scans.units import axis_name, is_unit
 
 COMMENTS = ("#", "%", "//", "!")
 _MISSING = ("", "nan", "na", "n/a", "null", "none", "-", "--", "---", "***", "bad", "inf", "-inf")
+_BINARY = re.compile(rb"[\x00-\x08\x0e-\x19\x7f]")
+"""Bytes that no text has; \\x1a ends old files."""
+_UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+(,\d+)?([eE][-+]?\d+)?")
 
 
@@ -46,16 +50,20 @@ def read_table(path: Path) -> Table:
     ValueError
         If pandas cannot read the lines.
     """
-    lines = _decoded(path.read_bytes()).splitlines()
+    content = path.read_bytes()
+    if is_binary(content):
+        raise InputError("is not text: it contains binary data")
+    lines = _decoded(content).splitlines()
     start = next((i for i, line in enumerate(lines) if _is_data(line)), None)
     head = lines[:start]
     names, units, remarks = _names(head)
     if start is None:
         raise _without_numbers(head, bool(names))
     form = _form_of(lines[start])
-    width = len(_words(lines[start], form))
+    lines = _with_corner(lines[start:], form)
+    width = len(_words(lines[0], form))
     frame = pd.read_csv(
-        io.StringIO("\n".join(_without_comments(lines[start:]))),
+        io.StringIO("\n".join(_without_comments(lines))),
         sep=form.separator or r"\s+",
         decimal=form.decimal,
         header=None,
@@ -82,8 +90,13 @@ def read_table(path: Path) -> Table:
     return Table(values, names, units, tuple(remarks))
 
 
+def is_binary(content: bytes) -> bool:
+    """Return whether a file's content, or the start of it, has bytes that no text has."""
+    return not content.startswith(_UTF_16) and _BINARY.search(content) is not None
+
+
 def _decoded(content: bytes) -> str:
-    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+    if content.startswith(_UTF_16):
         return content.decode("utf-16")
     try:
         return content.decode("utf-8-sig")
@@ -102,8 +115,26 @@ def _form_of(line: str) -> _Form:
 
 
 def _words(line: str, form: _Form) -> list[str]:
-    words = line.strip().split(form.separator)
+    words = line.strip(" \r\n" if form.separator == "\t" else None).split(form.separator)
     return [word.strip().strip('"') for word in words]
+
+
+def _with_corner(lines: list[str], form: _Form) -> list[str]:
+    """Return lines of numbers, the first with a missing value before it if that is a row of x.
+
+    Such a row is evenly spaced and has one number fewer than the next.
+    """
+    if len(lines) < 2:
+        return lines
+    row, following = (_words(line, form) for line in lines[:2])
+    if len(following) != len(row) + 1 or not following[-1]:
+        return lines
+    numbers = [word.replace(form.decimal, ".") for word in row]
+    if not all(map(_is_number, numbers)) or "" in numbers:
+        return lines
+    if not are_places(pd.to_numeric(pd.Series(numbers), errors="coerce").to_numpy(dtype=float)):
+        return lines
+    return [f"nan{form.separator or ' '}{lines[0].strip()}", *lines[1:]]
 
 
 def _is_data(line: str) -> bool:

@@ -463,7 +463,7 @@ def _described(
     touches = f"one cell in a thousand touches after {1e3 * early:.3g} mm of closure"
     stands_out = early > _FAR * aperture.std()
     report.append(caution(_STANDS_OUT, f"{touches}: ") if stands_out else touches)
-    report += [caution(doubt) for doubt in _doubts(overlap, bool(fits))]
+    report += [caution(doubt) for doubt in _doubts(overlap, bool(fits), applied == mated)]
     if mismatch.wavelength == 0.0 and correlation > _ALIKE:
         report.append(caution(_ONE_WALL))
     if fits and name == "common_frame" and applied == (0.0, 0.0):
@@ -479,14 +479,21 @@ def _described(
     )  # fmt: skip
 
 
-def _doubts(overlap: Overlap, both: bool) -> list[str]:
-    """Describe unusual overlap and inclinations of both scans of a joint, or of its only one."""
+def _doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
+    """Describe unusual overlap and inclinations of both scans of a joint, or of its only one.
+
+    ``best_fit`` says that the walls are in the position of best fit.
+    """
     doubts = []
     if both and overlap.share < LEAST_OVERLAP:
+        question = (
+            "in the position of best fit: are the scans of the same part of the joint?"
+            if best_fit
+            else "are the scans in one frame? (--shift mated moves them to the best fit)"
+        )
         doubts.append(
             f"the walls overlap in {100.0 * overlap.share:.0f} % of the smaller scan, less than "
-            f"{100.0 * LEAST_OVERLAP:.0f} %: are the scans in one frame? (--shift mated moves "
-            "them to the best fit)"
+            f"{100.0 * LEAST_OVERLAP:.0f} %{', even ' if best_fit else ': '}{question}"
         )
     if overlap.inclination > STEEP_PLANE:
         plane = "common plane" if both else "plane"

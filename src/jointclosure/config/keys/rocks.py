@@ -100,7 +100,7 @@ class MeasuredKeys(Keys):
         "CSV file with columns stress, closure (units in their names, as stress_MPa,closure_mm) "
         "and cycle; a path from the project's folder."
     )
-    stress_unit: Literal["Pa", "MPa", "GPa"] | None = entry(
+    stress_unit: Literal["Pa", "kPa", "MPa", "GPa"] | None = entry(
         "Unit of the stresses, where the column's name has none.", None
     )
     closure_unit: Literal["m", "mm", "um"] | None = entry(
