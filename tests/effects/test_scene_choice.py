@@ -9,6 +9,7 @@ import jointclosure as jc
 from jointclosure.config.files import read_plain
 from jointclosure.effects import pilot as pilot_module
 from jointclosure.effects.choice import (
+    BULK_SHARE,
     _screened,
     choose_among,
     choose_effects,
@@ -104,8 +105,9 @@ def test_interaction_is_not_tested_where_bulk_indentation_exceeds_the_tolerance(
     (full,) = (closed.dataset for closed in pilot.closed[jc.Effects()])
     share = float((full.max_bulk_indentation / full.max_closure).max())
     fewer = jc.Effects(interaction=False)
-    assert _screened(pilot, ("interaction",), fewer, 0.99 * share).error == pytest.approx(share)
-    assert _screened(pilot, ("interaction",), fewer, 1.01 * share) is None
+    limit = share / BULK_SHARE
+    assert _screened(pilot, ("interaction",), fewer, 0.99 * limit).error == pytest.approx(share)
+    assert _screened(pilot, ("interaction",), fewer, 1.01 * limit) is None
     assert set(pilot.closed) == {jc.Effects()}
 
 
@@ -154,6 +156,19 @@ def test_the_time_that_a_test_may_lose_is_bounded_by_the_number_of_joints(count,
     verdict = pilot.test(FEWER, jc.Effects(), 0.05)
     assert not verdict.left_out
     assert bound - 0.45 < pilot.lost(jc.Effects()) <= bound
+
+
+def test_a_test_may_be_limited_to_a_part_of_the_time_that_may_be_lost():
+    for part, pairs in ((0.5, 2), (1.0, 4)):
+        pilot = made_up([0.0, 0.11] * 10, 180, seconds=0.45)
+        pilot.test(FEWER, jc.Effects(), 0.05, 1, part)
+        assert len(pilot.closed[FEWER]) == pairs
+
+
+def test_the_mean_decides_only_where_much_time_is_saved():
+    for seconds, left_out in ((0.5, True), (0.8, False)):
+        pilot = made_up([0.0, 0.06] * 10, 180, seconds=seconds)
+        assert pilot.test(FEWER, jc.Effects(), 0.05).left_out is left_out
 
 
 def test_one_pair_counts_twice_if_there_is_no_time_for_another():

@@ -46,6 +46,11 @@ BREAKAGE_PAIRS = 10
 """Least number of pairs that are closed before breakage is left out. Where few asperities carry
 load, something breaks in some joints only, and their changes are large: an interval of a few pairs
 in which nothing broke does not show them."""
+BREAKAGE_PART = 0.5
+"""Part of the time that may be lost to which the test of breakage, the first one, is limited."""
+BULK_SHARE = 1.5
+"""Share of bulk indentation in the closure, over the tolerance, from which interaction is kept
+without a test. Its other displacements make up for a part of the indentation."""
 JOINTS = 20
 """Number of joints of a case that a selection is made for, if it is not given."""
 _MOST_PAIRS = 20
@@ -158,8 +163,8 @@ def choose_among(
         if fewer is None:
             continue
         verdict = _screened(pilot, names, fewer, tolerance)
-        least_pairs = BREAKAGE_PAIRS if "breakage" in names else 1
-        verdict = verdict or pilot.test(fewer, chosen, tolerance, least_pairs)
+        limits = (BREAKAGE_PAIRS, BREAKAGE_PART) if "breakage" in names else (1, 1.0)
+        verdict = verdict or pilot.test(fewer, chosen, tolerance, *limits)
         reasons.append(
             f"without {' and '.join(names)} the mean maximum closure {verdict.reason}: "
             f"{'left out' if verdict.left_out else 'kept'}"
@@ -181,7 +186,7 @@ def _screened(
     A joint that only deforms elastically has the same closure in every cycle. Whatever this closure
     is, one of the cycles then has an error of at least (largest - least) / (largest + least). The
     elastic run takes little time, and the change without breakage is mostly the same in every
-    joint. Interaction adds bulk indentation, which is 0 without it.
+    joint. Interaction adds bulk indentation, which is 0 without it (`BULK_SHARE`).
     """
     closures = pilot.closures(pilot.effects, 1)[0]
     if not np.isfinite(closures).all():
@@ -196,7 +201,7 @@ def _screened(
         if least <= tolerance:
             least, shown = float(np.abs(pilot.changes(fewer, 1)).max()), "one pair of walls"
     elif "interaction" in names:
-        least = share
+        least = share if share > BULK_SHARE * tolerance else 0.0
     if least <= tolerance:
         return None
     return Verdict(False, least, f"changes by about {percent(least)} or more (from {shown})")

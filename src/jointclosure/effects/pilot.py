@@ -111,15 +111,21 @@ class Pilot:
         return sum(pair.seconds for pairs in others for pair in pairs)
 
     def test(
-        self, fewer: Effects, before: Effects, tolerance: float, least_pairs: int = 1
+        self,
+        fewer: Effects,
+        before: Effects,
+        tolerance: float,
+        least_pairs: int = 1,
+        part: float = 1.0,
     ) -> Verdict:
         """Test whether fewer effects change the mean maximum closure of no cycle too much.
 
         The change is from all effects; ``before`` are those selected so far. With less than
-        ``least_pairs`` nothing is left out.
+        ``least_pairs`` nothing is left out. All tests up to this one may lose ``part`` of the time
+        that may be lost.
         """
         count, error, saved, changes = 0, np.inf, 0.0, np.empty((0, 1))
-        while self._affordable(fewer):
+        while self._affordable(fewer, part):
             changes = self.changes(fewer, count + 1)
             if len(changes) == count:
                 break
@@ -144,9 +150,9 @@ class Pilot:
         pairs = f"{count} pair{'s' if count > 1 else ''}"
         return Verdict(inside, error, f"changes by {percent(mean)}{limit} ({pairs})")
 
-    def _affordable(self, fewer: Effects) -> bool:
+    def _affordable(self, fewer: Effects, part: float) -> bool:
         """Return whether another pair without effects may be lost."""
-        bound = max(1.0, LOSS * self.joints) * self.seconds(self.effects)
+        bound = part * max(1.0, LOSS * self.joints) * self.seconds(self.effects)
         one = self.seconds(fewer)
         return self.lost(self.effects) + (one if np.isfinite(one) else 0.0) <= bound
 

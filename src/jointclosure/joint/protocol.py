@@ -55,9 +55,10 @@ _SMALLEST_STEP = 1e-6
 """Share of a displacement step, or of the closure reached if that is less, below which a jump of
 the stress is accepted. A displacement step may be far longer than the whole closure."""
 
-_FEWEST_CONTACTS = 300
+_FEWEST_CONTACTS = 1000
 """Smallest number of cells in contact at the maximum, at a pressure of the compressive strength,
-for leaving out the interaction. With fewer contacts each one affects the second cycle."""
+for leaving out the interaction. With fewer contacts each one affects the second cycle: from 300 to
+600 of them means of ten joints moved by up to 12 % at tolerances of 2 and 5 %."""
 _MOST_CRUSHED = 0.4
 """Largest maximum stress over compressive strength for leaving out the interaction. Above it
 breakage takes nearly all of the time, and leaving out the interaction does not reduce breakage."""
