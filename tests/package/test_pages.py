@@ -14,7 +14,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "docs/site"))
 import publish
 import stored
 import templates
-from content import results, validation
+from content import conclusions, results, validation
 
 from jointclosure.storage.provenance import provenance
 
@@ -171,3 +171,30 @@ def test_an_upper_bound_of_the_contact_area_fails_only_below_the_measured_one():
     assert validation._distance(table).tolist() == [10.0, 0.0]
     table = table.assign(observable="later_closure")
     assert validation._distance(table).tolist() == [10.0, 60.0]
+
+
+def test_every_claim_whose_average_differs_from_its_conclusion_has_the_reason():
+    table = stored.stored("paper", "conclusions").set_index("number")
+    averages = stored.stored("readings_average", "readings_average_claims").set_index("number")
+    text = conclusions.differing()
+    for number, row in table[table.section != "ours"].iterrows():
+        known = number in averages.index
+        alike = known and row.conclusion.removesuffix(" as configured") == averages.verdict[number]
+        (line,) = re.findall(rf"^\| {number} \|.*$", text, re.M) or [""]
+        assert bool(line) == (known and not alike)
+        if line and row.verdict == averages.verdict[number]:
+            assert "open choices" in line
+        elif line:
+            assert f"{row.verdict} as configured" in line
+
+
+def test_a_margin_is_shown_with_what_its_claim_needs():
+    assert conclusions.threshold("2a") == "true above 0.1, no difference within ±0.1"
+    assert conclusions.threshold("5d") == "true up to 0.1"  # negated
+    assert conclusions.threshold("1b") == "true above 0"  # of the distance to the bound
+
+
+def test_surfaces_that_are_wanted_grow_with_the_square_of_the_error(monkeypatch):
+    table = pd.DataFrame({"entries": ["all"], "p_error": [2.0 * results.AIM]})
+    monkeypatch.setattr(results, "stored", lambda *_: table)
+    assert results.wanted_surfaces() == "1,600"  # of the pool's 400

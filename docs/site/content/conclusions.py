@@ -82,7 +82,8 @@ def largest_share_of_reading() -> str:
 def differing() -> str:
     """Tabulate the claims of the paper whose conclusion and average differ, with the reason."""
     table = stored("paper", "conclusions")
-    table = table[table.section != OURS].set_index("number").join(_averages(), rsuffix="_averaged")
+    table = table[table.section != OURS].set_index("number")
+    table = table.join(_averages().add_suffix("_averaged"))
     as_configured = {text: verdict for verdict, text in ONLY_CONFIGURED.items()}
     lines = []
     for row in table.dropna(subset=["verdict_averaged"]).reset_index().to_dict("records"):
@@ -101,7 +102,7 @@ def differing() -> str:
 
 def _why(row: dict) -> str:
     """State why the conclusion on a claim is not the verdict of the average."""
-    margin = rounded(row["margin"], row["margin_error"])
+    margin = rounded(row["margin_averaged"], row["margin_error_averaged"])
     needed = threshold(row["number"])
     if row["verdict"] == row["verdict_averaged"]:
         share, low, high = (100.0 * row[f"choices_share{end}"] for end in ("", "_low", "_high"))
