@@ -98,7 +98,7 @@ size: $(STAMP) ## Ask what patch length and grid spacing do, and what carries ov
 misalignment: $(STAMP) ## Close walls that are tilted, or rotated about the normal (three to ten core-minutes)
 	$(RUN) misalignment
 
-measured-joints: $(STAMP) ## Close joints beside three measured ones, by the model's open choices (three core-minutes)
+measured-joints: $(STAMP) ## Close joints beside three measured ones, by the model's open choices (13 core-minutes)
 	$(RUN) measured-joints
 
 readings: $(STAMP) ## Ask which reading of the paper gives its Table 3 (ninety minutes on two cores)

@@ -14,7 +14,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "docs/site"))
 import publish
 import stored
 import templates
-from content import results, validation
+from content import conclusions, results, validation
 
 from jointclosure.storage.provenance import provenance
 
@@ -140,3 +140,61 @@ def test_the_readme_states_the_stored_measured_share():
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     (sentence,) = re.findall(r"^.*\*\*Measured joints:.*$", text, re.M)
     assert validation.span("later_residual_share") in sentence
+
+
+def test_a_choice_is_nearer_or_farther_only_by_changes_beyond_two_standard_errors(monkeypatch):
+    columns = ["variant", "observable", "joint", "value", "error", "measured_low", "measured_high"]
+    rows = [
+        ("default choices", "later_stiffness", 1, 400.0, 3.0, 200.0, 300.0),
+        ("weak", "later_stiffness", 1, 90.0, 4.0, 200.0, 300.0),  # 110 below instead of 100 above
+        ("default choices", "later_closure", 1, 2.0, 0.3, 3.0, 4.0),
+        ("weak", "later_closure", 1, 3.5, 0.4, 3.0, 4.0),  # two standard errors
+        ("default choices", "contact_share", 2, 20.0, 1.0, 30.0, 30.0),
+        ("weak", "contact_share", 2, 90.0, 1.0, 30.0, 30.0),  # an upper bound, so not excluded
+        ("default choices", "first_closure", 1, 1.0, 0.0, 2.0, 2.0),
+        ("weak", "first_closure", 1, 9.0, 0.0, 2.0, 2.0),  # fitted
+    ]
+    table = pd.DataFrame(rows, columns=columns).assign(walls="mated")
+    monkeypatch.setattr(validation, "stored", lambda *_: table)
+    (line,) = validation.changes().splitlines()[2:]
+    cells = [cell.strip() for cell in line.strip("|").split("|")]
+    assert cells[0] == "weak"
+    assert cells[1] == "contact area, at most (2)"
+    assert cells[2] == "none"  # 10 against 2 x 5
+    table.loc[1, "value"] = 89.0
+    assert "| later stiffness (1) |" in validation.changes()
+
+
+def test_an_upper_bound_of_the_contact_area_fails_only_below_the_measured_one():
+    row = {"measured_low": 30.0, "measured_high": 30.0, "observable": "contact_share"}
+    table = pd.DataFrame([row | {"value": 20.0}, row | {"value": 90.0}])
+    assert validation._distance(table).tolist() == [10.0, 0.0]
+    table = table.assign(observable="later_closure")
+    assert validation._distance(table).tolist() == [10.0, 60.0]
+
+
+def test_every_claim_whose_average_differs_from_its_conclusion_has_the_reason():
+    table = stored.stored("paper", "conclusions").set_index("number")
+    averages = stored.stored("readings_average", "readings_average_claims").set_index("number")
+    text = conclusions.differing()
+    for number, row in table[table.section != "ours"].iterrows():
+        known = number in averages.index
+        alike = known and row.conclusion.removesuffix(" as configured") == averages.verdict[number]
+        (line,) = re.findall(rf"^\| {number} \|.*$", text, re.M) or [""]
+        assert bool(line) == (known and not alike)
+        if line and row.verdict == averages.verdict[number]:
+            assert "open choices" in line
+        elif line:
+            assert f"{row.verdict} as configured" in line
+
+
+def test_a_margin_is_shown_with_what_its_claim_needs():
+    assert conclusions.threshold("2a") == "true above 0.1, no difference within ±0.1"
+    assert conclusions.threshold("5d") == "true up to 0.1"  # negated
+    assert conclusions.threshold("1b") == "true above 0"  # of the distance to the bound
+
+
+def test_surfaces_that_are_wanted_grow_with_the_square_of_the_error(monkeypatch):
+    table = pd.DataFrame({"entries": ["all"], "p_error": [2.0 * results.AIM]})
+    monkeypatch.setattr(results, "stored", lambda *_: table)
+    assert results.wanted_surfaces() == "1,600"  # of the pool's 400

@@ -5,7 +5,9 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from matplotlib.colors import to_rgb
 
+from jointclosure.plotting.global_sensitivity import convergence
 from jointclosure.plotting.sensitivity import along_curve_figure, predictive_figure
 from tests.studied import study_of
 
@@ -72,3 +74,32 @@ def test_along_the_curve_every_rock_has_a_line_and_a_band(what):
         expected = [0.1, 0.2, 0.3] if what == "elasticities" else [10.0, 20.0, 30.0]
         np.testing.assert_allclose(lines[0].get_ydata(), expected)
     assert len({line.get_linestyle() for line in lines}) == 2  # told apart without colour
+
+
+def test_no_two_inputs_look_alike_where_colours_repeat():
+    inputs = [f"input {number}" for number in range(12)]
+    rows = [
+        {"rock": "slate", "response": "closure", "cycle": cycle, "rows": count, "left_out": 0}
+        | {"input": name, "title": name, "total": 0.1, "total_error": 0.01}
+        for cycle in (1, 2)
+        for count in (64, 128)
+        for name in inputs
+    ]
+    figure = convergence(pd.DataFrame(rows), {"slate": "Slate"})
+    lines = [container[0] for container in figure.axes[0].containers]
+    looks = {
+        (line.get_color(), line.get_linestyle(), to_rgb(line.get_markerfacecolor()))
+        for line in lines
+    }
+    assert len(looks) == len(lines) == 12
+
+
+def test_ticks_of_convergence_are_the_rows_of_the_response_that_is_drawn():
+    row = {"rock": "slate", "input": "jrc", "title": "JRC", "total": 0.1, "total_error": 0.01}
+    rows = [
+        row | {"cycle": cycle, "response": response, "rows": count, "left_out": 0}
+        for cycle in (1, 2)
+        for response, count in (("closure", 64), ("compliance", 63))
+    ]
+    axes = convergence(pd.DataFrame(rows), {"slate": "Slate"}).axes[-1]
+    assert axes.get_xticks().tolist() == [64.0]

@@ -11,7 +11,7 @@ from jointclosure.config.properties import PARAMETERS
 from jointclosure.report.findings import found_text
 
 RUN = "global_sensitivity"
-ENOUGH = 0.1
+ENOUGH = 0.08
 """Standard error of a share that would settle it."""
 SHOWN = {
     ("closure", 1): "closure, cycle 1",

@@ -1,6 +1,20 @@
 """Tables that compare with exact solutions, the oracle and other codes, of several pages."""
 
+from stored import ROOT, stored
+
 from content.markdown import Table
+from jointclosure.config.files import read_plain
+from jointclosure.verification.hard_cases import merged_cases
+
+
+def hard_cases(kind: str) -> str:
+    """Count hard cases: "all", "refused", "checked" by the oracle, or "without a state"."""
+    cases = merged_cases(read_plain(ROOT / "config/hard_cases.yaml")).values()
+    refused = sum(case["expect"] == "refused" for case in cases)
+    checked = len(stored("hard_cases", "hard_case_errors"))
+    counts = {"all": len(cases), "refused": refused, "checked": checked}
+    return str((counts | {"without a state": len(cases) - refused - checked})[kind])
+
 
 analytic = Table(
     "hard_cases/analytic",

@@ -1,7 +1,7 @@
 """Tables and numbers of docs/results.md, and the outcome of the default study in short."""
 
 import pandas as pd
-from stored import stored
+from stored import origin, stored
 
 from content.markdown import Form, Table, rows_of, value_of
 from jointclosure.claims.table import OURS
@@ -73,6 +73,27 @@ def flagged() -> str:
     flag = "simulations flagged outside_model_range"
     counts = rows_of(stored("paper", "checks"), check=flag).found.str.split(" of ", expand=True)
     return " of ".join(counts.astype(int).sum().astype(str))
+
+
+AIM = 0.02
+"""Standard error of p that was wanted."""
+
+
+def _pools_wanted() -> float:
+    """Compute how many of the large pools would give p of all entries to `AIM`."""
+    table = rows_of(stored("large_pool", "table_3_joint_tests"), entries="all")
+    return (table.p_error.iloc[0] / AIM) ** 2
+
+
+def wanted_surfaces() -> str:
+    """Count the surfaces that p to `AIM` takes, to two figures."""
+    pool = origin("large_pool")["configuration"]["differs"]["study.pool"]
+    return f"{float(f'{pool * _pools_wanted():.2g}'):,.0f}"
+
+
+def wanted_hours() -> str:
+    """Give the core-hours that p to `AIM` takes, by those of the large pool."""
+    return f"{origin('large_pool')['cpu_minutes'] * _pools_wanted() / 60.0:.0f}"
 
 
 def headline() -> dict[str, str]:

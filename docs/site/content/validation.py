@@ -1,7 +1,8 @@
 """Tables and numbers of docs/validation.md."""
 
+import numpy as np
 import pandas as pd
-from stored import stored
+from stored import origin, stored
 
 from content.markdown import Form, Group, Table, markdown, rows_of, written
 from jointclosure.config.measured_joints import ALL, JOINTS, measured_joints, measured_range
@@ -61,6 +62,9 @@ JUDGED = {
 }
 """Observables that are not fitted, with their titles in tables of results."""
 _RUN = ("measured_joints", "measured_joints")
+DEFAULT = "default choices"
+SIGNIFICANT = 2.0
+"""Standard errors of a difference above which it counts as a change."""
 
 
 def _range(row: pd.Series) -> str:
@@ -117,13 +121,13 @@ def judged(walls: str) -> str:
 
 def wavelengths() -> str:
     """Give the fitted mismatch wavelengths [mm] of the default choices, with standard errors."""
-    table = rows_of(stored(*_RUN), variant="default choices", walls="mated")
+    table = rows_of(stored(*_RUN), variant=DEFAULT, walls="mated")
     table = table.drop_duplicates("joint")
     pairs = zip(table.wavelength_mm, table.wavelength_error, strict=True)
     return ", ".join(rounded(*pair) for pair in pairs)
 
 
-def means(observable: str, variant: str = "default choices", walls: str = "mated") -> str:
+def means(observable: str, variant: str = DEFAULT, walls: str = "mated") -> str:
     """Give the means of an observable, by measured joint."""
     table = rows_of(stored(*_RUN), variant=variant, walls=walls, observable=observable)
     return ", ".join(dict.fromkeys(_mean(row) for _, row in table.iterrows()))
@@ -149,6 +153,71 @@ def _hits_of(variant: str, walls: str) -> pd.Series:
     table = rows_of(stored(*_RUN), variant=variant, walls=walls)
     table = table[table.observable.isin(JUDGED)]
     return (table.judgement == "agrees").groupby(table.joint).sum()
+
+
+def changes() -> str:
+    """Tabulate which observables a choice moves nearer to the measured range, and which away.
+
+    The means are those of fitted walls, compared with the default choices. A change counts if the
+    distance from the measured range differs by more than `SIGNIFICANT` standard errors.
+    """
+    table = rows_of(stored(*_RUN), walls="mated")
+    table = table[table.observable.isin(JUDGED)].assign(off=_distance)
+    keys = ["observable", "joint"]
+    default = rows_of(table, variant=DEFAULT).set_index(keys)
+    lines = []
+    for variant, part in table[table.variant != DEFAULT].groupby("variant", sort=False):
+        part = part.set_index(keys)
+        nearer = default.off - part.off
+        nearer = nearer[nearer.abs() > SIGNIFICANT * np.hypot(part.error, default.error)]
+        line = {"choice": variant, "nearer to the measured range": _with_joints(nearer[nearer > 0])}
+        lines.append(line | {"farther from it": _with_joints(nearer[nearer < 0])})
+    return markdown(pd.DataFrame(lines))
+
+
+def _distance(table: pd.DataFrame) -> pd.Series:
+    """Compute distances of means from measured ranges; an upper bound is off only if too small."""
+    below = (table.measured_low - table.value).clip(lower=0.0)
+    above = (table.value - table.measured_high).clip(lower=0.0)
+    return below + above.where(table.observable != "contact_share", 0.0)
+
+
+def _with_joints(rows: pd.Series) -> str:
+    """Name observables, each with the joints in the rows; "none" without rows."""
+    joints = rows.index.to_frame(index=False).groupby("observable").joint
+    named = {name: ", ".join(map(str, sorted(part))) for name, part in joints}
+    titles = {name: title.partition(" (")[0] for name, title in JUDGED.items()}
+    return (
+        "; ".join(f"{titles[name]} ({named[name]})" for name in JUDGED if name in named) or "none"
+    )
+
+
+def agreeing(observable: str, variant: str = DEFAULT, walls: str = "mated") -> str:
+    """Count the joints that agree in an observable, of all: "1 of 3"."""
+    return _hits(rows_of(stored(*_RUN), variant=variant, walls=walls, observable=observable))
+
+
+def mean(observable: str, joint: int, variant: str = DEFAULT) -> str:
+    """Give the mean of an observable for walls fitted to one joint."""
+    rows = {"variant": variant, "walls": "mated", "observable": observable, "joint": joint}
+    return _mean(rows_of(stored(*_RUN), **rows).iloc[0])
+
+
+def bounds(quantity: str, joint: int) -> str:
+    """Give the measured range of a quantity of a joint."""
+    rows = {"observable": quantity, "joint": joint, "variant": DEFAULT, "walls": "mated"}
+    return written("{measured_low:g} to {measured_high:g}", Group(rows_of(stored(*_RUN), **rows)))
+
+
+def softness_of_paper() -> str:
+    """Give the least ratio of Young's modulus to strength of the rocks of the paper."""
+    rocks = stored("paper", "table_1_rocks")
+    return f"{(1e3 * rocks.youngs_modulus_GPa / rocks.compressive_strength_MPa).min():.0f}"
+
+
+def core_minutes() -> str:
+    """Give the processor time of the run in minutes."""
+    return f"{origin(_RUN[0])['cpu_minutes']:.0f}"
 
 
 def tried() -> str:

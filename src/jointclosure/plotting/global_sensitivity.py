@@ -18,6 +18,8 @@ SHOWN = (
 )
 """Response, cycle and title of each panel."""
 _WIDTH = 1.96
+_COLOURS = 10
+"""Number of colours of lines, which repeat after it (`jointclosure.plotting.style`)."""
 
 
 @styled
@@ -72,8 +74,10 @@ def indices(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
 def convergence(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     """Draw total indices of the closures of both cycles over the number of rows.
 
-    Parameters as of `indices`. Bars are 95 % intervals.
+    Parameters as of `indices`. Bars are 95 % intervals. Inputs beyond the number of colours have
+    hollow markers and dashed lines.
     """
+    table = table[table.response == "closure"]
     rocks = list(dict.fromkeys(table.rock))
     names = [name for name in dict.fromkeys(table.input) if name != SURFACES]
     figure, panels = subplots(
@@ -83,14 +87,15 @@ def convergence(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     markers = "osD^v<>PX*hd"
     for column, rock in zip(panels.T, rocks, strict=False):  # axes alone without any rock
         for axes, cycle in zip(column, (1, 2), strict=True):
-            here = table[(table.rock == rock) & (table.response == "closure")]
-            here = here[here.cycle == cycle]
+            here = table[(table.rock == rock) & (table.cycle == cycle)]
             for number, name in enumerate(names):
                 part = here[here.input == name].sort_values("rows")
+                again = number >= _COLOURS
                 axes.errorbar(
                     (part.rows + part.left_out) * 1.03 ** (number - len(names) / 2.0), part.total,
                     yerr=_WIDTH * part.total_error, marker=markers[number % len(markers)],
-                    color=f"C{number}", ms=4.0, lw=0.8, label=part.title.iloc[0],
+                    color=f"C{number}", markerfacecolor="white" if again else None,
+                    linestyle="--" if again else "-", ms=4.0, lw=0.8, label=part.title.iloc[0],
                 )  # fmt: skip
             axes.set_title(f"{titles[rock]}, cycle {cycle}", fontsize=10)
             axes.axhline(0.0, color="0.6", lw=0.8, zorder=0)
