@@ -98,7 +98,6 @@ RUNS = {
     "limited_pressure": Run(("limited_pressure",)),
     "solver_speed": Run(("study", "elastic", "reference")),
     "versions": Run(("versions",)),
-    "versions_same_bits": Run(("versions",)),
     "peers": Run(("peers",)),
     "start_up": Run(("start_up",)),
     "growth": Run(("growth", "growth_beyond"), ("growth",)),

@@ -78,7 +78,7 @@ def _fitted(group: Group) -> str:
 def _agreement(group: Group) -> str:
     if math.isnan(group["low"]):
         least, most = group["least"], group["most"]
-        return f"none: nearest {least:.2g} to {most:.2g}"
+        return f"none (nearest: {least:.2g} to {most:.2g})"
     return f"{1e3 * group['low']:.2g} to {1e3 * group['high']:.2g}"
 
 

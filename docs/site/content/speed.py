@@ -133,21 +133,17 @@ breakage_methods = Table(
 )  # fmt: skip
 versions = Table(
     "versions/versions",
-    _of_two("{} now", "{} before", "time over", "pairs", "ms", "products")
+    {
+        "rock": "{rock}",
+        "time over that in brackets": "{time over:.2f} ± {time over +-:.2f}",
+        "median of single surfaces": "{median ratio:.2f} ({from:.2f} to {to:.2f})",
+        "ms": "{ms now:,.0f} ({ms before:,.0f})",
+        "FFT pairs": "{pairs now:,.0f} ({pairs before:,.0f})",
+        "products": "{products now:,.0f} ({products before:,.0f})",
+        "surfaces": "{surfaces}",
+    }
     | {
         f"closure, cycle {cycle} (%)": f"{{cycle {cycle} %:+.2f}} ± {{cycle {cycle} +- %:.2f}}"
         for cycle in (1, 2)
-    },
-)
-same_bits = Table(
-    "versions_same_bits/versions",
-    {
-        "rock": "{rock}",
-        "median of the ratios": "{median ratio:.2f} ({from:.2f} to {to:.2f})",
-        "of single surfaces": "{least of a surface:.2f} to {largest of a surface:.2f}",
-        "ms": "{ms now:,.0f} ({ms before:,.0f})",
-        "products": "{products now:,.0f} ({products before:,.0f})",
-        "surfaces": "{surfaces}",
-        "of them the same to the last bit": "{identical}",
     },
 )
