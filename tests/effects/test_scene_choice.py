@@ -165,10 +165,10 @@ def test_a_test_may_be_limited_to_a_part_of_the_time_that_may_be_lost():
         assert len(pilot.closed[FEWER]) == pairs
 
 
-def test_the_mean_decides_only_where_much_time_is_saved():
-    for seconds, left_out in ((0.5, True), (0.8, False)):
+def test_the_mean_decides_with_more_caution_where_less_time_is_saved():
+    for tolerance, seconds, left_out in ((0.05, 0.5, True), (0.05, 0.8, False), (0.07, 0.8, True)):
         pilot = made_up([0.0, 0.06] * 10, 180, seconds=seconds)
-        assert pilot.test(FEWER, jc.Effects(), 0.05).left_out is left_out
+        assert pilot.test(FEWER, jc.Effects(), tolerance).left_out is left_out
 
 
 def test_one_pair_counts_twice_if_there_is_no_time_for_another():

@@ -12,7 +12,8 @@ unequal weights, the "alpha spending" of K. K. G. Lan and D. L. DeMets, Biometri
 
 Closures that are not used are lost: those with all effects if some are left out, and those without
 if all act. The second kind is bounded, because it has no benefit: `LOSS`, or a joint if that is
-more. If the bound is reached, the mean of the changes decides, where much time is saved.
+more. If the bound is reached, the mean of the changes decides, with more caution where less time is
+saved.
 """
 
 import time
@@ -32,11 +33,12 @@ CONFIDENCE = 0.8
 """Confidence [1] of all limits of a test together."""
 LOSS = 0.01
 """Largest share of the time of all joints that tests may lose; at least the time of a joint."""
-UNDECIDED = 0.9
-"""Share of the tolerance up to which the mean decides if the bound of time is reached."""
+UNDECIDED, CAUTIOUS = 0.9, 0.5
+"""Shares of the tolerance up to which the mean decides if the bound of time is reached, where much
+time (`MUCH`) is saved and elsewhere."""
 MUCH = 0.3
-"""Least share of time to be saved for the mean to decide. Interaction takes half of the time or
-more; soft peaks near the strength save a tenth, and two pairs of them were misleading."""
+"""Share of time that counts as much. Interaction takes half of the time or more; soft peaks near
+the strength take a tenth to a third, and two pairs of them were misleading."""
 _ONE_PAIR = 2.0
 """Factor on the change of one pair, which has no interval, if there is no time for another."""
 WORTH = 0.1
@@ -143,7 +145,7 @@ class Pilot:
         mean = float(np.abs(changes.mean(axis=0)).max())
         if count == 1:  # no interval: the tolerance is all that is known of an error within it
             error = max(_ONE_PAIR * mean, tolerance)
-        trusted = count > 1 and saved >= MUCH and mean <= UNDECIDED * tolerance
+        trusted = count > 1 and mean <= tolerance * (UNDECIDED if saved >= MUCH else CAUTIOUS)
         inside = error <= tolerance or trusted
         inside = inside and count >= least_pairs
         limit = f", at most {percent(error)}" if np.isfinite(error) else ""
