@@ -73,7 +73,7 @@ def test_units_are_those_of_the_header_or_of_the_configuration(text, units):
         ("stress_MPa,closure_mm\n1,2\n", "line 1: lacks cycle"),
         ("stress_MPa,depth_mm,cycle\n1,2,1\n", "lacks closure (columns are stress_MPa,closure_mm"),
         ("stress_MPa closure_mm cycle\n1 2 1\n", "separated by commas, semicolons or tabs"),
-        ("stress_psi,closure_mm,cycle\n1,2,1\n", "unit 'psi' must be one of Pa, MPa, GPa"),
+        ("stress_psi,closure_mm,cycle\n1,2,1\n", "unit 'psi' must be one of Pa, kPa, MPa, GPa"),
     ],
 )
 def test_what_is_wrong_is_said_with_file_line_and_value(text, printed):
