@@ -89,9 +89,11 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, cap
     assert str(library) == line
     assert "\n" not in line
     ends = {"best": 0.18, "low": 0.13, "high": 0.24, "spacing": 0.75, "breakage": 0.25}
+    ends["together"] = 0.0
     index = pd.MultiIndex.from_product([[1, 2], QUANTITIES], names=["cycle", "quantity"])
     ranges = pd.DataFrame([ends] * len(index), index)
-    results = pd.DataFrame({"source": [""], "value": [""]} | {name: [0.18] for name in QUANTITIES})
+    joint = {"source": [""], "value": [""], "cycle": [1]}
+    results = pd.DataFrame(joint | {name: [0.18] for name in QUANTITIES})
     printed = str(library._replace(budget=Budget(results, ranges, ())))
     assert "0.18 (0.13 to 0.24)" in printed.splitlines()[0]
     assert "the range is due to grid spacing 75 %, breakage rule 25 %" in printed
