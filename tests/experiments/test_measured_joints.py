@@ -105,8 +105,9 @@ def test_where_soft_peaks_are_the_same_a_reseated_joint_repeats_its_second_cycle
 def test_only_reseated_walls_leave_a_share_of_the_later_closure(observables):
     stays = observables.groupby("variant").later_residual_share.mean()
     assert stays[RESEATED] > 5.0
-    # of rock of 40 MPa a little breaks anew: about 1 %
-    assert stays[[name for name in stays.index if "reseated" not in name]].abs().max() < 2.0
+    seated = stays[[name for name in stays.index if "reseated" not in name]].abs()
+    assert seated.drop("strength 40 MPa").max() < 1.0
+    assert seated["strength 40 MPa"] < 1.5  # where a little breaks anew: 1.04 %
 
 
 def test_wavelength_is_that_of_the_measured_closure():
