@@ -186,7 +186,11 @@ def test_a_range_that_is_not_allowed_is_refused_before_the_joint_is_closed(scans
             WORDS,
             "without --rock (such as --rock granite): --youngs-modulus, --poisson-ratio",
         ),
-        (("", ""), ["--rock", "granite"], "jointclosure: both walls are flat: one must be a scan"),
+        (
+            ("", ""),
+            ["--rock", "granite"],
+            "walls: upper = 'flat', lower = 'flat': at least one must be a file",
+        ),
         (
             ("top.xyz", "bottom.xyz"),
             [*WORDS, "--rock", "granite", "--output", "no/where"],

@@ -50,7 +50,7 @@ from jointclosure.storage.folders import replace_files
 from jointclosure.storage.netcdf import write_netcdf
 from jointclosure.storage.provenance import provenance
 from jointclosure.storage.text import write_csv, write_text
-from jointclosure.surface.measured import FLAT, PAPER_SPACING
+from jointclosure.surface.measured import PAPER_SPACING
 from jointclosure.surface.mismatch import Mismatch
 from jointclosure.surface.registration import ORIENTATIONS, SHIFTS, RegisteredPair
 
@@ -153,8 +153,6 @@ def run(arguments) -> int:
     check_can_be_made(arguments.output)
     if arguments.single and arguments.range:
         raise InputError("--range: must be left out with --single")
-    if str(arguments.upper) == str(arguments.lower) == FLAT:
-        raise InputError("both walls are flat: one must be a scan")
     ranges = _ranges(arguments.range)
     settings = _settings(arguments)
     pair = _pair(arguments, settings)

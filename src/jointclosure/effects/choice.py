@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from jointclosure.effects.pilot import Closed, Pilot, Verdict, closing, percent
+from jointclosure.effects.pilot import Closed, Pilot, Verdict, closing
 from jointclosure.ensemble.cases import BASE
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.surfaces import walls_of
@@ -33,6 +33,7 @@ from jointclosure.parameters import (
     check_scene,
     well_posed_scenes,
 )
+from jointclosure.statistics.standard_errors import percent
 
 DROPS = (("breakage", "gouge"), ("interaction",), ("substrate",), ("soft_peaks",))
 """Effects that are tried to be left out, in this order: pairs without breakage take a tenth of the

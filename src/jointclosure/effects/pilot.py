@@ -28,6 +28,7 @@ from jointclosure.ensemble.closing import close_walls
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import Effects
+from jointclosure.statistics.standard_errors import percent
 
 CONFIDENCE = 0.8
 """Confidence [1] of all limits of a test together."""
@@ -199,11 +200,6 @@ def closing(walls: Iterable[tuple[np.ndarray, np.ndarray]], conditions: Conditio
         return Closed(dataset, time.process_time() - start)
 
     return close
-
-
-def percent(share: float) -> str:
-    """Write a share with two digits, or whole percent."""
-    return f"{100.0 * share:.{0 if share >= 0.0995 else 2}{'f' if share >= 0.0995 else 'g'}} %"
 
 
 def max_closures(closed: xr.Dataset) -> np.ndarray:

@@ -11,6 +11,7 @@ import xarray as xr
 from jointclosure.ensemble.aggregation import seats
 from jointclosure.measured.curves import FIT_COLUMNS, MeasuredCurve, best_fits
 from jointclosure.plotting.style import key
+from jointclosure.statistics.standard_errors import percent
 
 _MARKERS = "osD^v"
 _DARK = dict(enumerate(sns.color_palette("dark", 8), start=1))
@@ -72,8 +73,8 @@ def draw_measured(
             stresses += stress.tolist()
         axes.plot([1e3 * c for c in closures], [1e-6 * s for s in stresses], "k-", lw=1.6, zorder=5)
     seated, misfits = seats(base), []
-    for cycle, realization, misfit, percent in best_fits(measured.fits, rock):
-        misfits.append(f"cycle {cycle} {misfit:.2g} mm ({_percent(percent)} %)")
+    for cycle, realization, misfit, misfit_percent in best_fits(measured.fits, rock):
+        misfits.append(f"cycle {cycle} {misfit:.2g} mm ({percent(0.01 * misfit_percent)})")
         if cycle not in cycles:
             continue
         best = base.closure.sel(cycle=cycle, realization=realization)
@@ -88,11 +89,6 @@ def draw_measured(
     if not misfits:
         return "\nno realisation reaches all measured stresses"
     return f"\nRMS misfit of the best: {', '.join(misfits)}"
-
-
-def _percent(value: float) -> str:
-    """Format with two digits, large numbers with all digits."""
-    return f"{value:.2g}" if value < 99.5 else f"{value:.0f}"
 
 
 def _style(cycle: int) -> dict:

@@ -9,7 +9,7 @@ from jointclosure.config.properties import PARAMETER_TITLES, PROPERTIES
 from jointclosure.report.sheets import Cell, Sheet, cell, given, sheet
 from jointclosure.sensitivity.conclusions import COUNTS, FOUND
 from jointclosure.sensitivity.tables import is_paired, table_3, test_name
-from jointclosure.statistics.standard_errors import rounded
+from jointclosure.statistics.standard_errors import percent, rounded
 
 _WITH_UNITS = {name: about.title + about.in_brackets for name, about in PROPERTIES.items()}
 
@@ -237,8 +237,8 @@ def conclusion_sheet(conclusions: pd.DataFrame) -> Sheet:
             "partial": _tried([row[f"partial_{name}"] for name in COUNTS]),
             "choices": NOT_TRIED
             if pd.isna(row["choices_share"])
-            else f"{_percents(row['choices_share'])} % ({_percents(row['choices_share_low'])} to "
-            f"{_percents(row['choices_share_high'])})",
+            else f"{percent(row['choices_share'])} ({percent(row['choices_share_low'])} to "
+            f"{percent(row['choices_share_high'])})",
         }
         for row in conclusions.to_dict("records")
     ]
@@ -272,10 +272,6 @@ def _tried(counts: list[float]) -> str:
     if pd.isna(counts[0]):
         return NOT_TRIED
     return ", ".join(f"{count:.0f}" for count in counts) if sum(counts) else "none"
-
-
-def _percents(share: float) -> str:
-    return f"{100.0 * share:.0f}"
 
 
 def probability(value: float, error: float) -> Cell:

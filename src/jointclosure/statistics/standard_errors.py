@@ -187,6 +187,11 @@ def rounded(value: float, standard_error: float) -> str:
     return f"{value + 0.0:.{places}f} ± {standard_error:.{places}f}"
 
 
+def percent(share: float) -> str:
+    """Format a share in percent: two digits below 10 %, whole percent above."""
+    return f"{100.0 * share:.{0 if share >= 0.0995 else 2}{'f' if share >= 0.0995 else 'g'}} %"
+
+
 def _roots_of_diagonal(covariance: np.ndarray) -> tuple[float, float, float]:
     b, c, d = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     return float(b), float(c), float(d)

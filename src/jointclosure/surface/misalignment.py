@@ -65,7 +65,8 @@ def rotated_pair(
     -----
     At multiples of 90 degrees cells map to cells. At other angles the waves in the corners of
     the square of wave numbers are shorter than two spacings along x or y after the rotation, and
-    are aliased to longer waves.
+    are aliased to longer waves. Heights at other angles may differ in their last digits between
+    processors, because the waves are summed by the matrix product of the installed BLAS.
     """
     n = shape[0]
     if shape[1] != n:
