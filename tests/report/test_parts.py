@@ -9,6 +9,7 @@ from jointclosure.config.schema import json_schema
 from jointclosure.report import curves, summary
 from jointclosure.report.curves import MOST_JOINTS, explorer_data
 from jointclosure.report.settings import departures, setting_rows
+from jointclosure.report.sheets import sheet
 from tests.report.conftest import FAILED, JOINTS, JUMPED
 
 
@@ -109,3 +110,15 @@ def test_the_headline_says_no_more_than_its_verdict(table, verdict):
     assert ("is most sensitive to Young's modulus in all 2 rocks" in sentence) == (
         verdict == "stands"
     )
+
+
+def test_a_number_is_rounded_to_its_error_where_the_table_has_one():
+    table = pd.DataFrame(
+        {"x": [0.08312, np.nan], "x_standard_error": [0.0042, np.nan], "y": [0.08312, 2.0]}
+    )
+    rows = sheet("name", "caption", table, {"x": "X", "y": "Y"}).rows
+    assert [[cell.text for cell in row] for row in rows] == [
+        ["0.083 ± 0.004", "0.08312"],
+        ["–", "2.000"],
+    ]
+    assert rows[0][0].key == 0.08312  # by which a reader sorts

@@ -23,7 +23,7 @@ def closure_sheet(closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
         "samples": "Joints used (n)",
         "max_closure_mean_mm": "Maximum closure, mean (mm)",
         "max_closure_adjusted_mean_mm": "Mean, adjusted (mm)",
-        "max_closure_standard_deviation_mm": "Its standard deviation (mm)",
+        "max_closure_standard_deviation_mm": "Standard deviation between joints (mm)",
         "max_closure_net_mean_mm": "Net of bulk indentation (mm)",
         "max_closure_seated_mean_mm": "Counted from seating (mm)",
         "residual_closure_mean_mm": "Residual closure (mm)",
@@ -31,7 +31,7 @@ def closure_sheet(closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
     return sheet(
         "closures",
         "Maximum closure of each rock's base case, from the start of the cycle; residual closure "
-        "is from first touch",
+        "is from first touch; ± standard error",
         base.assign(rock=base.rock.map(titles)),
         columns,
     )

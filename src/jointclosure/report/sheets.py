@@ -7,6 +7,7 @@ from typing import NamedTuple
 import pandas as pd
 
 from jointclosure.sensitivity.tables import significant
+from jointclosure.statistics.standard_errors import rounded
 
 ABSENT = "–"
 
@@ -33,7 +34,9 @@ class Sheet(NamedTuple):
 
 
 def sheet(name: str, caption: str, frame: pd.DataFrame, titles: dict[str, str]) -> Sheet:
-    """Make a table of columns of a frame.
+    """Make a table of columns of a frame; numbers are rounded to their errors, if it has them.
+
+    The error of a column is in the column of its name and ``_standard_error``.
 
     Parameters
     ----------
@@ -41,6 +44,12 @@ def sheet(name: str, caption: str, frame: pd.DataFrame, titles: dict[str, str]) 
         Headings of the columns that are shown, in order.
     """
     shown = frame[list(titles)].astype(object)
+    for column in titles:
+        if (error := f"{column}_standard_error") in frame:
+            shown[column] = [
+                Cell(rounded(value, spread), value) if pd.notna(value) else Cell(ABSENT, "")
+                for value, spread in zip(frame[column], frame[error], strict=True)
+            ]
     rows = [[cell(value) for value in row] for row in shown.itertuples(index=False)]
     return Sheet(name, caption, list(titles.values()), rows)
 

@@ -9,7 +9,8 @@ from jointclosure.config.properties import PARAMETER_TITLES
 from jointclosure.config.typed import Configuration
 from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.report.sheets import Sheet, number_text, sheet
-from jointclosure.statistics.ratios import harmonic_mean
+from jointclosure.statistics.ratios import harmonic_mean, ratio_of_means
+from jointclosure.statistics.standard_errors import Estimate
 from jointclosure.statistics.verdicts import (
     FALLS,
     NO_DIFFERENCE,
@@ -26,7 +27,7 @@ FIRST_PICTURES = {
 """Tables of the first screen by the draws of a study; missing ones are left out."""
 
 
-STAYS = "Of it since seating, net, stays (%)"
+STAYS = "Share that remains at seating, net (%)"
 
 
 def summary_sheet(study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
@@ -34,15 +35,19 @@ def summary_sheet(study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, s
     base = closures[closures.parameter == "base"]
     rows = []
     for rock, of_rock in base.groupby("rock", sort=False):
-        of_rock = of_rock.set_index("cycle")
-        stays = (
-            of_rock.residual_closure_seated_net_mean_mm[1]
-            / of_rock.max_closure_seated_net_mean_mm[1]
+        case = study.sel(case=of_rock.case.iloc[0])
+        used = case.isel(realization=succeeded(case).values)
+        first = used.sel(cycle=1)
+        stays = ratio_of_means(
+            first.residual_closure_seated_net.values, first.max_closure_seated_net.values
         )
-        row = {"rock": titles[rock], "stays": 100.0 * stays}
-        for cycle in of_rock.index:
-            row[f"closure_{cycle}"] = of_rock.max_closure_mean_mm[cycle]
-            row[f"kn_{cycle}"] = 1e-9 * mean_stiffness(study, rock, cycle)
+        row = {"rock": titles[rock]} | _estimated("stays", stays, 100.0)
+        for cycle, means in of_rock.set_index("cycle").iterrows():
+            name = "max_closure_mean_mm"
+            closure = Estimate(means[name], means[f"{name}_standard_error"])
+            stiffness = harmonic_mean(used.stiffness_net.sel(cycle=cycle).values)
+            row |= _estimated(f"closure_{cycle}", closure)
+            row |= _estimated(f"kn_{cycle}", stiffness, 1e-9)
         rows.append(row)
     cycles = [int(cycle) for cycle in study.cycle.values]
     columns = {"rock": "Rock"}
@@ -52,18 +57,17 @@ def summary_sheet(study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, s
     caption = (
         "Mean maximum closure of each rock's base case, share of the first cycle's net closure "
         "since seating that remains at seating, and net normal stiffness kn on loading from half "
-        "of the maximum stress to the small steps before the maximum"
+        "of the maximum stress to the small steps before the maximum; ± standard error"
     )
     return sheet("in-short", caption, pd.DataFrame(rows), columns)
 
 
-def mean_stiffness(study: xr.Dataset, rock: str, cycle: int) -> float:
-    """Return the net normal stiffness of a rock's mean loading curve [Pa/m] (`harmonic_mean`)."""
-    case = study.case.values[(study.rock.values == rock) & (study.parameter.values == "base")][0]
-    of_case = study.sel(case=case)
-    return harmonic_mean(
-        of_case.stiffness_net.sel(cycle=cycle).values[succeeded(of_case).values]
-    ).value
+def _estimated(name: str, estimate: Estimate, scale: float = 1.0) -> dict[str, float]:
+    """Return the columns of a number and of its standard error, in the unit of the table."""
+    return {
+        name: scale * estimate.value,
+        f"{name}_standard_error": scale * estimate.standard_error,
+    }
 
 
 def finding(numbers: Sheet, elasticities: pd.DataFrame | None, configuration: Configuration) -> str:
