@@ -66,7 +66,7 @@ rule fit_elasticities:
 rule find_indifference_intervals:
     input:
         study=f"{RESULTS}/study.nc",
-        paper=PAPER_TABLE_3,
+        paper=PAPER,
         covariates=COVARIATES,
     output:
         f"{RESULTS}/tables/table_3_indifference.csv",
@@ -120,7 +120,7 @@ rule reach_accuracy:
 rule predict_table_3:
     input:
         pool=POOL,
-        paper=PAPER_TABLE_3,
+        paper=PAPER,
     output:
         entries=f"{RESULTS}/tables/table_3_predictive.csv",
         joint=f"{RESULTS}/tables/table_3_joint_tests.csv",
@@ -137,7 +137,7 @@ rule judge_claims:
     input:
         study=f"{RESULTS}/study.nc",
         pool=POOL,
-        paper=PAPER_TABLE_3,
+        paper=PAPER,
     output:
         claims=f"{RESULTS}/tables/claims.csv",
         margins=f"{RESULTS}/tables/claim_margins.csv",

@@ -1,4 +1,4 @@
-# Evidence for each of the paper's conclusions, from all studies that were run: `snakemake conclusions`.
+# Evidence for each of the paper's conclusions: `snakemake conclusions`.
 
 
 rule conclusions:
@@ -8,16 +8,22 @@ rule conclusions:
         "The judged conclusions of the paper are in {input[0]}"
 
 
+# Readings and choices are those that were run here, or else the published ones.
 rule conclude:
     input:
         claims=f"{RESULTS}/tables/claims.csv",
         jrc_range=f"{RESULTS}/tables/jrc_range_claims.csv",
-        readings=beside("results/readings/tables/readings.csv"),
+        readings=beside(
+            "results/readings/tables/readings.csv",
+            "docs/results/conclusions/earlier_readings.csv",
+        ),
         choices=beside(
-            "results/global_sensitivity/tables/global_sensitivity_conclusions.csv"
+            "results/global_sensitivity/tables/global_sensitivity_conclusions.csv",
+            "docs/results/global_sensitivity/global_sensitivity_conclusions.csv",
         ),
         margins=beside(
-            "results/global_sensitivity/tables/global_sensitivity_margins.csv"
+            "results/global_sensitivity/tables/global_sensitivity_margins.csv",
+            "docs/results/global_sensitivity/global_sensitivity_margins.csv",
         ),
     output:
         table=f"{RESULTS}/tables/conclusions.csv",

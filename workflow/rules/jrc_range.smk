@@ -13,7 +13,7 @@ rule draw_jrc_range:
     input:
         study=f"{RESULTS}/study.nc",
         pool=POOL,
-        paper=PAPER_TABLE_3,
+        paper=PAPER,
     output:
         entries=f"{RESULTS}/tables/jrc_range.csv",
         claims=f"{RESULTS}/tables/jrc_range_claims.csv",

@@ -51,7 +51,7 @@ if POOL_FIGURES:
         input:
             drawn=f"{RESULTS}/predictive.nc",
             along=f"{RESULTS}/tables/along_curve.csv",
-            paper=PAPER_TABLE_3,
+            paper=PAPER,
         output:
             figures=drawn(POOL_FIGURES),
         params:

@@ -19,9 +19,9 @@ rule write_report:
         tables=expand(f"{RESULTS}/tables/{{table}}", table=TABLES),
         figures=expand(f"{RESULTS}/figures/{{figure}}.png", figure=FIGURES),
         captions=[CAPTIONS / f"{figure}.rst" for figure in FIGURES],
-        paper=PAPER_TABLE_3,
-        default=DEFAULT,
-        presets=MEASURED_SETTINGS,
+        paper=PAPER,
+        default=os.path.relpath(DEFAULT),
+        presets=os.path.relpath(MEASURED_SETTINGS),
         # what `make accuracy` measured, where it was run
         accuracy=ancient(ACCURACY_TABLE) if Path(ACCURACY_TABLE).exists() else [],
         # what `make conclusions` put together

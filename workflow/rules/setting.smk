@@ -1,4 +1,5 @@
 # Shared by all rules: the checked configuration and its cases. No rules here.
+import os
 from pathlib import Path
 
 from jointclosure.config import configuration
@@ -25,7 +26,9 @@ check_files(CONFIGURATION)
 STUDY = CONFIGURATION.study.name
 RESULTS = f"results/{STUDY}"
 ENVIRONMENT = "../envs/jointclosure.yaml"
-CAPTIONS = PACKAGE / "report/texts"
+# relative paths, so that results are still valid where the whole folder was moved
+CAPTIONS = Path(os.path.relpath(PACKAGE / "report/texts"))
+PAPER = os.path.relpath(PAPER_TABLE_3)
 # the cases of the study, and those of its pool of common surfaces
 ENSEMBLES = cases.ensembles_of(CONFIGURATION)
 CASES = {
@@ -132,10 +135,11 @@ def surfaces_of(ensemble, case, first):
     )
 
 
-def beside(path):
-    """A table of another study, where that was run and this study is of the same model."""
+def beside(*paths):
+    """The first existing table of another study, where this one is of the same model."""
     same_model = STUDY == read_plain(DEFAULT)["study"]["name"]
-    return ancient(path) if same_model and Path(path).exists() else []
+    existing = [path for path in paths if Path(path).exists()]
+    return ancient(existing[0]) if same_model and existing else []
 
 
 def rock_of(wildcards):

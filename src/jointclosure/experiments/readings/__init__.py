@@ -1,5 +1,6 @@
 """Experiment on readings of the paper: which of them gives its Table 3."""
 
+import os
 from collections.abc import Mapping
 from typing import Any
 
@@ -50,7 +51,7 @@ def readings_design(configured: Configured) -> Design:
         ("readings", "readings_implied", "readings.md", *AVERAGE_TABLES),
         ("readings_likelihood", "readings_sensitivity"),
         {"readings": to_plain(readings), "question": _question(configured)},
-        files={"paper": str(PAPER_TABLE_3)},
+        files={"paper": os.path.relpath(PAPER_TABLE_3)},  # valid where the whole folder is moved
         compiled=lambda: settings_of_kernels(readings, configured),
         samples=lambda: samples(readings, jobs),
         rounds=Rounds(
