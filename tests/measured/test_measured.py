@@ -131,13 +131,15 @@ def study(status=(0, 0, 0)):
     closure = closure + start[..., None, None]
     maximum = closure[..., 0, -1] - start
     seat = scale[..., 0, 0] * 1e-4 * 0.5
+    bulk = np.broadcast_to(3e-5 * stress / 2e6, closure.shape)
     dimensions = ("case", "realization", "cycle")
     return xr.Dataset(
         {
-            "closure": ((*dimensions, "branch", "stress"), closure[None]),
+            "closure": ((*dimensions, "branch", "stress"), (closure + bulk)[None]),
+            "bulk_indentation": ((*dimensions, "branch", "stress"), bulk[None]),
             "status": (dimensions[:2], np.array([status], dtype=np.int16)),
-            "max_closure": (dimensions, maximum[None]),
-            "max_closure_seated": (dimensions, (maximum - seat)[None]),
+            "max_closure_net": (dimensions, maximum[None]),
+            "max_closure_seated_net": (dimensions, (maximum - seat)[None]),
             "residual_closure": (dimensions, (end + start)[None]),
         },
         coords={
@@ -151,7 +153,8 @@ def study(status=(0, 0, 0)):
 def like(number, cycle=1, offset=0.0):
     """A measured curve that is a modelled one, from another zero."""
     base = study().isel(case=0).sel(cycle=cycle).isel(realization=number)
-    up, down = (base.closure.sel(branch=name).values for name in ("loading", "unloading"))
+    net = base.closure - base.bulk_indentation
+    up, down = (net.sel(branch=name).values for name in ("loading", "unloading"))
     stress = base.stress.values
     rows = [(stress, up), (stress[::-1][1:], down[::-1][1:])]
     return MeasuredCurve(

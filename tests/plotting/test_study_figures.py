@@ -27,14 +27,17 @@ def study():
     scale = np.array([0.8, 1.2, 1.0, 9.0])
     loading = 1e-4 * scale[:, None] * curve
     unloading = loading + 1e-5
-    closure = np.stack([loading, unloading], axis=1)[None, :, None].repeat(2, axis=2)
+    net = np.stack([loading, unloading], axis=1)[None, :, None].repeat(2, axis=2)
+    bulk = np.broadcast_to(2e-5 * stress / 2e6, net.shape)
+    dimensions = ("case", "realization", "cycle", "branch", "stress")
     per_cycle = np.full((1, 4, 2), 1.5e-4)
     return xr.Dataset(
         {
-            "closure": (("case", "realization", "cycle", "branch", "stress"), closure),
+            "closure": (dimensions, net + bulk),
+            "bulk_indentation": (dimensions, bulk),
             "status": (("case", "realization"), np.array([[0, 0, 2, 16]], dtype=np.int16)),
-            "max_closure": (("case", "realization", "cycle"), per_cycle),
-            "max_closure_seated": (("case", "realization", "cycle"), per_cycle - 5e-5),
+            "max_closure_net": (("case", "realization", "cycle"), per_cycle),
+            "max_closure_seated_net": (("case", "realization", "cycle"), per_cycle - 5e-5),
             "residual_closure": (("case", "realization", "cycle"), 0 * per_cycle),
         },
         coords={
@@ -52,7 +55,7 @@ def test_the_surface_closest_to_the_mean_is_among_those_that_succeeded(study):
 def test_closures_are_drawn_since_seating_for_every_success(study):
     figure = plotting.closure_figure(study, {"one": ROCK}, 5e5, 1.5)
     axes = figure.axes[0]
-    assert "closure since 0.5 MPa" in axes.get_xlabel()
+    assert "net closure since 0.5 MPa" in axes.get_xlabel()
     assert axes.get_ylabel() == "normal stress (MPa)"
     thick = [line for line in axes.lines if line.get_linewidth() == 2.0]
     later = [line for line in figure.axes[1].lines if line.get_linewidth() == 2.0]

@@ -115,14 +115,14 @@ def test_the_first_screen_has_the_finding_its_numbers_and_what_it_is_valid_for(m
     row = dict(zip(numbers.titles, (cell.key for cell in numbers.rows[0]), strict=True))
     base = material.closures[(material.closures.parameter == "base")]
     own = base[base.rock == base.rock.iloc[0]].set_index("cycle")
-    assert row["Closure, cycle 2 (mm)"] == own.max_closure_mean_mm[2]
+    assert row["Net closure since seating, cycle 2 (mm)"] == own.max_closure_seated_net_mean_mm[2]
     stays = own.residual_closure_seated_net_mean_mm[1] / own.max_closure_seated_net_mean_mm[1]
     assert row[STAYS] == pytest.approx(100.0 * stays)
     study = material.study
     case = study.sel(case=study.case[study.parameter == "base"][0], cycle=1)
     compliance = (1e9 / case.stiffness_net).where(case.status < 16).mean()
     assert row["Net kn, cycle 1 (MPa/mm)"] == pytest.approx(1.0 / float(compliance))
-    assert "net closure since seating stays" in page["finding"]
+    assert "net of the half-spaces, since 0.5 MPa" in page["finding"]
     assert any("independent of each other" in printed for printed in page["validity"])
     assert any("failed" in printed for printed in page["validity"])
     text = render(page)

@@ -66,3 +66,8 @@ def seats(study: xr.Dataset, net: bool = False) -> xr.DataArray:
     start = study.residual_closure.shift(cycle=1, fill_value=0.0)
     kind = "_net" if net else ""
     return start + study[f"max_closure{kind}"] - study[f"max_closure_seated{kind}"]
+
+
+def since_seating(study: xr.Dataset) -> xr.DataArray:
+    """Return net closures (..., cycle, branch, stress) [m] since the cycle's loading was seated."""
+    return study.closure - study.bulk_indentation - seats(study, net=True)

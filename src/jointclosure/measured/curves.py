@@ -20,7 +20,7 @@ import xarray as xr
 
 from jointclosure.config.typed import Configuration, MeasuredFile
 from jointclosure.config.units import SI_FACTORS
-from jointclosure.ensemble.aggregation import seats, succeeded
+from jointclosure.ensemble.aggregation import since_seating, succeeded
 from jointclosure.inputs import SPELT, InputError
 from jointclosure.joint.history import first_crossing
 from jointclosure.joint.protocol import LOADING, UNLOADING
@@ -31,7 +31,10 @@ _HEADING = r"(?P<name>.*?)(?:_(?P<ending>[A-Za-zµμ]+)|\s*[(\[](?P<within>[^)\]
 """Heading of a column: a name, and a unit at its end or in brackets."""
 _ALIASES = {"normal_stress": "stress", "closure_net_since_seating": "closure"}
 """Names that curves.csv of `jointclosure close` has for the columns of a curve."""
-_READ = ("closure", "status", "max_closure", "max_closure_seated", "residual_closure")
+_READ = (
+    *("closure", "bulk_indentation", "status"),
+    *("max_closure_net", "max_closure_seated_net", "residual_closure"),
+)
 FIT_COLUMNS = (
     "rock",
     "cycle",
@@ -349,6 +352,9 @@ def check_loadings(curve: MeasuredCurve, name: str, seating: float) -> None:
 def misfits(base: xr.Dataset, curve: MeasuredCurve, seating_stress: float) -> dict[int, np.ndarray]:
     """Compute squared differences (realization, points) [m2] of every measured cycle.
 
+    Measured closures, from which the deformation of the intact rock was subtracted, are compared
+    with net ones.
+
     Parameters
     ----------
     base : Dataset
@@ -362,12 +368,12 @@ def misfits(base: xr.Dataset, curve: MeasuredCurve, seating_stress: float) -> di
         By cycle; NaN if a realisation failed, or did not reach a stress.
     """
     good = succeeded(base).values
-    from_touch = seats(base)
+    net = since_seating(base)
     by_cycle = {}
     for cycle in curve.cycles:
         columns = []
         for branch, stress, closure in curve.since_seating(cycle, seating_stress):
-            model = base.closure.sel(cycle=cycle, branch=branch) - from_touch.sel(cycle=cycle)
+            model = net.sel(cycle=cycle, branch=branch)
             modelled = np.array([_at(model.stress.values, row, stress) for row in model.values])
             columns.append(np.square(modelled - closure).reshape(good.size, stress.size))
         by_cycle[cycle] = np.where(good[:, np.newaxis], np.concatenate(columns, axis=1), np.nan)

@@ -8,7 +8,7 @@ import pandas as pd
 import seaborn as sns
 import xarray as xr
 
-from jointclosure.ensemble.aggregation import seats
+from jointclosure.ensemble.aggregation import since_seating
 from jointclosure.measured.curves import FIT_COLUMNS, MeasuredCurve, best_fits
 from jointclosure.plotting.style import key
 from jointclosure.statistics.standard_errors import percent
@@ -47,7 +47,7 @@ def draw_measured(
     Parameters
     ----------
     axes : Axes
-        Closure [mm] since seating, and stress [MPa].
+        Net closure [mm] since seating, and stress [MPa].
     measured : Measurements
     rock : str
         Nothing is drawn for a rock without a measured curve.
@@ -72,13 +72,12 @@ def draw_measured(
             closures += closure.tolist()
             stresses += stress.tolist()
         axes.plot([1e3 * c for c in closures], [1e-6 * s for s in stresses], "k-", lw=1.6, zorder=5)
-    seated, misfits = seats(base), []
+    net, misfits = since_seating(base), []
     for cycle, realization, misfit, misfit_percent in best_fits(measured.fits, rock):
         misfits.append(f"cycle {cycle} {misfit:.2g} mm ({percent(0.01 * misfit_percent)})")
         if cycle not in cycles:
             continue
-        best = base.closure.sel(cycle=cycle, realization=realization)
-        best = 1e3 * (best - seated.sel(cycle=cycle, realization=realization))
+        best = 1e3 * net.sel(cycle=cycle, realization=realization)
         for branch in ("loading", "unloading"):
             shown = base.stress.values > (seating_stress if branch == "loading" else -1.0)
             axes.plot(

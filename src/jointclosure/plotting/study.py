@@ -14,7 +14,7 @@ from matplotlib.patheffects import withStroke
 from jointclosure.config.properties import PARAMETER_TITLES, PROPERTIES
 from jointclosure.config.typed import StudyRock
 from jointclosure.engineering.empirical import barton_bandis, law_holds
-from jointclosure.ensemble.aggregation import seats, succeeded
+from jointclosure.ensemble.aggregation import since_seating, succeeded
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.plotting.measured import Measurements, draw_measured, measured_handles
 from jointclosure.plotting.style import (
@@ -95,7 +95,7 @@ def closest_to_mean(study: xr.Dataset, case: str, seating_stress: float) -> int:
     It is the first realisation if no curve has a point beyond the seating stress.
     """
     base = study.sel(case=case).where(succeeded(study).sel(case=case))
-    curves = (base.closure - seats(base)).isel(cycle=0)
+    curves = since_seating(base).isel(cycle=0)
     curves = curves.where(curves.stress > seating_stress)
     distance = np.square(curves - curves.mean("realization")).mean(("branch", "stress"))
     return int(study.realization.values[int(distance.fillna(np.inf).argmin("realization"))])
@@ -191,7 +191,8 @@ def _draw_rock(
     fitted = draw_measured(axes, measured, name, base, seating_stress, cycles)
     axes.set(
         ylim=(0.0, 1.02 * 1e-6 * rock.max_normal_stress),
-        xlabel=f"closure since {1e-6 * seating_stress:g} MPa (mm)", ylabel="normal stress (MPa)",
+        xlabel=f"net closure since {1e-6 * seating_stress:g} MPa (mm)",
+        ylabel="normal stress (MPa)",
     )  # fmt: skip
     return (
         f"{rock.title}, {roughness_title(rock)}, {_cycles_in_words(cycles)}{_assumed(rock)}{fitted}"
@@ -210,7 +211,7 @@ def _draw_cycle(axes, base: xr.Dataset, cycle: int, chosen: int, seating_stress:
     """Draw every surface, the band, and the surface closest to the mean, from seating on."""
     faint = 0.25 * min(1.0, _FEW_LINES / base.sizes["realization"]) ** 0.5
     stress = 1e-6 * base.stress.values
-    curves = base.closure.sel(cycle=cycle) - seats(base).sel(cycle=cycle)
+    curves = since_seating(base).sel(cycle=cycle)
     colour = _colour(cycle)
     for branch in ("loading", "unloading"):
         every = 1e3 * curves.sel(branch=branch)

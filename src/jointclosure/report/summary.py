@@ -27,7 +27,8 @@ FIRST_PICTURES = {
 """Tables of the first screen by the draws of a study; missing ones are left out."""
 
 
-STAYS = "Share that remains at seating, net (%)"
+_CLOSURE = "Net closure since seating, cycle {} (mm)"
+STAYS = "Share that remains at seating (%)"
 
 
 def summary_sheet(study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
@@ -43,7 +44,7 @@ def summary_sheet(study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, s
         )
         row = {"rock": titles[rock]} | _estimated("stays", stays, 100.0)
         for cycle, means in of_rock.set_index("cycle").iterrows():
-            name = "max_closure_mean_mm"
+            name = "max_closure_seated_net_mean_mm"
             closure = Estimate(means[name], means[f"{name}_standard_error"])
             stiffness = harmonic_mean(used.stiffness_net.sel(cycle=cycle).values)
             row |= _estimated(f"closure_{cycle}", closure)
@@ -51,12 +52,12 @@ def summary_sheet(study: xr.Dataset, closures: pd.DataFrame, titles: dict[str, s
         rows.append(row)
     cycles = [int(cycle) for cycle in study.cycle.values]
     columns = {"rock": "Rock"}
-    columns |= {f"closure_{cycle}": f"Closure, cycle {cycle} (mm)" for cycle in cycles}
+    columns |= {f"closure_{cycle}": _CLOSURE.format(cycle) for cycle in cycles}
     columns |= {"stays": STAYS}
     columns |= {f"kn_{cycle}": f"Net kn, cycle {cycle} (MPa/mm)" for cycle in cycles}
     caption = (
-        "Mean maximum closure of each rock's base case, share of the first cycle's net closure "
-        "since seating that remains at seating, and net normal stiffness kn on loading from half "
+        "Mean maximum net closure since seating of each rock's base case, share of that of the "
+        "first cycle that remains at seating, and net normal stiffness kn on loading from half "
         "of the maximum stress to the small steps before the maximum; ± standard error"
     )
     return sheet("in-short", caption, pd.DataFrame(rows), columns)
@@ -79,11 +80,12 @@ def finding(numbers: Sheet, elasticities: pd.DataFrame | None, configuration: Co
     who = (
         f"Joints of {rocks[0].text.lower()}" if len(rocks) == 1 else f"Joints of {len(rocks)} rocks"
     )
-    first = ranges["Closure, cycle 1 (mm)"]
+    first = ranges[_CLOSURE.format(1)]
     text = f"{who} close {first} mm when they are first loaded to {stresses} MPa"
-    if "Closure, cycle 2 (mm)" in ranges:
-        text += f", and {ranges['Closure, cycle 2 (mm)']} mm when they are loaded again"
-    text += f"; {ranges[STAYS]} % of the first net closure since seating stays."
+    if _CLOSURE.format(2) in ranges:
+        text += f", and {ranges[_CLOSURE.format(2)]} mm when they are loaded again"
+    text += f" (net of the half-spaces, since {1e-6 * configuration.seating_stress:g} MPa)"
+    text += f"; {ranges[STAYS]} % of the first closure remains."
     return f"{text} {sensitivity_sentence(elasticities)}".strip()
 
 
