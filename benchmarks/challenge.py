@@ -55,6 +55,8 @@ def table(heights: np.ndarray, pressures: np.ndarray = PRESSURES) -> pd.DataFram
 
 def main(path: Path, touches: str) -> None:
     """Print the table of a file."""
+    if not path.is_file():
+        raise SystemExit(f"{path}: file not found")
     heights = SIDE * read_table(path).values
     heights = -heights if touches == "lowest" else heights
     print(f"{machine()}\n{path.name}: {heights.shape[1]} x {heights.shape[0]} heights")

@@ -65,6 +65,8 @@ def codes() -> dict[str, Callable[[np.ndarray], float]]:
 
 def main(cells: list[int], repeats: int, output: Path | None = None) -> None:
     """Print processor times and errors of all codes; write them as flow.csv in a folder."""
+    if output:
+        output.mkdir(parents=True, exist_ok=True)
     runs, rows = codes(), []
     for number in cells:
         gap = published_gap(number)

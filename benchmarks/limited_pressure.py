@@ -16,7 +16,7 @@ convergence (docs/questions.md). A folder as an argument is where the table is w
 limited_pressure.csv, which `python docs/site/publish.py <folder> limited_pressure` stores.
 """
 
-import sys
+import argparse
 from pathlib import Path
 from typing import NamedTuple
 
@@ -205,6 +205,11 @@ def towards_full_contact(code: str, cells: int) -> pd.DataFrame:
 
 
 if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("output", type=Path, nargs="?", help="folder of limited_pressure.csv")
+    output = parser.parse_args().output
+    if output:
+        output.mkdir(parents=True, exist_ok=True)
     tables = []
     for name in CODES:
         try:
@@ -213,5 +218,5 @@ if __name__ == "__main__":
             print(f"{name} is left out: it is not installed here ({error})")
     table = pd.concat(tables)
     print(table.to_string(index=False, float_format="%.4g"))
-    for folder in sys.argv[1:]:
-        write_csv(table, Path(folder) / "limited_pressure.csv")
+    if output:
+        write_csv(table, output / "limited_pressure.csv")

@@ -12,7 +12,7 @@ import os
 
 os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
 
-import sys
+import argparse
 from pathlib import Path
 
 import numpy as np
@@ -154,4 +154,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    argparse.ArgumentParser(description=__doc__.partition("\n")[0]).parse_args()
+    main()

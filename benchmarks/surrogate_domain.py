@@ -10,8 +10,8 @@ import os
 
 os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
 
+import argparse
 import itertools
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -87,4 +87,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    argparse.ArgumentParser(description=__doc__.partition("\n")[0]).parse_args()
+    main()

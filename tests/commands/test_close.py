@@ -9,6 +9,8 @@ import pytest
 import jointclosure as jc
 from jointclosure.commands import cli
 from jointclosure.commands.engineering_files import FIGURES
+from jointclosure.commands.joint_options import summary
+from jointclosure.config.rocks import named_rock
 from jointclosure.ensemble import scanned_joint
 from jointclosure.ensemble.budget import ALL, MEASURED, QUANTITIES, TOGETHER, Budget
 from jointclosure.inputs.remarks import cautions
@@ -267,3 +269,12 @@ def test_both_walls_of_a_published_fracture_are_closed_with_defaults_for_granite
         assert per_cycle[name] == pytest.approx(values_stated[name].tolist(), rel=1e-6)
     words = (tmp_path / "j/cycles.csv").read_text().splitlines()[1].split(",")
     assert max(len(word.replace(".", "").lstrip("0")) for word in words) <= FIGURES
+
+
+def test_a_joint_without_void_on_average_is_warned_of(small_joint):
+    closed = jc.simulate(
+        *small_joint, spacing=0.25e-3, rock=named_rock("granite"), max_normal_stress=1e6
+    )
+    assert "warning" not in summary(closed)
+    closed["mean_aperture"] = closed.mean_aperture - 2.0 * closed.mean_aperture.max()
+    assert summary(closed).count("warning: the mean aperture is -") == closed.cycle.max()

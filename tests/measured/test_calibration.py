@@ -334,6 +334,7 @@ def test_a_column_without_unit_or_name_is_refused_with_what_states_it(text, give
         ),
         (GOOD, {"surfaces": 2}, "surfaces = 2: must be at least 4"),
         (TWO_CYCLES, {"surfaces": 4}, "surfaces = 4: must be at least 5 for this curve"),
+        (GOOD, {"shape": None}, "shape = None: must be (cells along y"),
         (GOOD, {"shape": 16}, "shape = 16: must be (cells along y"),
     ],
 )
@@ -342,6 +343,6 @@ def test_a_curve_that_cannot_be_fitted_is_refused_in_a_line(tmp_path, text, abou
     if text is not None:
         path.write_text(text)
     with pytest.raises(jc.InputError) as error:
-        fit(path, **({"rock": "granite", "jrc": 10.0} | about))
+        fit(path, **({"rock": "granite", "jrc": 10.0, "shape": (64, 64)} | about))
     assert printed in str(error.value)
     assert "\n" not in str(error.value)

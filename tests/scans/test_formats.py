@@ -209,7 +209,7 @@ def test_units_and_spacing_are_stated_once_and_not_contradicted(
 @pytest.mark.parametrize(
     ("text", "printed"),
     [
-        ("1 2\n3 4\n", "2 columns without names"),
+        ("1 2\n3 4\n", "2 columns that are not named"),
         ("a,b,c\n1,2,3\n", "must be named x, y and z"),
         ("x,y,z\n1,,3\n", "1 points lack x or y, the first is number 1"),
         ("1 2 3\n2 3 4\n3 4 5\n4 5 6\n", "on one line"),

@@ -242,6 +242,12 @@ def summary(closed: xr.Dataset, budget: Budget | None = None) -> str:
             frame.to_string(float_format="{:.5f}".format),
         ]
     )
+    full = table[table.mean_aperture_at_max_mm <= 0.0]
+    for cycle, aperture in zip(full.cycle, full.mean_aperture_at_max_mm, strict=True):
+        lines.append(
+            f"warning: the mean aperture is {aperture:.2g} mm at the maximum of cycle {cycle}: the "
+            "walls overlap by more than the void that is left, and the model does not hold there"
+        )
     if has_flow(closed):
         lines += ["at the maximum (mm)", _apertures(closed).to_string(float_format="{:.5f}".format)]
     return "\n".join(lines)

@@ -111,7 +111,10 @@ def geos_aperture_table(history: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     aperture = np.interp(closure, net[order], known[of_cycle][order])
     if not (aperture > 0.0).all():
         kind = "hydraulic" if has_flow(history) else "mean"
-        raise InputError(f"GEOS: the {kind} aperture must be positive, and is 0 at some stresses")
+        raise InputError(
+            f"GEOS: the {kind} aperture must be positive, its least value is "
+            f"{1e3 * aperture.min():.2g} mm"
+        )
     gap = -(closure - closure[0])[::-1]
     gap[-1] = 0.0  # not -0.0
     values = aperture[::-1]

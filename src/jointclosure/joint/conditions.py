@@ -153,7 +153,7 @@ def conditions_from(
         If there is no such field, or a required one is missing, as for arguments of a function.
     """
     for name in changes.keys() - set(Conditions._fields):
-        near = difflib.get_close_matches(name, Conditions._fields, 1, 0.5)
+        near = difflib.get_close_matches(name, Conditions._fields, 1, 0.7)
         meant = f"; did you mean {near[0]}?" if near else ""
         raise TypeError(f"{function}() got an unexpected keyword argument {name!r}{meant}")
     if conditions is not None:

@@ -164,15 +164,12 @@ def parsed_curve(
     if not lines:
         raise InputError(f"{name}: has no header and no rows")
     mark = next((mark for mark in ";\t," if mark in lines[0][1]), None)
-    if mark is None:
+    if mark is None and len(lines[0][1].split()) < 2:
         raise InputError(
             f"{name}, line {lines[0][0]}: {lines[0][1].strip()!r}: columns must be separated by "
-            "commas, semicolons or tabs"
+            "commas, semicolons, tabs or blanks"
         )
-    table = [
-        (number, [cell.strip() for cell in next(csv.reader([line], delimiter=mark))])
-        for number, line in lines
-    ]
+    table = [(number, _cells(line, mark)) for number, line in lines]
     if names and all(map(str.isdecimal, names)) and all(map(_is_number, table[0][1])):
         table.insert(0, (table[0][0], [str(1 + i) for i in range(len(table[0][1]))]))
     (first, header), *body = table
@@ -185,9 +182,10 @@ def parsed_curve(
     rows = []
     for number, cells in body:
         if len(cells) != len(header):
+            decimals = " (decimals are written with points)" if mark == "," else ""
             raise InputError(
-                f"{name}, line {number}: {mark.join(cells)!r} has {len(cells)} values, the header "
-                f"has {len(header)} (decimals are written with points)"
+                f"{name}, line {number}: {(mark or ' ').join(cells)!r} has {len(cells)} values, "
+                f"the header has {len(header)}{decimals}"
             )
         at = f"{name}, line {number}"
         values = [_number(cells[i], at, quantity) for quantity, (i, _) in columns.items()]
@@ -290,6 +288,17 @@ def _is_number(cell: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def _cells(line: str, mark: str | None) -> list[str]:
+    """Return the cells of a line; decimal commas, which a mark other than "," allows, as points."""
+    if mark is None:
+        cells = line.split()
+    else:
+        cells = [cell.strip() for cell in next(csv.reader([line], delimiter=mark))]
+    if mark == ",":
+        return cells
+    return [point if _is_number(point := cell.replace(",", ".")) else cell for cell in cells]
 
 
 def _number(cell: str, where: str, quantity: str) -> float:

@@ -30,6 +30,7 @@ from jointclosure.measured.calibration import (
 from jointclosure.measured.curves import MeasuredCurve, check_loadings, parsed_curve
 from jointclosure.parameters import PROPERTIES, Choices, Effects, Numerics, Rock, check_rock
 from jointclosure.statistics.randomness import generator, seed_of
+from jointclosure.statistics.standard_errors import percent, significant
 from jointclosure.storage.text import read_text
 from jointclosure.surface.registration import RegisteredPair
 from jointclosure.surface.synthesis import wall_pair
@@ -111,7 +112,10 @@ class Fit(NamedTuple):
             lines.append("independent walls are not excluded")
         if self.mismatch_wavelength.low == 0.0 and not self.scanned:
             lines.append("mated walls are not excluded")
-        lines.append(f"{100.0 * self.p_value:.2g} % of such joints are as far from their mean")
+        lines.append(
+            f"{percent(self.p_value)} of such joints are at least as far from their mean as the "
+            "measured one"
+        )
         return [
             *self._doubts(),
             *lines,
@@ -145,11 +149,11 @@ class Fit(NamedTuple):
         what = "strengths" if self.scanned else "mismatch wavelengths"
         lines = []
         for reading in self.agreements():
-            value = f"{reading.name}, measured {reading.measured:.3g} {reading.unit}: "
+            value = f"{reading.name}, measured {significant(reading.measured, 3)} {reading.unit}: "
             if reading.missed:
                 lines.append(
-                    f"{value}no joint has it, the nearest have {reading.least:.3g} to "
-                    f"{reading.most:.3g} {reading.unit}"
+                    f"{value}no joint has it, the nearest have {significant(reading.least, 3)} to "
+                    f"{significant(reading.most, 3)} {reading.unit}"
                 )
                 continue
             low, high = (f"{scale * end:.3g}" for end in (reading.low, reading.high))
@@ -190,7 +194,7 @@ def fit(
     rock: str | Rock,
     jrc: float | tuple[float, float] | None = None,
     pair: RegisteredPair | None = None,
-    shape: tuple[int, int] = (64, 64),
+    shape: tuple[int, int] | None = None,
     spacing: float = 0.25e-3,
     seating_stress: float = SEATING_STRESS,
     fit_strength: bool = False,
@@ -228,8 +232,8 @@ def fit(
         strength is then fitted, and the simulated joints differ in the position of the walls, which
         is known to one cell along x and y. ``jrc``, ``shape`` and ``spacing`` are not used.
     shape : (ny, nx)
-        Cells of the simulated joints. They should be as large as the measured joint if the time
-        allows, because closure depends on the size.
+        Cells of the simulated joints, needed unless the walls were scanned. They should be as large
+        as the measured joint if the time allows, because closure depends on the size.
     spacing : float
         Grid spacing [m].
     seating_stress : float
@@ -277,7 +281,8 @@ def fit(
     if pair is not None:
         shape, spacing, fit_strength = pair.upper.shape, pair.spacing, True
     jrcs = _jrc_range(jrc, pair)
-    _check(surfaces, closure_error, seed, seating_stress, shape)
+    shape = _checked_shape(shape)
+    _check(surfaces, closure_error, seed, seating_stress)
     curve, measured = _measured(curve, seating_stress, stress_unit, closure_unit, columns)
     stress = float(measured.levels[-1])
     conditions = Conditions(
@@ -412,9 +417,16 @@ def _measured(
         raise InputError(f"{name}: {error}") from None
 
 
-def _check(
-    surfaces: int, closure_error: float, seed: int, seating_stress: float, shape: tuple[int, int]
-) -> None:
+def _checked_shape(shape: tuple[int, int] | None) -> tuple[int, int]:
+    if not isinstance(shape, tuple | list) or len(shape) != 2 or min(shape) < 8:
+        raise InputError(
+            f"shape = {shape!r}: must be (cells along y, along x), at least 8 each, so that the "
+            "simulated joints are as large as the measured one: closure depends on the size"
+        )
+    return shape
+
+
+def _check(surfaces: int, closure_error: float, seed: int, seating_stress: float) -> None:
     check_number("surfaces", surfaces, whole=True)
     if surfaces < 4:
         raise InputError(f"surfaces = {surfaces}: must be at least 4, to estimate the scatter")
@@ -423,8 +435,6 @@ def _check(
         raise InputError(f"closure_error = {closure_error!r}: must be above 0 and at most 1")
     check_seed("seed", seed)
     check_positive("seating_stress", seating_stress, "Pa")
-    if not isinstance(shape, tuple | list) or len(shape) != 2 or min(shape) < 8:
-        raise InputError(f"shape = {shape!r}: must be (cells along y, along x), at least 8 each")
 
 
 def _near(value: float) -> str:

@@ -204,6 +204,7 @@ def choice_figure(table: pd.DataFrame) -> Figure:
     everything = scene_name(Effects())
     colours = dict(zip(names, sns.color_palette("colorblind", len(names)), strict=True))
     colours[everything] = "0.7"
+    top = max(100.0, 2.0 * table.actual_percent.max())
     for (upper, lower), tolerance in zip(panels.T, tolerances, strict=True):
         part = table[table.tolerance == tolerance]
         for name in names:
@@ -222,7 +223,7 @@ def choice_figure(table: pd.DataFrame) -> Figure:
             f"tolerance {limit:g} %", (0.98, limit), xycoords=("axes fraction", "data"),
             xytext=(0, 3), textcoords="offset points", ha="right", fontsize="small",
         )  # fmt: skip
-        upper.set(xscale="log", yscale="log", ylim=(0.5 * _LEAST_ERROR, 100.0))
+        upper.set(xscale="log", yscale="log", ylim=(0.5 * _LEAST_ERROR, top))
         lower.axhline(0.0, color="0.8", lw=0.8, zorder=0)
         lower.set(xscale="log", xlabel="maximum normal stress (MPa)")
         for axis in (upper.yaxis, lower.xaxis):

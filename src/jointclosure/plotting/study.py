@@ -97,7 +97,7 @@ def closest_to_mean(study: xr.Dataset, case: str, seating_stress: float) -> int:
     base = study.sel(case=case).where(succeeded(study).sel(case=case))
     curves = since_seating(base).isel(cycle=0)
     curves = curves.where(curves.stress > seating_stress)
-    distance = np.square(curves - curves.mean("realization")).mean(("branch", "stress"))
+    distance = ((curves - curves.mean("realization")) ** 2).mean(("branch", "stress"))
     return int(study.realization.values[int(distance.fillna(np.inf).argmin("realization"))])
 
 

@@ -6,8 +6,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from jointclosure.sensitivity.tables import significant
-from jointclosure.statistics.standard_errors import rounded
+from jointclosure.statistics.standard_errors import rounded, significant
 
 ABSENT = "–"
 

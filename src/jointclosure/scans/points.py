@@ -186,8 +186,9 @@ def _columns(table: Table, variable: str | None) -> list[int]:
         return [bare.index(axis) for axis in "xyz"]
     if width != 3:
         raise InputError(
-            f"{width} columns without names: must be three, x, y and z, or {VARIABLE} "
-            f"must state them, such as 1,2,3; a matrix of heights has at least {LEAST_COLUMNS}"
+            f"{width} columns that are not named x, y and z: must be three in this order, or "
+            f"{VARIABLE} must state them, such as 1,2,3; a matrix of heights has at least "
+            f"{LEAST_COLUMNS}"
         )
     return [0, 1, 2]
 

@@ -12,7 +12,7 @@ from jointclosure.config.typed import SIDES, StudyRock
 from jointclosure.config.units import in_unit
 from jointclosure.ensemble.cases import BASE, base_case, level_names
 from jointclosure.parameters import Rock
-from jointclosure.statistics.standard_errors import rounded
+from jointclosure.statistics.standard_errors import rounded, significant
 
 
 def rock_table(rocks: dict[str, StudyRock], closures: pd.DataFrame | None = None) -> pd.DataFrame:
@@ -130,15 +130,6 @@ def closure_lines(closures: pd.DataFrame) -> list[str]:
         + f" ({int(part.samples.min())} joints)"
         for rock, part in base.groupby("rock", sort=False)
     ]
-
-
-def significant(value: float, figures: int) -> str:
-    """Format a number with the given number of significant digits, without an exponent."""
-    if value == 0.0:
-        return "0"
-    rounded = float(f"{value:.{figures - 1}e}")
-    exponent = int(f"{abs(rounded):e}".split("e")[1])
-    return f"{rounded:.{max(figures - 1 - exponent, 0)}f}"
 
 
 def table_3(table: pd.DataFrame, titles: dict[str, str], column: str = "") -> pd.DataFrame:

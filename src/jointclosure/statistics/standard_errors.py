@@ -187,6 +187,15 @@ def rounded(value: float, standard_error: float) -> str:
     return f"{value + 0.0:.{places}f} ± {standard_error:.{places}f}"
 
 
+def significant(value: float, figures: int) -> str:
+    """Format a number with the given number of significant digits, without an exponent."""
+    if value == 0.0:
+        return "0"
+    rounded = float(f"{value:.{figures - 1}e}")
+    exponent = int(f"{abs(rounded):e}".split("e")[1])
+    return f"{rounded:.{max(figures - 1 - exponent, 0)}f}"
+
+
 def percent(share: float) -> str:
     """Format a share in percent: two digits below 10 %, whole percent above."""
     return f"{100.0 * share:.{0 if share >= 0.0995 else 2}{'f' if share >= 0.0995 else 'g'}} %"

@@ -359,8 +359,8 @@ def _chosen(fits: list[Fit], stated: str | None, unusual: bool, report: list[str
     if stated is None and not clear:
         raise InputError(
             f"the orientation of the upper wall is not clear: slopes correlate by {listed}, but "
-            f"the best must be {CLEAR:g} times the second; state the orientation, or check that "
-            "these are the walls of one joint"
+            f"the best must be {CLEAR:g} times the second; state the orientation "
+            f"({', '.join(ORIENTATIONS)}), or check that these are the walls of one joint"
         )
     name = best.orientation if stated is None else stated
     how = "found" if stated is None else "stated"

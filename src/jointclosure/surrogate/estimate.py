@@ -73,8 +73,9 @@ class Estimate(NamedTuple):
             ", ".join(f"{scale * value:.3g}" for value in np.ravel(values))
             for values, scale in zip(self[:3], (1e3, 100.0, 100.0), strict=True)
         )
+        stated = "error not known" if np.isnan(self.rms_error).any() else f"rms error {error} %"
         return (
-            f"<Estimate: closes {closure} mm gross, from first touch (rms error {error} %), "
+            f"<Estimate: closes {closure} mm gross, from first touch ({stated}), "
             f"{crushed} % of the area crushed>"
         )
 
