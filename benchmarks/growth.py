@@ -14,8 +14,9 @@ last two let expect more than --seconds for one surface.
 The curve is a parabola of log time over log value, by least squares over all surfaces, with the
 interval that holds 95 % of single surfaces. Exponents are its slopes at both ends, with standard
 errors; of the cells they are those of their number. The time on 1,000 x 1,000 cells (--beyond) is
-what the curve gives there, with that interval: an extrapolation. FFT pairs
-(benchmarks/yardstick.py) are timed in between. One thread. Run as `python benchmarks/growth.py`.
+what the curve gives there, with that interval: an extrapolation. With --once only one such joint is
+closed in each scene, on walls with and without a roll-off. FFT pairs (benchmarks/yardstick.py) are
+timed in between. One thread. Run as `python benchmarks/growth.py`.
 """
 
 import os
@@ -25,6 +26,7 @@ os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
 os.environ["MPLBACKEND"] = "Agg"
 
 import argparse
+import itertools
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -52,6 +54,7 @@ from yardstick import (
 import jointclosure as jc
 from jointclosure.ensemble.closing import close_surfaces
 from jointclosure.ensemble.surfaces import surfaces_of
+from jointclosure.surface.synthesis import ROLL_OFF
 
 BASE = {"cells": 100, "stress_mpa": 30.0, "jrc": 8.0}
 VALUES = {
@@ -73,9 +76,9 @@ def abscissa(axis: str, values) -> np.ndarray:
     return np.asarray(values, dtype=float) ** (2 if axis == "cells" else 1)
 
 
-def one_joint(scene: str, seed: int, cells: int, stress_mpa: float, jrc: float):
+def one_joint(scene, seed: int, cells: int, stress_mpa: float, jrc: float, roll_off=None):
     """A function that closes a joint."""
-    walls = jc.wall_pair(jrc, (cells, cells), SPACING, seed, roll_off=None)
+    walls = jc.wall_pair(jrc, (cells, cells), SPACING, seed, roll_off=roll_off)
     return lambda: close(walls, SCENES[scene], 1e6 * stress_mpa)
 
 
@@ -106,6 +109,26 @@ def closed_alone(axis: str, scene: str, seed: int, value: float) -> tuple[float,
         run = one_joint(scene, seed, int(changed.pop("cells")), **changed)
     seconds, _ = timed(run)
     return (seconds if seconds > 1.0 else median_time(run, 3)), peak_memory()
+
+
+def closed_once(scene: str, cells: int, roll_off: float | None) -> tuple[float, float, float]:
+    """Seconds, peak memory [MB] and maximum closure [mm] of one joint, closed once."""
+    warm_up("fast")
+    seconds, closed = timed(one_joint(scene, 0, **BASE | {"cells": cells}, roll_off=roll_off))
+    return seconds, peak_memory(), 1e3 * float(closed.max_closure[0])
+
+
+def once(cells: int, output: Path | None) -> None:
+    """Print the cost of one large joint in each scene, on walls with and without a roll-off."""
+    print(machine(), flush=True)
+    if output:
+        output.mkdir(parents=True, exist_ok=True)
+    rows = []
+    for roll_off, scene in itertools.product((ROLL_OFF, None), ("elastic", "full")):
+        seconds, memory, closure = called_alone(closed_once, scene, cells, roll_off)
+        rows.append({"scene": scene, "cells": cells, "roll-off mm": 1e3 * (roll_off or np.nan)})
+        rows[-1] |= {"s": seconds, "MB": memory, "closure mm": closure}
+        show("One joint", pd.DataFrame(rows), output, "growth_once")
 
 
 def points(axis: str, scene: str, surfaces: int, limit: float) -> list[dict]:
@@ -254,5 +277,8 @@ if __name__ == "__main__":
     parser.add_argument("--seconds", type=float, default=200.0, help="most for one surface")
     parser.add_argument("--beyond", type=int, default=1000, help="cells along the largest grid")
     parser.add_argument("--output", type=Path, help="folder for a CSV and a figure")
+    parser.add_argument("--once", action="store_true", help="only close the largest grid, once")
     arguments = parser.parse_args()
+    if arguments.once:
+        raise SystemExit(once(arguments.beyond, arguments.output))
     main(arguments.surfaces, arguments.seconds, arguments.beyond, arguments.output)

@@ -101,6 +101,7 @@ RUNS = {
     "peers": Run(("peers",)),
     "start_up": Run(("start_up",)),
     "growth": Run(("growth", "growth_beyond"), ("growth",)),
+    "growth_once": Run(("growth_once",)),
     "multifidelity": Run(("multifidelity", "multifidelity_best")),
     "breakage_methods": Run(("breakage_methods",)),
     "idle_interaction": Run(("idle_interaction",)),

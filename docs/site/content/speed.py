@@ -113,6 +113,16 @@ growth_beyond = Table(
         **{f"{name} s": 1e-3 * table[f"{name} ms"] for name in ("fitted", "low", "high")}
     ),
 )
+growth_once = Table(
+    "growth_once/growth_once",
+    {
+        "scene": "{scene}",
+        "roll-off (mm)": "{roll-off mm!k}",
+        "time (s)": "{s!k}",
+        "memory (MB)": "{MB!k}",
+        "maximum closure (mm)": "{closure mm:.2f}",
+    },
+)
 peers = Table(
     "peers/peers",
     {
