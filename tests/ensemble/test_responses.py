@@ -6,10 +6,9 @@ import pytest
 import jointclosure as jc
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.engineering.stiffness import landing_stress, secant_stiffness
-from jointclosure.ensemble import responses as responses_module
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.quantities import QUANTITIES, ClosedJoint
-from jointclosure.ensemble.responses import cycle_responses, responses_of
+from jointclosure.ensemble.responses import responses_of
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import Choices, Effects, Numerics
 
@@ -21,13 +20,14 @@ CONDITIONS = Conditions(0.25e-3, SLATE, LARGEST, 3, 0.5e6, Effects(), Choices(),
 @pytest.fixture(scope="module")
 def joint():
     walls = jc.wall_pair(jrc=6.5, shape=(24, 24), spacing=0.25e-3, seed=4, roll_off=3e-3)
-    return close_walls(*walls, CONDITIONS), cycle_responses(walls, CONDITIONS)
+    closed = close_walls(*walls, CONDITIONS)
+    return closed, responses_of(closed, CONDITIONS)
 
 
 def test_stiffness_is_that_of_each_cycles_own_net_curve(joint):
     """Read off the steps about half of the stress: chords there bound what it can be."""
-    closed, (status, responses) = joint
-    assert status < 16
+    closed, responses = joint
+    assert closed.status < 16
     net = closed.closure - closed.bulk_indentation
     for cycle in (1, 2, 3):
         here = (closed.cycle == cycle) & (closed.branch == "loading")
@@ -55,7 +55,7 @@ def test_a_loading_that_jumped_over_its_maximum_is_read_to_where_it_came(joint):
 
 
 def test_responses_are_what_engineers_are_told_of_the_same_joint(joint):
-    closed, (_, responses) = joint
+    closed, responses = joint
     np.testing.assert_array_equal(responses["closure"], closed.max_closure)
     table = cycle_table(closed)
     for name, column in (
@@ -81,14 +81,3 @@ def test_the_loop_is_how_far_unloading_lies_behind_loading_at_half_of_the_stress
     assert loops[0] == pytest.approx(unloading - loading, rel=1e-3)
     assert loops[0] > 0.1 * closed.max_closure[0]
     assert loops[1:].tolist() == [0.0, 0.0]
-
-
-def test_a_failed_simulation_has_no_responses(monkeypatch):
-    walls = jc.wall_pair(jrc=6.5, shape=(24, 24), spacing=0.25e-3, seed=4, roll_off=3e-3)
-    conditions = Conditions(0.25e-3, SLATE, 1e6, 2, 0.5e6, Effects(), Choices(), Numerics())
-    closed = close_walls(*walls, conditions)
-    failed = closed.assign(status=closed.status * 0 + 16)
-    monkeypatch.setattr(responses_module, "close_walls", lambda *stated: failed)
-    status, responses = cycle_responses(walls, conditions)
-    assert status == 16
-    assert all(np.isnan(values).all() for values in responses.values())

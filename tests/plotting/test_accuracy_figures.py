@@ -1,6 +1,5 @@
 """Figures of the study of accuracy show what they are given; people look at the rest."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
@@ -10,12 +9,6 @@ from jointclosure.plotting.accuracy import work_precision
 
 PAPER = "the paper's steps"
 FRONT = "none is faster and more exact; hollow marks count as equal"
-
-
-@pytest.fixture(autouse=True)
-def close_figures():
-    yield
-    plt.close("all")
 
 
 def row(rock, cycle, knob, value, error, low, high, time, other=False):

@@ -1,6 +1,5 @@
 """The page of hard cases shows what it is given; people look at the rest."""
 
-import matplotlib.pyplot as plt
 import pandas as pd
 import pytest
 
@@ -12,12 +11,6 @@ CASES = (
     ("mated_walls_of_a_very_long_name_indeed", "refused", True),
     ("spikes", "not_converged", False),
 )
-
-
-@pytest.fixture(autouse=True)
-def close_figures():
-    yield
-    plt.close("all")
 
 
 @pytest.fixture

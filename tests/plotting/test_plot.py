@@ -21,12 +21,6 @@ def joint(walls):
     )  # fmt: skip
 
 
-@pytest.fixture(autouse=True)
-def closed_figures():
-    yield
-    plt.close("all")
-
-
 def test_each_picture_is_drawn_on_the_axes_that_are_given(joint, walls):
     draws = {
         "curves": (joint,), "stiffness": (joint,), "aperture": (joint,), "contacts": (joint,),

@@ -1,6 +1,5 @@
 """Figures of the sensitivity study show what they are given; people look at the rest."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
@@ -12,12 +11,6 @@ from jointclosure.plotting.sensitivity import along_curve_figure, predictive_fig
 from tests.studied import study_of
 
 ROCKS = study_of({"study": {"rocks": ["dolerite", "slate"]}}).rocks
-
-
-@pytest.fixture(autouse=True)
-def close_figures():
-    yield
-    plt.close("all")
 
 
 @pytest.fixture

@@ -1,6 +1,5 @@
 """Figures are drawn from made-up studies; what they show is looked at by people."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import xarray as xr
@@ -11,12 +10,6 @@ from jointclosure.plotting.measured import Measurements
 from tests.studied import study_of
 
 ROCK = study_of().rocks["slate"]._replace(max_normal_stress=2e6)
-
-
-@pytest.fixture(autouse=True)
-def close_figures():
-    yield
-    plt.close("all")
 
 
 @pytest.fixture

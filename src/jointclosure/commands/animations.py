@@ -1,22 +1,11 @@
 """Option `--animation` of the commands that close a joint: more snapshots, and a GIF of them."""
 
-from pathlib import Path
-
 import numpy as np
 import xarray as xr
 
-from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.loading import largest_stress
 from jointclosure.storage.figures import save_animation
-
-
-def check_animation(path: Path | None) -> None:
-    """Refuse an animation that could not be written, before anything is computed."""
-    if path is not None and path.suffix != ".gif":
-        raise InputError(f"{path}: must end in .gif")
-    if path is not None and not path.parent.is_dir():
-        raise InputError(f"{path}: folder {path.parent} not found")
 
 
 def kept_stresses(arguments, conditions: Conditions) -> tuple[float, ...]:

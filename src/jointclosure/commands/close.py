@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from jointclosure.commands import COMMANDS
-from jointclosure.commands.animations import check_animation, kept_stresses, write_animation
+from jointclosure.commands.animations import kept_stresses, write_animation
 from jointclosure.commands.engineering_files import write_exports
 from jointclosure.commands.joint_options import (
     NEEDED,
@@ -17,6 +17,7 @@ from jointclosure.commands.joint_options import (
     add_rock,
     base_keys,
     check_can_be_made,
+    check_destination,
     joint_configuration,
     loaded,
     resolved_breakage,
@@ -149,7 +150,7 @@ def run(arguments) -> int:
     import jointclosure.plotting.scanned_joint  # noqa: F401  an extra that may be missing
 
     start = time.perf_counter()
-    check_animation(arguments.animation)
+    check_destination(arguments.animation, (".gif",))
     check_can_be_made(arguments.output)
     if arguments.single and arguments.range:
         raise InputError("--range: must be left out with --single")

@@ -314,3 +314,13 @@ def check_can_be_made(folder: Path) -> None:
     if not folder.parent.is_dir():
         raise InputError(f"{folder}: folder {folder.parent} not found")
     check_record(folder)
+
+
+def check_destination(path: Path | None, suffixes: tuple[str, ...]) -> None:
+    """Refuse a file that could not be written, before anything is computed; None is none."""
+    if path is None:
+        return
+    if path.suffix.lower() not in suffixes:
+        raise InputError(f"{path}: must end in {' or '.join(suffixes)}")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: folder {path.parent} not found")

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from jointclosure.commands import COMMANDS
+from jointclosure.commands.joint_options import check_destination
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution
 from jointclosure.scans import read_scan
@@ -74,7 +75,8 @@ def run(arguments) -> int:
         value = getattr(arguments, name)
         if value is not None and not 0.0 < value < 1e18:
             raise InputError(f"--{name.replace('_', '-')} {value!r}: must be a positive number")
-    _check_outputs(arguments)
+    check_destination(arguments.picture, (".png", ".pdf", ".svg"))
+    check_destination(arguments.table, (".csv",))
     if arguments.picture:  # drawing takes a second to load, and needs an extra
         from jointclosure.plotting.walls import roughness_figure
     spacing = None if arguments.spacing is None else 1e-3 * arguments.spacing
@@ -103,17 +105,3 @@ def run(arguments) -> int:
         figure = roughness_figure(wall, step, increments(wall, step), arguments.file.name)
         save_figure(figure, arguments.picture)
     return 0
-
-
-def _check_outputs(arguments) -> None:
-    """Refuse figures and tables that cannot be written, before anything is computed."""
-    for path, endings in (
-        (arguments.picture, (".png", ".pdf", ".svg")),
-        (arguments.table, (".csv",)),
-    ):
-        if path is None:
-            continue
-        if path.suffix.lower() not in endings:
-            raise InputError(f"{path}: must end in {' or '.join(endings)}")
-        if not path.parent.is_dir():
-            raise InputError(f"{path}: folder {path.parent} not found")

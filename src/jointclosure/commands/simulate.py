@@ -7,13 +7,14 @@ from pathlib import Path
 import xarray as xr
 
 from jointclosure.commands import COMMANDS
-from jointclosure.commands.animations import check_animation, kept_stresses, write_animation
+from jointclosure.commands.animations import kept_stresses, write_animation
 from jointclosure.commands.engineering_files import write_exports
 from jointclosure.commands.joint_options import (
     add_load_and_model,
     add_rock,
     base_keys,
     check_can_be_made,
+    check_destination,
     joint_configuration,
     loaded,
     shown_progress,
@@ -90,9 +91,9 @@ def add_to(commands) -> None:
 
 def run(arguments) -> int:
     """Close the joint; return 1 if the simulation failed."""
-    _check_destination(arguments.output, (".nc",))
-    _check_destination(arguments.picture, _PICTURES)
-    check_animation(arguments.animation)
+    check_destination(arguments.output, (".nc",))
+    check_destination(arguments.picture, _PICTURES)
+    check_destination(arguments.animation, (".gif",))
     if arguments.tables:
         check_can_be_made(arguments.tables)
     if arguments.snapshots and not arguments.output:
@@ -162,13 +163,3 @@ def _cells(text: str) -> tuple[int, int]:
     if len(numbers) > 2 or not all(number.isdigit() for number in numbers):
         raise argparse.ArgumentTypeError(f"{text!r}: must be a number, or two such as 200x100")
     return int(numbers[0]), int(numbers[-1])
-
-
-def _check_destination(path: Path | None, suffixes: tuple[str, ...]) -> None:
-    """Refuse a file that could not be written, before anything is computed."""
-    if path is None:
-        return
-    if path.suffix not in suffixes:
-        raise InputError(f"{path}: must end in {' or '.join(suffixes)}")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: folder {path.parent} not found")

@@ -19,6 +19,7 @@ import pandas as pd
 
 from jointclosure.config.measured_joints import measured_range
 from jointclosure.parameters import OF_ROCK, key_of
+from jointclosure.statistics.standard_errors import significant
 
 CLOSURE_NET, CLOSURE_GROSS = "closure_net_since_seating_mm", "closure_gross_since_seating_mm"
 QUANTITIES = {
@@ -196,8 +197,7 @@ def _two_digits(value: float) -> str:
     """Format a number with two significant digits and no exponent."""
     if not abs(value) > 1e-12:  # rounding of closures that are 0
         return "nan" if np.isnan(value) else "0"
-    decimals = 1 - int(np.floor(np.log10(abs(float(f"{value:.1e}")))))
-    return f"{round(value, decimals):.{max(decimals, 0)}f}"
+    return significant(value, 2)
 
 
 def ranges_of(

@@ -4,23 +4,7 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.engineering.curves import net_responses
-from jointclosure.ensemble.closing import close_walls
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.protocol import FAILURE
-
-
-def cycle_responses(
-    walls: tuple[np.ndarray, np.ndarray], conditions: Conditions
-) -> tuple[int, dict[str, np.ndarray]]:
-    """Close two walls (y, x) [m] to one maximum stress and return status and `responses_of`.
-
-    All responses are NaN if the simulation failed.
-    """
-    closed = close_walls(*walls, conditions)
-    status, answer = int(closed.status), responses_of(closed, conditions)
-    if status >= FAILURE:
-        answer = {name: np.full(values.shape, np.nan) for name, values in answer.items()}
-    return status, answer
 
 
 def responses_of(closed: xr.Dataset, conditions: Conditions) -> dict[str, np.ndarray]:

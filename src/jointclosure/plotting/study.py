@@ -17,6 +17,7 @@ from jointclosure.engineering.empirical import barton_bandis, law_holds
 from jointclosure.ensemble.aggregation import since_seating, succeeded
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.plotting.measured import Measurements, draw_measured, measured_handles
+from jointclosure.plotting.scanned_joint import map_extent
 from jointclosure.plotting.style import (
     key,
     keys_of,
@@ -62,8 +63,7 @@ def equivalent_stress() -> Figure:
 @styled
 def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title: str) -> Figure:
     """Draw both walls (y, x) [m], and the opening at first touch."""
-    ny, nx = upper.shape
-    extent = (0.0, 1e3 * nx * spacing, 0.0, 1e3 * ny * spacing)
+    extent = map_extent(upper.shape, spacing)
     figure, panels = subplots(1, 3, figsize=(10.5, 4.3), sharey=True)
     summed = 1e3 * (upper + lower)
     reach = 1e3 * max(np.abs(upper).max(), np.abs(lower).max())

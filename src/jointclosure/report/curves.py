@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.config.properties import PARAMETER_TITLES, PARAMETERS, PROPERTIES
-from jointclosure.ensemble.aggregation import succeeded
+from jointclosure.ensemble.aggregation import seats, succeeded
 
 MOST_JOINTS = 20
 """Largest number of joints of a case whose curves are in the page; means are over all joints."""
@@ -70,13 +70,14 @@ def _case(case: xr.Dataset, varied: list[str]) -> dict:
     for start in range(0, used.size, _BLOCK):
         block = case[list(_READ)].isel(realization=used[start : start + _BLOCK]).load()
         closure = _MM * block.closure.transpose("realization", "cycle", "branch", "stress")
-        seats, starts = _MM * _seats(block), _MM * _starts(block)
+        seated = _MM * seats(block).transpose("realization", "cycle")
+        starts = _MM * _starts(block)
         moments[0].add(closure.values)
-        moments[1].add((closure - seats).values)
+        moments[1].add((closure - seated).values)
         moments[2].add((closure - starts).values)
         if start == 0:
             digits = _digits(closure.values)
-            joints = [_joint(closure[i], seats[i], starts[i], digits) for i in range(len(closure))]
+            joints = [_joint(closure[i], seated[i], starts[i], digits) for i in range(len(closure))]
     shape = (case.sizes["cycle"], case.sizes["branch"], case.sizes["stress"])
     return {
         "parameter": case.parameter.item(),
@@ -88,12 +89,6 @@ def _case(case: xr.Dataset, varied: list[str]) -> dict:
         "deviation": [_listed(part.deviation(shape), digits) for part in moments],
         "joints": joints[:MOST_JOINTS],
     }
-
-
-def _seats(block: xr.Dataset) -> xr.DataArray:
-    """Return closures (realization, cycle) [m] from first touch at the seating of cycles."""
-    seats = _starts(block) + block.max_closure - block.max_closure_seated
-    return seats.transpose("realization", "cycle")
 
 
 def _starts(block: xr.Dataset) -> xr.DataArray:

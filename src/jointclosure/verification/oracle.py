@@ -9,10 +9,13 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.ndimage import maximum_filter, minimum_filter
 from scipy.special import hyp2f1
 
 _CHUNK = 500
 """Number of rows of the dense influence matrix that are computed at a time."""
+_NEIGHBOURS = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]])
+"""The eight cells around a cell."""
 
 
 class Joint(NamedTuple):
@@ -101,17 +104,8 @@ def curvature(z, h, largest_radius=None, concave="magnitude"):
 
 def peaks(z):
     """Return cells strictly higher than all their neighbours."""
-    padded = np.pad(z, 1, constant_values=-np.inf)
-    ny, nx = z.shape
-    return np.all(
-        [
-            z > padded[1 + v : 1 + v + ny, 1 + w : 1 + w + nx]
-            for v in (-1, 0, 1)
-            for w in (-1, 0, 1)
-            if v or w
-        ],
-        axis=0,
-    )
+    around = maximum_filter(z, footprint=_NEIGHBOURS, mode="constant", cval=-np.inf)
+    return z > around
 
 
 def moduli(rock, peak_modulus_ratio, upper_peaks, lower_peaks):
@@ -158,18 +152,8 @@ def locked(upper, lower, tolerance=1e-11):
     """Return pairs of which neither wall's cell has a lower neighbour."""
 
     def no_lower(z):
-        padded = np.pad(z, 1, constant_values=np.inf)
-        ny, nx = z.shape
-        lowest = np.min(
-            [
-                padded[1 + v : 1 + v + ny, 1 + w : 1 + w + nx]
-                for v in (-1, 0, 1)
-                for w in (-1, 0, 1)
-                if v or w
-            ],
-            axis=0,
-        )
-        return z - lowest <= tolerance
+        around = minimum_filter(z, footprint=_NEIGHBOURS, mode="constant", cval=np.inf)
+        return z - around <= tolerance
 
     return no_lower(upper) & no_lower(lower)
 
