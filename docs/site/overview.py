@@ -14,6 +14,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 import jointclosure as jc
+from jointclosure.ensemble.aggregation import since_seating
+from jointclosure.joint.loading import SEATING_STRESS
 
 JRC, SHAPE, SPACING, SURFACES, STRESS = 8, (100, 100), 0.25e-3, 20, 10e6
 ROCK = jc.Rock(youngs_modulus=78e9, poisson_ratio=0.2, compressive_strength=165e6)
@@ -26,18 +28,26 @@ def walls_of(seed: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def draw_band(axes: Axes, ensemble: xr.Dataset) -> None:
-    """Draw the mean closure of each branch, and the band between its 5 and 95 % quantiles."""
-    stress = 1e-6 * ensemble.stress
+    """Draw the mean net closure of each branch, and the band of its 5 to 95 % quantiles."""
+    net = 1e3 * since_seating(ensemble).sel(stress=ensemble.stress > SEATING_STRESS)
+    stress = 1e-6 * net.stress
     for cycle, branch in itertools.product(ensemble.cycle.values, ensemble.branch.values):
-        closure = 1e3 * ensemble.closure.sel(cycle=cycle, branch=branch)
+        closure = net.sel(cycle=cycle, branch=branch)
         low, high = (closure.quantile(share, "realization") for share in (0.05, 0.95))
         colour, style = ("C0", "C1")[cycle - 1], "-" if branch == "loading" else (0, (2, 3))
         colour = colour if style == "-" else "0.2"
         if style == "-":
             axes.fill_betweenx(stress, low, high, color=colour, alpha=0.15, lw=0)
-        mean = closure.mean("realization")
-        axes.plot(mean, stress, ls=style, color=colour, label=f"cycle {cycle}, {branch}")
-    axes.set(xlabel="closure from first touch (mm)", ylabel="normal stress (MPa)", ylim=0)
+        mean, at = closure.mean("realization").values, stress.values
+        if branch == "loading":  # which starts at seating
+            mean, at = np.append(0.0, mean), np.append(1e-6 * SEATING_STRESS, at)
+        axes.plot(mean, at, ls=style, color=colour, label=f"cycle {cycle}, {branch}")
+    axes.set(
+        xlabel=f"net closure since {1e-6 * SEATING_STRESS:g} MPa (mm)",
+        ylabel="normal stress (MPa)",
+        ylim=0,
+        xlim=0,
+    )
     axes.legend(frameon=False)
 
 
@@ -54,7 +64,7 @@ def main() -> None:
     jc.plot.aperture(joint, 0, contacts)
     draw_band(curves, ensemble)
     section.set_title("two walls at first touch")
-    contacts.set_title(f"aperture at {1e-6 * STRESS:g} MPa, contacts red")
+    contacts.set_title(f"the joint at {1e-6 * STRESS:g} MPa")
     curves.set_title(f"closure of {SURFACES} pairs: mean and 90 % band")
     figure.savefig(PICTURE, dpi=110)
 

@@ -117,7 +117,7 @@ growth_once = Table(
     "growth_once/growth_once",
     {
         "scene": "{scene}",
-        "roll-off (mm)": "{roll-off mm!k}",
+        "roll-off (mm)": lambda row: f"{row['roll-off mm']:g}".replace("nan", "none"),
         "time (s)": "{s!k}",
         "memory (MB)": "{MB!k}",
         "maximum closure (mm)": "{closure mm:.2f}",
