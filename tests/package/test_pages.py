@@ -132,6 +132,7 @@ def test_the_readmes_outcome_is_that_of_the_stored_study():
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     headline = results.headline()
     assert headline["p"] in text
+    assert f"with those of the study {headline['p of the study']}" in text
     (sentence,) = re.findall(r"^.*?(?=\(\[conclusions\])", text, re.M)
     assert re.findall(r"\d+", sentence) == [headline[name] for name in ("claims", "stand", "fall")]
 

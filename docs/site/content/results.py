@@ -104,6 +104,7 @@ def headline() -> dict[str, str]:
     left = claims.conclusion.value_counts()
     return {
         "p": value_of(tests, _probability("p"), entries="all"),
+        "p of the study": value_of("paper/table_3_joint_tests", _probability("p"), entries="all"),
         "p of no effect": value_of(tests, _probability("null_p"), entries="all"),
         "claims": str(len(claims)),
         "stand": str(left.get(STANDS, 0)),

@@ -138,6 +138,12 @@ def law(reading: str, cycle: int) -> str:
     return value_of("size/size_barton_bandis", "{ratio±error} ({barton_bandis:.2f})", **rows)
 
 
+def power(spectrum: str, cycle: int) -> str:
+    """Give the exponent of the patch length in net closure since seating, for a spectrum."""
+    rows = {"spectrum": spectrum, "reading": "closure_seated_net", "cycle": cycle, "of": "patch"}
+    return value_of("size/size_exponents", "{exponent±error}", **rows)
+
+
 def patch(end: str) -> str:
     """Give the side [mm] of the smallest ("from") or the largest ("to") patch."""
     return value_of("size/size_barton_bandis", f"{{{end}_mm max:g}}")

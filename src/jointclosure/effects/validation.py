@@ -354,14 +354,12 @@ def validation_summary(table: pd.DataFrame) -> pd.DataFrame:
             "scenes_without_error": int(part.actual_percent.isna().sum()),
             "saved_percent": 100.0 * saved.sum() / part.full_s.sum(),
             "best_saved_percent": 100.0 * best.sum() / part.full_s.sum(),
-            "share_of_best_percent": 100.0 * saved.sum() / best.sum() if best.any() else np.nan,
+            "share_of_best_percent": 100.0 * saved.sum() / (best.sum() or np.nan),
             "mean_saved_percent": 100.0 * (saved / part.full_s).mean(),
             "best_mean_saved_percent": part.best_saved_percent.mean(),
             "mean_share_of_best_percent": 1e4
             * (saved / part.full_s).mean()
-            / part.best_saved_percent.mean()
-            if best.any()
-            else np.nan,
+            / (part.best_saved_percent.mean() or np.nan),
             "least_saved_percent": 100.0 * (saved / part.full_s).min(),
             "largest_lost_percent": 100.0 * (unchanged.pilot_s / unchanged.full_s).max(),
             "median_regret": part.regret.median(),

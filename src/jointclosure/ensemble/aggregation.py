@@ -68,6 +68,7 @@ def seats(study: xr.Dataset, net: bool = False) -> xr.DataArray:
     return start + study[f"max_closure{kind}"] - study[f"max_closure_seated{kind}"]
 
 
-def since_seating(study: xr.Dataset) -> xr.DataArray:
-    """Return net closures (..., cycle, branch, stress) [m] since the cycle's loading was seated."""
-    return study.closure - study.bulk_indentation - seats(study, net=True)
+def since_seating(study: xr.Dataset, net: bool = True) -> xr.DataArray:
+    """Return net or gross closures (..., cycle, branch, stress) [m] since seating of the cycle."""
+    closure = study.closure - study.bulk_indentation if net else study.closure
+    return closure - seats(study, net)

@@ -1,11 +1,13 @@
 """Curves and stiffness of many joints for engineering: medians and quantile bands over stress."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 from jointclosure.engineering.curves import KINDS
-from jointclosure.ensemble.aggregation import seats, succeeded
+from jointclosure.ensemble.aggregation import since_seating, succeeded
 from jointclosure.joint.protocol import LOADING
 
 QUANTILES = (0.05, 0.5, 0.95)
@@ -41,11 +43,11 @@ def band_table(
     good = case.where(succeeded(case))
     upper = good.stress.shift(stress=-1)
     landing = (good.branch == LOADING) & (upper > good.landing_stress)
-    fields = {}
+    fields: dict[str, Any] = {}
     for kind in KINDS:
         net = kind == "net"
         closure = good.closure - good.bulk_indentation if net else good.closure
-        fields[f"closure_{kind}_since_seating_mm"] = 1e3 * (closure - seats(good, net))
+        fields[f"closure_{kind}_since_seating_mm"] = 1e3 * since_seating(good, net)
         fields[f"closure_{kind}_mm"] = 1e3 * closure
         fields[f"normal_stiffness_{kind}_MPa_per_mm"] = _stiffness(closure).where(~landing)
     if "hydraulic_aperture" in good:

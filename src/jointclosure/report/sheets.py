@@ -46,7 +46,7 @@ def sheet(name: str, caption: str, frame: pd.DataFrame, titles: dict[str, str]) 
     for column in titles:
         if (error := f"{column}_standard_error") in frame:
             shown[column] = [
-                Cell(rounded(value, spread), value) if pd.notna(value) else Cell(ABSENT, "")
+                cell(value)._replace(text=rounded(value, spread))
                 for value, spread in zip(frame[column], frame[error], strict=True)
             ]
     rows = [[cell(value) for value in row] for row in shown.itertuples(index=False)]
