@@ -12,6 +12,7 @@ from jointclosure.ensemble.budget import (
     ALL,
     CLOSURE_GROSS,
     CLOSURE_NET,
+    NUMBERS,
     QUANTITIES,
     TOGETHER,
     Budget,
@@ -131,7 +132,8 @@ def test_joints_beside_which_the_best_value_lies_are_described():
     index = pd.MultiIndex.from_product([[1], QUANTITIES], names=["cycle", "quantity"])
 
     def described(best, together):
-        row = {"best": best, "low": 1.0, "high": 2.0, TOGETHER: together, "alignment": 0.5}
+        row = {"best": best, "median": 1.6, "low": 1.0, "high": 2.0}
+        row |= {TOGETHER: together, "alignment": 0.5}
         lines = Budget(results, pd.DataFrame(row, index), ()).sentences()
         return "median is 1.6" in " ".join(lines), "2.0, has values 8" in " ".join(lines)
 
@@ -139,15 +141,42 @@ def test_joints_beside_which_the_best_value_lies_are_described():
     assert described(1.6, 0.1) == (False, False)
 
 
-def test_a_budget_has_results_of_all_joints_and_contains_the_best(small_joint):
+def budget_of(best, drawn):
+    """A budget of one source without effect: results (n,) are those of the random joints."""
+    sources = {"alignment": Source((0.0, 1.0), True)}
+    shares, further = (random_shares(sources, n, 0) for n in (DRAWS, 100))
+    names = ["", "alignment", "alignment", *[ALL] * DRAWS]
+    values = dict.fromkeys(QUANTITIES, np.array([best] * 3 + list(drawn)))
+    results = pd.DataFrame({"source": names, "value": "", "cycle": 1, "status": 0} | values)
+    return Budget(results, ranges_of(results, sources, shares, further), ())
+
+
+def test_the_median_leads_where_the_best_value_lies_outside_its_range():
+    drawn = np.geomspace(0.4, 0.6, DRAWS)
+    inside, below = budget_of(0.45, drawn), budget_of(0.3, drawn)
+    assert inside.text(1, CLOSURE).startswith("0.45 (")
+    assert below.text(1, CLOSURE).startswith("0.49 (0.4")
+    assert "the best value, 0.30, lies outside the range" in str(below)
+    assert "lies outside" not in str(inside)
+
+
+def test_a_result_that_is_0_in_all_variants_is_not_given_as_certain():
+    absent, given = budget_of(0.0, np.zeros(DRAWS)), budget_of(0.0, np.linspace(0.0, 1.0, DRAWS))
+    assert absent.text(1, CLOSURE) == "not modelled"
+    assert "cycle 1: not modelled, as it is 0 in the model" in str(absent)
+    assert "(0 to" not in str(absent)
+    assert "not modelled" not in str(given)
+
+
+def test_a_budget_has_results_of_all_joints_and_the_best(small_joint):
     budget = uncertainty_budget(*small_joint, CONDITIONS)
     drawn = budget.results[budget.results.source == ALL]
     assert len(drawn) == DRAWS
     assert drawn.value.is_unique
     for name in QUANTITIES:
-        best, low, high = budget.ranges.loc[(1, name), ["best", "low", "high"]]
-        assert low <= best == budget.results[name].iloc[0] <= high
-        assert low < high
+        best, median, low, high = budget.ranges.loc[(1, name), NUMBERS]
+        assert best == budget.results[name].iloc[0]
+        assert low < median < high
     printed = str(budget)
     assert budget.text(1, CLOSURE) in printed
     assert budget.sentences()[-1] in printed

@@ -66,6 +66,10 @@ MUCH_TOGETHER = 0.3
 """Share of sources acting together above which the joint with the largest result is described."""
 OUTSIDE = 0.05
 """Probability of a result below the range, and of one above it."""
+NUMBERS = ["best", "median", "low", "high"]
+"""Columns of `Budget.ranges` that are no shares."""
+NOT_MODELLED = "not modelled"
+"""Text of a result that is 0 in all variants: the model cannot give it."""
 
 
 class Source(NamedTuple):
@@ -102,8 +106,9 @@ class Budget(NamedTuple):
         (NaN if the variant could not be closed). The source of the joint itself is "", that of
         joints in which all sources have random values is `ALL`.
     ranges : DataFrame
-        Over (cycle, quantity): ``best``; ``low`` and ``high``, between which 9 in 10 joints with
-        random values lie; and the share of each source, which sum to 1.
+        Over (cycle, quantity): ``best``, of the joint itself; ``median``, ``low`` and ``high`` of
+        joints with random values, of which 9 in 10 lie between the latter; and the share of each
+        source, which sum to 1.
     omitted : tuple of str
         Sources that were not varied because no range of them is stated.
     """
@@ -125,6 +130,13 @@ class Budget(NamedTuple):
             for cycle in (cycles if len(cycles) < 3 else cycles[[0, -1]])
         ]
         lines += [line for cycle in cycles for line in self._about_draws(cycle, closure)]
+        for quantity, rows in self.ranges.groupby("quantity", sort=False):
+            absent = [str(cycle) for cycle, _ in rows.index if not self.modelled(cycle, quantity)]
+            if absent:
+                lines.append(
+                    f"{QUANTITIES[quantity]}, cycle {', '.join(absent)}: {NOT_MODELLED}, as it is "
+                    "0 in the model whatever the inputs are"
+                )
         failed = self.results.loc[self.results[closure].isna(), ["source", "value"]]
         for source, rows in failed.drop_duplicates().groupby("source"):
             count = f"{len(rows)} joints with random values" if source == ALL else TITLES[source]
@@ -150,6 +162,11 @@ class Budget(NamedTuple):
                 f"{100.0 * max(below, 1.0 - below):.0f} % of the joints with random values, whose "
                 f"median is {_two_digits(drawn[quantity].median())}"
             )
+        if leading(row) != row.best:
+            lines.append(
+                f"{name}: the best value, {_two_digits(row.best)}, lies outside the range, whose "
+                "median is given instead"
+            )
         if row[TOGETHER] > MUCH_TOGETHER:
             most = drawn.loc[drawn[quantity].idxmax()]
             lines.append(
@@ -163,8 +180,8 @@ class Budget(NamedTuple):
         rows = self.ranges.astype(object).where(self.ranges.notna(), None)
         return [
             {"cycle": cycle, "quantity": quantity, "text": self.text(cycle, quantity)}
-            | row[["best", "low", "high"]].to_dict()
-            | {"shares": row.drop(["best", "low", "high"]).to_dict()}
+            | row[NUMBERS].to_dict()
+            | {"shares": row.drop(NUMBERS).to_dict()}
             for (cycle, quantity), row in rows.iterrows()
         ]
 
@@ -179,23 +196,45 @@ class Budget(NamedTuple):
     def text(self, cycle: int, quantity: str) -> str:
         """Format a result with two digits, as in "0.18 (0.13 to 0.24)".
 
-        Numbers are 0 if they are next to nothing of the width of the range.
+        The first number is that of `leading`. Numbers are 0 if they are next to nothing of the
+        width of the range.
         """
-        values = self.ranges.loc[cycle, quantity][["best", "low", "high"]].to_numpy(float)
-        least = 0.005 * (values[2] - values[1])
-        best, low, high = (_two_digits(0.0 if abs(v) < least else v) for v in values)
-        return f"{best} ({low} to {high})"
+        if not self.modelled(cycle, quantity):
+            return NOT_MODELLED
+        row = self.ranges.loc[cycle, quantity]
+        least = 0.005 * (row.high - row.low)
+        values = (leading(row), row.low, row.high)
+        first, low, high = (_two_digits(0.0 if abs(v) < least else v) for v in values)
+        return f"{first} ({low} to {high})"
+
+    def modelled(self, cycle: int, quantity: str) -> bool:
+        """Return whether any variant has a result other than 0."""
+        values = self.results.loc[self.results.cycle == cycle, quantity].dropna()
+        return values.empty or bool((values.abs() > _ROUNDING).any())
 
     def shares_text(self, cycle: int, quantity: str) -> str:
         """Name the sources with at least half a percent of a range, as in "alignment 60 %"."""
-        shares = self.ranges.loc[cycle, quantity].drop(["best", "low", "high"]).dropna()
+        shares = self.ranges.loc[cycle, quantity].drop(NUMBERS).dropna()
         known = shares[shares >= 0.005].astype(float).sort_values(ascending=False)
         return ", ".join(f"{TITLES[name]} {100.0 * share:.0f} %" for name, share in known.items())
 
 
+def leading(row: Any) -> float:
+    """Return the number of a row of `Budget.ranges` to be given first.
+
+    It is the best value, or the median where the best value lies outside the range.
+    """
+    outside = row.best < row.low or row.best > row.high
+    return float(row["median"] if outside else row.best)
+
+
+_ROUNDING = 1e-12
+"""Largest closure [mm] that is the rounding of 0."""
+
+
 def _two_digits(value: float) -> str:
     """Format a number with two significant digits and no exponent."""
-    if not abs(value) > 1e-12:  # rounding of closures that are 0
+    if not abs(value) > _ROUNDING:
         return "nan" if np.isnan(value) else "0"
     return significant(value, 2)
 
@@ -229,15 +268,15 @@ def ranges_of(
             }
             drawn = changes.pop(ALL)
             sums = (_sums(sources, changes, of_joints) for of_joints in (shares, further))
-            low, high, apart = _ends(drawn, *sums)
-            ends = best * np.exp([low, high]) if factors else best + np.array([low, high])
-            ends = np.maximum(ends, min(0.0, np.nanmin(known)))  # below 0 only where a joint was
-            rows[cycle, quantity] = dict(zip(("best", "low", "high"), (best, *ends), strict=True))
+            middle, apart = _quantiles(drawn, *sums)
+            numbers = best * np.exp(middle) if factors else best + middle
+            numbers = np.maximum(numbers, min(0.0, np.nanmin(known)))  # below 0 where a joint was
+            rows[cycle, quantity] = dict(zip(NUMBERS, (best, *numbers), strict=True))
             alone = shares_of(changes)
             rows[cycle, quantity] |= {n: (1.0 - apart) * share for n, share in alone.items()}
             rows[cycle, quantity][TOGETHER] = apart
         net, gross = rows[cycle, CLOSURE_NET], rows[cycle, CLOSURE_GROSS]
-        for end in ("low", "high"):  # of every joint the net closure is the smaller one
+        for end in NUMBERS[1:]:  # of every joint the net closure is the smaller one
             net[end], gross[end] = sorted((net[end], gross[end]))
     index = pd.MultiIndex.from_tuples(rows, names=["cycle", "quantity"])
     return pd.DataFrame(list(rows.values()), index=index)
@@ -251,8 +290,10 @@ def _sums(
     return np.sum([source.changes_at(changes[name], at) for (name, source), at in columns], axis=0)
 
 
-def _ends(drawn: np.ndarray, sums: np.ndarray, further: np.ndarray) -> tuple[float, float, float]:
-    """Return the ends of the range, which contain 0, and the share of departures in its variance.
+def _quantiles(
+    drawn: np.ndarray, sums: np.ndarray, further: np.ndarray
+) -> tuple[np.ndarray, float]:
+    """Return median and ends of the range (3,), and the share of departures in its variance.
 
     ``drawn`` (draws,) are the changes of closed joints, ``sums`` those expected of them, and
     ``further`` (any,) those expected of further joints. Expected changes are reduced if joints
@@ -268,10 +309,10 @@ def _ends(drawn: np.ndarray, sums: np.ndarray, further: np.ndarray) -> tuple[flo
         departures = drawn - slope * sums
         centre, scale = departures.mean(), np.sqrt((drawn.size + 1) / (drawn.size - 1))
         departures = centre + scale * (departures - centre)
-    low, high = np.quantile(slope * further[:, None] + departures, [OUTSIDE, 1.0 - OUTSIDE])
+    all_joints = slope * further[:, None] + departures
     variances = departures.var(), slope**2 * further.var()
     apart = variances[0] / sum(variances) if any(variances) else math.nan
-    return min(float(low), 0.0), max(float(high), 0.0), float(apart)
+    return np.quantile(all_joints, [0.5, OUTSIDE, 1.0 - OUTSIDE]), float(apart)
 
 
 def shares_of(changes: Mapping[str, np.ndarray]) -> dict[str, float]:

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from jointclosure.engineering.curves import KINDS, seat_of
 from jointclosure.engineering.stiffness import stiffness_table
+from jointclosure.ensemble.budget import leading
 from jointclosure.joint.history import NET, branch_of, read_along
 from jointclosure.joint.protocol import LOADING
 from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
@@ -47,9 +48,10 @@ def _draw_ranges(axes: Axes, ranges: pd.DataFrame, closed: xr.Dataset) -> None:
     """Draw ranges [mm] of the closure at the largest stress by cycle, each above the one before."""
     largest = 1e-6 * float(closed.normal_stress.max())
     for row, (cycle, ends) in enumerate(ranges.iterrows(), start=1):
-        widths = [[ends.best - ends.low], [ends.high - ends.best]]
+        first = leading(ends)
+        widths = [[first - ends.low], [ends.high - first]]
         axes.errorbar(
-            ends.best, largest * (1.0 + 0.03 * row), xerr=widths,
+            first, largest * (1.0 + 0.03 * row), xerr=widths,
             fmt="o", ms=4, capsize=3, color=f"C{cycle - 1}", label=f"cycle {cycle}, range",
         )  # fmt: skip
 

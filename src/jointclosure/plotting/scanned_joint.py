@@ -4,7 +4,7 @@ import numpy as np
 import seaborn as sns
 from matplotlib.figure import Figure
 
-from jointclosure.ensemble.budget import ALL, TITLES, Budget
+from jointclosure.ensemble.budget import ALL, NUMBERS, TITLES, Budget
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.surface.registration import CLEAR, RegisteredPair
 
@@ -52,7 +52,7 @@ def range_figure(budget: Budget, title: str) -> Figure:
     figure, panels = subplots(1, len(cycles), figsize=(5.2 * len(cycles), 3.6), squeeze=False)
     for axes, cycle in zip(panels[0], cycles, strict=True):
         row, results = ranges.loc[cycle], budget.results[budget.results.cycle == cycle]
-        shares = row.drop(["best", "low", "high"]).astype(float).dropna().sort_values()
+        shares = row.drop(NUMBERS).astype(float).dropna().sort_values()
         for place, name in enumerate(shares.index):
             values = results.loc[results.source == name, closure].to_numpy()
             axes.plot([row.best, *values], [place] * (1 + values.size), "-", color="0.6")
@@ -60,6 +60,7 @@ def range_figure(budget: Budget, title: str) -> Figure:
         drawn = results.loc[results.source == ALL, closure].to_numpy()
         axes.plot([row.low, row.high], [len(shares)] * 2, "-", color="C1", lw=3)
         axes.plot(drawn, [len(shares) + 0.35] * drawn.size, "|", color="C1", ms=5)
+        axes.plot(row["median"], len(shares), "|", color="white", ms=6, mew=1.5)
         axes.plot(row.best, len(shares), "o", color="C1")
         axes.axvline(row.best, color="0.8", lw=0.8, zorder=0)
         labels = [f"{TITLES[name]} ({100.0 * share:.0f} %)" for name, share in shares.items()]

@@ -7,7 +7,7 @@ import xarray as xr
 from jointclosure.engineering.curves import KINDS, cycle_table, net_responses
 from jointclosure.engineering.laws import LAWS, fitted_laws, law_words
 from jointclosure.engineering.stiffness import stiffness_table
-from jointclosure.ensemble.budget import QUANTITIES
+from jointclosure.ensemble.budget import NOT_MODELLED, QUANTITIES
 from jointclosure.report.page import Picture
 from jointclosure.report.running import provenance_rows
 from jointclosure.report.sheets import Sheet, number_text, sheet
@@ -55,8 +55,9 @@ def joint_finding(cycles: pd.DataFrame, history: xr.Dataset, ranges: list[dict])
         f"From {seating:g} MPa on the joint closes {text('closure_net_since_seating_mm')} mm in "
         "its first cycle"
     )
-    if np.isfinite(known.residual_net_at_seating_mm[1]):
-        words += f", of which {text('residual_net_at_seating_mm')} mm stay"
+    stays = text("residual_net_at_seating_mm")
+    if np.isfinite(known.residual_net_at_seating_mm[1]) and stays != NOT_MODELLED:
+        words += f", of which {stays} mm stay"
     stiff = [
         f"{text('stiffness_net_MPa_per_mm', cycle)} MPa/mm in cycle {cycle}"
         for cycle in sorted({1, known.index[-1]})
@@ -103,7 +104,10 @@ def _range_sheets(ranges: list[dict]) -> list[Sheet]:
     table = rows.pivot_table("text", "quantity", "cycle", "first").loc[list(QUANTITIES)]
     table.columns = [f"Cycle {cycle}" for cycle in table.columns]
     table.insert(0, "Quantity", [QUANTITIES[name] for name in table.index])
-    caption = "Best values and their range over what the model leaves open; closures since seating"
+    caption = (
+        "Best values (the median where the best value is outside) and their range over what the "
+        "model leaves open; closures since seating"
+    )
     return [sheet("range", caption, table, {name: name for name in table})]
 
 
