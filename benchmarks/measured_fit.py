@@ -21,9 +21,9 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.config.measured_joints import JOINTS, measured
-from jointclosure.config.rocks import named_rock
 from jointclosure.engineering.stiffness import closures_at
 from jointclosure.ensemble.scanned_joint import RESOLVED
+from jointclosure.joint.rocks import named_rock
 from jointclosure.measured.calibration import Simulated
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.measured.fit import DOUBTFUL, Fit

@@ -21,7 +21,6 @@ import pandas as pd
 from yardstick import machine
 
 import jointclosure as jc
-from jointclosure.config.rocks import named_rock
 from jointclosure.ensemble.budget import ALL, ranges_of
 from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.scanned_joint import RESOLVED
@@ -34,6 +33,7 @@ from jointclosure.ensemble.uncertainty import (
     uncertainty_budget,
     variants_of,
 )
+from jointclosure.joint.rocks import named_rock
 from jointclosure.statistics.randomness import seed_of
 
 SPACING, SHAPE = 0.25e-3, (100, 100)

@@ -11,11 +11,11 @@ from typing import NamedTuple
 import pandas as pd
 
 import jointclosure as jc
-from jointclosure.config.rocks import named_rock
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.engineering.laws import fitted_laws
 from jointclosure.engineering.stiffness import secant_stiffness
 from jointclosure.joint.history import GROSS, NET
+from jointclosure.joint.rocks import named_rock
 from jointclosure.storage.text import write_csv
 
 OUTPUT = Path(__file__).parents[1] / "build/benchmarks/validation.csv"

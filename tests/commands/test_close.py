@@ -10,10 +10,10 @@ import jointclosure as jc
 from jointclosure.commands import cli
 from jointclosure.commands.engineering_files import FIGURES
 from jointclosure.commands.joint_options import summary
-from jointclosure.config.rocks import named_rock
 from jointclosure.ensemble import scanned_joint
 from jointclosure.ensemble.budget import ALL, MEASURED, QUANTITIES, TOGETHER, Budget
 from jointclosure.inputs.remarks import cautions
+from jointclosure.joint.rocks import named_rock
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.surface.registration import registered
 from tests.conftest import SPACING, TWO_WALLS

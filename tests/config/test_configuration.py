@@ -17,6 +17,7 @@ from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.ensemble.surfaces import seeds_of
+from jointclosure.joint.loading import SEATING_STRESS
 from jointclosure.parameters import Effects
 from tests.studied import DEFAULT, ROOT, checked_study, study_of
 
@@ -66,7 +67,8 @@ def test_the_library_and_the_configuration_have_the_same_defaults():
         assert given == given | {name: surface[name] for name in given.keys() & surface.keys()}
     assert surface.keys() <= _defaults(jc.wall_pair).keys()
     for function in (jc.simulate, jc.close, jc.fit, jc.simulate_ensemble):
-        assert _defaults(function)["seating_stress"] == study.seating_stress
+        assert _defaults(function)["seating_stress"] is None
+    assert study.seating_stress == SEATING_STRESS
 
 
 def _defaults(function) -> dict:
@@ -79,7 +81,7 @@ _WITH_GRAIN_SIZE = """
 import jointclosure as jc
 from jointclosure.commands.joint_options import NEEDED, OPTIONS
 from jointclosure.config.properties import PARAMETER_TITLES, PARAMETERS, PROPERTIES, key_of
-from jointclosure.config.rocks import named_rock
+from jointclosure.joint.rocks import named_rock
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.parameters import check_rock
 from jointclosure.sensitivity.tables import rock_table

@@ -26,7 +26,6 @@ from jointclosure.commands.joint_options import (
     summary,
 )
 from jointclosure.config.configuration import Configured
-from jointclosure.config.rocks import rock_record, rock_text
 from jointclosure.config.units import to_si
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.cases import cases_of
@@ -45,6 +44,7 @@ from jointclosure.inputs.remarks import cautions
 from jointclosure.jobs.progress import bar, duration
 from jointclosure.joint.loading import describe_load
 from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.rocks import rock_record, rock_text
 from jointclosure.scans.units import UNITS
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.folders import replace_files

@@ -18,7 +18,7 @@ from jointclosure.ensemble.scanned_joint import RESOLVED_KEYS
 from jointclosure.inputs import InputError
 from jointclosure.jobs.progress import bar
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.loading import check_snapshots, load_cycles
+from jointclosure.joint.loading import check_snapshots, load_cycles, usual_seating
 from jointclosure.joint.protocol import FAILURE, LOADING, Report
 from jointclosure.parameters import OF_ROCK, Effects, Rock, key_of
 from jointclosure.storage.folders import check_record
@@ -179,11 +179,20 @@ def joint_configuration(
         changes["study"]["cycles"] = given["cycles"]
     if given.get("flow"):
         changes["flow"] = True
-    if "seating" in given:
-        changes["seating_stress_MPa"] = given["seating"]
+    changes["seating_stress_MPa"] = given.get("seating", _seating(base, arguments, rock))
     settings = configured(merged(base, changes, *arguments.set), read_csv)
     check_snapshots(given.get("snapshots", ()), settings.typed.rocks[name].max_normal_stress)
     return settings
+
+
+def _seating(base: dict, arguments, rock: dict) -> float:
+    """Return the seating stress [MPa] of the configuration, or the usual one of a stated load."""
+    stated = base["seating_stress_MPa"]
+    stress = getattr(arguments, "stress", None) or rock.get("max_normal_stress_MPa")
+    if stress is None or stated != merged_study()["seating_stress_MPa"]:
+        return stated
+    maxima = stress[::2] if isinstance(stress, tuple) else (stress,)
+    return min(stated, 1e-6 * usual_seating(1e6 * min(maxima)))
 
 
 def resolved_breakage(base: dict, arguments) -> dict:

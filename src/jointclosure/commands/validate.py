@@ -7,11 +7,11 @@ import pandas as pd
 
 from jointclosure.commands import COMMANDS
 from jointclosure.config.measured_joints import JOINTS, measured
-from jointclosure.config.rocks import named_rock
 from jointclosure.engineering.curves import cycle_table, net_responses
 from jointclosure.ensemble.scanned_joint import close
 from jointclosure.inputs import InputError
 from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.rocks import named_rock
 from jointclosure.measured.published import film, later_loading, scans
 from jointclosure.scans.units import UNITS
 from jointclosure.storage.text import write_csv

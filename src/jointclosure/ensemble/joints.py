@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from jointclosure.config.rocks import given_rock
 from jointclosure.ensemble.closing import close_pair, labelled
 from jointclosure.ensemble.workers import Failed, ProcessLostError, number_of_workers, shared
 from jointclosure.inputs import InputError, check_number
@@ -43,7 +42,7 @@ def simulate_ensemble(
         Pairs of walls as for `jointclosure.simulate`; or a function that returns the pair
         of a seed, such as ``lambda seed: jc.wall_pair(8, (50, 50), 0.25e-3, seed)``.
     conditions, **changes
-        As for `jointclosure.simulate`; ``rock`` can be a name.
+        As for `jointclosure.simulate`.
     seeds : iterable of int
         Arguments of the function; not used if pairs of walls are given.
     stress_points : int
@@ -77,7 +76,7 @@ def simulate_ensemble(
         raise InputError(f"stress_points = {stress_points!r}: must be at least 2")
     stated = conditions_from(conditions, changes, "simulate_ensemble", "spacing")
     spacing = stated.grid_spacing
-    conditions = stated._replace(rock=given_rock(stated.rock)).checked()
+    conditions = stated.checked()
     stresses = np.linspace(0.0, conditions.largest_stress, stress_points)
     labels, pairs = _pairs(walls, seeds)
     if not conditions.unusual_values and (doubtful := _doubts(pairs, labels, spacing)):

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import pandas as pd
 import xarray as xr
 
-from jointclosure.config.rocks import given_rock, rock_text
 from jointclosure.config.units import to_si
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.budget import Budget
@@ -19,6 +18,7 @@ from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
 from jointclosure.joint.loading import describe_load
 from jointclosure.joint.protocol import FAILURE, Report
+from jointclosure.joint.rocks import rock_text
 from jointclosure.parameters import Numerics
 from jointclosure.scans import read_scan
 from jointclosure.surface.measured import FLAT, Cloud, Scan
@@ -65,7 +65,7 @@ class ClosedJoint(NamedTuple):
     def __repr__(self) -> str:
         ny, nx = self.pair.upper.shape
         step = 1e3 * self.pair.spacing
-        seating = 1e-6 * self.conditions.seating_stress
+        seating = 1e-6 * float(self.history.attrs["seating_stress_Pa"])
         table = cycle_table(self.history)
         net, gross = (
             ", ".join(self._closure(f"closure_{kind}_since_seating_mm", table))
@@ -132,9 +132,9 @@ def close(
     report, snapshots
         As for `jointclosure.simulate`.
     conditions, **changes
-        As for `jointclosure.simulate`; ``rock`` can be a name. ``spacing`` [m] is that of the
-        joint's grid, by default as for `jointclosure.surface.registration.registered`, which also
-        receives ``unusual_values``. Breakage is resolved unless ``numerics`` are given.
+        As for `jointclosure.simulate`. ``spacing`` [m] is that of the joint's grid, by default as
+        for `jointclosure.surface.registration.registered`, which also receives
+        ``unusual_values``. Breakage is resolved unless ``numerics`` are given.
 
     Returns
     -------
@@ -151,7 +151,7 @@ def close(
         changes = {"numerics": RESOLVED} | changes
     stated = conditions_from(conditions, changes, "close")
     unusual, name = stated.unusual_values, stated.rock if isinstance(stated.rock, str) else "rock"
-    stated = stated._replace(rock=given_rock(stated.rock)).checked()
+    stated = stated.checked()
     above, below = (read_wall(wall, units, variable=variable) for wall in (upper, lower))
     pair = registered(
         above, below, stated.spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes,

@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, TypeVar, cast
 
 from jointclosure.inputs import InputError, check_length, check_number
-from jointclosure.joint.loading import SEATING_STRESS, LoadCycle, largest_stress, load_cycles
+from jointclosure.joint.loading import LoadCycle, largest_stress, load_cycles, usual_seating
+from jointclosure.joint.rocks import rocks_of_walls
 from jointclosure.parameters import (
     Choices,
     Effects,
     Numerics,
     Rock,
-    both_walls,
     check_choices,
     check_numerics,
     check_scene,
@@ -36,10 +36,9 @@ class Conditions(NamedTuple):
     spacing : float or None
         Grid spacing h [m] of the walls. It is a parameter of the model, because a cell is an
         asperity. None if scanned walls determine it.
-    rock : Rock or (Rock, Rock)
-        Rock of both walls, or of the upper and the lower wall. `jointclosure.close` and
-        `jointclosure.simulate_ensemble` also take the name of a rock of the package, such as
-        "granite" (`jointclosure.config.rocks.named_rock`).
+    rock : str, Rock or a pair of them
+        Rock of both walls, or of the upper and the lower wall: its properties, or the name of a
+        rock of the package, such as "granite" (`jointclosure.joint.rocks.ROCKS`).
     max_normal_stress : float or sequence of float
         Maximum of every cycle [Pa]. Or the load history: the stresses at which the load turns,
         alternately a maximum and a minimum, starting with a maximum, as in
@@ -47,10 +46,10 @@ class Conditions(NamedTuple):
         unloaded to 0.
     cycles : int or None
         Number of load cycles, at least 1: by default 2, or that of the load history.
-    seating_stress : float
+    seating_stress : float or None
         Stress from which the ``_seated`` closures count [Pa], at least 0 and below the smallest
         maximum. They are NaN in a cycle whose loading starts above it. It does not change the
-        history.
+        history. None: 0.5 MPa, or a tenth of the smallest maximum if that is below 0.505 MPa.
     effects : Effects
     choices : Choices
     numerics : Numerics
@@ -66,7 +65,7 @@ class Conditions(NamedTuple):
     rock: Any
     max_normal_stress: float | Sequence[float]
     cycles: int | None = None
-    seating_stress: float = SEATING_STRESS
+    seating_stress: float | None = None
     effects: Effects = Effects()
     choices: Choices = Choices()
     numerics: Numerics = Numerics()
@@ -96,19 +95,19 @@ class Conditions(NamedTuple):
         return largest_stress(self.max_normal_stress)
 
     def checked(self) -> "Conditions":
-        """Return the conditions with the rocks of both walls and the number of cycles.
+        """Return the conditions with the rocks of both walls, number of cycles and seating stress.
 
         Raises
         ------
         InputError
             If a value is out of its range; the walls are not needed for these checks.
         """
-        pair: tuple[Rock, Rock] = both_walls(self.rock)
+        pair: tuple[Rock, Rock] = rocks_of_walls(self.rock)
         check_scene(self.effects)
         check_numerics(self.numerics)
         known = {} if self.spacing is None else {"spacing": self.grid_spacing}
         load, largest = self.load, self.largest_stress
-        _check_seating(self.seating_stress, load)
+        seating = _checked_seating(self.seating_stress, load)
         check_choices(self.choices, self.spacing or 0.0)
         if not self.unusual_values:
             check_usual(pair, max_normal_stress=largest, **known)
@@ -118,7 +117,7 @@ class Conditions(NamedTuple):
                 f"max_normal_stress = {largest!r} Pa: must be below the rock's "
                 f"youngs_modulus = {stiffness!r} Pa (are both in Pa?)"
             )
-        return self._replace(rock=pair, cycles=len(load))
+        return self._replace(rock=pair, cycles=len(load), seating_stress=seating)
 
 
 def takes_conditions(function: Function) -> Function:
@@ -164,11 +163,15 @@ def conditions_from(
     return Conditions(**{"spacing": None, **changes})
 
 
-def _check_seating(seating_stress: float, load: Sequence[LoadCycle]) -> None:
-    check_number("seating_stress", seating_stress)
+def _checked_seating(seating_stress: float | None, load: Sequence[LoadCycle]) -> float:
+    """Return the seating stress [Pa], by default that of the load."""
     least = min(cycle.maximum for cycle in load)
+    if seating_stress is None:
+        return usual_seating(least)
+    check_number("seating_stress", seating_stress)
     if not 0.0 <= seating_stress < least:
         raise InputError(
             f"seating_stress = {seating_stress!r} Pa: must be at least 0 and below the smallest "
             f"maximum of max_normal_stress, {least!r} Pa"
         )
+    return float(seating_stress)

@@ -10,7 +10,10 @@ from jointclosure.inputs import InputError, check_number
 
 USUAL_CYCLES = 2
 SEATING_STRESS = 0.5e6
-"""Default stress [Pa] from which seated closures count, as laboratory curves do."""
+"""Usual stress [Pa] from which seated closures count, as laboratory curves do."""
+_SEATING_SHARE, _LEAST_ABOVE = 0.1, 1.01
+"""Seating stress over the smallest maximum for joints that are loaded less far than to the usual
+seating stress, or to at most this multiple of it."""
 
 
 class LoadCycle(NamedTuple):
@@ -81,6 +84,12 @@ def load_cycles(
             f"history [{turns_in_words}] Pa, or left out"
         )
     return tuple(map(LoadCycle, maxima, minima))
+
+
+def usual_seating(least: float) -> float:
+    """Return the default seating stress [Pa] for the smallest maximum [Pa] of a load."""
+    low = 0.0 < least < _LEAST_ABOVE * SEATING_STRESS
+    return _SEATING_SHARE * least if low else SEATING_STRESS
 
 
 def describe_load(max_normal_stress: float | Sequence[float], cycles: int) -> str:

@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import xarray as xr
@@ -29,6 +29,7 @@ from jointclosure.joint.protocol import (
     closure_limit,
     run_cycles,
 )
+from jointclosure.joint.rocks import rocks_of_walls
 from jointclosure.joint.states import fields_of
 from jointclosure.parameters import (
     AS_IT_IS,
@@ -37,7 +38,6 @@ from jointclosure.parameters import (
     Effects,
     Numerics,
     Rock,
-    both_walls,
     check_choices,
     check_numerics,
     check_scene,
@@ -195,7 +195,7 @@ def simulate_by(
     upper, lower = checked_walls(upper, lower, spacing)
     conditions = conditions.checked()
     largest, load = float(conditions.largest_stress), conditions.load
-    seating_stress = float(conditions.seating_stress)
+    seating_stress = cast(float, conditions.seating_stress)  # checked
     check_snapshots(snapshots, largest)
     effects, choices = conditions.effects, in_double(conditions.choices)
     _check_steps(upper, lower, conditions.numerics)
@@ -263,7 +263,7 @@ def equilibrium(
     lower: ArrayLike,
     *,
     spacing: float,
-    rock: Rock | Sequence[Rock],
+    rock: str | Rock | Sequence[str | Rock],
     closure: float,
     effects: Effects = Effects(breakage=False, gouge=False),
     choices: Choices = Choices(),
@@ -297,7 +297,7 @@ def equilibrium(
     """
     check_length("spacing", spacing)
     upper, lower = checked_walls(upper, lower, spacing)
-    rock = both_walls(rock)
+    pair = rocks_of_walls(rock)
     effects = effects._replace(breakage=False, gouge=False)
     check_scene(effects)
     check_numerics(numerics)
@@ -306,12 +306,12 @@ def equilibrium(
     if not abs(closure) <= LENGTHS[1]:
         raise InputError(f"closure = {closure!r} m: must be at most {LENGTHS[1]:g} m")
     if not unusual_values:
-        check_usual(rock, spacing=spacing)
+        check_usual(pair, spacing=spacing)
         warn_of_doubts(upper, lower, spacing)
     spacing, closure = float(spacing), float(closure)
     choices, numerics = in_double(choices), in_double(numerics)
     upper, lower = upper - height_datum(upper), lower - height_datum(lower)
-    joint = Joint(upper, lower, spacing, rock, effects, choices, numerics)
+    joint = Joint(upper, lower, spacing, pair, effects, choices, numerics)
     largest_stress = USUAL["max_normal_stress"][1]
     largest_force = largest_stress * upper.size * spacing**2
     if not unusual_values and closure > closure_limit(joint, largest_force):

@@ -8,14 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.config.rocks import named_rock
 from jointclosure.ensemble.scanned_joint import RESOLVED
 from jointclosure.ensemble.uncertainty import shifted_walls
 from jointclosure.ensemble.workers import number_of_workers
 from jointclosure.inputs import InputError, check_number, check_positive, check_seed
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.loading import SEATING_STRESS
+from jointclosure.joint.loading import usual_seating
+from jointclosure.joint.rocks import named_rock
 from jointclosure.measured.agreement import Agreement, agreements
 from jointclosure.measured.calibration import (
     Interval,
@@ -196,7 +196,7 @@ def fit(
     pair: RegisteredPair | None = None,
     shape: tuple[int, int] | None = None,
     spacing: float = 0.25e-3,
-    seating_stress: float = SEATING_STRESS,
+    seating_stress: float | None = None,
     fit_strength: bool = False,
     stress_unit: str | None = None,
     closure_unit: str | None = None,
@@ -223,7 +223,7 @@ def fit(
         to one largest stress. Closures are those of the joint, without the deformation of the
         intact rock.
     rock : str or Rock
-        Rock of both walls, by name (`jointclosure.config.rocks.named_rock`) or properties.
+        Rock of both walls, by name (`jointclosure.joint.rocks.ROCKS`) or properties.
     jrc : float or (float, float)
         Joint roughness coefficient of both walls; or the ends of a range, in which every simulated
         joint has a random one, so that intervals include it. Not needed for scanned walls.
@@ -236,8 +236,9 @@ def fit(
         as the measured joint if the time allows, because closure depends on the size.
     spacing : float
         Grid spacing [m].
-    seating_stress : float
-        Stress from which closures count [Pa]; the curve must start at or below it.
+    seating_stress : float, optional
+        Stress from which closures count [Pa]; the curve must start at or below it. By default as
+        for `jointclosure.Conditions`.
     fit_strength : bool
         Whether to fit the compressive strength too, from half to twice that of the rock.
     stress_unit, closure_unit : str, optional
@@ -252,7 +253,8 @@ def fit(
     seed : int
         Seed of the joints.
     hurst, roll_off
-        As for `jointclosure.wall_pair`; by default waves of all lengths, as natural walls have.
+        As for `jointclosure.wall_pair`, whose default roll-off of 3 mm is for walls as in the
+        paper's study. Here walls have waves of all lengths by default, as natural walls have.
     effects, choices, numerics
         As for `jointclosure.simulate`; by default breakage is resolved, as by `jointclosure.close`.
     simulated : Simulated, optional
@@ -282,11 +284,11 @@ def fit(
         shape, spacing, fit_strength = pair.upper.shape, pair.spacing, True
     jrcs = _jrc_range(jrc, pair)
     shape = _checked_shape(shape)
-    _check(surfaces, closure_error, seed, seating_stress)
+    _check(surfaces, closure_error, seed)
     curve, measured = _measured(curve, seating_stress, stress_unit, closure_unit, columns)
     stress = float(measured.levels[-1])
     conditions = Conditions(
-        spacing, intact, stress, measured.cycles, seating_stress, effects, choices, numerics
+        spacing, intact, stress, measured.cycles, measured.seating, effects, choices, numerics
     ).checked()
 
     walls = partial(_random_walls, jrcs, shape, spacing, seed, hurst, roll_off)
@@ -396,7 +398,7 @@ def assumptions(
 
 def _measured(
     curve: str | Path | MeasuredCurve,
-    seating_stress: float,
+    seating_stress: float | None,
     stress_unit: str | None,
     closure_unit: str | None,
     columns: Sequence[str] | None,
@@ -410,6 +412,10 @@ def _measured(
             raise InputError(f"{name}: file not found")
         text = read_text(curve)
         curve = parsed_curve(text, name, stress_unit, closure_unit, cycle=1, names=columns)
+    if seating_stress is None:
+        maxima = (curve.stress[curve.cycle == cycle].max() for cycle in curve.cycles)
+        seating_stress = usual_seating(float(min(maxima)))
+    check_positive("seating_stress", seating_stress, "Pa")
     check_loadings(curve, name, seating_stress)
     try:
         return curve, readings_of_curve(curve, seating_stress)
@@ -426,7 +432,7 @@ def _checked_shape(shape: tuple[int, int] | None) -> tuple[int, int]:
     return shape
 
 
-def _check(surfaces: int, closure_error: float, seed: int, seating_stress: float) -> None:
+def _check(surfaces: int, closure_error: float, seed: int) -> None:
     check_number("surfaces", surfaces, whole=True)
     if surfaces < 4:
         raise InputError(f"surfaces = {surfaces}: must be at least 4, to estimate the scatter")
@@ -434,7 +440,6 @@ def _check(surfaces: int, closure_error: float, seed: int, seating_stress: float
     if not 0.0 < closure_error <= 1.0:
         raise InputError(f"closure_error = {closure_error!r}: must be above 0 and at most 1")
     check_seed("seed", seed)
-    check_positive("seating_stress", seating_stress, "Pa")
 
 
 def _near(value: float) -> str:

@@ -233,7 +233,10 @@ def wall_pair(
         along y, projected on the nearest heights (`Spectrum`); ``hurst`` is then used only to
         convert Z2 from the interval of the relation to the spacing.
     roll_off : float, optional
-        Wavelength [m] beyond which the power spectrum is flat; None for no limit.
+        Wavelength [m] beyond which the power spectrum is flat; None for no limit. The default of
+        3 mm is for walls as in the paper's study, whose Table 3 asks for it (docs/decisions/
+        0013-readings.md). Natural walls have waves of all lengths: take None for them, as
+        `jointclosure.fit` and docs/own_rock.md do.
 
     Returns
     -------

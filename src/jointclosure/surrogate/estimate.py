@@ -21,10 +21,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from jointclosure.config.files import SURROGATES
-from jointclosure.config.rocks import given_rock
 from jointclosure.inputs import InputError, check_length, real_array
 from jointclosure.joint.given_walls import checked_walls
-from jointclosure.parameters import Rock, both_walls, strength_of
+from jointclosure.joint.rocks import rocks_of_walls
+from jointclosure.parameters import Rock, strength_of
 from jointclosure.surface.bearing import bearing_depths
 from jointclosure.surrogate.domain import (
     MEASURES,
@@ -135,7 +135,7 @@ def estimate(
     spacing : float
         Grid spacing h [m].
     rock : str or Rock
-        Rock of both walls, by name (`jointclosure.config.rocks.named_rock`) or properties.
+        Rock of both walls, by name (`jointclosure.joint.rocks.ROCKS`) or properties.
     max_normal_stress : float or array
         Nominal normal stress [Pa], positive.
     extrapolate : bool
@@ -233,7 +233,7 @@ def _nearest_domain(found: Outside | list[Node], outside: dict[str, str]) -> str
 
 def _one_rock(rock: str | Rock) -> Rock:
     """Check and return the rock of both walls."""
-    upper, lower = both_walls(given_rock(rock))
+    upper, lower = rocks_of_walls(rock)
     if upper != lower:
         raise InputError(f"rock: {rock!r}: must be one Rock, for which the law was tested")
     return upper

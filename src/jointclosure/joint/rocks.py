@@ -1,0 +1,87 @@
+"""Rocks of the package by name, and rocks in words.
+
+Each number has its source. Rocks of the paper are Table 1 (after Bandis et al. 1983), as in the
+default study; their maximum stress is an assumption, as it is not in the paper's text.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from jointclosure.inputs import InputError
+from jointclosure.parameters import PROPERTIES, Rock, both_walls, key_of
+
+
+class KnownRock(NamedTuple):
+    """Title and properties of a rock, and the largest stress of its joints [Pa], an assumption."""
+
+    title: str
+    intact: Rock
+    max_normal_stress: float = 30e6
+
+
+ROCKS = {
+    "dolerite": KnownRock("Dolerite", Rock(78e9, 0.2, 165e6)),
+    "siltstone": KnownRock("Siltstone", Rock(28.5e9, 0.25, 84e6)),
+    "limestone": KnownRock("Limestone", Rock(49e9, 0.2, 152e6)),
+    "slate": KnownRock("Slate", Rock(66e9, 0.25, 159e6)),
+    # middles of 57 to 89 GPa, 0.18 to 0.32 and 133 to 213 MPa, 50 tests of Moragy granite:
+    # doi 10.1007/s10706-020-01218-4; 10 MPa: as far as joints are usually loaded in a laboratory
+    "granite": KnownRock("Granite", Rock(73e9, 0.25, 173e6), 10e6),
+}
+"""Rocks by the names that all functions with an argument ``rock`` take."""
+
+
+def named_rock(name: str) -> Rock:
+    """Return the properties of a rock of `ROCKS`; `InputError` if there is none of that name."""
+    if name not in ROCKS:
+        raise InputError(f"rock = {name!r}: must be a Rock or one of {', '.join(ROCKS)}")
+    return ROCKS[name].intact
+
+
+def rocks_of_walls(rock: str | Rock | Sequence[str | Rock]) -> tuple[Rock, Rock]:
+    """Return the rocks of the upper and the lower wall, given by names or properties.
+
+    Raises
+    ------
+    InputError
+        If there is no rock of a name, or as `both_walls`.
+    """
+    pair: Any = (rock, rock) if isinstance(rock, str | Rock) else rock
+    if isinstance(pair, tuple | list):
+        pair = tuple(named_rock(wall) if isinstance(wall, str) else wall for wall in pair)
+    return both_walls(pair)
+
+
+def rock_text(rock: Rock | tuple[Rock, Rock], name: str) -> str:
+    """Format a rock's name and properties in a line; for both walls if they differ."""
+    texts = [
+        ", ".join(
+            f"{PROPERTIES[field].long_name} {number:g}{unit}"
+            for field, (number, unit) in _in_units(wall).items()
+        )
+        for wall in both_walls(rock)
+    ]
+    upper, lower = texts
+    return f"{name} ({upper if upper == lower else f'upper wall: {upper}; lower wall: {lower}'})"
+
+
+def rock_record(rock: Rock | tuple[Rock, Rock], name: str) -> dict:
+    """Return a rock's name, and the properties of both walls by their keys, for JSON."""
+    walls = {
+        wall: {key_of(field): number for field, (number, _) in _in_units(intact).items()}
+        for wall, intact in zip(("upper", "lower"), both_walls(rock), strict=True)
+    }
+    return {"name": name} | walls
+
+
+def _in_units(rock: Rock) -> dict[str, tuple[float, str]]:
+    """Return each property in the unit of its key, and that unit after a space, by field."""
+    units = {field: PROPERTIES[field].unit for field in Rock._fields}
+    return {
+        # twelve digits: 73e9/1e9 and similar values are shown as they were given
+        field: (
+            float(f"{getattr(rock, field) / PROPERTIES[field].size:.12g}"),
+            "" if unit == "1" else f" {unit}",
+        )
+        for field, unit in units.items()
+    }
