@@ -14,8 +14,10 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "docs/site"))
 import publish
 import stored
 import templates
-from content import conclusions, results, validation
+from content import accuracy, conclusions, results, speed, validation
 
+import jointclosure as jc
+from jointclosure.engineering.curves import cycle_table
 from jointclosure.storage.provenance import provenance
 
 ROOT = Path(__file__).parents[2]
@@ -133,8 +135,33 @@ def test_the_readmes_outcome_is_that_of_the_stored_study():
     headline = results.headline()
     assert headline["p"] in text
     assert f"with those of the study {headline['p of the study']}" in text
-    (sentence,) = re.findall(r"^.*?(?=\(\[conclusions\])", text, re.M)
-    assert re.findall(r"\d+", sentence) == [headline[name] for name in ("claims", "stand", "fall")]
+    assert results.verdicts() in text
+    assert f"({speed.default_study()} minutes of processor time" in text
+
+
+def test_the_readme_states_the_stored_errors_of_the_papers_steps():
+    """They are distances to the finest setting; README's joint is farther from it than they."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert f"the paper's steps end {accuracy.bias('paper')} % from the finest" in text
+    assert f"adaptive steps, in {accuracy.dearer()} times the time" in text
+    assert "the joint above differs by a quarter" in text
+    walls = [ROOT / f"config/walls/joint_{wall}.npz" for wall in ("upper", "lower")]
+    of_paper, adaptive = (
+        cycle_table(
+            jc.close(
+                *walls, rock="granite", max_normal_stress=10e6, single=True, numerics=numerics
+            ).history
+        ).closure_net_since_seating_mm[0]
+        for numerics in (jc.Numerics(), jc.Numerics(breakage="resolved"))
+    )
+    assert 1.2 < of_paper / adaptive < 1.3
+
+
+def test_counts_of_verdicts_are_of_the_papers_claims_alone():
+    rows = [line.split(" | ") for line in results.verdicts().splitlines()]
+    counts = np.array([[int(cell.strip(" |")) for cell in row[1:]] for row in rows[2:]])
+    assert (counts.sum(axis=0) == int(results.headline()["claims"])).all()
+    assert counts[:2, 1].tolist() == [int(results.headline()[name]) for name in ("stand", "fall")]
 
 
 def test_the_readme_states_the_stored_measured_share():

@@ -1,7 +1,7 @@
 """Tables of docs/accuracy.md."""
 
 import pandas as pd
-from stored import stored
+from stored import origin, stored
 
 from content.markdown import Form, Group, Table, chosen, rows_of, titled
 from jointclosure.config.presets import SCENES, radii_words
@@ -31,6 +31,42 @@ STRESSES = (0.01, 0.03, 0.05, 0.1, 0.15)
 def coverage(surfaces: int, sampling: float) -> str:
     """Count in how many of 100 studies the bound of the total error holds."""
     return f"{100 * total_error.coverage(surfaces, sampling):.0f}"
+
+
+def _of_means(method: str) -> pd.DataFrame:
+    """Return a method's means of the first cycle, by rock, without control variates."""
+    table = stored("accuracy_biases", "accuracy_methods").set_index("rock")
+    return rows_of(table, response="mean", cycle=1, method=method, control_variates=False)
+
+
+def bias(method: str) -> str:
+    """Give the least and the largest error [%] of a method's means of the first cycle."""
+    sizes = _of_means(method).bias_percent.abs()
+    return f"{sizes.min():.0f} to {sizes.max():.0f}"
+
+
+def seconds(method: str) -> str:
+    """Give the time [s] of a surface by a method, as it was measured with the biases."""
+    times = _of_means(method).cost
+    return f"{times.min():.2f} to {times.max():.2f}"
+
+
+def dearer() -> str:
+    """Give the time of `accurate` over that of the paper's steps, least and most of the rocks."""
+    ratios = _of_means("accurate").cost / _of_means("paper").cost
+    return f"{ratios.min():.1f} to {ratios.max():.1f}"
+
+
+def floor(response: str, cycle: int) -> str:
+    """Give the total error [%] below which no number of surfaces leads: that of the bias."""
+    rows = rows_of(stored("accuracy_biases", "accuracy_split"), response=response, cycle=cycle)
+    last = rows.loc[rows.budget.idxmax()]
+    return f"{abs(last.bias_percent) + last.bias_error_percent:.2g}"
+
+
+def of_commit() -> str:
+    """Name the commit at which biases and times were measured."""
+    return f"`{origin('accuracy_biases')['commit'][:7]}`"
 
 
 def _plain(*names: str) -> dict[str, Form]:

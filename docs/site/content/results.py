@@ -3,11 +3,12 @@
 import pandas as pd
 from stored import origin, stored
 
-from content.markdown import Form, Table, rows_of, value_of
+from content.markdown import Form, Table, markdown, rows_of, value_of
 from jointclosure.claims.table import OURS
 from jointclosure.report.findings import found_text, probability
+from jointclosure.sensitivity.conclusions import UNJUDGED
 from jointclosure.sensitivity.tables import markdown_rows, table_3
-from jointclosure.statistics.verdicts import FALLS, STANDS
+from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
 
 
 def _table_3(of: str) -> pd.DataFrame:
@@ -75,6 +76,11 @@ def flagged() -> str:
     return " of ".join(counts.astype(int).sum().astype(str))
 
 
+def study_p(entries: str) -> str:
+    """Give p of some entries from the pool of the study."""
+    return value_of("paper/table_3_joint_tests", _probability("p"), entries=entries)
+
+
 AIM = 0.02
 """Standard error of p that was wanted."""
 
@@ -96,6 +102,42 @@ def wanted_hours() -> str:
     return f"{origin('large_pool')['cpu_minutes'] * _pools_wanted() / 60.0:.0f}"
 
 
+VERDICTS = {
+    STANDS: "stand",
+    FALLS: "fall",
+    UNDECIDED: "undecided",
+    NO_DIFFERENCE: "no difference",
+}
+REST = "not judged"
+
+
+def verdicts() -> str:
+    """Tabulate the claims of the paper by verdict: of the study, of the choices, averaged."""
+    claims = stored("paper", "conclusions").set_index("number")
+    claims = claims[claims.section != OURS]
+    averaged = stored("readings_average", "readings_average_claims").set_index("number").verdict
+    columns = {
+        "study": claims.verdict.mask(claims.index.isin(UNJUDGED)),
+        "open choices too": claims.conclusion,
+        "readings averaged": averaged.reindex(claims.index),
+    }
+    words = [*VERDICTS.values(), REST]
+    counts = {
+        title: of.map(VERDICTS).fillna(REST).value_counts().reindex(words, fill_value=0)
+        for title, of in columns.items()
+    }
+    table = pd.DataFrame(counts).rename_axis("claims").reset_index()
+    return markdown(table.rename(columns={"claims": f"of {len(claims)} claims"}))
+
+
+def unasked() -> str:
+    """Name the claims that stand and were not asked of the earlier readings."""
+    claims = stored("paper", "conclusions")
+    standing = claims[(claims.conclusion == STANDS) & (claims.section != OURS)].number
+    *first, last = standing[~standing.isin(stored("conclusions", "earlier_readings").number)]
+    return f"{', '.join(first)} and {last}"
+
+
 def headline() -> dict[str, str]:
     """Numbers of the outcome in short: p of all entries, and what is left of the paper's claims."""
     tests = "large_pool/table_3_joint_tests"
@@ -104,7 +146,7 @@ def headline() -> dict[str, str]:
     left = claims.conclusion.value_counts()
     return {
         "p": value_of(tests, _probability("p"), entries="all"),
-        "p of the study": value_of("paper/table_3_joint_tests", _probability("p"), entries="all"),
+        "p of the study": study_p("all"),
         "p of no effect": value_of(tests, _probability("null_p"), entries="all"),
         "claims": str(len(claims)),
         "stand": str(left.get(STANDS, 0)),

@@ -1,6 +1,8 @@
 """Tables of docs/speed.md and docs/decisions/0010-resolved-breakage.md, of benchmarks."""
 
-from content.markdown import Form, Table
+from stored import origin, stored
+
+from content.markdown import Form, Table, rows_of
 
 AXES = {
     "cells": "cells along a square grid",
@@ -30,6 +32,44 @@ def _of_two(one: str, other: str, over: str, *names: str) -> dict[str, Form]:
         *(1e-6 * group[name] for name in steps)
     )
     return columns
+
+
+SIMULATIONS = 36 * (20 + 60)
+"""Simulations of the default study: cases, each on the study's surfaces and on the pool's."""
+
+
+def simulation() -> str:
+    """Give the time of a simulation of the paper's study [s], least and most of the rocks."""
+    seconds = 1e-3 * stored("versions", "versions")["ms now"]
+    return f"{seconds.min():.2f} to {seconds.max():.2f}"
+
+
+def _closing() -> float:
+    """Return the processor time [s] of a simulation in a study, walls and jobs included."""
+    seconds = rows_of(stored("start_up", "start_up"), part="closing").now.iloc[0]
+    return float(seconds) / SIMULATIONS
+
+
+def closing() -> str:
+    """Give the processor time [s] of a simulation in a study, with making its walls."""
+    return f"{_closing():.2f}"
+
+
+def million() -> str:
+    """Give the core-hours of a million simulations of the paper's study, with their walls."""
+    return f"{float(f'{1e6 * _closing() / 3600.0:.2g}'):.0f}"
+
+
+def default_study() -> str:
+    """Give the processor time [minutes] of the default study: as benchmarked, and as stored."""
+    benchmarked = rows_of(stored("start_up", "start_up"), part="study").now.iloc[0] / 60.0
+    low, high = sorted((benchmarked, origin("paper")["cpu_minutes"]))
+    return f"{low:.0f} to {high:.0f}"
+
+
+def minutes(run: str, cores: int = 1) -> str:
+    """Give the time [minutes] of a stored run, by its processor time, on some free cores."""
+    return f"{origin(run)['cpu_minutes'] / cores:.0f}"
 
 
 study = Table(
