@@ -9,25 +9,14 @@ follows the stress, which grows with it, by Newton steps between bounds.
 
 The half-space is that of `peers.py`. Overlap at the hardness stays as plastic displacement, as in
 ContactMechanics.
-
-Run as `python benchmarks/limited_pressure.py`, it presses a rough patch (rms gradient 0.08,
-hardness 0.1 E*) nearly to full contact, where an open question on ContactMechanics reports no
-convergence (docs/questions.md). A folder as an argument is where the table is written, as
-limited_pressure.csv, which `python docs/site/publish.py <folder> limited_pressure` stores.
 """
 
-import argparse
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 import peers
 import scipy
-from peers import MODULUS, SPACING, TABLE, displacement
-
-import jointclosure as jc
-from jointclosure.storage.text import write_csv
+from peers import TABLE, displacement
 
 OUTSIDE, FREE, LIMITED = -1, 0, 1
 BLOCKS = 10
@@ -165,58 +154,3 @@ def contact_mechanics(gap: np.ndarray, hardness: float):
 
 
 CODES = {"own": own, "ContactMechanics": contact_mechanics}
-
-
-GRADIENT, HARDNESS = 0.08, 0.1
-"""Rms gradient of the rough patch, and hardness over E*."""
-PRESSURES = (0.03, 0.05, 0.07, 0.08, 0.09, 0.095, 0.099)
-"""Mean pressures of the patch over E*."""
-_FAR = 1.0
-
-
-def rough_patch(cells: int) -> np.ndarray:
-    """Gap (y, x) [m] of a rough patch in the middle of nothing that could touch."""
-    wall, _ = jc.wall_pair(8.0, (cells, cells), SPACING, seed=1)
-    wall *= GRADIENT / np.sqrt(np.mean(np.sum(np.square(np.gradient(wall, SPACING)), axis=0)))
-    gap = np.full((peers.CELLS, peers.CELLS), _FAR)
-    gap[:cells, :cells] = wall.max() - wall
-    return gap
-
-
-def towards_full_contact(code: str, cells: int) -> pd.DataFrame:
-    """Press the rough patch by one of `CODES`, to where it finds no equilibrium.
-
-    The closure is in um; shares are of the cells of the patch, in contact and at the hardness.
-    """
-    press, _ = CODES[code](rough_patch(cells), HARDNESS * MODULUS)
-    rows = []
-    for pressure in PRESSURES:
-        try:
-            closure, carried = press(pressure * MODULUS * (cells / peers.CELLS) ** 2)
-        except RuntimeError as error:
-            print(f"{code}, p = {pressure} E*: {error}")
-            break
-        limit = HARDNESS * MODULUS * (1.0 - 1e-9)
-        shares = (np.count_nonzero(carried > least) / cells**2 for least in (0.0, limit))
-        touching, limited = shares
-        row = {"p / E*": pressure, "closure": 1e6 * closure, "in contact": touching}
-        rows.append({"code": code} | row | {"at the hardness": limited})
-    return pd.DataFrame(rows)
-
-
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("output", type=Path, nargs="?", help="folder of limited_pressure.csv")
-    output = parser.parse_args().output
-    if output:
-        output.mkdir(parents=True, exist_ok=True)
-    tables = []
-    for name in CODES:
-        try:
-            tables.append(towards_full_contact(name, 40))
-        except ImportError as error:
-            print(f"{name} is left out: it is not installed here ({error})")
-    table = pd.concat(tables)
-    print(table.to_string(index=False, float_format="%.4g"))
-    if output:
-        write_csv(table, output / "limited_pressure.csv")

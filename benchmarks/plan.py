@@ -17,13 +17,17 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 import scipy.stats
-from flips import VARIANTS, closed
+import xarray as xr
 from yardstick import machine
 
 from jointclosure.claims.findings import TARGET
 from jointclosure.config.configuration import configured, merged
 from jointclosure.config.files import DEFAULT, read_plain
-from jointclosure.ensemble.cases import pool_of
+from jointclosure.ensemble.aggregation import join_cases
+from jointclosure.ensemble.cases import cases_of, pool_of
+from jointclosure.ensemble.closing import close_surfaces
+from jointclosure.ensemble.slices import block_settings
+from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.sensitivity.planning import Goal, plan
 from jointclosure.sensitivity.responses import (
     Response,
@@ -94,6 +98,19 @@ def drawn(samples: np.ndarray, n: int, random: np.random.Generator) -> np.ndarra
     return np.stack([level[random.integers(level.size, size=n)] for level in samples])
 
 
+def closed(plain: dict) -> xr.Dataset:
+    """Close the pool of a study, given by its keys."""
+    configuration = pool_of(configured(plain, read_csv).typed)
+    cases = {case.label: case for case in cases_of(configuration)}
+    block = range(configuration.study.realizations)
+    parts = []
+    for label in cases:
+        settings = block_settings(configuration, cases, label, block)
+        pairs = xr.concat(list(surfaces_of(settings.surfaces)), "realization")
+        parts.append(xr.concat(list(close_surfaces(pairs, settings)), "realization"))
+    return join_cases(list(cases.values()), parts)
+
+
 def main(cells: int, stress: float, fresh: int) -> None:
     """Plan, close, and print what is reached."""
     print(machine())
@@ -103,9 +120,9 @@ def main(cells: int, stress: float, fresh: int) -> None:
         "rocks": {"dolerite": {"max_normal_stress_MPa": stress}},
     }
     plain = merged(read_plain(DEFAULT), keys)
-    planned_from = closed(pool_of(configured(plain, read_csv).typed), VARIANTS["as made"])
+    planned_from = closed(plain)
     plain = merged(plain, {"study": {"name": "fresh", "pool": fresh}})
-    others = closed(pool_of(configured(plain, read_csv).typed), VARIANTS["as made"])
+    others = closed(plain)
     found = {(each.parameter, each.cycle): each for each in responses(others, TARGET)}
     rows = []
     for wish in GOALS:

@@ -31,22 +31,18 @@ def test_speed_of_the_solvers_is_measured_with_its_parts(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["breakage_methods", "idle_interaction"])
-def test_methods_are_compared_on_the_same_walls(name, tmp_path):
+def test_methods_are_compared_on_the_same_walls(tmp_path):
     options = ["--rocks", "dolerite", "--surfaces", "2", "--repeats", "1", "--output", tmp_path]
     subprocess.run(
-        [sys.executable, BENCHMARKS / f"{name}.py", *options], check=True, capture_output=True
+        [sys.executable, BENCHMARKS / "breakage_methods.py", *options],
+        check=True,
+        capture_output=True,
     )
-    found = pd.read_csv(tmp_path / f"{name}.csv")
+    found = pd.read_csv(tmp_path / "breakage_methods.csv")
     assert set(found.rock) == {"dolerite"}
-    if name == "breakage_methods":
-        counts = [f"{method} products" for method in ("fixed_step", "resolved")]
-        assert (found[counts] > 100.0).all(axis=None)
-        assert 0.0 < found["least of a surface"].item() <= found["resolved over fixed"].item()
-    else:
-        assert (found["left out up to (% of 30 MPa)"] > 0.0).all()
-        assert (found["products saved %"] > 0.0).all()
-        assert (found["cycle 1 %"].abs() < found["share %"]).all()
+    counts = [f"{method} products" for method in ("fixed_step", "resolved")]
+    assert (found[counts] > 100.0).all(axis=None)
+    assert 0.0 < found["least of a surface"].item() <= found["resolved over fixed"].item()
 
 
 @pytest.mark.slow
@@ -84,44 +80,9 @@ def test_mating_walls_close_less_and_net_closures_are_smaller_and_stiffer(monkey
     assert np.isfinite(table.drop(columns="walls").to_numpy(dtype=float)).all()
 
 
-def test_limited_pressures_reach_nearly_full_contact(monkeypatch):
-    monkeypatch.syspath_prepend(BENCHMARKS)
-    limited = importlib.import_module("limited_pressure")
-    table = limited.towards_full_contact("own", 16)
-    assert table["p / E*"].tolist() == list(limited.PRESSURES)
-    assert table[["closure", "in contact", "at the hardness"]].diff()[1:].ge(0.0).all(axis=None)
-    share = table["p / E*"] / limited.HARDNESS  # no cell carries more than the hardness
-    assert (table["in contact"] >= share).all()
-    assert table["in contact"].iloc[-1] > 0.98
-
-
-def test_a_surface_in_the_form_of_the_challenge_is_closed(monkeypatch, tmp_path, capsys):
-    monkeypatch.syspath_prepend(BENCHMARKS)
-    challenge = importlib.import_module("challenge")
-    heights = np.random.default_rng(1).normal(size=(12, 12)) * 1e-3
-    file = tmp_path / "surface.0012x0012.ASCII.dat"
-    np.savetxt(file, heights)
-    challenge.main(file, "highest")
-    assert "12 x 12 heights" in capsys.readouterr().out
-    area = challenge.table(challenge.SIDE * heights)["relative contact area"]
-    assert (np.diff(area) >= 0.0).all()
-
-
 def test_flows_are_timed_with_those_codes_that_are_installed(monkeypatch, capsys):
     monkeypatch.syspath_prepend(BENCHMARKS)
     importlib.import_module("flow").main([256], 1)
     printed = capsys.readouterr().out
     assert "jointclosure" in printed
     assert "is left out" in printed or "reynoldsflow, scipy-spsolve" in printed
-
-
-@pytest.mark.parametrize(("correlation", "time"), [(0.9, 0.1), (0.99, 0.5), (0.6, 0.4)])
-def test_the_gain_of_a_cheaper_model_is_that_of_the_best_number_of_surfaces(
-    monkeypatch, correlation, time
-):
-    monkeypatch.syspath_prepend(BENCHMARKS)
-    gain_of = importlib.import_module("multifidelity").gain_of
-    more = np.geomspace(1.0, 1e4, 100_000)  # surfaces of the cheaper model for each of the other
-    variance = 1.0 - (1.0 - 1.0 / more) * correlation**2
-    best = 1.0 / (variance * (1.0 + time * more)).min()
-    assert gain_of(correlation, time) == pytest.approx(max(best, 1.0), rel=1e-6)

@@ -95,16 +95,13 @@ RUNS = {
     ),
     "hard_cases": Run(("hard_case_errors", "analytic"), ("numerics",)),
     "flow": Run(("flow",)),
-    "limited_pressure": Run(("limited_pressure",)),
     "solver_speed": Run(("study", "elastic", "reference")),
     "versions": Run(("versions",)),
     "peers": Run(("peers",)),
     "start_up": Run(("start_up",)),
     "growth": Run(("growth", "growth_beyond"), ("growth",)),
     "growth_once": Run(("growth_once",)),
-    "multifidelity": Run(("multifidelity", "multifidelity_best")),
     "breakage_methods": Run(("breakage_methods",)),
-    "idle_interaction": Run(("idle_interaction",)),
 }  # fmt: skip
 """Files that pages and the package need, by run; the only list of them."""
 

@@ -161,23 +161,6 @@ biases = Table(
         rows_of(table, control_variates=False), BIASES, "response", "cycle"
     ),
 )
-multifidelity = Table(
-    "multifidelity/multifidelity",
-    {"time": "{time min:.2g} to {time max:.2g}"},
-    rows={"model": "{model}"},
-    across="{rock}, cycle {cycle}",
-    cell="{correlation±correlation +-}: {gain:.1f} ({gain low:.1f} to {gain high:.1f})",
-    prepare=lambda table: table.sort_values(["cycle", "rock"], kind="stable"),
-)
-multifidelity_best = Table(
-    "multifidelity/multifidelity_best",
-    {
-        "multifidelity Monte Carlo": "{gain:.1f} ({low:.1f} to {high:.1f})",
-        "largest of the five": "{gain max:.1f}",
-        "models": "{models}",
-    },
-    rows=_plain("rock", "cycle"),
-)
 sources = Table(
     "accuracy/accuracy_sources",
     _plain("rock", "cycle", "source")

@@ -30,7 +30,6 @@ ADDED = {
     "hysteresis (% of work)": "hysteresis",
     "time with / without": "time_ratio",
 }
-CHANGES = ("cycle 1", "cycle 2", "loading, 1 MPa", "loading, 3 MPa", "loading, 10 MPa")
 
 
 def choice() -> str:
@@ -107,20 +106,5 @@ contributions = Table(
     | {
         title: f"{{{name}:.1f}} ({{{name}_least:.1f}} to {{{name}_largest:.1f}})"
         for title, name in ADDED.items()
-    },
-)
-idle_interaction = Table(
-    "idle_interaction/idle_interaction",
-    {
-        "rock": "{rock}",
-        "tolerance (%)": "{share %:g}",
-        "left out up to (% of 30 MPa)": "{left out up to (% of 30 MPa):.0f}",
-        "time saved (%)": "{time saved %:.0f} ± {time saved +- %:.0f}",
-        "products saved (%)": "{products saved %:.0f} ± {products saved +- %:.0f}",
-    }
-    | {f"closure, {name} (%)": f"{{{name} %:+.2f}} ± {{{name} +- %:.2f}}" for name in CHANGES}
-    | {
-        "single joints beyond the tolerance (%)": "{single closures beyond %:.0f}",
-        "largest change of one (%)": "{largest of single closures %:.0f}",
     },
 )

@@ -48,15 +48,3 @@ flow = Table(
         "over ours": "{over ours:.1f}",
     },
 )
-limited_pressure = Table(
-    "limited_pressure/limited_pressure",
-    {
-        "closure (µm)": "{closure min:.1f}",
-        "difference between the codes": lambda group: (
-            f"{group['closure max'] / group['closure min'] - 1.0:.0e}"
-        ),
-        "share of cells in contact": "{in contact:.2f}",
-        "share at the hardness": "{at the hardness:.2f}",
-    },
-    rows={"p / E*": "{p / E*:g}"},
-)
