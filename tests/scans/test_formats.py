@@ -149,9 +149,9 @@ def test_a_pickle_is_refused_and_not_run(name, tmp_path):
             return (exec, (f"open({str(tmp_path / 'sprung')!r}, 'w')",))
 
     path = tmp_path / name
-    trapped = np.array([[Trap(), 0.0], [0.0, 1.0]], dtype=object)
+    trapped = np.array([[Trap(), 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 3.0, 0.0]], dtype=object)
     np.save(path, trapped) if name == "a.npy" else np.savez(path, Z_mm=trapped)
-    with pytest.raises(jc.InputError, match=rf"{name}: .*allow_pickle"):
+    with pytest.raises(jc.InputError, match=rf"{name}: .*(allow_pickle|type object)"):
         read_scan(path, units="mm", spacing=SPACING)
     path.write_bytes(pickle.dumps(Trap()))
     with pytest.raises(jc.InputError, match=rf"{name}: cannot be read as an array"):
@@ -485,7 +485,7 @@ def test_points_that_no_scan_has_so_far_apart_are_refused_and_no_terabyte_asked_
 @pytest.mark.parametrize("spacing", ["a", np.array("0.25"), 1j])
 def test_a_spacing_that_is_no_number_is_named(spacing, wall, tmp_path):
     np.savez(tmp_path / "a.npz", Z_mm=wall, spacing_mm=spacing)
-    with pytest.raises(jc.InputError, match=r"a\.npz: spacing_mm = .*: must be a number"):
+    with pytest.raises(jc.InputError, match=r"a\.npz: spacing_mm: values of type .*: must be real"):
         read_scan(tmp_path / "a.npz")
 
 
@@ -562,7 +562,7 @@ def test_an_esri_grid_has_its_spacing_its_place_and_its_missing_heights(wall, tm
     [
         (12, {}, "declares 20 rows of 26 heights, 520, and contains 312"),
         (None, {"cellsize": None}, "header lacks cellsize"),
-        (None, {"nrows": 10**9}, "at most 100,000,000"),
+        (None, {"nrows": 10**9}, "at most 800 MB"),
         (None, {"cellsize": None, "dx": 0.25, "dy": 0.5}, "dx = 0.25, dy = 0.5: must be equal"),
         (None, {"cellsize": None, "dx": 0.25}, "header lacks cellsize"),
     ],
@@ -653,6 +653,6 @@ def test_an_archive_that_declares_more_than_a_scan_is_refused_unread(wall, tmp_p
             (tmp_path / name).write_bytes(head.getvalue())
         given = {"variable": "other"} if name == "a.npz" else {}
         with pytest.raises(
-            jc.InputError, match=r"declares 40000 x 25000 values: must be at most 100,000,000"
+            jc.InputError, match=r"declares 40000 x 25000 values of 8 bytes: must be at most 800 MB"
         ):
             read_scan(tmp_path / name, units="mm", spacing=SPACING, **given)

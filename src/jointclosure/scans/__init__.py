@@ -14,7 +14,12 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 from jointclosure.scans import esri, grids, instruments, meshes, points, surfer
-from jointclosure.scans.contents import Contents, check_no_variable
+from jointclosure.scans.contents import (
+    LARGEST_FILE,
+    SAME_SPACING,
+    Contents,
+    check_no_variable,
+)
 from jointclosure.scans.likeness import nearest_form
 from jointclosure.scans.sentinels import missing_heights
 from jointclosure.scans.units import doubted, settled, size_of
@@ -35,6 +40,10 @@ READERS = {
     ".mat": grids.read_matlab,
 }
 """Readers by suffix of a file's name; SurfaceTopography reads all other files."""
+_IN_PARTS = (
+    grids.read_npy, grids.read_npz, grids.read_netcdf_grid, grids.read_tiff, grids.read_matlab,
+)  # fmt: skip
+"""Readers that read the declared sizes of a file first, and then only what is needed."""
 BY_CONTENT = {b"ncols": esri.read_asc} | dict.fromkeys(surfer.FORMS, surfer.read_grd)
 """Readers by the first bytes of a file, which have priority over its name."""
 
@@ -78,6 +87,11 @@ def read_scan(
             raise InputError(f"{file}: file not found")
         if not file.stat().st_size:
             raise InputError(f"{file}: the file is empty")
+        if _reader(file) not in _IN_PARTS and file.stat().st_size > LARGEST_FILE:
+            raise InputError(
+                f"{file}: {file.stat().st_size / 1e9:.3g} GB: must be at most "
+                f"{LARGEST_FILE / 1e9:g} GB for its format, which is read as a whole"
+            )
     try:
         contents = (
             _contents(files[0], variable) if len(files) == 1 else _of_matrices(files, variable)
@@ -85,6 +99,8 @@ def read_scan(
         return _in_metres(contents, units, spacing)
     except InputError as error:
         raise InputError(f"{', '.join(map(str, files))}: {error}") from None
+    except MemoryError:
+        raise InputError(f"{', '.join(map(str, files))}: needs more memory than there is") from None
 
 
 def files_of(path: str | Path | Sequence[str | Path]) -> tuple[Path, ...]:
@@ -206,11 +222,20 @@ def _placed(
         across = size_of(length_units)
         steps = (float(contents.spacing[0]) * across, float(contents.spacing[1]) * across)
         origin = contents.origin and (contents.origin[0] * across, contents.origin[1] * across)
-        if spacing is not None and any(abs(step - spacing) > 1e-6 * spacing for step in steps):
-            stated = " and ".join(f"{1e3 * step:g}" for step in dict.fromkeys(steps))
+        if spacing is not None and any(
+            abs(step - spacing) > SAME_SPACING * spacing for step in steps
+        ):
+            stated = " and ".join(f"{1e3 * step:g}" for step in dict.fromkeys(steps) if step > 0.0)
             raise InputError(
                 f"spacing = {1e3 * spacing:g} mm: the file states {stated} mm; must be left out"
             )
+        if spacing is None and np.isnan(steps).any():
+            raise InputError(
+                f"states a spacing along {'x' if np.isnan(steps[0]) else 'y'} only: spacing_mm "
+                "must be given (--spacing on the command line)"
+            )
+        dy, dx = np.where(np.isnan(steps), spacing or np.nan, steps).tolist()
+        steps = dy, dx
     if not all(np.isfinite(step) and step > 0.0 for step in steps):
         raise InputError(f"spacing {steps}: must be positive")
     return steps, origin, doubted(length_units, sides)
@@ -223,7 +248,9 @@ def _sides(contents: Contents) -> tuple[float, float] | None:
             np.ptp(contents.points[:, :2], axis=0).tolist() if len(contents.points) else (0.0, 0.0)
         )
         return x, y
-    if contents.spacing is None or contents.heights is None or np.ndim(contents.heights) != 2:
+    if contents.spacing is None or np.isnan(contents.spacing).any():
+        return None
+    if contents.heights is None or np.ndim(contents.heights) != 2:
         return None
     return _lengths(np.shape(contents.heights), contents.spacing)
 

@@ -10,9 +10,12 @@ import numpy as np
 
 from jointclosure.inputs import InputError
 
-LARGEST_SCAN = 100_000_000
-"""Largest number of heights of a file: 10,000 x 10,000 take 0.8 GB. A damaged or malicious file may
-declare more."""
+LARGEST_ARRAY, LARGEST_FILE = 800_000_000, 2_000_000_000
+"""Largest size [bytes] of an array, 10,000 x 10,000 heights in double precision, and of a file that
+is read as a whole. A damaged or malicious file may declare more."""
+SAME_SPACING = 1e-3
+"""Largest difference of statements of one spacing, over the spacing: those of 1/3 mm may be
+rounded."""
 
 VARIABLE = "variable (--variable on the command line)"
 """Argument and option that choose an array, a channel or columns, for messages."""
@@ -25,7 +28,7 @@ class Contents(NamedTuple):
 
     Rows are in order of increasing y. Units are as written in the file ("mm", "micrometre"), or
     None if it states none. ``origin`` is the (y, x) of the first cell, None if the file does not
-    place its grid. ``remarks`` are sentences on what reading skipped.
+    place its grid. ``remarks`` are sentences on what reading skipped. A step of NaN is not stated.
     """
 
     heights: np.ndarray | None = None
@@ -37,11 +40,17 @@ class Contents(NamedTuple):
     remarks: tuple[str, ...] = ()
 
 
-def check_size(shape: tuple[int, ...]) -> None:
-    """Raise `InputError` if an array of a shape is larger than `LARGEST_SCAN`."""
-    if math.prod(shape) > LARGEST_SCAN:
+def check_size(shape: tuple[int, ...], itemsize: int = 8, name: str = "") -> None:
+    """Raise `InputError` if an array of a shape is larger than `LARGEST_ARRAY`.
+
+    ``itemsize`` is that of its values [bytes], and ``name`` names it in the message.
+    """
+    if math.prod(shape) * itemsize > LARGEST_ARRAY:
         size = " x ".join(map(str, shape))
-        raise InputError(f"declares {size} values: must be at most {LARGEST_SCAN:,}")
+        raise InputError(
+            f"{f'{name}: ' if name else ''}declares {size} values of {itemsize} bytes: must be at "
+            f"most {LARGEST_ARRAY / 1e6:g} MB"
+        )
 
 
 def check_no_variable(variable: str | None) -> None:

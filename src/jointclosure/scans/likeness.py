@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 from jointclosure.inputs import InputError
+from jointclosure.scans.contents import LARGEST_FILE
 from jointclosure.scans.meshes import binary_stl_size
 from jointclosure.scans.points import read_text
 from jointclosure.scans.text import is_binary
@@ -45,6 +46,8 @@ def nearest_form(path: Path) -> str:
         return ""
     if _OBJ.search(start):
         return "; its content is that of an OBJ mesh (.obj)"
+    if path.stat().st_size > LARGEST_FILE:
+        return ""
     if is_binary(start) or not start.decode("utf-8", errors="replace").isascii():
         return ""
     try:

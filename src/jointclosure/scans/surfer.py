@@ -72,7 +72,9 @@ def _sections(content: bytes) -> tuple[tuple, np.ndarray]:
         start += 8 + size
     if missing := {b"GRID", b"DATA"} - sections.keys():
         raise InputError(f"lacks the section {', '.join(sorted(map(bytes.decode, missing)))}")
-    ny, nx, x, y, dx, dy, *_, blank = struct.unpack_from("<2i8d", sections[b"GRID"])
+    ny, nx, x, y, dx, dy, *_, angle, blank = struct.unpack_from("<2i8d", sections[b"GRID"])
+    if angle != 0.0:
+        raise InputError(f"rotation = {angle:g} degrees: must be 0, a grid along x and y")
     check_size((ny, nx))
     heights = np.frombuffer(sections[b"DATA"][: 8 * nx * ny], dtype="<f8").copy()
     exact = struct.unpack_from("<i", sections[b"DSRB"]) == (2,)
