@@ -469,7 +469,8 @@ def test_a_stray_point_is_cut_and_named(name, tmp_path):
     scan = read_scan(tmp_path / name, units="mm")
     assert len(scan.points) == 2000
     assert np.abs(scan.points).max() <= 10e-3
-    (printed,) = scan.remarks
+    printed, scattered = scan.remarks
+    assert "Warning: the points lie on no regular grid" in scattered
     assert printed.startswith("2 stray points were cut")
     assert "(1e+06, -2e+06, 0.05), (4, 5, 700)" in printed or name == "a.stl"
 

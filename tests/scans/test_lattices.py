@@ -2,12 +2,16 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import jointclosure as jc
+from jointclosure.inputs.remarks import cautions
 from jointclosure.scans import read_scan
 from jointclosure.surface.measured import Cloud, Scan
 from tests.conftest import SPACING
 from tests.scans.test_formats import STEP_MM, points_of, write_stl
+from tests.scans.test_forms import RANDOM
 
 SHAPE = (20, 26)
 
@@ -67,13 +71,122 @@ def test_scattered_and_staggered_points_are_no_grid(wall, tmp_path):
     random = np.random.default_rng(1)
     points = points_of(wall)
     scattered = points + np.append(
-        0.3 * STEP_MM * random.random((len(points), 2)), 0.0 * points[:, :1], 1
+        STEP_MM * random.random((len(points), 2)), 0.0 * points[:, :1], 1
     )
     staggered = points.copy()
     staggered[:, 0] += 0.5 * STEP_MM * (np.round(points[:, 1] / STEP_MM) % 2)
     rounded = np.column_stack([np.round(6.0 * random.random((500, 2)), 2), random.random(500)])
     for cloud in (scattered, staggered, rounded):
-        assert isinstance(read_points(tmp_path / "a.xyz", cloud), Cloud)
+        scan = read_points(tmp_path / "a.xyz", cloud)
+        assert isinstance(scan, Cloud)
+        assert "no regular grid" in " ".join(cautions(scan.remarks))
+
+
+def off_its_node(points, step):
+    points[137, 0] += 0.075 * step
+
+
+def a_lost_field(points, step):
+    points[137] = [*points[137, 1:], np.nan]  # y and height, as read in the places of x and y
+
+
+def a_point_between(points, step):
+    points[137, :2] += 0.5 * step
+
+
+def a_shifted_profile(points, step):
+    points[3 * 26 : 4 * 26, 0] += 0.25 * step + 1e-6
+
+
+def rounded_places(points, step):
+    points[:, :2] = np.round(points[:, :2] / (0.4 * step)) * 0.4 * step
+
+
+def jitter(points, step):
+    points[:, :2] += 0.02 * step * np.random.default_rng(4).standard_normal((len(points), 2))
+
+
+DAMAGES = {
+    off_its_node: (1, "1 of 520 points lie off the nodes"),
+    a_lost_field: (1, "1 of 520 nodes of the points' grid have no point"),
+    a_point_between: (1, "1 of 520 points lie off the nodes"),
+    a_shifted_profile: (26, "26 of 520 points lie off the nodes"),
+    rounded_places: (0, "points were moved to the nodes of their grid, by an rms "),
+    jitter: (0, "points were moved to the nodes of their grid, by an rms 2.9 % of its step"),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES, ids=lambda damage: damage.__name__)
+@pytest.mark.parametrize("step", [STEP_MM, 0.4])
+def test_a_lattice_is_decided_by_most_points_and_those_off_it_are_left_out(
+    damage, step, wall, tmp_path
+):
+    points = points_of(wall) * [step / STEP_MM, step / STEP_MM, 1.0] + [7.5, -30.0, 0.0]
+    damage(points, step)
+    scan = read_points(tmp_path / "a.xyz", points)
+    lost, remark = DAMAGES[damage]
+    assert scan.spacing == pytest.approx((1e-3 * step,) * 2, rel=5e-3)
+    assert scan.origin == pytest.approx((-30e-3, 7.5e-3), abs=0.15e-3 * step)
+    assert remark in " ".join(scan.remarks)
+    known = np.isfinite(scan.heights)
+    assert scan.heights.shape == SHAPE
+    assert known.sum() == known.size - lost
+    np.testing.assert_allclose(scan.heights[known], 1e-3 * wall[known], atol=1e-9)
+
+
+@st.composite
+def damaged_lines(draw, lines):
+    """Numbers of fewer than 1 % of the lines, with what these are after damage."""
+    damaged = {}
+    count = draw(st.integers(1, (len(lines) - 1) // 100))
+    numbers = draw(st.sets(st.integers(0, len(lines) - 1), min_size=count, max_size=count))
+    for number in numbers:
+        words = lines[number].split(",")
+        place = draw(st.integers(0, 2))
+        word = words[place]
+        at = draw(st.integers(0, len(word) - 1))
+        changed = [
+            word[:at] + word[at + 1 :],
+            word[:at] + draw(st.sampled_from("0123456789.-e, ")) + word[at + 1 :],
+            repr(float(word) + draw(st.floats(-2.0, 2.0))),
+            repr(draw(st.floats(allow_nan=True, allow_infinity=True))),
+            draw(st.sampled_from(["", "nan", "abc", "-9999", "1e30", "--"])),
+        ]
+        words[place] = draw(st.sampled_from(changed))
+        lost = draw(st.sampled_from([words, words[:place] + words[place + 1 :], words * 2, []]))
+        damaged[number] = ",".join(lost)
+    return damaged
+
+
+@RANDOM
+@given(st.data(), st.sampled_from([",", " ", ";"]))
+def test_damage_to_fewer_than_a_hundredth_of_the_lines_gives_the_grid_or_an_error(
+    wall, tmp_path, data, mark
+):
+    points = points_of(wall) + np.array([7.5, -30.0, 0.0])
+    lines = [",".join(f"{value:.6f}" for value in point) for point in points]
+    damaged = data.draw(damaged_lines(lines))
+    lines = [damaged.get(number, line) for number, line in enumerate(lines)]
+    (tmp_path / "a.csv").write_text("\n".join(line.replace(",", mark) for line in lines))
+    try:
+        scan = read_scan(tmp_path / "a.csv", units="mm")
+    except jc.InputError:
+        return
+    assert isinstance(scan, Scan)
+    assert scan.spacing == pytest.approx((SPACING, SPACING), rel=1e-6)
+    first = (np.array(scan.origin) - [-30e-3, 7.5e-3]) / SPACING
+    row, column = np.round(first).astype(int)
+    np.testing.assert_allclose(first, [row, column], atol=1e-5)
+    y, x = np.divmod(np.delete(np.arange(520), list(damaged)), 26)
+    inside = (y >= row) & (x >= column)
+    inside[inside] &= (y[inside] - row < len(scan.heights)) & (
+        x[inside] - column < scan.heights.shape[1]
+    )
+    found = np.full(len(y), np.nan)
+    found[inside] = scan.heights[y[inside] - row, x[inside] - column]
+    known = np.isfinite(found)
+    np.testing.assert_allclose(found[known], 1e-3 * wall[y, x][known], atol=1e-9)
+    assert (~known).sum() <= len(damaged)  # places that a damaged line has too
 
 
 def test_the_distances_along_x_and_y_may_differ(wall, tmp_path):
@@ -86,7 +199,7 @@ def test_the_distances_along_x_and_y_may_differ(wall, tmp_path):
 def test_several_heights_at_one_place_are_refused_where_they_are_many(gridded, wall, tmp_path):
     points = points_of(wall)
     if not gridded:
-        points[:, :2] += 0.1 * np.random.default_rng(2).random((len(points), 2))
+        points[:, :2] += 0.25 * np.random.default_rng(2).random((len(points), 2))
     other = points + np.array([0.0, 0.0, 0.4])
     few = read_points(tmp_path / "few.xyz", np.vstack([points, other[100:103]]))
     assert few.remarks[0] == "3 places with several heights were treated as missing"

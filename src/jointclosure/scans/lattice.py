@@ -3,13 +3,23 @@
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 
 from jointclosure.inputs import InputError
+from jointclosure.inputs.remarks import caution
+from jointclosure.scans.contents import Contents
 from jointclosure.surface.outliers import unique_places
 
 LARGEST_OFFSET = 0.05
 """Largest distance of a point from its node, over the step of the grid, due to rounding in
 files."""
+MOST_MOVED = 0.25
+"""Largest such distance of points that scatter about their nodes. Of walls with H = 0.8 scanned so,
+the rms slope is up to 2 % too large; linear interpolation at the nodes loses 9 %."""
+_OUTLYING = 3.0
+"""Distance from its node, over the upper quartile of all, beyond which a point is off the grid."""
+MAJORITY = 0.9
+"""Smallest share of points at nodes of a grid; with less, points are scattered."""
 LEAST_NEIGHBOURS = 0.5
 """Smallest share of points whose next node has a point too, along both axes; points with less are
 scattered or staggered."""
@@ -18,28 +28,19 @@ MOST_CELLS_PER_POINT = 20
 SAME_HEIGHT = 1e-6
 """Largest difference of repeated heights, over the range of all heights."""
 MOST_AMBIGUOUS = 0.01
-"""Largest share of places with several heights; these are left out, and more are an error."""
+"""Largest share of places with several heights; these are left out, and more are an error. More
+nodes without a point inside the wall are warned of."""
 _DIGITS = 7
 """Significant digits of a step: those of single precision, so that files in single precision give
 the same grid."""
 
 
-class Lattice(NamedTuple):
-    """Heights (y, x) on a grid of a spacing (dy, dx), NaN at nodes without a point.
+def lattice_of(points: np.ndarray) -> Contents | None:
+    """Find the regular grid along x and y at whose nodes most points (n, 3) are; None without one.
 
-    The last field is the place (y, x) of the first node.
-    """
-
-    heights: np.ndarray
-    spacing: tuple[float, float]
-    origin: tuple[float, float]
-    remarks: tuple[str, ...]
-
-
-def lattice_of(points: np.ndarray) -> Lattice | None:
-    """Find the regular grid along x and y on whose nodes all points (n, 3) lie, None without one.
-
-    Heights may be NaN. Nodes may have no point, and points may be repeated.
+    Heights may be NaN. Nodes may have no point, and points may be repeated. Points off their nodes
+    are left out: farther than `LARGEST_OFFSET`, or where points scatter, than `_OUTLYING` times
+    the upper quartile of distances, at most `MOST_MOVED`.
 
     Raises
     ------
@@ -50,26 +51,59 @@ def lattice_of(points: np.ndarray) -> Lattice | None:
         return None
     # coordinates closer than a twentieth of the mean distance of points count as equal
     apart = 0.05 * float(np.sqrt(np.prod(np.ptp(points[:, :2], axis=0)) / len(points)))
-    axes = [_axis_of(values, apart) for values in points[:, :2].T]
-    if axes[0] is None or axes[1] is None:
+    x, y = (_axis_of(values, apart) for values in points[:, :2].T)
+    if x is None or y is None:
         return None
-    x, y = axes[0], axes[1]
-    nx, ny = int(x.node.max()) + 1, int(y.node.max()) + 1
+    offset = np.maximum(np.abs(x.offset), np.abs(y.offset))
+    allowed = float(np.clip(_OUTLYING * np.quantile(offset, 0.75), LARGEST_OFFSET, MOST_MOVED))
+    on = offset <= allowed
+    if on.mean() < MAJORITY:
+        return None
+    (column, nx, x_first), (row, ny, y_first) = (axis.numbered(on) for axis in (x, y))
     if nx * ny > MOST_CELLS_PER_POINT * len(points):
         return None
-    numbers = y.node * nx + x.node
+    numbers = row * nx + column
     occupied = np.zeros((ny, nx), bool)
     occupied.flat[numbers] = True
     followed = (occupied[1:] & occupied[:-1]).sum(), (occupied[:, 1:] & occupied[:, :-1]).sum()
     if min(followed) < LEAST_NEIGHBOURS * occupied.sum():
         return None
-    places, heights, remarks = _merged(numbers, points)
+    places, heights, remarks = _merged(numbers, points[on])
     grid = np.full(nx * ny, np.nan)
     grid[places] = heights
-    empty = int((~occupied).sum())
-    if empty:
-        remarks += (f"{empty} of {nx * ny} nodes of the points' grid have no point",)
-    return Lattice(grid.reshape(ny, nx), (y.step, x.step), (y.first, x.first), remarks)
+    off = int((~on & np.isfinite(points[:, 2])).sum())
+    if off:
+        remarks += (
+            caution(
+                f"{off} of {len(points)} points lie off the nodes of the points' grid, by more "
+                f"than {100 * allowed:.2g} % of its step, and were left out"
+            ),
+        )
+    if offset[on].max() > LARGEST_OFFSET:
+        moved = float(np.sqrt(np.mean(x.offset[on] ** 2 + y.offset[on] ** 2)))
+        remarks += (
+            caution(
+                f"points were moved to the nodes of their grid, by an rms {100 * moved:.2g} % of "
+                f"its step; for H = 0.8 this changes heights by {100 * moved**0.8:.2g} % of the "
+                "rms difference of neighbours"
+            ),
+        )
+    return Contents(
+        grid.reshape(ny, nx), (y.step, x.step), None, None, None, (y_first, x_first),
+        remarks + _empty_nodes(occupied),
+    )  # fmt: skip
+
+
+def _empty_nodes(occupied: np.ndarray) -> tuple[str, ...]:
+    """Describe nodes (y, x) without a point; with a warning if many lie inside the wall."""
+    empty, of_all = int((~occupied).sum()), f"of {occupied.size} nodes of the points' grid"
+    if not empty:
+        return ()
+    inside = int((scipy.ndimage.binary_fill_holes(occupied) & ~occupied).sum())
+    if inside <= MOST_AMBIGUOUS * occupied.size:
+        return (f"{empty} {of_all} have no point",)
+    share = f"{inside} of them inside the wall ({100 * inside / occupied.size:.2g} %)"
+    return (caution(f"{empty} {of_all} have no point, {share}: is the file incomplete?"),)
 
 
 def merged_points(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
@@ -90,27 +124,64 @@ def merged_points(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
 
 
 class _Axis(NamedTuple):
-    """Number of each point's node along an axis, distance of the nodes, and place of the first."""
+    """Nodes along an axis: step, number of each point's node, and distance from it in steps.
 
-    node: np.ndarray
+    Node 0 is at ``first``.
+    """
+
     step: float
     first: float
+    node: np.ndarray
+    offset: np.ndarray
+
+    def numbered(self, on: np.ndarray) -> tuple[np.ndarray, int, float]:
+        """Return numbers from 0 of the nodes of some points, their count, and the first's place."""
+        low, high = int(self.node[on].min()), int(self.node[on].max())
+        digits = _DIGITS - 1 - int(np.floor(np.log10(self.step)))
+        first = round(self.first + low * self.step, digits)
+        return self.node[on].astype(int) - low, high - low + 1, first
 
 
 def _axis_of(values: np.ndarray, apart: float) -> _Axis | None:
-    levels, of_value = np.unique(values, return_inverse=True)
+    """Find the evenly spaced nodes that most values have; None if fewer than three occur.
+
+    Values closer than ``apart`` are one level. Levels of fewer than half as many values as usual,
+    such as a damaged coordinate, do not count.
+    """
+    levels, of_value, count = np.unique(values, return_inverse=True, return_counts=True)
     group = np.concatenate([[0], np.cumsum(np.diff(levels) > apart)])
-    middles = np.bincount(group, levels) / np.bincount(group)
+    size = np.bincount(group, count)
+    middles = np.bincount(group, levels * count) / size
+    middles = middles[size >= 0.5 * np.median(size[group[of_value]])]
     if len(middles) < 3:
         return None
-    gaps = np.diff(middles)
-    node = np.concatenate([[0.0], np.cumsum(np.round(gaps / np.median(gaps)))])
-    centred = node - node.mean()
-    step = float(f"{np.sum(centred * middles) / np.sum(centred**2):.{_DIGITS - 1}e}")
-    level = middles.mean() + step * centred
-    if not np.abs(levels - level[group]).max() <= LARGEST_OFFSET * step:
-        return None
-    return _Axis(node[group].astype(int)[of_value], step, float(middles[0]))
+    step, first = _step_of(middles), float(middles[0])
+    first += (
+        float(np.angle(np.exp(2j * np.pi * (middles - first) / step).mean())) / 2 / np.pi * step
+    )
+    for _ in range(3):
+        offset = (values - first) / step - (node := np.round((values - first) / step))
+        on = np.abs(offset) <= max(_OUTLYING * np.median(np.abs(offset)), 1e-6)
+        centred, mean = node[on] - node[on].mean(), values[on].mean()
+        if not centred.any():
+            return None
+        step = float(np.sum(centred * (values[on] - mean)) / np.sum(centred**2))
+        first = float(mean - step * node[on].mean())
+    offset = (values - first) / step - (node := np.round((values - first) / step))
+    return _Axis(float(f"{step:.{_DIGITS - 1}e}"), first, node, offset)
+
+
+def _step_of(levels: np.ndarray) -> float:
+    """Estimate the step of mostly evenly spaced levels, at distances that double."""
+    gaps = np.diff(levels)
+    ratio = gaps / np.median(gaps)
+    step = float(gaps[(ratio > 0.4) & (ratio < 1.6)].mean())
+    reach = 1
+    while reach <= len(levels) // 2:
+        distance = levels[reach:] - levels[:-reach]
+        step = float(np.median(distance / np.maximum(np.round(distance / step), 1.0)))
+        reach *= 2
+    return step
 
 
 def _merged(

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from jointclosure.inputs import InputError
+from jointclosure.inputs.remarks import caution
 from jointclosure.scans.contents import VARIABLE, Contents, reading_as
 from jointclosure.scans.frames import are_places, framed_points, points_on
 from jointclosure.scans.lattice import lattice_of, merged_points
@@ -18,6 +19,10 @@ LEAST_COLUMNS = 12
 normals and an intensity have ten."""
 NAMED = 3
 """Largest number of stray points whose places are listed."""
+SCATTERED = (
+    "the points lie on no regular grid along x and y: heights between them are interpolated, which "
+    "makes walls smoother"
+)
 
 
 def read_text(path: Path, variable: str | None) -> Contents:
@@ -113,14 +118,10 @@ def contents_of(points: np.ndarray) -> Contents:
         If a point has a height but no place, or places have several heights.
     """
     points, remarks = cleaned(points)
-    lattice = lattice_of(points)
-    if lattice is None:
-        points, repeats = merged_points(points)
-        return Contents(points=points, remarks=remarks + repeats)
-    return Contents(
-        lattice.heights, lattice.spacing, None, None, None, lattice.origin,
-        remarks + lattice.remarks,
-    )  # fmt: skip
+    if (grid := lattice_of(points)) is not None:
+        return grid._replace(remarks=remarks + grid.remarks)
+    points, repeats = merged_points(points)
+    return Contents(points=points, remarks=(*remarks, *repeats, caution(SCATTERED)))
 
 
 def _unit_of(table: Table, column: int) -> str | None:

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.inputs import InputError
+from jointclosure.inputs.remarks import caution
 from jointclosure.scans.frames import are_places
 from jointclosure.scans.units import axis_name, is_unit
 
@@ -60,10 +61,14 @@ def read_table(path: Path) -> Table:
     if start is None:
         raise _without_numbers(head, bool(names))
     form = _form_of(lines[start])
-    lines = _with_corner(lines[start:], form)
-    width = len(_words(lines[0], form))
+    lines = _with_corner(_without_comments(lines[start:]), form)
+    counts = np.array([len(_words(line, form)) for line in lines])
+    width = int(np.bincount(counts).argmax())
+    if counts.max() > width:
+        longest = lines[int(counts.argmax())].strip()[:60]
+        raise InputError(f"{longest!r} has {counts.max()} numbers, other lines have {width}")
     frame = pd.read_csv(
-        io.StringIO("\n".join(_without_comments(lines))),
+        io.StringIO("\n".join(lines)),
         sep=form.separator or r"\s+",
         decimal=form.decimal,
         header=None,
@@ -72,12 +77,21 @@ def read_table(path: Path) -> Table:
         skipinitialspace=True,
         na_values=[word for word in _MISSING if word],
     )
-    frame, repeated = _numbers(frame, names, form.decimal)
-    if repeated:
-        remarks.append(f"{repeated} repeated lines of names were skipped")
     # a separator at the end of every line makes an empty column
     while width > len(names or "xyz") and frame[width - 1].isna().all():
         width -= 1
+    if (short := counts < width).any():
+        frame[short] = np.nan  # which of its numbers are lost is not known
+        first = lines[int(short.argmax())].strip()[:60]
+        remarks.append(
+            caution(
+                f"{int(short.sum())} lines of fewer than {width} numbers were left out, such "
+                f"as {first!r}"
+            )
+        )
+    frame, repeated = _numbers(frame, names, form.decimal)
+    if repeated:
+        remarks.append(f"{repeated} repeated lines of names were skipped")
     if names and len(names) != width:
         raise InputError(f"{len(names)} names ({', '.join(names)}) of {width} columns")
     if len(units) > width:
