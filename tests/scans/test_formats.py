@@ -278,6 +278,11 @@ def test_a_head_says_the_units_also_as_a_comment(head, wall, tmp_path):
 
 
 LETTER = "Dear all,\nthe scan is lost.\n"
+TEXT_PLY = (
+    b"ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\n"
+    b"property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    b"0 0 2\n1 0 2\n2 0 2\n2 1 2\n1 1 2\n0 1 2\n3 0 1 2\n"
+)
 UNLIKE = {
     "a.foo": (LETTER.encode(), "text"),
     "a.stl": (b"\x89PNG\r\n\x1a\n" + bytes(80), "PNG"),
@@ -287,6 +292,16 @@ UNLIKE = {
     "a.obj": (b"v 0 0 0\nv 1 0 x\n", "line 2"),
     "b.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "vertex 9"),
     "c.obj": (LETTER.encode(), "no vertices"),
+    "d.obj": (b"# Vertices: 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n", "declares 9 vertices, and"),
+    "e.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -9\n", "line 4"),
+    "f.obj": (b"v 0 0 0\nv 1 1 0 0\n", "line 2, 'v 1 1 0 0'"),
+    "b.ply": (TEXT_PLY.rpartition(b"0 1 2\n3")[0], "declares 6 lines of vertex, and contains 5"),
+    "c.ply": (TEXT_PLY.replace(b"1 1 2", b"1 2"), "'1 2': a vertex must have 3 numbers"),
+    "d.ply": (TEXT_PLY.rpartition(b"3 0")[0], "declares 1 lines of face, and contains 0"),
+    "e.ply": (
+        TEXT_PLY.replace(b"3 0 1 2", b"3 0 1 9"),
+        "a face has vertex 10, but there are 6 vertices",
+    ),
     "a.asc": (b"# scan\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "OBJ mesh"),
     "a.grd": (b"DSRB" + bytes(4), "lacks the section DATA, GRID"),
 }
@@ -427,6 +442,17 @@ def test_a_solid_in_a_file_of_the_right_name_is_refused_without_a_hint(tmp_path)
         read_scan(tmp_path / "a.stl", units="mm")
 
 
+@pytest.mark.parametrize("name", ["a.ply", "a.obj"])
+def test_vertices_without_a_face_are_used_and_counted(name, wall, tmp_path):
+    trimesh = pytest.importorskip("trimesh")
+    mesh = trimesh.Trimesh(points_of(wall), [[0, 1, 26], [2, 3, 28]], process=False)
+    content = mesh.export(file_type=name[2:])
+    (tmp_path / name).write_bytes(content.encode() if isinstance(content, str) else content)
+    scan = read_scan(tmp_path / name, units="mm")
+    np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-8)
+    assert "514 of 520 vertices belong to no face; they were used" in " ".join(scan.remarks)
+
+
 @pytest.mark.parametrize("head", ["", "depth,east,north,height\n"])
 @pytest.mark.parametrize("columns", ["2,3,4", "east,north,height"])
 def test_columns_are_chosen_by_number_or_name(head, columns, wall, tmp_path):
@@ -556,6 +582,21 @@ def test_an_esri_grid_has_its_spacing_its_place_and_its_missing_heights(wall, tm
     np.testing.assert_allclose(scan.heights, 1e-3 * holed, atol=1e-12)
     assert scan.spacing == pytest.approx((SPACING, SPACING))
     assert scan.origin == pytest.approx((5e-3 + 0.5 * SPACING, 3e-3 + 0.5 * SPACING))
+
+
+def test_a_row_of_an_esri_grid_that_lost_a_number_is_named(wall, tmp_path):
+    write_esri(tmp_path / "a.asc", wall)
+    rows = (tmp_path / "a.asc").read_text().splitlines()
+    words = [word for row in rows[6:] for word in row.split()]
+    divided = [" ".join(words[start : start + 10]) for start in range(0, len(words), 10)]
+    (tmp_path / "b.asc").write_text("\n".join(rows[:6] + divided))
+    scan = read_scan(tmp_path / "b.asc", units="mm")
+    np.testing.assert_allclose(scan.heights, 1e-3 * wall, atol=1e-12)
+    rows[10] = rows[10].partition(" ")[2]
+    rows[17] += " 1.0"
+    (tmp_path / "a.asc").write_text("\n".join(rows))
+    with pytest.raises(jc.InputError, match=r"row 5 contains 25 heights, must be 26 \(2 such rows"):
+        read_scan(tmp_path / "a.asc", units="mm")
 
 
 @pytest.mark.parametrize(

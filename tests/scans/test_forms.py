@@ -1,5 +1,6 @@
 """All forms of a scan are one joint, and a slip of units is refused or warned of at every door."""
 
+import re
 import struct
 import warnings
 from pathlib import Path
@@ -124,7 +125,8 @@ def as_mesh(path, ground):
         ]
     )
     mesh = trimesh.Trimesh(ground.points(), faces, process=False)
-    content = mesh.export(file_type=path.suffix[1:])
+    text = {"encoding": "ascii"} if path.name == "text.ply" else {}
+    content = mesh.export(file_type=path.suffix[1:], **text)
     path.write_bytes(content.encode() if isinstance(content, str) else content)
     return {"units": "mm"}
 
@@ -149,6 +151,7 @@ FORMS = {
     "a.xyz": as_shuffled_text,
     "a.stl": as_mesh,
     "a.ply": as_mesh,
+    "text.ply": as_mesh,
     "a.obj": as_mesh,
     "a.txt": as_matrix,
     "x.dat.txt,y.dat.txt,z.dat.txt": as_three_files,
@@ -189,12 +192,68 @@ def test_all_forms_of_a_scan_are_one_scan(tmp_path, walls, form):
         assert isinstance(scan, Scan)
         assert scan.spacing == pytest.approx((1e-3 * ground.step,) * 2, rel=1e-6)
         np.testing.assert_allclose(
-            scan.heights, 1e-3 * ground.heights, atol=1e-8 if form == "a.obj" else 2e-9
+            scan.heights,
+            1e-3 * ground.heights,
+            atol=1e-8 if form in ("a.obj", "text.ply") else 2e-9,
         )
         if (
             scan.origin is not None and FORMS[form] is not as_esri
         ):  # whose corner is that of its first cell
             assert scan.origin == pytest.approx([1e-3 * part for part in ground.corner], rel=1e-6)
+
+
+def cut_off(draw, content):
+    """The file up to the end of a word, at least a half of it."""
+    ends = [match.end() for match in re.finditer(rb"\S\s", content)]
+    return content[: draw(st.sampled_from(ends[len(ends) // 2 :])) - 1]
+
+
+def one_lost_and_one_doubled(draw, content):
+    """One number is lost in a line, and perhaps one is doubled in a later line."""
+    lines = content.split(b"\n")
+    data = [k for k, line in enumerate(lines) if len(re.findall(rb"\d\.\d", line)) > 1]
+    lost, doubled = sorted(draw(st.sets(st.sampled_from(data), min_size=2, max_size=2)))
+    for number, word in [(lost, b"")] + [(doubled, None)] * draw(st.booleans()):
+        words = re.split(rb"([ ,;]+)", lines[number])
+        at = 2 * draw(st.integers(0, (len(words) - 1) // 2))
+        words[at : at + 2] = words[at : at + 2] * 2 if word is None else []
+        lines[number] = b"".join(words)
+    return b"\n".join(lines)
+
+
+DISTORTIONS = {
+    cut_off: sorted(FORMS),
+    one_lost_and_one_doubled: ["a.csv", "a.xyz", "a.obj", "text.ply", "a.txt", "a.asc", "esri.txt"],
+}
+
+
+@settings(RANDOM, max_examples=60)
+@given(st.data(), grounds(), st.sampled_from(list(DISTORTIONS)))
+def test_a_distorted_file_is_the_same_wall_where_it_has_heights_or_an_error(
+    tmp_path, data, walls, distort
+):
+    ground, form = walls[1], data.draw(st.sampled_from(DISTORTIONS[distort]))
+    given = FORMS[form](tmp_path / form, ground)
+    parts = [tmp_path / part for part in form.split(",")]
+    part = data.draw(st.sampled_from(parts))
+    part.write_bytes(distort(data.draw, part.read_bytes()))
+    try:
+        scan = read_scan(parts if len(parts) > 1 else parts[0], **given)
+    except jc.InputError:
+        return
+    assert isinstance(scan, Scan)
+    assert scan.spacing == pytest.approx((1e-3 * ground.step,) * 2, rel=1e-6)
+    place = np.zeros(2)
+    if scan.origin is not None and FORMS[form] is not as_esri:
+        place = (1e3 * np.array(scan.origin) - ground.corner) / ground.step
+    y, x = np.nonzero(np.isfinite(scan.heights))
+    rows, columns = np.round([y + place[0], x + place[1]]).astype(int)
+    inside = (rows >= 0) & (columns >= 0)
+    inside &= (rows < ground.heights.shape[0]) & (columns < ground.heights.shape[1])
+    rows, columns, heights = rows[inside], columns[inside], scan.heights[y, x][inside]
+    off = ~np.isclose(heights, 1e-3 * ground.heights[rows, columns], rtol=0.0, atol=1e-8)
+    # a number that lost its end, or a point of a damaged line
+    assert off.sum() + (~inside).sum() <= 1, (form, scan.remarks)
 
 
 @pytest.fixture(scope="module")

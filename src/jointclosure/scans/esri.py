@@ -28,10 +28,11 @@ def read_asc(path: Path, variable: str | None) -> Contents:
     ------
     InputError
         If a word is missing in the header or has no number, or the number of heights is not the
-        declared one.
+        declared one, altogether or in a row.
     """
     check_no_variable(variable)
-    words = path.read_text(encoding="latin-1").split()
+    lines = [line.split() for line in path.read_text(encoding="latin-1").splitlines()]
+    words = [word for line in lines for word in line]
     head: dict[str, float] = {}
     while 2 * len(head) + 1 < len(words) and words[2 * len(head)].lower() in _KNOWN:
         key, value = words[2 * len(head)].lower(), words[2 * len(head) + 1]
@@ -43,6 +44,7 @@ def read_asc(path: Path, variable: str | None) -> Contents:
     step = _cell_size(head)
     shape = _count("nrows", head), _count("ncols", head)
     check_size(shape)
+    _check_rows([len(line) for line in lines if line and line[0].lower() not in _KNOWN], shape[1])
     values = words[2 * len(head) :]
     if len(values) != shape[0] * shape[1]:
         raise InputError(
@@ -55,6 +57,19 @@ def read_asc(path: Path, variable: str | None) -> Contents:
         raise InputError(f"has a height that is not a number ({error})") from None
     heights[heights == head.get("nodata_value", -9999.0)] = np.nan
     return Contents(heights, (step, step), origin=_origin(head, step))
+
+
+def _check_rows(counts: list[int], columns: int) -> None:
+    """Raise `InputError` if most lines are a row, and others have more or fewer heights.
+
+    Files whose lines are no rows may be divided anywhere.
+    """
+    wrong = [row for row, count in enumerate(counts, start=1) if count != columns]
+    if wrong and len(wrong) <= 0.5 * len(counts):
+        raise InputError(
+            f"row {wrong[0]} contains {counts[wrong[0] - 1]} heights, must be {columns} "
+            f"({len(wrong)} such rows)"
+        )
 
 
 def _cell_size(head: dict[str, float]) -> float:

@@ -1,5 +1,7 @@
 """Triangulated scans: STL, PLY and OBJ files, whose vertices are the points of the wall."""
 
+import itertools
+import re
 import struct
 from pathlib import Path
 
@@ -8,35 +10,58 @@ import scipy
 
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import needs
+from jointclosure.inputs.remarks import caution
 from jointclosure.scans.contents import Contents, check_no_variable, reading_as
 from jointclosure.scans.points import contents_of
 from jointclosure.scans.text import is_binary
 
 LARGEST_COVER = 1.05
 """Largest area of the triangles in the plan over that of the points' convex hull; a solid has 2."""
+_DECLARED = re.compile(r"#\s*(?:vertices\s*:?\s*(\d+)|(\d+)\s+vertices)\s*$", re.IGNORECASE)
+"""Comment of an OBJ file that states the number of vertices."""
+_LINES = {
+    "v": "the numbers x, y, z, as many numbers as in the other vertices",
+    "f": "the numbers of three or more vertices",
+}
+"""Lines of an OBJ file that are read, by their first word."""
 
 
 def read_mesh(path: Path, variable: str | None) -> Contents:
     """Read the vertices of all meshes and point clouds of a file; the formats have no units."""
     check_no_variable(variable)
     form = path.suffix.lower().removeprefix(".")
+    vertices, faces = _obj(path) if form == "obj" else _by_trimesh(path, form)
+    if len(vertices) < 4:
+        raise InputError(f"has {len(vertices)} vertices: too few for a wall")
+    if faces.size and faces.max() >= len(vertices):
+        raise InputError(
+            f"a face has vertex {faces.max() + 1}, but there are {len(vertices)} vertices"
+        )
+    _check_single_sheet(vertices, faces)
+    contents = contents_of(vertices)
+    loose = len(vertices) - len(np.unique(faces))
+    if not loose or not len(faces):
+        return contents
+    used = f"{loose} of {len(vertices)} vertices belong to no face; they were used like the others"
+    return contents._replace(remarks=(*contents.remarks, caution(used)))
+
+
+def _by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return vertices (n, 3) and triangles (m, 3) of an STL or PLY file.
+
+    Only those of STL, which has a copy of a vertex for each triangle, are merged.
+    """
     with needs("walls", form.upper()):
         import trimesh
+    {"stl": _check_stl, "ply": _check_ply}[form](path)
     points, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=int)], 0
-    if form == "obj":
-        _check_obj(path)
-    elif form == "stl":
-        _check_stl(path)
     with reading_as(form.upper()), path.open("rb") as file:
-        for part in trimesh.load_scene(file, file_type=form).geometry.values():
+        meshes = trimesh.load_scene(file, file_type=form, process=form == "stl").geometry
+        for part in meshes.values():
             points.append(np.array(part.vertices, dtype=float))
-            faces.append(count + np.asarray(getattr(part, "faces", faces[0])))
+            faces.append(count + np.reshape(getattr(part, "faces", faces[0]), (-1, 3)))
             count += len(points[-1])
-    if count < 4:
-        raise InputError(f"has {count} vertices: too few for a wall")
-    vertices = np.concatenate(points)
-    _check_single_sheet(vertices, np.concatenate(faces))
-    return contents_of(vertices)
+    return np.concatenate(points), np.concatenate(faces)
 
 
 def binary_stl_size(start: bytes) -> int | None:
@@ -65,44 +90,83 @@ def _check_stl(path: Path) -> None:
         )
 
 
-def _check_obj(path: Path) -> None:
-    """Raise `InputError` if an OBJ file has no vertices, or a line that no mesh has."""
-    vertices, largest = 0, (0, 0)  # number of a vertex in a face, and its line
+def _check_ply(path: Path) -> None:
+    """Raise `InputError` if a text PLY file has fewer lines than its head declares.
+
+    Lines of vertices must have as many numbers as there are properties.
+    """
+    with path.open(encoding="latin-1") as file:
+        head = [
+            line.split()
+            for line in itertools.takewhile(lambda line: "end_header" not in line, file)
+        ]
+        if ["format", "ascii"] not in [words[:2] for words in head]:
+            return
+        lines = [line.split() for line in file if line.strip()]
+    start = 0
+    for number, words in enumerate(head):
+        if words[:1] != ["element"] or len(words) != 3 or not words[2].isdecimal():
+            continue
+        count = int(words[2])
+        part = lines[start : start + count]
+        if len(part) < count:
+            raise InputError(
+                f"declares {count} lines of {words[1]}, and contains {len(part)}: is the file "
+                "incomplete?"
+            )
+        width = len(
+            list(itertools.takewhile(lambda line: line[:1] == ["property"], head[number + 1 :]))
+        )
+        wrong = [line for line in part if len(line) != width]
+        if words[1] == "vertex" and wrong:
+            raise InputError(
+                f"{' '.join(wrong[0])[:60]!r}: a vertex must have {width} numbers, one for each "
+                "property"
+            )
+        start += count
+
+
+def _obj(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Return vertices (n, 3) and triangles (m, 3) of an OBJ file; polygons are divided.
+
+    Raises
+    ------
+    InputError
+        If there is a line that no mesh has, or a comment declares more vertices ("# Vertices: 9",
+        "# 9 vertices").
+    """
+    vertices: list[list[float]] = []
+    faces: list[list[int]] = []
+    declared = 0
     with path.open(encoding="latin-1") as file:
         for number, line in enumerate(file, start=1):
-            words = line.split()
-            if line.startswith("v "):
-                vertices += 1
-                if not _numbers(words[1:4]):
-                    raise InputError(
-                        f"line {number}, {line.strip()[:60]!r}: must be v and the numbers x, y, z"
-                    )
-            elif line.startswith("f "):
-                corners = [word.split("/")[0] for word in words[1:]]
-                if len(corners) < 3 or not all(_is_whole(word) for word in corners):
-                    raise InputError(
-                        f"line {number}, {line.strip()[:60]!r}: must be f and the numbers of three "
-                        "or more vertices"
-                    )
-                largest = max(largest, (max(map(int, corners)), number))
+            kind, *words = line.split() or [""]
+            valid = True
+            try:
+                if kind == "v":
+                    vertices.append([float(word) for word in words])
+                    valid = len(vertices[-1]) == len(vertices[0]) >= 3
+                elif kind == "f":
+                    corners = [int(word.split("/")[0]) for word in words]
+                    # negative numbers count back from the last vertex
+                    corners = [n if n > 0 else len(vertices) + 1 + n for n in corners]
+                    valid = len(corners) >= 3 and min(corners) >= 1
+                    faces += [[corners[0], *pair] for pair in itertools.pairwise(corners[1:])]
+                elif stated := _DECLARED.match(line):
+                    declared += int(stated[1] or stated[2])
+            except ValueError:
+                valid = False
+            if not valid:
+                raise InputError(
+                    f"line {number}, {line.strip()[:60]!r}: must be {kind} and {_LINES[kind]}"
+                )
     if not vertices:
         raise InputError("has no vertices (lines 'v x y z')")
-    if largest[0] > vertices:
+    if declared > len(vertices):
         raise InputError(
-            f"line {largest[1]}: a face has vertex {largest[0]}, but there are {vertices} vertices"
+            f"declares {declared} vertices, and contains {len(vertices)}: is the file incomplete?"
         )
-
-
-def _numbers(words: list[str]) -> bool:
-    """Return whether these are three numbers."""
-    try:
-        return len([float(word) for word in words]) == 3
-    except ValueError:
-        return False
-
-
-def _is_whole(word: str) -> bool:
-    return word.removeprefix("-").isdecimal()
+    return np.array(vertices)[:, :3], np.array(faces, dtype=int).reshape(-1, 3) - 1
 
 
 def _check_single_sheet(points: np.ndarray, faces: np.ndarray) -> None:
