@@ -31,12 +31,12 @@ def read_mesh(path: Path, variable: str | None) -> Contents:
     check_no_variable(variable)
     form = path.suffix.lower().removeprefix(".")
     vertices, faces = _obj(path) if form == "obj" else _by_trimesh(path, form)
-    if len(vertices) < 4:
-        raise InputError(f"has {len(vertices)} vertices: too few for a wall")
     if faces.size and faces.max() >= len(vertices):
         raise InputError(
             f"a face has vertex {faces.max() + 1}, but there are {len(vertices)} vertices"
         )
+    if len(vertices) < 4:
+        raise InputError(f"has {len(vertices)} vertices: too few for a wall")
     _check_single_sheet(vertices, faces)
     contents = contents_of(vertices)
     loose = len(vertices) - len(np.unique(faces))
