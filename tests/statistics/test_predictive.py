@@ -14,6 +14,7 @@ from jointclosure.statistics.drawn_studies import (
     without_effect,
 )
 from jointclosure.statistics.indifference import indifference_lengths
+from jointclosure.statistics.joint_tests import p_of_table
 from jointclosure.statistics.predictive import (
     length_distribution,
     share_as_short,
@@ -182,3 +183,18 @@ def test_the_table_of_lengths_has_the_targets_of_each_key_together():
     assert table.shape == (30, 4)
     np.testing.assert_array_equal(table[:, 2:], drawn["nu"].lengths)
     assert closures(random, 0.0, 3).shape == (2, 3)
+
+
+def test_the_scatter_of_p_on_one_pool_is_no_error_of_the_pool():
+    """Densities are estimated from the repetitions, so p scatters by more than a count does."""
+    random = generator(9)
+    observed = np.exp(random.normal(size=16) * 1.2)
+
+    def p_of(sets):
+        return [p_of_table(np.exp(random.normal(size=(200, 16))), observed) for _ in range(sets)]
+
+    resampled, again = p_of(40), p_of(40)  # one pool, whose surfaces make no error
+    of_count = np.sqrt(np.mean(resampled) * (1.0 - np.mean(resampled)) / 200)
+    assert np.std(again, ddof=1) > 1.3 * of_count
+    assert pool_error(resampled, 200) > 0.8 * of_count
+    assert pool_error(resampled, 200, again) < 0.8 * of_count

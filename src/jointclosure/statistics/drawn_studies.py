@@ -157,7 +157,7 @@ def repetitions_of_pool(repetitions: int) -> int:
     return max(repetitions // 8, _FEWEST_REPETITIONS)
 
 
-def pool_error(shares, repetitions: int) -> np.ndarray:
+def pool_error(shares, repetitions: int, again=()) -> np.ndarray:
     """Return standard errors (...) of shares of repetitions due to the surfaces of the pool.
 
     Parameters
@@ -166,11 +166,15 @@ def pool_error(shares, repetitions: int) -> np.ndarray:
         Shares from each of `resampled_pools`; pools with NaN are left out.
     repetitions : int
         Number of repetitions behind each share; their binomial variance is subtracted.
+    again : array (sets,), optional
+        The same from other repetitions of one pool, as many a set. Their variance is subtracted
+        instead, for shares that are not counts alone, such as p by estimated densities.
     """
     shares = np.asarray(shares, dtype=float)
     known = np.isfinite(shares).sum(axis=0)
     shares = np.where(known > len(shares) // 2, shares, 0.0)
-    noise = np.nanmean(shares * (1.0 - shares), axis=0) / repetitions
+    binomial = np.nanmean(shares * (1.0 - shares), axis=0) / repetitions
+    noise = np.var(again, axis=0, ddof=1) if len(again) > 1 else binomial
     variance = np.maximum(np.nanvar(shares, axis=0, ddof=1) - noise, 0.0)
     return np.where(known > len(shares) // 2, np.sqrt(variance), np.nan)
 
