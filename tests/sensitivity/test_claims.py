@@ -92,6 +92,8 @@ def test_what_is_true_of_the_model_stands_in_all_rocks(table, true_world):
         (["6a"], {"loop": -0.02}),
         (["6a"], {"loop": 0.5 * NEGLIGIBLE}),
         (["6a"], {"loop": 1e-15}),  # rounding, of branches that are one curve
+        (["6b"], {"power": 1.0}),  # equal stresses close equally
+        (["6b"], {"power": 2.0}),
     ],
 )
 def test_what_is_false_of_the_model_falls(numbers, stated):
@@ -198,7 +200,7 @@ def test_other_rocks_are_asked_without_the_papers_figures():
     table = table_of(world(configuration), world(pool_of(configuration)), 100, paper)
     assert not {"paper", "paper_finds"} & set(table.columns)
     # without Poisson's ratio nothing is ranked
-    others = ["2c", "3b", "3c", "4", "5a", "5a, net", "5b", "5c", "5d", "6a"]
+    others = ["2c", "3b", "3c", "4", "5a", "5a, net", "5b", "5c", "5d", "6a", "6b"]
     assert table.index.tolist() == others
 
 

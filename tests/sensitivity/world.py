@@ -27,21 +27,23 @@ def world(
     elasticities: dict | None = None,
     irregular: float = IRREGULAR,
     loop: float = 0.05,
+    power: float = 0.5,
 ) -> xr.Dataset:
     """The dataset of a study, or of a pool, in that world.
 
     ``loop``: by how much unloading lies above loading at half the stress, over the closure.
+    ``power``: of the stress, as which a closure rises in a cycle.
     """
     configuration = configuration or study_of()
     cases = cases_of(configuration)
     closed = [
-        _closed(case, configuration, elasticities or ELASTICITIES, irregular, loop)
+        _closed(case, configuration, elasticities or ELASTICITIES, irregular, loop, power)
         for case in cases
     ]
     return join_cases(cases, closed)
 
 
-def _closed(case, configuration, elasticities, irregular, loop) -> xr.Dataset:
+def _closed(case, configuration, elasticities, irregular, loop, power) -> xr.Dataset:
     study = configuration.study
     seeds = [
         seed_of(study.root_seed, *wall_name(study, case), i) for i in range(study.realizations)
@@ -60,7 +62,7 @@ def _closed(case, configuration, elasticities, irregular, loop) -> xr.Dataset:
             )
             maxima[i, j] = (1e-3, 1e-4)[j] * np.exp(z)
     stress = np.linspace(0.0, configuration.output.largest_stress, STRESSES)
-    rise = np.clip(stress / case.max_normal_stress, 0.0, 1.0) ** 0.5
+    rise = np.clip(stress / case.max_normal_stress, 0.0, 1.0) ** power
     loading = maxima[..., None] * rise
     residual = np.stack([0.8 * maxima[:, 0], 0.8 * maxima[:, 0]], axis=1)
     loading[:, 1] += residual[:, :1]

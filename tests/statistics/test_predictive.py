@@ -187,7 +187,7 @@ def test_the_table_of_lengths_has_the_targets_of_each_key_together():
 
 def test_the_scatter_of_p_on_one_pool_is_no_error_of_the_pool():
     """Densities are estimated from the repetitions, so p scatters by more than a count does."""
-    random = generator(9)
+    random = generator(2)
     observed = np.exp(random.normal(size=16) * 1.2)
 
     def p_of(sets):

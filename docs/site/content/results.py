@@ -5,7 +5,7 @@ from stored import origin, stored
 
 from content.markdown import Form, Table, markdown, rows_of, value_of
 from jointclosure.claims.table import OURS
-from jointclosure.report.findings import found_text, probability
+from jointclosure.report.findings import found_text, probability, verdict_text
 from jointclosure.sensitivity.conclusions import UNJUDGED
 from jointclosure.sensitivity.tables import markdown_rows, table_3
 from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
@@ -51,7 +51,7 @@ claims = Table(
         "": "{number}",
         "claim": "{claim}",
         "place in the paper": "{section}",
-        "true of the model": "{verdict}",
+        "true of the model": verdict_text,
         "studies that find it": found_text,
         "in the paper's Table 3": "{paper_finds}",
     },

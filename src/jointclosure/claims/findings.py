@@ -14,6 +14,9 @@ TARGET, NET = "max_closure", "max_closure_net"
 """Names of the maximum closure, and of the maximum closure net of bulk indentation."""
 LOOP = "loop"
 """Name of the loop: closure of unloading less that of loading, at half the maximum stress."""
+EXCESS = "excess"
+"""Name of the excess at low stress: closure of loading to half the maximum stress, since the start
+of the cycle, less half of the maximum closure."""
 
 
 class Findings(NamedTuple):

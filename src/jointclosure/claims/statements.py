@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from jointclosure import parameters
-from jointclosure.claims.findings import LOOP, TARGET, Findings, in_place, monotone, widest
+from jointclosure.claims.findings import EXCESS, LOOP, TARGET, Findings, in_place, monotone, widest
 from jointclosure.statistics.verdicts import Interval
 
 NU, E, STRENGTH, JRC = "poisson_ratio", "youngs_modulus", "compressive_strength", "jrc"
@@ -52,8 +52,8 @@ class Closed(Elastic, Protocol):
         """Return the relative change of the closure with a change of the parameter."""
         ...
 
-    def loop(self, cycle: int) -> Value:
-        """Return the loop over the closure, see `LOOP`."""
+    def share(self, variable: str, cycle: int) -> Value:
+        """Return `LOOP` or `EXCESS` over the closure."""
         ...
 
     def significant(self, cycle: int) -> Value:
@@ -93,6 +93,7 @@ class Statement(NamedTuple):
     comparisons; a statement that is no comparison is false below ``above``. ``within``: the
     statement is true if all margins lie within +-``above`` instead. ``before``: it compares with
     the cycle before. ``of_elasticities``: it depends only on elasticities and the rock's values.
+    ``reads``: `LOOP` or `EXCESS` of the base case, if it is judged by that.
     """
 
     number: str
@@ -105,6 +106,7 @@ class Statement(NamedTuple):
     within: bool = False
     before: bool = False
     of_elasticities: bool = True
+    reads: str = ""
 
     def cycles(self, cycle: int) -> tuple[int, ...]:
         """Return the cycles that the statement needs."""
@@ -218,16 +220,18 @@ def _significant(number: str, text: str, parameter: str, percent: float) -> Stat
     return Statement(number, text, (parameter,), margins, confirms, 1.0, of_elasticities=False)
 
 
-def _loop(number: str, text: str) -> Statement:
-    """Make the statement that unloading lies above loading."""
+def _positive(number: str, text: str, reads: str) -> Statement:
+    """Make the statement that `LOOP` or `EXCESS` is positive."""
 
     def margins(model: Closed, cycle: int, variable: str) -> Margins:
-        return {"loop over closure": model.loop(cycle)}
+        return {f"{reads} over closure": model.share(reads, cycle)}
 
     def confirms(studies: Findings, rock: str, cycle: int, variable: str) -> np.ndarray:
-        return studies.base_means(rock, LOOP, cycle) > 0.0
+        return studies.base_means(rock, reads, cycle) > 0.0
 
-    return Statement(number, text, (), margins, confirms, NEGLIGIBLE, of_elasticities=False)
+    return Statement(
+        number, text, (), margins, confirms, NEGLIGIBLE, of_elasticities=False, reads=reads
+    )
 
 
 NU_LEAST = _ranked(
@@ -260,4 +264,5 @@ JRC_FALLS = _with_the_cycle("4", "JRC matters less than on the cycle before", JR
 FALLS_WITH_E = _trend("5a", "Closure rises when E falls", E, -1)
 RISES_WITH_STRENGTH = _trend("5b", "Closure rises when sigma_c rises", STRENGTH, 1)
 RISES_WITH_JRC = _trend("5c", "Closure falls when JRC falls", JRC, 1)
-HYSTERESIS = _loop("6a", "Unloading shows hysteresis")
+HYSTERESIS = _positive("6a", "Unloading shows hysteresis", LOOP)
+SOFT_AT_FIRST = _positive("6b", "Low stresses close more than high ones", EXCESS)

@@ -22,9 +22,9 @@ class Claim(NamedTuple):
     """Claim: a statement on some cycles, of gross or net closures.
 
     ``section``: sections of the paper, or `OURS`. ``statement``: None for a claim that no
-    sensitivity study can judge; ``remark`` states the reason. ``shown``: where the paper has
-    numbers for it, `TABLE_3` for entries of ``parameter``. ``negated``: the claim is that the
-    statement is *not* true in every rock.
+    sensitivity study can judge; ``remark`` states the reason, or what its verdict rests on.
+    ``shown``: where the paper has numbers for it, `TABLE_3` for entries of ``parameter``.
+    ``negated``: the claim is that the statement is *not* true in every rock.
     """
 
     number: str
@@ -135,7 +135,11 @@ CLAIMS = (
     Claim("5d", "Cycle-2 closure has no such trend with JRC in every rock", "Section 6",
           statements.RISES_WITH_JRC, (2,), _NOT_SHOWN, negated=True),
     Claim("6a", "Unloading shows hysteresis on both cycles", "Abstract, Section 5",
-          statements.HYSTERESIS, (1, 2), _FIG_5),
+          statements.HYSTERESIS, (1, 2), _FIG_5, remark="0 on cycle 2 by construction: where an "
+          "unloading broke nothing, the next loading is its curve"),
+    Claim("6b", "Excess deformation at low stress survives on the second cycle", "Sections 3, 5",
+          statements.SOFT_AT_FIRST, (2,), _FIG_5, remark="the measured curves, part of which the "
+          "paper misses in dolerite and slate, are not available"),
     Claim("8", "The model fits Bandis' curves, dolerite worst, second cycles worse", "Section 5",
           None, (), _FIG_5, remark="the measured curves are not available"),
 )  # fmt: skip

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
+from jointclosure.claims.table import CLAIMS
 from jointclosure.config.properties import PARAMETER_TITLES, PROPERTIES
 from jointclosure.report.sheets import Cell, Sheet, cell, given, sheet
 from jointclosure.sensitivity.conclusions import COUNTS, FOUND
@@ -187,7 +188,9 @@ def claim_sheet(claims: pd.DataFrame, compared: bool) -> Sheet:
     if compared and "paper" in claims:
         columns["section"] = "Place in the paper"
         columns["paper_finds"] = "Found in the paper's Table 3"
-    shown = claims.assign(found=[found_text(row) for row in claims.to_dict("records")])
+    rows = claims.to_dict("records")
+    texts = {"found": found_text, "verdict": verdict_text}
+    shown = claims.assign(**{name: [text(row) for row in rows] for name, text in texts.items()})
     caption = "The paper's claims: truth in the model, and studies that find them"
     return sheet("claims", caption, shown, columns)
 
@@ -233,6 +236,7 @@ def conclusion_sheet(conclusions: pd.DataFrame) -> Sheet:
         row
         | {
             "found": found_text(row),
+            "verdict": verdict_text(row),
             "readings": _tried([row[f"readings_{name}"] for name in COUNTS]),
             "partial": _tried([row[f"partial_{name}"] for name in COUNTS]),
             "choices": NOT_TRIED
@@ -297,6 +301,12 @@ def percent_text(share: float, error: float, low: float = np.nan, high: float = 
     if error > 0.0 or pd.isna(low):
         return text
     return f"{text} ({100.0 * low:.3g} to {100.0 * high:.3g})"
+
+
+def verdict_text(row: Mapping) -> str:
+    """Format the verdict on a claim, with what it rests on where the claim has such a remark."""
+    remark = next((claim.remark for claim in CLAIMS if claim.number == row["number"]), "")
+    return f"{row['verdict']} ({remark})" if remark else row["verdict"]
 
 
 def found_text(row: Mapping, prefix: str = "") -> str:

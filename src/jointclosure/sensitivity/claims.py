@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.claims.findings import LOOP, NET, TARGET, Findings
+from jointclosure.claims.findings import EXCESS, LOOP, NET, TARGET, Findings
 from jointclosure.claims.table import CLAIMS, OURS, TABLE_3, Claim
 from jointclosure.config.properties import PROPERTIES
 from jointclosure.joint.history import loop_between
@@ -161,21 +161,31 @@ def _frequencies(evidence: Evidence, samples: list[RockSample]) -> dict[str, Fre
 
 
 def _samples(dataset: xr.Dataset) -> list[RockSample]:
-    variables = {TARGET: dataset[TARGET], NET: dataset[NET], LOOP: _loops(dataset)}
+    variables = {TARGET: dataset[TARGET], NET: dataset[NET]} | _at_half_stress(dataset)
     samples = [rock_sample(dataset, rock, variables) for rock in rocks_of(dataset)]
     return [sample for sample in samples if sample.values.shape[-1] > 1]
 
 
-def _loops(dataset: xr.Dataset) -> xr.DataArray:
-    """Return unloading less loading closure at half the maximum stress of each case."""
-    parts = []
+def _at_half_stress(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Return `LOOP` and `EXCESS` of each case, at the stored stress next to half the maximum."""
+    parts: dict[str, list[xr.DataArray]] = {LOOP: [], EXCESS: []}
     for case in dataset.case.values:
         one = dataset.sel(case=[case])
-        half = one.closure.sel(stress=0.5 * float(one.max_normal_stress[0]), method="nearest")
+        most = float(one.max_normal_stress[0])
+        half = one.closure.sel(stress=0.5 * most, method="nearest")
         up, down = half.sel(branch="loading"), half.sel(branch="unloading")
-        loop = loop_between(up, down)
-        parts.append(loop.drop_vars(["stress", "branch"], errors="ignore"))
-    return xr.concat(parts, "case", coords="minimal", compat="override")
+        parts[LOOP].append(loop_between(up, down))
+        since_start = up.drop_vars("stress") - one.closure.isel(stress=0, drop=True).sel(
+            branch="loading"
+        )
+        parts[EXCESS].append(since_start - float(half.stress) / most * one[TARGET])
+    return {
+        name: xr.concat(
+            [part.drop_vars(["stress", "branch"], errors="ignore") for part in of_cases],
+            "case", coords="minimal", compat="override",
+        )
+        for name, of_cases in parts.items()
+    }  # fmt: skip
 
 
 def _with_squares(sample: RockSample) -> RockSample:

@@ -5,7 +5,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from jointclosure.claims.findings import LOOP, TARGET
+from jointclosure.claims.findings import TARGET
 from jointclosure.sensitivity.responses import RockSample
 from jointclosure.statistics.correlations import Quadratic, fit_quadratic
 from jointclosure.statistics.standard_errors import Estimate
@@ -50,9 +50,9 @@ class ClosedModel:
         """Return the relative change of the mean closure with a change of the parameter [SI]."""
         return float(self._fit(parameter, cycle, TARGET).relative_change(change))
 
-    def loop(self, cycle: int) -> float:
-        """Return the mean loop over the mean closure of the base case."""
-        return float(self._at_base(LOOP, cycle) / self._at_base(TARGET, cycle))
+    def share(self, variable: str, cycle: int) -> float:
+        """Return the mean of a variable over the mean closure of the base case."""
+        return float(self._at_base(variable, cycle) / self._at_base(TARGET, cycle))
 
     def significant(self, cycle: int) -> float:
         """Return the relative change of a mean that is significant with the scatter of the rock."""

@@ -5,6 +5,7 @@ level, independently, as in the paper. The null model is a rock whose parameters
 every level draws from the base case.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -55,8 +56,8 @@ class Predictive(NamedTuple):
     null: list[Lengths]
     bases: dict[Entry, float]
     pool: dict[str, int]
-    model_again: list[Lengths] = []
-    null_again: list[Lengths] = []
+    model_again: Sequence[Lengths] = ()
+    null_again: Sequence[Lengths] = ()
 
     @property
     def lengths(self) -> Lengths:
@@ -271,7 +272,7 @@ def joint_table(lengths_of_studies: Predictive, paper: pd.DataFrame) -> pd.DataF
     return pd.DataFrame(rows, columns=columns)
 
 
-def _tables(drawn: list[Lengths], chosen: list[Entry]) -> list[np.ndarray]:
+def _tables(drawn: Sequence[Lengths], chosen: list[Entry]) -> list[np.ndarray]:
     return [np.stack([lengths[entry] for entry in chosen], axis=1) for lengths in drawn]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from jointclosure.claims.findings import LOOP, TARGET
+from jointclosure.claims.findings import EXCESS, TARGET
 from jointclosure.claims.statements import PROPERTIES
 from jointclosure.claims.table import CLAIMS
 from jointclosure.ensemble.cases import BASE
@@ -84,10 +84,10 @@ class ClosedReading:
         """Return the relative change of the mean closure with a change of the parameter [SI]."""
         return float(self.fits[parameter, cycle].relative_change(change))
 
-    def loop(self, cycle: int) -> float:
-        """Return the mean loop over the mean closure of the base case."""
+    def share(self, variable: str, cycle: int) -> float:
+        """Return the mean of a variable over the mean closure of the base case."""
         base = self.base.sel(cycle=cycle)
-        return float(base[LOOP].mean() / base.mean())
+        return float(base[variable].mean() / base.mean())
 
     def significant(self, cycle: int) -> float:
         """Return the relative change of a mean that is significant with the scatter of the rock."""
@@ -95,8 +95,12 @@ class ClosedReading:
         return float(self.critical * base.std(ddof=1) / base.mean())
 
 
-ASKED = tuple(claim for claim in CLAIMS if claim.statement and claim.variable == TARGET)
-"""Claims on maximum closures, which all readings have."""
+ASKED = tuple(
+    claim
+    for claim in CLAIMS
+    if claim.statement and claim.variable == TARGET and claim.judged_by.reads != EXCESS
+)
+"""Claims on maximum closures and loops, which all readings have."""
 Margins = dict[tuple[str, str], float]
 """Smallest margin of a claim in a rock, by number and rock."""
 
