@@ -182,3 +182,36 @@ def test_with_breakage_closures_scale_by_any_factor_in_the_mean(lengths, stresse
 
     surfaces = 25 if method[0] == "reference" else 100
     assert_equal_in_the_mean(paired(change, surfaces, method))
+
+
+def bowls(towards):
+    """Walls (y, x) of parabolas with curvatures [1/m] along x and y: ((x, y) above, below)."""
+    x = (np.arange(41) - 20) * SPACING
+    along = [-0.5 * x[None, :] ** 2, -0.5 * x[:, None] ** 2]
+    return tuple(sum(k * part for k, part in zip(wall, along, strict=True)) for wall in towards)
+
+
+@pytest.mark.parametrize("effects", [ELASTIC["interaction"], jc.Effects()], ids=["elastic", "all"])
+def test_a_composite_describes_walls_of_one_shape_and_no_others(effects):
+    """The paper's Fig. 1: joints with the same sums of heights, of walls that differ."""
+    same_sums = {
+        "composite": ((50.0, 50.0), (0.0, 0.0)),
+        "halves": ((25.0, 25.0), (25.0, 25.0)),
+        "crossed cylinders": ((50.0, 0.0), (0.0, 50.0)),
+        "peak in a hollow": ((100.0, 100.0), (-50.0, -50.0)),
+    }
+    closed = {
+        name: jc.simulate(
+            *bowls(walls), spacing=SPACING, rock=DOLERITE, max_normal_stress=3e6, effects=effects
+        )
+        for name, walls in same_sums.items()
+    }
+    first = {name: float(joint.max_closure[0]) for name, joint in closed.items()}
+    assert first["halves"] == pytest.approx(first["composite"], rel=3e-3)
+    assert first["crossed cylinders"] < 0.92 * first["composite"]
+    assert first["peak in a hollow"] > 1.04 * first["composite"]
+    assert float(closed["crossed cylinders"].flat_share[0]) == pytest.approx(1.0)
+    if effects.breakage:
+        broken = {name: int(joint.breakage_steps.sum()) for name, joint in closed.items()}
+        assert broken["crossed cylinders"] == 0 < broken["composite"]
+        assert first["peak in a hollow"] > 1.5 * first["composite"]
