@@ -1,5 +1,7 @@
 """From a scan to the walls of a joint."""
 
+import re
+
 import numpy as np
 import pytest
 import scipy
@@ -17,7 +19,9 @@ from jointclosure.surface.measured import (
     windows,
 )
 from jointclosure.surface.measured_pairs import Cutter, MeasuredWalls
+from jointclosure.surface.registration import registered
 from jointclosure.surface.roughness import detrended, rms_slope
+from jointclosure.surface.smoothing import smoothing_of
 from jointclosure.surface.synthesis import synthetic_wall
 from tests.conftest import SPACING
 
@@ -259,3 +263,49 @@ def test_more_realisations_than_windows_are_refused_unless_walls_are_drawn(wall)
     with pytest.raises(jc.InputError, match=r"study.realizations = 3: must be at most 2"):
         whole.check(3)
     cutter({"lower": wall}, "synthetic", (39, 52)).check(3)
+
+
+@pytest.mark.parametrize(
+    ("shift", "interpolated"), [((0.0, 0.0), False), ((0.5, 0.5), True), ((0.0, 0.3), True)]
+)
+def test_interpolation_is_warned_of_with_the_slope_that_is_lost(shift, interpolated):
+    upper, lower = jc.wall_pair(9.0, (64, 64), SPACING, seed=2, roll_off=None, correlation=0.9)
+    origin = 7 * SPACING + shift[0] * SPACING, shift[1] * SPACING
+    scans = (
+        Scan(-upper[7:], (SPACING, SPACING), origin),
+        Scan(lower, (SPACING, SPACING), (0.0, 0.0)),
+    )
+    pair = registered(*scans, orientation="common_frame", shift="scanned", cut_spikes=False)
+    lost = [line for line in pair.warnings if "heights were interpolated" in line]
+    assert len(lost) == interpolated
+    for line in lost:
+        side = "upper" if "upper" in line else "lower"
+        kept, measured = map(
+            float, re.search(r"is ([\d.]+), between points ([\d.]+)", line).groups()
+        )
+        whole = {"upper": upper[7:], "lower": lower}[side]
+        assert kept == pytest.approx(rms_slope(getattr(pair, side), SPACING), rel=0.01)
+        assert measured == pytest.approx(rms_slope(detrended(whole), SPACING), rel=0.02)
+        assert kept < 0.95 * measured
+
+
+def test_scattered_points_and_other_spacings_of_one_wall_are_warned_of():
+    wall = jc.wall_pair(9.0, (60, 60), SPACING, seed=2, roll_off=None)[0]
+    y, x = np.indices(wall.shape) * SPACING
+    points = np.stack([x.ravel(), y.ravel(), wall.ravel()], axis=1)
+    some = np.random.default_rng(1).permutation(len(points))[: len(points) // 2]
+    for scan, step, warned in (
+        (Scan(wall, (SPACING, SPACING)), SPACING, False),
+        (Scan(wall, (SPACING, SPACING)), 2.0 * SPACING, False),
+        (Scan(wall, (SPACING, SPACING)), 1.3 * SPACING, True),
+        (Cloud(points[some]), 1.7 * SPACING, True),
+    ):
+        assert bool(smoothing_of(scan, wall_on_grid(scan, step), step)) == warned
+
+
+def test_the_overlap_is_reported_as_a_share_of_both_scans():
+    upper, lower = jc.wall_pair(9.0, (60, 60), SPACING, seed=2, roll_off=None, correlation=0.9)
+    scans = Scan(-upper, (SPACING, SPACING)), Scan(lower[:42], (SPACING, SPACING))
+    pair = registered(*scans, orientation="common_frame", cut_spikes=False)
+    assert pair.overlap == 1.0
+    assert "72 % of the upper scan and 100 % of the lower" in " ".join(pair.report)

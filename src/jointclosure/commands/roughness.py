@@ -21,6 +21,7 @@ from jointclosure.surface.measured import (
 from jointclosure.surface.measures import increments, measure_wall
 from jointclosure.surface.outliers import without_spikes
 from jointclosure.surface.plausibility import slope_doubts
+from jointclosure.surface.smoothing import smoothing_of
 
 
 def add_to(commands) -> None:
@@ -88,12 +89,14 @@ def run(arguments) -> int:
         if arguments.spikes == "cut":
             scan = kept
         step = 1e-3 * arguments.grid_spacing if arguments.grid_spacing else point_distance(scan)
-        wall = filled(wall_on_grid(scan, step), arguments.missing, LARGEST_FILLED_SHARE)
+        wall = wall_on_grid(scan, step)
+        smoothed = smoothing_of(scan, wall, step)
+        wall = filled(wall, arguments.missing, LARGEST_FILLED_SHARE)
         measures = measure_wall(wall, step)
     except InputError as error:
         raise InputError(f"{arguments.file}: {error}") from None
     print(measures_text(measures, str(arguments.file), wall, step))
-    remarks = [*scan.remarks]
+    remarks = [*scan.remarks, *smoothed]
     remarks += [caution(doubt) for doubt in slope_doubts({"wall": wall}, step)]
     if spikes:
         done = "they were cut" if arguments.spikes == "cut" else "they were kept (see --spikes)"

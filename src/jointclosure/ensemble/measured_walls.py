@@ -18,6 +18,7 @@ from jointclosure.surface.measures import hurst_of
 from jointclosure.surface.plausibility import doubts, slope_doubts
 from jointclosure.surface.registration import RegisteredPair, registered
 from jointclosure.surface.roughness import jrc_of_z2, rms_slope
+from jointclosure.surface.smoothing import smoothing_of
 
 
 def prepared_walls(
@@ -81,8 +82,11 @@ def prepared_walls(
             "jrc": jrc_of_z2(z2, spacing, hurst, jrc_relation),
             "jrc_relation": jrc_relation,
         }
-        if scans[side].remarks:  # what reading left out is stored with the results
-            about["remarks"] = "; ".join(scans[side].remarks)
+        remarks = scans[side].remarks
+        if not settings.bring_together:  # else in the registration's report
+            remarks += smoothing_of(scans[side], wall, spacing, _common_bounds(scans))
+        if remarks:  # what reading left out is stored with the results
+            about["remarks"] = "; ".join(remarks)
         walls[side] = (("y", "x"), wall, about)
     missing = {"upper", "lower"} - set(scans)
     if missing:

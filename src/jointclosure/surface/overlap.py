@@ -16,14 +16,14 @@ SMALLEST_SIDE = 8
 class Overlap(NamedTuple):
     """Walls (y, x) [m] where both are known, less the plane common to both, z upwards.
 
-    ``share`` is the share of the smaller scan's area. ``inclination`` is that of the common plane,
-    and ``relative`` that of the walls to each other, in degrees. ``filled_cells`` is the number of
-    filled cells of both walls in holes.
+    ``shares`` are those of the area of the upper and of the lower scan. ``inclination`` is that of
+    the common plane, and ``relative`` that of the walls to each other, in degrees. ``filled_cells``
+    is the number of filled cells of both walls in holes.
     """
 
     upper: np.ndarray
     lower: np.ndarray
-    share: float
+    shares: tuple[float, float]
     inclination: float
     relative: float
     filled_cells: int
@@ -84,9 +84,10 @@ def overlap_of(
     areas = [np.prod(most - least) for least, most in corners]
     slopes = [_slope(wall) for wall in walls]
     relative = float(np.degrees(np.hypot(*(slopes[0] - slopes[1])) / spacing))
-    share = float(walls[0].size * spacing**2 / min(areas))
+    upper_share, lower_share = (min(walls[0].size * spacing**2 / area, 1.0) for area in areas)
     filled_cells = int(sum(hole[rectangle].sum() for hole in holes))
-    return Overlap(walls[0], walls[1], min(share, 1.0), inclination, relative, filled_cells)
+    shares = float(upper_share), float(lower_share)
+    return Overlap(walls[0], walls[1], shares, inclination, relative, filled_cells)
 
 
 def largest_rectangle(full: np.ndarray) -> tuple[slice, slice]:

@@ -28,6 +28,7 @@ from jointclosure.surface.outliers import points_of, without_spikes
 from jointclosure.surface.overlap import Overlap, overlap_of
 from jointclosure.surface.plausibility import slope_doubts
 from jointclosure.surface.roughness import detrended
+from jointclosure.surface.smoothing import smoothing
 
 LEAST_OVERLAP = 0.5
 """Smallest share of the smaller wall that must overlap; other shifts are not tried."""
@@ -219,6 +220,14 @@ def registered(
         overlap = (
             overlap._replace(upper=zeros) if flat[0] == "upper" else overlap._replace(lower=zeros)
         )
+    box = (
+        np.maximum(*(cloud[:, :2].min(axis=0) for cloud in (raised, clouds[1]))),
+        np.minimum(*(cloud[:, :2].max(axis=0) for cloud in (raised, clouds[1]))),
+    )
+    for side, cloud in (("upper", raised), ("lower", clouds[1])):
+        if side not in flat:
+            lost = smoothing(cloud, getattr(overlap, side), spacing, box)
+            report += [prefixed(f"{side} wall: ", remark) for remark in lost]
     pair = _described(overlap, spacing, name, fits, applied, mated, report)
     if not unusual_values:
         if problems := slope_doubts({"upper": pair.upper, "lower": pair.lower}, spacing):
@@ -443,17 +452,17 @@ def _described(
         f", {overlap.filled_cells} of them in holes, filled" if overlap.filled_cells else ""
     )
     cells = f"{ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm{filled_words}"
-    share = f"{100.0 * overlap.share:.0f} %"
+    shares = [f"{100.0 * share:.0f} %" for share in overlap.shares]
     of_both = [
-        f"overlap: {cells}, {share} of the smaller scan",
+        f"overlap: {cells}, {shares[0]} of the upper scan and {shares[1]} of the lower",
         f"the plane common to both walls, inclined by {overlap.inclination:.2f} degrees, was "
         f"removed; the walls were inclined to each other by {overlap.relative:.3f} degrees and are "
         "set parallel",
         f"heights correlate by {correlation:.3f}; {_describe_mating(mismatch)}",
     ]
     of_one = [
-        f"largest rectangle of the scan without missing heights: {cells}, {share} of it; its mean "
-        "plane was removed"
+        f"largest rectangle of the scan without missing heights: {cells}, {shares[0]} of it; its "
+        "mean plane was removed"
     ]
     report += [
         *(of_both if fits else of_one),
@@ -475,7 +484,7 @@ def _described(
         report.append(lies if gap > 0.0 else caution(_BELOW, f"{lies}: "))
     return RegisteredPair(
         upper, lower, spacing, aperture, (y, x), name, fits, applied, mated, correlation,
-        fit, mismatch, overlap.share, report,
+        fit, mismatch, max(overlap.shares), report,
     )  # fmt: skip
 
 
@@ -485,14 +494,15 @@ def _doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
     ``best_fit`` says that the walls are in the position of best fit.
     """
     doubts = []
-    if both and overlap.share < LEAST_OVERLAP:
+    share = max(overlap.shares)
+    if both and share < LEAST_OVERLAP:
         question = (
             "in the position of best fit: are the scans of the same part of the joint?"
             if best_fit
             else "are the scans in one frame? (--shift mated moves them to the best fit)"
         )
         doubts.append(
-            f"the walls overlap in {100.0 * overlap.share:.0f} % of the smaller scan, less than "
+            f"the walls overlap in {100.0 * share:.0f} % of the smaller scan, less than "
             f"{100.0 * LEAST_OVERLAP:.0f} %{', even ' if best_fit else ': '}{question}"
         )
     if overlap.inclination > STEEP_PLANE:
