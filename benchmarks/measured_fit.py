@@ -20,7 +20,7 @@ import pandas as pd
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.config.measured_joints import JOINTS, measured
+from jointclosure.engineering.measured_joints import JOINTS, measured
 from jointclosure.engineering.stiffness import closures_at
 from jointclosure.ensemble.scanned_joint import RESOLVED
 from jointclosure.joint.rocks import named_rock

@@ -22,7 +22,6 @@ from yardstick import machine
 
 import jointclosure as jc
 from jointclosure.ensemble.budget import ALL, ranges_of
-from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.scanned_joint import RESOLVED
 from jointclosure.ensemble.uncertainty import (
     DRAWS,
@@ -34,6 +33,7 @@ from jointclosure.ensemble.uncertainty import (
     variants_of,
 )
 from jointclosure.joint.rocks import named_rock
+from jointclosure.joint.simulation import close_walls
 from jointclosure.statistics.randomness import seed_of
 
 SPACING, SHAPE = 0.25e-3, (100, 100)

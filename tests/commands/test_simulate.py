@@ -59,7 +59,7 @@ def test_a_failed_simulation_is_said_and_fails(capsys, monkeypatch):
         closed["status"] = closed.status.copy(data=np.int16(64 + 2))
         return closed
 
-    monkeypatch.setattr("jointclosure.ensemble.closing.simulate", failing)
+    monkeypatch.setattr("jointclosure.joint.simulation.simulate", failing)
     code, out, _ = printed(capsys, "--rock", "slate", *SMALL)
     assert code == 1
     assert "failed: outside_model_range, rigid_contact" in out
@@ -85,7 +85,7 @@ def test_a_failed_simulation_is_said_and_fails(capsys, monkeypatch):
     ],
 )
 def test_bad_input_is_one_line_before_anything_is_computed(words, message, capsys, monkeypatch):
-    monkeypatch.setattr("jointclosure.commands.simulate._close", None)
+    monkeypatch.setattr("jointclosure.joint.simulation.simulate", None)
     code, out, err = printed(capsys, *words)
     assert (code, out) == (2, "")
     assert message in err

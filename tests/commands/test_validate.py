@@ -6,7 +6,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.commands import cli
-from jointclosure.config.measured_joints import measured
+from jointclosure.engineering.measured_joints import measured
 from tests.conftest import SPACING
 from tests.scans.test_formats import write_stl
 

@@ -9,7 +9,6 @@ import pytest
 from jointclosure.config.files import read_plain
 from jointclosure.ensemble import points as engine
 from jointclosure.ensemble import timing
-from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.points import (
     Point,
     Sample,
@@ -24,6 +23,7 @@ from jointclosure.ensemble.points import (
 )
 from jointclosure.ensemble.quantities import QUANTITIES
 from jointclosure.experiments import SECTIONS, experiment_named, experiments_in
+from jointclosure.joint.simulation import close_walls
 from tests.studied import ROOT, checked_study
 
 TINY = {

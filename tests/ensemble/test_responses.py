@@ -6,10 +6,10 @@ import pytest
 import jointclosure as jc
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.engineering.stiffness import landing_stress, secant_stiffness
-from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.quantities import QUANTITIES, ClosedJoint
 from jointclosure.ensemble.responses import responses_of
 from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import Choices, Effects, Numerics
 
 LARGEST, HALF = 20e6, 10e6

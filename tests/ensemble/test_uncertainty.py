@@ -20,7 +20,6 @@ from jointclosure.ensemble.budget import (
     ranges_of,
     shares_of,
 )
-from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.uncertainty import (
     DRAWS,
     PLAUSIBLE,
@@ -30,6 +29,7 @@ from jointclosure.ensemble.uncertainty import (
     uncertainty_budget,
     variants_of,
 )
+from jointclosure.joint.simulation import close_walls
 from tests.conftest import DOLERITE, SPACING
 from tests.studied import ROOT
 

@@ -6,7 +6,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.config.files import ConfigurationError
-from jointclosure.config.measured_joints import measured
+from jointclosure.engineering.measured_joints import measured
 from jointclosure.ensemble.points import close_points, packed, unpacked
 from jointclosure.experiments.measured_joints import EXPERIMENT
 from jointclosure.measured.joints import BASE, OBSERVABLES, fitted_length, observables_of

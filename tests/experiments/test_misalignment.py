@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from jointclosure.engineering.curves import cycle_table
-from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.points import close_points, gridded
 from jointclosure.ensemble.surfaces import seeds_of
 from jointclosure.experiments.misalignment import EXPERIMENT
+from jointclosure.joint.simulation import close_walls
 from jointclosure.surface.synthesis import wall_pair
 from tests.studied import checked_study
 

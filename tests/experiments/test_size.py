@@ -8,7 +8,6 @@ import xarray as xr
 from jointclosure.config.files import read_plain
 from jointclosure.engineering.empirical import barton_bandis, scaled_to
 from jointclosure.engineering.stiffness import closures_at, landing_stress
-from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.points import close_points
 from jointclosure.ensemble.walls import nested
 from jointclosure.experiments.size import EXPERIMENT, sizes_of
@@ -21,6 +20,7 @@ from jointclosure.experiments.size.table import (
     runs_of,
     size_table,
 )
+from jointclosure.joint.simulation import close_walls
 from jointclosure.surface.roughness import rms_slope, z2_of_jrc
 from tests.studied import ROOT, checked_study, study_of
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import jointclosure as jc
-from jointclosure.ensemble.closing import close_walls
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.history import branch_of, read_along
 from jointclosure.joint.protocol import LOADING, UNLOADING
+from jointclosure.joint.simulation import close_walls
 from jointclosure.measured.agreement import quantities_of
 from jointclosure.measured.calibration import (
     Simulated,

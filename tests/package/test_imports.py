@@ -86,6 +86,19 @@ def test_neither_flow_nor_snapshots_are_loaded_where_none_is_asked_for():
     )
 
 
+def test_closing_scanned_walls_reads_no_configuration_of_a_study():
+    code = (
+        "import jointclosure as jc\n"
+        "from jointclosure.surface.measured import Scan\n"
+        "upper, lower = jc.wall_pair(8.0, (24, 24), 0.25e-3, seed=3, correlation=0.9)\n"
+        "scans = [Scan(wall, (0.25e-3, 0.25e-3), (0.0, 0.0)) for wall in (1e-3 - upper, lower)]\n"
+        "elastic = jc.Effects(breakage=False, gouge=False)\n"
+        "print(jc.close(*scans, rock='granite', max_normal_stress=1e6, effects=elastic))\n"
+        "print([name for name in sys.modules if name.startswith('jointclosure.config')])"
+    )
+    assert run(f"import sys\n{code}").splitlines()[-1] == "[]"
+
+
 def test_every_public_name_is_what_its_module_defines():
     assert sorted(jc.__all__) == jc.__all__ == sorted(jc._MODULES)
     for name, module in jc._MODULES.items():

@@ -1,5 +1,6 @@
 """One version, one list of extras: what is written twice agrees."""
 
+import inspect
 import tomllib
 from pathlib import Path
 
@@ -8,8 +9,11 @@ import yaml
 from packaging.requirements import Requirement
 
 import jointclosure as jc
+from jointclosure.commands import cli
+from jointclosure.commands.joint_options import documented
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import EXTRAS, needs
+from jointclosure.surface.registration import registered
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -42,3 +46,25 @@ def test_a_missing_module_names_its_extra_in_one_line():
         raise ModuleNotFoundError("No module named 'plotly'", name="plotly.offline")
     assert "a page needs plotly" in str(caught.value)
     assert "pip install 'jointclosure[report]'" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in jc.__all__ if inspect.isfunction(getattr(jc, name))]
+)
+def test_each_argument_of_a_public_function_is_documented(name):
+    """The commands take the help of their options from there."""
+    function = getattr(jc, name)
+    arguments = inspect.signature(function).parameters.keys()
+    if "conditions" in arguments:
+        assert {"conditions", *jc.Conditions._fields} <= arguments
+        arguments -= set(jc.Conditions._fields)
+    assert arguments <= documented(function).keys()
+
+
+def test_help_of_an_option_is_the_documentation_of_its_keyword(capsys):
+    with pytest.raises(SystemExit):
+        cli.main(["close", "--help"])
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "Spacing of both scans, if the files do not state it" in shown
+    for text in (documented(registered)["shift"], documented(jc.Conditions)["cycles"]):
+        assert text in shown

@@ -5,8 +5,8 @@ import pandas as pd
 from stored import origin, stored
 
 from content.markdown import Form, Group, Table, markdown, rows_of, written
-from jointclosure.config.measured_joints import ALL, JOINTS, measured_joints, measured_range
-from jointclosure.config.measured_joints import measured as measured_value
+from jointclosure.engineering.measured_joints import ALL, JOINTS, measured_joints, measured_range
+from jointclosure.engineering.measured_joints import measured as measured_value
 from jointclosure.statistics.standard_errors import rounded
 
 NAMES = {

@@ -11,6 +11,7 @@ from pathlib import Path
 from jointclosure.commands import COMMANDS
 from jointclosure.commands.joint_options import (
     NEEDED,
+    add_keywords,
     add_model,
     add_rock,
     add_seating,
@@ -20,20 +21,23 @@ from jointclosure.commands.joint_options import (
     resolved_breakage,
 )
 from jointclosure.config.configuration import Configured, merged_study
-from jointclosure.ensemble.cases import cases_of
-from jointclosure.ensemble.scanned_joint import read_wall
+from jointclosure.ensemble.scanned_joint import registered_walls
 from jointclosure.inputs import InputError
 from jointclosure.jobs.progress import bar, duration
+from jointclosure.joint.conditions import Conditions
 from jointclosure.measured.calibration import Interval
-from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS, parsed_curve
-from jointclosure.measured.fit import Fit, assumptions, fit
+from jointclosure.measured.curves import CLOSURE_UNITS, STRESS_UNITS
+from jointclosure.measured.fit import Fit, assumptions, fit, read_curve
+from jointclosure.scans import read_scan
 from jointclosure.scans.units import UNITS
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.folders import replace_files
 from jointclosure.storage.provenance import provenance
-from jointclosure.storage.text import read_text, write_text
+from jointclosure.storage.text import write_text
 from jointclosure.surface.registration import ORIENTATIONS, RegisteredPair, registered
 
+_CONDITIONS = ("rock", "spacing", "seating_stress", "effects", "choices", "numerics")
+"""Fields of `jointclosure.Conditions` that are keywords of `jointclosure.fit`."""
 _EXAMPLES = """examples:
   jointclosure fit curve.csv --rock granite --jrc 10 --size 25
   jointclosure fit curve.csv --rock granite --jrc 6,10 --size 25 --fit-strength --output my_fit
@@ -58,18 +62,14 @@ def add_to(commands) -> None:
     )
     command.add_argument("curve", type=Path, help="CSV of the measured closure curve")
     curve = command.add_argument_group("curve")
-    curve.add_argument("--stress-unit", choices=STRESS_UNITS, help="if the column's name has none")
-    curve.add_argument(
-        "--closure-unit", choices=CLOSURE_UNITS, help="if the column's name has none"
+    add_keywords(
+        curve,
+        fit,
+        stress_unit={"choices": STRESS_UNITS},
+        closure_unit={"choices": CLOSURE_UNITS},
+        columns={"type": lambda text: text.split(","), "metavar": "STRESS,CLOSURE[,CYCLE]"},
+        closure_error={"type": float, "metavar": "%", "default": 2.0},
     )
-    curve.add_argument(
-        "--columns", type=lambda text: text.split(","), metavar="STRESS,CLOSURE[,CYCLE]",
-        help="headings of the columns if they are others, or their numbers from 1",
-    )  # fmt: skip
-    curve.add_argument(
-        "--closure-error", type=float, default=2.0, metavar="%",
-        help="error of measured closures, one standard deviation (default 2)",
-    )  # fmt: skip
     add_seating(curve)
     add_rock(command)
     joint = command.add_argument_group("joint")
@@ -80,24 +80,21 @@ def add_to(commands) -> None:
         "--scans", nargs=2, metavar=("UPPER", "LOWER"),
         help="scans of the walls, if there are any: the strength is then fitted",
     )  # fmt: skip
-    joint.add_argument("--units", choices=list(UNITS), help="units of the scans, if not stated")
-    joint.add_argument("--orientation", choices=list(ORIENTATIONS), help="of the upper scan")
+    add_keywords(joint, read_scan, units={"choices": list(UNITS)})
+    add_keywords(joint, registered, orientation={"choices": list(ORIENTATIONS)})
     size = joint.add_mutually_exclusive_group()
     size.add_argument("--size", type=float, metavar="mm", help="side of the measured joint")
     size.add_argument(
         "--cells", type=int, metavar="N",
         help="cells along the sides of a smaller joint, which takes less time and closes less far",
     )  # fmt: skip
-    joint.add_argument("--spacing", type=float, metavar="mm", help="grid spacing")
-    joint.add_argument(
-        "--fit-strength", action="store_true", help="also fit the compressive strength"
-    )
-    joint.add_argument(
-        "--surfaces", type=int, default=12, metavar="N",
-        help="joints at each mismatch wavelength (default 12)",
-    )  # fmt: skip
-    joint.add_argument(
-        "--seed", type=int, default=1, metavar="N", help="seed of the joints (default 1)"
+    add_keywords(
+        joint,
+        fit,
+        spacing={"type": float, "metavar": "mm", "default": None},
+        fit_strength={"action": "store_true"},
+        surfaces={"type": int, "metavar": "N"},
+        seed={"type": int, "metavar": "N"},
     )
     add_model(command)
     results = command.add_argument_group("results")
@@ -113,50 +110,39 @@ def run(arguments) -> int:
         from jointclosure.plotting.calibration import fit_figure
 
         check_can_be_made(arguments.output)
-    if not arguments.curve.is_file():
-        raise InputError(f"{arguments.curve}: file not found")
-    curve = parsed_curve(
-        read_text(arguments.curve), str(arguments.curve), arguments.stress_unit,
-        arguments.closure_unit, cycle=1, names=arguments.columns,
-    )  # fmt: skip
+    form = {name: getattr(arguments, name) for name in ("stress_unit", "closure_unit", "columns")}
+    curve = read_curve(arguments.curve, **form)
     pair = _pair(arguments)
     jrc = arguments.jrc
     if isinstance(jrc, tuple):  # the configuration has one value
         arguments.jrc = 0.5 * (jrc[0] + jrc[1])
-    settings = _settings(arguments, float(curve.stress.max()))
-    configuration, case = settings.typed, cases_of(settings.typed)[0]
-    surface = configuration.surface
-    grid = configuration.grid
-    jrcs = jrc if isinstance(jrc, tuple) else (case.jrc, case.jrc)
+    settings, conditions = _settings(arguments, float(curve.stress.max()))
+    surface, grid = settings.typed.surface, settings.typed.grid
+    middle = next(iter(settings.typed.rocks.values())).jrc
+    jrcs = jrc if isinstance(jrc, tuple) else (middle, middle)
     if pair is None:
         assumed = assumptions(
-            case.intact, jrcs, grid.shape, grid.spacing, surface.roll_off, arguments.fit_strength
-        )
+            conditions.rock, jrcs, grid.shape, grid.spacing, surface.roll_off,
+            arguments.fit_strength,
+        )  # fmt: skip
         print(f"assumed (--jrc, --size or --cells, --spacing and --set change it): {assumed}")
     else:
         print("\n".join(f"- {line}" for line in pair.report))
     with _progress(arguments.surfaces) as report:
         result = fit(
             arguments.curve,
-            rock=case.intact,
             jrc=jrcs,
             pair=pair,
             shape=grid.shape,
-            spacing=grid.spacing,
-            seating_stress=configuration.seating_stress,
             fit_strength=arguments.fit_strength,
-            stress_unit=arguments.stress_unit,
-            closure_unit=arguments.closure_unit,
-            columns=arguments.columns,
             surfaces=arguments.surfaces,
             closure_error=1e-2 * arguments.closure_error,
             seed=arguments.seed,
             hurst=surface.hurst,
             roll_off=surface.roll_off,
-            effects=case.effects,
-            choices=configuration.choices,
-            numerics=configuration.numerics,
             report=report,
+            **form,
+            **{name: getattr(conditions, name) for name in _CONDITIONS},
         )
     print("\n".join(f"- {line}" for line in result.sentences()))
     if arguments.output:
@@ -207,19 +193,17 @@ def _pair(arguments) -> RegisteredPair | None:
         if getattr(arguments, option) is not None:
             raise InputError(f"--{option}: must be left out with --scans")
     arguments.jrc = _UNUSED_JRC
-    upper, lower = (read_wall(wall, arguments.units) for wall in arguments.scans)
     spacing = None if arguments.spacing is None else 1e-3 * arguments.spacing
-    try:
-        return registered(upper, lower, spacing, orientation=arguments.orientation)
-    except InputError as error:
-        raise InputError(f"{' and '.join(arguments.scans)}: {error}") from None
+    upper, lower = arguments.scans
+    scans = {"units": arguments.units}
+    return registered_walls(upper, lower, scans, spacing, orientation=arguments.orientation)
 
 
 _UNUSED_JRC, _UNUSED_CELLS = 10.0, 64
 """JRC and cells of the configuration where walls are scanned, which are not used."""
 
 
-def _settings(arguments, largest: float) -> Configured:
+def _settings(arguments, largest: float) -> tuple[Configured, Conditions]:
     """Return the checked configuration of the arguments."""
     base = base_keys(arguments)
     spacing = arguments.spacing or base["grid"]["spacing_mm"]

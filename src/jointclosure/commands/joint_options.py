@@ -1,8 +1,9 @@
 """Options and output of the commands that close a joint: rock, load and model."""
 
 import argparse
-from collections.abc import Iterator
-from contextlib import contextmanager
+import inspect
+import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +13,17 @@ import xarray as xr
 from jointclosure.config.configuration import Configured, configured, merged, merged_study
 from jointclosure.config.files import value_of
 from jointclosure.config.rocks import other_rocks
+from jointclosure.config.units import in_unit
 from jointclosure.engineering.curves import curve_table, cycle_table, has_flow
 from jointclosure.ensemble.budget import Budget
-from jointclosure.ensemble.scanned_joint import RESOLVED_KEYS
+from jointclosure.ensemble.scanned_joint import RESOLVED
 from jointclosure.inputs import InputError
-from jointclosure.jobs.progress import bar
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.loading import check_snapshots, load_cycles, usual_seating
-from jointclosure.joint.protocol import FAILURE, LOADING, Report
+from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.simulation import simulate
 from jointclosure.parameters import OF_ROCK, Effects, Rock, key_of
+from jointclosure.scans.units import UNITS
 from jointclosure.storage.folders import check_record
 from jointclosure.storage.text import read_csv
 
@@ -37,10 +40,43 @@ NEEDED = tuple(option for option in OPTIONS if _INTACT.get(option) not in Rock._
 """Options that must be given if no rock is named: those of properties without a default."""
 _UNNAMED = "rock"
 """Name of a rock that is given by its properties."""
-_FIRST_LOADING = 5.0
-"""Time of the first loading over that of a later cycle, for the progress bar. 4 to 10 were measured
-on joints of the paper's size without roll-off whose later cycles were solved and not replayed; the
-first unloading takes a third of a cycle."""
+
+
+def documented(function: Callable) -> dict[str, str]:
+    """Return the first sentence of the documentation of each parameter of a function."""
+    text = re.split(r"(?:Parameters|Attributes)\n-+\n", inspect.getdoc(function) or "")[1]
+    entries = re.findall(r"^(\S+(?:, \S+)*)(?: : .*)?\n((?:    .*\n?)+)", text, re.MULTILINE)
+    texts: dict[str, str] = {}
+    for names, about in entries:
+        plain = re.sub(r" \[[^]]*\]| \(`jointc[^)]*\)|`", "", " ".join(about.split()))
+        texts |= dict.fromkeys(names.split(", "), re.split(r"\.(?: |$)", plain)[0])
+    return texts
+
+
+def add_keywords(group: argparse._ActionsContainer, function: Callable, **options: dict) -> None:
+    """Declare options that are keywords of a function; its documentation is their help.
+
+    ``options`` are arguments of ``add_argument`` by the name of the option, and ``keyword`` if that
+    of the function has another name.
+    """
+    texts, signature = documented(function), inspect.signature(function).parameters
+    for name, about in options.items():
+        keyword = about.pop("keyword", name)
+        default = about.setdefault("default", signature[keyword].default)
+        text = texts[keyword] + (f" (default {default})" if default else "")
+        option = "--" + name.replace("_", "-")
+        group.add_argument(option, help=text.replace("%", "%%"), **about)
+
+
+def add_scans(group: argparse._ActionsContainer, function: Callable, spacing: str) -> None:
+    """Declare what files of scans do not state; the keyword ``spacing`` is that of the scans."""
+    add_keywords(
+        group,
+        function,
+        units={"choices": list(UNITS)},
+        spacing={"keyword": spacing, "type": float, "metavar": "mm"},
+        variable={},
+    )
 
 
 def add_rock(command: argparse.ArgumentParser) -> None:
@@ -73,34 +109,22 @@ def add_load_and_model(command: argparse.ArgumentParser) -> None:
         help="maximum normal stress; or a load history, the stresses at which the load turns, "
         "such as 5,0,20,2,30",
     )
-    load.add_argument("--cycles", type=int, metavar="N", help="load-unload cycles")
+    add_keywords(load, Conditions, cycles={"type": int, "metavar": "N"})
     add_seating(load)
-    load.add_argument(
-        "--snapshots",
-        type=_stresses,
-        default=(),
-        metavar="MPa,...",
-        help="stresses at which walls, forces and gap are stored and drawn, such as 1,5,10",
-    )
+    add_keywords(load, simulate, snapshots={"type": _stresses, "metavar": "MPa,..."})
     load.add_argument(
         "--animation",
         type=Path,
         metavar="FILE.gif",
         help="animation of the joint being crushed",
     )
-    model = add_model(command)
-    model.add_argument(
-        "--flow",
-        action="store_true",
-        help="also compute hydraulic apertures along x and y (docs/flow.md)",
-    )
+    add_keywords(add_model(command), Conditions, flow={"action": "store_true"})
 
 
 def add_seating(load: argparse._ArgumentGroup) -> None:
     """Declare the stress from which seated closures count."""
-    load.add_argument(
-        "--seating", type=float, metavar="MPa", help="stress from which seated closures count"
-    )
+    seating = {"keyword": "seating_stress", "type": float, "metavar": "MPa"}
+    add_keywords(load, Conditions, seating=seating)
 
 
 def add_model(command: argparse.ArgumentParser) -> argparse._ArgumentGroup:
@@ -143,21 +167,11 @@ def base_keys(arguments) -> dict:
 
 def joint_configuration(
     base: dict, arguments, rock: dict, changes: dict, needed: tuple[str, ...] = NEEDED
-) -> Configured:
-    """Return the checked configuration of the arguments.
+) -> tuple[Configured, Conditions]:
+    """Return the checked configuration of the arguments, and the conditions of the joint.
 
-    Parameters
-    ----------
-    base : dict
-        As from `base_keys`.
-    arguments
-        Arguments of `add_rock` and `add_load_and_model`.
-    rock : dict
-        Further keys of the rock.
-    changes : dict
-        Further keys of the study.
-    needed : tuple of str
-        Options among `NEEDED` that must be given if no rock is named.
+    To the keys ``base`` are added those of the ``rock`` and other ``changes``. Without a named rock
+    the options ``needed`` must be given.
     """
     given = {name: value for name, value in vars(arguments).items() if value is not None}
     if isinstance(given.get("stress"), tuple):
@@ -182,7 +196,24 @@ def joint_configuration(
     changes["seating_stress_MPa"] = given.get("seating", _seating(base, arguments, rock))
     settings = configured(merged(base, changes, *arguments.set), read_csv)
     check_snapshots(given.get("snapshots", ()), settings.typed.rocks[name].max_normal_stress)
-    return settings
+    return settings, _conditions(settings, name, arguments)
+
+
+def _conditions(settings: Configured, name: str, arguments) -> Conditions:
+    """Return the conditions of the configuration, with the load history of --stress if it is one.
+
+    The spacing is that of the grid; scanned walls may have another one.
+    """
+    typed, rock = settings.typed, settings.typed.rocks[name]
+    load: float | tuple[float, ...] = rock.max_normal_stress
+    cycles = typed.study.cycles
+    if isinstance(getattr(arguments, "stress", None), tuple):
+        load = tuple(1e6 * stress for stress in arguments.stress)
+        cycles = len(load_cycles(load, arguments.cycles))
+    return Conditions(
+        typed.grid.spacing, rock.intact, load, cycles, typed.seating_stress, rock.effects,
+        typed.choices, typed.numerics, typed.flow, typed.study.unusual_values == "allow",
+    )  # fmt: skip
 
 
 def _seating(base: dict, arguments, rock: dict) -> float:
@@ -200,30 +231,9 @@ def resolved_breakage(base: dict, arguments) -> dict:
     stated = any("numerics" in changed for changed in arguments.set)
     if stated or base["numerics"] != merged_study()["numerics"]:
         return {}
-    return {"numerics": RESOLVED_KEYS}
-
-
-def loaded(conditions: Conditions, arguments) -> Conditions:
-    """Return the conditions with the load history of --stress, if it is one."""
-    if not isinstance(arguments.stress, tuple):
-        return conditions
-    history = tuple(1e6 * stress for stress in arguments.stress)
-    number = len(load_cycles(history, arguments.cycles))
-    return conditions._replace(max_normal_stress=history, cycles=number)
-
-
-@contextmanager
-def shown_progress(cycles: int) -> Iterator[Report]:
-    """Show a progress bar, and yield the function that reports steps of a history to it."""
-    whole = _FIRST_LOADING + cycles - 1
-    with bar("closing") as show:
-
-        def report(cycle: int, branch: str, share: float) -> None:
-            share = min(share, 1.0) if branch == LOADING else 1.0
-            done = _FIRST_LOADING * share if cycle == 1 else _FIRST_LOADING + cycle - 2 + share
-            show(done / whole, f"cycle {cycle} of {cycles}, {branch}")
-
-        yield report
+    about = RESOLVED._asdict()
+    steps = {f"{name}_um": in_unit(about[name], "um") for name in about if name.endswith("_step")}
+    return {"numerics": {name: about[name] for name in ("breakage", "tolerance")} | steps}
 
 
 def summary(closed: xr.Dataset, budget: Budget | None = None) -> str:
@@ -284,25 +294,23 @@ def status_text(closed: xr.Dataset) -> str:
     return f"{word}{': ' + ', '.join(remarks) if remarks else ''}"
 
 
+def _numbers(text: str, what: str) -> tuple[float, ...]:
+    """Read a list of numbers."""
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be {what}") from None
+
+
 def _stress(text: str) -> float | tuple[float, ...]:
     """Read a stress, or a load history [MPa]."""
-    try:
-        stresses = tuple(float(part) for part in text.split(","))
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"{text!r}: must be a stress in MPa, or a load history such as 5,0,20,2,30"
-        ) from None
+    stresses = _numbers(text, "a stress in MPa, or a load history such as 5,0,20,2,30")
     return stresses if len(stresses) > 1 else stresses[0]
 
 
 def _stresses(text: str) -> tuple[float, ...]:
     """Read stresses [Pa] from a list in MPa."""
-    try:
-        return tuple(1e6 * float(part) for part in text.split(","))
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"{text!r}: must be stresses in MPa, such as 1,5,10"
-        ) from None
+    return tuple(1e6 * stress for stress in _numbers(text, "stresses in MPa, such as 1,5,10"))
 
 
 def _setting(text: str) -> dict:

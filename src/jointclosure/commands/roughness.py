@@ -3,11 +3,10 @@
 from pathlib import Path
 
 from jointclosure.commands import COMMANDS
-from jointclosure.commands.joint_options import check_destination
+from jointclosure.commands.joint_options import add_scans, check_destination
 from jointclosure.inputs import InputError
 from jointclosure.inputs.remarks import caution
 from jointclosure.scans import read_scan
-from jointclosure.scans.units import UNITS
 from jointclosure.sensitivity.tables import measure_table, measures_text
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.text import write_csv
@@ -34,19 +33,7 @@ def add_to(commands) -> None:
         "plane. Every measure has a 95 % confidence interval.",
     )
     command.add_argument("file", type=Path, help="the scanned wall")
-    command.add_argument(
-        "--units", choices=list(UNITS), help="units of the scan, if the file does not state them"
-    )
-    command.add_argument(
-        "--spacing",
-        type=float,
-        metavar="MM",
-        help="spacing of the scan, if the file does not state it",
-    )
-    command.add_argument(
-        "--variable",
-        help="name of the array or channel, if the file has several; columns of a text file",
-    )
+    add_scans(command, read_scan, "spacing")
     command.add_argument(
         "--grid-spacing", type=float, metavar="MM", help="interpolate to this spacing first"
     )

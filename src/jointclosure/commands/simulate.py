@@ -4,34 +4,27 @@ import argparse
 import time
 from pathlib import Path
 
-import xarray as xr
-
 from jointclosure.commands import COMMANDS
 from jointclosure.commands.animations import kept_stresses, write_animation
 from jointclosure.commands.engineering_files import write_exports
 from jointclosure.commands.joint_options import (
+    add_keywords,
     add_load_and_model,
     add_rock,
     base_keys,
     check_can_be_made,
     check_destination,
     joint_configuration,
-    loaded,
-    shown_progress,
     status_text,
     summary,
 )
 from jointclosure.config.configuration import Configured
-from jointclosure.config.typed import Configuration
-from jointclosure.ensemble.cases import cases_of
-from jointclosure.ensemble.closing import close_walls
-from jointclosure.ensemble.settings import Case
-from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.inputs import InputError, check_seed
-from jointclosure.jobs.progress import duration
+from jointclosure.jobs.progress import closing_bar, duration
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.loading import describe_load
 from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.simulation import close_walls
 from jointclosure.storage.figures import save_figure
 from jointclosure.storage.folders import replace_files
 from jointclosure.storage.netcdf import write_netcdf
@@ -60,19 +53,23 @@ def add_to(commands) -> None:
         "simulate",
         help=COMMANDS["simulate"],
         description="Press two random walls together, release them, and print their closure.\n"
-        "The rock is one of a configuration, by its name, or given by its properties.",
+        "The rock is one of a configuration, by its name, or given by its properties.\n"
+        "Walls are flat beyond 3 mm, as in the paper's study; those of natural rock have waves of\n"
+        "all lengths: --set surface.roll_off_mm=null",
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_rock(command)
     joint = command.add_argument_group("joint")
-    joint.add_argument("--jrc", type=float, metavar="JRC", help="joint roughness coefficient")
     joint.add_argument(
         "--cells", type=_cells, metavar="N", help="number of cells: 100, or 200x100 (x by y)"
     )
-    joint.add_argument("--spacing", type=float, metavar="mm", help="grid spacing")
-    joint.add_argument(
-        "--seed", type=int, default=1, metavar="N", help="seed of the random walls (default 1)"
+    add_keywords(
+        joint,
+        wall_pair,
+        jrc={"type": float, "metavar": "JRC", "default": None},
+        spacing={"type": float, "metavar": "mm", "default": None},
+        seed={"type": int, "metavar": "N", "default": 1},
     )
     add_load_and_model(command)
     results = command.add_argument_group("results")
@@ -102,18 +99,18 @@ def run(arguments) -> int:
         from jointclosure.plotting.joint import closure_curve
     if arguments.snapshots:
         from jointclosure.plotting.snapshots import snapshot_figure
-    settings = _settings(arguments)
-    configuration = settings.typed
-    case, grid = cases_of(configuration)[0], configuration.grid
+    settings, conditions = _settings(arguments)
+    grid, rock = settings.typed.grid, next(iter(settings.typed.rocks.values()))
     about = (
-        f"{configuration.rocks[case.rock].title}, JRC {case.jrc:g}, {grid.cells_x} x "
-        f"{grid.cells_y} cells of {1e3 * grid.spacing:g} mm, seed {arguments.seed}"
+        f"{rock.title}, JRC {rock.jrc:g}, {grid.cells_x} x {grid.cells_y} cells of "
+        f"{1e3 * grid.spacing:g} mm, seed {arguments.seed}"
     )
-    surfaces = surface_settings(configuration, case, range(1))
-    conditions = loaded(closure_settings(configuration, case, surfaces).conditions(), arguments)
     print(f"{about}: {describe_load(conditions.max_normal_stress, conditions.cycle_count)}")
     start = time.perf_counter()
-    closed = _close(configuration, case, conditions, arguments)
+    surface = settings.typed.surface._asdict()
+    walls = wall_pair(rock.jrc, grid.shape, grid.spacing, arguments.seed, **surface)
+    with closing_bar(conditions.cycle_count) as report:
+        closed = close_walls(*walls, conditions, report, kept_stresses(arguments, conditions))
     print(summary(closed))
     status = int(closed.status)
     print(f"{status_text(closed)}; {duration(time.perf_counter() - start)}")
@@ -137,7 +134,7 @@ def run(arguments) -> int:
     return 1 if status >= FAILURE else 0
 
 
-def _settings(arguments) -> Configured:
+def _settings(arguments) -> tuple[Configured, Conditions]:
     """Return the checked configuration of the arguments."""
     base = base_keys(arguments)
     check_seed("--seed", arguments.seed)
@@ -147,15 +144,6 @@ def _settings(arguments) -> Configured:
     if arguments.spacing is not None:
         grid["spacing_mm"] = arguments.spacing
     return joint_configuration(base, arguments, {}, {"grid": grid})
-
-
-def _close(
-    configuration: Configuration, case: Case, conditions: Conditions, arguments
-) -> xr.Dataset:
-    grid, surface = configuration.grid, configuration.surface._asdict()
-    walls = wall_pair(case.jrc, grid.shape, grid.spacing, arguments.seed, **surface)
-    with shown_progress(conditions.cycle_count) as report:
-        return close_walls(*walls, conditions, report, kept_stresses(arguments, conditions))
 
 
 def _cells(text: str) -> tuple[int, int]:

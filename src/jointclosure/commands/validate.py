@@ -6,8 +6,9 @@ from pathlib import Path
 import pandas as pd
 
 from jointclosure.commands import COMMANDS
-from jointclosure.config.measured_joints import JOINTS, measured
+from jointclosure.commands.joint_options import add_keywords
 from jointclosure.engineering.curves import cycle_table, net_responses
+from jointclosure.engineering.measured_joints import JOINTS, measured
 from jointclosure.ensemble.scanned_joint import close
 from jointclosure.inputs import InputError
 from jointclosure.joint.protocol import FAILURE
@@ -31,7 +32,7 @@ def add_to(commands) -> None:
         "values beside those of the model (docs/validation.md).",
     )
     command.add_argument("folder", type=Path, help="folder that contains both clones")
-    command.add_argument("--units", choices=list(UNITS), help="units of the scans (STL has none)")
+    add_keywords(command, close, units={"choices": list(UNITS)})
     command.add_argument("--output", type=Path, help="CSV file for the table")
     command.set_defaults(run=run)
 

@@ -25,8 +25,6 @@ SURROGATE_DOMAIN = Path(__file__).with_name("surrogate_domain.csv")
 makes it."""
 PAPER_TABLE_3 = Path(__file__).with_name("paper_table_3.csv")
 """The paper's Table 3."""
-MEASURED_JOINTS = Path(__file__).with_name("measured_joints.csv")
-"""Measured values of three granodiorite joints."""
 
 _MOST_VALUES, _DEEPEST = 100_000, 40
 _DECIMAL = re.compile(r"[-+]?(0|[1-9][0-9]*)$|[-+]?([0-9]*\.[0-9]*([eE][-+]?[0-9]+)?|\.(inf|nan))$")

@@ -24,9 +24,9 @@ import numpy as np
 import scipy
 import xarray as xr
 
-from jointclosure.ensemble.closing import close_walls
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import Effects
 from jointclosure.statistics.standard_errors import percent
 

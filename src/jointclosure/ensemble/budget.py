@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from jointclosure.config.measured_joints import measured_range
+from jointclosure.engineering.measured_joints import measured_range
 from jointclosure.parameters import OF_ROCK, key_of
 from jointclosure.statistics.standard_errors import significant
 

@@ -1,7 +1,7 @@
 """Closure of the surface pairs of a case, and the results that are stored."""
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
 import xarray as xr
@@ -10,8 +10,8 @@ from jointclosure.engineering.curves import net_responses
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.history import closure_at_stresses
-from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING, Report
-from jointclosure.joint.simulation import ATTRIBUTES, simulate
+from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING
+from jointclosure.joint.simulation import ATTRIBUTES, close_walls
 
 PER_CYCLE = (
     "max_closure",
@@ -39,27 +39,6 @@ PER_REALIZATION = (
 
 _TOGETHER = 100
 """Number of realisations that are joined before they are written."""
-
-
-def close_walls(
-    upper: np.ndarray,
-    lower: np.ndarray,
-    conditions: Conditions,
-    report: Report | None = None,
-    snapshots: Sequence[float] = (),
-) -> xr.Dataset:
-    """Close two walls (y, x) [m], as every study does with the walls of a case.
-
-    Unusual values are accepted, because the configuration has already been checked for them
-    (``study.unusual_values``).
-
-    Returns
-    -------
-    Dataset
-        As from `jointclosure.simulate`.
-    """
-    unchecked = conditions._replace(unusual_values=True)
-    return simulate(upper, lower, conditions=unchecked, report=report, snapshots=snapshots)
 
 
 def close_surfaces(

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.uncertainty import sources_of, variants_of
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
+from jointclosure.joint.simulation import close_walls
 
 WINDOW = 128
 """Cells a side of the window of the walls that is closed to estimate the time."""

@@ -15,11 +15,11 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.config.plain import from_plain, to_plain
-from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.quantities import QUANTITIES, ClosedJoint
 from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.walls import MAKERS, Walls
 from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.simulation import close_walls
 from jointclosure.statistics.standard_errors import Estimate, mean_of
 
 

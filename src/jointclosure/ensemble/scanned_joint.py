@@ -1,24 +1,25 @@
 """Closure of a joint whose two walls were scanned: registration and simulation."""
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pandas as pd
 import xarray as xr
 
-from jointclosure.config.units import to_si
 from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.budget import Budget
-from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.expected_cost import check_cells, expected_cost
 from jointclosure.ensemble.uncertainty import uncertainty_budget
 from jointclosure.inputs import InputError
+from jointclosure.jobs.progress import bar, closing_bar
 from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
 from jointclosure.joint.loading import describe_load
 from jointclosure.joint.protocol import FAILURE, Report
 from jointclosure.joint.rocks import rock_text
+from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import Numerics
 from jointclosure.scans import read_scan
 from jointclosure.surface.measured import FLAT, Cloud, Scan
@@ -26,17 +27,16 @@ from jointclosure.surface.registration import RegisteredPair, registered
 
 Wall = str | Path | Sequence[str | Path] | Scan | Cloud
 """A wall: file or three files of x, y and heights, scan, or "flat"."""
-RESOLVED_KEYS: dict[str, Any] = {
-    "breakage": "resolved",
-    "tolerance": 0.01,
-    "displacement_step_um": 3,
-    "later_displacement_step_um": 3,
-    "breakage_step_um": 1,
-    "later_breakage_step_um": 1,
-}
-"""Default numerics of a scanned joint, as keys. Loading has no kink where it lands on its maximum;
-the steps, from which resolved breakage starts, are short enough for smooth curves."""
-RESOLVED = Numerics(**to_si(RESOLVED_KEYS))
+RESOLVED = Numerics(
+    breakage="resolved",
+    tolerance=0.01,
+    displacement_step=3e-6,
+    later_displacement_step=3e-6,
+    breakage_step=1e-6,
+    later_breakage_step=1e-6,
+)
+"""Default numerics of a scanned joint. Loading has no kink where it lands on its maximum; the
+steps, from which resolved breakage starts, are short enough for smooth curves."""
 
 
 class ClosedJoint(NamedTuple):
@@ -98,6 +98,7 @@ def close(
     *,
     conditions: Conditions | None = None,
     units: str | None = None,
+    scan_spacing: float | None = None,
     variable: str | None = None,
     orientation: str | None = None,
     shift: str | None = None,
@@ -106,6 +107,8 @@ def close(
     ranges: Mapping[str, tuple[float, float]] = {},
     report: Report | None = None,
     snapshots: Sequence[float] = (),
+    rock_name: str | None = None,
+    progress: bool = False,
     **changes: Any,
 ) -> ClosedJoint:
     """Register two scanned walls of a joint, press them together and release them.
@@ -113,11 +116,12 @@ def close(
     Parameters
     ----------
     upper, lower : path, three paths, Scan, Cloud or "flat"
-        Files for `jointclosure.read_scan`, or what it returned. Use it directly if a scan has no
-        spacing, which is an argument of `read_scan`. One of both may be flat, such as a saw cut;
-        see `jointclosure.surface.registration.registered`.
+        Files for `jointclosure.read_scan`, or what it returned. One of both may be flat, such as a
+        saw cut; see `jointclosure.surface.registration.registered`.
     units : {"m", "mm", "um", "nm"}, optional
         Units of both files, if the files do not state them.
+    scan_spacing : float, optional
+        Spacing of both scans [m], if the files do not state it.
     variable : str, optional
         Name of the array or channel, or columns of a text file, in both files, as for
         `jointclosure.read_scan`.
@@ -131,6 +135,11 @@ def close(
         (`jointclosure.ensemble.uncertainty`).
     report, snapshots
         As for `jointclosure.simulate`.
+    rock_name : str, optional
+        Name of the rock in reports, by default the one that ``rock`` gives.
+    progress : bool
+        Whether to print the registration, the joint and its expected cost before it is closed, and
+        to show progress bars on a terminal. Without it, doubts and the cost are warnings.
     conditions, **changes
         As for `jointclosure.simulate`. ``spacing`` [m] is that of the joint's grid, by default as
         for `jointclosure.surface.registration.registered`, which also receives
@@ -150,51 +159,65 @@ def close(
     if conditions is None:
         changes = {"numerics": RESOLVED} | changes
     stated = conditions_from(conditions, changes, "close")
-    unusual, name = stated.unusual_values, stated.rock if isinstance(stated.rock, str) else "rock"
-    stated = stated.checked()
-    above, below = (read_wall(wall, units, variable=variable) for wall in (upper, lower))
-    pair = registered(
-        above, below, stated.spacing, orientation=orientation, shift=shift, cut_spikes=cut_spikes,
-        unusual_values=unusual,
+    checked = stated.checked()
+    scans = {"units": units, "spacing": scan_spacing, "variable": variable}
+    pair = registered_walls(
+        upper, lower, scans, stated.spacing, orientation=orientation, shift=shift,
+        cut_spikes=cut_spikes, unusual_values=stated.unusual_values,
     )  # fmt: skip
-    if not unusual:
-        for doubt in pair.warnings:
-            warnings.warn(doubt, stacklevel=2)
+    of_pair = checked._replace(spacing=pair.spacing)
+    name = rock_name or (stated.rock if isinstance(stated.rock, str) else "rock")
+    if progress:
+        print("\n".join(f"- {line}" for line in pair.report))
+        print(_described(pair, of_pair, name))
+    for doubt in () if progress or stated.unusual_values else pair.warnings:
+        warnings.warn(doubt, stacklevel=2)
     check_cells(pair.upper.shape, pair.spacing, stated.spacing is not None)
-    of_pair = stated._replace(spacing=pair.spacing)
     cost = expected_cost(pair.upper, pair.lower, of_pair, single, ranges)
-    if cost is not None:
+    if cost is not None and progress:
+        print(f"- {cost.sentence(pair.upper.shape, pair.spacing)}", flush=True)
+    elif cost is not None:
         warnings.warn(cost.sentence(pair.upper.shape, pair.spacing), stacklevel=2)
-    joint = closed_pair(pair, stated, report, snapshots, rock_name=name)
-    return joint if single else with_range(joint, ranges)
-
-
-def closed_pair(
-    pair: RegisteredPair,
-    conditions: Conditions,
-    report: Report | None = None,
-    snapshots: Sequence[float] = (),
-    rock_name: str = "rock",
-) -> ClosedJoint:
-    """Close registered walls on their grid."""
-    conditions = conditions._replace(spacing=pair.spacing)
-    history = close_walls(pair.upper, pair.lower, conditions, report, snapshots)
-    return ClosedJoint(pair, history, conditions, rock_name)
-
-
-def with_range(
-    joint: ClosedJoint,
-    ranges: Mapping[str, tuple[float, float]] = {},
-    report: Callable[[float, str], None] = lambda share, variant: None,
-) -> ClosedJoint:
-    """Add the range of its results to a joint, by `uncertainty_budget`; a failed one has none."""
-    if int(joint.history.status) >= FAILURE:
+    with closing_bar(checked.cycle_count) if progress else nullcontext(report) as told:
+        history = close_walls(pair.upper, pair.lower, of_pair, told, snapshots)
+    joint = ClosedJoint(pair, history, of_pair, name)
+    if single or int(history.status) >= FAILURE:  # a failed joint has no range
         return joint
-    pair = joint.pair
-    budget = uncertainty_budget(
-        pair.upper, pair.lower, joint.conditions, ranges, joint.history, report
-    )
+    with bar("range") if progress else nullcontext(lambda share, variant: None) as show:
+        budget = uncertainty_budget(pair.upper, pair.lower, of_pair, ranges, history, show)
     return joint._replace(budget=budget)
+
+
+def registered_walls(
+    upper: Wall,
+    lower: Wall,
+    scans: Mapping[str, Any],
+    spacing: float | None = None,
+    **options: Any,
+) -> RegisteredPair:
+    """Read and register two walls; the message of an error names their files.
+
+    ``scans`` are keywords of `jointclosure.read_scan`, ``options`` those of `registered`.
+    """
+    above, below = (read_wall(wall, **scans) for wall in (upper, lower))
+    try:
+        return registered(above, below, spacing, **options)
+    except InputError as error:
+        if isinstance(upper, Scan | Cloud) or isinstance(lower, Scan | Cloud):
+            raise
+        names = (
+            ", ".join(map(str, wall)) if isinstance(wall, tuple | list) else str(wall)
+            for wall in (upper, lower)
+        )
+        raise InputError(f"{' and '.join(names)}: {error}") from None
+
+
+def _described(pair: RegisteredPair, conditions: Conditions, rock_name: str) -> str:
+    """Describe rock, cells and load of a joint in a line."""
+    ny, nx = pair.upper.shape
+    load = describe_load(conditions.max_normal_stress, conditions.cycle_count)
+    rock = rock_text(conditions.rock, rock_name)
+    return f"{rock}; {nx} x {ny} cells of {1e3 * pair.spacing:.4g} mm: {load}"
 
 
 def read_wall(

@@ -15,10 +15,10 @@ import xarray as xr
 
 from jointclosure.engineering.curves import cycle_table, net_responses
 from jointclosure.ensemble.budget import ALL, QUANTITIES, TITLES, Budget, Source, ranges_of
-from jointclosure.ensemble.closing import close_walls
 from jointclosure.inputs import InputError, check_number
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE
+from jointclosure.joint.simulation import close_walls
 from jointclosure.parameters import OF_ROCK, PLAUSIBLE, Choices, Numerics, both_walls, key_of
 from jointclosure.statistics.randomness import generator, seed_of
 

@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from jointclosure.config.typed import Grid
-from jointclosure.ensemble.closing import close_walls
 from jointclosure.ensemble.settings import ClosureSettings, SurfaceSettings
 from jointclosure.ensemble.surfaces import seeds_of, walls_of
+from jointclosure.joint.simulation import close_walls
 from jointclosure.surface.misalignment import rotated_pair, tilted
 from jointclosure.surface.roughness import detrended, rms_slope, z2_of_jrc
 from jointclosure.surface.synthesis import spectrum_of

@@ -47,9 +47,9 @@ class Conditions(NamedTuple):
     cycles : int or None
         Number of load cycles, at least 1: by default 2, or that of the load history.
     seating_stress : float or None
-        Stress from which the ``_seated`` closures count [Pa], at least 0 and below the smallest
-        maximum. They are NaN in a cycle whose loading starts above it. It does not change the
-        history. None: 0.5 MPa, or a tenth of the smallest maximum if that is below 0.505 MPa.
+        Stress from which closures since seating count [Pa], at least 0 and below the smallest
+        maximum: by default 0.5 MPa, or a tenth of that maximum if it is below 0.505 MPa. It does
+        not change the history. Seated closures are NaN in a cycle whose loading starts above it.
     effects : Effects
     choices : Choices
     numerics : Numerics

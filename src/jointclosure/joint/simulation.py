@@ -182,6 +182,18 @@ def simulate(
     return simulate_by(solver_named, upper, lower, conditions, report, snapshots)
 
 
+def close_walls(
+    upper: np.ndarray,
+    lower: np.ndarray,
+    conditions: Conditions,
+    report: Report | None = None,
+    snapshots: Sequence[float] = (),
+) -> xr.Dataset:
+    """Close two walls (y, x) [m] as `simulate`, where unusual values were checked before."""
+    unchecked = conditions._replace(unusual_values=True)
+    return simulate(upper, lower, conditions=unchecked, report=report, snapshots=snapshots)
+
+
 def simulate_by(
     solver_of: Callable[[str], Solver],
     upper: ArrayLike,

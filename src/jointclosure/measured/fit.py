@@ -246,10 +246,10 @@ def fit(
     columns : sequence of str, optional
         Headings of the columns of stress, closure and cycle, if they are others, or their numbers.
     surfaces : int
-        Number of joints at each of 8 mismatch wavelengths, from two spacings to the shorter
-        side, and of 4 strengths if these are fitted.
+        Number of joints at each mismatch wavelength, of which there are 8 from two spacings to the
+        shorter side, and at each of 4 strengths if these are fitted.
     closure_error : float
-        Relative error of measured closures, one standard deviation; at most 1.
+        Relative error of measured closures, one standard deviation. At most 1.
     seed : int
         Seed of the joints.
     hurst, roll_off
@@ -396,6 +396,21 @@ def assumptions(
     )
 
 
+def read_curve(
+    curve: str | Path | MeasuredCurve,
+    stress_unit: str | None = None,
+    closure_unit: str | None = None,
+    columns: Sequence[str] | None = None,
+) -> MeasuredCurve:
+    """Read a curve from its file; arguments and errors as for `fit`."""
+    if isinstance(curve, MeasuredCurve):
+        return curve
+    if not Path(curve).is_file():
+        raise InputError(f"{curve}: file not found")
+    text = read_text(curve)
+    return parsed_curve(text, str(curve), stress_unit, closure_unit, cycle=1, names=columns)
+
+
 def _measured(
     curve: str | Path | MeasuredCurve,
     seating_stress: float | None,
@@ -404,14 +419,8 @@ def _measured(
     columns: Sequence[str] | None,
 ) -> tuple[MeasuredCurve, Readings]:
     """Read and check a curve."""
-    if isinstance(curve, MeasuredCurve):
-        name = "curve"
-    else:
-        name = str(curve)
-        if not Path(curve).is_file():
-            raise InputError(f"{name}: file not found")
-        text = read_text(curve)
-        curve = parsed_curve(text, name, stress_unit, closure_unit, cycle=1, names=columns)
+    name = "curve" if isinstance(curve, MeasuredCurve) else str(curve)
+    curve = read_curve(curve, stress_unit, closure_unit, columns)
     if seating_stress is None:
         maxima = (curve.stress[curve.cycle == cycle].max() for cycle in curve.cycles)
         seating_stress = usual_seating(float(min(maxima)))

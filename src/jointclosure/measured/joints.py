@@ -1,8 +1,8 @@
 """Simulated joints beside three measured joints: observables, fitted mismatch, and judgement.
 
-Measured values are in `jointclosure.config.measured_joints`. Walls that mate have the wavelength at
-which the mean closure of the first loading is that of a measured joint. A measured value agrees if
-its range overlaps the 95 % interval of a single simulated joint.
+Measured values are in `jointclosure.engineering.measured_joints`. Walls that mate have the
+wavelength at which the mean closure of the first loading is that of a measured joint. A measured
+value agrees if its range overlaps the 95 % interval of a single simulated joint.
 """
 
 from collections.abc import Iterator
@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import scipy
 
-from jointclosure.config.measured_joints import JOINTS, Measured, measured
+from jointclosure.engineering.measured_joints import JOINTS, Measured, measured
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.measured.curves import MeasuredCurve
 from jointclosure.statistics.randomness import generator, seed_of

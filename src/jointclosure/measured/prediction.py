@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import scipy
 
-from jointclosure.config.measured_joints import JOINTS, measured
+from jointclosure.engineering.measured_joints import JOINTS, measured
 from jointclosure.measured.calibration import Likelihood, Readings, likelihood_of
 from jointclosure.measured.joints import AGREES, BASE, CONFIDENCE, judgement
 

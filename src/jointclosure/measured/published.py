@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from jointclosure.config.measured_joints import measured
+from jointclosure.engineering.measured_joints import measured
 from jointclosure.inputs import InputError
 from jointclosure.storage.text import read_text
 

@@ -156,16 +156,17 @@ def registered(
         If that is the lower one, ``orientation`` has to be stated: an aperture map is an upper wall
         in a "common_frame", and heights of a scan from above count "towards" the lower wall.
     spacing : float, optional
-        Grid spacing of the walls [m], by default the `paper_spacing` of the larger point distance
-        of the scans. Regular grids of at most half of it are sampled.
+        Grid spacing of the walls [m]: by default the larger point distance of the scans, or the
+        multiple of it that is nearest to 0.25 mm. Regular grids of at most half of it are sampled.
     orientation : str, optional
-        Orientation of the upper scan, a key of `ORIENTATIONS`. By default the one with the
-        best correlation of the walls' slopes is used, if it is clear.
+        Orientation of the upper scan, a key of `ORIENTATIONS`: by default the one with the best
+        correlation of the walls' slopes, if it is clear.
     shift : {"scanned", "mated"}, optional
-        Leave the walls in their scanned position, or move the upper one to the best fit.
-        By default "scanned" in a common frame, otherwise "mated".
+        Leave the walls in their scanned position, or move the upper one to the best fit: by default
+        "scanned" in a common frame, otherwise "mated".
     cut_spikes : bool
-        Whether to leave out spikes (`jointclosure.surface.outliers.without_spikes`).
+        Whether to leave out spikes, points that differ from all but one of their neighbours
+        (`jointclosure.surface.outliers.without_spikes`).
     largest_filled_share : float
         Largest share of the cells in holes inside the walls that are filled linearly.
     unusual_values : bool

@@ -210,7 +210,7 @@ def wall_pair(
     spacing : float
         Grid spacing h [m].
     seed : int
-        Not negative; the same seed gives the same walls.
+        Seed of the random walls, not negative; the same seed gives the same walls.
     hurst : float
         Hurst exponent H in (0, 1].
     jrc_relation : str

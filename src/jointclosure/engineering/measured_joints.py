@@ -5,13 +5,14 @@ source, the way of reading and the range of each value.
 """
 
 from functools import cache
+from pathlib import Path
 from typing import NamedTuple
 
 import pandas as pd
 
-from jointclosure.config.files import MEASURED_JOINTS
 from jointclosure.storage.text import read_csv
 
+_TABLE = Path(__file__).with_name("measured_joints.csv")
 JOINTS = ("1", "2", "3")
 ALL = "all"
 """Entry of the column ``joint`` for values that hold for all joints, or for their range."""
@@ -31,7 +32,7 @@ def measured_joints() -> pd.DataFrame:
 
     Stiffness ratios are later stiffnesses over the ends of the range of first ones.
     """
-    table = read_csv(MEASURED_JOINTS).astype({"joint": str})
+    table = read_csv(_TABLE).astype({"joint": str})
     first = table[table.quantity == "first_stiffness"].iloc[0]
     later = table[table.quantity == "later_stiffness"]
     ratios = later.assign(
