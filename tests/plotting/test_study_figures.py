@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from jointclosure.engineering.empirical import barton_bandis
 from jointclosure.measured.curves import fit_table, parsed_curve
 from jointclosure.plotting import study as plotting
 from jointclosure.plotting.measured import Measurements
@@ -57,6 +58,29 @@ def test_closures_are_drawn_since_seating_for_every_success(study):
     assert thick[0].get_ydata()[0] == 0.5
 
 
+def test_the_papers_figure_is_gross_and_counts_from_first_touch(study):
+    figure = plotting.closure_figure(study, {"one": ROCK}, None, 1.5)
+    axes = figure.axes[0]
+    assert "gross closure since the start of the cycle" in axes.get_xlabel()
+    (line, _) = [line for line in axes.lines if line.get_linewidth() == 2.0]
+    assert (line.get_xdata()[0], line.get_ydata()[0]) == (0.0, 0.0)
+    bulk = 0.02  # mm at the maximum
+    np.testing.assert_allclose(line.get_xdata()[-1], 0.15 + bulk)
+
+
+@pytest.mark.parametrize("seating", [None, 5e5])
+def test_the_barton_bandis_law_starts_where_the_closures_do(study, seating):
+    """It counts from zero stress; since seating its closure there is subtracted."""
+    figure = plotting.closure_figure(study, {"one": ROCK}, seating, 1.5)
+    first = seating or 0.0
+    for cycle, axes in enumerate(figure.axes, start=1):
+        (law,) = [line for line in axes.lines if line.get_color() == "0.2"]
+        assert (law.get_xdata()[0], law.get_ydata()[0]) == (0.0, 1e-6 * first)
+        drawn = barton_bandis(ROCK.jrc, ROCK.intact.compressive_strength, 1.5, cycle)
+        reached = 1e3 * (drawn.closure(2e6) - drawn.closure(first))
+        np.testing.assert_allclose(law.get_xdata()[-1], reached)
+
+
 def test_the_fit_of_eq_23_lies_on_the_maxima_of_eq_21():
     axes = plotting.equivalent_stress().axes[0]
     maxima, fit = axes.lines
@@ -92,6 +116,8 @@ def test_the_barton_bandis_law_is_drawn_where_it_holds(study, jrc, drawn):
     figure = plotting.closure_figure(study, {"one": ROCK._replace(jrc=float(jrc))}, 5e5, 1.5)
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert any("Barton-Bandis" in label for label in labels) == drawn
+    unchecked = any("constants of cycle 2 unchecked" in label for label in labels)
+    assert unchecked == drawn
     for axes in figure.axes:
         dotted = [line for line in axes.lines if line.get_color() == "0.2"]
         assert len(dotted) == (1 if drawn else 0)

@@ -93,7 +93,7 @@ def test_the_run_writes_what_the_readme_promises(study):
     }  # fmt: skip
     figures = {path.stem for path in (results / "figures").iterdir()}
     assert figures == {
-        "fig_3_equivalent_stress", "fig_5_closure", "wall_pair", "table_3_intervals",
+        "fig_3_equivalent_stress", "fig_5_closure", "closure_since_seating", "wall_pair", "table_3_intervals",
         "trends_max_closure", "table_3_predictive", "along_curve_elasticities",
         "along_curve_intervals",
     }  # fmt: skip

@@ -74,6 +74,7 @@ TABLES = [
 STUDY_FIGURES = [
     "fig_3_equivalent_stress",
     "fig_5_closure",
+    "closure_since_seating",
     "wall_pair",
     *(["hydraulic_aperture"] if FLOW else []),
     *(["table_3_intervals", "trends_max_closure"] if VARIED else []),

@@ -37,15 +37,16 @@ def main(inputs: dict, outputs: list[str], settings: dict, log: Logbook) -> None
     check_settings(inputs["surfaces"], surfaces.attrs, expected)
     rocks = from_plain(dict[str, StudyRock], settings["rocks"])
     first = next(iter(rocks.values()))
+
+    def closure(seating: float | None, measured: Measurements = Measurements()):
+        return plotting.closure_figure(
+            study, rocks, seating, settings["wall_strength_ratio"], measured
+        )
+
     draw = {
         "fig_3_equivalent_stress": plotting.equivalent_stress,
-        "fig_5_closure": lambda: plotting.closure_figure(
-            study,
-            rocks,
-            settings["seating_stress"],
-            settings["wall_strength_ratio"],
-            measured,
-        ),
+        "fig_5_closure": lambda: closure(None),
+        "closure_since_seating": lambda: closure(settings["seating_stress"], measured),
         "wall_pair": lambda: plotting.wall_pair_figure(
             surfaces.upper.values[0],
             surfaces.lower.values[0],

@@ -20,11 +20,18 @@ class BartonBandis(NamedTuple):
         )
 
 
-# A, B, C, D of V_m = A + B JRC + C (JCS/a_j)^D [mm, MPa]; cycle 2 quoted from memory
+# A, B, C, D of V_m = A + B JRC + C (JCS/a_j)^D [mm, MPa]. Those of cycle 3 stand in `bartonBandis`
+# of the MATLAB Reservoir Simulation Toolbox too; those of cycle 2 are quoted from memory, and no
+# public source of them was seen.
 _CONSTANTS = {
     1: (-0.2960, -0.0056, 2.2410, -0.2450),
     2: (-0.1005, -0.0073, 1.0082, -0.2301),
+    3: (-0.1032, -0.0074, 1.1350, -0.2510),
 }
+CYCLES = tuple(_CONSTANTS)
+"""Cycles that the law has constants for."""
+UNCHECKED = (2,)
+"""Cycles whose constants were not checked against a source."""
 
 
 def scaled_to(
@@ -72,7 +79,7 @@ def barton_bandis(
     strength_ratio : float
         sigma_c / JCS, over the strength of the joint's walls.
     cycle : int
-        1 or 2.
+        One of `CYCLES`.
 
     Notes
     -----

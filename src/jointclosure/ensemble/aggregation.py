@@ -68,6 +68,11 @@ def seats(study: xr.Dataset, net: bool = False) -> xr.DataArray:
     return start + study[f"max_closure{kind}"] - study[f"max_closure_seated{kind}"]
 
 
+def since_start(study: xr.Dataset) -> xr.DataArray:
+    """Return gross closures (..., cycle, branch, stress) [m] since the start of the cycle."""
+    return study.closure - study.residual_closure.shift(cycle=1, fill_value=0.0)
+
+
 def since_seating(study: xr.Dataset, net: bool = True) -> xr.DataArray:
     """Return net or gross closures (..., cycle, branch, stress) [m] since seating of the cycle."""
     closure = study.closure - study.bulk_indentation if net else study.closure

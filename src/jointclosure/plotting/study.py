@@ -13,8 +13,8 @@ from matplotlib.patheffects import withStroke
 
 from jointclosure.config.properties import PARAMETER_TITLES, PROPERTIES
 from jointclosure.config.typed import StudyRock
-from jointclosure.engineering.empirical import barton_bandis, law_holds
-from jointclosure.ensemble.aggregation import since_seating, succeeded
+from jointclosure.engineering.empirical import CYCLES, UNCHECKED, barton_bandis, law_holds
+from jointclosure.ensemble.aggregation import since_seating, since_start, succeeded
 from jointclosure.mechanics.strength import strength_factor, von_mises_on_axis
 from jointclosure.plotting.measured import Measurements, draw_measured, measured_handles
 from jointclosure.plotting.scanned_joint import map_extent
@@ -89,14 +89,20 @@ def wall_pair_figure(upper: np.ndarray, lower: np.ndarray, spacing: float, title
     return figure
 
 
-def closest_to_mean(study: xr.Dataset, case: str, seating_stress: float) -> int:
-    """Return the realisation closest (RMS) to the mean curve of the first cycle, since seating.
+def _curves(base: xr.Dataset, seating_stress: float | None) -> xr.DataArray:
+    """Return net closures since seating [m], or gross ones since the start of each cycle."""
+    return since_start(base) if seating_stress is None else since_seating(base)
 
-    It is the first realisation if no curve has a point beyond the seating stress.
+
+def closest_to_mean(study: xr.Dataset, case: str, seating_stress: float | None) -> int:
+    """Return the realisation closest (RMS) to the mean curve of the first cycle.
+
+    It is the first realisation if no curve has a point beyond the seating stress. Without one,
+    curves are gross and count from first touch.
     """
     base = study.sel(case=case).where(succeeded(study).sel(case=case))
-    curves = since_seating(base).isel(cycle=0)
-    curves = curves.where(curves.stress > seating_stress)
+    curves = _curves(base, seating_stress).isel(cycle=0)
+    curves = curves.where(curves.stress > (seating_stress or 0.0))
     distance = ((curves - curves.mean("realization")) ** 2).mean(("branch", "stress"))
     return int(study.realization.values[int(distance.fillna(np.inf).argmin("realization"))])
 
@@ -105,11 +111,14 @@ def closest_to_mean(study: xr.Dataset, case: str, seating_stress: float) -> int:
 def closure_figure(
     study: xr.Dataset,
     rocks: dict[str, StudyRock],
-    seating_stress: float,
+    seating_stress: float | None,
     strength_ratio: float,
     measured: Measurements = Measurements(),
 ) -> Figure:
-    """Draw closure curves of each rock's base case, as in the paper's Fig. 5.
+    """Draw closure curves of each rock's base case.
+
+    As in the paper's Fig. 5, they are gross and count from first touch, later cycles from their
+    start. As in laboratories, they are net of the half-spaces and count from seating.
 
     Parameters
     ----------
@@ -117,12 +126,14 @@ def closure_figure(
         As from `jointclosure.ensemble.aggregation.join_cases`.
     rocks : dict
         By name, in order.
-    seating_stress : float
-        Stress from which closure of each cycle counts [Pa].
+    seating_stress : float or None
+        Stress from which closure of each cycle counts [Pa], as in laboratories; None for the
+        paper's figure.
     strength_ratio : float
-        sigma_c/JCS of the Barton-Bandis law, drawn if it is valid.
+        sigma_c/JCS of the Barton-Bandis law, drawn if it is valid. The law counts from zero stress,
+        and since seating it is drawn less its closure there.
     measured : Measurements
-        Measured curves, and the realisations that fit them best.
+        Measured curves, and the realisations that fit them best; drawn since seating only.
     """
     columns = min(2, len(rocks))
     rows = -(-len(rocks) // columns)
@@ -139,6 +150,7 @@ def closure_figure(
     for axes in panels.flat[len(rocks) * len(split) :]:
         axes.set_visible(False)
     lawful = False
+    measured = Measurements() if seating_stress is None else measured
     for number, (name, rock) in enumerate(rocks.items()):
         first = divmod(number, columns)
         lawful |= law_holds(rock.jrc) and not rock.walls
@@ -159,8 +171,10 @@ def closure_figure(
         Rectangle((0, 0), 1, 1, color="0.5", alpha=0.25, label="mean ± 1 standard deviation"),
     ]
     if lawful:
-        drawn = " and ".join(f"cycle {cycle}" for cycle in cycles[:2])
-        label = f"Barton-Bandis law, {drawn} (empirical, for mated joints)"
+        unchecked = [f"cycle {cycle}" for cycle in cycles if cycle in UNCHECKED]
+        label = "Barton-Bandis law (empirical, mated joints)"
+        if unchecked:
+            label += f",\nconstants of {', '.join(unchecked)} unchecked"
         handles.append(key(color="0.2", lw=1.2, ls=(0, (1, 1.5)), label=label))
     handles += measured_handles(measured)
     place: dict[str, Any] = {"loc": "outside lower center", "ncols": 3}
@@ -174,7 +188,7 @@ def closure_figure(
 
 def _draw_rock(
     axes, study: xr.Dataset, name: str, rock: StudyRock, cycles: list[int],
-    seating_stress: float, strength_ratio: float, measured: Measurements,
+    seating_stress: float | None, strength_ratio: float, measured: Measurements,
 ) -> str:  # fmt: skip
     """Draw some cycles of a rock's base case in a panel, and return its title."""
     case = study.case[(study.rock == name) & (study.parameter == "base")].item()
@@ -183,17 +197,22 @@ def _draw_rock(
     for cycle in cycles:
         _draw_cycle(axes, base, cycle, chosen, seating_stress)
     if not rock.walls and law_holds(rock.jrc):
-        for cycle in set(cycles) & {1, 2}:
+        first = seating_stress or 0.0
+        stress = np.append(first, study.stress.values[study.stress.values > first])
+        for cycle in set(cycles) & set(CYCLES):
             law = barton_bandis(rock.jrc, rock.intact.compressive_strength, strength_ratio, cycle)
-            stress = study.stress.values
-            closure = 1e3 * law.closure(stress)
+            closure = 1e3 * (law.closure(stress) - law.closure(first))
             axes.plot(closure, 1e-6 * stress, color="0.2", lw=1.2, ls=(0, (1, 1.5)))
-    fitted = draw_measured(axes, measured, name, base, seating_stress, cycles)
+    if seating_stress is None:
+        fitted, closure_of = "", "gross closure since the start of the cycle (mm)"
+    else:
+        fitted = draw_measured(axes, measured, name, base, seating_stress, cycles)
+        closure_of = f"net closure since {1e-6 * seating_stress:g} MPa (mm)"
     axes.set(
         ylim=(0.0, 1.02 * 1e-6 * rock.max_normal_stress),
-        xlabel=f"net closure since {1e-6 * seating_stress:g} MPa (mm)",
+        xlabel=closure_of,
         ylabel="normal stress (MPa)",
-    )  # fmt: skip
+    )
     return (
         f"{rock.title}, {roughness_title(rock)}, {_cycles_in_words(cycles)}{_assumed(rock)}{fitted}"
     )
@@ -207,20 +226,22 @@ def _cycles_in_words(cycles: list[int]) -> str:
     return f"cycle {cycles[0]}" if len(cycles) == 1 else f"cycles {cycles[0]} to {cycles[-1]}"
 
 
-def _draw_cycle(axes, base: xr.Dataset, cycle: int, chosen: int, seating_stress: float) -> None:
-    """Draw every surface, the band, and the surface closest to the mean, from seating on."""
+def _draw_cycle(
+    axes, base: xr.Dataset, cycle: int, chosen: int, seating_stress: float | None
+) -> None:
+    """Draw every surface, the band, and the surface closest to the mean."""
     faint = 0.25 * min(1.0, _FEW_LINES / base.sizes["realization"]) ** 0.5
     stress = 1e-6 * base.stress.values
-    curves = since_seating(base).sel(cycle=cycle)
+    curves, first = _curves(base, seating_stress).sel(cycle=cycle), seating_stress or 0.0
     colour = _colour(cycle)
     for branch in ("loading", "unloading"):
         every = 1e3 * curves.sel(branch=branch)
-        shown = (stress > 1e-6 * seating_stress) & np.isfinite(every.values).any(axis=0)
+        shown = (stress > 1e-6 * first) & np.isfinite(every.values).any(axis=0)
         x, y = every.values[:, shown], stress[shown]
         line = every.sel(realization=chosen).values[shown]
-        if branch == "loading":  # starts at seating by definition
+        if branch == "loading":  # starts without closure by definition
             x = np.column_stack([np.zeros(len(x)), x])
-            line, y = np.append(0.0, line), np.append(1e-6 * seating_stress, y)
+            line, y = np.append(0.0, line), np.append(1e-6 * first, y)
             mean, spread = np.nanmean(x, axis=0), np.nanstd(x, axis=0, ddof=1)
             axes.fill_betweenx(y, mean - spread, mean + spread, color=colour, alpha=0.18, lw=0)
         axes.plot(x.T, y, color=colour, lw=0.4, alpha=faint)

@@ -21,8 +21,8 @@ from jointclosure.statistics.verdicts import (
 )
 
 FIRST_PICTURES = {
-    "independent": ("fig_5_closure", "table_3_intervals"),
-    "common": ("fig_5_closure", "along_curve_elasticities"),
+    "independent": ("closure_since_seating", "table_3_intervals"),
+    "common": ("closure_since_seating", "along_curve_elasticities"),
 }
 """Tables of the first screen by the draws of a study; missing ones are left out."""
 

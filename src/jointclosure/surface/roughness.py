@@ -39,9 +39,9 @@ RELATIONS: dict[str, Relation] = {
     "yu_vayssade_log_0.25mm": Relation(
         "logarithmic", 28.1, 28.43, 1.0, 0.25e-3, 0.0, 20.0, "Yu & Vayssade 1991"
     ),
-    # the two at coarser intervals are quoted from memory and not yet checked against the source
+    # the relation at 0.5 mm is quoted by later texts too; no source of that at 1 mm was seen
     "yu_vayssade_linear_0.5mm": Relation(
-        "linear", 61.79, -3.47, 1.0, 0.5e-3, 0.0, 20.0, "Yu & Vayssade 1991 (unchecked)"
+        "linear", 61.79, -3.47, 1.0, 0.5e-3, 0.0, 20.0, "Yu & Vayssade 1991 (by later texts)"
     ),
     "yu_vayssade_linear_1mm": Relation(
         "linear", 64.22, -2.31, 1.0, 1e-3, 0.0, 20.0, "Yu & Vayssade 1991 (unchecked)"

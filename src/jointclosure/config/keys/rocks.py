@@ -94,7 +94,7 @@ class WallKeys(Keys):
 
 
 class MeasuredKeys(Keys):
-    """A measured closure curve of this rock's joint, drawn in fig_5_closure with its best fit."""
+    """A measured curve of this rock's joint, drawn in closure_since_seating with its best fit."""
 
     file: Text = entry(
         "CSV file with columns stress, closure (units in their names, as stress_MPa,closure_mm) "

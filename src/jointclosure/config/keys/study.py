@@ -112,7 +112,7 @@ class OutputKeys(Keys):
 
     wall_strength_ratio: float = entry(
         "Compressive strength of the rock over that of the joint's walls (JCS), for the "
-        "Barton-Bandis law in fig_5_closure.",
+        "Barton-Bandis law in the figures of closure.",
         ge=1,
     )
     stress_points: int = entry(
