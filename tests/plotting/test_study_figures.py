@@ -8,7 +8,8 @@ from jointclosure.engineering.empirical import barton_bandis
 from jointclosure.measured.curves import fit_table, parsed_curve
 from jointclosure.plotting import study as plotting
 from jointclosure.plotting.measured import Measurements
-from tests.studied import study_of
+from jointclosure.storage.text import read_csv
+from tests.studied import ROOT, study_of
 
 ROCK = study_of().rocks["slate"]._replace(max_normal_stress=2e6)
 
@@ -123,4 +124,41 @@ def test_the_barton_bandis_law_is_drawn_where_it_holds(study, jrc, drawn):
         assert len(dotted) == (1 if drawn else 0)
 
 
-# of the second rock
+def parameters_of(number):
+    """The stored Table 3 and maximum closures of the paper's study with so many properties."""
+    folder = ROOT / "docs/results/paper"
+    chosen = ["jrc", "youngs_modulus", "compressive_strength", "poisson_ratio"][:number]
+    tables = (read_csv(folder / f"{name}.csv") for name in ("table_3_indifference", "max_closure"))
+    intervals, closures = (table[table.parameter.isin([*chosen, "base"])] for table in tables)
+    return intervals, closures
+
+
+@pytest.mark.parametrize("number", [1, 2, 3, 4])
+def test_the_papers_dashes_are_marked_and_the_legend_fits(number):
+    intervals, _ = parameters_of(number)
+    figure = plotting.interval_figure(intervals, study_of().rocks)
+    crosses = [
+        line
+        for axes in figure.axes
+        for line in axes.lines
+        if (line.get_marker(), line.get_color()) == ("x", "C1")
+    ]
+    assert len(crosses) == (intervals.in_paper & intervals.paper_length.isna()).sum()
+    figure.canvas.draw()
+    box = figure.legends[0].get_window_extent()
+    assert box.x0 >= 0.0
+    assert box.x1 <= figure.bbox.x1
+
+
+def test_trends_have_the_errors_of_their_means():
+    _, closures = parameters_of(4)
+    rocks = study_of().rocks
+    cases = sorted(set(closures.case))
+    values = {name: ("case", np.linspace(1.0, 2.0, len(cases))) for name in set(closures.parameter)}
+    study = xr.Dataset(values, coords={"case": cases})
+    figure = plotting.trend_figure(closures, study, rocks)
+    bars = [line for axes in figure.axes for line in axes.collections]
+    assert len(bars) == len(rocks) * len(figure.axes)
+    heights = [s[1, 1] - s[0, 1] for bar in bars for s in bar.get_segments()]
+    errors = closures.max_closure_mean_mm_standard_error
+    np.testing.assert_allclose([min(heights), max(heights)], [2 * errors.min(), 2 * errors.max()])

@@ -34,6 +34,8 @@ MOST_DRAWN = 500
 """Largest number of surfaces whose curves are drawn; of a larger study the first ones."""
 _FEW_LINES = 20
 """Largest number of curves that can be distinguished; more are drawn fainter, behind the mean."""
+_LEGEND_WIDTH = 4.2
+"""Width of the longest entry of a legend below panels [inches]."""
 _OUTLINE = [withStroke(linewidth=3.5, foreground="white")]
 
 
@@ -278,8 +280,10 @@ def interval_figure(table: pd.DataFrame, rocks: dict[str, StudyRock]) -> Figure:
     ]
     if "paper_length" in table:
         handles.insert(3, point_key(f"the paper, {UNPAIRED_TEST}", "D", color="C1"))
-    columns = min(len(handles), max(1, int(1.4 * len(parameters))))
-    legend_below(figure, handles, columns)
+        handles.append(point_key("no real root in the paper", "x", color="C1"))
+    width = max(figure.get_figwidth(), _LEGEND_WIDTH)
+    figure.set_figwidth(width)
+    legend_below(figure, handles, int(width / _LEGEND_WIDTH))
     sns.despine(figure)
     return figure
 
@@ -293,6 +297,8 @@ def _draw_intervals(axes, part: pd.DataFrame) -> None:
             continue
         if pd.notna(getattr(row, "paper_length", np.nan)):
             axes.plot(i + 0.22, row.paper_length, "D", color="C1", ms=5)
+        elif getattr(row, "in_paper", False):
+            axes.plot(i + 0.22, 0.97 * top, "x", color="C1")
         if pd.isna(row.length):
             axes.plot(i - 0.12, 0.97 * top, "x", color="0.4")
         else:
@@ -343,13 +349,17 @@ def trend_figure(closures: pd.DataFrame, study: xr.Dataset, rocks: dict[str, Stu
                 base = at[(part.parameter == "base").to_numpy()][0]
                 mean = part.max_closure_mean_mm.to_numpy()[order]
                 net = part.max_closure_net_mean_mm.to_numpy()[order]
-                axes.plot(at[order] / base, mean, "o-", color=f"C{i}", ms=4, label=rock.title)
+                error = part.max_closure_mean_mm_standard_error.to_numpy()[order]
+                axes.errorbar(
+                    at[order] / base, mean, error, fmt="o-", color=f"C{i}", ms=4, capsize=2,
+                    label=f"{rock.title}, ± standard error",
+                )  # fmt: skip
                 axes.plot(at[order] / base, net, "--", color=f"C{i}", lw=1.0)
             axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=9)
             if cycle == cycles[-1]:
                 axes.set_xlabel("value / the rock's value")
         row[0].set_ylabel("mean maximum closure (mm)")
     net = key("net of bulk indentation", color="0.4", ls="--", lw=1.0)
-    legend_below(figure, [*keys_of([panels[0][0]]), net], 5)
+    legend_below(figure, [*keys_of([panels[0][0]]), net], max(1, len(parameters)))
     sns.despine(figure)
     return figure
