@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 
 from jointclosure.inputs import InputError
-from jointclosure.inputs.remarks import caution
+from jointclosure.inputs.remarks import Caution, caution
 from jointclosure.scans.contents import Contents
 from jointclosure.surface.outliers import unique_places
 
@@ -33,6 +33,25 @@ nodes without a point inside the wall are warned of."""
 _DIGITS = 7
 """Significant digits of a step: those of single precision, so that files in single precision give
 the same grid."""
+
+
+class _Axis(NamedTuple):
+    """Nodes along an axis: step, number of each point's node, and distance from it in steps.
+
+    Node 0 is at ``first``.
+    """
+
+    step: float
+    first: float
+    node: np.ndarray
+    offset: np.ndarray
+
+    def numbered(self, on: np.ndarray) -> tuple[np.ndarray, int, float]:
+        """Return numbers from 0 of the nodes of some points, their count, and the first's place."""
+        low, high = int(self.node[on].min()), int(self.node[on].max())
+        digits = _DIGITS - 1 - int(np.floor(np.log10(self.step)))
+        first = round(self.first + low * self.step, digits)
+        return self.node[on].astype(int) - low, high - low + 1, first
 
 
 def lattice_of(points: np.ndarray) -> Contents | None:
@@ -71,27 +90,31 @@ def lattice_of(points: np.ndarray) -> Contents | None:
     places, heights, remarks = _merged(numbers, points[on])
     grid = np.full(nx * ny, np.nan)
     grid[places] = heights
-    off = int((~on & np.isfinite(points[:, 2])).sum())
-    if off:
-        remarks += (
-            caution(
-                f"{off} of {len(points)} points lie off the nodes of the points' grid, by more "
-                f"than {100 * allowed:.2g} % of its step, and were left out"
-            ),
-        )
-    if offset[on].max() > LARGEST_OFFSET:
-        moved = float(np.sqrt(np.mean(x.offset[on] ** 2 + y.offset[on] ** 2)))
-        remarks += (
-            caution(
-                f"points were moved to the nodes of their grid, by an rms {100 * moved:.2g} % of "
-                f"its step; for H = 0.8 this changes heights by {100 * moved**0.8:.2g} % of the "
-                "rms difference of neighbours"
-            ),
-        )
     return Contents(
         grid.reshape(ny, nx), (y.step, x.step), None, None, None, (y_first, x_first),
-        remarks + _empty_nodes(occupied),
+        remarks + _irregular(points, x, y, on, allowed) + _empty_nodes(occupied),
     )  # fmt: skip
+
+
+def _irregular(
+    points: np.ndarray, x: _Axis, y: _Axis, on: np.ndarray, allowed: float
+) -> tuple[Caution, ...]:
+    """Warn of points off the nodes that were left out, and of those that were moved to nodes."""
+    remarks, off = [], int((~on & np.isfinite(points[:, 2])).sum())
+    if off:
+        remarks.append(
+            f"{off} of {len(points)} points lie off the nodes of the points' grid, by more than "
+            f"{100 * allowed:.2g} % of its step, and were left out"
+        )
+    offsets = np.abs([x.offset[on], y.offset[on]])
+    if offsets.max() > LARGEST_OFFSET:
+        moved = float(np.sqrt(np.mean(np.sum(offsets**2, axis=0))))
+        remarks.append(
+            f"points were moved to the nodes of their grid, by an rms {100 * moved:.2g} % of its "
+            f"step; for H = 0.8 this changes heights by {100 * moved**0.8:.2g} % of the rms "
+            "difference of neighbours"
+        )
+    return tuple(map(caution, remarks))
 
 
 def _empty_nodes(occupied: np.ndarray) -> tuple[str, ...]:
@@ -121,25 +144,6 @@ def merged_points(points: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     places, heights, remarks = _merged(numbers, points)
     kept = np.column_stack([points[first[places], :2], heights])
     return kept[np.isfinite(heights)], remarks
-
-
-class _Axis(NamedTuple):
-    """Nodes along an axis: step, number of each point's node, and distance from it in steps.
-
-    Node 0 is at ``first``.
-    """
-
-    step: float
-    first: float
-    node: np.ndarray
-    offset: np.ndarray
-
-    def numbered(self, on: np.ndarray) -> tuple[np.ndarray, int, float]:
-        """Return numbers from 0 of the nodes of some points, their count, and the first's place."""
-        low, high = int(self.node[on].min()), int(self.node[on].max())
-        digits = _DIGITS - 1 - int(np.floor(np.log10(self.step)))
-        first = round(self.first + low * self.step, digits)
-        return self.node[on].astype(int) - low, high - low + 1, first
 
 
 def _axis_of(values: np.ndarray, apart: float) -> _Axis | None:

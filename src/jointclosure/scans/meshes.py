@@ -17,6 +17,8 @@ from jointclosure.scans.text import is_binary
 
 LARGEST_COVER = 1.05
 """Largest area of the triangles in the plan over that of the points' convex hull; a solid has 2."""
+_HEAD = 65_536
+"""Number of bytes in which the head of a PLY file ends."""
 _DECLARED = re.compile(r"#\s*(?:vertices\s*:?\s*(\d+)|(\d+)\s+vertices)\s*$", re.IGNORECASE)
 """Comment of an OBJ file that states the number of vertices."""
 _LINES = {
@@ -30,7 +32,11 @@ def read_mesh(path: Path, variable: str | None) -> Contents:
     """Read the vertices of all meshes and point clouds of a file; the formats have no units."""
     check_no_variable(variable)
     form = path.suffix.lower().removeprefix(".")
-    vertices, faces = _obj(path) if form == "obj" else _by_trimesh(path, form)
+    vertices, faces, declared = _obj(path) if form == "obj" else _by_trimesh(path, form)
+    if declared > len(vertices):
+        raise InputError(
+            f"declares {declared} vertices, and contains {len(vertices)}: is the file incomplete?"
+        )
     if faces.size and faces.max() >= len(vertices):
         raise InputError(
             f"a face has vertex {faces.max() + 1}, but there are {len(vertices)} vertices"
@@ -46,14 +52,15 @@ def read_mesh(path: Path, variable: str | None) -> Contents:
     return contents._replace(remarks=(*contents.remarks, caution(used)))
 
 
-def _by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return vertices (n, 3) and triangles (m, 3) of an STL or PLY file.
+def _by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray, int]:
+    """Return vertices (n, 3) and triangles (m, 3) of an STL or PLY file, as `_obj`.
 
-    Only those of STL, which has a copy of a vertex for each triangle, are merged.
+    Only vertices of STL, which has a copy of a vertex for each triangle, are merged.
     """
     with needs("walls", form.upper()):
         import trimesh
-    {"stl": _check_stl, "ply": _check_ply}[form](path)
+    if form == "stl":
+        _check_stl(path)
     points, faces, count = [np.empty((0, 3))], [np.empty((0, 3), dtype=int)], 0
     with reading_as(form.upper()), path.open("rb") as file:
         meshes = trimesh.load_scene(file, file_type=form, process=form == "stl").geometry
@@ -61,7 +68,10 @@ def _by_trimesh(path: Path, form: str) -> tuple[np.ndarray, np.ndarray]:
             points.append(np.array(part.vertices, dtype=float))
             faces.append(count + np.reshape(getattr(part, "faces", faces[0]), (-1, 3)))
             count += len(points[-1])
-    return np.concatenate(points), np.concatenate(faces)
+    with path.open("rb") as file:
+        head = file.read(_HEAD).partition(b"end_header")[0]
+    stated = re.search(rb"element\s+vertex\s+(\d+)", head) if form == "ply" else None
+    return np.concatenate(points), np.concatenate(faces), int(stated[1]) if stated else 0
 
 
 def binary_stl_size(start: bytes) -> int | None:
@@ -90,50 +100,15 @@ def _check_stl(path: Path) -> None:
         )
 
 
-def _check_ply(path: Path) -> None:
-    """Raise `InputError` if a text PLY file has fewer lines than its head declares.
+def _obj(path: Path) -> tuple[np.ndarray, np.ndarray, int]:
+    """Return vertices (n, 3), triangles (m, 3) and the declared number of vertices of an OBJ file.
 
-    Lines of vertices must have as many numbers as there are properties.
-    """
-    with path.open(encoding="latin-1") as file:
-        head = [
-            line.split()
-            for line in itertools.takewhile(lambda line: "end_header" not in line, file)
-        ]
-        if ["format", "ascii"] not in [words[:2] for words in head]:
-            return
-        lines = [line.split() for line in file if line.strip()]
-    start = 0
-    for number, words in enumerate(head):
-        if words[:1] != ["element"] or len(words) != 3 or not words[2].isdecimal():
-            continue
-        count = int(words[2])
-        part = lines[start : start + count]
-        if len(part) < count:
-            raise InputError(
-                f"declares {count} lines of {words[1]}, and contains {len(part)}: is the file "
-                "incomplete?"
-            )
-        width = len(
-            list(itertools.takewhile(lambda line: line[:1] == ["property"], head[number + 1 :]))
-        )
-        wrong = [line for line in part if len(line) != width]
-        if words[1] == "vertex" and wrong:
-            raise InputError(
-                f"{' '.join(wrong[0])[:60]!r}: a vertex must have {width} numbers, one for each "
-                "property"
-            )
-        start += count
-
-
-def _obj(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Return vertices (n, 3) and triangles (m, 3) of an OBJ file; polygons are divided.
+    Polygons are divided. Comments may declare the number ("# Vertices: 9", "# 9 vertices").
 
     Raises
     ------
     InputError
-        If there is a line that no mesh has, or a comment declares more vertices ("# Vertices: 9",
-        "# 9 vertices").
+        If there is a line that no mesh has.
     """
     vertices: list[list[float]] = []
     faces: list[list[int]] = []
@@ -162,11 +137,7 @@ def _obj(path: Path) -> tuple[np.ndarray, np.ndarray]:
                 )
     if not vertices:
         raise InputError("has no vertices (lines 'v x y z')")
-    if declared > len(vertices):
-        raise InputError(
-            f"declares {declared} vertices, and contains {len(vertices)}: is the file incomplete?"
-        )
-    return np.array(vertices)[:, :3], np.array(faces, dtype=int).reshape(-1, 3) - 1
+    return np.array(vertices)[:, :3], np.array(faces, dtype=int).reshape(-1, 3) - 1, declared
 
 
 def _check_single_sheet(points: np.ndarray, faces: np.ndarray) -> None:

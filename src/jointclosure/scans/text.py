@@ -62,7 +62,30 @@ def read_table(path: Path) -> Table:
         raise _without_numbers(head, bool(names))
     form = _form_of(lines[start])
     lines = _with_corner(_without_comments(lines[start:]), form)
-    counts = np.array([len(_words(line, form)) for line in lines])
+    frame, width, short = _frame(lines, form, len(names or "xyz"))
+    remarks += short
+    frame, repeated = _numbers(frame, names, form.decimal)
+    if repeated:
+        remarks.append(f"{repeated} repeated lines of names were skipped")
+    if names and len(names) != width:
+        raise InputError(f"{len(names)} names ({', '.join(names)}) of {width} columns")
+    if len(units) > width:
+        raise InputError(
+            f"has {len(units)} words in the line of units, must be {width}, one for each column"
+        )
+    if units:
+        units += [None] * (width - len(units))
+    values = frame.iloc[:, :width].to_numpy(dtype=float)
+    return Table(values, names, units, tuple(remarks))
+
+
+def _frame(lines: list[str], form: _Form, least: int) -> tuple[pd.DataFrame, int, list[str]]:
+    """Return the words of lines, the number of columns that most lines have, and a warning.
+
+    ``least`` is the number of columns from which on an empty one at the end does not count. Lines
+    with fewer are NaN, because it is not known which of their numbers are lost.
+    """
+    counts = np.array([len(line.strip(" ").split(form.separator)) for line in lines])
     width = int(np.bincount(counts).argmax())
     if counts.max() > width:
         longest = lines[int(counts.argmax())].strip()[:60]
@@ -78,30 +101,15 @@ def read_table(path: Path) -> Table:
         na_values=[word for word in _MISSING if word],
     )
     # a separator at the end of every line makes an empty column
-    while width > len(names or "xyz") and frame[width - 1].isna().all():
+    while width > least and frame[width - 1].isna().all():
         width -= 1
-    if (short := counts < width).any():
-        frame[short] = np.nan  # which of its numbers are lost is not known
-        first = lines[int(short.argmax())].strip()[:60]
-        remarks.append(
-            caution(
-                f"{int(short.sum())} lines of fewer than {width} numbers were left out, such "
-                f"as {first!r}"
-            )
-        )
-    frame, repeated = _numbers(frame, names, form.decimal)
-    if repeated:
-        remarks.append(f"{repeated} repeated lines of names were skipped")
-    if names and len(names) != width:
-        raise InputError(f"{len(names)} names ({', '.join(names)}) of {width} columns")
-    if len(units) > width:
-        raise InputError(
-            f"has {len(units)} words in the line of units, must be {width}, one for each column"
-        )
-    if units:
-        units += [None] * (width - len(units))
-    values = frame.iloc[:, :width].to_numpy(dtype=float)
-    return Table(values, names, units, tuple(remarks))
+    short = counts < width
+    if not short.any():
+        return frame, width, []
+    frame[short] = np.nan
+    first = lines[int(short.argmax())].strip()[:60]
+    few = f"{int(short.sum())} lines of fewer than {width} numbers were left out"
+    return frame, width, [caution(f"{few}, such as {first!r}")]
 
 
 def is_binary(content: bytes) -> bool:
