@@ -1,5 +1,6 @@
 """Tables and numbers of docs/results.md, and the outcome of the default study in short."""
 
+import numpy as np
 import pandas as pd
 from stored import origin, stored
 
@@ -85,6 +86,25 @@ AIM = 0.02
 """Standard error of p that was wanted."""
 
 
+def fall() -> str:
+    """Give the power of the number of surfaces with which the error of p fell between the pools."""
+    errors = [
+        rows_of(stored(run, "table_3_joint_tests"), entries="all").p_error.iloc[0]
+        for run in ("large_pool", "paper")
+    ]
+    ratio = _large_pool() / int(study_surfaces())
+    return f"{np.log(errors[0] / errors[1]) / np.log(ratio):.1f}"
+
+
+def study_surfaces() -> str:
+    """Count the surfaces of the study's pool."""
+    return value_of("paper/table_3_predictive", "{pool max:.0f}")
+
+
+def _large_pool() -> int:
+    return origin("large_pool")["configuration"]["differs"]["study.pool"]
+
+
 def _pools_wanted() -> float:
     """Compute how many of the large pools would give p of all entries to `AIM`."""
     table = rows_of(stored("large_pool", "table_3_joint_tests"), entries="all")
@@ -93,8 +113,7 @@ def _pools_wanted() -> float:
 
 def wanted_surfaces() -> str:
     """Count the surfaces that p to `AIM` takes, to two figures."""
-    pool = origin("large_pool")["configuration"]["differs"]["study.pool"]
-    return f"{float(f'{pool * _pools_wanted():.2g}'):,.0f}"
+    return f"{float(f'{_large_pool() * _pools_wanted():.2g}'):,.0f}"
 
 
 def wanted_hours() -> str:
