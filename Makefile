@@ -38,7 +38,7 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects mismatch readings global-sensitivity global-sensitivity-estimate jrc-range conclusions test test-all lint docs publish coverage wheel lock clean size misalignment measured-joints
+.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects mismatch readings global-sensitivity global-sensitivity-estimate conclusions test test-all lint docs publish coverage wheel lock clean size misalignment measured-joints
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -109,9 +109,6 @@ global-sensitivity: $(STAMP) ## Ask what matters when properties and open choice
 
 global-sensitivity-estimate: $(STAMP) ## Say what that would cost, and close a few of its joints only
 	$(RUN) global-sensitivity-estimate
-
-jrc-range: $(STAMP) ## Ask what a JRC that is known to a range does to the study, or to that of CONFIG
-	$(RUN) jrc-range
 
 conclusions: $(STAMP) ## Put together what each conclusion of the paper rests on, of all studies that were run
 	$(RUN) conclusions

@@ -40,15 +40,11 @@ RUNS = {
     "paper": Run(
         tables=(
             "table_1_rocks", "table_3_indifference", "table_3_joint_tests", "claims", "checks",
-            "conclusions", "elasticities", "jrc_range", "jrc_range_claims", "max_closure",
-            "table_3_predictive", "variance_reduction",
+            "conclusions", "elasticities", "max_closure", "table_3_predictive",
         ),
-        figures=("along_curve_elasticities", "table_3_predictive"),
+        figures=("table_3_predictive",),
     ),
     "large_pool": Run(("table_3_joint_tests",)),
-    "surrogate_roll_off": Run(shipped={"surrogate": "surrogate_roll_off"}),
-    "surrogate_no_roll_off": Run(shipped={"surrogate": "surrogate_no_roll_off"}),
-    "surrogate_domain": Run(shipped={"surrogate_domain": "surrogate_domain"}),
     "accuracy": Run(
         tables=("accuracy_cost", "accuracy_sources", "accuracy_orders"),
         figures=("accuracy_regularised", "accuracy_sources"),
@@ -102,6 +98,10 @@ RUNS = {
     "growth": Run(("growth", "growth_beyond"), ("growth",)),
     "growth_once": Run(("growth_once",)),
     "breakage_methods": Run(("breakage_methods",)),
+    # finished inquiries, whose code has left (docs/decisions/0020-finished-inquiries.md)
+    "along_curve": Run(figures=("along_curve_elasticities",)),
+    "jrc_range": Run(("jrc_range", "jrc_range_claims")),
+    "variance_reduction": Run(("variance_reduction",)),
 }  # fmt: skip
 """Files that pages and the package need, by run; the only list of them."""
 

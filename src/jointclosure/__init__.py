@@ -24,7 +24,6 @@ if TYPE_CHECKING:  # type checkers and `compilation.sources` read these imports,
     from jointclosure.scans import read_scan
     from jointclosure.statistics.indifference import indifference_interval
     from jointclosure.surface.synthesis import wall_pair
-    from jointclosure.surrogate.estimate import estimate
 
     __version__: str
 
@@ -38,7 +37,6 @@ _MODULES = {
     "choose_effects": "effects.choice",
     "close": "ensemble.scanned_joint",
     "equilibrium": "joint.simulation",
-    "estimate": "surrogate.estimate",
     "fit": "measured.fit",
     "indifference_interval": "statistics.indifference",
     "plot": "plotting",
@@ -59,7 +57,6 @@ __all__ = [
     "choose_effects",
     "close",
     "equilibrium",
-    "estimate",
     "fit",
     "indifference_interval",
     "plot",

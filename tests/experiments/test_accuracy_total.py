@@ -16,7 +16,7 @@ from jointclosure.inputs import InputError
 POINTS = {"coarse": {"knob": "base", "value": ""}, "fine": {"knob": "resolved", "value": 0.02}}
 TOTAL = {"scene": "own", "methods": POINTS}
 DIAGRAM = Diagram(TOTAL, "youngs_modulus", 3, 4000)
-CHEAP = Cheap(walls=5.0, covariates=3.0, estimate=2.0)
+CHEAP = Cheap(walls=5.0, covariates=3.0)
 PAIR = 1e-3  # seconds
 
 
@@ -45,19 +45,9 @@ def variance():
     return pd.DataFrame(rows)
 
 
-def surrogate():
-    rows = [
-        {"constants": "all", "rock": rock, "stress_MPa": stress, "mean_percent": error}
-        | {"rms_percent": 2.0, "joints": 64}
-        for rock in ("slate", "chalk")
-        for stress, error in ((10.0, 9.0), (30.0, 1.0))
-    ]
-    return pd.DataFrame(rows)
-
-
 @pytest.fixture(scope="module")
 def methods():
-    return method_table(DIAGRAM, costs(), variance(), surrogate(), CHEAP)
+    return method_table(DIAGRAM, costs(), variance(), CHEAP)
 
 
 @pytest.fixture(scope="module")
@@ -84,15 +74,9 @@ def test_the_rock_where_the_error_is_largest_tells_it(points):
     assert many.bias_percent == 8.0
 
 
-def test_an_interval_takes_all_levels_and_the_law_has_none(methods):
+def test_an_interval_takes_all_levels(methods):
     interval = methods[(methods.response == "interval") & (methods.method == "fine")].iloc[0]
     assert interval.cost == pytest.approx(3 * (900 + 5) * PAIR)
-    law = methods[methods.method == "surrogate"]
-    assert set(zip(law.response, law.cycle, strict=True)) == {("mean", 1)}
-    # at the largest stress, and of closures that are themselves off by 5 and -8 %
-    assert law.bias_percent.to_numpy() == pytest.approx([1.01 * 105 - 100, 1.01 * 92 - 100])
-    assert law.bias_high.to_numpy() == pytest.approx([1.0149 * 106 - 100, 1.0149 * 93 - 100])
-    assert not law.control_variates.any()
 
 
 def test_control_variates_replace_the_simulations_that_they_were_worth(points):
@@ -127,7 +111,7 @@ def test_where_the_error_of_an_interval_is_not_known_its_method_is_left_out():
     table = costs()
     unknown = (table.rock == "slate") & (table.cycle == 1) & (table.knob == "base")
     table.loc[unknown, ["interval_low", "interval_high"]] = np.nan
-    found = method_table(DIAGRAM, table, variance(), surrogate(), CHEAP)
+    found = method_table(DIAGRAM, table, variance(), CHEAP)
     coarse = found[found.method == "coarse"]
     assert set(zip(coarse.response, coarse.cycle, strict=True)) == {
         ("mean", 1), ("mean", 2), ("interval", 2),
@@ -149,14 +133,12 @@ def test_the_best_split_of_a_budget_is_on_the_front_and_a_larger_one_is_no_worse
 def test_a_setting_that_was_not_turned_is_refused_by_name():
     stated = DIAGRAM._replace(total=TOTAL | {"methods": {"swift": {"knob": "steps", "value": 2}}})
     with pytest.raises(InputError, match=r"accuracy\.total: swift = .*is no setting of own"):
-        method_table(stated, costs(), variance(), surrogate(), CHEAP)
+        method_table(stated, costs(), variance(), CHEAP)
 
 
-def test_a_study_that_does_not_tell_scatter_or_the_laws_error_is_refused():
+def test_a_table_without_the_scatter_of_a_rock_is_refused():
     for lacking in (variance().drop(columns="value"), variance()[lambda t: t.rock != "chalk"]):
         with pytest.raises(
             InputError, match=r"variance_reduction\.csv: has no worth of control variates"
         ):
-            method_table(DIAGRAM, costs(), lacking, surrogate(), CHEAP)
-    with pytest.raises(InputError, match=r"surrogate\.csv: has no joints of slate"):
-        method_table(DIAGRAM, costs(), variance(), surrogate()[lambda t: t.rock != "slate"], CHEAP)
+            method_table(DIAGRAM, costs(), lacking, CHEAP)

@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.colors import to_rgb
 
 from jointclosure.plotting.global_sensitivity import convergence
-from jointclosure.plotting.sensitivity import along_curve_figure, predictive_figure
+from jointclosure.plotting.sensitivity import predictive_figure
 from tests.studied import study_of
 
 ROCKS = study_of({"study": {"rocks": ["dolerite", "slate"]}}).rocks
@@ -50,23 +50,6 @@ def test_the_papers_entries_are_marked_and_its_dashes_stand_in_the_column_of_das
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert "the paper" in labels
     assert "studies of 20 draws, unpaired t test" in labels
-
-
-@pytest.mark.parametrize("what", ["elasticities", "intervals"])
-def test_along_the_curve_every_rock_has_a_line_and_a_band(what):
-    rows = [
-        {"rock": rock, "parameter": "jrc", "cycle": cycle, "stress_MPa": stress,
-         "elasticity": 0.1 * stress, "elasticity_standard_error": 0.01,
-         "percent_median": 10.0 * stress, "percent_low_90": 8.0, "percent_high_90": np.inf}
-        for rock in ROCKS for cycle in (1, 2) for stress in (1.0, 2.0, 3.0)
-    ]  # fmt: skip
-    figure = along_curve_figure(pd.DataFrame(rows), ROCKS, what)
-    for axes in figure.axes:
-        lines = [line for line in axes.lines if len(line.get_xdata()) == 3]
-        assert len(lines) == len(axes.collections) == 2
-        expected = [0.1, 0.2, 0.3] if what == "elasticities" else [10.0, 20.0, 30.0]
-        np.testing.assert_allclose(lines[0].get_ydata(), expected)
-    assert len({line.get_linestyle() for line in lines}) == 2  # told apart without colour
 
 
 def test_no_two_inputs_look_alike_where_colours_repeat():

@@ -406,7 +406,6 @@ DOORS = {
     "equilibrium": lambda *pair, **s: jc.equilibrium(*pair, closure=1e-6, **s),
     "ensemble": lambda *pair, **s: jc.simulate_ensemble([pair], max_normal_stress=1e6, **s),
     "effects": lambda *pair, **s: choose_effects([pair], max_normal_stress=1e6, **s),
-    "estimate": lambda *pair, **s: jc.estimate(*pair, max_normal_stress=1e6, **s),
     "close": close_scans,
     "study": walls_of_files,
 }

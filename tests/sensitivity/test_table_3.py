@@ -6,7 +6,6 @@ import pytest
 import jointclosure as jc
 from jointclosure.config.files import PAPER_TABLE_3
 from jointclosure.ensemble.cases import cases_of, ensembles_of, pool_of, wall_name
-from jointclosure.sensitivity.along_curve import along_curve
 from jointclosure.sensitivity.claims import Evidence, judge_claims
 from jointclosure.sensitivity.closures import (
     correlation_table,
@@ -68,16 +67,14 @@ def test_independent_draws_have_the_published_test_and_common_ones_the_paired():
     assert (strong.length < 0.3 * strong.unpaired_length.fillna(np.inf)).all()
 
 
-def test_more_than_three_levels_have_both_tests_a_monotone_length_and_lack_of_fit():
+def test_more_than_three_levels_have_both_tests_and_lack_of_fit():
     levels = {"levels": {"youngs_modulus_GPa": [70, 74, 76, 80, 82, 85]}}
     stated = (ONE, {"rocks": {"dolerite": levels}})
     for draws in ({}, COMMON):
         dataset = world(study_of(*stated, draws))
         table = indifference_table(dataset, study_of(ONE).statistics, 1)
         one = table[(table.parameter == "youngs_modulus") & (table.cycle == 2)].iloc[0]
-        assert np.isfinite([one.length, one.unpaired_length, one.monotone_length]).all()
-        assert one.monotone_length == pytest.approx(one.length, rel=0.7)
-        assert np.isnan(table[table.parameter == "jrc"].monotone_length).all()
+        assert np.isfinite([one.length, one.unpaired_length]).all()
         fit = correlation_table(dataset).set_index(["parameter", "cycle"])
         assert 0.0 <= fit.lack_of_fit_p["youngs_modulus", 2] <= 1.0
         assert np.isnan(fit.lack_of_fit_p["jrc", 2])
@@ -157,18 +154,6 @@ def test_other_rocks_have_a_distribution_and_no_comparison(pool):
     assert joint_table(found, other).empty
 
 
-def test_along_the_curve_the_last_point_is_the_maximum_closure(pool):
-    table = along_curve(pool, 0.5e6, Design(), 100, 1)
-    last = table[table.stress_MPa == 30.0].set_index(["parameter", "cycle"])
-    own = elasticity_table(pool).set_index(["parameter", "cycle"])
-    np.testing.assert_allclose(last.elasticity, own.elasticity.reindex(last.index), rtol=1e-9)
-    # in the world closures are one curve times a number: all elasticities are the same along it
-    for _, part in table.groupby(["parameter", "cycle"]):
-        assert part.stress_MPa.is_monotonic_increasing
-        np.testing.assert_allclose(part.elasticity, part.elasticity.iloc[0], atol=1e-9)
-        assert len(part) > 4
-
-
 @pytest.mark.parametrize("paired", [False, True])
 def test_a_plan_of_power_is_met_by_studies_of_its_size(paired):
     # one planned from a large pool, then done many times
@@ -234,7 +219,6 @@ def test_a_study_that_varies_nothing_has_empty_tables(tmp_path):
     assert read_netcdf(tmp_path / "lengths.nc").sizes["entry"] == 0
     assert joint_table(found, PAPER).empty
     assert elasticity_table(study).empty
-    assert along_curve(study, 0.5e6, Design(), 100, 1).empty
     assert plan(study, Goal("power", 0.8)).empty
     table, _ = judge_claims(Evidence(study, study, Design(), 100, 1), PAPER)
     assert table.number.tolist() == ["6a"]

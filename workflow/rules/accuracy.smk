@@ -1,15 +1,7 @@
 # The total error of all methods: `snakemake total_error --configfile config/accuracy_biases.yaml`, of the
-# experiment accuracy and of a study whose size and stress its variant has. Nothing here makes that study.
+# experiment accuracy, and of the stored scatter and worth of control variates of the default study.
 ACCURACY = config.get("accuracy")
 TOTAL = ACCURACY.get("total") if ACCURACY else None
-TOTAL_TABLES = (
-    {
-        name: f"results/{TOTAL['study']}/tables/{name}.csv"
-        for name in ("variance_reduction", "surrogate")
-    }
-    if TOTAL
-    else {}
-)
 
 
 rule total_error:
@@ -24,8 +16,7 @@ rule total_error:
 rule weigh_total_error:
     input:
         costs=f"{RESULTS}/tables/accuracy_cost.csv",
-        variance=TOTAL_TABLES.get("variance_reduction", []),
-        surrogate=TOTAL_TABLES.get("surrogate", []),
+        variance="docs/results/variance_reduction/variance_reduction.csv",
     output:
         methods=f"{RESULTS}/tables/accuracy_methods.csv",
         points=f"{RESULTS}/tables/accuracy_total.csv",

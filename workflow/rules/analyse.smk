@@ -27,20 +27,6 @@ if "pool" in ENSEMBLES:
         priority: 0
 
 
-rule reduce_variance:
-    input:
-        ensemble=POOL,
-        covariates=POOL_COVARIATES,
-    output:
-        f"{RESULTS}/tables/variance_reduction.csv",
-    params:
-        realizations=CONFIGURATION.study.realizations,
-        significance=CONFIGURATION.statistics.significance,
-        root_seed=CONFIGURATION.study.root_seed,
-    script:
-        "../scripts/reduce_variance.py"
-
-
 rule fit_correlations:
     input:
         study=f"{RESULTS}/study.nc",
@@ -147,20 +133,6 @@ rule judge_claims:
         realizations=CONFIGURATION.study.realizations,
     script:
         "../scripts/judge_claims.py"
-
-
-rule follow_stress:
-    input:
-        pool=POOL,
-    output:
-        f"{RESULTS}/tables/along_curve.csv",
-    params:
-        statistics=to_plain(CONFIGURATION.statistics),
-        root_seed=CONFIGURATION.study.root_seed,
-        realizations=CONFIGURATION.study.realizations,
-        seating_stress=CONFIGURATION.seating_stress,
-    script:
-        "../scripts/follow_stress.py"
 
 
 rule check_results:

@@ -12,11 +12,8 @@ rule conclusions:
 rule conclude:
     input:
         claims=f"{RESULTS}/tables/claims.csv",
-        jrc_range=f"{RESULTS}/tables/jrc_range_claims.csv",
-        readings=beside(
-            "results/readings/tables/readings.csv",
-            "docs/results/conclusions/earlier_readings.csv",
-        ),
+        jrc_range=beside("docs/results/jrc_range/jrc_range_claims.csv"),
+        readings=beside("docs/results/conclusions/earlier_readings.csv"),
         choices=beside(
             "results/global_sensitivity/tables/global_sensitivity_conclusions.csv",
             "docs/results/global_sensitivity/global_sensitivity_conclusions.csv",

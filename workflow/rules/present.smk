@@ -50,7 +50,6 @@ if POOL_FIGURES:
     rule draw_pool_figures:
         input:
             drawn=f"{RESULTS}/predictive.nc",
-            along=f"{RESULTS}/tables/along_curve.csv",
             paper=PAPER,
         output:
             figures=drawn(POOL_FIGURES),

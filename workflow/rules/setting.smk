@@ -58,11 +58,9 @@ TABLES = [
     "table_3_indifference.md",
     "table_3_predictive.csv",
     "table_3_joint_tests.csv",
-    "along_curve.csv",
     "correlations.csv",
     "elasticities.csv",
     "max_closure.csv",
-    "variance_reduction.csv",
     "claims.csv",
     "claim_margins.csv",
     "checks.csv",
@@ -79,11 +77,7 @@ STUDY_FIGURES = [
     *(["hydraulic_aperture"] if FLOW else []),
     *(["table_3_intervals", "trends_max_closure"] if VARIED else []),
 ]
-POOL_FIGURES = (
-    ["table_3_predictive", "along_curve_elasticities", "along_curve_intervals"]
-    if VARIED
-    else []
-)
+POOL_FIGURES = ["table_3_predictive"] if VARIED else []
 FIGURES = [*STUDY_FIGURES, *POOL_FIGURES]
 
 

@@ -5,14 +5,14 @@ from jointclosure.jobs.logbook import Logbook
 from jointclosure.sensitivity.conclusions import conclusion_table
 from jointclosure.storage.text import read_csv, write_csv
 
-BESIDE = ("readings", "choices", "margins")
+BESIDE = ("jrc_range", "readings", "choices", "margins")
 """Tables of other studies."""
 
 
 def main(inputs: dict, outputs: dict, log: Logbook) -> None:
     """Write the table, with empty columns for studies that were not run."""
     beside = {name: read_csv(inputs[name]) for name in BESIDE if inputs[name]}
-    table = conclusion_table(read_csv(inputs["claims"]), read_csv(inputs["jrc_range"]), **beside)
+    table = conclusion_table(read_csv(inputs["claims"]), **beside)
     write_csv(table, outputs["table"])
     for name in BESIDE:
         log(f"{name}: {inputs[name] or 'of the default study only; the columns are empty'}")

@@ -24,7 +24,6 @@ from jointclosure.config.wanted import Wanted, wanted_of
 from jointclosure.experiments import SECTIONS, checked_design
 from jointclosure.inputs import InputError
 from jointclosure.measured.curves import curve_settings, measured_curves
-from jointclosure.sensitivity.jrc_range import check_jrc_varies
 from jointclosure.sensitivity.reached import describe_reached, surfaces_next
 from jointclosure.sensitivity.tables import closure_lines
 from jointclosure.storage.text import read_csv, read_text, write_text
@@ -56,10 +55,7 @@ TARGETS = {
     "study": Target(),
     "report": Target(("report",), page="report.html"),
     "hard-cases": Target(("hard_cases",), study="hard_cases"),
-    "jrc-range": Target(("all", "jrc_range"), check=lambda study: check_jrc_varies(study.typed)),
-    "conclusions": Target(
-        ("all", "conclusions"), check=lambda study: check_jrc_varies(study.typed)
-    ),
+    "conclusions": Target(("all", "conclusions")),
 }
 TARGETS |= {
     name.replace("_", "-"): Target(

@@ -23,7 +23,7 @@ def main(inputs: dict, settings: dict, outputs, log: Logbook) -> None:
     cheap = time_cheap(joint)
     log(f"FFT pairs: {cheap}")
     diagram = Diagram(total, design["parameter"], joint.levels, settings["measured"])
-    tables = (read_csv(inputs[name]) for name in ("costs", "variance", "surrogate"))
+    tables = (read_csv(inputs[name]) for name in ("costs", "variance"))
     methods = method_table(diagram, *tables, cheap)
     points = point_table(methods)
     splits = split_table(points, total["budgets_min"])

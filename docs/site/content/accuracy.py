@@ -19,13 +19,6 @@ RESULTS = {
     "mean": "mean maximum closure of a case",
     "interval": "indifference interval of Young's modulus",
 }
-LIMITS = {
-    "height_over_slope_m": "RMS of the summed heights / RMS slope (m)",
-    "slope_ratio": "RMS slope at 0.5 mm / at 0.25 mm",
-    "correlation": "correlation of slopes",
-}
-STRESSES = (0.01, 0.03, 0.05, 0.1, 0.15)
-"""Stresses over strength at which errors of the bearing-area law are shown."""
 
 
 def coverage(surfaces: int, sampling: float) -> str:
@@ -196,7 +189,7 @@ def _range(column: str, scale: float = 1.0) -> Form:
 
 
 variance = Table(
-    "paper/variance_reduction",
+    "variance_reduction/variance_reduction",
     {f"coverage, {kind} (%)": _range(f"{kind}_coverage", 100) for kind in ("adjusted", "plain")},
     rows={
         "response": lambda group: (
@@ -208,67 +201,4 @@ variance = Table(
     across="{rock}",
     cell=_range("worth"),
     prepare=lambda table: table[table.response != "slope"],
-)
-
-
-def _laws(table: pd.DataFrame) -> pd.DataFrame:
-    """Add the table of walls without roll-off to that of walls with it."""
-    return pd.concat([table, stored("surrogate_no_roll_off", "surrogate")], ignore_index=True)
-
-
-def _kind(group: Group) -> str:
-    length = group["roll_off_mm"]
-    return "no roll-off" if pd.isna(length) else f"roll-off {length:g} mm"
-
-
-def _errors(table: pd.DataFrame) -> pd.DataFrame:
-    """Choose errors at some stresses, and add the errors at the largest one."""
-    table = rows_of(_laws(table), constants="all")
-    last = rows_of(table.assign(top=table.stress_MPa > 0.999 * table.stress_MPa.max()), top=True)
-    last = last.set_index(["roll_off_mm", "rock", "jrc"])[["rms_percent", "mean_percent"]]
-    table = table[table.stress_over_strength.isin(STRESSES)]
-    return table.join(last.add_prefix("last_"), on=["roll_off_mm", "rock", "jrc"])
-
-
-surrogate = Table(
-    "surrogate_roll_off/surrogate",
-    {"30 MPa": "{last_rms_percent:.0f} ({last_mean_percent:+.0f})"},
-    rows={"walls": _kind, "rock": "{rock}", "JRC": "{jrc:g}", "joints": "{joints}"},
-    across="{stress_over_strength:g} σc",
-    cell="{rms_percent:.0f}",
-    prepare=_errors,
-)
-constants = Table(
-    "surrogate_roll_off/surrogate",
-    {
-        "walls": _kind,
-        "fitted to": lambda group: group["rock"] if group["constants"] == "own" else "all four",
-        "a": "{at_strength}",
-        "b": "{exponent}",
-    },
-    prepare=lambda table: (
-        _laws(table).drop_duplicates(["roll_off_mm", "constants", "at_strength"]).round(3)
-    ),
-)
-limits = Table(
-    "surrogate_roll_off/surrogate",
-    {"walls": _kind}
-    | {title: f"{{least_{name}:.3g}} to {{most_{name}:.3g}}" for name, title in LIMITS.items()},
-    prepare=lambda table: _laws(table).drop_duplicates("roll_off_mm"),
-)
-
-
-surrogate_domain = Table(
-    "surrogate_domain/surrogate_domain",
-    rows={
-        "walls": lambda group: (
-            f"roll-off {group['roll_off_mm']:g} mm" if group["roll_off_mm"] > 0.0 else "no roll-off"
-        ),
-        "spacing (mm)": lambda group: f"{1e3 * group['spacing_m']:g}",
-        "cells a side": "{cells:g}",
-        "joints": "{joints:g}",
-    },
-    across="JRC {jrc:g}",
-    cell="{rms_percent:.0f}",
-    prepare=lambda table: table[table.stress_over_strength == table.stress_over_strength.max()],
 )

@@ -149,7 +149,7 @@ def jrc_range() -> str:
     """Tabulate S/mean, median lengths and dashes at half-widths of the JRC, over rocks."""
     names = {"base": "S/mean (%)", "joint p": "p of the paper's Table 3"}
     lines = []
-    table = stored("paper", "jrc_range").rename(columns={"standard_error": "value_error"})
+    table = stored("jrc_range", "jrc_range").rename(columns={"standard_error": "value_error"})
     for (name, cycle), rows in table.groupby(["parameter", "cycle"], sort=False):
         title = names.get(name, f"median length of {name.replace('_', ' ')}, unpaired t test (%)")
         line, dashes = {"": title, "cycle": cycle or ""}, {"": "its dashes (%)", "cycle": cycle}
@@ -171,7 +171,7 @@ def _lengths(part: pd.DataFrame, digits: int) -> str:
 
 
 jrc_claims = Table(
-    "paper/jrc_range_claims",
+    "jrc_range/jrc_range_claims",
     rows={"": "{number}", "claim": "{claim}"},
     across=_known,
     cell=found_text,

@@ -60,7 +60,7 @@ _mean = partial(
     span, "paper/max_closure", "max_closure_mean_mm", "max_closure_mean_mm_standard_error",
     parameter="base",
 )  # fmt: skip
-_jrc = partial(span, "paper/jrc_range", "value", "standard_error")
+_jrc = partial(span, "jrc_range/jrc_range", "value", "standard_error")
 _studies = partial(span, "paper/claims", "found_share", "found_error", 100.0)
 _joint = partial(span, "large_pool/table_3_joint_tests", "p", "p_error")
 _no_effect = partial(span, "large_pool/table_3_joint_tests", "null_p", "null_p_error")

@@ -62,7 +62,7 @@ claims = Table(
 def scatter(cycle: int) -> str:
     """Give S/mean [%] of the rocks as they are, least to largest, with the largest error."""
     form = "{value min:.0f} to {value max:.0f} (± {standard_error max:.1g}) %"
-    return value_of("paper/jrc_range", form, parameter="base", half_width=0.0, cycle=cycle)
+    return value_of("jrc_range/jrc_range", form, parameter="base", half_width=0.0, cycle=cycle)
 
 
 def surfaces() -> str:

@@ -15,14 +15,6 @@ MEASURED = Path(__file__).with_name("accuracy_settings.csv")
 """Errors of settings of the numerics, from which presets are selected."""
 METHODS = Path(__file__).with_name("accuracy_methods.csv")
 """Errors, scatter and cost of presets, from which a required accuracy is planned."""
-SURROGATES = tuple(
-    Path(__file__).with_name(f"surrogate_{walls}.csv") for walls in ("roll_off", "no_roll_off")
-)
-"""Constants of the bearing-area law and its errors, for the walls of the default study and for
-walls with waves of all lengths; `snakemake surrogate` makes such a table."""
-SURROGATE_DOMAIN = Path(__file__).with_name("surrogate_domain.csv")
-"""Errors of the bearing-area law at other spacings, sizes and JRC; `benchmarks/surrogate_domain.py`
-makes it."""
 PAPER_TABLE_3 = Path(__file__).with_name("paper_table_3.csv")
 """The paper's Table 3."""
 

@@ -107,7 +107,6 @@ class Statistics(NamedTuple):
     bootstrap_resamples: int
     bootstrap_confidence: float
     repetitions: int
-    jrc_half_widths: list[float]
     control_variates: int | None = None
 
 

@@ -1,4 +1,4 @@
-"""Figures of predicted publications of a sensitivity study, and along the closure curve."""
+"""Figure of predicted publications of a sensitivity study."""
 
 import numpy as np
 import pandas as pd
@@ -10,7 +10,6 @@ from jointclosure.config.properties import PARAMETER_TITLES
 from jointclosure.config.typed import StudyRock
 from jointclosure.plotting.style import (
     key,
-    keys_of,
     legend_below,
     panel_grid,
     point_key,
@@ -25,7 +24,6 @@ _DASH = 900.0
 """Position of the column of dashes on that axis, beyond the range."""
 _BINS = np.geomspace(*_RANGE, 61)
 _TICKS = (1, 3, 10, 30, 100, 300)
-_STYLES = ("-", "--", "-.", ":")
 
 
 @styled
@@ -142,60 +140,3 @@ def _handles(draws: int, compared: bool) -> list:
     text = "column –: no real root (share in this study)"
     handles.append(key(text, ls="", color=_OURS))
     return handles
-
-
-@styled
-def along_curve_figure(table: pd.DataFrame, rocks: dict[str, StudyRock], what: str) -> Figure:
-    """Draw elasticities, or lengths of intervals, over stress, for each parameter and cycle.
-
-    Parameters
-    ----------
-    table : DataFrame
-        As from `jointclosure.sensitivity.along_curve.along_curve`.
-    rocks : dict
-        Rocks of the study by name, in order.
-    what : {"elasticities", "intervals"}
-    """
-    parameters = [p for p in PARAMETER_TITLES if p in set(table.parameter)]
-    cycles = sorted(table.cycle.unique())
-    figure, panels = panel_grid(
-        len(parameters), len(cycles), (3.6, 2.3), (0.0, 0.9), sharex=True, sharey="row"
-    )
-    for row, parameter in zip(panels, parameters, strict=True):
-        for axes, cycle in zip(row, cycles, strict=True):
-            part = table[(table.parameter == parameter) & (table.cycle == cycle)]
-            for i, (name, rock) in enumerate(rocks.items()):
-                one = part[part.rock == name].sort_values("stress_MPa")
-                if len(one):
-                    style = {"color": f"C{i}", "ls": _STYLES[i % len(_STYLES)]}
-                    _draw_along(axes, one, what, style, rock.title)
-            axes.set_title(f"{PARAMETER_TITLES[parameter]}, cycle {cycle}", fontsize=10)
-            if what == "intervals":
-                _percent_axis(axes)
-            else:
-                axes.axhline(0.0, color="0.6", lw=0.7)
-            axes.spines[["top", "right"]].set_visible(False)
-        row[0].set_ylabel("elasticity" if what == "elasticities" else "length, unpaired test (%)")
-    for axes in panels[-1]:
-        axes.set_xlabel("normal stress (MPa)")
-    legend_below(figure, keys_of([panels[0][0]]), 2)
-    return figure
-
-
-def _percent_axis(axes) -> None:
-    axes.set_yscale("log")
-    axes.set_ylim(*_RANGE)
-    ticks_at(axes.yaxis, _TICKS)
-
-
-def _draw_along(axes, one: pd.DataFrame, what: str, style: dict, label: str) -> None:
-    x = one.stress_MPa.to_numpy()
-    if what == "elasticities":
-        y, error = one.elasticity.to_numpy(), one.elasticity_standard_error.to_numpy()
-        low, high = y - 2.0 * error, y + 2.0 * error
-    else:
-        y = one.percent_median.replace(np.inf, np.nan).to_numpy(dtype=float)
-        ends = one[["percent_low_90", "percent_high_90"]].to_numpy(dtype=float).T
-        low, high = np.clip(ends, *_RANGE)
-    axes.fill_between(x, low, high, color=style["color"], alpha=0.15, lw=0)
-    axes.plot(x, y, lw=1.6, label=label, **style)

@@ -18,7 +18,6 @@ from jointclosure.statistics.total_error import front
 
 _TITLES = {"mean": "Mean closure", "interval": "Indifference interval"}
 _NAMES = {
-    "surrogate": "bearing-area law",
     "elastic": "elastic model",
     "paper": "the paper's steps",
     "quick": "preset quick",

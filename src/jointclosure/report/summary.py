@@ -22,7 +22,7 @@ from jointclosure.statistics.verdicts import (
 
 FIRST_PICTURES = {
     "independent": ("closure_since_seating", "table_3_intervals"),
-    "common": ("closure_since_seating", "along_curve_elasticities"),
+    "common": ("closure_since_seating",),
 }
 """Tables of the first screen by the draws of a study; missing ones are left out."""
 

@@ -34,7 +34,7 @@ _MOST_NAMED = 3
 
 def conclusion_table(
     claims: pd.DataFrame,
-    jrc_range: pd.DataFrame,
+    jrc_range: pd.DataFrame | None = None,
     readings: pd.DataFrame | None = None,
     choices: pd.DataFrame | None = None,
     margins: pd.DataFrame | None = None,
@@ -45,8 +45,8 @@ def conclusion_table(
     ----------
     claims : DataFrame
         Claims of the study, as from `jointclosure.sensitivity.claims`.
-    jrc_range : DataFrame
-        How often studies confirm each claim if a JRC is known to a range (`jrc_range_tables`).
+    jrc_range : DataFrame, optional
+        How often studies confirm each claim if a JRC is known to a range only.
     readings : DataFrame, optional
         Table of `make readings`. Readings that contradict the paper's text do not count. A
         reading of only some rocks can contradict a claim about all rocks, but not confirm it.
@@ -79,7 +79,9 @@ def conclusion_table(
     return pd.DataFrame(rows)
 
 
-def _of_jrc(number: str, jrc_range: pd.DataFrame) -> dict:
+def _of_jrc(number: str, jrc_range: pd.DataFrame | None) -> dict:
+    if jrc_range is None:
+        return dict.fromkeys((f"jrc_{name}" for name in ("half_width", *FOUND)), np.nan)
     rows = jrc_range[(jrc_range.number == number) & (jrc_range.half_width > 0.0)]
     widest = rows.sort_values("half_width").reindex(columns=["half_width", *FOUND])
     last = widest.iloc[-1] if len(widest) else pd.Series(np.nan, widest.columns)

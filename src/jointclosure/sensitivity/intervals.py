@@ -20,7 +20,6 @@ from jointclosure.statistics.bootstrap import bootstrap_length, bootstrap_paired
 from jointclosure.statistics.control_variates import adjusted_length
 from jointclosure.statistics.correlations import fit_quadratic
 from jointclosure.statistics.indifference import IndifferenceInterval, indifference_interval
-from jointclosure.statistics.monotone import monotone_interval
 from jointclosure.statistics.paired import (
     PairedInterval,
     p_of_difference,
@@ -44,7 +43,6 @@ _FOUND = (
     "linear_length",
     "unpaired_length",
     "unpaired_percent",
-    "monotone_length",
 )
 """Columns of an interval; those with the suffix ``_net`` are net of bulk indentation."""
 _ENDS = ("p_of_ends", "unpaired_p_of_ends")
@@ -85,9 +83,8 @@ def indifference_table(
     -------
     DataFrame
         ``test`` is "paired" or "unpaired"; ``length`` and related columns are by this test, and
-        ``unpaired_length`` by the published test for any draws. With more than three levels
-        ``monotone_length`` is that of isotonic regression, by ``test``. ``p_of_ends`` is the p
-        value of the difference between the lowest and the highest level, by both tests.
+        ``unpaired_length`` by the published test for any draws. ``p_of_ends`` is the p value of the
+        difference between the lowest and the highest level, by both tests.
         ``adjusted_length`` is by the published test for independent draws, from means and
         deviations adjusted by the covariates; NaN without covariates.
     """
@@ -125,15 +122,6 @@ def _interval(
     unpaired = _tested(response, statistics.significance, False)
     interval = _tested(response, statistics.significance, True) if response.paired else unpaired
     resampled = _bootstrap(response, statistics, root_seed, suffix)
-    monotone = np.nan
-    if response.levels.size > 3:
-        monotone = monotone_interval(
-            response.levels,
-            response.samples,
-            statistics.significance,
-            response.base,
-            response.paired,
-        ).length
     row = {
         "length": interval.length / size,
         "percent": 100.0 * interval.length / response.base,
@@ -147,7 +135,6 @@ def _interval(
         "linear_length": interval.linear_length / size,
         "unpaired_length": unpaired.length / size,
         "unpaired_percent": 100.0 * unpaired.length / response.base,
-        "monotone_length": monotone / size,
     }
     return {f"{name}{suffix}": value for name, value in row.items()}
 

@@ -265,11 +265,6 @@ def adjusted_length(
     )
 
 
-def worth(plain: float, adjusted: float) -> float:
-    """Return how many plain simulations one adjusted one replaces, from two standard errors."""
-    return float((plain / adjusted) ** 2)
-
-
 def _checked(values, covariates, known_means) -> tuple[np.ndarray, np.ndarray]:
     values, covariates = real_array("values", values), real_array("covariates", covariates)
     known_means = real_array("known_means", known_means)

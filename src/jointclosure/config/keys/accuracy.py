@@ -67,13 +67,9 @@ class KnobKeys(Keys):
 
 
 class TotalErrorKeys(Keys):
-    """The diagram of total error (`snakemake total_error`): every way to a result, with what a
-    finished study says of scatter and control variates."""
+    """The diagram of total error (`snakemake total_error`): every way to a result, with the
+    scatter and the worth of control variates of the default study (docs/results)."""
 
-    study: Name = entry(
-        "Study whose tables are read, of the size and stress of `scene`; `.venv/bin/snakemake "
-        "surrogate` has been run on it too."
-    )
     scene: str = entry("Variant of the model whose errors and times count.")
     methods: dict[Name, PointKeys] = entry(
         "Settings that are compared by name, each a knob and its value in `scene`.", min_length=1

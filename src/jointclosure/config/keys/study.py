@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from jointclosure.config.keys.entries import Keys, Name, Positive, entry
+from jointclosure.config.keys.entries import Keys, Name, entry
 from jointclosure.surface.roughness import RELATIONS
 from jointclosure.surface.synthesis import RULES
 
@@ -94,9 +94,6 @@ class StatisticsKeys(Keys):
     bootstrap_confidence: float = entry("Confidence of these intervals.", gt=0, lt=1)
     repetitions: int = entry(
         "Repetitions of the study that are drawn for what it would publish.", ge=100, le=1_000_000
-    )
-    jrc_half_widths: list[Positive] = entry(
-        "Half-widths of a JRC that is known to a range only (target jrc_range).", [1.0, 2.0]
     )
     control_variates: int | None = entry(
         "Surfaces that are made, and not closed, to tell the means of depths of the summed "

@@ -1,12 +1,11 @@
 """Work-precision diagram: total error of all methods over core-minutes.
 
-Methods are the settings of the numerics, the elastic model and the bearing-area law, with and
-without control variates. Errors of settings are those of an accuracy study at the size and stress
-of a second study, whose repetitions give the scatter and the worth of control variates. The parts
-of a total error are in `jointclosure.statistics.total_error`.
+Methods are the settings of the numerics and the elastic model, with and without control variates.
+Errors of settings are those of an accuracy study at the size and stress of the default study, whose
+stored repetitions give the scatter and the worth of control variates. The parts of a total error
+are in `jointclosure.statistics.total_error`.
 """
 
-import functools
 import time
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
@@ -35,9 +34,7 @@ from jointclosure.statistics.total_error import (
     shares,
 )
 from jointclosure.surface.roughness import z2_of_jrc
-from jointclosure.surrogate.estimate import ALL_ROCKS, estimate
 
-SURROGATE = "surrogate"
 RESPONSES = {"mean": "levels", "interval": "interval"}
 """Measure of `jointclosure.experiments.accuracy.cost` whose error is the bias of each response.
 That of a mean is of all levels of the property together."""
@@ -51,31 +48,22 @@ _TIMED = 25
 
 
 class Cheap(NamedTuple):
-    """Times to make a pair of walls, measure its covariates, estimate its closure [FFT pairs]."""
+    """Times to make a pair of walls, and to measure its covariates [FFT pairs]."""
 
     walls: float
     covariates: float
-    estimate: float
 
 
 def time_cheap(joint: Joint) -> Cheap:
     """Measure median times of operations on a surface without its closure [FFT pairs]."""
     grid, surface, jrc = joint.grid, joint.surface, joint.jrc
     z2 = z2_of_jrc(jrc, grid.spacing, surface.hurst, surface.jrc_relation)
-    law = functools.partial(
-        estimate,
-        spacing=grid.spacing,
-        rock=joint.rock,
-        max_normal_stress=joint.stress,
-        extrapolate=True,
-    )
     times = []
     for number in range(_TIMED):
         pair = pair_seconds()
         walls, made = _timed(lambda n=number: walls_of_seed(seed_of(n), jrc, grid, surface))
         _, measured = _timed(lambda w=walls: covariates_of_pair(w[0], w[1], z2))
-        _, estimated = _timed(lambda w=walls: law(*w))
-        times.append(np.array([made, measured, estimated]) / pair)
+        times.append(np.array([made, measured]) / pair)
     return Cheap(*np.median(times, axis=0).tolist())
 
 
@@ -103,7 +91,6 @@ def method_table(
     diagram: Diagram,
     costs: pd.DataFrame,
     variance: pd.DataFrame,
-    surrogate: pd.DataFrame,
     cheap: Cheap,
 ) -> pd.DataFrame:
     """Compute bias, scatter and cost of every method, for each response, cycle and rock.
@@ -114,9 +101,7 @@ def method_table(
     costs : DataFrame
         As from `jointclosure.experiments.accuracy.cost.cost_table`.
     variance : DataFrame
-        ``variance_reduction.csv`` of the study.
-    surrogate : DataFrame
-        ``surrogate.csv`` of the study: errors of the bearing-area law on its joints.
+        ``variance_reduction.csv`` of the default study, as stored.
     cheap : Cheap
 
     Returns
@@ -149,11 +134,6 @@ def method_table(
                 cost = times * (row.seconds + second * cheap.walls)
                 bias = _error(row, measure)
                 rows += [about | {"method": name} | _bias(bias, cost) | kind for kind in scatter]
-            if response == "mean" and cycle == 1:
-                # the law gives the closure of every measured surface: there is nothing to adjust
-                bias = _of_surrogate(surrogate, scene, rock)
-                cost = second * (cheap.walls + cheap.estimate)
-                rows.append(about | {"method": SURROGATE} | _bias(bias, cost) | scatter[0])
     table = pd.DataFrame(rows).assign(measured_cost=second * (cheap.walls + cheap.covariates))
     # an error without a confidence interval is unknown
     known = table.bias_low.notna().groupby([table[key] for key in KEYS]).transform("all")
@@ -201,25 +181,6 @@ def _text(value: object) -> str:
     return "" if np.isnan(number) else f"{number:g}"
 
 
-def _of_surrogate(table: pd.DataFrame, scene: pd.DataFrame, rock: str) -> tuple[float, ...]:
-    """Compute the mean error [%] of the bearing-area law at a rock's largest stress.
-
-    The law was fitted to closures with the steps of the study, whose error is therefore included.
-    """
-    part = table[(table.constants == ALL_ROCKS) & (table.rock == rock)]
-    if part.empty:
-        raise InputError(
-            f"surrogate.csv: has no joints of {rock}; run `.venv/bin/snakemake surrogate`"
-        )
-    row = part[part.stress_MPa == part.stress_MPa.max()].iloc[0]
-    half = REACH * row.rms_percent / np.sqrt(row.joints)
-    base = scene[(scene.knob == BASE) & (scene.rock == rock) & (scene.cycle == 1)].iloc[0]
-    steps = _error(base, RESPONSES["mean"])
-    law = (row.mean_percent, row.mean_percent - half, row.mean_percent + half)
-    both = zip(law, steps, strict=True)
-    return tuple(100.0 * ((1.0 + 0.01 * a) * (1.0 + 0.01 * b) - 1.0) for a, b in both)
-
-
 def _scatter(variance: pd.DataFrame, about: dict, diagram: Diagram) -> list[dict]:
     """Return the scatter of one surface, without and with control variates."""
     parameter, cycle = BASE if about["response"] == "mean" else diagram.parameter, about["cycle"]
@@ -227,10 +188,7 @@ def _scatter(variance: pd.DataFrame, about: dict, diagram: Diagram) -> list[dict
     here &= (variance.parameter == parameter) & (variance.draws == "independent")
     if "value" not in variance or not here.any():
         missing = ", ".join(str(value) for value in about.values())
-        raise InputError(
-            f"variance_reduction.csv: has no worth of control variates for {missing}; "
-            "run that study with enough surfaces, and with statistics.control_variates"
-        )
+        raise InputError(f"variance_reduction.csv: has no worth of control variates for {missing}")
     row = variance[here].iloc[0]
     scatter = row.plain_error / abs(row["value"]) * np.sqrt(row.surfaces)
     left, explained = shares(row.worth, row.surfaces, diagram.measured)

@@ -1,1 +1,0 @@
-"""Bearing-area law for the closure of a first loading, and its errors."""
