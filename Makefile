@@ -38,7 +38,7 @@ export UV_SYSTEM_CERTS := 1
 export UV_PYTHON_DOWNLOADS := never
 export MPLBACKEND := Agg
 
-.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects mismatch readings global-sensitivity global-sensitivity-estimate conclusions test test-all lint docs publish coverage wheel lock clean size misalignment measured-joints
+.PHONY: help setup setup-slurm study smoke report hard-cases accuracy effects mismatch global-sensitivity global-sensitivity-estimate conclusions test test-all lint docs publish coverage wheel lock clean size misalignment measured-joints
 
 help: ## List the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -100,9 +100,6 @@ misalignment: $(STAMP) ## Close walls that are tilted, or rotated about the norm
 
 measured-joints: $(STAMP) ## Close joints beside three measured ones, by the model's open choices (13 core-minutes)
 	$(RUN) measured-joints
-
-readings: $(STAMP) ## Ask which reading of the paper gives its Table 3 (ninety minutes on two cores)
-	$(RUN) readings
 
 global-sensitivity: $(STAMP) ## Ask what matters when properties and open choices vary together (a core-hour)
 	$(RUN) global-sensitivity

@@ -71,7 +71,6 @@ def test_a_changed_leaf_is_read_or_refused(path, tmp_path):
 
 
 STEPS = ("accuracy", "knobs", "steps")
-ROLL_OFF = ("readings", "aspects", "roll_off", "roll_off_3mm", "set")
 DATE = datetime.date(2020, 1, 1)
 
 
@@ -82,8 +81,8 @@ DATE = datetime.date(2020, 1, 1)
         ("size", ("size", "patch_mm", 0), 1e300),
         ("accuracy", (*STEPS, "set"), {"numerics": 1}),
         ("accuracy", (*STEPS, "scale"), ["numerics.solver"]),
-        ("readings", ROLL_OFF, {"grid": DATE}),
-        ("readings", ROLL_OFF, {"study": {"rocks": 1}}),
+        ("accuracy", (*STEPS, "set"), {"grid": DATE}),
+        ("accuracy", (*STEPS, "set"), {"study": {"rocks": 1}}),
     ],
 )
 def test_nested_settings_that_cannot_be_are_refused(study, leaf, value, tmp_path):

@@ -11,11 +11,6 @@ from jointclosure.experiments import checked_design, experiment_named, experimen
 from tests.studied import DEFAULT, ROOT, checked_study
 
 TINY = {name: read_plain(ROOT / f"tests/workflow/tiny_{name}.yaml") for name in SECTIONS}
-ROUND = {"name": "x", "candidates": "kept", "realizations": 3, "margin": 1.0}
-
-
-def of_aspect(**settings):
-    return {"readings": {"aspects": {"a": {"b": {"title": "a reading", "set": settings}}}}}
 
 
 def of_inputs(**inputs):
@@ -42,10 +37,6 @@ REFUSED = [
     ("mismatch", {"mismatch": {"shift_in_cells": [1]}}, "shift_in_cells = [1]: must contain 0"),
     ("mismatch", {"mismatch": {"wavelength_mm": [-1]}}, "wavelength_mm = -1: must be at least"),
     ("mismatch", {"surface": {"correlation": 0.5}}, "the study sets surface.mismatch_wavelength"),
-    ("readings", of_aspect(surface={"hurts": 1}), "b: surface.hurts"),
-    ("readings", of_aspect(rocks={"slate": {"jrc": 9}}), "may not change"),
-    ("readings", {"readings": {"reference_realizations": 4}}, "= 4: must be a multiple of 3"),
-    ("readings", {"readings": {"rounds": [ROUND]}}, "must be singles in the first round"),
     ("size", {"size": {"spacing_mm": [0.15, 0.25]}}, "spacing_mm = 0.25: must be a multiple of"),
     ("size", {"size": {"patch_mm": [3, 4]}}, "patch_mm = 3: must be a whole part of 4"),
     ("size", {"size": {"spectra": {"flat": {"roll_off_mm": 0.2}}}}, "spectra.flat: roll_off"),

@@ -5,7 +5,6 @@
 wildcard_constraints:
     experiment="|".join(EXPERIMENTS) or "none",
     job="[A-Za-z0-9_.-]+",
-    round="[a-z][a-z0-9_]*",
 
 
 rule compile_experiment:
@@ -29,31 +28,7 @@ rule close_points:
         "../scripts/close_points.py"
 
 
-checkpoint rank_round:
-    input:
-        joints=lambda w: joints_of(
-            w.experiment, jobs_of_round(w.experiment, number_of(w))
-        ),
-        before=lambda w: [
-            table_file(ranking)
-            for ranking in rankings_before(w.experiment, number_of(w))
-        ],
-        files=lambda w: list(DESIGNS[w.experiment].files.values()),
-    output:
-        f"{RESULTS}/tables/{{experiment}}_round_{{round}}.csv",
-    params:
-        parameters=lambda w: DESIGNS[w.experiment].parameters,
-        files=lambda w: dict(DESIGNS[w.experiment].files),
-        number=number_of,
-        entrants=lambda w: entrants_of(w.experiment, number_of(w)),
-        code=lambda w: code_of_experiment(w.experiment, "rank_round"),
-    script:
-        "../scripts/rank_round.py"
-
-
 for NAME, EXPERIMENT in EXPERIMENTS.items():
-    RANKINGS = [ranking_job(NAME, number) for number in range(len(round_names(NAME)))]
-
     rule:
         name:
             f"estimate_{NAME}"
@@ -64,7 +39,6 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
         priority: 100
         params:
             samples=lambda w, name=NAME: packed_samples(name),
-            at_most=bool(RANKINGS),
         script:
             "../scripts/estimate_points.py"
 
@@ -72,8 +46,7 @@ for NAME, EXPERIMENT in EXPERIMENTS.items():
         name:
             f"tabulate_{NAME}"
         input:
-            joints=lambda w, name=NAME: joints_of(name, jobs_of(name)),
-            rounds=[table_file(ranking) for ranking in RANKINGS],
+            joints=[f"{RESULTS}/{NAME}/{job}.nc" for job in DESIGNS[NAME].jobs],
             files=list(DESIGNS[NAME].files.values()),
         output:
             joints=f"{RESULTS}/{NAME}.nc",

@@ -9,14 +9,13 @@ from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.text import write_csv
 
 
-def main(samples: Samples, at_most: bool, output: str, log: Logbook) -> None:
+def main(samples: Samples, output: str, log: Logbook) -> None:
     """Write the seconds of each job, and show their sum to the user."""
     table = estimated_time(samples, log)
     write_csv(table, output)
     minutes, error = table.seconds.sum() / 60, math.hypot(*table.error) / 60
     known = f" ± {error:.0f}" if math.isfinite(error) else ""
-    joints = f"{'at most ' if at_most else ''}{table.joints.sum()} joints"
-    line = f"{joints} will take about {minutes:.0f}{known} minutes on one core"
+    line = f"{table.joints.sum()} joints will take about {minutes:.0f}{known} minutes on one core"
     log(line)
     print(f"jointclosure: {line}", file=sys.__stderr__, flush=True)
 
@@ -28,7 +27,6 @@ if __name__ == "__main__":
                 name: [Sample(unpacked(points), joints) for points, joints in samples]
                 for name, samples in snakemake.params.samples.items()
             },
-            snakemake.params.at_most,
             snakemake.output[0],
             logbook,
         )

@@ -29,7 +29,6 @@ Values unusual of rock are refused as likely slips of units, unless `study.unusu
 | `regularised.yaml`, `paper_at_10_mpa.yaml` | the model that converges as steps shrink, to 10 MPa, and the paper's beside it |
 | `accuracy.yaml` | cost of accuracy (`make accuracy`) |
 | `accuracy_biases.yaml` | errors of the presets for four rocks, and total errors ([accuracy](../docs/accuracy.md)) |
-| `readings.yaml` | which reading of the paper makes its Table 3 likeliest (`make readings`) |
 | `effects.yaml` | contribution and cost of each effect (`make effects`) |
 | `mismatch.yaml` | walls from mated to independent, and shifted (`make mismatch`) |
 | `size.yaml` | nested patches of several sizes and spacings (`make size`) |

@@ -35,12 +35,10 @@ def main(
 if __name__ == "__main__":
     with job(snakemake) as logbook:
         params, inputs, outputs = snakemake.params, snakemake.input, snakemake.output
-        rounds = [read_csv(file) for file in listed(inputs.get("rounds", []))]
-        ranked = {"rounds": rounds} if rounds else {}
         files = {name: read_csv(file) for name, file in params.files.items()}
         main(
             experiment_named(params.experiment),
-            params.parameters | files | ranked,
+            params.parameters | files,
             as_table(*map(read_netcdf, listed(inputs.joints))),
             snakemake.config,
             {name: listed(outputs[name]) for name in ("joints", "tables")},

@@ -46,7 +46,7 @@ def contradictions(keys: dict, typed: Callable[[dict], Configuration]) -> Iterat
     if configuration.study.unusual_values == "refuse":
         rocks = {name: keys["rocks"][name] for name in configuration.rocks}
         # check the settings of these studies separately
-        checked = dict.fromkeys(("accuracy", "readings", "global_sensitivity"))
+        checked = dict.fromkeys(("accuracy", "global_sensitivity"))
         yield from _unusual(keys | {"rocks": rocks} | checked, "")
     surface, spacing = configuration.surface, configuration.grid.spacing
     checks: tuple[Callable[[], object], ...] = (

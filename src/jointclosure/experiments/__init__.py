@@ -4,7 +4,7 @@ An experiment is a module here with a constant ``EXPERIMENT``. The engine
 (`jointclosure.ensemble.points`) closes its points. A new one is named in `SECTIONS`.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -36,24 +36,6 @@ COLUMNS = {
 """Columns of published tables, with their scale, for coordinates of points [SI]."""
 
 
-class Rounds(NamedTuple):
-    """Rounds of an experiment, each of which depends on the ranking of the one before.
-
-    Attributes
-    ----------
-    names : tuple of str
-    entrants : callable
-        Names of the entrants of a round, from its number and the ranking of the round before,
-        None for the first round.
-    jobs : callable
-        Names of the jobs that a round needs, from its number and its entrants.
-    """
-
-    names: tuple[str, ...]
-    entrants: Callable[[int, pd.DataFrame | None], list[str]]
-    jobs: Callable[[int, Sequence[str]], list[str]]
-
-
 class Design(NamedTuple):
     """Jobs, tables and figures of an experiment for one configuration.
 
@@ -62,7 +44,7 @@ class Design(NamedTuple):
     Attributes
     ----------
     jobs : mapping
-        Points of each job, for all jobs that any round may close.
+        Points of each job.
     tables, figures : tuple of str
         Names of the files that are written.
     parameters : dict
@@ -73,8 +55,6 @@ class Design(NamedTuple):
         Settings of all necessary kernels, by default those of all points.
     samples : callable, optional
         Points whose closure estimates the time, by default `samples_of` all jobs.
-    rounds : Rounds, optional
-        Without it all jobs are closed.
     """
 
     jobs: Jobs
@@ -84,7 +64,6 @@ class Design(NamedTuple):
     files: Mapping[str, str] = MappingProxyType({})
     compiled: Callable[[], Iterable[ClosureSettings]] | None = None
     samples: Callable[[], Samples] | None = None
-    rounds: Rounds | None = None
 
     def kernels(self) -> list[list[str]]:
         """Return the kernels that are compiled before the jobs start."""
@@ -111,16 +90,12 @@ class Experiment(NamedTuple):
         Makes the `Design` from a checked configuration. Raises `ConfigurationError` if that
         contradicts itself.
     tabulate : callable
-        Makes tables by name, from the table of all joints and the parameters of the design;
-        ``rounds`` among these is the list of rankings.
+        Makes tables by name, from the table of all joints and the parameters of the design.
     draw : callable
         Draws the figure of a name, from the tables by name and the parameters of the design.
     check : callable
         Raises `ConfigurationError` if points cannot be closed. It is called once before any job,
         for checks that are too slow for ``design``.
-    rank : callable, optional
-        Ranks a round, from the joints that it needs, the parameters of the design, the round's
-        number and its entrants.
     """
 
     title: str
@@ -129,7 +104,6 @@ class Experiment(NamedTuple):
     tabulate: Callable[[pd.DataFrame, Mapping[str, Any]], Tables]
     draw: Callable[[str, Tables, Mapping[str, Any]], "Figure"]
     check: Callable[[Configured], None] = lambda configured: None
-    rank: Callable[[pd.DataFrame, Mapping[str, Any], int, list[str]], pd.DataFrame] | None = None
 
 
 def experiment_named(name: str) -> Experiment:

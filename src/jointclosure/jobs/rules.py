@@ -92,10 +92,6 @@ class SealedJobs:
 
         Empty if this configuration has no such job, or parameters depend on inputs.
         """
-        from snakemake.exceptions import (  # type: ignore[import-untyped]
-            IncompleteCheckpointException,
-        )
-
         for rule, pattern in self._seals:
             if match := pattern.fullmatch(Path(seal).as_posix()):
                 wildcards = SimpleNamespace(**match.groupdict())
@@ -106,7 +102,7 @@ class SealedJobs:
                             for name, value in rule.params.items()
                         }
                     )
-                except (LookupError, TypeError, ValueError, IncompleteCheckpointException):
+                except (LookupError, TypeError, ValueError):
                     return ""
         return ""
 

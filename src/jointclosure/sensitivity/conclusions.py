@@ -48,7 +48,7 @@ def conclusion_table(
     jrc_range : DataFrame, optional
         How often studies confirm each claim if a JRC is known to a range only.
     readings : DataFrame, optional
-        Table of `make readings`. Readings that contradict the paper's text do not count. A
+        Verdicts under readings of the paper. Readings that contradict its text do not count. A
         reading of only some rocks can contradict a claim about all rocks, but not confirm it.
     choices, margins : DataFrame, optional
         Shares of the open choices of `make global-sensitivity`, and inputs that affect margins.

@@ -16,7 +16,6 @@ from jointclosure.config.keys.misalignment import MisalignmentKeys
 from jointclosure.config.keys.mismatch import MismatchKeys
 from jointclosure.config.keys.model import ChoiceKeys, EffectKeys
 from jointclosure.config.keys.numerics import NumericsKeys
-from jointclosure.config.keys.readings import ReadingsKeys
 from jointclosure.config.keys.rocks import RockKeys
 from jointclosure.config.keys.size import SizeKeys
 from jointclosure.config.keys.study import (
@@ -57,7 +56,6 @@ class _StudyKeys(Keys):
 OF_EXPERIMENTS = {
     "accuracy": ("accuracy", AccuracyKeys),
     "effects": ("ablation", AblationKeys),
-    "readings": ("readings", ReadingsKeys),
     "global_sensitivity": ("global_sensitivity", GlobalSensitivityKeys),
     "mismatch": ("mismatch", MismatchKeys),
     "size": ("size", SizeKeys),
