@@ -47,7 +47,8 @@ help: ## List the targets
 
 setup: $(STAMP) ## Set up the locked environment in .venv (every other target does this too), compile for `jointclosure close`
 	@echo "Compiling the kernels of jointclosure close (a minute when they are new) ..."
-	-@$(IN_GROUP) $(BIN)/jointclosure doctor --try
+	-@$(IN_GROUP) $(BIN)/python -m jointclosure.joint.warmup close
+	-@$(IN_GROUP) $(BIN)/jointclosure doctor
 
 $(STAMP): requirements.lock requirements-uv.lock pyproject.toml
 	@command -v "$$PYTHON" >/dev/null 2>&1 || { printf '%s is not installed: apt-get install python3 python3-venv\n' "$$PYTHON"; exit 1; }

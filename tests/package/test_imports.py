@@ -13,7 +13,7 @@ PREFIX = "jointclosure.commands."
 SCRIPTS = Path(__file__).parents[2] / "workflow/scripts"
 HEAVY = {
     "IPython", "SurfaceTopography", "docutils", "jinja2", "matplotlib", "mpmath", "netCDF4",
-    "numba", "numpy", "pandas", "plotly", "rich", "scipy.interpolate", "scipy.optimize",
+    "numba", "numpy", "pandas", "rich", "scipy.interpolate", "scipy.optimize",
     "scipy.spatial", "scipy.stats", "seaborn", "snakemake", "tifffile", "trimesh", "xarray",
 }  # fmt: skip
 FILES = {"netCDF4", "numpy", "pandas", "xarray"}

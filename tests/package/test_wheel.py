@@ -107,14 +107,13 @@ def test_doctor_finds_an_empty_folder_well(program, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_after_a_trial_of_doctor_nothing_is_left_to_compile(program, tmp_path):
-    done = run(program, "doctor", "--try", cwd=tmp_path)
+def test_after_the_compilation_for_close_nothing_is_left_to_compile(program, tmp_path):
+    python = program.with_name("python")
+    done = run(python, "-m", "jointclosure.joint.warmup", "close", cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "kernels compiled" in done.stdout
     walls = [str(ROOT / f"config/walls/joint_{name}.npz") for name in ("upper", "lower")]
     closing = f"jc.close(*{walls}, rock='granite', max_normal_stress=2e6)"
     count = "from jointclosure.compilation.kernels import compiles; print(compiles())"
-    python = program.with_name("python")
     done = run(python, "-c", f"import jointclosure as jc; {closing}; {count}", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (0, "0\n"), done.stderr
 

@@ -1,7 +1,6 @@
 """`jointclosure doctor`: check whether the environment is ready for a study, with advice."""
 
 import importlib.util
-import itertools
 import os
 import platform
 import shutil
@@ -16,14 +15,11 @@ from typing import NamedTuple
 import psutil
 
 from jointclosure.commands import COMMANDS
-from jointclosure.compilation.kernels import cache_folder, compiles
+from jointclosure.compilation.kernels import cache_folder
 from jointclosure.config.configuration import DEFAULT, configured, merged_study
-from jointclosure.ensemble.scanned_joint import RESOLVED
 from jointclosure.inputs import InputError
 from jointclosure.inputs.extras import EXTRAS, installed
 from jointclosure.jobs.progress import duration
-from jointclosure.joint.warmup import compile_kernels
-from jointclosure.parameters import PLAUSIBLE, Choices, Effects, Numerics
 from jointclosure.storage.provenance import versions_of
 from jointclosure.storage.text import read_csv
 
@@ -54,20 +50,13 @@ def add_to(commands) -> None:
         "folder and Snakemake, with advice on problems. Run it where `make study` is run; it "
         "changes nothing, and fails if there is a problem.",
     )
-    command.add_argument(
-        "--try",
-        dest="attempt",
-        action="store_true",
-        help="also close small joints in all ways of `jointclosure close`, which compiles its "
-        "kernels if needed (about a minute)",
-    )
     command.set_defaults(run=run)
 
 
 def run(arguments) -> int:
     """Print all findings; return 1 if there is any advice."""
     unwell = 0
-    for finding in findings(Path.cwd(), arguments.attempt):
+    for finding in findings(Path.cwd()):
         mark = "!" if finding.advice else " "
         print(f"{mark} {finding.what + ':':<18}{finding.state}", flush=True)
         if finding.advice:
@@ -77,7 +66,7 @@ def run(arguments) -> int:
     return 1 if unwell else 0
 
 
-def findings(folder: Path, attempt: bool) -> Iterator[Finding]:
+def findings(folder: Path) -> Iterator[Finding]:
     """Generate all findings for a study that is run in a folder."""
     yield _python()
     yield _versions()
@@ -89,8 +78,6 @@ def findings(folder: Path, attempt: bool) -> Iterator[Finding]:
     yield _threads(cores)
     yield _memory(cores)
     yield _cache()
-    if attempt:
-        yield _attempt()
     yield _results(folder)
     yield _snakemake(folder)
 
@@ -180,14 +167,6 @@ def _kernels(folder: Path) -> str:
 
 def _size(folder: Path) -> int:
     return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
-
-
-def _attempt() -> Finding:
-    start, before = time.perf_counter(), compiles()
-    for peaks, numerics in itertools.product(PLAUSIBLE["peaks"], (RESOLVED, Numerics())):
-        compile_kernels(Effects(), Choices(peaks=peaks), numerics.solver, numerics.breakage)
-    took = f"small joints closed in {duration(time.perf_counter() - start)}"
-    return Finding("trial", took + (", kernels compiled" if compiles() > before else ""))
 
 
 def _results(folder: Path) -> Finding:

@@ -10,7 +10,7 @@ EXTRAS: dict[str, tuple[str, ...]] = {
     "exchange": ("meshio",),
     "figures": ("matplotlib", "seaborn"),
     "peers": ("ContactMechanics", "tamaas"),
-    "report": ("docutils", "jinja2", "plotly"),
+    "report": ("docutils", "jinja2"),
     "walls": ("SurfaceTopography", "tifffile", "trimesh"),
     "workflow": ("mpmath", "snakemake"),
 }

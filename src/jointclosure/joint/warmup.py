@@ -4,6 +4,7 @@ Two processes that compile into an empty cache at the same time can store each o
 Therefore one process first compiles all kernels that the others need.
 """
 
+import sys
 from collections.abc import Iterable
 from typing import Literal
 
@@ -65,11 +66,17 @@ def compile_kernels(
         )
 
 
-if __name__ == "__main__":
+def main(words: list[str]) -> None:
+    """Compile the kernels of all scenes; with "close", those of `jointclosure.close` only."""
     from jointclosure.solvers.registry import SOLVERS
 
-    for scene in well_posed_scenes():
+    only_close = words == ["close"]
+    for scene in [Effects()] if only_close else well_posed_scenes():
         for peaks in ("pristine", "current"):
-            for name in SOLVERS:
+            for name in ["fast"] if only_close else SOLVERS:
                 compile_kernels(scene, Choices(peaks=peaks), name, "fixed_step")
             compile_kernels(scene, Choices(peaks=peaks), "fast", "resolved")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

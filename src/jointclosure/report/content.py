@@ -12,7 +12,6 @@ from jointclosure.config.configuration import resolved
 from jointclosure.ensemble.aggregation import succeeded
 from jointclosure.jobs.progress import duration
 from jointclosure.report import findings, running, settings, summary
-from jointclosure.report.curves import MOST_JOINTS, explorer_data
 from jointclosure.report.page import Picture
 
 
@@ -58,7 +57,6 @@ def content(material: Material) -> dict:
     titles = {name: rock.title for name, rock in configuration.rocks.items()}
     of_paper = set(titles) & set(material.paper.rock)
     rows = settings.setting_rows(keys, material.default, material.schema)
-    explored = explorer_data(study, titles, configuration.seating_stress)
     numbers = summary.summary_sheet(study, material.closures, titles)
     counts = outcome(study)
     return {
@@ -79,8 +77,6 @@ def content(material: Material) -> dict:
         "not_compared": [titles[name] for name in titles if name not in of_paper],
         "departures": settings.departures(rows),
         "failed_checks": int((~material.checks.passed).sum()),
-        "explored": explored,
-        "most_joints": MOST_JOINTS,
         "pictures": material.pictures,
         "provenance": running.provenance_rows(study.attrs),
         "median_time": duration(float(study.timing_simulation.median())),

@@ -1,7 +1,6 @@
-"""Rendering of the page: sections and figures in the template, without external parts.
+"""Rendering of the page: sections and figures in the template, without external parts or scripts.
 
-Scripts are identified by their digests in the page's content security policy, which forbids
-everything else, in particular the network.
+The page's content security policy forbids everything else, in particular the network.
 """
 
 import base64
@@ -10,7 +9,6 @@ from importlib import resources
 from typing import NamedTuple
 
 import jinja2
-from plotly.offline import get_plotlyjs
 
 from jointclosure.report.captions import Caption
 
@@ -52,9 +50,6 @@ def render(content: dict, template: str = "page.html.j2") -> str:
     The content is that of `jointclosure.report.content.content`, or
     `jointclosure.report.joint.joint_content`.
     """
-    scripts = [_text("tables.js")]
-    if "explored" in content:
-        scripts = [get_plotlyjs(), *scripts, _text("explorer.js")]
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("jointclosure.report"),
         autoescape=True,
@@ -65,8 +60,6 @@ def render(content: dict, template: str = "page.html.j2") -> str:
     return environment.get_template(template).render(
         content,
         style=_text("style.css"),
-        scripts=scripts,
-        script_digests=[_digest(script) for script in scripts],
         tones=_TONES,
     )
 
@@ -83,8 +76,3 @@ def template_digest() -> str:
 def _text(name: str) -> str:
     folder = resources.files("jointclosure.report").joinpath("templates")
     return folder.joinpath(name).read_text(encoding="utf-8")
-
-
-def _digest(script: str) -> str:
-    """Return the base64 SHA-256 of a script, as in a content security policy."""
-    return "sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
