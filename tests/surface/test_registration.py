@@ -1,9 +1,17 @@
 """Two scans of one joint are brought together as its walls were."""
 
+import re
+import warnings
+
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import ndimage
 
 import jointclosure as jc
+from jointclosure.config.typed import Walls
+from jointclosure.ensemble.measured_walls import prepared_walls
 from jointclosure.inputs.remarks import cautions
 from jointclosure.scans import read_scan
 from jointclosure.surface.mating import (
@@ -13,7 +21,7 @@ from jointclosure.surface.mating import (
 )
 from jointclosure.surface.measured import Cloud, Scan, paper_spacing
 from jointclosure.surface.mismatch import Mismatch, measured_mismatch
-from jointclosure.surface.outliers import points_of, spikes, without_spikes
+from jointclosure.surface.outliers import points_of, spikes, without_plateaus, without_spikes
 from jointclosure.surface.overlap import largest_rectangle
 from jointclosure.surface.registration import ORIENTATIONS, registered
 from jointclosure.surface.roughness import detrended
@@ -21,6 +29,7 @@ from tests.conftest import SPACING, TWO_WALLS
 from tests.same_bits import PROCESSORS, printed
 
 SHAPE = (64, 72)
+AS_SCANNED = {"orientation": "common_frame", "shift": "scanned", "cut_spikes": False}
 
 
 @pytest.fixture(scope="module")
@@ -213,15 +222,152 @@ def test_a_spike_is_cut_told_and_does_not_touch_first(joint):
     assert abs(whole.aperture.mean() - expected.aperture.mean()) < 1e-4
 
 
-def test_a_hole_inside_the_walls_is_filled_and_told(joint):
+def counted(pair):
+    """The cells in holes of the upper and the lower wall of which a pair warns."""
+    (line,) = (line for line in pair.warnings if "taken out of contact" in line)
+    return tuple(map(int, re.search(r"\((\d+) of the upper, (\d+) of the lower\)", line).groups()))
+
+
+def is_open(pair):
+    """Whether the cells around a hole touch before it does."""
+    rim = ndimage.binary_dilation(pair.holes, np.ones((3, 3))) & ~pair.holes
+    return pair.aperture[pair.holes].min() > pair.aperture[rim].min()
+
+
+@st.composite
+def damaged(draw):
+    """A mated joint, z upwards, and cells (wall, y, x) off its edges, few enough to be filled."""
+    seed = draw(st.integers(0, 1000))
+    step = draw(st.sampled_from([2e-6, 1e-5, 0.0]))
+    walls = jc.wall_pair(8.0, (44, 52), SPACING, seed, mismatch_wavelength=2e-3, roll_off=None)
+    upper, lower = np.round(np.array(walls) / step) * step if step else walls
+    cells = np.zeros((2, 44, 52), bool)
+    for wall, y, x, more in draw(
+        st.lists(
+            st.tuples(*(st.integers(0, most) for most in (1, 34, 42, 1))), min_size=1, max_size=2
+        )
+    ):
+        cells[wall, y + 1 : y + 7 + more, x + 1 : x + 8] = True
+    return 1e-3 - upper, lower, cells
+
+
+@settings(max_examples=15, deadline=None, derandomize=True)
+@given(damaged(), st.sampled_from(["missing", "mean", "minimum", "value"]))
+def test_all_cells_of_holes_and_of_constant_patches_are_counted_and_out_of_contact(joint, kind):
+    *walls, cells = joint
+    clean = registered(*map(grid, walls), **AS_SCANNED)
+    assert not any("holes" in line or "plateaus" in line for line in clean.report)
+    for wall, damage in zip(walls, cells, strict=True):
+        values = {"missing": np.nan, "mean": wall[5, 5], "minimum": wall.min(), "value": 2e-3}
+        wall[damage] = values[kind]
+    found = registered(*map(grid, walls), **AS_SCANNED)
+    # cells beside a patch may have its height by chance, and a patch of the other wall none
+    more = np.array(counted(found)) - cells.sum(axis=(1, 2))
+    assert (more >= 0).all()
+    assert (more <= (0 if kind == "missing" else 8)).all()
+    assert found.holes[cells.any(axis=0)].all()
+    assert is_open(found)
+    assert sum("plateaus" in line for line in found.warnings) == (
+        0 if kind == "missing" else cells.any(axis=(1, 2)).sum()
+    )
+
+
+def test_a_flat_and_a_stepped_wall_keep_their_heights_and_a_study_refuses_a_patch(joint):
+    steps = np.indices(SHAPE)[1] // 12 * 1e-4
+    for wall in (np.zeros(SHAPE), steps, np.where(joint[1] > 0.0, joint[1], 0.0)):
+        kept = without_plateaus(grid(wall))
+        assert np.isfinite(kept.heights).all()
+    assert "used as heights" in kept.remarks[0]
+    patched = joint[1].copy()
+    patched[20:26, 30:38] = patched[3, 3]
+    about = Walls("top", "bottom", "mm", None, None, "refuse", 0.05, ())
+    scans = {"upper": grid(joint[0]), "lower": grid(patched)}
+    with pytest.raises(jc.InputError, match=r"bottom: .* have no height.* 48 of 4608 .* plateaus"):
+        prepared_walls(scans, about, SPACING, "yu_vayssade_linear_0.25mm")
+
+
+@pytest.mark.parametrize("flat", ["upper", "lower"])
+def test_a_hole_of_a_rough_wall_does_not_touch_a_flat_one(flat, joint):
+    wall = joint[1].copy()
+    hole = np.s_[20:28, 30:38]
+    wall[hole] = np.nan
+    walls = ("flat", grid(wall)) if flat == "upper" else (grid(wall), "flat")
+    found = registered(*walls, orientation="towards" if flat == "lower" else None)
+    assert counted(found) == ((0, 64) if flat == "upper" else (64, 0))
+    assert not getattr(found, flat).any()
+    assert found.holes[hole].all()
+    assert is_open(found)
+
+
+def test_holes_that_are_too_many_are_cut_and_warned_of_and_everywhere_they_are_refused(joint):
     upper, lower = (wall.copy() for wall in joint)
-    lower[30:36, 40:47] = np.nan
+    lower[5:20, 30:50] = np.nan
     found = registered(scanned(upper, "common_frame"), grid(lower))
-    assert found.upper.shape == SHAPE
-    assert "in holes, filled" in " ".join(found.report)
-    left = registered(scanned(upper, "common_frame"), grid(lower), largest_filled_share=0.0)
-    assert left.upper.size < found.upper.size
-    assert "filled" not in " ".join(left.report)
+    assert found.upper.size < 0.8 * upper.size
+    assert not found.holes.any()
+    assert any(line.startswith("Warning: 300 cells in holes of a scan") for line in found.warnings)
+    lower[np.random.default_rng(1).random(SHAPE) < 0.3] = np.nan
+    with pytest.raises(jc.InputError, match=r"walls overlap in .* \d{4} cells lie in holes"):
+        registered(scanned(upper, "common_frame"), grid(lower))
+
+
+def test_a_hole_between_scattered_points_is_as_large_as_in_a_grid(joint):
+    upper, lower = (wall.copy() for wall in joint)
+    lower[30:38, 40:48] = np.nan
+    points = points_of(grid(lower))
+    points[:, :2] += np.random.default_rng(1).uniform(-0.2, 0.2, (len(points), 2)) * SPACING
+    found = registered(scanned(upper, "common_frame"), Cloud(points), SPACING)
+    assert 50 <= counted(found)[1] <= 80
+
+
+@pytest.mark.parametrize(("size", "places"), [(8, [(20, 24)]), (3, [(8, 8), (30, 40), (12, 30)])])
+def test_a_hole_does_not_carry_the_load_of_the_joint(size, places):
+    """Closures are those without the hole; holes filled between their rims changed them by 10 %."""
+    ratios = []
+    for seed in range(3):
+        walls = jc.wall_pair(10, (44, 52), SPACING, seed, mismatch_wavelength=2e-3, roll_off=None)
+        closures = []
+        for damage in (False, True):
+            lower = walls[1].copy()
+            for y, x in places if damage else []:
+                lower[y : y + size, x : x + size] = np.nan
+            with warnings.catch_warnings(record=True) as warned:
+                warnings.simplefilter("always")
+                scans = grid(1e-3 - walls[0]), grid(lower)
+                joint = jc.close(*scans, rock="granite", max_normal_stress=10e6, single=True)
+            closures.append(joint.history.max_closure_seated.values[0])
+            of_force = [line for line in joint.pair.report if "% of the force" in line]
+            assert len(of_force) == damage
+            assert "snapshot" not in joint.history.dims
+        assert any("out of contact" in str(line.message) for line in warned)
+        assert float(re.search(r"carry (\S+) %", of_force[0])[1]) < 2.0
+        ratios.append(closures[1] / closures[0])
+    assert np.abs(np.log(ratios)).max() < 0.06
+
+
+@settings(max_examples=15, deadline=None, derandomize=True)
+@given(
+    st.integers(0, 1000),
+    st.floats(2.0, 20.0),
+    st.sampled_from([1e-6, 1e-5, 0.0]),
+    st.sampled_from([10.0, 25.4, 0.1, 1 / 25.4, 1000.0]),
+)
+def test_heights_in_another_unit_than_x_and_y_are_refused_or_warned_of(seed, jrc, step, factor):
+    walls = np.array(jc.wall_pair(jrc, (44, 52), SPACING, seed, correlation=0.9))
+    upper, lower = np.round(walls / step) * step if step else walls
+    scans = grid(1e-3 - upper), grid(lower)
+    found = registered(*scans, **AS_SCANNED)
+    assert not any("unit" in line or "plateaus" in line for line in found.report)
+    both = [scan._replace(heights=factor * scan.heights) for scan in scans]
+    words = rf"in another unit than x and y, by a factor of .*{max(factor, 1 / factor):g}"
+    for pair in ((both[0], scans[1]), (scans[0], both[1])):
+        with pytest.raises(jc.InputError, match=rf"times as steep as .*{words}"):
+            registered(*pair, **AS_SCANNED)
+    try:
+        lines = registered(*both, **AS_SCANNED).warnings
+    except jc.InputError as error:
+        lines = [str(error)]
+    assert re.search(rf"rms slope of .*{words}", " ".join(lines))
 
 
 def test_what_was_not_seen_is_not_in_the_walls(joint):
@@ -391,9 +537,6 @@ def small_joint():
     """Heights (y, x) of both walls in one frame, z upwards."""
     upper, lower = jc.wall_pair(9.0, (48, 52), SPACING, seed=4, correlation=0.9)
     return 1e-3 - upper, lower
-
-
-AS_SCANNED = {"orientation": "common_frame", "shift": "scanned", "cut_spikes": False}
 
 
 def test_a_small_overlap_a_steep_plane_and_a_wedge_are_warned_of(small_joint):

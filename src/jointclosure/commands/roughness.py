@@ -5,7 +5,7 @@ from pathlib import Path
 from jointclosure.commands import COMMANDS
 from jointclosure.commands.joint_options import add_scans, check_destination
 from jointclosure.inputs import InputError
-from jointclosure.inputs.remarks import caution
+from jointclosure.inputs.remarks import caution, cautions
 from jointclosure.scans import read_scan
 from jointclosure.sensitivity.tables import measure_table, measures_text
 from jointclosure.storage.figures import save_figure
@@ -18,8 +18,8 @@ from jointclosure.surface.measured import (
     wall_on_grid,
 )
 from jointclosure.surface.measures import increments, measure_wall
-from jointclosure.surface.outliers import without_spikes
-from jointclosure.surface.plausibility import slope_doubts
+from jointclosure.surface.outliers import without_plateaus, without_spikes
+from jointclosure.surface.plausibility import slope_doubts, unit_doubts
 from jointclosure.surface.smoothing import smoothing_of
 
 
@@ -72,6 +72,7 @@ def run(arguments) -> int:
         arguments.file, units=arguments.units, spacing=spacing, variable=arguments.variable
     )
     try:
+        scan = without_plateaus(scan)
         kept, spikes = without_spikes(scan)
         if arguments.spikes == "cut":
             scan = kept
@@ -81,10 +82,12 @@ def run(arguments) -> int:
         wall = filled(wall, arguments.missing, LARGEST_FILLED_SHARE)
         measures = measure_wall(wall, step)
     except InputError as error:
-        raise InputError(f"{arguments.file}: {error}") from None
+        reasons = [str(error), *cautions(scan.remarks)]
+        raise InputError(f"{arguments.file}: {'; '.join(reasons)}") from None
     print(measures_text(measures, str(arguments.file), wall, step))
     remarks = [*scan.remarks, *smoothed]
-    remarks += [caution(doubt) for doubt in slope_doubts({"wall": wall}, step)]
+    doubts = slope_doubts({"wall": wall}, step) or unit_doubts({"wall": wall}, step)[1]
+    remarks += [caution(doubt) for doubt in doubts]
     if spikes:
         done = "they were cut" if arguments.spikes == "cut" else "they were kept (see --spikes)"
         remarks.append(f"{spikes}; {done}")

@@ -10,12 +10,14 @@ from jointclosure.config.typed import Walls
 from jointclosure.ensemble.settings import SurfaceSettings
 from jointclosure.ensemble.surfaces import surface_pair
 from jointclosure.inputs import InputError
+from jointclosure.inputs.remarks import cautions
 from jointclosure.parameters import AS_IT_IS
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.surface.measured import Cloud, Scan, disjoint, filled, wall_on_grid
 from jointclosure.surface.measured_pairs import Cutter, MeasuredWalls
 from jointclosure.surface.measures import hurst_of
-from jointclosure.surface.plausibility import doubts, slope_doubts
+from jointclosure.surface.outliers import without_plateaus
+from jointclosure.surface.plausibility import doubts, slope_doubts, unit_doubts
 from jointclosure.surface.registration import RegisteredPair, registered
 from jointclosure.surface.roughness import jrc_of_z2, rms_slope
 from jointclosure.surface.smoothing import smoothing_of
@@ -67,6 +69,8 @@ def prepared_walls(
         heights = {"upper": (pair.upper, 0.0), "lower": (pair.lower, 0.0)}
         walls.attrs["registration"] = "; ".join(pair.report)
     else:
+        if not unusual_values:
+            scans = {side: without_plateaus(scan) for side, scan in scans.items()}
         heights = _as_they_lie(scans, settings, spacing)
     if not (unusual_values or settings.bring_together):
         _check_plausible({side: wall for side, (wall, _) in heights.items()}, settings, spacing)
@@ -98,7 +102,7 @@ def _check_plausible(walls: dict[str, np.ndarray], settings: Walls, spacing: flo
     """Raise `InputError` if units or orientation of the walls are probably wrong."""
     both = len(walls) == 2
     problems = doubts(**walls, spacing=spacing) if both else slope_doubts(walls, spacing)
-    if problems:
+    if problems := problems or unit_doubts(walls, spacing)[0]:
         raise InputError(
             f"{settings.upper} and {settings.lower}: {'; '.join(problems)}; {AS_IT_IS}"
         )
@@ -139,7 +143,8 @@ def _as_they_lie(
             share = float(np.mean(~np.isfinite(wall)))
             wall = filled(wall, settings.missing, settings.largest_filled_share)
         except InputError as error:
-            raise InputError(f"{getattr(settings, side)}: {error}") from None
+            reasons = [str(error), *cautions(scan.remarks)]
+            raise InputError(f"{getattr(settings, side)}: {'; '.join(reasons)}") from None
         others = [other.shape for other, _ in heights.values()]
         if any(shape != wall.shape for shape in others):
             sizes = [*others, wall.shape]

@@ -14,6 +14,7 @@ from jointclosure.ensemble.budget import Budget
 from jointclosure.ensemble.expected_cost import check_cells, expected_cost
 from jointclosure.ensemble.uncertainty import uncertainty_budget
 from jointclosure.inputs import InputError
+from jointclosure.inputs.remarks import caution, cautions
 from jointclosure.jobs.progress import bar, closing_bar
 from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
 from jointclosure.joint.loading import describe_load
@@ -178,14 +179,41 @@ def close(
         print(f"- {cost.sentence(pair.upper.shape, pair.spacing)}", flush=True)
     elif cost is not None:
         warnings.warn(cost.sentence(pair.upper.shape, pair.spacing), stacklevel=2)
+    kept = (*snapshots, float(of_pair.largest_stress)) if pair.holes.any() else snapshots
     with closing_bar(checked.cycle_count) if progress else nullcontext(report) as told:
-        history = close_walls(pair.upper, pair.lower, of_pair, told, snapshots)
+        history = close_walls(pair.upper, pair.lower, of_pair, told, kept)
+    if pair.holes.any():
+        history, about = _force_in_holes(pair, history, snapshots)
+        pair = pair._replace(report=[*pair.report, *about])
+        if progress:
+            print("".join(f"- {line}\n" for line in about), end="")
+        for doubt in () if progress or stated.unusual_values else cautions(about):
+            warnings.warn(doubt, stacklevel=2)
     joint = ClosedJoint(pair, history, of_pair, name)
     if single or int(history.status) >= FAILURE:  # a failed joint has no range
         return joint
     with bar("range") if progress else nullcontext(lambda share, variant: None) as show:
         budget = uncertainty_budget(pair.upper, pair.lower, of_pair, ranges, history, show)
     return joint._replace(budget=budget)
+
+
+def _force_in_holes(
+    pair: RegisteredPair, history: xr.Dataset, snapshots: Sequence[float]
+) -> tuple[xr.Dataset, list[str]]:
+    """State the force on holes at the highest stress, and leave out what was kept only for it."""
+    about = []
+    if history.sizes["snapshot"]:  # a joint that failed may have reached none
+        highest = history.snapshot_stress.values.argmax()
+        force = history.snapshot_force.values[highest]
+        share = 100.0 * force[pair.holes].sum() / force.sum()
+        stress = 1e-6 * float(history.snapshot_stress[highest])
+        words = f"holes of a scan carry {share:.2g} % of the force at {stress:g} MPa"
+        about = [caution(words) if share > 0.0 else words]
+    history = history.isel(snapshot=history.snapshot_stress.isin(snapshots))
+    if not len(snapshots):
+        states = [name for name in history.variables if str(name).startswith("snapshot_")]
+        history = history.drop_vars([*states, "upper_first", "lower_first"])
+    return history, about
 
 
 def registered_walls(

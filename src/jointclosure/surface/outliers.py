@@ -1,8 +1,9 @@
-"""Measured points that belong to no wall: stray points beside it, and spikes."""
+"""Measured points that belong to no wall: stray points beside it, spikes, and plateaus."""
 
 import numpy as np
 import scipy
 
+from jointclosure.inputs.remarks import caution
 from jointclosure.surface.measured import Cloud, Scan
 from jointclosure.surface.roughness import plane_through
 
@@ -20,6 +21,14 @@ neighbours. Gaussian self-affine walls reach 2 with 36,000 points."""
 ROUNDS = 4
 """Largest number of rounds of spike removal: some spikes are visible only after higher ones are
 gone."""
+PLATEAU = 5.0
+"""Number of connected points of exactly equal heights beyond which a plateau is no part of a rough
+wall: this times log10(points) / (1 - m)^2, where m is the share of the differences of neighbours
+that are one step of the heights, which plateaus do not change. The largest plateau of 3,200 walls
+(JRC 2 to 20, H 0.5 to 1, 0.1 to 1 mm, smoothed or not, in steps of 1 to 30 um) had 0.65 times as
+many, that of two scans of rock in steps of 1 to 100 um 0.44 times."""
+FLAT_SHARE = 0.5
+"""Share of the points in plateaus from which a wall counts as flat or stepped."""
 
 
 def strays(points: np.ndarray) -> np.ndarray:
@@ -113,23 +122,87 @@ def without_spikes(scan: Scan | Cloud) -> tuple[Scan | Cloud, str]:
         f"their eight neighbours by {1e3 * np.abs(heights[cut]).min():.3g} mm or more, the "
         f"highest by {1e3 * heights[highest]:.3g} mm at (x, y) = ({x:.4g}, {y:.4g}) mm"
     )
+    return _without(scan, cut), message
+
+
+def without_plateaus(scan: Scan | Cloud) -> Scan | Cloud:
+    """Remove the plateaus of a scan that no rough wall has, such as holes filled by a constant.
+
+    A remark of the result counts them. A flat or stepped scan (`FLAT_SHARE`) keeps its heights.
+    """
+    points = points_of(scan)
+    size = _plateau_sizes(points[:, 2], _neighbours(scan))
+    cut = size > 0
+    if not cut.any():
+        return scan
+    largest = size.argmax()
+    x, y, height = 1e3 * points[largest]
+    message = (
+        f"{int(cut.sum())} of {len(points)} heights lie in plateaus of exactly equal heights, the "
+        f"largest of {size[largest]} points of {height:.4g} mm at (x, y) = ({x:.4g}, {y:.4g}) mm"
+    )
+    if cut.mean() > FLAT_SHARE:
+        done = "; they were used as heights"
+    else:
+        scan, done = _without(scan, cut), ", as no rough wall has; they were treated as missing"
+    return scan._replace(remarks=(*scan.remarks, caution(message + done)))
+
+
+def _neighbours(scan: Scan | Cloud) -> np.ndarray:
+    """Return pairs (m, 2) of neighbours: along the axes of a grid, or the four nearest points."""
     if isinstance(scan, Cloud):
-        return scan._replace(points=points[~cut]), message
+        places = scan.points[:, :2]
+        near = scipy.spatial.cKDTree(places).query(places, k=min(5, len(places)))[1]
+        return np.column_stack([np.repeat(near[:, 0], near.shape[1] - 1), near[:, 1:].ravel()])
+    known = np.isfinite(scan.heights)
+    number = np.where(known, np.cumsum(known).reshape(known.shape) - 1, -1)
+    beside = [(number[1:], number[:-1]), (number[:, 1:], number[:, :-1])]
+    pairs = np.concatenate([np.column_stack([one.ravel(), other.ravel()]) for one, other in beside])
+    return pairs[(pairs >= 0).all(axis=1)]
+
+
+def _plateau_sizes(heights: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+    """Return the size of the plateau of each point (n,), 0 outside, from pairs of neighbours."""
+    level = np.unique(heights, return_inverse=True)[1]
+    steps = np.abs(np.diff(level[pairs], axis=1).ravel())
+    of_one_step = float((steps == 1).sum()) / max(int((steps > 0).sum()), 1)
+    one, other = pairs[steps == 0].T
+    equal = scipy.sparse.coo_array((np.ones(len(one), bool), (one, other)), (len(level),) * 2)
+    plateau = scipy.sparse.csgraph.connected_components(equal, directed=False)[1]
+    size = np.bincount(plateau)[plateau]
+    largest = PLATEAU * np.log10(len(level)) / max(1.0 - of_one_step, 1e-9) ** 2
+    return np.where(size > largest, size, 0)
+
+
+def _without(scan: Scan | Cloud, cut: np.ndarray) -> Scan | Cloud:
+    """Remove points of a scan, bool in the order of `points_of`; cells become missing."""
+    if isinstance(scan, Cloud):
+        return scan._replace(points=scan.points[~cut])
     left = scan.heights.copy()
-    left[np.isfinite(left)] = np.where(cut, np.nan, points[:, 2])
-    return scan._replace(heights=left), message
+    left[np.isfinite(left)] = np.where(cut, np.nan, left[np.isfinite(left)])
+    return scan._replace(heights=left)
 
 
-def points_of(scan: Scan | Cloud) -> np.ndarray:
-    """Return points (n, 3) of a scan [m]: x, y and height; known cells of a grid row by row."""
+def points_of(scan: Scan | Cloud, missing: bool = False) -> np.ndarray:
+    """Return points (n, 3) of a scan [m]: x, y and height; cells of a grid row by row.
+
+    With ``missing`` the missing cells of a grid, within the known ones, are points of height NaN.
+    """
     if isinstance(scan, Cloud):
         return scan.points
-    known = np.isfinite(scan.heights)
-    y, x = np.nonzero(known)
+    listed = np.isfinite(scan.heights)
+    if missing:
+        listed = np.logical_and.outer(*(_between(listed.any(axis=axis)) for axis in (1, 0)))
+    y, x = np.nonzero(listed)
     y0, x0 = scan.origin or (0.0, 0.0)
     return np.column_stack(
-        [x0 + x * scan.spacing[1], y0 + y * scan.spacing[0], scan.heights[known]]
+        [x0 + x * scan.spacing[1], y0 + y * scan.spacing[0], scan.heights[listed]]
     )
+
+
+def _between(known: np.ndarray) -> np.ndarray:
+    """Return which places lie from the first to the last known one: bool (n,)."""
+    return np.logical_or.accumulate(known) & np.logical_or.accumulate(known[::-1])[::-1]
 
 
 def _sharpness(points: np.ndarray) -> np.ndarray:

@@ -2,9 +2,20 @@
 
 import numpy as np
 
+from jointclosure.surface.measured import PAPER_SPACING
+
 _STEEPEST, _FLATTEST = 2.0, 1e-3
 """Rms slopes of rough walls outside of which heights and spacing probably have different units.
 Natural walls have 0.1 to 0.6."""
+_ROCK = 0.045, 0.9
+"""Rms slopes of rock joints at `PAPER_SPACING`: half of those of a JRC of 1, twice those of 20."""
+_USUAL_HURST = 0.8
+"""Hurst exponent with which a slope is carried to another spacing."""
+_UNLIKE = 4.0
+"""Ratio of the rms slopes of both walls of a joint from which one of them has another unit. Even
+walls of JRC 2 and 20 have 3.8."""
+_CONFUSED = {10.0: "cm and mm", 25.4: "inches and mm", 1e3: "mm and um, or m and mm"}
+"""Ratios of units that are confused."""
 _ALIKE = 0.5
 """Correlation of slopes from which two walls count as similar."""
 _SUMMITS = 10
@@ -22,17 +33,68 @@ def slope_doubts(walls: dict[str, np.ndarray], spacing: float) -> list[str]:
     spacing : float
         [m].
     """
-    doubts = []
-    for name, wall in walls.items():
-        if not _is_rough(wall):
-            continue
-        slope = float(np.sqrt(np.mean([np.nanmean(part**2) for part in _slopes(wall)]))) / spacing
-        if not _FLATTEST <= slope <= _STEEPEST:
-            doubts.append(
-                f"{name}: its rms slope is {slope:.3g}, natural walls have 0.1 to 0.6; heights "
-                "and spacing must both be in m"
+    return [
+        f"{name}: its rms slope is {slope:.3g}, natural walls have 0.1 to 0.6; heights and "
+        "spacing must both be in m"
+        for name, slope in _slopes_of_rough(walls, spacing).items()
+        if not _FLATTEST <= slope <= _STEEPEST
+    ]
+
+
+def unit_doubts(walls: dict[str, np.ndarray], spacing: float) -> tuple[list[str], list[str]]:
+    """Describe scanned walls whose heights probably have another unit than x and y.
+
+    Arguments are those of `slope_doubts`.
+
+    Returns
+    -------
+    contradictions : list of str
+        Walls of which one has heights in another unit than the other one.
+    doubts : list of str
+        Walls that are flatter or steeper than rock joints.
+    """
+    slopes = _slopes_of_rough(walls, spacing)
+    contradictions, doubts = [], []
+    if len(slopes) == 2:
+        (one, slope), (other, other_slope) = sorted(slopes.items(), key=lambda item: -item[1])
+        ratio = slope / other_slope
+        if ratio > _UNLIKE:
+            contradictions.append(
+                f"the {one} wall is {ratio:.3g} times as steep as the {other} one (rms slopes "
+                f"{slope:.3g} and {other_slope:.3g}): {_suspected(0.5 * ratio, 2.0 * ratio)}"
             )
-    return doubts
+    at_spacing = (spacing / PAPER_SPACING) ** (_USUAL_HURST - 1.0)
+    low, high = (limit * at_spacing for limit in _ROCK)
+    for name, slope in slopes.items():
+        if not low <= slope <= high:
+            factors = sorted((low / slope, high / slope, slope / low, slope / high))[2:]
+            doubts.append(
+                f"the {name} wall has an rms slope of {slope:.3g}, rock joints have {low:.2g} to "
+                f"{high:.2g} at this spacing: {_suspected(*factors)}"
+            )
+    return contradictions, doubts
+
+
+def _suspected(low: float, high: float) -> str:
+    """Name the confused units with a factor from ``low`` to ``high``, and the remedy."""
+    near = [factor for factor in _CONFUSED if low <= factor <= high] or [
+        min(_CONFUSED, key=lambda factor: abs(np.log(factor**2 / (low * high))))
+    ]
+    factors = " or ".join(f"{factor:g} ({_CONFUSED[factor]})" for factor in near)
+    return (
+        f"are its heights in another unit than x and y, by a factor of {factors}? --units is that "
+        "of heights and of x and y; convert the heights, or state their unit in the name of their "
+        "column (z_um)"
+    )
+
+
+def _slopes_of_rough(walls: dict[str, np.ndarray], spacing: float) -> dict[str, float]:
+    """Return the rms slope of each wall that is rough."""
+    return {
+        name: float(np.sqrt(np.mean([np.nanmean(part**2) for part in _slopes(wall)]))) / spacing
+        for name, wall in walls.items()
+        if _is_rough(wall)
+    }
 
 
 def doubts(upper: np.ndarray, lower: np.ndarray, spacing: float) -> list[str]:

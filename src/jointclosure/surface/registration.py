@@ -24,9 +24,9 @@ from jointclosure.surface.measured import (
     wall_on_grid,
 )
 from jointclosure.surface.mismatch import CONFIDENCE, Mismatch, measured_mismatch
-from jointclosure.surface.outliers import points_of, without_spikes
+from jointclosure.surface.outliers import points_of, without_plateaus, without_spikes
 from jointclosure.surface.overlap import Overlap, overlap_of
-from jointclosure.surface.plausibility import slope_doubts
+from jointclosure.surface.plausibility import slope_doubts, unit_doubts
 from jointclosure.surface.roughness import detrended
 from jointclosure.surface.smoothing import smoothing
 
@@ -104,6 +104,8 @@ class RegisteredPair(NamedTuple):
         Mismatch wavelength of the walls, with its interval.
     overlap : float
         Share of the smaller scan's cells that lie in the walls.
+    holes : array (y, x)
+        Cells that were taken out of contact because a scan has no height there.
     report : list of str
         Results of the registration, in sentences.
     """
@@ -121,6 +123,7 @@ class RegisteredPair(NamedTuple):
     mating: Mating
     mismatch: Mismatch
     overlap: float
+    holes: np.ndarray
     report: list[str]
 
     @property
@@ -168,7 +171,8 @@ def registered(
         Whether to leave out spikes, points that differ from all but one of their neighbours
         (`jointclosure.surface.outliers.without_spikes`).
     largest_filled_share : float
-        Largest share of the cells in holes inside the walls that are filled linearly.
+        Largest share of cells in holes inside the walls for which they are taken out of contact:
+        they receive the height of the other wall and the largest aperture of the cells around.
     unusual_values : bool
         Whether to accept pairs that are probably wrong, see Raises.
 
@@ -190,13 +194,15 @@ def registered(
     report: list[str] = []
     kept = []
     for side, scan in (("upper", upper), ("lower", lower)):
+        if side not in flat and not unusual_values:
+            scan = without_plateaus(scan)
         report += [prefixed(f"{side} wall: ", remark) for remark in scan.remarks]
         kept.append(
             _without_spikes(scan, side, report) if cut_spikes and side not in flat else scan
         )
     upper, lower = _not_finer(kept[0], kept[1], spacing, report)
     distances = point_distance(upper), point_distance(lower)
-    clouds = [points_of(upper), points_of(lower)]
+    clouds = [points_of(upper, missing=True), points_of(lower, missing=True)]
     placed = [_Placed.of(cloud, spacing) for cloud in clouds]
     if flat:
         fits, name, mated = [], orientation or "common_frame", (0.0, 0.0)
@@ -216,25 +222,29 @@ def registered(
     turned = _oriented(clouds[0], placed[0], spacing, ORIENTATIONS[name])
     raised = turned + np.array([applied[1], applied[0], 0.0])
     overlap = overlap_of(raised, clouds[1], spacing, distances, largest_filled_share)
-    if flat:  # without rounding
-        zeros = np.zeros(overlap.upper.shape)
-        overlap = (
-            overlap._replace(upper=zeros) if flat[0] == "upper" else overlap._replace(lower=zeros)
-        )
+    if flat:
+        overlap = _flattened(overlap, flat[0])
     box = (
         np.maximum(*(cloud[:, :2].min(axis=0) for cloud in (raised, clouds[1]))),
         np.minimum(*(cloud[:, :2].max(axis=0) for cloud in (raised, clouds[1]))),
     )
-    for side, cloud in (("upper", raised), ("lower", clouds[1])):
+    for side, cloud, holes in zip(
+        ("upper", "lower"), (raised, clouds[1]), overlap.holes, strict=True
+    ):
         if side not in flat:
-            lost = smoothing(cloud, getattr(overlap, side), spacing, box)
+            known = np.where(holes, np.nan, getattr(overlap, side))
+            lost = smoothing(cloud, known, spacing, box)
             report += [prefixed(f"{side} wall: ", remark) for remark in lost]
     pair = _described(overlap, spacing, name, fits, applied, mated, report)
+    walls = {"upper": pair.upper, "lower": pair.lower}
+    contradictions, unlike_rock = unit_doubts(walls, spacing)
     if not unusual_values:
-        if problems := slope_doubts({"upper": pair.upper, "lower": pair.lower}, spacing):
+        if (impossible := slope_doubts(walls, spacing)) or contradictions:
+            problems = contradictions or unlike_rock or impossible
             raise InputError(f"{'; '.join(problems)}; {AS_IT_IS}")
         common_frame = name == "common_frame" and not flat
         check_pair(overlap.upper - overlap.lower, pair.correlation, common_frame)
+    report += [caution(doubt) for doubt in contradictions + unlike_rock]
     return pair
 
 
@@ -261,6 +271,15 @@ def _both_scans(
             )
         return upper, plane_of(upper, ORIENTATIONS[orientation].sign)
     return upper, lower
+
+
+def _flattened(overlap: Overlap, side: str) -> Overlap:
+    """Make the flat wall of an overlap flat without rounding; the other one has all holes."""
+    of_flat, other = (0, "lower") if side == "upper" else (1, "upper")
+    gap, holes = overlap.upper - overlap.lower, overlap.holes.any(axis=0)
+    rough = np.where(holes, (2 * of_flat - 1) * gap, getattr(overlap, other))
+    flat = {side: np.zeros(rough.shape), other: rough}
+    return overlap._replace(**flat, holes=holes * (np.arange(2)[:, None, None] != of_flat))
 
 
 def _without_spikes(scan: Scan | Cloud, side: str, report: list[str]) -> Scan | Cloud:
@@ -449,10 +468,7 @@ def _described(
         fit = Mating(np.empty(0), np.empty(0), np.empty(0))
     early = float(np.quantile(aperture, 1e-3))
     gap = float(np.mean(overlap.upper - overlap.lower))
-    filled_words = (
-        f", {overlap.filled_cells} of them in holes, filled" if overlap.filled_cells else ""
-    )
-    cells = f"{ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm{filled_words}"
+    cells = f"{ny} x {nx} cells (y, x) of {1e3 * spacing:.4g} mm"
     shares = [f"{100.0 * share:.0f} %" for share in overlap.shares]
     of_both = [
         f"overlap: {cells}, {shares[0]} of the upper scan and {shares[1]} of the lower",
@@ -485,7 +501,7 @@ def _described(
         report.append(lies if gap > 0.0 else caution(_BELOW, f"{lies}: "))
     return RegisteredPair(
         upper, lower, spacing, aperture, (y, x), name, fits, applied, mated, correlation,
-        fit, mismatch, max(overlap.shares), report,
+        fit, mismatch, max(overlap.shares), np.logical_or(*overlap.holes), report,
     )  # fmt: skip
 
 
@@ -494,7 +510,7 @@ def _doubts(overlap: Overlap, both: bool, best_fit: bool) -> list[str]:
 
     ``best_fit`` says that the walls are in the position of best fit.
     """
-    doubts = []
+    doubts = overlap.doubts()
     share = max(overlap.shares)
     if both and share < LEAST_OVERLAP:
         question = (

@@ -63,7 +63,11 @@ class WallKeys(Keys):
         "refuse",
     )
     largest_filled_share: float = entry(
-        "Share of a wall's cells that may be filled; 0.05 unless given.", 0.05, ge=0, le=1
+        "Share of the cells that may be filled, or taken out of contact (bring_together); 0.05 "
+        "unless given.",
+        0.05,
+        ge=0,
+        le=1,
     )
     inverted: list[Literal["upper", "lower"]] = entry(
         "Walls (upper, lower) whose heights in the file point into the rock, as those of an upper "
