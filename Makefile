@@ -54,6 +54,7 @@ $(STAMP): requirements.lock requirements-uv.lock pyproject.toml
 	@command -v "$$PYTHON" >/dev/null 2>&1 || { printf '%s is not installed: apt-get install python3 python3-venv\n' "$$PYTHON"; exit 1; }
 	@"$$PYTHON" -c 'import sys; v = sys.version_info[:2]; sys.exit(0 if (3, 11) <= v <= (3, 13) else "Python %d.%d is not supported: jointclosure needs Python 3.11, 3.12 or 3.13 (choose one by PYTHON=python3.12)" % v)'
 	@"$$PYTHON" -c 'import ensurepip, venv' 2>/dev/null || { printf '%s lacks venv: apt-get install python3-venv\n' "$$PYTHON"; exit 1; }
+	@"$$PYTHON" -c 'import os, sys; sys.exit("the name of this folder has a line break: no Python finds a package there" if "\n" in os.getcwd() else 0)'
 	@if [ -L $(VENV) ]; then printf '$(VENV) is a link, and set-up would empty what it leads to: remove the link\n'; exit 1; fi
 	$(IN_GROUP) "$$PYTHON" -m venv --clear $(VENV)
 	@$(IN_GROUP) $(SHELL) -c 'if $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements-uv.lock; then \

@@ -1,9 +1,11 @@
 # Entry of the pipeline: configuration, rules, targets. See README.md for the commands.
+import os
 import sys
 
 from snakemake.utils import min_version
 
 from jointclosure.config.files import DEFAULT
+from jointclosure.jobs.folder import enter_folder
 from jointclosure.jobs.rules import complete
 from jointclosure.jobs.server import JobServer
 
@@ -31,6 +33,8 @@ onstart:
     if NUMERICS_REMARK:
         logger.info(f"jointclosure: {NUMERICS_REMARK}")
     if workflow.local_exec:  # on a cluster each job starts on its node
+        # Snakemake names it to bash without quotes, whatever the name of this folder
+        sys.executable = os.path.relpath(sys.executable)
         # a limit of starts per second makes each job that has ended wake Snakemake every second
         workflow.scheduler.job_rate_limiter = None
         try:
@@ -81,4 +85,7 @@ LOOKS = {
     "--summary",
 }
 if workflow.is_main_process:
-    SEALED.withdraw_unmet(logger.warning, remove=not LOOKS & set(sys.argv))
+    works = not LOOKS & set(sys.argv)
+    if works:
+        enter_folder()  # a run at work in this folder keeps its seals
+    SEALED.withdraw_unmet(logger.warning, remove=works)

@@ -1,7 +1,9 @@
 """Jobs run as forks of the server: as Python would run them, and none is left behind."""
 
+import contextlib
 import inspect
 import os
+import socket
 import subprocess
 import sys
 import time
@@ -11,7 +13,7 @@ import psutil
 import pytest
 from snakemake.scheduling.job_scheduler import JobScheduler
 
-from jointclosure.jobs.server import CLIENT, JobServer
+from jointclosure.jobs.server import ADDRESS, CLIENT, JobServer
 
 ROOT = Path(__file__).parents[2]
 
@@ -89,7 +91,7 @@ def test_without_a_server_for_it_a_job_is_run_by_python(server, reason):
     assert run.returncode == 3
 
 
-@pytest.mark.parametrize("ended", ["client", "server", "holder of the server"])
+@pytest.mark.parametrize("ended", ["client", "server", "killed server", "holder of the server"])
 def test_no_job_is_left_behind(server, tmp_path, ended):
     run = job(server, SLEEPS)
     pid = pid_of_sleeping(tmp_path / "job.pid")
@@ -97,6 +99,8 @@ def test_no_job_is_left_behind(server, tmp_path, ended):
         run.kill()
     elif ended == "server":
         server.end()
+    elif ended == "killed server":
+        server._process.kill()
     else:
         server._process.stdin.close()  # as by its death
     assert ends(pid)
@@ -108,6 +112,16 @@ def test_a_killed_job_fails_and_the_server_goes_on(server, tmp_path):
     os.kill(pid_of_sleeping(tmp_path / "job.pid"), 9)
     assert status_of(run) == 137
     assert status_of(job(server, REPORTS)) == 0
+
+
+def test_clients_that_are_silent_or_not_ours_stop_no_other(server):
+    with contextlib.ExitStack() as strangers:
+        for sent in (b"", b'{"scr', b"{}\n", b"[]\n", b"\xff\n"):
+            stranger = strangers.enter_context(socket.socket(socket.AF_UNIX))
+            stranger.connect(str(ADDRESS))
+            stranger.sendall(sent)
+        assert status_of(job(server, REPORTS)) == 0
+        assert server._process.poll() is None
 
 
 def test_kernels_of_a_note_are_loaded_once_by_the_server(server, tmp_path):

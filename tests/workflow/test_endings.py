@@ -13,9 +13,9 @@ import sys
 import time
 from pathlib import Path
 
-import psutil
 import pytest
 
+from tests.jobs.test_forks import processes_in
 from tests.workflow.test_nothing_lost import STAMP, project
 from tests.workflow.test_pipeline import ROOT
 
@@ -79,18 +79,6 @@ def test_a_set_up_that_is_ended_leaves_no_process_and_no_environment_that_counts
     assert not (tmp_path / STAMP).exists()
 
 
-def at_work(folder: Path) -> list[psutil.Process]:
-    """Processes that work in a folder."""
-    found = []
-    for process in psutil.process_iter():
-        try:
-            if Path(process.cwd()) == folder and process.status() != psutil.STATUS_ZOMBIE:
-                found.append(process)
-        except psutil.Error:
-            continue
-    return found
-
-
 def ask(run: subprocess.Popen, number: int, whom: str) -> None:
     """Signal make alone, or its whole group as a terminal and `timeout` do."""
     with contextlib.suppress(ProcessLookupError):
@@ -100,9 +88,9 @@ def ask(run: subprocess.Popen, number: int, whom: str) -> None:
 def ended(folder: Path, run: subprocess.Popen) -> float:
     """Wait until nothing works in a folder; the seconds that it took."""
     start = time.monotonic()
-    while run.poll() is None or at_work(folder):
+    while run.poll() is None or processes_in(folder):
         seconds = time.monotonic() - start
-        assert seconds < SECONDS, [process.cmdline() for process in at_work(folder)]
+        assert seconds < SECONDS, [process.cmdline() for process in processes_in(folder)]
         time.sleep(0.1)
     return time.monotonic() - start
 

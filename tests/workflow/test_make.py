@@ -1,6 +1,7 @@
 """`make`: what a user tells it is data, and what it says is what matters."""
 
 import os
+import resource
 import shutil
 import signal
 import subprocess
@@ -11,7 +12,8 @@ from pathlib import Path
 import pytest
 
 from jointclosure.storage.text import read_csv
-from tests.workflow.test_pipeline import ROOT, checkout
+from tests.jobs.test_forks import processes_in, wait_for_processes
+from tests.workflow.test_pipeline import ROOT, checkout, snakemake
 
 STAMP = ".venv/jointclosure-is-set-up"
 HOSTILE = [
@@ -70,6 +72,17 @@ def test_what_make_is_told_is_never_run(project, key, name):
     assert answer.returncode != 0
     assert f"{key}={name}: " in answer.stderr
     assert not list(project.rglob("X*"))
+
+
+def test_set_up_in_a_folder_with_a_line_break_is_refused(tmp_path):
+    folder = tmp_path / "a\nb"
+    folder.mkdir()
+    for name in ("Makefile", "requirements.lock", "requirements-uv.lock", "pyproject.toml"):
+        shutil.copy(ROOT / name, folder)
+    answer = subprocess.run(["make", "setup"], cwd=folder, capture_output=True, text=True)
+    assert answer.returncode != 0
+    assert "line break" in answer.stderr
+    assert not (folder / ".venv").exists()
 
 
 @pytest.mark.parametrize("name", ["`touch X`", "$(shell touch X)"])
@@ -215,6 +228,117 @@ def test_a_run_that_fails_says_which_rule_and_keeps_the_exit_status(tmp_path):
     assert "close failed; the end of job.log:" in wrong
     assert "failed: InputError: grid.cells_x = 2" in wrong
     assert "run.log" in wrong
+
+
+SILENT = FAILS.replace("job.log", "silent.log")
+KILLED = FAKE + "import os; os.kill(os.getpid(), 9)\n"
+
+
+@pytest.mark.parametrize(
+    ("program", "name"), [(SILENT, "close failed"), (KILLED, "Snakemake")], ids=["job", "snakemake"]
+)
+def test_what_is_killed_is_named_with_the_usual_cause_and_what_to_do(tmp_path, program, name):
+    (tmp_path / "silent.log").write_text("3 of 9 done\n")
+    run = follow(tmp_path, program)
+    _, wrong = run.communicate()
+    assert run.returncode in (7, 128 + 9)
+    for words in (name, "out of memory", "CORES=1"):
+        assert words in wrong.splitlines()[0]
+
+
+BUSY = WAITS.replace(
+    "import sys, time",
+    "import subprocess, sys, time\nsubprocess.Popen(['sh', '-c', 'sleep 600 & sleep 600; :'])",
+)
+
+
+@pytest.mark.parametrize("victim", ["run", "Snakemake"])
+def test_no_process_is_left_of_a_run_that_is_killed(tmp_path, victim):
+    run = follow(tmp_path, BUSY)
+    wait_for_processes(tmp_path, 6)  # the run, Snakemake, their guard, three of a job
+    leader = next(p for p in processes_in(tmp_path) if os.getpgid(p.pid) == p.pid != run.pid)
+    (run if victim == "run" else leader).kill()
+    run.communicate()
+    wait_for_processes(tmp_path, 0, most=5.0)
+
+
+PRINTS = """
+import sys
+class InputError(Exception): pass
+def run_target(name, request):
+    print("0.02 \u00b1 0.01")
+    with open("log") as file:
+        return 0 if file.fileno() > 2 and sys.stderr else 1
+"""
+
+
+@pytest.mark.parametrize("closed", ["", "<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
+def test_a_run_needs_no_open_stream_and_no_encoding(tmp_path, closed):
+    for name in ("run.py", "process_group.py"):
+        shutil.copy(ROOT / "workflow/scripts" / name, tmp_path)
+    (tmp_path / "targets.py").write_text(PRINTS)
+    (tmp_path / "log").touch()
+    done = subprocess.run(
+        ["sh", "-c", f"{sys.executable} run.py study {closed}"],
+        cwd=tmp_path,
+        capture_output=True,
+        env=os.environ | {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == (b"" if ">&-" in closed.split() else b"0.02 ? 0.01\n")
+
+
+@pytest.mark.parametrize(
+    ("limit", "most", "printed"),
+    [
+        (resource.RLIMIT_NOFILE, 20, "ulimit -n = 20: must be at least"),
+        (resource.RLIMIT_FSIZE, 20_000, "make_study.log: could not be written"),  # as a full disk
+    ],
+    ids=["open files", "room"],
+)
+def test_a_run_without_open_files_or_room_is_refused_in_a_line(project, limit, most, printed):
+    done = make(
+        project,
+        "study",
+        "CONFIG=tiny.yaml",
+        preexec_fn=lambda: resource.setrlimit(limit, (most, most)),
+    )
+    assert done.returncode != 0
+    assert printed in done.stderr.splitlines()[0]
+    assert "Error" in done.stderr.splitlines()[-1]
+    assert len(done.stderr.splitlines()) == 2
+
+
+def test_a_snakemake_that_is_refused_leaves_the_seals_of_the_run_at_work(project):
+    seal = project / "results/tiny/seals/aggregate.json"
+    seal.parent.mkdir(parents=True, exist_ok=True)
+    seal.write_text("not a seal that is met")
+    holds = (
+        "from jointclosure.jobs.folder import enter_folder; enter_folder(); "
+        "print(flush=True); input()"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", holds],
+        cwd=project,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    ) as first:
+        first.stdout.readline()
+        refused = snakemake(project)
+        first.communicate(b"\n")
+    assert refused.returncode != 0
+    assert f"another run is at work in this folder (process {first.pid} on" in refused.stderr
+    assert seal.exists()
+
+
+def test_the_name_of_a_folder_may_have_any_sign_of_a_shell(project, tmp_path):
+    folder = tmp_path / "a'b \"c $d `e` & (f)\n*;"
+    shutil.copytree(project, folder, symlinks=True, ignore=shutil.ignore_patterns(".snakemake"))
+    python = folder / ".venv/bin/python"
+    surfaces = "results/tiny/cases/slate-base.0.surfaces.nc"
+    done = snakemake(folder, "--", surfaces, python=str(python))
+    assert done.returncode == 0, done.stderr
+    assert (folder / surfaces).is_file()
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -6,6 +6,7 @@
 import os
 import random
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -14,6 +15,7 @@ from pathlib import Path
 import psutil
 import pytest
 
+from tests.jobs.test_forks import processes_in
 from tests.workflow.test_pipeline import ROOT, checkout, jointclosure_cli, snakemake
 
 KILLS = int(os.environ.get("JOINTCLOSURE_KILLS", "3"))
@@ -91,11 +93,14 @@ def test_a_kill_at_any_moment_loses_nothing(undisturbed, tmp_path, number):
         assert run.poll() is None, "the run ended before it was killed"
         time.sleep(chance.uniform(0.0, 0.1))
         engines, jobs = processes_of(run)
-        victims = engines if number % 2 else jobs
-    chance.choice(victims).kill()
+        victims = (jobs, engines, [psutil.Process(run.pid)])[number % 3]
+    if number % 3 == 2:
+        os.killpg(run.pid, signal.SIGKILL)  # make with all that is in its group
+    else:
+        chance.choice(victims).kill()
     run.wait()
     finished(folder)
-    psutil.wait_procs(jobs, timeout=600)  # orphans, where Snakemake was killed
+    assert processes_in(folder) == []
     assert_same(folder, undisturbed)
     litter = [path for path in (folder / "results").rglob(".*") if path.is_file()]
     assert litter == []

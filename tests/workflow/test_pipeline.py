@@ -36,10 +36,11 @@ def snakemake(
     config: str = "tiny.yaml",
     environment: dict | None = None,
     profile: str = "workflow/profiles/default",
+    python: str = sys.executable,
 ):
     """Run the project's Snakefile in a folder; the completed process."""
     command = [
-        sys.executable, "-m", "snakemake", "--workflow-profile", profile,
+        python, "-m", "snakemake", "--workflow-profile", profile,
         "--configfile", config, "--cores", str(cores), *arguments,
     ]  # fmt: skip
     return subprocess.run(

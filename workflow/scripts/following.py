@@ -1,21 +1,28 @@
 """Run of Snakemake with its log in a file: progress, failures, and end."""
 
+import os
 import re
+import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TextIO
 
-from process_group import EndRequest, end_group, kill_group, shell_status
+from process_group import EndRequest, ForkedGroup, end_group, kill_group, shell_status
 
-from jointclosure.jobs.forks import ForkedGroup
+from jointclosure.jobs.forks import run_forked
 from jointclosure.jobs.logbook import failed_log
 from jointclosure.jobs.progress import WorkflowProgress
 
 SHOWN = "jointclosure: "
 """Prefix of the lines of the log that are shown to the user."""
 OWN_RESULTS = "The study's own tables and figures are in {folder}; its pool adds ranges"
+KILLED = "exit status 137"
+MEMORY = (
+    "its process was killed, as systems do that run out of memory. "
+    "What is finished stays; start again with fewer jobs at once (CORES=1)"
+)
 SECONDS, PART = 30.0, 0.1
 """Time or share of jobs between two lines on progress without a terminal."""
 
@@ -29,7 +36,9 @@ def follow(snakemake: Callable[[], object], stream: TextIO, log: Path, request: 
     if request:
         return ended(console, request)
     start = log.stat().st_size
-    process = ForkedGroup(snakemake, stream)
+    with open(os.devnull, encoding="utf-8") as empty:
+        streams = [empty.fileno(), stream.fileno(), stream.fileno()]
+        process = ForkedGroup(lambda: run_forked(snakemake, streams))
     progress, early = WorkflowProgress(), False
     try:
         for line in lines_of(log, start, process):
@@ -48,7 +57,8 @@ def follow(snakemake: Callable[[], object], stream: TextIO, log: Path, request: 
     console.clear()
     written = log.read_bytes()[start:].decode(errors="replace")
     if process.returncode:
-        print(failures(written), file=sys.stderr)
+        lost = process.returncode == -signal.SIGKILL
+        print(f"Snakemake: {MEMORY}" if lost else failures(written), file=sys.stderr)
         print(f"The run failed or was ended; its whole log is {log}", file=sys.stderr)
     elif progress.total:
         console.say(f"{progress.done} of {progress.total} jobs done")
@@ -130,12 +140,16 @@ class Console:
 def failures(log_text: str) -> str:
     """Describe the failed rules in a log of Snakemake, with the end of their logs."""
     failed = dict.fromkeys(_FAILED.findall(log_text))
-    parts = [
-        f"{rule} failed; the end of {log}:\n{_end(Path(log).read_text(errors='replace'), 12)}"
-        for rule, log in failed
-        if Path(log).is_file()
-    ]
+    parts = [part for rule, log in failed if (part := _failure(rule, Path(log), log_text))]
     return "\n\n".join(parts) or _end(log_text, 40)
+
+
+def _failure(rule: str, log: Path, log_text: str) -> str:
+    """Describe a failed job; empty if the log of Snakemake alone has the reason."""
+    text = log.read_text(encoding="utf-8", errors="replace") if log.is_file() else ""
+    if not re.search("^failed: ", text, re.MULTILINE) and (log.is_file() or KILLED in log_text):
+        return f"{rule} failed without an error in {log}: {MEMORY}\n{_end(text, 3)}".rstrip()
+    return text and f"{rule} failed; the end of {log}:\n{_end(text, 12)}"
 
 
 def repeated(log_text: str) -> list[str]:

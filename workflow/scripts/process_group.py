@@ -1,14 +1,15 @@
-"""Commands in new process groups, which end within seconds after a request to end.
+"""Process groups that end within seconds after a request, and with the process that made them.
 
-As a program it replaces the command: `python process_group.py COMMAND ARGUMENT ...`. It needs the
+As a program it replaces a command: `python process_group.py COMMAND ARGUMENT ...`. It needs the
 standard library only, as `make setup` runs it before there is an environment.
 """
 
 import os
+import select
 import signal
-import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 GRACE = 15.0
@@ -82,25 +83,90 @@ def _catches_interrupts(process: int) -> bool:
     return bool(caught) and bool(int(caught[0], 16) >> (signal.SIGINT - 1) & 1)
 
 
-def start_group(command: list[str], **settings) -> subprocess.Popen:
-    """Start a command in a new process group, out of reach of the terminal's signals."""
-    return subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True, **settings)
+class ForkedGroup:
+    """Function in a forked process that leads a new process group, with the interface of `Popen`.
+
+    What is left of the group is killed as soon as its leader or this process has ended, whatever
+    ended it: programs that the group starts need not know of this.
+
+    Parameters
+    ----------
+    function : callable
+        Without arguments; it ends or replaces its process.
+    """
+
+    def __init__(self, function: Callable[[], object]):
+        self.returncode: int | None = None
+        sys.stdout.flush()
+        ready, leads = os.pipe()
+        alive, self._held = os.pipe()
+        self.pid = os.fork()
+        if not self.pid:
+            try:
+                os.setsid()
+                os.close(leads)
+                os.close(self._held)
+                _guard(alive)
+                function()
+            except OSError as error:
+                print(error, file=sys.stderr, flush=True)
+            finally:
+                os._exit(127)
+        os.close(leads)
+        os.close(alive)
+        os.read(ready, 1)  # until the process leads its group, so that signals reach it
+        os.close(ready)
+
+    def poll(self) -> int | None:
+        """Return the exit status; None before the end."""
+        return self._wait(os.WNOHANG)
+
+    def wait(self) -> int | None:
+        """Wait for the end, and return the exit status."""
+        return self._wait(0)
+
+    def _wait(self, options: int) -> int | None:
+        if self.returncode is None:
+            process, status = os.waitpid(self.pid, options)
+            self.returncode = os.waitstatus_to_exitcode(status) if process else None
+        return self.returncode
 
 
-def run_group(command: list[str], request: EndRequest, **settings) -> int:
+def _guard(alive: int) -> None:
+    """Fork the process that kills this group when its leader, or all that hold a pipe, ended."""
+    leader = os.getpid()
+    if os.fork():
+        return
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+    while os.getppid() == leader and not select.select([alive], [], [], 0.2)[0]:
+        pass
+    os.killpg(0, signal.SIGKILL)
+
+
+def run_group(command: list[str], request: EndRequest) -> int:
     """Run a command to its end, or until this process is asked to end; its exit status."""
     if request:
         return 128 + request.signal
-    process = start_group(command, **settings)
+    process = ForkedGroup(lambda: _replace(command))
     while process.poll() is None:
         if request:
             end_group(process, request, signal.SIGTERM)
             return 128 + request.signal
         time.sleep(0.1)
-    return shell_status(process.returncode)
+    kill_group(process)
+    return shell_status(process.returncode or 0)
 
 
-def end_group(process: subprocess.Popen, request: EndRequest, number: int = signal.SIGINT) -> None:
+def _replace(command: list[str]) -> None:
+    """Become a command, without input and with its usual reactions to signals."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE):
+        signal.signal(number, signal.SIG_DFL)
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    os.execvp(command[0], command)
+
+
+def end_group(process: ForkedGroup, request: EndRequest, number: int = signal.SIGINT) -> None:
     """Signal a process group once, and kill what is left of it after the grace period."""
     _send(process, number)
     deadline = time.monotonic() + GRACE
@@ -110,7 +176,7 @@ def end_group(process: subprocess.Popen, request: EndRequest, number: int = sign
     kill_group(process)
 
 
-def kill_group(process: subprocess.Popen) -> None:
+def kill_group(process: ForkedGroup) -> None:
     """Kill what is left of the group of a process, and wait for the process."""
     _send(process, signal.SIGKILL)
     process.wait()
@@ -121,7 +187,7 @@ def shell_status(returncode: int) -> int:
     return 128 - returncode if returncode < 0 else returncode
 
 
-def _send(process: subprocess.Popen, number: int) -> bool:
+def _send(process: ForkedGroup, number: int) -> bool:
     """Send a signal to the group of a process; False where none of the group is left."""
     try:
         os.killpg(process.pid, number)

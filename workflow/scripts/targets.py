@@ -6,23 +6,22 @@ reads them.
 
 import importlib.util
 import os
-import subprocess
 import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-import psutil
 import yaml
 from following import follow
-from process_group import EndRequest, run_group
+from process_group import EndRequest
 
 from jointclosure.config.configuration import Configured, configured, merged_study
 from jointclosure.config.files import read_plain
 from jointclosure.config.wanted import Wanted, wanted_of
 from jointclosure.experiments import SECTIONS, checked_design
 from jointclosure.inputs import InputError
+from jointclosure.jobs.folder import enter_folder
 from jointclosure.measured.curves import curve_settings, measured_curves
 from jointclosure.sensitivity.reached import describe_reached, surfaces_next
 from jointclosure.sensitivity.tables import closure_lines
@@ -82,10 +81,11 @@ def run_target(name: str, request: EndRequest) -> int:
     command = snakemake(os.environ.get("PROFILE") or _PROFILE, os.environ.get("CORES", ""))
     given = ["--configfile", f"./{override}" if override.startswith("-") else override]
     given = given if override else []
-    release_lock([*command, *given], request)
+    enter_folder()
     log = folder / f"logs/make_{name.replace('-', '_')}.log"
     log.parent.mkdir(parents=True, exist_ok=True)
     print(f"The log is {log}", flush=True)
+    write_text(" " * 2**16, log)  # an error where the disk is full
     log.write_text("")
     with open(log, "a", encoding="utf-8") as stream:
         for goal in target.goals:
@@ -187,21 +187,3 @@ def run_snakemake(arguments: list[str]) -> None:
 
     sys.argv = ["snakemake", *arguments]  # the Snakefile reads them too
     main()
-
-
-def release_lock(command: list[str], request: EndRequest) -> None:
-    """Release the lock of a killed Snakemake."""
-    if not any(Path(".snakemake/locks").glob("*")):
-        return
-    for process in psutil.process_iter():
-        try:
-            words = process.cmdline()
-            runs = {"--workflow-profile", "workflow/scripts/run.py"} & set(words)
-            here = runs and Path(process.cwd()) == Path.cwd().resolve()
-        except psutil.Error:
-            continue
-        if here and process.pid != os.getpid():
-            raise InputError(f"another run is at work in this folder (process {process.pid})")
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    words = [sys.executable, "-m", "snakemake", *command, "--unlock"]
-    run_group(words, request, **quiet)

@@ -1,7 +1,8 @@
 """Work shared among processes, with one task at a time for each process.
 
 A worker is a process that runs `work`. Unlike the workers of `multiprocessing` it never runs the
-script of the caller again, and if it dies only its current task is lost.
+script of the caller again, and if it dies only its current task is lost. It is killed when its
+caller ends, also in a task.
 """
 
 import os
@@ -14,6 +15,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from typing import Any, NamedTuple
 
 from jointclosure.inputs import InputError, check_number
+from jointclosure.jobs.forks import end_with_parent
 
 _ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
@@ -106,7 +108,7 @@ class _Workers:
         environment = os.environ | dict.fromkeys(_ONE_THREAD, "1")
         environment["PYTHONPATH"] = os.pathsep.join(path or os.getcwd() for path in sys.path)
         worker = subprocess.Popen(
-            [sys.executable, "-c", f"from {__name__} import work; work()"],
+            [sys.executable, "-c", f"from {__name__} import work; work({os.getpid()})"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             env=environment,
@@ -135,8 +137,12 @@ def _answer(function: Callable[..., Any], task: tuple) -> Any:
         return Failed(error)
 
 
-def work() -> None:
-    """Answer requests on standard input until it ends; nothing else may write to the output."""
+def work(parent: int) -> None:
+    """Answer requests on standard input until it, or the parent, ends.
+
+    Nothing else may write to the standard output.
+    """
+    end_with_parent(parent)
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     while True:

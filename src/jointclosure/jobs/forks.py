@@ -1,52 +1,39 @@
-"""Functions and programs in forked processes, which share the modules that are loaded."""
+"""Functions in forked processes, which share loaded modules, and processes that end with others."""
 
 import atexit
+import ctypes
 import os
 import signal
 import sys
+import threading
+import time
 import traceback
 from collections.abc import Callable, Sequence
-from typing import NoReturn, TextIO
+from typing import NoReturn
+
+_PR_SET_PDEATHSIG = 1
 
 
-class ForkedGroup:
-    """Function in a forked process and a new process group, with the interface of `Popen`.
+def end_with_parent(parent: int) -> None:
+    """Have this process killed when its parent ends, whatever ends it, or has ended already.
 
     Parameters
     ----------
-    function : callable
-        Without arguments; its `SystemExit` gives the exit status.
-    output : file
-        Its standard output and errors.
+    parent : int
+        Process that made this one, by its number, which it knew before.
     """
+    prctl = getattr(ctypes.CDLL(None), "prctl", None)  # of Linux only
+    if prctl is None or prctl(_PR_SET_PDEATHSIG, signal.SIGKILL):
+        threading.Thread(target=_kill_without, args=(parent,), daemon=True).start()
+    elif os.getppid() != parent:
+        os.kill(os.getpid(), signal.SIGKILL)
 
-    def __init__(self, function: Callable[[], object], output: TextIO):
-        self.returncode: int | None = None
-        sys.stdout.flush()
-        leads, waits = os.pipe()
-        with open(os.devnull, encoding="utf-8") as empty:
-            self.pid = os.fork()
-            if not self.pid:
-                os.setsid()
-                os.close(waits)
-                run_forked(function, [empty.fileno(), output.fileno(), output.fileno()])
-        os.close(waits)
-        os.read(leads, 1)  # until the process leads its group, so that signals reach it
-        os.close(leads)
 
-    def poll(self) -> int | None:
-        """Return the exit status; None before the end."""
-        return self._wait(os.WNOHANG)
-
-    def wait(self) -> int | None:
-        """Wait for the end, and return the exit status."""
-        return self._wait(0)
-
-    def _wait(self, options: int) -> int | None:
-        if self.returncode is None:
-            process, status = os.waitpid(self.pid, options)
-            self.returncode = os.waitstatus_to_exitcode(status) if process else None
-        return self.returncode
+def _kill_without(parent: int) -> None:
+    """Kill this process once it has another parent."""
+    while os.getppid() == parent:
+        time.sleep(0.2)
+    os.kill(os.getpid(), signal.SIGKILL)
 
 
 def run_forked(function: Callable[[], object], streams: Sequence[int]) -> NoReturn:

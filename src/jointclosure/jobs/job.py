@@ -1,5 +1,6 @@
 """Job of the workflow: its log, time and memory, check of its inputs, seal of its outputs."""
 
+import os
 import resource
 import sys
 import time
@@ -7,13 +8,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from jointclosure.jobs.forks import end_with_parent
 from jointclosure.jobs.logbook import Logbook, logging_to
 from jointclosure.storage.seals import check_inputs, write_seal
 
 
 @contextmanager
 def job(snakemake) -> Iterator[Logbook]:
-    """Open the log of a job, check its inputs, and seal its outputs.
+    """Open the log of a job, check its inputs, and seal its outputs; end with who started it.
 
     Before the work, all results that the job reads must be those listed by their seals (inputs
     named ``seals``). After it, the outputs are sealed if the rule has an output ``seal``, and the
@@ -29,6 +31,7 @@ def job(snakemake) -> Iterator[Logbook]:
     Logbook
     """
     start = time.monotonic()
+    end_with_parent(os.getppid())
     with logging_to(snakemake.log[0]) as logbook:
         seals = listed(snakemake.input.get("seals", []))
         results = _results(Path(snakemake.log[0]))

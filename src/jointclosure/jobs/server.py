@@ -6,8 +6,8 @@ imports the modules of a job's script, loads the kernels that are compiled by th
 fork takes the environment and the streams of the job, and runs the script as Python does.
 
 The server and its forks are in the process group of Snakemake. They end with Snakemake, which alone
-holds the other end of the server's standard input. A fork is killed if its client ends before it.
-Without an answer from a server the client runs the script by Python.
+holds the other end of the server's standard input, and forks with the server. A fork is killed if
+its client ends before it. Without an answer from a server the client runs the script by Python.
 """
 
 import atexit
@@ -28,13 +28,16 @@ from functools import partial
 from pathlib import Path
 from typing import NoReturn
 
-from jointclosure.jobs.forks import run_forked
+from jointclosure.jobs.forks import end_with_parent, run_forked
 
 CLIENT = Path(__file__).with_name("server_client.py")
 ADDRESS = Path(".snakemake/jobs.socket")
 """Socket in the folder of a run, by a relative path, as its length is limited."""
 _IGNORED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 """Signals that the server leaves to its jobs and to Snakemake."""
+_REQUEST = {"script", "folder", "environment"}
+_SECONDS = 1.0
+"""Within which a client that has begun its request must complete it."""
 _SHARED = ("snakemake.io", "snakemake.iocontainers", "snakemake.logging", "scipy.stats")
 """Modules that scripts load while they run: Snakemake's in each of them, scipy's in analyses."""
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -100,7 +103,7 @@ class _Loop:
         signal.signal(signal.SIGCHLD, lambda *_: None)  # only to wake the loop
         signal.set_wakeup_fd(self._waking.fileno(), warn_on_full_buffer=False)
         self._selector = selectors.DefaultSelector()
-        self._watch(listener, self._start)
+        self._watch(listener, self._accept)
         self._watch(self._woken, self._report)
         self._watch(sys.stdin, sys.exit)
 
@@ -117,18 +120,26 @@ class _Loop:
             for job in self._clients:
                 os.kill(job, signal.SIGKILL)
 
-    def _start(self) -> None:
-        """Fork for the job of a new client."""
+    def _accept(self) -> None:
+        """Wait for the request of a new client, beside all others."""
         client, _ = self._listener.accept()
+        client.settimeout(_SECONDS)
+        self._watch(client, partial(self._start, client))
+
+    def _start(self, client: socket.socket) -> None:
+        """Fork for the job of a client."""
+        self._selector.unregister(client)
         try:
             request, streams = _received(client)
-        except (OSError, ValueError):  # the client has ended
+        except (OSError, ValueError):  # the client has ended, is stopped, or is none of ours
             client.close()
             return
         self._load(Path(request["script"]))
         gc.freeze()  # a fork that collects garbage does not copy what it shares
+        server = os.getpid()
         job = os.fork()
         if not job:
+            end_with_parent(server)
             self._leave(client)
             run_forked(partial(_run, request), streams)
         for stream in streams:
@@ -179,9 +190,17 @@ class _Loop:
 def _received(client: socket.socket) -> tuple[dict, list[int]]:
     """Receive the request of a client, and its standard streams."""
     data, streams, _, _ = socket.recv_fds(client, 1 << 16, 3)
-    while not data.endswith(b"\n") and (part := client.recv(1 << 16)):
-        data += part
-    return json.loads(data), streams
+    try:
+        while not data.endswith(b"\n") and (part := client.recv(1 << 16)):
+            data += part
+        request = json.loads(data)
+        if len(streams) != 3 or not isinstance(request, dict) or request.keys() != _REQUEST:
+            raise ValueError("not the request of a client")
+    except (OSError, ValueError):
+        for stream in streams:
+            os.close(stream)
+        raise
+    return request, streams
 
 
 def _send(client: socket.socket, data: bytes) -> None:
