@@ -62,11 +62,14 @@ def pid_of_sleeping(path: Path) -> int:
 
 def ends(pid: int) -> bool:
     """Whether a process ends within seconds."""
-    for _ in range(500):
-        if not psutil.pid_exists(pid) or psutil.Process(pid).status() == psutil.STATUS_ZOMBIE:
-            return True
-        time.sleep(0.02)
-    return False
+    with contextlib.suppress(psutil.NoSuchProcess):
+        process = psutil.Process(pid)
+        for _ in range(500):
+            if process.status() == psutil.STATUS_ZOMBIE:
+                return True
+            time.sleep(0.02)
+        return False
+    return True
 
 
 @pytest.mark.parametrize("status", [0, 3])
@@ -100,6 +103,7 @@ def test_no_job_is_left_behind(server, tmp_path, ended):
     elif ended == "server":
         server.end()
     elif ended == "killed server":
+        time.sleep(0.5)  # until the client knows that the job has started, and does not repeat it
         server._process.kill()
     else:
         server._process.stdin.close()  # as by its death
