@@ -221,5 +221,5 @@ def test_a_study_that_varies_nothing_has_empty_tables(tmp_path):
     assert elasticity_table(study).empty
     assert plan(study, Goal("power", 0.8)).empty
     table, _ = judge_claims(Evidence(study, study, Design(), 100, 1), PAPER)
-    assert table.number.tolist() == ["6a"]
+    assert table.number.tolist() == ["6a", "6b"]
     assert set(table.verdict) == {"stands"}

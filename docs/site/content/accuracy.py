@@ -57,6 +57,13 @@ def floor(response: str, cycle: int) -> str:
     return f"{abs(last.bias_percent) + last.bias_error_percent:.2g}"
 
 
+def worth(response: str) -> str:
+    """Give how many plain simulations an adjusted one replaces, independent draws, cycle 1."""
+    table = stored("variance_reduction", "variance_reduction")
+    values = rows_of(table, response=response, cycle=1, draws="independent").worth
+    return f"{values.min():.0f} to {values.max():.0f}"
+
+
 def of_commit() -> str:
     """Name the commit at which biases and times were measured."""
     return f"`{origin('accuracy_biases')['commit'][:7]}`"
