@@ -11,17 +11,15 @@ import numpy as np
 from jointclosure.commands import COMMANDS
 from jointclosure.commands.animations import kept_stresses, write_animation
 from jointclosure.commands.engineering_files import write_exports
+from jointclosure.commands.joint_keys import base_keys, joint_configuration, resolved_breakage
 from jointclosure.commands.joint_options import (
     NEEDED,
     add_keywords,
     add_load_and_model,
     add_rock,
     add_scans,
-    base_keys,
     check_can_be_made,
     check_destination,
-    joint_configuration,
-    resolved_breakage,
     status_text,
     summary,
 )

@@ -9,16 +9,14 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from jointclosure.commands import COMMANDS
+from jointclosure.commands.joint_keys import base_keys, joint_configuration, resolved_breakage
 from jointclosure.commands.joint_options import (
     NEEDED,
     add_keywords,
     add_model,
     add_rock,
     add_seating,
-    base_keys,
     check_can_be_made,
-    joint_configuration,
-    resolved_breakage,
 )
 from jointclosure.config.configuration import Configured, merged_study
 from jointclosure.ensemble.scanned_joint import registered_walls

@@ -10,22 +10,16 @@ from typing import Any
 import pandas as pd
 import xarray as xr
 
-from jointclosure.config.configuration import Configured, configured, merged, merged_study
 from jointclosure.config.files import value_of
-from jointclosure.config.rocks import other_rocks
-from jointclosure.config.units import in_unit
 from jointclosure.engineering.curves import curve_table, cycle_table, has_flow
 from jointclosure.ensemble.budget import Budget
-from jointclosure.ensemble.scanned_joint import RESOLVED
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
-from jointclosure.joint.loading import check_snapshots, load_cycles, usual_seating
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.joint.simulation import simulate
 from jointclosure.parameters import OF_ROCK, Effects, Rock, key_of
 from jointclosure.scans.units import UNITS
 from jointclosure.storage.folders import check_record
-from jointclosure.storage.text import read_csv
 
 _SHORTER = {"compressive_strength": "strength"}
 """Options with a shorter name than the property of rock that they set."""
@@ -38,8 +32,6 @@ OPTIONS = {option: key_of(name) for option, name in _INTACT.items()} | {
 """Keys of a rock in a configuration by option."""
 NEEDED = tuple(option for option in OPTIONS if _INTACT.get(option) not in Rock._field_defaults)
 """Options that must be given if no rock is named: those of properties without a default."""
-_UNNAMED = "rock"
-"""Name of a rock that is given by its properties."""
 
 
 def documented(function: Callable) -> dict[str, str]:
@@ -147,93 +139,6 @@ def add_model(command: argparse.ArgumentParser) -> argparse._ArgumentGroup:
         help="any other key of the configuration, such as choices.largest_radius_mm=20",
     )
     return model
-
-
-def base_keys(arguments) -> dict:
-    """Return the checked keys of the configuration of the joint, including the named rock.
-
-    A rock of the package that is in no study is added to the rocks of the study.
-    """
-    base = merged_study(*([arguments.config] if arguments.config else []))
-    configured(base, read_csv)
-    name, others = arguments.rock, other_rocks()
-    if name and name not in base["rocks"]:
-        if name not in others:
-            known = ", ".join(base["rocks"] | others)
-            raise InputError(f"--rock {name}: must be one of {known}")
-        base["rocks"][name] = others[name]
-    return base
-
-
-def joint_configuration(
-    base: dict, arguments, rock: dict, changes: dict, needed: tuple[str, ...] = NEEDED
-) -> tuple[Configured, Conditions]:
-    """Return the checked configuration of the arguments, and the conditions of the joint.
-
-    To the keys ``base`` are added those of the ``rock`` and other ``changes``. Without a named rock
-    the options ``needed`` must be given.
-    """
-    given = {name: value for name, value in vars(arguments).items() if value is not None}
-    if isinstance(given.get("stress"), tuple):
-        given["stress"] = max(arguments.stress)
-    rock = rock | {key: given[option] for option, key in OPTIONS.items() if option in given}
-    name = arguments.rock or _UNNAMED
-    base["rocks"].setdefault(name, {})["levels"] = {}
-    if not arguments.rock:
-        missing = ["--" + option.replace("_", "-") for option in needed if option not in given]
-        if missing:
-            raise InputError(
-                f"without --rock (such as --rock granite): {', '.join(missing)} must be given"
-            )
-        rock["title"] = "Rock"
-    if arguments.without:  # effects of the rock have priority over those of the study
-        rock["effects"] = dict.fromkeys(arguments.without, False)
-    changes = merged({"study": {"rocks": [name]}, "rocks": {name: rock}}, changes)
-    if "cycles" in given:
-        changes["study"]["cycles"] = given["cycles"]
-    if given.get("flow"):
-        changes["flow"] = True
-    changes["seating_stress_MPa"] = given.get("seating", _seating(base, arguments, rock))
-    settings = configured(merged(base, changes, *arguments.set), read_csv)
-    check_snapshots(given.get("snapshots", ()), settings.typed.rocks[name].max_normal_stress)
-    return settings, _conditions(settings, name, arguments)
-
-
-def _conditions(settings: Configured, name: str, arguments) -> Conditions:
-    """Return the conditions of the configuration, with the load history of --stress if it is one.
-
-    The spacing is that of the grid; scanned walls may have another one.
-    """
-    typed, rock = settings.typed, settings.typed.rocks[name]
-    load: float | tuple[float, ...] = rock.max_normal_stress
-    cycles = typed.study.cycles
-    if isinstance(getattr(arguments, "stress", None), tuple):
-        load = tuple(1e6 * stress for stress in arguments.stress)
-        cycles = len(load_cycles(load, arguments.cycles))
-    return Conditions(
-        typed.grid.spacing, rock.intact, load, cycles, typed.seating_stress, rock.effects,
-        typed.choices, typed.numerics, typed.flow, typed.study.unusual_values == "allow",
-    )  # fmt: skip
-
-
-def _seating(base: dict, arguments, rock: dict) -> float:
-    """Return the seating stress [MPa] of the configuration, or the usual one of a stated load."""
-    stated = base["seating_stress_MPa"]
-    stress = getattr(arguments, "stress", None) or rock.get("max_normal_stress_MPa")
-    if stress is None or stated != merged_study()["seating_stress_MPa"]:
-        return stated
-    maxima = stress[::2] if isinstance(stress, tuple) else (stress,)
-    return min(stated, 1e-6 * usual_seating(1e6 * min(maxima)))
-
-
-def resolved_breakage(base: dict, arguments) -> dict:
-    """Return the numerics of a scanned or measured joint as keys, none if others are stated."""
-    stated = any("numerics" in changed for changed in arguments.set)
-    if stated or base["numerics"] != merged_study()["numerics"]:
-        return {}
-    about = RESOLVED._asdict()
-    steps = {f"{name}_um": in_unit(about[name], "um") for name in about if name.endswith("_step")}
-    return {"numerics": {name: about[name] for name in ("breakage", "tolerance")} | steps}
 
 
 def summary(closed: xr.Dataset, budget: Budget | None = None) -> str:

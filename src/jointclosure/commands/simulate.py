@@ -7,14 +7,13 @@ from pathlib import Path
 from jointclosure.commands import COMMANDS
 from jointclosure.commands.animations import kept_stresses, write_animation
 from jointclosure.commands.engineering_files import write_exports
+from jointclosure.commands.joint_keys import base_keys, joint_configuration
 from jointclosure.commands.joint_options import (
     add_keywords,
     add_load_and_model,
     add_rock,
-    base_keys,
     check_can_be_made,
     check_destination,
-    joint_configuration,
     status_text,
     summary,
 )

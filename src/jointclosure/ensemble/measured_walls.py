@@ -9,7 +9,7 @@ import xarray as xr
 from jointclosure.config.typed import Walls
 from jointclosure.ensemble.settings import SurfaceSettings
 from jointclosure.ensemble.surfaces import surface_pair
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import cautions
 from jointclosure.parameters import AS_IT_IS
 from jointclosure.statistics.randomness import seed_of
@@ -18,7 +18,7 @@ from jointclosure.surface.measured_pairs import Cutter, MeasuredWalls
 from jointclosure.surface.measures import hurst_of
 from jointclosure.surface.outliers import without_plateaus
 from jointclosure.surface.plausibility import doubts, slope_doubts, unit_doubts
-from jointclosure.surface.registration import RegisteredPair, registered
+from jointclosure.surface.registration import registered
 from jointclosure.surface.roughness import jrc_of_z2, rms_slope
 from jointclosure.surface.smoothing import smoothing_of
 
@@ -64,8 +64,17 @@ def prepared_walls(
                 f"{settings.upper} and {settings.lower}: bring_together must be false in a study "
                 "where one wall is flat"
             )
-        both = scans["upper"], scans["lower"]
-        pair = brought_together(*both, settings, spacing, unusual_values)
+        with naming(f"{settings.upper} and {settings.lower}"):
+            pair = registered(
+                scans["upper"],
+                scans["lower"],
+                spacing,
+                orientation=settings.orientation,
+                shift=settings.shift,
+                cut_spikes=settings.spikes == "cut",
+                largest_filled_share=settings.largest_filled_share,
+                unusual_values=unusual_values,
+            )
         heights = {"upper": (pair.upper, 0.0), "lower": (pair.lower, 0.0)}
         walls.attrs["registration"] = "; ".join(pair.report)
     else:
@@ -106,29 +115,6 @@ def _check_plausible(walls: dict[str, np.ndarray], settings: Walls, spacing: flo
         raise InputError(
             f"{settings.upper} and {settings.lower}: {'; '.join(problems)}; {AS_IT_IS}"
         )
-
-
-def brought_together(
-    upper: Scan | Cloud | str,
-    lower: Scan | Cloud | str,
-    settings: Walls,
-    spacing: float | None,
-    unusual_values: bool,
-) -> RegisteredPair:
-    """Register two scans as configured; error messages name their files."""
-    try:
-        return registered(
-            upper,
-            lower,
-            spacing,
-            orientation=settings.orientation,
-            shift=settings.shift,
-            cut_spikes=settings.spikes == "cut",
-            largest_filled_share=settings.largest_filled_share,
-            unusual_values=unusual_values,
-        )
-    except InputError as error:
-        raise InputError(f"{settings.upper} and {settings.lower}: {error}") from None
 
 
 def _as_they_lie(

@@ -13,7 +13,7 @@ from jointclosure.engineering.curves import cycle_table
 from jointclosure.ensemble.budget import Budget
 from jointclosure.ensemble.expected_cost import check_cells, expected_cost
 from jointclosure.ensemble.uncertainty import uncertainty_budget
-from jointclosure.inputs import InputError
+from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import caution, cautions
 from jointclosure.jobs.progress import bar, closing_bar
 from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
@@ -140,7 +140,8 @@ def close(
         Name of the rock in reports, by default the one that ``rock`` gives.
     progress : bool
         Whether to print the registration, the joint and its expected cost before it is closed, and
-        to show progress bars on a terminal. Without it, doubts and the cost are warnings.
+        to show progress bars on a terminal, in place of ``report``. Without it, doubts and the
+        cost are warnings.
     conditions, **changes
         As for `jointclosure.simulate`. ``spacing`` [m] is that of the joint's grid, by default as
         for `jointclosure.surface.registration.registered`, which also receives
@@ -228,16 +229,14 @@ def registered_walls(
     ``scans`` are keywords of `jointclosure.read_scan`, ``options`` those of `registered`.
     """
     above, below = (read_wall(wall, **scans) for wall in (upper, lower))
-    try:
+    if isinstance(upper, Scan | Cloud) or isinstance(lower, Scan | Cloud):
         return registered(above, below, spacing, **options)
-    except InputError as error:
-        if isinstance(upper, Scan | Cloud) or isinstance(lower, Scan | Cloud):
-            raise
-        names = (
-            ", ".join(map(str, wall)) if isinstance(wall, tuple | list) else str(wall)
-            for wall in (upper, lower)
-        )
-        raise InputError(f"{' and '.join(names)}: {error}") from None
+    names = (
+        ", ".join(map(str, wall)) if isinstance(wall, tuple | list) else str(wall)
+        for wall in (upper, lower)
+    )
+    with naming(" and ".join(names)):
+        return registered(above, below, spacing, **options)
 
 
 def _described(pair: RegisteredPair, conditions: Conditions, rock_name: str) -> str:

@@ -2,6 +2,8 @@
 
 import math
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,6 +26,15 @@ SPELT = {
 
 class InputError(ValueError):
     """Error for a value that is not allowed; its message names the value."""
+
+
+@contextmanager
+def naming(where: str) -> Iterator[None]:
+    """Put a name in front of the message of an `InputError`."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from None
 
 
 def size_of(units: str) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from jointclosure.ensemble.scanned_joint import RESOLVED
 from jointclosure.ensemble.uncertainty import shifted_walls
 from jointclosure.ensemble.workers import number_of_workers
-from jointclosure.inputs import InputError, check_number, check_positive, check_seed
+from jointclosure.inputs import InputError, check_number, check_positive, check_seed, naming
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.loading import usual_seating
@@ -426,10 +426,8 @@ def _measured(
         seating_stress = usual_seating(float(min(maxima)))
     check_positive("seating_stress", seating_stress, "Pa")
     check_loadings(curve, name, seating_stress)
-    try:
+    with naming(name):
         return curve, readings_of_curve(curve, seating_stress)
-    except InputError as error:
-        raise InputError(f"{name}: {error}") from None
 
 
 def _checked_shape(shape: tuple[int, int] | None) -> tuple[int, int]:
