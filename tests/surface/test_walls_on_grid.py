@@ -303,6 +303,14 @@ def test_scattered_points_and_other_spacings_of_one_wall_are_warned_of():
         assert bool(smoothing_of(scan, wall_on_grid(scan, step), step)) == warned
 
 
+@pytest.mark.parametrize(("step", "warned"), [(SPACING / 2.0, 0), (SPACING / 2.3, 2)])
+def test_sampling_between_the_points_of_fine_scans_is_warned_of(step, warned):
+    upper, lower = jc.wall_pair(9.0, (90, 90), step, seed=2, roll_off=None, correlation=0.9)
+    scans = Scan(-upper, (step, step)), Scan(lower, (step, step))
+    pair = registered(*scans, SPACING, orientation="common_frame", cut_spikes=False)
+    assert sum("heights were interpolated" in line for line in pair.warnings) == warned
+
+
 def test_the_overlap_is_reported_as_a_share_of_both_scans():
     upper, lower = jc.wall_pair(9.0, (60, 60), SPACING, seed=2, roll_off=None, correlation=0.9)
     scans = Scan(-upper, (SPACING, SPACING)), Scan(lower[:42], (SPACING, SPACING))

@@ -28,7 +28,7 @@ from jointclosure.surface.outliers import points_of, without_plateaus, without_s
 from jointclosure.surface.overlap import Overlap, overlap_of
 from jointclosure.surface.plausibility import slope_doubts, unit_doubts
 from jointclosure.surface.roughness import detrended
-from jointclosure.surface.smoothing import smoothing
+from jointclosure.surface.smoothing import smoothing, smoothing_of
 
 LEAST_OVERLAP = 0.5
 """Smallest share of the smaller wall that must overlap; other shifts are not tried."""
@@ -304,7 +304,12 @@ def _not_finer(
                 f"{side} wall: points are {1e3 * distance:.4g} mm apart, of which heights were "
                 f"taken every {1e3 * spacing:.4g} mm, the grid spacing of the joint"
             )
-            scan = sampled(scan, spacing, anchor) if isinstance(scan, Scan) else scan
+            if isinstance(scan, Scan):
+                nodes = sampled(scan, spacing, anchor)
+                first = np.array([nodes.origin])[:, ::-1]
+                lost = smoothing_of(scan, nodes.heights, spacing, first)
+                report += [prefixed(f"{side} wall: ", remark) for remark in lost]
+                scan = nodes
         result.append(scan)
     return result[0], result[1]
 

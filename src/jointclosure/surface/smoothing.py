@@ -26,10 +26,11 @@ def smoothing_of(
 ) -> tuple[Caution, ...]:
     """Warn as `smoothing` of a wall by `jointclosure.surface.measured.wall_on_grid`."""
     points = points_of(scan)
-    if isinstance(scan, Scan):
+    low = points[:, :2].min(axis=0)
+    if bounds is not None:
+        low = bounds[0]
+    elif isinstance(scan, Scan):
         low = np.array(scan.origin or (0.0, 0.0))[::-1]
-    else:
-        low = points[:, :2].min(axis=0) if bounds is None else bounds[0]
     return smoothing(points, wall, spacing, (low, low + spacing * (np.array(wall.shape)[::-1] - 1)))
 
 
