@@ -14,6 +14,8 @@ from jointclosure.sensitivity.conclusions import (
     conclusion_table,
 )
 from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
+from jointclosure.storage.text import read_csv
+from tests.studied import ROOT
 
 ALL, ONE = "a; b; c; d", "a"
 
@@ -137,3 +139,26 @@ def test_a_claim_on_both_cycles_has_the_share_of_the_cycle_where_it_is_least_tru
 def test_what_a_sensitivity_study_has_nothing_on_is_judged_elsewhere():
     assert stated(UNDECIDED, number="8").conclusion == JUDGED_ELSEWHERE
     assert stated(UNDECIDED, number="5d").conclusion == UNDECIDED
+
+
+def test_stored_evidence_gives_the_published_conclusions_and_none_leaves_them_empty():
+    """Readings and the range of JRC are finished inquiries: their stored tables are the input."""
+    stored = ROOT / "docs/results"
+    claims = read_csv(stored / "paper/claims.csv")
+    evidence = [
+        read_csv(stored / name)
+        for name in (
+            "jrc_range/jrc_range_claims.csv",
+            "conclusions/earlier_readings.csv",
+            "global_sensitivity/global_sensitivity_conclusions.csv",
+            "global_sensitivity/global_sensitivity_margins.csv",
+        )
+    ]
+    published = read_csv(stored / "paper/conclusions.csv").set_index("number")
+    found = conclusion_table(claims, *evidence).set_index("number").loc[published.index]
+    assert found.conclusion.tolist() == published.conclusion.tolist()
+    columns = [name for name in published if name.startswith(("jrc_", "choices_"))]
+    pd.testing.assert_frame_equal(found[columns], published[columns])
+    alone = conclusion_table(claims)
+    assert alone.columns.tolist() == found.reset_index().columns.tolist()
+    assert alone.filter(like="jrc_").isna().all(axis=None)
