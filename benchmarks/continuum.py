@@ -37,8 +37,8 @@ import peers
 from matplotlib.figure import Figure
 from yardstick import DOLERITE, ELASTIC, FULL, case_settings, close, machine
 
+from jointclosure.engine.surfaces import walls_of
 from jointclosure.engineering.stiffness import closures_at, landing_stress
-from jointclosure.ensemble.surfaces import walls_of
 from jointclosure.mechanics.strength import strength_factor
 from jointclosure.plotting.style import styled, subplots
 from jointclosure.statistics.standard_errors import mean_of

@@ -52,8 +52,8 @@ from yardstick import (
 )
 
 import jointclosure as jc
-from jointclosure.ensemble.closing import close_surfaces
-from jointclosure.ensemble.surfaces import surfaces_of
+from jointclosure.engine.joints import close_surfaces
+from jointclosure.engine.surfaces import surfaces_of
 from jointclosure.surface.synthesis import ROLL_OFF
 
 BASE = {"cells": 100, "stress_mpa": 30.0, "jrc": 8.0}

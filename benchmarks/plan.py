@@ -23,11 +23,11 @@ from yardstick import machine
 from jointclosure.claims.findings import TARGET
 from jointclosure.config.configuration import configured, merged
 from jointclosure.config.files import DEFAULT, read_plain
+from jointclosure.engine.joints import close_surfaces
+from jointclosure.engine.surfaces import surfaces_of
 from jointclosure.ensemble.aggregation import join_cases
 from jointclosure.ensemble.cases import cases_of, pool_of
-from jointclosure.ensemble.closing import close_surfaces
 from jointclosure.ensemble.slices import block_settings
-from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.sensitivity.planning import Goal, plan
 from jointclosure.sensitivity.responses import (
     Response,

@@ -37,7 +37,7 @@ from jointclosure.joint.simulation import close_walls
 from jointclosure.statistics.randomness import seed_of
 
 SPACING, SHAPE = 0.25e-3, (100, 100)
-CLOSURE = "closure_net_since_seating_mm"
+CLOSURE = "max_closure_seated_net_mm"
 CONDITIONS = jc.Conditions(SPACING, named_rock("granite"), 10e6, numerics=RESOLVED).checked()
 
 

@@ -47,10 +47,10 @@ def numbers_of(history) -> dict[str, float]:
     """What is compared, of one joint."""
     first = cycle_table(history).iloc[0]
     numbers = {}
-    for kind, of in (("net", NET), ("gross", GROSS)):
+    for kind, net, of in (("net", "_net", NET), ("gross", "", GROSS)):
         kn = [1e-9 * secant_stiffness(history, cycle, 0.5 * STRESS, STRESS, of) for cycle in (1, 2)]
-        numbers[f"seated_{kind}"] = first[f"closure_{kind}_since_seating_mm"]
-        numbers[f"stays_{kind}"] = 100.0 * first[f"residual_share_{kind}"]
+        numbers[f"seated_{kind}"] = first[f"max_closure_seated{net}_mm"]
+        numbers[f"stays_{kind}"] = 100.0 * first[f"residual_share{net}"]
         numbers[f"kn_{kind}"] = kn[0]
         numbers[f"stiffer_{kind}"] = kn[1] / kn[0]
     fits = fitted_laws(history)

@@ -27,10 +27,10 @@ import jointclosure as jc
 from jointclosure.config.configuration import configured, merged, merged_study
 from jointclosure.config.files import ConfigurationError
 from jointclosure.config.typed import Configuration
+from jointclosure.engine.settings import Case, ClosureSettings
+from jointclosure.engine.surfaces import walls_of
 from jointclosure.ensemble.cases import BASE, cases_of
-from jointclosure.ensemble.settings import Case, ClosureSettings
 from jointclosure.ensemble.slices import block_settings
-from jointclosure.ensemble.surfaces import walls_of
 from jointclosure.joint.simulation import close_walls
 from jointclosure.solvers import fast
 from jointclosure.storage.text import read_csv

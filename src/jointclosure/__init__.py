@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:  # type checkers and `compilation.sources` read these imports, Python does not
     from jointclosure.effects.choice import choose_effects
-    from jointclosure.ensemble.joints import simulate_ensemble
+    from jointclosure.engine.ensembles import simulate_ensemble
     from jointclosure.ensemble.scanned_joint import close
     from jointclosure.inputs import InputError
     from jointclosure.joint.conditions import Conditions
@@ -42,7 +42,7 @@ _MODULES = {
     "plot": "plotting",
     "read_scan": "scans",
     "simulate": "joint.simulation",
-    "simulate_ensemble": "ensemble.joints",
+    "simulate_ensemble": "engine.ensembles",
     "wall_pair": "surface.synthesis",
 }
 """Module that defines each public name."""

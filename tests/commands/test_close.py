@@ -86,7 +86,7 @@ def test_two_scans_are_closed_as_their_registered_walls_are(scans, tmp_path, cap
     line, cycles = repr(library), pd.read_csv(tmp_path / "j/cycles.csv")
     assert line.startswith("<ClosedJoint: granite (Young's modulus 73 GPa, Poisson's ratio 0.25, ")
     assert "72 x 64 cells of 0.25 mm (18 x 16 mm)" in line
-    net = [f"{value:.4g}" for value in cycles.closure_net_since_seating_mm]
+    net = [f"{value:.4g}" for value in cycles.max_closure_seated_net_mm]
     assert f"closes {', '.join(net)} mm net" in line
     assert str(library) == line
     assert "\n" not in line
@@ -145,8 +145,8 @@ def test_the_range_of_a_joint_is_printed_stored_and_shown(scans, tmp_path, capsy
     assert (code, err) == (0, "")
     record = json.loads((tmp_path / "joint.json").read_text())
     closure = record["range"][0]
-    assert closure["quantity"] == "closure_net_since_seating_mm"
-    assert closure["best"] == record["per_cycle"]["closure_net_since_seating_mm"][0]
+    assert closure["quantity"] == "max_closure_seated_net_mm"
+    assert closure["best"] == record["per_cycle"]["max_closure_seated_net_mm"][0]
     assert closure["low"] <= closure["median"] <= closure["high"]
     assert closure["text"] in out
     assert sum(closure["shares"].values()) == pytest.approx(1.0)
@@ -269,8 +269,8 @@ def test_both_walls_of_a_published_fracture_are_closed_with_defaults_for_granite
     assert record["cells_y_x"] == [188, 188]
     assert "the first contact stands out far" in out
     per_cycle = record["per_cycle"]
-    first, second = per_cycle["closure_net_since_seating_mm"]
-    assert 0.0 < second < first < per_cycle["max_closure_gross_mm"][0]
+    first, second = per_cycle["max_closure_seated_net_mm"]
+    assert 0.0 < second < first < per_cycle["max_closure_mm"][0]
     values_stated = pd.read_csv(tmp_path / "j/cycles.csv")  # one definition of what stays
     for name in values_stated.columns.drop("cycle"):
         assert per_cycle[name] == pytest.approx(values_stated[name].tolist(), rel=1e-6)

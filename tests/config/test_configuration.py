@@ -13,10 +13,10 @@ from jointclosure.config.files import ConfigurationError, read_plain
 from jointclosure.config.plain import from_plain, to_plain
 from jointclosure.config.typed import Configuration
 from jointclosure.config.units import in_unit, to_si
+from jointclosure.engine.settings import ClosureSettings
+from jointclosure.engine.surfaces import seeds_of
 from jointclosure.ensemble.cases import cases_of
-from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.slices import block_settings
-from jointclosure.ensemble.surfaces import seeds_of
 from jointclosure.joint.loading import SEATING_STRESS
 from jointclosure.parameters import Effects
 from tests.studied import DEFAULT, ROOT, checked_study, study_of

@@ -23,11 +23,11 @@ from jointclosure.effects.validation import (
     validation_settings,
     validation_summary,
 )
-from jointclosure.ensemble import closing as closing_module
+from jointclosure.engine import joints as engine
+from jointclosure.engine.joints import close_surfaces, closed_before, rows_by_seed
+from jointclosure.engine.surfaces import surfaces_of
 from jointclosure.ensemble.cases import cases_of
-from jointclosure.ensemble.closing import close_surfaces, closed_before
 from jointclosure.ensemble.slices import closure_settings, surface_settings
-from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.parameters import scene_name
@@ -250,11 +250,9 @@ def test_joints_of_a_pilot_are_taken_bit_by_bit_and_not_closed_again(monkeypatch
     plain = xr.concat(close_surfaces(pairs, used), "realization")
     before = closed_before(surfaces_of(used.surfaces), choice.closed, used)
     closed = []
-    close = closing_module.close_pair
-    monkeypatch.setattr(
-        closing_module, "close_pair", lambda *given: closed.append(1) or close(*given)
-    )
-    taken = xr.concat(close_surfaces(pairs, used, before=before), "realization")
+    close = engine.close_joint
+    monkeypatch.setattr(engine, "close_joint", lambda *given: closed.append(1) or close(*given))
+    taken = xr.concat(close_surfaces(pairs, used, known=rows_by_seed(before)), "realization")
     assert len(closed) == 4 - len(choice.closed)
     assert len(closed) < 4
     assert taken.drop_vars("timing_simulation").identical(plain.drop_vars("timing_simulation"))

@@ -62,7 +62,7 @@ def test_porepy_closes_as_the_joint_does(folder, history):
     traction = float(history.normal_stress.max()) - 0.5e6
     closes = opening * traction / (stiffness * opening + traction)
     cycle = cycle_table(history).iloc[1]
-    assert closes == pytest.approx(1e-3 * cycle.closure_net_since_seating_mm, rel=0.1)
+    assert closes == pytest.approx(1e-3 * cycle.max_closure_seated_net_mm, rel=0.1)
     assert solid["residual_aperture"] > 0.0
     # its aperture is that of the joint, under load too: both are of the net closure
     aperture = solid["residual_aperture"] + opening - closes
@@ -115,7 +115,7 @@ def test_geos_takes_the_table(folder, history):
     assert (aperture[-1] - aperture[-2]) / (gap[-1] - gap[-2]) < 1.0
     # seating lies between two steps, by a cubic here and by a chord there
     cycle = cycle_table(history).iloc[1]
-    assert -gap[0] == pytest.approx(1e-3 * cycle.closure_net_since_seating_mm, rel=0.1)
+    assert -gap[0] == pytest.approx(1e-3 * cycle.max_closure_seated_net_mm, rel=0.1)
     # as each wall keeps its volume, the mean aperture falls by the net closure
     np.testing.assert_allclose(aperture[:-2] - gap[:-2], aperture[-1], rtol=1e-6)
     at_max = float(history.mean_aperture[int(np.flatnonzero(history.cycle.values == 2)[0]) :].min())

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from jointclosure.engine.surfaces import walls_of
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.covariates import (
     Covariates,
@@ -13,7 +14,6 @@ from jointclosure.ensemble.covariates import (
     measure_covariates,
 )
 from jointclosure.ensemble.slices import surface_settings
-from jointclosure.ensemble.surfaces import walls_of
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
 from jointclosure.surface.roughness import z2_of_jrc
 from tests.sensitivity.world import world

@@ -89,7 +89,7 @@ def test_ends_are_in_the_order_of_net_and_gross_and_not_below_zero():
     for _ in range(20):
         net = np.exp(random.standard_normal(DRAWS + 3))
         values = dict.fromkeys(QUANTITIES, net) | {CLOSURE_GROSS: net + random.random(net.size)}
-        values["residual_net_at_seating_mm"] = np.append([0.1, 0.0], np.exp(net[2:]) - 1.0)
+        values["residual_closure_seated_net_mm"] = np.append([0.1, 0.0], np.exp(net[2:]) - 1.0)
         results = pd.DataFrame({"cycle": 1, "source": ["", "a", "a", *[ALL] * DRAWS]} | values)
         ends = ranges_of(results, sources, shares, further).loc[1][["low", "high"]]
         assert (ends.loc[CLOSURE_NET] <= ends.loc[CLOSURE_GROSS]).all()

@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 from jointclosure.config.files import read_plain
-from jointclosure.ensemble.points import close_points, one_joint
+from jointclosure.engine.points import close_points, one_joint
 from jointclosure.experiments.accuracy import EXPERIMENT
 from jointclosure.experiments.accuracy.cost import (
     Resampling,
@@ -65,8 +65,8 @@ def test_a_rocks_own_effects_are_those_that_the_accuracy_study_closes():
         closed.append(close_points(map(one_joint, points), EXPERIMENT.quantities))
     together, alone = closed
     # contacts that do not push each other down have no bulk indentation
-    assert np.all(together.closure_net < together.closure)
-    assert np.all(alone.closure_net == alone.closure)
+    assert np.all(together.max_closure_net < together.max_closure)
+    assert np.all(alone.max_closure_net == alone.max_closure)
 
 
 @pytest.mark.parametrize(("name", "least"), [("accuracy", 100), ("accuracy_biases", 19)])
@@ -87,9 +87,9 @@ def test_a_run_closes_the_same_surfaces_at_all_levels():
     assert run.level.values.tolist() == LEVELS
     assert run.attrs["base"] == 66e9
     # elastic: a stiffer rock closes less, on every surface
-    assert np.all(np.diff(run.closure.values, axis=0) < 0.0)
+    assert np.all(np.diff(run.max_closure.values, axis=0) < 0.0)
     assert np.all(run.seconds > 0.0)
-    assert np.all(run.closure_net < run.closure)  # contacts push each other down
+    assert np.all(run.max_closure_net < run.max_closure)  # contacts push each other down
 
 
 def fake_setting(knob, value, scene="full"):
@@ -109,8 +109,8 @@ def fake_run(error, seconds, n=12, noise=0.0):
     shape = (3, n)
     return xr.Dataset(
         {
-            "closure": (("level", "realization", "cycle"), closures[..., None]),
-            "closure_net": (("level", "realization", "cycle"), net[..., None]),
+            "max_closure": (("level", "realization", "cycle"), closures[..., None]),
+            "max_closure_net": (("level", "realization", "cycle"), net[..., None]),
             "status": (("level", "realization"), np.zeros(shape, np.int16)),
             "seconds": (("level", "realization"), np.full(shape, seconds)),
             "fft_pair": (("level", "realization", "cycle"), np.full((*shape, 1), 2e-4)),
@@ -177,10 +177,10 @@ def test_errors_times_and_order_are_those_put_in():
 def test_the_error_over_all_levels_is_that_of_the_mean_of_all():
     settings, runs = turned()
     base, finest = (runs[fake_setting(*place).run] for place in (("base", ""), ("resolved", 0.005)))
-    base.closure[0] *= 1.2
+    base.max_closure[0] *= 1.2
     row = costs_of(settings, runs).iloc[0]
     assert row.mean_error_percent == pytest.approx(1.0)
-    expected = 100.0 * (float(base.closure.mean() / finest.closure.mean()) - 1.0)
+    expected = 100.0 * (float(base.max_closure.mean() / finest.max_closure.mean()) - 1.0)
     assert row.levels_error_percent == pytest.approx(expected)
     assert row.levels_low <= row.levels_error_percent <= row.levels_high
 
@@ -195,8 +195,8 @@ def test_failed_realisations_are_left_out_and_counted():
     settings = [fake_setting("base", ""), fake_setting("resolved", 0.005)]
     runs = {s.run: fake_run(0.1 * (s.knob == "base"), 1.0) for s in settings}
     runs[settings[0].run].status[1, 4] = 16
-    runs[settings[0].run].closure[:, 4] = np.nan
-    runs[settings[0].run].closure_net[:, 4] = np.nan
+    runs[settings[0].run].max_closure[:, 4] = np.nan
+    runs[settings[0].run].max_closure_net[:, 4] = np.nan
     finest = {"full": {"knob": "resolved", "value": 0.005}}
     costs = cost_table(settings, runs, finest, Resampling(np.random.default_rng(3), 50, 0.95), 0.05)
     base = costs[costs.knob == "base"].iloc[0]

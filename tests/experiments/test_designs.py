@@ -5,8 +5,8 @@ import pytest
 
 from jointclosure.config.files import ConfigurationError, read_plain
 from jointclosure.config.keys.configuration import SECTIONS
-from jointclosure.ensemble.points import close_points
-from jointclosure.ensemble.quantities import QUANTITIES
+from jointclosure.engine.points import close_points
+from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.experiments import checked_design, experiment_named, experiments_in
 from tests.studied import DEFAULT, ROOT, checked_study
 

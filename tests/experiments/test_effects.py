@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.ensemble.points import close_points, gridded
+from jointclosure.engine.points import close_points, gridded
 from jointclosure.experiments.effects import (
     CONTRIBUTIONS,
     EXPERIMENT,
@@ -39,7 +39,7 @@ def test_a_scene_closes_the_same_surfaces_at_every_condition():
 
     elastic = closed(FULL._replace(breakage=False, gouge=False))
     assert dict(elastic.sizes) == {"jrc": 2, "stress": 2, "realization": 2, "cycle": 2}
-    assert np.all(elastic.closure.diff("stress") > 0.0)
+    assert np.all(elastic.max_closure.diff("stress") > 0.0)
     # without breakage loading and unloading are one curve
     np.testing.assert_allclose(elastic.hysteresis, 0.0, atol=1e-12)
     full = closed(FULL)
@@ -62,8 +62,8 @@ def fake(scene, factor, seconds, failed=False):
             "cycle": [1, 2],
             "status": 128 if failed and realization == 2 else 0,
             "seconds": seconds,
-            "closure": closures[realization],
-            "residual": closures[realization],
+            "max_closure": closures[realization],
+            "residual_closure": closures[realization],
             "hysteresis": 0.5 * factor,
             "fft_pair": 1e-4,
         }

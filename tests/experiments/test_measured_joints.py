@@ -6,8 +6,8 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.config.files import ConfigurationError
+from jointclosure.engine.points import close_points, packed, unpacked
 from jointclosure.engineering.measured_joints import measured
-from jointclosure.ensemble.points import close_points, packed, unpacked
 from jointclosure.experiments.measured_joints import EXPERIMENT
 from jointclosure.measured.joints import BASE, OBSERVABLES, fitted_length, observables_of
 from tests.conftest import SPACING

@@ -4,9 +4,9 @@ import matplotlib
 import numpy as np
 import pytest
 
+from jointclosure.engine.points import close_points, gridded
+from jointclosure.engine.surfaces import seeds_of
 from jointclosure.engineering.curves import cycle_table
-from jointclosure.ensemble.points import close_points, gridded
-from jointclosure.ensemble.surfaces import seeds_of
 from jointclosure.experiments.misalignment import EXPERIMENT
 from jointclosure.joint.simulation import close_walls
 from jointclosure.surface.synthesis import wall_pair
@@ -64,19 +64,19 @@ def test_aligned_walls_close_as_everywhere(design, run):
     )
     closed = close_walls(upper, lower, settings.conditions())
     aligned = run.sel(wavelength=0.77e-3, tilt=0.0, rotation=0.0, realization=2)
-    np.testing.assert_allclose(aligned.closure, closed.max_closure, rtol=1e-6)
-    residual = 1e-3 * cycle_table(closed).residual_net_at_seating_mm
-    np.testing.assert_allclose(aligned.residual_seated_net, residual, rtol=1e-6)
+    np.testing.assert_allclose(aligned.max_closure, closed.max_closure, rtol=1e-6)
+    residual = 1e-3 * cycle_table(closed).residual_closure_seated_net_mm
+    np.testing.assert_allclose(aligned.residual_closure_seated_net, residual, rtol=1e-6)
 
 
 def test_a_tilt_is_kept_while_walls_close(run):
     """First touch is at the raised edge: the closure from there grows."""
-    first = run.closure.sel(cycle=1, rotation=0.0).mean("realization")
+    first = run.max_closure.sel(cycle=1, rotation=0.0).mean("realization")
     assert (first.sel(tilt=3.0) > 1.05 * first.sel(tilt=0.0)).all()
 
 
 def test_a_rotation_unmates_walls_that_mate(run):
-    first = run.closure.sel(cycle=1, tilt=0.0, wavelength=0.77e-3).mean("realization")
+    first = run.max_closure.sel(cycle=1, tilt=0.0, wavelength=0.77e-3).mean("realization")
     assert first.sel(rotation=45.0) > 1.3 * first.sel(rotation=0.0)
 
 
@@ -84,8 +84,8 @@ def test_changes_are_those_of_the_same_surfaces(design, joints, run):
     table = EXPERIMENT.tabulate(joints, design.parameters)["misalignment"]
     here = table[(table.wavelength_mm == np.inf) & (table.tilt_degrees == 3.0) & (table.cycle == 2)]
     independent = run.sel(wavelength=np.inf, rotation=0.0, cycle=2)
-    tilted, aligned = (independent.closure.sel(tilt=tilt).values for tilt in (3.0, 0.0))
-    closure = here[here.response == "closure"].iloc[0]
+    tilted, aligned = (independent.max_closure.sel(tilt=tilt).values for tilt in (3.0, 0.0))
+    closure = here[here.response == "max_closure"].iloc[0]
     assert closure.change_percent == pytest.approx(100.0 * (tilted.mean() / aligned.mean() - 1.0))
     scatter = tilted - tilted.mean() / aligned.mean() * aligned
     error = scatter.std(ddof=1) / np.sqrt(4) / aligned.mean()

@@ -5,7 +5,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from jointclosure.ensemble.points import close_points, gridded
+from jointclosure.engine.points import close_points, gridded
 from jointclosure.experiments.mismatch import EXPERIMENT, independence_table
 from tests.studied import checked_study
 
@@ -45,10 +45,10 @@ def test_wavelengths_are_closed_in_order_with_independent_walls_last(design, joi
 
 def test_walls_close_more_the_longer_the_mismatch_and_shifted_ones_more_than_unshifted(run):
     first = run.sel(cycle=1).mean("realization")
-    still = first.closure_seated_net.sel(shift=0.0).values
+    still = first.max_closure_seated_net.sel(shift=0.0).values
     assert still.tolist() == sorted(still)
     assert still[-1] > 1.5 * still[0]
-    moved = first.closure_seated_net.sel(wavelength=1e-3).values
+    moved = first.max_closure_seated_net.sel(wavelength=1e-3).values
     assert moved[1] > 1.2 * moved[0]
 
 
@@ -57,14 +57,14 @@ def test_what_is_read_is_what_engineers_are_told(design, joints, run):
     own = run.sel(wavelength=1e-3, shift=0.0, cycle=2)
     row = table[(table.wavelength_mm == 1.0) & (table.shift_mm == 0.0) & (table.cycle == 2)]
     assert row.samples.item() == 3
-    closures = 1e3 * own.closure_seated_net.values
-    assert row.closure_net_since_seating_mm.item() == pytest.approx(closures.mean())
+    closures = 1e3 * own.max_closure_seated_net.values
+    assert row.max_closure_seated_net_mm.item() == pytest.approx(closures.mean())
     error = closures.std(ddof=1) / np.sqrt(3)
-    assert row.closure_net_since_seating_mm_error.item() == pytest.approx(error)
+    assert row.max_closure_seated_net_mm_error.item() == pytest.approx(error)
     # that of the mean curve: compliances add
     stiffness = 1e-9 / float((1.0 / own.stiffness_net).mean())
-    assert row.normal_stiffness_net_MPa_per_mm.item() == pytest.approx(stiffness)
-    stays = float(own.residual_seated_net.mean() / own.closure_seated_net.mean())
+    assert row.stiffness_net_MPa_per_mm.item() == pytest.approx(stiffness)
+    stays = float(own.residual_closure_seated_net.mean() / own.max_closure_seated_net.mean())
     assert row.residual_share_net.item() == pytest.approx(stays)
     assert len(table) == 2 * (2 * 2 + 1)
     figure = EXPERIMENT.draw("mismatch", {"mismatch": table}, {})
@@ -88,8 +88,8 @@ def made_up(closures, scatter, surfaces=40):
                 "wavelength": wavelength,
                 "shift": shift,
                 "cycle": 1,
-                "closure_seated_net": values,
-                "aperture_at_seating": 5e-4,
+                "max_closure_seated_net": values,
+                "mean_aperture_at_seating": 5e-4,
             }
         )
         for wavelength, shift, values in conditions

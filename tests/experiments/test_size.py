@@ -6,10 +6,10 @@ import pytest
 import xarray as xr
 
 from jointclosure.config.files import read_plain
+from jointclosure.engine.points import close_points
+from jointclosure.engine.walls import nested
 from jointclosure.engineering.empirical import barton_bandis, scaled_to
 from jointclosure.engineering.stiffness import closures_at, landing_stress
-from jointclosure.ensemble.points import close_points
-from jointclosure.ensemble.walls import nested
 from jointclosure.experiments.size import EXPERIMENT, sizes_of
 from jointclosure.experiments.size.scaling import collapse_table, stacked
 from jointclosure.experiments.size.table import (
@@ -107,7 +107,7 @@ def test_larger_patches_close_more(run):
     for spectrum in ROLL_OFFS:
         own = table.loc[(spectrum, 1)]
         at_base = own[own.spacing_mm == 0.25].sort_values("patch_mm")
-        assert at_base.closure_net_mm_ratio.is_monotonic_increasing
+        assert at_base.max_closure_net_mm_ratio.is_monotonic_increasing
 
 
 def test_ratios_are_of_pairs_of_the_same_walls(run):
@@ -115,15 +115,15 @@ def test_ratios_are_of_pairs_of_the_same_walls(run):
     row = table[
         (table.spectrum == "free") & (table.patch_mm == 6) & (table.cycle == 1)
     ].iloc[0]  # fmt: skip
-    closure = run.closure.sel(spectrum="free", cycle=1, spacing=0.25e-3)
+    closure = run.max_closure.sel(spectrum="free", cycle=1, spacing=0.25e-3)
     pairs = np.log(closure.sel(patch=6e-3)).mean("position").values
     pairs = pairs - np.log(closure.sel(patch=3e-3)).mean("position").values
     ratio = np.exp(pairs.mean())
-    assert row.closure_mm_ratio == pytest.approx(ratio)
-    assert row.closure_mm_error == pytest.approx(ratio * pairs.std(ddof=1) / 2.0)
+    assert row.max_closure_mm_ratio == pytest.approx(ratio)
+    assert row.max_closure_mm_error == pytest.approx(ratio * pairs.std(ddof=1) / 2.0)
     base = table[(table.patch_mm == 3) & (table.spacing_mm == 0.25)]
-    assert (base.closure_mm_ratio == 1.0).all()
-    assert (base.closure_mm_error == 0.0).all()
+    assert (base.max_closure_mm_ratio == 1.0).all()
+    assert (base.max_closure_mm_error == 0.0).all()
     figure = EXPERIMENT.draw("size", {"size": table}, {})
     assert isinstance(figure, matplotlib.figure.Figure)
     assert len(figure.axes) == 10
@@ -149,12 +149,12 @@ def power_law(power, bend=0.0, surfaces=6):
 
 def test_an_exponent_is_found_and_what_is_no_power_is_told():
     table = exponent_table({"rock": power_law(0.7)}, (2e-3, 2e-4))
-    straight = table[(table.reading == "closure") & (table.of == "patch")]
+    straight = table[(table.reading == "max_closure") & (table.of == "patch")]
     assert straight.exponent.values == pytest.approx(0.7, abs=4 * straight.error.max())
     assert (straight.error < 0.01).all()
     assert (straight.p > 1e-3).all()
     bent = exponent_table({"rock": power_law(0.7, bend=0.1)}, (2e-3, 2e-4))
-    bent = bent[(bent.reading == "closure") & (bent.of == "patch")]
+    bent = bent[(bent.reading == "max_closure") & (bent.of == "patch")]
     # the slope of size^2 between neighbours rises by 2 ln 2 times the bend
     assert bent.change.values == pytest.approx(0.2 * np.log(2.0), abs=0.01)
     assert (bent.p < 1e-3).all()
@@ -162,7 +162,7 @@ def test_an_exponent_is_found_and_what_is_no_power_is_told():
 
 def test_the_right_scaling_removes_the_spread_and_carries_over_to_the_largest_patch():
     table = collapse_table({"rock": power_law(0.7)}, ROLL_OFFS)
-    table = table[(table.reading == "closure") & (table.cycle == 1)].set_index(
+    table = table[(table.reading == "max_closure") & (table.cycle == 1)].set_index(
         ["between", "scaling"]
     )
     for between in ("sizes", "sizes and spectra"):
@@ -179,15 +179,15 @@ def test_the_right_scaling_removes_the_spread_and_carries_over_to_the_largest_pa
 
 def test_no_scaling_is_judged_by_few_realisations():
     few = power_law(0.7, surfaces=8)
-    few["closure"][..., 5:, :] = np.nan
+    few["max_closure"][..., 5:, :] = np.nan
     table = collapse_table({"rock": few}, ROLL_OFFS).set_index("reading")
-    assert (table.realizations[["closure"]] == 5).all()
-    assert table.removed_percent[["closure"]].isna().all()
-    assert table.removed_percent[["closure_net"]].notna().all()
+    assert (table.realizations[["max_closure"]] == 5).all()
+    assert table.removed_percent[["max_closure"]].isna().all()
+    assert table.removed_percent[["max_closure_net"]].notna().all()
 
 
 def test_the_longest_wave_ends_at_the_roll_off():
-    joints = stacked(power_law(0.7), ROLL_OFFS, "closure", 1)
+    joints = stacked(power_law(0.7), ROLL_OFFS, "max_closure", 1)
     longest = {name: set() for name in ROLL_OFFS}
     for spectrum, wave in zip(joints.spectrum, joints.predictors["wave"][:, 0], strict=True):
         longest[spectrum].add(round(1e3 * np.exp(wave), 9))
@@ -205,4 +205,4 @@ def test_barton_and_bandis_say_softer_and_smoother_for_longer_joints(run):
     large = barton_bandis(6.5 * 4.0**-0.13, 159e6, 1.5 * 4.0**0.195, 1)
     assert row.barton_bandis == pytest.approx(large.initial_stiffness / small.initial_stiffness)
     assert 0.0 < row.barton_bandis < 1.0
-    assert set(table.reading) == {"kni_net", "vm_net", "stiffness_net", "closure_seated_net"}
+    assert set(table.reading) == {"kni_net", "vm_net", "stiffness_net", "max_closure_seated_net"}

@@ -9,15 +9,15 @@ import xarray as xr
 
 import jointclosure as jc
 from jointclosure.commands import cli
+from jointclosure.engine.joints import close_surfaces
+from jointclosure.engine.surfaces import surfaces_of
 from jointclosure.engineering.curves import curve_table, cycle_table
 from jointclosure.engineering.exchange import geos_aperture_table
 from jointclosure.ensemble.aggregation import CURVES, FLOW_CURVES, join_cases
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.checks import check_results
-from jointclosure.ensemble.closing import close_surfaces
 from jointclosure.ensemble.flow_table import flow_table
 from jointclosure.ensemble.slices import block_settings
-from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.joint.history import first_crossing
 from jointclosure.plotting.engineering import engineering_figure
 from jointclosure.storage.netcdf import read_netcdf

@@ -26,7 +26,7 @@ else:
 NO_PRCTL = "ctypes.CDLL = lambda name: None  # as on other systems than Linux"
 POOL = """
 import time
-from jointclosure.ensemble.workers import shared
+from jointclosure.engine.workers import shared
 list(shared(time.sleep, [(600,), (600,)], workers=2))
 """
 GROUP = """

@@ -105,8 +105,8 @@ def test_no_closure_is_told_at_stresses_that_a_branch_did_not_pass():
 
 def test_engineers_are_told_of_a_cycle_only_what_it_passed(history):
     table = cycle_table(history)
-    assert np.isfinite(table.closure_net_since_seating_mm[0])
-    assert np.isnan(table.residual_net_at_seating_mm[0])  # unloaded to 1 MPa only
+    assert np.isfinite(table.max_closure_seated_net_mm[0])
+    assert np.isnan(table.residual_closure_seated_net_mm[0])  # unloaded to 1 MPa only
     curves = law_curves(history)
     assert curves.keys() == {(1, "loading"), (4, "unloading")}
     assert curves[1, "loading"][0][-1] == pytest.approx(3.0, rel=0.01)

@@ -151,7 +151,7 @@ def test_the_readme_states_the_stored_errors_of_the_papers_steps():
             jc.close(
                 *walls, rock="granite", max_normal_stress=10e6, single=True, numerics=numerics
             ).history
-        ).closure_net_since_seating_mm[0]
+        ).max_closure_seated_net_mm[0]
         for numerics in (jc.Numerics(), jc.Numerics(breakage="resolved"))
     )
     assert 1.2 < of_paper / adaptive < 1.3

@@ -17,7 +17,7 @@ from jointclosure.config.schema import json_schema
 from jointclosure.ensemble.aggregation import join_cases
 from jointclosure.ensemble.cases import cases_of
 from jointclosure.ensemble.checks import check_results
-from jointclosure.joint.simulation import ATTRIBUTES
+from jointclosure.joint.attributes import ATTRIBUTES
 from jointclosure.parameters import Effects, scene_name
 from jointclosure.report.captions import read_caption
 from jointclosure.report.content import Material, content

@@ -92,8 +92,8 @@ def test_the_folder_of_a_single_joint_has_a_page(tmp_path, capsys):
     assert cli.main(["report", str(tmp_path / "joint")]) == 0
     page = (tmp_path / "joint/report.html").read_text(encoding="utf-8")
     cycles = pd.read_csv(tmp_path / "joint/cycles.csv")
-    assert f"closes {number_text(cycles.closure_net_since_seating_mm[0], 3)} mm" in page
-    assert f"{number_text(cycles.closure_gross_since_seating_mm[0], 3)} mm (gross)" in page
+    assert f"closes {number_text(cycles.max_closure_seated_net_mm[0], 3)} mm" in page
+    assert f"{number_text(cycles.max_closure_seated_mm[0], 3)} mm (gross)" in page
     assert "compressive strength 173 MPa" in page
     record = json.loads((tmp_path / "joint/joint.json").read_text())
     assert all(digest in page for digest in record["sha256"].values())

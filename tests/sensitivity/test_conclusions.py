@@ -21,7 +21,13 @@ ALL, ONE = "a; b; c; d", "a"
 
 
 def stated(
-    verdict, readings=None, share=None, number="5a", response="closure", cycle=2, other_cycle=None
+    verdict,
+    readings=None,
+    share=None,
+    number="5a",
+    response="max_closure",
+    cycle=2,
+    other_cycle=None,
 ) -> pd.Series:
     """The row of a claim with such a verdict, readings (verdict, rocks, allowed), and share."""
     claims = pd.DataFrame(
@@ -118,7 +124,7 @@ def test_choices_turn_a_conclusion_where_fewer_than_nine_tenths_agree(verdict, s
 
 
 def test_a_claim_net_of_bulk_indentation_is_held_against_net_closures():
-    row = stated(STANDS, share=(0.3, 0.2, 0.4), number="5a, net", response="closure_net")
+    row = stated(STANDS, share=(0.3, 0.2, 0.4), number="5a, net", response="max_closure_net")
     assert (row.choices_share, row.conclusion) == (0.3, DEPENDS)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 import jointclosure as jc
 from jointclosure.config.configuration import configured, merged, merged_study
-from jointclosure.ensemble.closing import close_pair
+from jointclosure.engine.joints import Reading, close_joint
 from jointclosure.joint import protocol
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.loading import LoadCycle
@@ -155,9 +155,9 @@ def test_the_results_of_a_study_bear_the_certificate():
     walls = jc.wall_pair(8.0, (40, 40), SPACING, 1, roll_off=None)
     numerics = jc.Numerics(idle_interaction=SHARE)
     stated = Conditions(SPACING, DOLERITE, 10e6, 2, 0.0, jc.Effects(), jc.Choices(), numerics)
-    row = close_pair(*walls, np.array([0.0, 10e6]), stated)
-    assert row["idle_steps"][1] >= 3
-    assert 0.0 < row["idle_displacement"][1] <= SHARE
+    row = close_joint(walls, Reading(stated, ("idle_steps", "idle_displacement")))
+    assert row["idle_steps"] >= 3
+    assert 0.0 < row["idle_displacement"] <= SHARE
 
 
 @pytest.mark.parametrize("share", [-0.1, np.nan])

@@ -11,11 +11,11 @@ import yaml
 
 from jointclosure.commands import cli
 from jointclosure.config.configuration import merged, written_out
+from jointclosure.engine.joints import close_surfaces
+from jointclosure.engine.surfaces import surfaces_of
 from jointclosure.ensemble.aggregation import join_cases
 from jointclosure.ensemble.cases import cases_of
-from jointclosure.ensemble.closing import close_surfaces
 from jointclosure.ensemble.slices import block_settings
-from jointclosure.ensemble.surfaces import surfaces_of
 from jointclosure.storage.netcdf import write_netcdf
 from tests.studied import DEFAULT, study_of
 

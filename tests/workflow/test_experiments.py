@@ -7,7 +7,7 @@ import pytest
 
 from jointclosure.config.files import read_plain
 from jointclosure.config.keys.configuration import SECTIONS
-from jointclosure.ensemble.points import as_table, joints_of
+from jointclosure.engine.points import as_table, joints_of
 from jointclosure.experiments import experiments_in
 from jointclosure.storage.netcdf import read_netcdf
 from jointclosure.storage.text import read_csv

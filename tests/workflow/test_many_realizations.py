@@ -11,10 +11,10 @@ import pytest
 
 from jointclosure.config.configuration import resolved
 from jointclosure.config.typed import Configuration
+from jointclosure.engine.settings import as_text
 from jointclosure.ensemble.cases import blocks_of, cases_of
-from jointclosure.ensemble.settings import as_text
 from jointclosure.storage.netcdf import read_netcdf, write_netcdf
-from tests.ensemble.test_settings import ELASTIC, closed_block, settings_of
+from tests.engine.test_settings import ELASTIC, closed_block, settings_of
 from tests.studied import DEFAULT, checked_study
 
 ROOT = Path(__file__).parents[2]

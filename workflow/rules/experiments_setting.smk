@@ -1,6 +1,6 @@
 # Shared by the rules of experiments: the experiments of the configuration, and their jobs. No rules here.
 # Every job reads this file anew: slow checks run in the main process only, and slow values are made on demand.
-from jointclosure.ensemble import points as engine
+from jointclosure.engine import points as engine
 from jointclosure.experiments import experiments_in
 
 EXPERIMENTS = experiments_in(config)

@@ -9,10 +9,10 @@ import xarray as xr
 
 from jointclosure.config.configuration import resolved
 from jointclosure.config.typed import Configuration
+from jointclosure.engine.settings import check_settings
 from jointclosure.ensemble.aggregation import join_cases, succeeded
 from jointclosure.ensemble.cases import blocks_of, cases_of, ensembles_of
 from jointclosure.ensemble.measured_walls import described
-from jointclosure.ensemble.settings import check_settings
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook

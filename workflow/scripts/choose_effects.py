@@ -6,9 +6,9 @@ import xarray as xr
 
 from jointclosure.config.plain import from_plain, to_plain
 from jointclosure.effects.choice import RockChoice, choose_for_rock
-from jointclosure.ensemble.closing import closed_before
-from jointclosure.ensemble.settings import ClosureSettings
-from jointclosure.ensemble.surfaces import surfaces_of
+from jointclosure.engine.joints import closed_before
+from jointclosure.engine.settings import ClosureSettings
+from jointclosure.engine.surfaces import surfaces_of
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import write_netcdf

@@ -1,6 +1,6 @@
 """Close the joints of one job of an experiment."""
 
-from jointclosure.ensemble.points import Point, as_dataset, close_points, unpacked
+from jointclosure.engine.points import Point, as_dataset, close_points, unpacked
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import write_netcdf

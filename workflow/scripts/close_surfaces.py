@@ -6,8 +6,8 @@ from pathlib import Path
 import xarray as xr
 
 from jointclosure.config.plain import from_plain
-from jointclosure.ensemble.closing import close_surfaces
-from jointclosure.ensemble.settings import ClosureSettings, as_text, check_settings
+from jointclosure.engine.joints import close_surfaces, rows_by_seed
+from jointclosure.engine.settings import ClosureSettings, as_text, check_settings
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.jobs.progress import Countdown
@@ -39,7 +39,7 @@ def main(
             used,
             report=lambda line: log(f"{line}; {countdown()}"),
             repeated_by=repeated_by(Path(output), label),
-            before=closed_by_pilot(before, label) if before else None,
+            known=rows_by_seed(closed_by_pilot(before, label)) if before else {},
         )
         marked = (block.assign_attrs(settings=as_text(settings), scene=scene) for block in closed)
         write_netcdf_blocks(marked, "realization", output)

@@ -6,7 +6,7 @@ import numpy as np
 
 from jointclosure.config.plain import from_plain
 from jointclosure.config.typed import StudyRock
-from jointclosure.ensemble.settings import SurfaceSettings, check_settings
+from jointclosure.engine.settings import SurfaceSettings, check_settings
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.measured.curves import CurveSettings, measured_curves

@@ -3,7 +3,7 @@
 import math
 import sys
 
-from jointclosure.ensemble.points import Sample, Samples, estimated_time, unpacked
+from jointclosure.engine.points import Sample, Samples, estimated_time, unpacked
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.text import write_csv

@@ -1,8 +1,8 @@
 """Generate the surface pairs of a case, or of a block of its realisations."""
 
 from jointclosure.config.plain import from_plain
-from jointclosure.ensemble.settings import SurfaceSettings, as_text
-from jointclosure.ensemble.surfaces import surfaces_of
+from jointclosure.engine.settings import SurfaceSettings, as_text
+from jointclosure.engine.surfaces import surfaces_of
 from jointclosure.jobs.job import job
 from jointclosure.jobs.logbook import Logbook
 from jointclosure.storage.netcdf import write_netcdf_blocks

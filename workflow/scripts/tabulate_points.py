@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from jointclosure.ensemble.points import as_dataset, as_table
+from jointclosure.engine.points import as_dataset, as_table
 from jointclosure.experiments import Experiment, experiment_named
 from jointclosure.jobs.job import job, listed
 from jointclosure.jobs.logbook import Logbook

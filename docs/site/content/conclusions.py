@@ -169,7 +169,7 @@ def net() -> str:
     for number, cycle, claim in WITH_NET:
         of_claim = rows_of(shares, number=number, cycle=cycle)
         row = {"conclusion": of_claim.conclusion.iloc[0], "cycle": cycle}
-        for response, suffix in (("closure", ""), ("closure_net", ", net")):
+        for response, suffix in (("max_closure", ""), ("max_closure_net", ", net")):
             row[f"as configured{suffix}"] = verdicts.get(f"{claim}{suffix}", "not judged")
             row[f"choices{suffix} (%)"] = percents(Group(rows_of(of_claim, response=response)))
         rows.append(row)

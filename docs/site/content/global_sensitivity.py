@@ -8,25 +8,17 @@ from stored import origin, stored
 
 from content.markdown import MOST, Form, Group, Table, markdown, rows_of, titled, written
 from jointclosure.config.properties import PARAMETERS
+from jointclosure.plotting.global_sensitivity import SHOWN
 from jointclosure.report.findings import found_text
 
 RUN = "global_sensitivity"
 ENOUGH = 0.08
 """Standard error of a share that would settle it."""
-SHOWN = {
-    ("closure", 1): "closure, cycle 1",
-    ("closure", 2): "closure, cycle 2",
-    ("closure_net", 2): "net closure, cycle 2",
-    ("residual_seated_net", 1): "residual closure",
-    ("compliance", 1): "net compliance, cycle 1",
-    ("compliance", 2): "net compliance, cycle 2",
-}
-"""Responses whose indices are shown."""
 CASES = {
-    (1, "closure"): "cycle 1",
-    (1, "closure_net"): "cycle 1, net",
-    (2, "closure"): "cycle 2",
-    (2, "closure_net"): "cycle 2, net",
+    (1, "max_closure"): "cycle 1",
+    (1, "max_closure_net"): "cycle 1, net",
+    (2, "max_closure"): "cycle 2",
+    (2, "max_closure_net"): "cycle 2, net",
 }
 """Cycle and response that conclusions are about."""
 SHOWN_FROM = 0.1
@@ -58,7 +50,7 @@ def indices(kind: str) -> str:
 
 def _effects(table: pd.DataFrame) -> pd.DataFrame:
     """Put Shapley effects with and without dependent inputs below each other."""
-    table = rows_of(_from_all(table), response="closure").dropna(subset=["shapley"])
+    table = rows_of(_from_all(table), response="max_closure").dropna(subset=["shapley"])
     dependent = table.assign(
         shapley=table.shapley_dependent, shapley_error=table.shapley_dependent_error
     )
@@ -85,7 +77,7 @@ elasticities = Table(
             stored(RUN, "global_sensitivity_indices").groupby("input").title.first()
         ),
         case="cycle " + table.cycle.astype(str)
-        + table.response.map({"closure": "", "closure_net": ", net of bulk indentation"}),
+        + table.response.map({"max_closure": "", "max_closure_net": ", net of bulk indentation"}),
     ).dropna(subset=["case"]).sort_values(["response", "cycle"], kind="stable"),
 )  # fmt: skip
 
@@ -127,7 +119,7 @@ def _rankings(table: pd.DataFrame) -> pd.DataFrame:
     """Choose margins of rankings on the second cycle, and inputs that matter to them."""
     table = table[(table.cycle == 2) & table.number.isin(["1a", "2a"])]
     largest = table.groupby(["number", "title"]).share.transform("max")
-    net = table.response.map({"closure": "", "closure_net": ", net"})
+    net = table.response.map({"max_closure": "", "max_closure_net": ", net"})
     table = table.assign(of=table.rock + net)[largest >= SHOWN_FROM]
     return table.sort_values(["number", "conclusion"], kind="stable")
 
@@ -218,7 +210,7 @@ def minutes() -> str:
 def _of_largest() -> pd.DataFrame:
     """Choose the total indices on the first closure of the input with the largest one."""
     table = stored(RUN, "global_sensitivity_indices").sort_values("rows", kind="stable")
-    table = rows_of(table[table.input != "surfaces"], response="closure", cycle=1)
+    table = rows_of(table[table.input != "surfaces"], response="max_closure", cycle=1)
     return table[table.input == table.loc[_from_all(table).total.idxmax()].input]
 
 

@@ -5,15 +5,16 @@ import pandas as pd
 from stored import stored
 
 from content.markdown import MOST, Group, Table, rows_of, titled
+from jointclosure.engine.quantities import QUANTITIES, shown_unit, titles_of_cycles
 
-SHOWN = {
-    ("closure", 1): "maximum closure, cycle 1",
-    ("closure", 2): "maximum closure, cycle 2",
-    ("closure_seated_net", 1): "net closure since seating, cycle 1",
-    ("residual_seated_net", 1): "residual closure",
-    ("stiffness_net", 1): "net normal stiffness, cycle 1",
-    ("stiffness_net", 2): "net normal stiffness, cycle 2",
-}
+SHOWN = titles_of_cycles(
+    ("max_closure", 1),
+    ("max_closure", 2),
+    ("max_closure_seated_net", 1),
+    ("residual_closure_seated_net", 1),
+    ("stiffness_net", 1),
+    ("stiffness_net", 2),
+)
 MOTIONS = ("tilt", "rotation")
 LEVEL = 1.96
 """Standard errors of a 95 % interval."""
@@ -48,7 +49,7 @@ aligned = Table(
     rows={
         "walls": _walls,
         "": lambda group: "{} ({})".format(
-            group["title"], "MPa/mm" if group["response"] == "stiffness_net" else "mm"
+            group["title"], shown_unit(QUANTITIES[group["response"]].unit)[0]
         ),
     },
     across="{rock}",
@@ -86,7 +87,7 @@ def mean_rotation() -> str:
 
     Rocks are independent; angles of a rock are on the same surfaces, and taken as one.
     """
-    table = rows_of(_moved("rotation", "independent"), response="closure", cycle=1)
+    table = rows_of(_moved("rotation", "independent"), response="max_closure", cycle=1)
     of_rocks = table.groupby("rock")[["change_percent", "change_error"]].mean()
     error = float(np.sqrt((of_rocks.change_error**2).sum())) / len(of_rocks)
     return f"{of_rocks.change_percent.mean():+.1f} ± {error:.1f}"
@@ -106,4 +107,4 @@ def samples() -> int:
 def largest_change() -> str:
     """Give the largest change [%] of a maximum closure of independent walls, rounded up."""
     table = pd.concat(_moved(motion, "independent") for motion in MOTIONS)
-    return f"{np.ceil(rows_of(table, response='closure').change_percent.abs().max()):.0f}"
+    return f"{np.ceil(rows_of(table, response='max_closure').change_percent.abs().max()):.0f}"

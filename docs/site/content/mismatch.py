@@ -5,15 +5,16 @@ import math
 from stored import stored
 
 from content.markdown import Form, Group, Table, chosen, rows_of
+from jointclosure.engine.quantities import HEADINGS
 from jointclosure.measured.fit import DOUBTFUL
 
-NAMES = {
-    "closure_net_since_seating_mm": "net closure since 0.5 MPa (mm)",
-    "normal_stiffness_net_MPa_per_mm": "net stiffness above 5 MPa (MPa/mm)",
-    "residual_net_at_seating_mm": "residual at seating (mm)",
-    "hysteresis": "hysteresis (share of work)",
-    "aperture_at_seating_mm": "aperture at seating (mm)",
-}
+SHOWN = (
+    "max_closure_seated_net_mm",
+    "stiffness_net_MPa_per_mm",
+    "residual_closure_seated_net_mm",
+    "hysteresis",
+    "mean_aperture_at_seating_mm",
+)
 
 
 def _walls(group: Group) -> str:
@@ -48,7 +49,7 @@ def _shift(column: str) -> Form:
 mismatched = Table(
     "mismatch/mismatch",
     {"mismatch wavelength (mm)": _walls, "cycle": "{cycle}"}
-    | {title: _two_digits(column) for column, title in NAMES.items()},
+    | {HEADINGS[column]: _two_digits(column) for column in SHOWN},
     prepare=chosen(shift_mm=0.0),
 )
 unmated = Table(
@@ -132,6 +133,6 @@ def first(column: str, walls: str, digits: str = ".0f", scale: float = 1.0) -> s
     steps resolve them. ``digits`` is a format.
     """
     table = rows_of(stored("mismatch", "mismatch"), shift_mm=0.0, cycle=1)
-    mated = table[(table.residual_net_at_seating_mm > 0.0) & (table.wavelength_mm < math.inf)]
+    mated = table[(table.residual_closure_seated_net_mm > 0.0) & (table.wavelength_mm < math.inf)]
     row = Group(mated if walls == "mated" else rows_of(table, wavelength_mm=math.inf))
     return f"{scale * row[column]:{digits}}"

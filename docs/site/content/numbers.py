@@ -66,7 +66,7 @@ _joint = partial(span, "large_pool/table_3_joint_tests", "p", "p_error")
 _no_effect = partial(span, "large_pool/table_3_joint_tests", "null_p", "null_p_error")
 _index = partial(
     span, "global_sensitivity/global_sensitivity_indices", "total", "total_error",
-    response="closure", rows=MOST,
+    response="max_closure", rows=MOST,
 )  # fmt: skip
 _choices = partial(
     span,
@@ -78,11 +78,11 @@ _choices = partial(
 )
 _tilted = partial(
     span, "misalignment/misalignment", "change_percent", "change_error",
-    wavelength_mm=math.inf, rotation_degrees=0.0, tilt_degrees=MOST, response="closure",
+    wavelength_mm=math.inf, rotation_degrees=0.0, tilt_degrees=MOST, response="max_closure",
 )  # fmt: skip
 _larger = partial(
     span, "size/size_barton_bandis", "ratio", "error",
-    spectrum="roll_off_3mm", reading="closure_seated_net", to_mm=MOST,
+    spectrum="roll_off_3mm", reading="max_closure_seated_net", to_mm=MOST,
 )  # fmt: skip
 _continuum = partial(
     span, "continuum/continuum", "ratio", "ratio_error",
@@ -136,7 +136,7 @@ def _share_of_rows(claim: str, cycle: int) -> Number:
         of_rocks = group.rows[group.rows.rock != "all"].rows_true
         return f"{of_rocks.min()} to {of_rocks.max()}"
 
-    rows = {"number": claim, "response": "closure", "cycle": cycle}
+    rows = {"number": claim, "response": "max_closure", "cycle": cycle}
     return Number("global_sensitivity/global_sensitivity_conclusions", "rows_true", text, rows)
 
 
@@ -146,7 +146,7 @@ def _margin(name: str, rock: str) -> Number:
     def text(group: Group) -> str:
         return f"{100 * group['share']:.0f} ± {100 * group['share_error']:.0f} %"
 
-    rows = {"number": "2a", "response": "closure", "cycle": 2, "input": name, "rock": rock}
+    rows = {"number": "2a", "response": "max_closure", "cycle": 2, "input": name, "rock": rock}
     return Number("global_sensitivity/global_sensitivity_margins", "share", text, rows)
 
 
@@ -204,7 +204,7 @@ NUMBERS = {
     "e(E) 1": _elasticity(parameter="youngs_modulus", cycle=1),
     "e(nu) 1": _elasticity(parameter="poisson_ratio", cycle=1),
     "found 2b": _studies(number="2b"),
-    "choices 2b": _choices(number="2a", response="closure", cycle=1),
+    "choices 2b": _choices(number="2a", response="max_closure", cycle=1),
     "found 1a 1": _studies(number="1a, cycle 1"),
     "ratio on 2": _index(input="peak_modulus", cycle=2),
     "rule on 1": _index(input="rule", cycle=1),
@@ -212,10 +212,10 @@ NUMBERS = {
     "JRC on 1": _index(input="jrc", cycle=1),
     "stress on 1": _index(input="stress", cycle=1),
     "ratio on 1": _index(input="peak_modulus", cycle=1),
-    "choices 2a": _choices(number="2a", response="closure", cycle=2),
-    "choices 2a, net": _choices(number="2a", response="closure_net", cycle=2),
-    "choices 1a 1": _choices(number="1a", response="closure", cycle=1),
-    "choices 1a 2": _choices(number="1a", response="closure", cycle=2),
+    "choices 2a": _choices(number="2a", response="max_closure", cycle=2),
+    "choices 2a, net": _choices(number="2a", response="max_closure_net", cycle=2),
+    "choices 1a 1": _choices(number="1a", response="max_closure", cycle=1),
+    "choices 1a 2": _choices(number="1a", response="max_closure", cycle=2),
     "scatter 1, JRC to 2": _jrc(parameter="base", cycle=1, half_width=2.0),
     "tilt 1": _tilted(cycle=1),
     "tilt 2": _tilted(cycle=2),

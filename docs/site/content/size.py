@@ -5,6 +5,7 @@ from stored import ROOT, stored
 
 from content.markdown import MOST, Form, Group, Table, chosen, markdown, rows_of, titled, value_of
 from jointclosure.config.configuration import configured, merged_study
+from jointclosure.engine.quantities import HEADINGS, QUANTITIES, titles_of_cycles
 from jointclosure.experiments.size.table import law_of_size
 from jointclosure.statistics.standard_errors import rounded
 from jointclosure.storage.text import read_csv
@@ -13,28 +14,22 @@ DEFAULT = "roll_off_3mm"
 """The spectrum of the default study."""
 BASE = 0.25
 """The spacing [mm] of the joints that others are compared with."""
-TITLES = {
-    "closure_seated_net": "net closure since seating",
-    "closure_net": "net closure from first touch",
-    "residual_seated_net": "residual closure",
-    "stiffness_net": "net stiffness",
-    "kni_net": "k_ni",
-    "vm_net": "V_m",
-}
-NAMES = {
-    "closure_seated_net_mm": "net closure since 0.5 MPa (mm)",
-    "closure_net_mm": "net closure from first touch (mm)",
-    "closure_mm": "gross closure from first touch (mm)",
-    "residual_closure_mm": "residual closure (mm)",
-    "net_stiffness_MPa_per_mm": "net stiffness above 15 MPa (MPa/mm)",
-}
-SHOWN = {
-    (reading, cycle): f"{TITLES[reading]}, cycle {cycle}"
-    for reading, cycle in (
-        ("closure_seated_net", 1), ("closure_net", 1), ("residual_seated_net", 1),
-        ("stiffness_net", 1), ("closure_seated_net", 2), ("closure_net", 2), ("stiffness_net", 2),
-    )
-}  # fmt: skip
+COLUMNS = (
+    "max_closure_seated_net_mm",
+    "max_closure_net_mm",
+    "max_closure_mm",
+    "residual_closure_seated_net_mm",
+    "stiffness_net_MPa_per_mm",
+)
+SHOWN = titles_of_cycles(
+    ("max_closure_seated_net", 1),
+    ("max_closure_net", 1),
+    ("residual_closure_seated_net", 1),
+    ("stiffness_net", 1),
+    ("max_closure_seated_net", 2),
+    ("max_closure_net", 2),
+    ("stiffness_net", 2),
+)
 """Readings that tables of powers and scalings have, and their headings."""
 SCALINGS = ("patch length, spacing", "rms height, spacing", "depth of 5 %, spacing")
 WALL_STRENGTHS = (1.0, 1.2, 1.5, 2.0, 3.0)
@@ -57,13 +52,14 @@ def _with_ratio(column: str) -> str:
 def _sizes(table: pd.DataFrame) -> pd.DataFrame:
     """Choose the default spectrum; residual closures of later cycles are those of the first."""
     table = rows_of(table, spectrum=DEFAULT).sort_values(["cycle", "spacing_mm", "patch_mm"])
-    return table.assign(residual_closure_mm=table.residual_closure_mm.where(table.cycle == 1))
+    residual = "residual_closure_seated_net_mm"
+    return table.assign(**{residual: table[residual].where(table.cycle == 1)})
 
 
 sizes = Table(
     "size/size",
     {"cycle": "{cycle}", "patch (mm)": "{patch_mm:g}", "spacing (mm)": "{spacing_mm:g}"}
-    | {title: _with_ratio(column) for column, title in NAMES.items()},
+    | {HEADINGS[column]: _with_ratio(column) for column in COLUMNS},
     prepare=_sizes,
 )
 exponents = Table(
@@ -107,7 +103,7 @@ barton_bandis = Table(
     "size/size_barton_bandis",
     rows={
         "cycle": "{cycle}",
-        "of": lambda group: TITLES[group["reading"]],
+        "of": lambda group: QUANTITIES[group["reading"]].title,
         "Barton & Bandis": "{barton_bandis:.2f}",
     },
     across=_walls,
@@ -127,7 +123,7 @@ def wall_strengths() -> str:
     for ratio in sorted({*WALL_STRENGTHS, typed.output.wall_strength_ratio}):
         for cycle in sorted(table.cycle.unique()):
             changed, small = (law_of_size(factor, about, ratio, cycle) for factor in (times, 1.0))
-            row = {TITLES[name]: f"{changed[name] / small[name]:.2f}" for name in changed}
+            row = {QUANTITIES[name].title: f"{changed[name] / small[name]:.2f}" for name in changed}
             rows.append({"σc/JCS": f"{ratio:g}", "cycle": cycle} | row)
     return markdown(pd.DataFrame(rows))
 
@@ -140,7 +136,12 @@ def law(reading: str, cycle: int) -> str:
 
 def power(spectrum: str, cycle: int) -> str:
     """Give the exponent of the patch length in net closure since seating, for a spectrum."""
-    rows = {"spectrum": spectrum, "reading": "closure_seated_net", "cycle": cycle, "of": "patch"}
+    rows = {
+        "spectrum": spectrum,
+        "reading": "max_closure_seated_net",
+        "cycle": cycle,
+        "of": "patch",
+    }
     return value_of("size/size_exponents", "{exponent±error}", **rows)
 
 
@@ -152,12 +153,12 @@ def patch(end: str) -> str:
 def from_touch(cycle: int) -> str:
     """Give the ratio of net closures from first touch of the largest to the smallest patch."""
     rows = {"spectrum": DEFAULT, "cycle": cycle, "spacing_mm": BASE, "patch_mm": MOST}
-    return value_of("size/size", "{closure_net_mm_ratio±closure_net_mm_error}", **rows)
+    return value_of("size/size", "{max_closure_net_mm_ratio±max_closure_net_mm_error}", **rows)
 
 
 def best(cycle: int) -> str:
     """State which scaling of net closure since seating is best, and which for the largest patch."""
-    table = rows_of(stored("size", "size_collapse"), reading="closure_seated_net", cycle=cycle)
+    table = rows_of(stored("size", "size_collapse"), reading="max_closure_seated_net", cycle=cycle)
     alone, together = (
         {row["scaling"]: row for row in rows_of(table, between=between).to_dict("records")}
         for between in ("sizes", "sizes and spectra")

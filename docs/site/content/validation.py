@@ -7,6 +7,7 @@ from stored import origin, stored
 from content.markdown import Form, Group, Table, markdown, rows_of, written
 from jointclosure.engineering.measured_joints import ALL, JOINTS, measured_joints, measured_range
 from jointclosure.engineering.measured_joints import measured as measured_value
+from jointclosure.measured.joints import HEADINGS
 from jointclosure.statistics.standard_errors import rounded
 
 NAMES = {
@@ -51,15 +52,7 @@ OBSERVABLES = {
     "later_residual_share": "later loading: share that stays (%)",
     "contact_share": "contact area at 10.27 MPa (%)",
 }
-JUDGED = {
-    "first_residual_share": "share of the first closure that stays (%)",
-    "first_stiffness": "first stiffness (MPa/mm)",
-    "stiffness_ratio": "stiffness, later over first",
-    "later_residual_share": "share of the later closure that stays (%)",
-    "contact_share": "contact area, at most (%)",
-    "later_closure": "later closure (mm)",
-    "later_stiffness": "later stiffness (MPa/mm)",
-}
+JUDGED = {name: title for name, title in HEADINGS.items() if name != "first_closure"}
 """Observables that are not fitted, with their titles in tables of results."""
 _RUN = ("measured_joints", "measured_joints")
 DEFAULT = "default choices"

@@ -146,10 +146,10 @@ def summary(closed: xr.Dataset, budget: Budget | None = None) -> str:
     seating = 1e-6 * closed.attrs["seating_stress_Pa"]
     table = cycle_table(closed)
     names = {
-        "closure_net_since_seating_mm": f"net since {seating:g} MPa",
-        "residual_net_at_seating_mm": "residual net",
-        "closure_gross_since_seating_mm": f"gross since {seating:g} MPa",
-        "max_closure_gross_mm": "gross from its start",
+        "max_closure_seated_net_mm": f"net since {seating:g} MPa",
+        "residual_closure_seated_net_mm": "residual net",
+        "max_closure_seated_mm": f"gross since {seating:g} MPa",
+        "max_closure_mm": "gross from its start",
     }
     frame = table[list(names)].rename(columns=names)
     frame.index = [f"cycle {number}" for number in table.cycle]

@@ -8,9 +8,9 @@ import xarray as xr
 
 from jointclosure.commands import COMMANDS
 from jointclosure.config.plain import from_plain
+from jointclosure.engine.settings import ClosureSettings
 from jointclosure.ensemble.comparison import differences
 from jointclosure.ensemble.repetition import repeated
-from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.inputs import InputError
 from jointclosure.storage.netcdf import reading_netcdf
 from jointclosure.storage.text import read_text

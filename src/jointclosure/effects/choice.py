@@ -21,9 +21,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from jointclosure.effects.pilot import Closed, Pilot, Verdict, closing
+from jointclosure.engine.settings import ClosureSettings
+from jointclosure.engine.surfaces import walls_of
 from jointclosure.ensemble.cases import BASE
-from jointclosure.ensemble.settings import ClosureSettings
-from jointclosure.ensemble.surfaces import walls_of
 from jointclosure.inputs import InputError, check_number
 from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
 from jointclosure.joint.given_walls import checked_walls, warn_of_doubts

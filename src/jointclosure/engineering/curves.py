@@ -188,26 +188,27 @@ def cycle_table(history: xr.Dataset) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        One row per cycle. For the net and the gross closure (`KINDS`):
-        ``closure_<kind>_since_seating_mm`` at the maximum; ``residual_<kind>_at_seating_mm``,
-        closure at the seating stress on unloading less that on loading;
-        ``residual_share_<kind>`` of the closure since seating; and ``max_closure_<kind>_mm`` from
-        the start of the cycle. Then ``mean_aperture_at_seating_mm``, ``mean_aperture_at_max_mm``
-        and ``contact_at_max``; for a history with flow also ``hydraulic_aperture_x_at_max_mm``
-        and the same along y. All except the aperture at seating are NaN if loading failed.
+        One row per cycle, closures by the names of `jointclosure.simulate`, with ``_net`` those
+        without the indentation of the half-spaces: ``max_closure_seated_net_mm`` since seating, at
+        the maximum; ``residual_closure_seated_net_mm``, closure at the seating stress on unloading
+        less that on loading; ``residual_share_net``, the ratio of these; and
+        ``max_closure_net_mm`` from the start of the cycle; the same gross, without ``_net``. Then
+        ``mean_aperture_at_seating_mm``, ``mean_aperture_at_max_mm`` and ``contact_at_max``; for a
+        history with flow also ``hydraulic_aperture_x_at_max_mm`` and the same along y. All except
+        the aperture at seating are NaN if loading failed.
     """
     numbers = np.unique(history.cycle.values)
     columns = {"cycle": numbers}
-    for kind, of in KINDS.items():
+    for net, of in (("_net", NET), ("", GROSS)):
         closures = {
             name: 1e3 * values[numbers - 1]
             for name, values in closures_of_cycles(history, of).items()
         }
         since, residual = closures["max_closure_seated"], closures["residual_closure_seated"]
-        columns[f"closure_{kind}_since_seating_mm"] = since
-        columns[f"residual_{kind}_at_seating_mm"] = residual
-        columns[f"residual_share_{kind}"] = residual / since
-        columns[f"max_closure_{kind}_mm"] = closures["max_closure"]
+        columns[f"max_closure_seated{net}_mm"] = since
+        columns[f"residual_closure_seated{net}_mm"] = residual
+        columns[f"residual_share{net}"] = residual / since
+        columns[f"max_closure{net}_mm"] = closures["max_closure"]
     return pd.DataFrame(columns).join(
         pd.DataFrame([_state_of(history, number) for number in numbers])
     )

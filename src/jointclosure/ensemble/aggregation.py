@@ -4,13 +4,12 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.config.properties import PROPERTIES
-from jointclosure.ensemble.settings import Case
+from jointclosure.engine.quantities import QUANTITIES
+from jointclosure.engine.settings import Case
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import Rock
 
-FLOW_CURVES = ("mean_aperture", "hydraulic_aperture")
-"""Curves over stress that exist only in a study with flow."""
-CURVES = ("closure", "bulk_indentation", *FLOW_CURVES)
+CURVES = tuple(name for name, about in QUANTITIES.items() if "stress" in about.dims)
 """Curves over stress: nine tenths of the numbers of a study."""
 
 

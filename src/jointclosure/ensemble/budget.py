@@ -17,20 +17,24 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from jointclosure.engine.quantities import HEADINGS
 from jointclosure.engineering.measured_joints import measured_range
 from jointclosure.parameters import OF_ROCK, key_of
 from jointclosure.statistics.standard_errors import significant
 
-CLOSURE_NET, CLOSURE_GROSS = "closure_net_since_seating_mm", "closure_gross_since_seating_mm"
+CLOSURE_NET, CLOSURE_GROSS = "max_closure_seated_net_mm", "max_closure_seated_mm"
 QUANTITIES = {
-    CLOSURE_NET: "net closure (mm)",
-    "residual_net_at_seating_mm": "net residual closure (mm)",
-    CLOSURE_GROSS: "gross closure (mm)",
-    "stiffness_net_MPa_per_mm": "net stiffness in the upper half of loading (MPa/mm)",
-    "mean_aperture_at_max_mm": "mean aperture (mm)",
-    "contact_at_max": "share of cells in contact",
+    column: HEADINGS[column]
+    for column in (
+        CLOSURE_NET,
+        "residual_closure_seated_net_mm",
+        CLOSURE_GROSS,
+        "stiffness_net_MPa_per_mm",
+        "mean_aperture_at_max_mm",
+        "contact_at_max",
+    )
 }
-"""Results with a range, by column: of `cycle_table`, and the net stiffness of
+"""Headings of results with a range, by column: of `cycle_table`, and the net stiffness of
 `jointclosure.engineering.curves.net_responses`."""
 
 TOGETHER = "together"

@@ -5,7 +5,7 @@ are fields of `Case`, and coordinates of every dataset.
 """
 
 from jointclosure.config.typed import Configuration, Study, StudyRock
-from jointclosure.ensemble.settings import Case
+from jointclosure.engine.settings import Case
 from jointclosure.parameters import PROPERTIES
 
 BASE = "base"

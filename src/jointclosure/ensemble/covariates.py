@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.config.typed import Grid, Surface
-from jointclosure.ensemble.surfaces import walls_of_seed
+from jointclosure.engine.surfaces import walls_of_seed
 from jointclosure.statistics.control_variates import Known
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.surface.bearing import bearing_depths, bearing_excess

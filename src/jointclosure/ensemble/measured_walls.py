@@ -7,8 +7,8 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.config.typed import Walls
-from jointclosure.ensemble.settings import SurfaceSettings
-from jointclosure.ensemble.surfaces import surface_pair
+from jointclosure.engine.settings import SurfaceSettings
+from jointclosure.engine.surfaces import surface_pair
 from jointclosure.inputs import InputError, naming
 from jointclosure.inputs.remarks import cautions
 from jointclosure.parameters import AS_IT_IS
@@ -164,7 +164,7 @@ def cutter_for(walls: xr.Dataset, settings: SurfaceSettings) -> Cutter:
 
 
 def cut_surfaces(cutter: Cutter, seeds: list[int], first: int = 0) -> Iterator[xr.Dataset]:
-    """Cut surface pairs out of scanned walls, in the form of `ensemble.surfaces.make_surfaces`.
+    """Cut surface pairs out of scanned walls, in the form of `engine.surfaces.make_surfaces`.
 
     Parameters
     ----------

@@ -2,9 +2,9 @@
 
 import xarray as xr
 
-from jointclosure.ensemble.closing import close_surfaces
-from jointclosure.ensemble.settings import ClosureSettings
-from jointclosure.ensemble.surfaces import surfaces_of
+from jointclosure.engine.joints import close_surfaces
+from jointclosure.engine.settings import ClosureSettings
+from jointclosure.engine.surfaces import surfaces_of
 
 
 def repeated(
@@ -24,7 +24,7 @@ def repeated(
     Returns
     -------
     Dataset
-        As from `jointclosure.ensemble.closing.close_surfaces`, with one realisation.
+        As from `jointclosure.engine.joints.close_surfaces`, with one realisation.
     """
     if walls is None:
         one = settings.surfaces._replace(first_realization=realization, realizations=1)

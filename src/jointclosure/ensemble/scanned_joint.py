@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.engineering.curves import cycle_table
-from jointclosure.ensemble.budget import Budget
+from jointclosure.ensemble.budget import CLOSURE_GROSS, CLOSURE_NET, Budget
 from jointclosure.ensemble.expected_cost import check_cells, expected_cost
 from jointclosure.ensemble.uncertainty import uncertainty_budget
 from jointclosure.inputs import InputError, naming
@@ -69,8 +69,7 @@ class ClosedJoint(NamedTuple):
         seating = 1e-6 * float(self.history.attrs["seating_stress_Pa"])
         table = cycle_table(self.history)
         net, gross = (
-            ", ".join(self._closure(f"closure_{kind}_since_seating_mm", table))
-            for kind in ("net", "gross")
+            ", ".join(self._closure(column, table)) for column in (CLOSURE_NET, CLOSURE_GROSS)
         )
         load = describe_load(self.conditions.max_normal_stress, self.conditions.cycle_count)
         failed = ", failed" if int(self.history.status) >= FAILURE else ""

@@ -2,8 +2,8 @@
 
 from jointclosure.config.typed import Configuration, Walls
 from jointclosure.config.walls import wall_files
+from jointclosure.engine.settings import Case, ClosureSettings, SurfaceSettings
 from jointclosure.ensemble.cases import wall_name
-from jointclosure.ensemble.settings import Case, ClosureSettings, SurfaceSettings
 from jointclosure.scans import file_digest
 
 

@@ -1,7 +1,7 @@
 """Experiments: points at which joints are closed, and the tables and figures made of them.
 
 An experiment is a module here with a constant ``EXPERIMENT``. The engine
-(`jointclosure.ensemble.points`) closes its points. A new one is named in `SECTIONS`.
+(`jointclosure.engine.points`) closes its points. A new one is named in `SECTIONS`.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -14,8 +14,9 @@ import pandas as pd
 from jointclosure.config.configuration import Configured
 from jointclosure.config.keys.configuration import SECTIONS
 from jointclosure.config.typed import Configuration
-from jointclosure.ensemble.points import Jobs, Samples, samples_of
-from jointclosure.ensemble.settings import Case, ClosureSettings
+from jointclosure.engine.points import Jobs, Samples, samples_of
+from jointclosure.engine.quantities import shown_as
+from jointclosure.engine.settings import Case, ClosureSettings
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.joint.warmup import kernels_of
 
@@ -24,16 +25,9 @@ if TYPE_CHECKING:
 
 Tables = Mapping[str, Any]
 """DataFrames by name of the table; texts by name of a file that ends in .md."""
-COLUMNS = {
-    "wavelength": ("wavelength_mm", 1e3),
-    "shift": ("shift_mm", 1e3),
-    "tilt": ("tilt_degrees", 1.0),
-    "rotation": ("rotation_degrees", 1.0),
-    "stress": ("stress_MPa", 1e-6),
-    "patch": ("patch_mm", 1e3),
-    "spacing": ("spacing_mm", 1e3),
-}
-"""Columns of published tables, with their scale, for coordinates of points [SI]."""
+COORDINATES = dict.fromkeys(("wavelength", "shift", "patch", "spacing"), "m")
+COORDINATES |= {"tilt": "degrees", "rotation": "degrees", "stress": "Pa"}
+"""Units of coordinates of points that are numbers."""
 
 
 class Design(NamedTuple):
@@ -85,7 +79,7 @@ class Experiment(NamedTuple):
     ----------
     title : str
     quantities : tuple of str
-        Quantities evaluated of each joint (`jointclosure.ensemble.quantities.QUANTITIES`).
+        Quantities evaluated of each joint (`jointclosure.engine.quantities.QUANTITIES`).
     design : callable
         Makes the `Design` from a checked configuration. Raises `ConfigurationError` if that
         contradicts itself.
@@ -133,8 +127,8 @@ def settings_of(configuration: Configuration, case: Case, **surface: Any) -> Clo
 def grouped(joints: pd.DataFrame, *by: str) -> Iterator[tuple[dict[str, Any], pd.DataFrame]]:
     """Generate the joints with equal coordinates, and these in the columns of a published table."""
     for values, part in joints.groupby(list(by), sort=False):
-        scaled = (
-            (COLUMNS[name][0], COLUMNS[name][1] * value) if name in COLUMNS else (name, value)
-            for name, value in zip(by, values, strict=True)
-        )
-        yield dict(scaled), part
+        at = {}
+        for name, value in zip(by, values, strict=True):
+            column, scale = shown_as(name, COORDINATES.get(name, "1"))
+            at[column] = value if scale == 1.0 else scale * value
+        yield at, part

@@ -11,16 +11,17 @@ import numpy as np
 import pandas as pd
 
 from jointclosure.config.configuration import Configured
+from jointclosure.engine.points import Point
+from jointclosure.engine.quantities import COLUMNS
 from jointclosure.ensemble.cases import base_case
-from jointclosure.ensemble.points import Point
 from jointclosure.experiments import Design, Experiment, grouped, settings_of
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.parameters import Effects, scene_name, well_posed_scenes
 from jointclosure.plotting.effects import effect_figure
 
-TARGETS = {"max_closure": "closure", "residual_closure": "residual", "hysteresis": "hysteresis"}
-"""Quantities that an effect may change, by their names in columns of the table."""
-QUANTITIES = (*TARGETS.values(), "fft_pair")
+TARGETS = ("max_closure", "residual_closure", "hysteresis")
+"""Quantities that an effect may change, which are columns of the table."""
+QUANTITIES = (*TARGETS, "fft_pair")
 
 
 class Contribution(NamedTuple):
@@ -72,7 +73,7 @@ def effect_table(joints: pd.DataFrame) -> pd.DataFrame:
     Parameters
     ----------
     joints : DataFrame
-        As from `jointclosure.ensemble.points.close_points`, with the columns ``rock``, ``scene``,
+        As from `jointclosure.engine.points.close_points`, with the columns ``rock``, ``scene``,
         ``jrc`` and ``stress`` [Pa].
 
     Returns
@@ -111,9 +112,9 @@ def _contribution(pairs: pd.DataFrame) -> dict:
     failed = pairs.status_y >= FAILURE
     closed = pairs[(pairs.status_x < FAILURE) & ~failed]
     row = {"samples": len(closed), "failed_without": int(failed.sum())}
-    for target, quantity in TARGETS.items():
-        on, off = (closed[f"{quantity}{of}"] for of in _BOTH)
-        scale, base = (1.0, 1.0) if target == "hysteresis" else (1e3, on.mean())
+    for target in TARGETS:
+        on, off = (closed[f"{target}{of}"] for of in _BOTH)
+        scale, base = COLUMNS[target][1], 1.0 if target == "hysteresis" else on.mean()
         change = 100.0 * (on - off) / base
         row[f"{target}_with"] = scale * on.mean()
         row[f"{target}_without"] = scale * off.mean()

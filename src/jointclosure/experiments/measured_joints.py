@@ -15,9 +15,9 @@ import pandas as pd
 from jointclosure.config.configuration import Configured, refuse
 from jointclosure.config.keys.measured_joints import MeasuredJointsKeys
 from jointclosure.config.units import to_si
+from jointclosure.engine.points import Point
+from jointclosure.engine.settings import ClosureSettings
 from jointclosure.ensemble.cases import base_case
-from jointclosure.ensemble.points import Point
-from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.wavelengths import labelled_wavelengths
 from jointclosure.experiments import Design, Experiment, Tables, settings_of
 from jointclosure.measured.joints import BASE, FILM_CELL, judged_joints, observables_of
@@ -133,7 +133,12 @@ def measured_joints_tables(joints: pd.DataFrame, parameters: Mapping[str, Any]) 
 
 EXPERIMENT = Experiment(
     title="the model beside measured joints",
-    quantities=("closure_seated_net", "residual_seated_net", "stiffness_net", "contact_at_max"),
+    quantities=(
+        "max_closure_seated_net",
+        "residual_closure_seated_net",
+        "stiffness_net",
+        "contact_at_max",
+    ),
     design=measured_joints_design,
     tabulate=measured_joints_tables,
     draw=lambda name, tables, parameters: measured_joints_figure(tables[name]),

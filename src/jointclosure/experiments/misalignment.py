@@ -5,6 +5,7 @@ rotation, on the same surfaces.
 """
 
 from collections.abc import Iterator
+from textwrap import fill
 
 import numpy as np
 import pandas as pd
@@ -14,28 +15,24 @@ from matplotlib.figure import Figure
 from jointclosure.config.configuration import Configured, refuse
 from jointclosure.config.keys.misalignment import MisalignmentKeys
 from jointclosure.config.units import to_si
+from jointclosure.engine.points import Point
+from jointclosure.engine.quantities import COLUMNS, titles_of_cycles
 from jointclosure.ensemble.cases import base_case
-from jointclosure.ensemble.points import Point
 from jointclosure.ensemble.wavelengths import labelled_wavelengths
 from jointclosure.experiments import Design, Experiment, grouped, settings_of
 from jointclosure.plotting.style import key, legend_below, point_key, styled, subplots, ticks_at
 from jointclosure.statistics.ratios import harmonic_mean, ratio_of_means
 
-READ = {
-    "closure": "maximum closure (mm)",
-    "closure_seated_net": "net closure since seating (mm)",
-    "residual_seated_net": "net residual closure at seating (mm)",
-    "stiffness_net": "net normal stiffness (MPa/mm)",
-}
-"""Quantities of the column ``response``, with their names and units there."""
-_PANELS = (
-    ("closure", 1, "maximum closure,\ncycle 1"),
-    ("closure", 2, "maximum closure,\ncycle 2"),
-    ("residual_seated_net", 1, "residual closure"),
-    ("stiffness_net", 1, "net normal stiffness,\ncycle 1"),
-    ("stiffness_net", 2, "net normal stiffness,\ncycle 2"),
+READ = ("max_closure", "max_closure_seated_net", "residual_closure_seated_net", "stiffness_net")
+"""Quantities of the column ``response``."""
+_PANELS = titles_of_cycles(
+    ("max_closure", 1),
+    ("max_closure", 2),
+    ("residual_closure_seated_net", 1),
+    ("stiffness_net", 1),
+    ("stiffness_net", 2),
 )
-"""Response, cycle and title of each row."""
+"""Title of each row, by response and cycle."""
 
 
 def misalignment_design(configured: Configured) -> Design:
@@ -92,13 +89,14 @@ def misalignment_table(joints: pd.DataFrame) -> pd.DataFrame:
     Parameters
     ----------
     joints : DataFrame
-        As from `jointclosure.ensemble.points.close_points`.
+        As from `jointclosure.engine.points.close_points`.
 
     Returns
     -------
     DataFrame
         ``rock``, ``wavelength_mm`` (infinite: independent walls), ``tilt_degrees``,
-        ``rotation_degrees``, ``cycle``, ``response`` (of `READ`), ``value`` with its ``error``;
+        ``rotation_degrees``, ``cycle``, ``response`` (of `READ`), ``value`` in the unit of
+        tables (`jointclosure.engine.quantities.COLUMNS`) with its ``error``;
         ``change_percent`` of the mean from that of aligned walls with its paired
         ``change_error``; ``samples`` of both. The residual closure is that of the first cycle.
 
@@ -112,7 +110,7 @@ def misalignment_table(joints: pd.DataFrame) -> pd.DataFrame:
     for at, part in grouped(joints, "rock", "wavelength", "tilt", "rotation", "cycle"):
         before = aligned[tuple(part[walls].iloc[0])]
         for response in READ:
-            if response == "residual_seated_net" and at["cycle"] > 1:
+            if response == "residual_closure_seated_net" and at["cycle"] > 1:
                 continue
             change = _change(response, part[response].to_numpy(), before[response].to_numpy())
             rows.append(at | {"response": response} | change)
@@ -123,11 +121,12 @@ def _change(response: str, values: np.ndarray, aligned: np.ndarray) -> dict:
     """Compute the mean of a response, and its change from aligned walls on the same surfaces."""
     both = np.isfinite(values) & np.isfinite(aligned)
     values, aligned = values[both], aligned[both]
+    shown = COLUMNS[response][1] * values
     if response == "stiffness_net":
-        mean = harmonic_mean(1e-9 * values)
+        mean = harmonic_mean(shown)
         ratio = ratio_of_means(1.0 / aligned, 1.0 / values)
     else:
-        mean = ratio_of_means(1e3 * values, np.ones(values.size))
+        mean = ratio_of_means(shown, np.ones(values.size))
         ratio = ratio_of_means(values, aligned)
     return {
         "value": mean.value,
@@ -157,11 +156,11 @@ def misalignment_figure(table: pd.DataFrame) -> Figure:
     )
     rocks, wavelengths = list(dict.fromkeys(table.rock)), np.sort(table.wavelength_mm.unique())
     moved = {"tilt_degrees": "rotation_degrees", "rotation_degrees": "tilt_degrees"}
-    for row, (response, cycle, title) in zip(panels, _PANELS, strict=True):
+    for row, ((response, cycle), title) in zip(panels, _PANELS.items(), strict=True):
         shown = table[(table.response == response) & (table.cycle == cycle)]
         for axes, (along, other) in zip(row, moved.items(), strict=True):
             _changes(axes, shown[shown[other] == 0.0], along, rocks, wavelengths)
-        row[0].set_ylabel(f"change of {title} (%)", fontsize=9)
+        row[0].set_ylabel(fill(f"change of {title} (%)", 28), fontsize=9)
     for axes, along in zip(panels[-1], moved, strict=True):
         axes.set_xlabel(along.replace("_degrees", " (degrees)"))
     _spread_rotations(panels[-1][1], table.rotation_degrees)
@@ -204,7 +203,7 @@ def _spread_rotations(axes: Axes, rotations: pd.Series) -> None:
 
 EXPERIMENT = Experiment(
     title="effects of a tilt and a rotation of the walls",
-    quantities=tuple(READ),
+    quantities=READ,
     design=misalignment_design,
     tabulate=lambda joints, parameters: {"misalignment": misalignment_table(joints)},
     draw=lambda name, tables, parameters: misalignment_figure(tables[name]),

@@ -14,8 +14,9 @@ import pandas as pd
 import scipy
 
 from jointclosure.config.configuration import Configured
+from jointclosure.engine.points import Point
+from jointclosure.engine.quantities import COLUMNS
 from jointclosure.ensemble.cases import base_case
-from jointclosure.ensemble.points import Point
 from jointclosure.ensemble.wavelengths import labelled_wavelengths
 from jointclosure.experiments import Design, Experiment, Tables, grouped, settings_of
 from jointclosure.joint.protocol import FAILURE
@@ -24,16 +25,9 @@ from jointclosure.statistics.randomness import generator, seed_of
 from jointclosure.statistics.ratios import harmonic_mean, ratio_of_means
 from jointclosure.statistics.standard_errors import mean_of
 
-MEANS = {
-    "closure": ("max_closure_gross_mm", 1e3),
-    "closure_seated_net": ("closure_net_since_seating_mm", 1e3),
-    "residual_seated_net": ("residual_net_at_seating_mm", 1e3),
-    "hysteresis": ("hysteresis", 1.0),
-    "aperture_at_seating": ("aperture_at_seating_mm", 1e3),
-}
-"""Columns of the table that are means over surfaces, and their scale."""
-CLOSURE = "closure_seated_net"
-"""Quantity by which walls are compared, of the first cycle."""
+CLOSURE, RESIDUAL = "max_closure_seated_net", "residual_closure_seated_net"
+MEANS = ("max_closure", CLOSURE, RESIDUAL, "hysteresis", "mean_aperture_at_seating")
+"""Quantities whose means over surfaces are columns of the table."""
 CONFIDENCE = 0.95
 RESAMPLES = 2000
 
@@ -68,14 +62,14 @@ def mismatch_table(joints: pd.DataFrame) -> pd.DataFrame:
     Parameters
     ----------
     joints : DataFrame
-        As from `jointclosure.ensemble.points.close_points`, with the columns ``rock``,
+        As from `jointclosure.engine.points.close_points`, with the columns ``rock``,
         ``wavelength`` and ``shift`` [m].
 
     Returns
     -------
     DataFrame
         ``rock``, ``wavelength_mm`` (infinite: independent walls), ``shift_mm``, ``cycle``, number
-        of closed ``samples``, ``MEANS``; ``normal_stiffness_net_MPa_per_mm`` from half of
+        of closed ``samples``, ``MEANS``; ``stiffness_net_MPa_per_mm`` from half of
         the maximum stress to the landing on all of it, and ``residual_share_net`` of the closure
         since seating, both of the mean curve; and the ``..._error`` of each.
 
@@ -87,16 +81,18 @@ def mismatch_table(joints: pd.DataFrame) -> pd.DataFrame:
     for at, part in grouped(joints, "rock", "wavelength", "shift", "cycle"):
         closed = part[part.status < FAILURE]
         row = at | {"samples": len(closed)}
-        for name, (column, scale) in MEANS.items():
+        for name in MEANS:
+            column, scale = COLUMNS[name]
             known = closed[name].dropna().to_numpy()
             row[column] = scale * (float(known.mean()) if known.size else np.nan)
             error = mean_of(known).standard_error if known.size > 1 else np.nan
             row[f"{column}_error"] = scale * error
-        residual, closure = closed.residual_seated_net.to_numpy(), closed[CLOSURE].to_numpy()
-        for name, (value, error) in {
-            "normal_stiffness_net_MPa_per_mm": harmonic_mean(1e-9 * closed.stiffness_net.values),
-            "residual_share_net": ratio_of_means(residual, closure),
-        }.items():
+        stiffness, scale = COLUMNS["stiffness_net"]
+        ratios = {
+            stiffness: harmonic_mean(scale * closed.stiffness_net.values),
+            "residual_share_net": ratio_of_means(closed[RESIDUAL].values, closed[CLOSURE].values),
+        }
+        for name, (value, error) in ratios.items():
             row |= {name: value, f"{name}_error": error}
         rows.append(row)
     return pd.DataFrame(rows)
@@ -131,7 +127,7 @@ def independence_table(joints: pd.DataFrame, tolerance: float, root_seed: int) -
     tail = 0.5 - 0.5 * CONFIDENCE
     for rock, run in first.groupby("rock", sort=False):
         independent = np.isinf(run.wavelength)
-        aperture = float(run.aperture_at_seating[independent].mean())
+        aperture = float(run.mean_aperture_at_seating[independent].mean())
         _, (free, *_) = _closures(run[independent])
         for wavelength, part in run[~independent].groupby("wavelength"):
             shifts, samples = _closures(part)

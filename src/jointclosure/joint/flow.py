@@ -6,24 +6,19 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.flow.reynolds import DIRECTIONS, STATUSES, Flow, flow_along
+from jointclosure.joint.attributes import ATTRIBUTES as OF_HISTORY
 from jointclosure.joint.protocol import Step
 from jointclosure.joint.states import fields_of
 from jointclosure.solvers.joint import Joint
 
 ATTRIBUTES: dict[str, dict[str, Any]] = {
-    "hydraulic_aperture": {
-        "long_name": "aperture of parallel plates that pass as much, 0 where flow is blocked",
-        "units": "m",
-    },
+    "hydraulic_aperture": OF_HISTORY["hydraulic_aperture"],
     "flow_status": {
         "long_name": "status of the flow",
         "flag_values": np.array(list(STATUSES), dtype=np.int8),
         "flag_meanings": " ".join(STATUSES.values()),
     },
-    "flow_imbalance": {
-        "long_name": "sum of the cells' mass balances over the inflow",
-        "units": "1",
-    },
+    "flow_imbalance": OF_HISTORY["flow_imbalance"],
 }
 COORDINATE = {
     "direction": (

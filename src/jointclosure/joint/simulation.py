@@ -15,6 +15,7 @@ from jointclosure.inputs import (
     check_length,
     check_number,
 )
+from jointclosure.joint.attributes import ATTRIBUTES
 from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
 from jointclosure.joint.foresight import check_foreseen
 from jointclosure.joint.given_walls import checked_walls, warn_of_doubts
@@ -22,7 +23,6 @@ from jointclosure.joint.history import cycle_closures, unloading_excess
 from jointclosure.joint.loading import LoadCycle, check_snapshots
 from jointclosure.joint.protocol import (
     FLAG_OF_OUTCOME,
-    FLAGS,
     UNLOADING,
     History,
     Report,
@@ -52,58 +52,6 @@ if TYPE_CHECKING:
     from jointclosure.joint.snapshots import Snapshots
 
     Reader = FlowAlongHistory | Snapshots
-
-ATTRIBUTES: dict[str, dict[str, Any]] = {
-    name: {"long_name": text, "units": unit}
-    for name, unit, text in (
-        ("closure", "m", "closure from first touch"),
-        ("normal_stress", "Pa", "nominal normal stress"),
-        ("contact_fraction", "1", "fraction of the cells in contact"),
-        ("bulk_indentation", "m", "mean displacement by the interaction"),
-        ("mean_aperture", "m", "mean distance of the deformed walls"),
-        ("equilibrium_residual", "1", "recomputed residual of the forces over their sum"),
-        ("max_closure", "m", "closure at the cycle's maximum from the cycle's start"),
-        ("residual_closure", "m", "closure at the cycle's end from first touch"),
-        ("max_closure_seated", "m", "closure at the cycle's maximum from seating"),
-        (
-            "residual_closure_seated",
-            "m",
-            "closure at seating on the cycle's unloading less that on its loading",
-        ),
-        ("max_bulk_indentation", "m", "bulk indentation at the cycle's maximum"),
-        (
-            "unloading_excess",
-            "Pa",
-            "largest stress by which unloading exceeds loading at equal closure",
-        ),
-        ("least_force", "N", "least force on any cell at any step"),
-        ("locked_share", "1", "share of the force on locked contacts at the maximum"),
-        ("flat_share", "1", "share of the force on flat contacts at the maximum"),
-        ("upper_final", "m", "upper wall at the end, towards the lower"),
-        ("lower_final", "m", "lower wall at the end, towards the upper"),
-        ("settled_states", "1", "states brought to rest, those thrown away included"),
-        ("equilibria", "1", "equilibria solved on the way (reference: sweeps)"),
-        ("newton_steps", "1", "steps of Newton's method"),
-        ("breakage_steps", "1", "breakage steps taken"),
-        ("replayed_cycles", "1", "cycles that are the unloading curve of the one before"),
-        ("idle_steps", "1", "steps of the first loading without interaction, as it was idle"),
-        (
-            "idle_displacement",
-            "1",
-            "largest displacement of a contact that was left out so, over the closure",
-        ),
-        ("locked_contacts", "1", "largest number of locked contacts at a step"),
-        ("solver_iterations", "1", "products with the interaction, or sweeps (reference)"),
-        ("force", "N", "normal force of each contact"),
-        ("overlap", "m", "overlap delta_S, negative where the walls are apart"),
-        ("interaction_displacement", "m", "displacement by all other contacts"),
-    )
-}
-ATTRIBUTES["status"] = {
-    "long_name": "status of the simulation: 0 success, below 16 success with a remark",
-    "flag_masks": np.array(list(FLAGS), dtype=np.int16),
-    "flag_meanings": " ".join(FLAGS.values()),
-}
 
 
 @takes_conditions

@@ -14,8 +14,8 @@ import numpy as np
 import scipy
 import xarray as xr
 
+from jointclosure.engine.workers import Failed, shared
 from jointclosure.engineering.stiffness import closures_at
-from jointclosure.ensemble.workers import Failed, shared
 from jointclosure.inputs import InputError
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE, LOADING, UNLOADING

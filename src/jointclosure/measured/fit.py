@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from jointclosure.engine.workers import number_of_workers
 from jointclosure.ensemble.scanned_joint import RESOLVED
 from jointclosure.ensemble.uncertainty import shifted_walls
-from jointclosure.ensemble.workers import number_of_workers
 from jointclosure.inputs import InputError, check_number, check_positive, check_seed, naming
 from jointclosure.inputs.remarks import caution
 from jointclosure.joint.conditions import Conditions

@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 import scipy
 
+from jointclosure.engine.quantities import heading
 from jointclosure.engineering.measured_joints import JOINTS, Measured, measured
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.measured.curves import MeasuredCurve
@@ -22,16 +23,18 @@ BASE = "default choices"
 FILM_CELL = 0.5e-3
 """Spacing of the measured maps of contact stress [m]."""
 OBSERVABLES = {
-    "first_closure": "mm",
-    "first_residual_share": "%",
-    "first_stiffness": "MPa/mm",
-    "later_closure": "mm",
-    "later_stiffness": "MPa/mm",
-    "stiffness_ratio": "1",
-    "later_residual_share": "%",
-    "contact_share": "%",
+    "first_closure": ("closure, first loading", "mm"),
+    "first_residual_share": ("share of first closure that stays", "%"),
+    "first_stiffness": ("stiffness, first loading", "MPa/mm"),
+    "later_closure": ("closure, later loading", "mm"),
+    "later_stiffness": ("stiffness, later loading", "MPa/mm"),
+    "stiffness_ratio": ("stiffness, later over first", "1"),
+    "later_residual_share": ("share of later closure that stays", "%"),
+    "contact_share": ("contact area, at most", "%"),
 }
-"""Observables of a joint, and their units."""
+"""Titles and units of observables of a joint."""
+HEADINGS = {name: heading(*about) for name, about in OBSERVABLES.items()}
+"""Headings of tables and labels of axes, by observable."""
 UPPER_BOUNDS = ("contact_share",)
 """Observables that are upper bounds, so that no measured value is too small for them."""
 CONFIDENCE = 0.95
@@ -45,7 +48,7 @@ def observables_of(joints: pd.DataFrame, film_cells: float) -> pd.DataFrame:
     Parameters
     ----------
     joints : DataFrame
-        As from `jointclosure.ensemble.points.close_points`, with the columns ``variant``,
+        As from `jointclosure.engine.points.close_points`, with the columns ``variant``,
         ``wavelength`` [m] and ``loaded_as``: the variant that has the first loading of a variant of
         one cycle, which is a later loading.
     film_cells : float
@@ -68,13 +71,17 @@ def observables_of(joints: pd.DataFrame, film_cells: float) -> pd.DataFrame:
     before = pd.concat([first.loc[second.index], base])
     table = pd.DataFrame(
         {
-            "first_closure": 1e3 * before.closure_seated_net,
-            "first_residual_share": 100.0 * before.residual_seated_net / before.closure_seated_net,
+            "first_closure": 1e3 * before.max_closure_seated_net,
+            "first_residual_share": 100.0
+            * before.residual_closure_seated_net
+            / before.max_closure_seated_net,
             "first_stiffness": 1e-9 * before.stiffness_net,
-            "later_closure": 1e3 * later.closure_seated_net,
+            "later_closure": 1e3 * later.max_closure_seated_net,
             "later_stiffness": 1e-9 * later.stiffness_net,
             "stiffness_ratio": later.stiffness_net / before.stiffness_net,
-            "later_residual_share": 100.0 * later.residual_seated_net / later.closure_seated_net,
+            "later_residual_share": 100.0
+            * later.residual_closure_seated_net
+            / later.max_closure_seated_net,
             "contact_share": 100.0 * np.minimum(1.0, film_cells * later.contact_at_max),
         }
     )
@@ -148,7 +155,7 @@ def judged_joints(observables: pd.DataFrame, root_seed: int) -> pd.DataFrame:
                 "wavelength_mm": 1e3 * walls.wavelength,
                 "wavelength_error": 1e3 * lengths.std() if np.isfinite(lengths).all() else np.nan,
             }
-            for i, (name, unit) in enumerate(OBSERVABLES.items()):
+            for i, (name, (_, unit)) in enumerate(OBSERVABLES.items()):
                 low, high = single_joint_interval(walls.values[:, i])
                 low = 0.0 if name in UPPER_BOUNDS else low
                 row = about | {"observable": name, "unit": unit}

@@ -4,19 +4,20 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from jointclosure.engine.quantities import titles_of_cycles
 from jointclosure.plotting.style import keys_of, legend_below, point_key, styled, subplots
 
 SURFACES = "surfaces"
 """Row of a table of indices that is no input."""
-SHOWN = (
-    ("closure", 1, "closure, cycle 1"),
-    ("closure", 2, "closure, cycle 2"),
-    ("closure_net", 2, "closure net of bulk\nindentation, cycle 2"),
-    ("residual_seated_net", 1, "residual closure"),
-    ("compliance", 1, "net compliance, cycle 1"),
-    ("compliance", 2, "net compliance, cycle 2"),
+SHOWN = titles_of_cycles(
+    ("max_closure", 1),
+    ("max_closure", 2),
+    ("max_closure_net", 2),
+    ("residual_closure_seated_net", 1),
+    ("compliance_net", 1),
+    ("compliance_net", 2),
 )
-"""Response, cycle and title of each panel."""
+"""Title of each panel, by response and cycle."""
 _WIDTH = 1.96
 _COLOURS = 10
 """Number of colours of lines, which repeat after it (`jointclosure.plotting.style`)."""
@@ -46,7 +47,7 @@ def indices(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
         2, 3, figsize=(11.0, 2.2 + 0.5 * len(names)), sharex=True, sharey=True
     )
     places = np.arange(len(names))[::-1]
-    for axes, (response, cycle, title) in zip(panels.flat, SHOWN, strict=True):
+    for axes, ((response, cycle), title) in zip(panels.flat, SHOWN.items(), strict=True):
         for number, rock in enumerate(rocks):
             part = whole[(whole.rock == rock) & (whole.response == response)]
             part = part[part.cycle == cycle].set_index("input").reindex(names)
@@ -77,7 +78,7 @@ def convergence(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
     Parameters as of `indices`. Bars are 95 % intervals. Inputs beyond the number of colours have
     hollow markers and dashed lines.
     """
-    table = table[table.response == "closure"]
+    table = table[table.response == "max_closure"]
     rocks = list(dict.fromkeys(table.rock))
     names = [name for name in dict.fromkeys(table.input) if name != SURFACES]
     figure, panels = subplots(
@@ -137,7 +138,9 @@ def conclusions(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
         1, 4, figsize=(12.0, 1.6 + 0.55 * len(rows)), sharex=True, sharey=True
     )
     places = np.arange(len(rows))[::-1]
-    cases = [(response, cycle) for cycle in (1, 2) for response in ("closure", "closure_net")]
+    cases = [
+        (response, cycle) for cycle in (1, 2) for response in ("max_closure", "max_closure_net")
+    ]
     for axes, (response, cycle) in zip(panels, cases, strict=True):
         here = table[(table.response == response) & (table.cycle == cycle)]
         for number, rock in enumerate(rocks):
@@ -148,7 +151,7 @@ def conclusions(table: pd.DataFrame, titles: dict[str, str]) -> Figure:
                 fmt="D" if rock == "all" else "o", ms=4.5, color=colours[rock], lw=0.8,
                 label=titles.get(rock, "in all rocks at once"),
             )  # fmt: skip
-        net = ", net of bulk\nindentation" if response == "closure_net" else ""
+        net = ", net of bulk\nindentation" if response == "max_closure_net" else ""
         axes.set_title(f"cycle {cycle}{net}", fontsize=10)
         axes.set_yticks(
             places,

@@ -7,10 +7,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from jointclosure.engineering.curves import KINDS, seat_of
+from jointclosure.engineering.curves import seat_of
 from jointclosure.engineering.stiffness import stiffness_table
-from jointclosure.ensemble.budget import leading
-from jointclosure.joint.history import NET, branch_of, read_along
+from jointclosure.ensemble.budget import CLOSURE_GROSS, CLOSURE_NET, leading
+from jointclosure.joint.history import GROSS, NET, branch_of, read_along
 from jointclosure.joint.protocol import LOADING
 from jointclosure.plotting.style import BRANCH_LINES, above, decimal_ticks, styled, subplots
 
@@ -30,10 +30,11 @@ def closure_curve(closed: xr.Dataset, title: str, ranges: pd.DataFrame | None = 
         `jointclosure.ensemble.budget.Budget.ranges`, drawn as bars above the largest stress.
     """
     figure, panels = subplots(1, 2, figsize=(10.4, 4.8), sharex=True, sharey=True)
-    for axes, kind in zip(panels, ("gross", "net"), strict=True):
+    columns = {GROSS: CLOSURE_GROSS, NET: CLOSURE_NET}
+    for axes, (of, column) in zip(panels, columns.items(), strict=True):
         if ranges is not None:
-            _draw_ranges(axes, ranges.xs(f"closure_{kind}_since_seating_mm", level=1), closed)
-        draw_curves(axes, closed, "seating", KINDS[kind])
+            _draw_ranges(axes, ranges.xs(column, level=1), closed)
+        draw_curves(axes, closed, "seating", of)
     panels[1].set(ylabel="")
     if panels[0].get_legend():  # below the panels, where no curve is
         figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)

@@ -5,6 +5,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from jointclosure.measured.joints import HEADINGS
 from jointclosure.plotting.style import (
     decimal_ticks,
     keys_of,
@@ -14,16 +15,6 @@ from jointclosure.plotting.style import (
     ticks_at,
 )
 
-_PANELS = {
-    "first_closure": "closure, first loading (mm)",
-    "first_residual_share": "share of first closure that stays (%)",
-    "first_stiffness": "stiffness, first loading (MPa/mm)",
-    "stiffness_ratio": "stiffness, later over first",
-    "later_closure": "closure, later loading (mm)",
-    "later_residual_share": "share of later closure that stays (%)",
-    "later_stiffness": "stiffness, later loading (MPa/mm)",
-    "contact_share": "contact area, at most (%)",
-}
 _LOGARITHMIC = ("first_closure", "first_stiffness", "later_closure", "later_stiffness")
 _FREE = "0.55"
 _OFFSETS = (-0.27, -0.09, 0.09, 0.27)
@@ -47,7 +38,7 @@ def measured_joints_figure(table: pd.DataFrame) -> Figure:
     variants = list(dict.fromkeys(table.variant))
     height = 1.0 + 0.32 * len(variants)
     figure, panels = subplots(2, 4, figsize=(14.0, 2.0 * height), sharey=True)
-    for axes, (name, title) in zip(panels.flat, _PANELS.items(), strict=True):
+    for axes, (name, title) in zip(panels.flat, HEADINGS.items(), strict=True):
         _panel(axes, table[table.observable == name], variants)
         axes.set_xlabel(title)
         if name in _LOGARITHMIC:

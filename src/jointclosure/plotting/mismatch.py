@@ -6,14 +6,15 @@ import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from jointclosure.engine.quantities import HEADINGS
 from jointclosure.plotting.style import styled, subplots, ticks_at
 
-_PANELS = {
-    "closure_net_since_seating_mm": "net closure since seating (mm)",
-    "normal_stiffness_net_MPa_per_mm": "net stiffness from half\nof the stress (MPa/mm)",
-    "residual_net_at_seating_mm": "residual at seating (mm)",
-    "hysteresis": "hysteresis (share of work)",
-}
+_PANELS = (
+    "max_closure_seated_net_mm",
+    "stiffness_net_MPa_per_mm",
+    "residual_closure_seated_net_mm",
+    "hysteresis",
+)
 _CYCLES = ("C0", "C1", "C2", "C4")
 
 
@@ -33,11 +34,11 @@ def mismatch_figure(table: pd.DataFrame) -> Figure:
     """
     table = table[table.rock == table.rock.iloc[0]]
     figure, panels = subplots(len(_PANELS), 2, figsize=(9.0, 11.0), sharey="row")
-    for row, (column, title) in zip(panels, _PANELS.items(), strict=True):
+    for row, column in zip(panels, _PANELS, strict=True):
         _against_mismatch(row[0], table[table.shift_mm == 0.0], column)
         _against_shift(row[1], table[table.cycle == table.cycle.min()], column)
-        row[0].set_ylabel(title)
-        if column == "normal_stiffness_net_MPa_per_mm":
+        row[0].set_ylabel(HEADINGS[column])
+        if column == "stiffness_net_MPa_per_mm":
             row[0].set_yscale("log")
         elif column == "hysteresis":  # that of mated walls is unresolved, and may be far below
             row[0].set_ylim(-0.1, 1.05)

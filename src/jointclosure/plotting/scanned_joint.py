@@ -4,7 +4,7 @@ import numpy as np
 import seaborn as sns
 from matplotlib.figure import Figure
 
-from jointclosure.ensemble.budget import ALL, NUMBERS, TITLES, Budget
+from jointclosure.ensemble.budget import ALL, CLOSURE_NET, NUMBERS, TITLES, Budget
 from jointclosure.plotting.style import decimal_ticks, styled, subplots
 from jointclosure.surface.registration import CLEAR, RegisteredPair
 
@@ -46,18 +46,17 @@ def range_figure(budget: Budget, title: str) -> Figure:
     budget : Budget
     title : str
     """
-    closure = "closure_net_since_seating_mm"
-    ranges = budget.ranges.xs(closure, level="quantity")
+    ranges = budget.ranges.xs(CLOSURE_NET, level="quantity")
     cycles = list(dict.fromkeys(ranges.index[[0, -1]]))
     figure, panels = subplots(1, len(cycles), figsize=(5.2 * len(cycles), 3.6), squeeze=False)
     for axes, cycle in zip(panels[0], cycles, strict=True):
         row, results = ranges.loc[cycle], budget.results[budget.results.cycle == cycle]
         shares = row.drop(NUMBERS).astype(float).dropna().sort_values()
         for place, name in enumerate(shares.index):
-            values = results.loc[results.source == name, closure].to_numpy()
+            values = results.loc[results.source == name, CLOSURE_NET].to_numpy()
             axes.plot([row.best, *values], [place] * (1 + values.size), "-", color="0.6")
             axes.plot(values, [place] * values.size, "o", color="C0")
-        drawn = results.loc[results.source == ALL, closure].to_numpy()
+        drawn = results.loc[results.source == ALL, CLOSURE_NET].to_numpy()
         axes.plot([row.low, row.high], [len(shares)] * 2, "-", color="C1", lw=3)
         axes.plot(drawn, [len(shares) + 0.35] * drawn.size, "|", color="C1", ms=5)
         axes.plot(row["median"], len(shares), "|", color="white", ms=6, mew=1.5)

@@ -1,20 +1,22 @@
 """Figure of closure, residual closure and stiffness over patch length and spacing."""
 
 import re
+from textwrap import fill
 
 import pandas as pd
 import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from jointclosure.engine.quantities import COLUMNS, titles_of_cycles
 from jointclosure.plotting.style import legend_below, styled, subplots, ticks_at
 
-_ROWS = (
-    ("closure_seated_net_mm", 1, "net closure\nsince seating,\ncycle 1"),
-    ("closure_net_mm", 1, "net closure\nfrom first touch,\ncycle 1"),
-    ("residual_closure_mm", 1, "residual closure,\ncycle 1"),
-    ("closure_seated_net_mm", 2, "net closure\nsince seating,\ncycle 2"),
-    ("net_stiffness_MPa_per_mm", 2, "net stiffness\nfrom half the\nstress, cycle 2"),
+_ROWS = titles_of_cycles(
+    ("max_closure_seated_net", 1),
+    ("max_closure_net", 1),
+    ("residual_closure_seated_net", 1),
+    ("max_closure_seated_net", 2),
+    ("stiffness_net", 2),
 )
 _MARKERS = "osD^vP*X"
 
@@ -34,17 +36,17 @@ def size_figure(table: pd.DataFrame) -> Figure:
     logarithmic, so that a power law is a straight line.
     """
     table = table[table.rock == table.rock.iloc[0]]
-    base = table[(table.closure_mm_ratio == 1.0) & (table.closure_mm_error == 0.0)].iloc[0]
+    base = table[(table.max_closure_mm_ratio == 1.0) & (table.max_closure_mm_error == 0.0)].iloc[0]
     figure, panels = subplots(len(_ROWS), 2, figsize=(9.0, 11.0), sharey="row", sharex="col")
-    for row, (column, cycle, title) in zip(panels, _ROWS, strict=True):
+    for row, ((name, cycle), title) in zip(panels, _ROWS.items(), strict=True):
         rows = table[table.cycle == cycle]
         lines = (
             ("patch_mm", rows[rows.spacing_mm == base.spacing_mm]),
             ("spacing_mm", rows[rows.patch_mm == base.patch_mm]),
         )
         for axes, (along, part) in zip(row, lines, strict=True):
-            _against(axes, part, along, column)
-        row[0].set_ylabel(title)
+            _against(axes, part, along, COLUMNS[name][0])
+        row[0].set_ylabel(fill(title, 18))
     figure.supylabel("ratio to the joints of the base")
     panels[-1][0].set_xlabel("patch length (mm)")
     panels[-1][1].set_xlabel("spacing (mm)")

@@ -7,7 +7,7 @@ import pandas as pd
 
 from jointclosure.claims.table import CLAIMS
 from jointclosure.config.properties import PARAMETER_TITLES, PROPERTIES
-from jointclosure.report.sheets import Cell, Sheet, cell, given, sheet
+from jointclosure.report.sheets import Cell, Sheet, cell, given, headings, sheet
 from jointclosure.sensitivity.conclusions import COUNTS, FOUND
 from jointclosure.sensitivity.tables import is_paired, table_3, test_name
 from jointclosure.statistics.standard_errors import percent, rounded
@@ -25,9 +25,9 @@ def closure_sheet(closures: pd.DataFrame, titles: dict[str, str]) -> Sheet:
         "max_closure_mean_mm": "Maximum closure, mean (mm)",
         "max_closure_adjusted_mean_mm": "Mean, adjusted (mm)",
         "max_closure_standard_deviation_mm": "Standard deviation between joints (mm)",
-        "max_closure_net_mean_mm": "Net of bulk indentation (mm)",
-        "max_closure_seated_mean_mm": "Counted from seating (mm)",
-        "residual_closure_mean_mm": "Residual closure (mm)",
+        **headings(
+            "max_closure_net_mean_mm", "max_closure_seated_mean_mm", "residual_closure_mean_mm"
+        ),
     }
     return sheet(
         "closures",

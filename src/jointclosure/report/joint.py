@@ -10,7 +10,7 @@ from jointclosure.engineering.stiffness import stiffness_table
 from jointclosure.ensemble.budget import NOT_MODELLED, QUANTITIES
 from jointclosure.report.page import Picture
 from jointclosure.report.running import provenance_rows
-from jointclosure.report.sheets import Sheet, number_text, sheet
+from jointclosure.report.sheets import Sheet, headings, number_text, sheet
 
 
 def joint_content(history: xr.Dataset, record: dict, pictures: list[Picture]) -> dict:
@@ -52,11 +52,11 @@ def joint_finding(cycles: pd.DataFrame, history: xr.Dataset, ranges: list[dict])
 
     seating = 1e-6 * float(history.attrs["seating_stress_Pa"])
     words = (
-        f"From {seating:g} MPa on the joint closes {text('closure_net_since_seating_mm')} mm in "
+        f"From {seating:g} MPa on the joint closes {text('max_closure_seated_net_mm')} mm in "
         "its first cycle"
     )
-    stays = text("residual_net_at_seating_mm")
-    if np.isfinite(known.residual_net_at_seating_mm[1]) and stays != NOT_MODELLED:
+    stays = text("residual_closure_seated_net_mm")
+    if np.isfinite(known.residual_closure_seated_net_mm[1]) and stays != NOT_MODELLED:
         words += f", of which {stays} mm stay"
     stiff = [
         f"{text('stiffness_net_MPa_per_mm', cycle)} MPa/mm in cycle {cycle}"
@@ -70,7 +70,7 @@ def joint_finding(cycles: pd.DataFrame, history: xr.Dataset, ranges: list[dict])
         )
     return (
         f"{words}. These are net; with the elastic indentation of the half-spaces, which is no "
-        f"property of the joint, the first cycle closes {text('closure_gross_since_seating_mm')} "
+        f"property of the joint, the first cycle closes {text('max_closure_seated_mm')} "
         "mm (gross)."
     )
 
@@ -114,13 +114,11 @@ def _range_sheets(ranges: list[dict]) -> list[Sheet]:
 def _sheets(cycles: pd.DataFrame, stiffness: pd.DataFrame, history: xr.Dataset) -> list[Sheet]:
     per_cycle = {
         "cycle": "Cycle",
-        "closure_net_since_seating_mm": "Net closure since seating (mm)",
-        "residual_net_at_seating_mm": "Net residual at seating (mm)",
-        "residual_share_net": "Its share",
-        "closure_gross_since_seating_mm": "Gross closure since seating (mm)",
-        "max_closure_gross_mm": "Gross closure from its start (mm)",
-        "mean_aperture_at_max_mm": "Mean aperture at the maximum (mm)",
-        "contact_at_max": "Cells in contact there",
+        **headings("max_closure_seated_net_mm", "residual_closure_seated_net_mm"),
+        "residual_share_net": "Its share of the closure",
+        **headings(
+            "max_closure_seated_mm", "max_closure_mm", "mean_aperture_at_max_mm", "contact_at_max"
+        ),
     }
     of_law = {
         "cycle": "Cycle",

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
+from jointclosure.engine.quantities import HEADINGS
 from jointclosure.statistics.standard_errors import rounded, significant
 
 ABSENT = "–"
@@ -51,6 +52,12 @@ def sheet(name: str, caption: str, frame: pd.DataFrame, titles: dict[str, str]) 
             ]
     rows = [[cell(value) for value in row] for row in shown.itertuples(index=False)]
     return Sheet(name, caption, list(titles.values()), rows)
+
+
+def headings(*columns: str) -> dict[str, str]:
+    """Return headings of columns of quantities, or of their means ("max_closure_mean_mm")."""
+    titles = {column: HEADINGS[column.replace("_mean_", "_")] for column in columns}
+    return {column: title[0].upper() + title[1:] for column, title in titles.items()}
 
 
 def cell(value: object) -> Cell:

@@ -3,7 +3,6 @@
 import numpy as np
 import pandas as pd
 
-from jointclosure.claims.findings import NET, TARGET
 from jointclosure.claims.table import CLAIMS, Claim
 from jointclosure.statistics.verdicts import FALLS, NO_DIFFERENCE, STANDS, UNDECIDED
 
@@ -146,8 +145,7 @@ def _rows_of(table: pd.DataFrame | None, claim: Claim) -> pd.DataFrame:
     """Return the rows of a claim in a table of the study of global sensitivity."""
     if table is None or claim.statement is None:
         return pd.DataFrame(columns=["rock", "cycle", "title", *SHARES])
-    response = {TARGET: "closure", NET: "closure_net"}[claim.variable]
-    here = (table.number == claim.statement.number) & (table.response == response)
+    here = (table.number == claim.statement.number) & (table.response == claim.variable)
     return table[here & table.cycle.isin(claim.cycles)]
 
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from jointclosure.config.configuration import Configured
 from jointclosure.config.plain import from_plain, to_plain
-from jointclosure.ensemble.points import Point
+from jointclosure.engine.points import Point
 from jointclosure.experiments import Design, Experiment, Tables
 from jointclosure.experiments.accuracy.cost import (
     Resampling,
@@ -94,7 +94,7 @@ def accuracy_figure(name: str, tables: Tables, parameters: Mapping[str, Any]) ->
 
 EXPERIMENT = Experiment(
     title="cost of accuracy",
-    quantities=("closure", "closure_net", "fft_pair"),
+    quantities=("max_closure", "max_closure_net", "fft_pair"),
     design=accuracy_design,
     tabulate=accuracy_tables,
     draw=accuracy_figure,

@@ -15,8 +15,8 @@ import pandas as pd
 import scipy
 import xarray as xr
 
+from jointclosure.engine.points import gridded
 from jointclosure.ensemble.cases import BASE
-from jointclosure.ensemble.points import gridded
 from jointclosure.experiments import grouped
 from jointclosure.experiments.accuracy.design import Setting
 from jointclosure.joint.protocol import FAILURE
@@ -77,8 +77,8 @@ class _Sample(NamedTuple):
 
 def _sample(run: xr.Dataset, cycle: int) -> _Sample:
     return _Sample(
-        run.closure.sel(cycle=cycle).values,
-        run.closure_net.sel(cycle=cycle).values,
+        run.max_closure.sel(cycle=cycle).values,
+        run.max_closure_net.sel(cycle=cycle).values,
         run.level.values,
         float(run.attrs["base"]),
         (run.status.values < FAILURE).all(axis=0),
@@ -92,7 +92,7 @@ def runs_of(joints: pd.DataFrame, bases: Mapping[str, float]) -> dict[str, xr.Da
     """
     return {
         str(name): gridded(
-            part, ("level", "realization"), ("closure", "closure_net", "fft_pair")
+            part, ("level", "realization"), ("max_closure", "max_closure_net", "fft_pair")
         ).assign_attrs(base=bases[str(name)])
         for name, part in joints.groupby("run", sort=False)
     }

@@ -15,8 +15,8 @@ from jointclosure.config.configuration import configured, merged, problem_lines,
 from jointclosure.config.files import ConfigurationError
 from jointclosure.config.presets import numerics_in_full
 from jointclosure.config.typed import Configuration, Grid, Surface
+from jointclosure.engine.settings import ClosureSettings
 from jointclosure.ensemble.cases import BASE, cases_of
-from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.slices import closure_settings, surface_settings
 from jointclosure.inputs import InputError
 from jointclosure.parameters import Rock

@@ -13,14 +13,14 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from jointclosure.engine.quantities import pair_seconds
+from jointclosure.engine.surfaces import walls_of_seed
 from jointclosure.ensemble.cases import BASE
 from jointclosure.ensemble.covariates import (
     OF_FIRST_CYCLE,
     OF_LATER_CYCLES,
     covariates_of_pair,
 )
-from jointclosure.ensemble.surfaces import walls_of_seed
-from jointclosure.ensemble.timing import pair_seconds
 from jointclosure.experiments.accuracy.design import Joint
 from jointclosure.inputs import InputError
 from jointclosure.statistics.control_variates import fewest_surfaces

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from jointclosure.config.configuration import Configured
 from jointclosure.config.plain import from_plain, to_plain
-from jointclosure.ensemble.points import JobsOnDemand, Point, Sample
+from jointclosure.engine.points import JobsOnDemand, Point, Sample
 from jointclosure.experiments import Design, Experiment, Tables
 from jointclosure.experiments.global_sensitivity.conclusions import conclusion_tables
 from jointclosure.experiments.global_sensitivity.design import (

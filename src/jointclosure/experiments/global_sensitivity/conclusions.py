@@ -27,7 +27,7 @@ from jointclosure.inputs import InputError
 from jointclosure.sensitivity.conclusions import SHARES
 from jointclosure.statistics.verdicts import frequency_of, t_interval
 
-NAMES = ("closure", "closure_net")
+NAMES = ("max_closure", "max_closure_net")
 """Responses for which conclusions are judged."""
 COLUMNS = (
     "number", "conclusion", "response", "cycle", "rock", *SHARES, "rows", "rows_true",
@@ -131,7 +131,9 @@ def _loop_shares(closed: Mapping[str, xr.Dataset], cycle: int) -> Iterator[dict]
         for rock, of_rock in closed.items()
     }
     true = {
-        rock: (means.loop / means.closure > HYSTERESIS.above).where(np.isfinite(means.closure))
+        rock: (means.loop / means.max_closure > HYSTERESIS.above).where(
+            np.isfinite(means.max_closure)
+        )
         for rock, means in loops.items()
     }
     everywhere = xr.concat(true.values(), "rock", join="inner").min("rock", skipna=False)

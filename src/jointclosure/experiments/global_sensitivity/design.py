@@ -17,8 +17,8 @@ from jointclosure.config.configuration import (
     with_keys,
 )
 from jointclosure.config.keys.global_sensitivity import GlobalSensitivityKeys
+from jointclosure.engine.settings import ClosureSettings
 from jointclosure.ensemble.cases import base_case
-from jointclosure.ensemble.settings import ClosureSettings
 from jointclosure.ensemble.slices import block_settings
 from jointclosure.inputs import InputError
 from jointclosure.parameters import PROPERTIES, key_of

@@ -8,7 +8,7 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.claims.findings import LOOP
-from jointclosure.ensemble.points import gridded
+from jointclosure.engine.points import gridded
 from jointclosure.experiments.global_sensitivity.design import (
     SURFACES,
     Input,
@@ -24,7 +24,7 @@ from jointclosure.statistics.variance_indices import (
     variance_indices,
 )
 
-RESPONSES = ("closure", "closure_net", "residual_seated_net", "stiffness_net")
+RESPONSES = ("max_closure", "max_closure_net", "residual_closure_seated_net", "compliance_net")
 """Responses of each cycle with indices. Residual closure is next to none in later cycles."""
 QUANTITIES = (*RESPONSES, LOOP)
 """Quantities of the joints."""
@@ -81,7 +81,7 @@ def by_rock(joints: pd.DataFrame) -> dict[str, xr.Dataset]:
     Parameters
     ----------
     joints : DataFrame
-        As from `jointclosure.ensemble.points.close_points`.
+        As from `jointclosure.engine.points.close_points`.
 
     Returns
     -------
@@ -98,15 +98,15 @@ def by_rock(joints: pd.DataFrame) -> dict[str, xr.Dataset]:
 def responses_of(sampling: Sampling, closed: Mapping[str, xr.Dataset]) -> Iterator[Responses]:
     """Generate the responses of all rocks and cycles; rows with a failed simulation are left out.
 
-    The net stiffness is replaced by its inverse, the compliance: a mean of stiffnesses would be
-    dominated by the few nearly infinite ones.
+    Compliance is read instead of stiffness, as a mean of stiffnesses would be dominated by the few
+    nearly infinite ones.
     """
     points = sampling.points()
     for rock, of_rock in closed.items():
-        whole = of_rock.sortby("row").assign(compliance=lambda joints: 1.0 / joints.stiffness_net)
-        for name in (*(name for name in RESPONSES if name != "stiffness_net"), "compliance"):
+        whole = of_rock.sortby("row")
+        for name in RESPONSES:
             for cycle in whole.cycle.values.tolist():
-                if name == "residual_seated_net" and cycle > 1:
+                if name == "residual_closure_seated_net" and cycle > 1:
                     continue
                 values = whole[name].sel(cycle=cycle).values
                 good = np.isfinite(values).all(axis=(1, 2))

@@ -7,8 +7,8 @@ import pandas as pd
 
 from jointclosure.config.configuration import Configured
 from jointclosure.config.typed import Grid, SizeDesign
+from jointclosure.engine.points import Point
 from jointclosure.ensemble.cases import base_case
-from jointclosure.ensemble.points import Point
 from jointclosure.experiments import Design, Experiment, Tables, settings_of
 from jointclosure.experiments.size.scaling import collapse_table
 from jointclosure.experiments.size.table import (

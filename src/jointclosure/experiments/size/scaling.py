@@ -31,7 +31,13 @@ SCALINGS: dict[str, tuple[str, ...]] = {
     "depth of 5 %, spacing": ("depth_5", "spacing"),
 }
 """Candidates, and the variables whose powers they are."""
-JUDGED = ("closure", "closure_net", "closure_seated_net", "residual_seated_net", "stiffness_net")
+JUDGED = (
+    "max_closure",
+    "max_closure_net",
+    "max_closure_seated_net",
+    "residual_closure_seated_net",
+    "stiffness_net",
+)
 FEWEST = 6
 """Smallest number of realisations with a quantity at every size for which a scaling is tested."""
 BETWEEN = ("sizes", "sizes and spectra")

@@ -12,36 +12,24 @@ import pandas as pd
 import scipy
 import xarray as xr
 
+from jointclosure.engine.points import gridded
+from jointclosure.engine.quantities import COLUMNS
 from jointclosure.engineering.empirical import barton_bandis, scaled_to
-from jointclosure.ensemble.points import gridded
 from jointclosure.joint.protocol import FAILURE
 from jointclosure.statistics.standard_errors import Estimate, mean_of
 
 READ = (
-    "closure",
-    "closure_net",
-    "closure_seated_net",
-    "residual_seated_net",
+    "max_closure",
+    "max_closure_net",
+    "max_closure_seated_net",
+    "residual_closure_seated_net",
     "stiffness_net",
     "kni_net",
     "vm_net",
 )
-"""Quantities of each cycle. Only first loadings land (`ensemble.responses.responses_of`)."""
+"""Quantities of each cycle. Only first loadings land (`landing_stress`)."""
 GEOMETRY = ("rms_height", "rms_slope", "depth_5")
 """Quantities of the pristine walls."""
-COLUMNS = {
-    "closure": ("closure_mm", 1e3),
-    "closure_net": ("closure_net_mm", 1e3),
-    "closure_seated_net": ("closure_seated_net_mm", 1e3),
-    "residual_seated_net": ("residual_closure_mm", 1e3),
-    "stiffness_net": ("net_stiffness_MPa_per_mm", 1e-9),
-    "kni_net": ("net_kni_MPa_per_mm", 1e-9),
-    "vm_net": ("net_vm_mm", 1e3),
-    "rms_height": ("rms_height_mm", 1e3),
-    "rms_slope": ("rms_slope", 1.0),
-    "depth_5": ("depth_5_mm", 1e3),
-}
-"""Columns of the table of sizes, and their scale, of `READ` and `GEOMETRY`."""
 
 
 def runs_of(joints: pd.DataFrame, spectra: list[str]) -> dict[str, xr.Dataset]:
@@ -99,7 +87,8 @@ def size_table(runs: Mapping[str, xr.Dataset], base: tuple[float, float]) -> pd.
             counts = {"joints": joints, "failed": failed}
             for cycle in run.cycle.values.tolist():
                 row = about | sizes | counts | {"cycle": cycle}
-                for name, (column, scale) in COLUMNS.items():
+                for name in (*READ, *GEOMETRY):
+                    column, scale = COLUMNS[name]
                     logs = logs_of(run, name, cycle if name in READ else None)
                     here = _at(logs, (patch, spacing))
                     ratio = ratio_of(here - _at(logs, base))
@@ -256,5 +245,5 @@ def law_of_size(
         "kni_net": law.initial_stiffness,
         "vm_net": law.largest_closure,
         "stiffness_net": 0.5 * stress / float(whole - half),
-        "closure_seated_net": float(whole),
+        "max_closure_seated_net": float(whole),
     }

@@ -4,7 +4,6 @@ An experiment states as points which joints are closed. This module closes, time
 Failed joints stay in the table with their status and without readings.
 """
 
-import time
 import typing
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
@@ -15,27 +14,18 @@ import pandas as pd
 import xarray as xr
 
 from jointclosure.config.plain import from_plain, to_plain
-from jointclosure.ensemble.quantities import QUANTITIES, ClosedJoint
-from jointclosure.ensemble.settings import ClosureSettings
-from jointclosure.ensemble.walls import MAKERS, Walls
-from jointclosure.joint.protocol import FAILURE
-from jointclosure.joint.simulation import close_walls
+from jointclosure.engine.joints import Reading, Walls, close_joint
+from jointclosure.engine.quantities import QUANTITIES
+from jointclosure.engine.settings import ClosureSettings
+from jointclosure.engine.walls import MAKERS
 from jointclosure.statistics.standard_errors import Estimate, mean_of
 
 
 class Point(NamedTuple):
-    """Joints that are closed under the same conditions.
+    """Joints of an experiment that are closed under the same conditions, one a realisation.
 
-    Attributes
-    ----------
-    coordinates : dict
-        Coordinates of the point in its experiment [SI], columns of the table.
-    settings : ClosureSettings
-        Settings, complete before the job starts. One joint is closed for each realisation.
-    walls : str
-        Name of the maker of the walls in `jointclosure.ensemble.walls.MAKERS`.
-    options : mapping
-        Further arguments of the maker.
+    ``coordinates`` are columns of the table [SI]; ``walls`` names their maker (`MAKERS`), which
+    gets the settings and ``options``.
     """
 
     coordinates: dict[str, Any]
@@ -49,15 +39,7 @@ Jobs = Mapping[str, Sequence[Point]]
 
 
 class JobsOnDemand(Mapping[str, Sequence[Point]]):
-    """Jobs whose points are made when they are first used, and stored.
-
-    Parameters
-    ----------
-    arguments : mapping
-        Arguments of ``points_of`` by the name of the job.
-    points_of : callable
-        Makes the points of a job.
-    """
+    """Jobs whose points are made when first used, by ``points_of`` from the arguments of a job."""
 
     def __init__(
         self, arguments: Mapping[str, tuple], points_of: Callable[..., Sequence[Point]]
@@ -78,15 +60,7 @@ class JobsOnDemand(Mapping[str, Sequence[Point]]):
 
 
 class Sample(NamedTuple):
-    """Points whose joints are closed to estimate the time of many joints.
-
-    Attributes
-    ----------
-    points : sequence of Point
-        Similar points, so that the mean of their times is that of all joints.
-    joints : int
-        Number of joints that they represent.
-    """
+    """Similar points whose mean time is that of a number of ``joints``."""
 
     points: Sequence[Point]
     joints: int
@@ -101,22 +75,11 @@ def close_points(
     quantities: Sequence[str],
     report: Callable[[str], None] = lambda line: None,
 ) -> pd.DataFrame:
-    """Close all joints of the given points and evaluate quantities of them.
+    """Close all joints of points and read quantities of them (`QUANTITIES`).
 
-    Parameters
-    ----------
-    points : iterable of Point
-    quantities : sequence of str
-        Names of `jointclosure.ensemble.quantities.QUANTITIES`.
-    report : callable
-        Receives a line for each point.
-
-    Returns
-    -------
-    DataFrame
-        One row per joint and cycle: the coordinates of its point, ``realization``, ``cycle``,
-        ``status``, processor ``seconds`` of the closure, and the quantities [SI], NaN for a
-        failed joint.
+    One row per joint and cycle: the coordinates of its point, ``realization``, ``cycle``,
+    ``status``, processor ``seconds`` of the closure, and the quantities [SI], NaN for a failed
+    joint. ``report`` receives a line for each point.
     """
     parts = []
     for point in points:
@@ -144,24 +107,15 @@ def closed_joint(
     point: Point, realization: int, walls: Walls, quantities: Sequence[str]
 ) -> pd.DataFrame:
     """Close one joint of a point and return its rows of the table, one per cycle."""
-    conditions = point.settings.conditions()
-    start = time.process_time()
-    joint = ClosedJoint(walls, close_walls(*walls, conditions), conditions)
-    seconds = time.process_time() - start
-    status = int(joint.closed.status)
-    return pd.DataFrame(
-        point.coordinates
-        | {
-            "realization": realization,
-            "cycle": np.arange(1, point.settings.cycles + 1),
-            "status": status,
-            "seconds": seconds,
-        }
-        | {
-            name: QUANTITIES[name].rule(joint) if status < FAILURE else np.nan
-            for name in quantities
-        }
-    )
+    about = ("status", "timing_simulation")
+    row = close_joint(walls, Reading(point.settings.conditions(), (*about, *quantities)))
+    at = point.coordinates | {
+        "realization": realization,
+        "cycle": np.arange(1, point.settings.cycles + 1),
+        "status": int(row["status"]),
+        "seconds": row["timing_simulation"],
+    }
+    return pd.DataFrame(at | {name: row.get(name, np.nan) for name in quantities})
 
 
 def samples_of(jobs: Jobs) -> dict[str, list[Sample]]:
@@ -181,11 +135,8 @@ def estimated_time(
 ) -> pd.DataFrame:
     """Estimate processor time by closing one joint of each point of the samples.
 
-    Returns
-    -------
-    DataFrame
-        ``job``, its number of ``joints``, ``seconds``, and the standard ``error`` of these, NaN
-        where a sample is a single point.
+    A row has ``job``, its number of ``joints``, ``seconds``, and the standard ``error`` of these,
+    NaN where a sample is a single point.
     """
     closed: dict[str, float] = {}
 
@@ -288,21 +239,9 @@ def _changed(before, changes: dict):
 
 
 def gridded(joints: pd.DataFrame, over: Sequence[str], quantities: Sequence[str]) -> xr.Dataset:
-    """Arrange joints on a grid of their coordinates.
+    """Arrange joints of `close_points` over columns, including ``realization``, and the cycle.
 
-    Parameters
-    ----------
-    joints : DataFrame
-        As from `close_points`, with one row for each node of the grid.
-    over : sequence of str
-        Columns that are the dimensions of the grid, including ``realization``.
-    quantities : sequence of str
-
-    Returns
-    -------
-    Dataset
-        The quantities over these columns and the cycle; ``status`` and ``seconds`` only over
-        the columns.
+    ``status`` and ``seconds`` do not depend on the cycle.
     """
     grid = joints.set_index([*over, "cycle"])[["status", "seconds", *quantities]].to_xarray()
     for name in ("status", "seconds"):
@@ -314,8 +253,7 @@ def as_dataset(table: pd.DataFrame) -> xr.Dataset:
     """Convert a table of `close_points` to a dataset over (entry), with units and titles."""
     dataset = xr.Dataset({name: ("entry", table[name].to_numpy()) for name in table})
     for name in set(table) & set(QUANTITIES):
-        quantity = QUANTITIES[name]
-        dataset[name].attrs = {"long_name": quantity.title, "units": quantity.unit}
+        dataset[name].attrs = QUANTITIES[name].attributes
     dataset["seconds"].attrs = {"long_name": "processor time of the closure", "units": "s"}
     return dataset
 

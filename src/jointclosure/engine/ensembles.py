@@ -1,15 +1,16 @@
 """Closure of many joints under the same conditions, without a workflow."""
 
 import warnings
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
+from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from jointclosure.ensemble.closing import close_pair, labelled
-from jointclosure.ensemble.workers import Failed, ProcessLostError, number_of_workers, shared
+from jointclosure.engine.joints import Reading, Row, Walls, close_joint, stacked
+from jointclosure.engine.quantities import names_of_case
+from jointclosure.engine.workers import Failed, ProcessLostError, number_of_workers, shared
 from jointclosure.inputs import InputError, check_number
 from jointclosure.jobs.progress import bar
 from jointclosure.joint.conditions import Conditions, conditions_from, takes_conditions
@@ -17,10 +18,8 @@ from jointclosure.joint.given_walls import checked_walls
 from jointclosure.joint.protocol import FLAGS
 from jointclosure.surface.plausibility import doubts
 
-NOT_SIMULATED = 2 * max(FLAGS)
+NOT_SIMULATED = np.int16(2 * max(FLAGS))
 """Status bit of a joint that could not be closed; its ``error`` states the reason."""
-
-Walls = tuple[np.ndarray, np.ndarray]
 
 
 @takes_conditions
@@ -62,7 +61,8 @@ def simulate_ensemble(
         ``max_closure``, ``residual_closure`` [m] and others, ``status``. Coordinate ``seed`` is
         the seed, or the position of a given pair. ``error`` states why a joint could not be
         closed, and is empty otherwise. Such a joint has status `NOT_SIMULATED` and NaN, does not
-        affect other joints, and is named in a warning. A joint whose process was killed is first
+        affect other joints, and is named in a warning; one whose simulation failed has a status of
+        16 or more, counts and NaN. A joint whose process was killed is first
         tried once more.
 
     Raises
@@ -78,21 +78,33 @@ def simulate_ensemble(
     spacing = stated.grid_spacing
     conditions = stated.checked()
     stresses = np.linspace(0.0, conditions.largest_stress, stress_points)
+    reading = Reading(conditions, names_of_case(conditions.flow), stresses)
     labels, pairs = _pairs(walls, seeds)
     if not conditions.unusual_values and (doubtful := _doubts(pairs, labels, spacing)):
         warnings.warn(doubtful, stacklevel=2)
-    tasks = [(upper, lower, stresses, conditions) for upper, lower in pairs]
-    rows = _rows(tasks, labels, number_of_workers(workers), progress)
-    return _together(rows, labels, conditions.cycle_count, stresses)
+    tasks = [(pair, reading) for pair in pairs]
+    answers = _rows(tasks, labels, number_of_workers(workers), progress)
+    if all(isinstance(answer, Failed) for answer in answers):
+        raise answers[0].error
+    rows = [{"status": NOT_SIMULATED} if isinstance(a, Failed) else a for a in answers]
+    errors = [
+        f"{type(a.error).__name__}: {a.error}" if isinstance(a, Failed) else "" for a in answers
+    ]
+    ensemble = stacked(rows, np.arange(len(rows)), labels, reading)
+    about = ensemble.status.attrs
+    about["flag_masks"] = np.append(about["flag_masks"], np.int16(NOT_SIMULATED))
+    about["flag_meanings"] += " not_simulated"
+    why = {"long_name": "why a joint failed"}
+    return ensemble.assign(error=("realization", np.array(errors, dtype=object), why))
 
 
 def _rows(tasks: list[tuple], labels: np.ndarray, workers: int, progress: bool) -> list:
     """Return rows of all joints; joints whose process was lost are tried once more."""
     rows: list[Any] = [None] * len(tasks)
-    with _shown(progress, len(tasks)) as show:
-        for place, row in shared(_closed, tasks, workers):
+    with bar("closing") if progress else nullcontext(lambda share, text: None) as show:
+        for done, (place, row) in enumerate(shared(_closed, tasks, workers), start=1):
             rows[place] = row
-            show()
+            show(done / len(tasks), f"joint {done} of {len(tasks)}")
     lost = [i for i, row in enumerate(rows) if _lost(row)]
     if lost:
         _warn(f"closing again: seeds {labels[lost].tolist()}: {rows[lost[0]].error}")
@@ -130,10 +142,9 @@ def _pairs(walls, seeds: Iterable[int]) -> tuple[np.ndarray, list[Walls]]:
     return np.array(numbers), pairs
 
 
-def _closed(upper, lower, stresses: np.ndarray, conditions: Conditions) -> dict:
+def _closed(walls: Walls, reading: Reading) -> Row:
     """Close a joint as those of a study; invalid walls make only this joint fail."""
-    walls = checked_walls(upper, lower, conditions.grid_spacing)
-    return close_pair(*walls, stresses, conditions)
+    return close_joint(checked_walls(*walls, reading.conditions.grid_spacing), reading)
 
 
 def _doubts(pairs: list[Walls], labels: np.ndarray, spacing: float) -> str:
@@ -152,51 +163,3 @@ def _doubts(pairs: list[Walls], labels: np.ndarray, spacing: float) -> str:
     return f"{len(doubtful)} of {len(pairs)} pairs of walls, the first {first}: " + "; ".join(
         sentences
     )
-
-
-@contextmanager
-def _shown(progress: bool, total: int) -> Iterator[Callable[[], None]]:
-    """Yield a function that counts finished joints, on a progress bar if requested."""
-    if not progress:
-        yield lambda: None
-        return
-    with bar("closing") as show:
-        done = iter(range(1, total + 1))
-
-        def count() -> None:
-            number = next(done)
-            show(number / total, f"joint {number} of {total}")
-
-        yield count
-
-
-def _together(rows: list, seeds: np.ndarray, cycles: int, stresses: np.ndarray) -> xr.Dataset:
-    good = [row for row in rows if not isinstance(row, Failed)]
-    if not good:
-        raise rows[0].error
-    errors = [
-        f"{type(row.error).__name__}: {row.error}" if isinstance(row, Failed) else ""
-        for row in rows
-    ]
-    filled = [_nothing(good[0]) if isinstance(row, Failed) else row for row in rows]
-    ensemble = labelled(filled, np.arange(len(rows)), seeds, cycles, stresses)
-    about = ensemble.status.attrs
-    about["flag_masks"] = np.append(about["flag_masks"], np.int16(NOT_SIMULATED))
-    about["flag_meanings"] += " not_simulated"
-    return ensemble.assign(
-        error=("realization", np.array(errors, dtype=object), {"long_name": "why a joint failed"})
-    )
-
-
-def _nothing(row: dict) -> dict:
-    """Return a row of a joint that was not simulated, in the form of another row."""
-    empty = {
-        name: (dimensions, np.full(np.shape(values), np.nan))
-        for name, (dimensions, values) in row.items()
-    }
-    counts = {
-        name: ((), np.zeros_like(values)[()])
-        for name, (_, values) in row.items()
-        if np.asarray(values).dtype.kind in "iu"
-    }
-    return empty | counts | {"status": ((), np.int16(NOT_SIMULATED))}

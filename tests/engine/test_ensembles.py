@@ -10,14 +10,14 @@ import pytest
 import xarray as xr
 
 import jointclosure as jc
-from jointclosure.ensemble import joints
-from jointclosure.ensemble.closing import close_pair
-from jointclosure.ensemble.joints import NOT_SIMULATED
-from jointclosure.ensemble.workers import Failed, shared
+from jointclosure.engine import ensembles
+from jointclosure.engine.ensembles import NOT_SIMULATED
+from jointclosure.engine.joints import Reading, close_joint
+from jointclosure.engine.workers import Failed, shared
 from jointclosure.joint.conditions import Conditions
 from jointclosure.joint.protocol import FAILURE
 from tests.conftest import DOLERITE, SPACING
-from tests.ensemble.dying import die_or_double, kill_worker_once
+from tests.engine.dying import die_or_double, kill_worker_once
 from tests.measured.test_calibration import GOOD
 
 LOAD = {"spacing": SPACING, "rock": DOLERITE, "max_normal_stress": 2e6, "seating_stress": 0.2e6}
@@ -51,9 +51,10 @@ def test_each_joint_is_closed_as_a_study_closes_it(alone):
     conditions = Conditions(
         SPACING, DOLERITE, 2e6, 2, 0.2e6, jc.Effects(), jc.Choices(), jc.Numerics()
     )
-    row = close_pair(*rule(5), alone.stress.values, conditions)
-    for name in ("closure", "max_closure", "status"):
-        np.testing.assert_array_equal(alone[name].values[1], row[name][1])
+    names = "closure", "max_closure", "status"
+    row = close_joint(rule(5), Reading(conditions, names, alone.stress.values))
+    for name in names:
+        np.testing.assert_array_equal(alone[name].values[1], row[name])
 
 
 def test_a_joint_that_cannot_be_closed_loses_no_other(alone):
@@ -107,7 +108,7 @@ def test_a_joint_whose_worker_was_killed_is_named_and_closed_again(alone, monkey
     pairs = [rule(seed) for seed in (3, 5, 4)]
     pairs[1] = tuple(wall - pairs[1][0][0, 0] for wall in pairs[1])
     marker = tmp_path / "killed"
-    monkeypatch.setattr(joints, "_closed", functools.partial(kill_worker_once, marker=marker))
+    monkeypatch.setattr(ensembles, "_closed", functools.partial(kill_worker_once, marker=marker))
     with pytest.warns(UserWarning, match=r"closing again: seeds \[1\]") as warned:
         ensemble = jc.simulate_ensemble(pairs, workers=2, **LOAD)
     assert len(warned) == 1

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from jointclosure.config.typed import Grid, Surface
-from jointclosure.ensemble.settings import SurfaceSettings
+from jointclosure.engine.settings import SurfaceSettings
 from jointclosure.inputs import InputError
 from jointclosure.statistics.randomness import seed_of
 from jointclosure.surface.synthesis import wall_pair
@@ -19,18 +19,9 @@ def make_surfaces(
     surface: Surface,
     first: int = 0,
 ) -> Iterator[xr.Dataset]:
-    """Generate the surface pairs (realization, y, x) of a case, one realisation at a time.
+    """Generate surface pairs (realization, y, x) of seeds (`seeds_of`), one at a time.
 
-    Parameters
-    ----------
-    seeds : list of int
-        One for each realisation, see `seeds_of`.
-    jrc : float
-    grid : Grid
-    surface : Surface
-        As for `jointclosure.wall_pair`.
-    first : int
-        Number of the first realisation.
+    ``surface`` is as for `jointclosure.wall_pair`; ``first`` is the number of the first one.
     """
     for realization, seed in enumerate(seeds, start=first):
         pair = walls_of_seed(seed, jrc, grid, surface)

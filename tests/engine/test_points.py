@@ -7,9 +7,10 @@ import pandas as pd
 import pytest
 
 from jointclosure.config.files import read_plain
-from jointclosure.ensemble import points as engine
-from jointclosure.ensemble import timing
-from jointclosure.ensemble.points import (
+from jointclosure.engine import joints as closing
+from jointclosure.engine import points as engine
+from jointclosure.engine import quantities as registry
+from jointclosure.engine.points import (
     Point,
     Sample,
     as_dataset,
@@ -21,7 +22,7 @@ from jointclosure.ensemble.points import (
     samples_of,
     unpacked,
 )
-from jointclosure.ensemble.quantities import QUANTITIES
+from jointclosure.engine.quantities import QUANTITIES
 from jointclosure.experiments import SECTIONS, experiment_named, experiments_in
 from jointclosure.joint.simulation import close_walls
 from tests.studied import ROOT, checked_study
@@ -41,14 +42,14 @@ def points():
 
 @pytest.fixture(scope="module")
 def joints(points):
-    return close_points(points, ("closure", "hysteresis"))
+    return close_points(points, ("max_closure", "hysteresis"))
 
 
 def test_every_joint_has_a_row_a_cycle_at_the_coordinates_of_its_point(points, joints):
     assert len(joints) == len(points) * 2 * 2
     assert joints.columns.tolist() == [
         "rock", "scene", "jrc", "stress", "realization", "cycle", "status", "seconds",
-        "closure", "hysteresis",
+        "max_closure", "hysteresis",
     ]  # fmt: skip
     assert joints.groupby("rock", sort=False).size().to_dict() == {"slate": 16, "dolerite": 16}
     assert (joints.seconds > 0.0).all()
@@ -62,7 +63,7 @@ def test_a_quantity_is_that_of_the_joint_closed_alone(points, joints):
     here &= (joints.jrc == point.coordinates["jrc"]) & (
         joints.stress == point.coordinates["stress"]
     )
-    assert joints.closure[here].tolist() == closed.max_closure.values.tolist()
+    assert joints.max_closure[here].tolist() == closed.max_closure.values.tolist()
 
 
 def test_a_joint_that_failed_is_kept_with_its_status_and_without_readings(points, monkeypatch):
@@ -71,11 +72,11 @@ def test_a_joint_that_failed_is_kept_with_its_status_and_without_readings(points
         closed["status"] = closed.status + 128
         return closed
 
-    monkeypatch.setattr(engine, "close_walls", failing)
-    rows = close_points(points[:1], ("closure",))
+    monkeypatch.setattr(closing, "close_walls", failing)
+    rows = close_points(points[:1], ("max_closure",))
     assert len(rows) == 4
     assert (rows.status >= 128).all()
-    assert rows.closure.isna().all()
+    assert rows.max_closure.isna().all()
 
 
 @pytest.mark.parametrize("name", SECTIONS)
@@ -95,20 +96,19 @@ def test_points_are_the_same_after_they_were_plain_data(name):
 
 def test_a_table_is_the_same_after_it_was_a_dataset(joints):
     dataset = as_dataset(joints)
-    assert dataset.closure.attrs == {
-        "long_name": QUANTITIES["closure"].title,
-        "units": QUANTITIES["closure"].unit,
-    }
+    assert dataset.hysteresis.attrs["long_name"] == QUANTITIES["hysteresis"].title
+    units = {name: dataset[name].attrs.get("units") for name in ("max_closure", "hysteresis")}
+    assert units == {"max_closure": "m", "hysteresis": "1"}
     pd.testing.assert_frame_equal(as_table(dataset), joints, check_dtype=False)
 
 
 def test_a_grid_has_each_joint_at_its_coordinates(joints):
     of_rock = joints[joints.rock == "slate"]
-    grid = gridded(of_rock.iloc[::-1], ("jrc", "stress", "realization"), ("closure",))
+    grid = gridded(of_rock.iloc[::-1], ("jrc", "stress", "realization"), ("max_closure",))
     assert dict(grid.sizes) == {"jrc": 2, "stress": 2, "realization": 2, "cycle": 2}
     for row in of_rock.itertuples():
         at = {name: getattr(row, name) for name in ("jrc", "stress", "realization")}
-        assert float(grid.closure.sel(at | {"cycle": row.cycle})) == row.closure
+        assert float(grid.max_closure.sel(at | {"cycle": row.cycle})) == row.max_closure
         assert float(grid.seconds.sel(at)) == row.seconds
 
 
@@ -122,8 +122,8 @@ def test_the_time_is_estimated_by_a_joint_of_every_grid(points):
 
 def test_the_time_of_a_transform_pair_is_the_median_of_differences_of_the_clock(monkeypatch):
     clock = iter([10.0, 10.5, 20.0, 20.2, 30.0, 30.9])
-    monkeypatch.setattr(timing.time, "process_time", lambda: next(clock))
-    assert timing.pair_seconds(3) == pytest.approx(0.5)
+    monkeypatch.setattr(registry.time, "process_time", lambda: next(clock))
+    assert registry.pair_seconds(3) == pytest.approx(0.5)
 
 
 def test_the_mean_time_of_several_points_has_an_error(points, monkeypatch):
@@ -141,7 +141,7 @@ def test_a_point_may_have_a_maker_of_walls_with_arguments(points):
         Point({"tilt": tilt}, points[0].settings, "misaligned", {"tilt": tilt, "rotation": 0.0})
         for tilt in (0.0, 2.0)
     )
-    rows = close_points([aligned, tilted], ("closure",))
-    first = rows[rows.cycle == 1].groupby("tilt").closure.mean()
+    rows = close_points([aligned, tilted], ("max_closure",))
+    first = rows[rows.cycle == 1].groupby("tilt").max_closure.mean()
     assert first[2.0] != first[0.0]
     assert np.isfinite(first).all()

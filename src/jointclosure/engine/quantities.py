@@ -1,0 +1,250 @@
+"""Quantities of a closed joint: the one place of their titles, units, symbols and rules."""
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy
+
+from jointclosure.engine.closed_joint import ClosedJoint
+from jointclosure.engineering.curves import cycle_table, hysteresis, seat_of
+from jointclosure.joint.attributes import ATTRIBUTES
+from jointclosure.joint.history import loop_between
+from jointclosure.joint.protocol import LOADING
+from jointclosure.surface.bearing import bearing_depths
+from jointclosure.surface.roughness import rms_slope
+
+CYCLE = ("cycle",)
+CURVE = ("cycle", "branch", "stress")
+_SHOWN = {
+    "m": ("mm", 1e3),
+    "Pa": ("MPa", 1e-6),
+    "Pa/m": ("MPa/mm", 1e-9),
+    "m/Pa": ("mm/MPa", 1e9),
+    "1": ("", 1.0),
+}
+"""Unit in tables and figures, and its scale, by SI unit."""
+
+
+def shown_unit(unit: str) -> tuple[str, float]:
+    """Return the unit in which tables and figures show an SI unit, and its scale."""
+    return _SHOWN.get(unit, (unit, 1.0))
+
+
+def shown_as(name: str, unit: str) -> tuple[str, float]:
+    """Return the column of a quantity in tables, and the scale of its values there."""
+    shown, scale = shown_unit(unit)
+    return f"{name}_{shown.replace('/', '_per_')}".removesuffix("_"), scale
+
+
+def heading(title: str, unit: str) -> str:
+    """Return a title with its unit in brackets, unless it is a ratio."""
+    return title if unit in ("", "1") else f"{title} ({unit})"
+
+
+class Quantity(NamedTuple):
+    """A quantity of a closed joint.
+
+    Attributes
+    ----------
+    title : str
+        Title in tables and at axes, without unit.
+    unit : str
+        SI unit; "1" for a ratio.
+    dims : tuple of str
+        Dimensions of what the rule returns.
+    rule : callable
+        Function of a `ClosedJoint`.
+    symbol : str
+        Symbol in the mathematical notation of matplotlib.
+    further : mapping
+        Further attributes of a variable: a comment, or meanings of bits.
+    of_effort : bool
+        Whether it says what the computation did; failed joints have no other quantities.
+    """
+
+    title: str
+    unit: str
+    dims: tuple[str, ...]
+    rule: Callable[[ClosedJoint], Any]
+    symbol: str = ""
+    further: Mapping[str, Any] = {}
+    of_effort: bool = False
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """Attributes of a variable of a dataset."""
+        unit = {} if "flag_masks" in self.further else {"units": self.unit}
+        return {"long_name": self.title} | unit | dict(self.further)
+
+    @property
+    def heading(self) -> str:
+        """Title with the unit in which tables and figures show the quantity."""
+        return heading(self.title, shown_unit(self.unit)[0])
+
+
+def _history(
+    name: str,
+    dims: tuple[str, ...] = (),
+    symbol: str = "",
+    rule: Callable[[ClosedJoint], Any] | None = None,
+) -> Quantity:
+    """Make a quantity of a variable of a history, read as it is unless by another rule."""
+    further = dict(ATTRIBUTES[name])
+    title, unit = further.pop("long_name"), further.pop("units", "1")
+    rule = rule or (lambda joint: joint.closed[name].values)
+    return Quantity(title, unit, dims, rule, symbol, further)
+
+
+def _curve(name: str) -> Quantity:
+    """Make a quantity of a variable of steps, read at the stresses of each branch."""
+    return _history(
+        name, CURVE, rule=lambda joint: joint.curve(joint.closed[name].values, joint.stresses)
+    )
+
+
+def _net(title: str, name: str, symbol: str = "", unit: str = "m", comment: str = "") -> Quantity:
+    """Make a quantity of `net_responses`."""
+    further = {"comment": comment} if comment else {}
+    return Quantity(title, unit, CYCLE, lambda joint: joint.net[name], symbol, further)
+
+
+def _hydraulic(joint: ClosedJoint) -> np.ndarray:
+    along = joint.closed.hydraulic_aperture.values.T
+    return np.stack([joint.curve(values, joint.stresses) for values in along])
+
+
+def _loop(joint: ClosedJoint) -> np.ndarray:
+    half = np.array([0.5 * np.max(joint.conditions.max_normal_stress)])
+    return loop_between(*joint.curve(joint.closed.closure.values, half)[:, :, 0].T)
+
+
+def _aperture_at_seating(joint: ClosedJoint) -> np.ndarray:
+    cycles = range(1, joint.conditions.cycle_count + 1)
+    return np.array([seat_of(joint.closed, cycle, LOADING, "mean_aperture") for cycle in cycles])
+
+
+def _volume_error(joint: ClosedJoint) -> float:
+    """Return the largest |sum z - sum z0| / sum |z0 - min z0| of both walls."""
+    errors = []
+    for before, name in zip(joint.walls, ("upper_final", "lower_final"), strict=True):
+        scale = float(np.sum(before - before.min()))
+        change = abs(float(np.sum(joint.closed[name].values - before)))
+        errors.append(change / scale if scale > 0.0 else change)
+    return max(errors)
+
+
+def pair_seconds(count: int = 5) -> float:
+    """Measure the median processor time [s] of `scipy.fft.rfft2` and `irfft2` of 200 x 200.
+
+    It is the unit of time of benchmarks, as it varies with the machine as closures do.
+    """
+    values, times = np.ones((200, 200)), []
+    for _ in range(count):
+        start = time.process_time()
+        scipy.fft.irfft2(scipy.fft.rfft2(values, workers=1), values.shape, workers=1)
+        times.append(time.process_time() - start)
+    return float(np.median(times))
+
+
+_OF_LAW = {"comment": "of the hyperbolic law of loading since seating"}
+_EFFORT = ("status", "breakage_steps", "locked_contacts", "solver_iterations", "replayed_cycles",
+           "idle_steps")  # fmt: skip
+QUANTITIES: dict[str, Quantity] = {
+    "max_closure": _history("max_closure", CYCLE, r"x_\mathrm{max}"),
+    "residual_closure": _history("residual_closure", CYCLE, r"x_\mathrm{res}"),
+    "max_closure_seated": _history("max_closure_seated", CYCLE, r"x_\mathrm{max,s}"),
+    "residual_closure_seated": _history("residual_closure_seated", CYCLE),
+    "max_bulk_indentation": _history("max_bulk_indentation", CYCLE),
+    "locked_share": _history("locked_share", CYCLE),
+    "flat_share": _history("flat_share", CYCLE),
+    "unloading_excess": _history("unloading_excess", CYCLE),
+    **{name: _history(name)._replace(of_effort=True) for name in _EFFORT},
+    "least_force": _history("least_force"),
+    "idle_displacement": _history("idle_displacement"),
+    "closure": _curve("closure"),
+    "bulk_indentation": _curve("bulk_indentation"),
+    "max_closure_net": _net("maximum net closure", "max_closure_net", r"x_\mathrm{net}"),
+    "max_closure_seated_net": _net(
+        "net closure since seating", "max_closure_seated_net", r"x_\mathrm{net,s}"),
+    "residual_closure_seated_net": _net(
+        "net residual closure at seating", "residual_closure_seated_net", r"x_\mathrm{res,s}"),
+    "stiffness_net": _net(
+        "net normal stiffness", "stiffness_net", r"k_\mathrm{n}", "Pa/m",
+        "chord of loading from half of the maximum stress to the landing on it"),
+    "landing_stress": _net(
+        "landing stress", "landing_stress", unit="Pa",
+        comment="loading lands on its maximum by smaller steps from here, infinite without"),
+    "largest_residual": Quantity(
+        "largest equilibrium residual of all steps", "1", (),
+        lambda joint: float(joint.closed.equilibrium_residual.max())),
+    "mean_aperture": _curve("mean_aperture"),
+    "hydraulic_aperture": _history("hydraulic_aperture", ("direction", *CURVE), rule=_hydraulic),
+    "largest_flow_imbalance": Quantity(
+        "largest sum of the cells' mass balances over the inflow, of all steps", "1", (),
+        lambda joint: float(joint.closed.flow_imbalance.max())),
+    "volume_error": Quantity(
+        "change of a wall's volume over the volume above its lowest point", "1", (),
+        _volume_error),
+    "timing_simulation": Quantity(
+        "processor time of the simulation", "s", (), lambda joint: joint.seconds, of_effort=True),
+    "compliance_net": Quantity(
+        "net normal compliance", "m/Pa", CYCLE, lambda joint: 1.0 / joint.net["stiffness_net"],
+        r"c_\mathrm{n}", {"comment": "one over the net normal stiffness"}),
+    "kni_net": Quantity(
+        "initial net stiffness", "Pa/m", CYCLE,
+        lambda joint: 1e9 * joint.hyperbola("kni_MPa_per_mm"), r"k_\mathrm{ni}", _OF_LAW),
+    "vm_net": Quantity(
+        "largest net closure", "m", CYCLE, lambda joint: 1e-3 * joint.hyperbola("vm_mm"),
+        r"V_\mathrm{m}", _OF_LAW),
+    "rms_height": Quantity(
+        "rms of the summed heights", "m", (), lambda joint: float(np.std(joint.summed)), "R_q"),
+    "rms_slope": Quantity(
+        "rms slope of the summed heights at their spacing", "1", (),
+        lambda joint: rms_slope(joint.summed, joint.conditions.grid_spacing), "Z_2"),
+    "depth_5": Quantity(
+        "depth of the highest 5 % of the summed heights below their top", "m", (),
+        lambda joint: float(bearing_depths(joint.summed, 0.05)), "d_5"),
+    "initial_aperture": Quantity(
+        "mean aperture at first touch", "m", (),
+        lambda joint: float((joint.summed.max() - joint.summed).mean()), "a_0"),
+    "mean_aperture_at_seating": Quantity(
+        "mean aperture at seating", "m", CYCLE, _aperture_at_seating, r"a_\mathrm{s}"),
+    "mean_aperture_at_max": Quantity(
+        "mean aperture at the maximum stress", "m", CYCLE,
+        lambda joint: 1e-3 * cycle_table(joint.closed).mean_aperture_at_max_mm.to_numpy(),
+        r"a_\mathrm{max}"),
+    "contact_at_max": Quantity(
+        "share of cells in contact at the maximum stress", "1", CYCLE,
+        lambda joint: cycle_table(joint.closed).contact_at_max.to_numpy(), r"A_\mathrm{c}"),
+    "loop": Quantity(
+        "closure of unloading less that of loading, at half of the maximum stress", "m", CYCLE,
+        _loop, r"x_\mathrm{loop}"),
+    "hysteresis": Quantity(
+        "hysteresis, share of the work of loading", "1", CYCLE,
+        lambda joint: hysteresis(joint.closed), r"\eta",
+        {"comment": "what unloading does not give back"}),
+    "fft_pair": Quantity(
+        "processor time of an FFT pair of 200 x 200 cells, measured beside the closure", "s", (),
+        lambda joint: pair_seconds(), r"t_\mathrm{FFT}"),
+}  # fmt: skip
+"""All quantities by name: that of variables of datasets, and of what tables call a response."""
+COLUMNS = {name: shown_as(name, quantity.unit) for name, quantity in QUANTITIES.items()}
+"""Columns of tables, and their scale, by quantity."""
+HEADINGS = {COLUMNS[name][0]: quantity.heading for name, quantity in QUANTITIES.items()}
+"""Headings of tables and labels of axes, by column."""
+
+
+def titles_of_cycles(*shown: tuple[str, int]) -> dict[tuple[str, int], str]:
+    """Return titles of quantities in a cycle, by both."""
+    return {(name, cycle): f"{QUANTITIES[name].title}, cycle {cycle}" for name, cycle in shown}
+
+
+OF_FLOW = ("mean_aperture", "hydraulic_aperture", "largest_flow_imbalance")
+_STORED = tuple(QUANTITIES)[: tuple(QUANTITIES).index("timing_simulation") + 1]
+
+
+def names_of_case(flow: bool) -> tuple[str, ...]:
+    """Return the quantities that are stored of every joint of a case."""
+    return tuple(name for name in _STORED if flow or name not in OF_FLOW)
